@@ -1,0 +1,64 @@
+//! All that depends on the mesh alone and is shared by the cases on it.
+
+use crate::law::Isotropic;
+use crate::linalg::{Analysis, BlockPattern, FactorError, nested_dissection};
+use crate::mesh::Mesh;
+use crate::space::{Geometry, Nodes};
+
+use super::{ContactTrace, isotropic_stiffness};
+
+/// V^h on one mesh: nodes, geometry, matrix pattern with its analysis, the trace on Γ3.
+#[derive(Debug)]
+pub struct Discretization {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Node numbers, clamped nodes last.
+    pub nodes: Nodes,
+    /// Shape gradients and measures.
+    pub geometry: Geometry,
+    /// Pattern of the tangent.
+    pub pattern: BlockPattern,
+    /// Its symbolic factorization.
+    pub analysis: Analysis,
+    /// Γ3.
+    pub trace: ContactTrace,
+}
+
+impl Discretization {
+    /// Discretizes `mesh` with displacements fixed on the sides `clamped` and Γ3 on `contact`.
+    ///
+    /// # Errors
+    /// The symbolic factorization's.
+    pub fn new(mesh: Mesh, clamped: &[u32], contact: &[u32]) -> Result<Self, FactorError> {
+        let nodes = Nodes::new(&mesh, clamped);
+        let geometry = Geometry::new(&mesh);
+        let pattern = BlockPattern::new(&nodes.cells, mesh.dimension, nodes.free);
+        let coordinates: Vec<f64> =
+            nodes.vertex[..nodes.free].iter().flat_map(|&v| mesh.vertex(v).to_vec()).collect();
+        let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates))?;
+        let trace = ContactTrace::new(&mesh, &nodes, contact);
+        Ok(Self { mesh, nodes, geometry, pattern, analysis, trace })
+    }
+
+    /// Number of unknowns.
+    pub fn dofs(&self) -> usize {
+        self.nodes.dofs()
+    }
+
+    /// Nodes of cell c.
+    #[inline]
+    pub fn cell_nodes(&self, c: usize) -> &[u32] {
+        let stride = self.mesh.dimension + 1;
+        &self.nodes.cells[stride * c..stride * (c + 1)]
+    }
+
+    /// Lower-triangle values of the stiffness matrix of an isotropic tensor.
+    pub fn stiffness(&self, law: &Isotropic) -> Vec<f64> {
+        let mut values = vec![0.0; self.pattern.entries()];
+        match self.mesh.dimension {
+            2 => isotropic_stiffness::<2, 3>(self, law, &mut values),
+            _ => isotropic_stiffness::<3, 6>(self, law, &mut values),
+        }
+        values
+    }
+}

@@ -1,0 +1,147 @@
+//! The KKT residual of the discrete form of (5.14), evaluated apart from the solver: from strains,
+//! laws and multipliers only, without tangents, active sets or stored matrices.
+
+use super::{BoundaryRule, Discretization, Model};
+use super::assembly::stress_force;
+use super::compliance::facet_rule;
+use super::march::StepView;
+use crate::law::Projection;
+use crate::space::strain_of;
+
+/// Largest violation of the discrete KKT system at one time level, relative to the largest nodal
+/// force of the stresses (or of the load, if larger); dimensionless. Zero force: the violation.
+///
+/// Parts: force balance with ξ and λ; 0 ≤ λ ⊥ g - u_ν ≥ 0; ξ ∈ ∂j_ν(u_ν) at the vertices.
+pub fn kkt_residual<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    load: &[f64],
+) -> f64 {
+    match space.mesh.dimension {
+        2 => evaluate::<P, 2, 3>(space, model, view, load),
+        _ => evaluate::<P, 3, 6>(space, model, view, load),
+    }
+}
+
+fn evaluate<P: Projection, const D: usize, const S: usize>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    load: &[f64],
+) -> f64 {
+    let mut balance = vec![0.0; space.nodes.len()];
+    for c in 0..space.mesh.cell_count() {
+        let stress = view.stress::<P, S>(space, model, c).map(|s| s * space.geometry.measure[c]);
+        stress_force::<D, S>(space.geometry.gradients(c), space.cell_nodes(c), &stress, &mut balance);
+    }
+    let mut scale = largest(&balance).max(largest(load));
+    add_contact_forces(space, model, view, &mut balance);
+    for (force, load) in balance.iter_mut().zip(load) {
+        *force -= load;
+    }
+    let mut worst = largest(&balance[..space.dofs()]);
+    if let Some(boundary) = &model.boundary {
+        for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| !p.clamped) {
+            let x = space.mesh.point(&[point.vertex], &[1.0]);
+            let stiffness = model.elasticity.eigenvalues(D).1;
+            let (normal, lambda) = (space.trace.normal(i, view.u), view.multiplier[i]);
+            let gap = (boundary.gap)(x);
+            worst = worst.max(-lambda * point.weight);
+            if gap.is_finite() {
+                // A violated or missed bound, as the force that the stiffness answers it with.
+                worst = worst.max((normal - gap) * stiffness);
+                worst = worst.max((lambda * point.weight).min((gap - normal) * stiffness));
+            }
+            if boundary.rule == BoundaryRule::Vertex {
+                let (lo, hi) = boundary.potential.subdifferential(normal - (boundary.shift)(x));
+                let xi = view.compliance[i];
+                worst = worst.max((lo - xi).max(xi - hi) * point.weight);
+            }
+        }
+        scale = scale.max(f64::MIN_POSITIVE);
+    }
+    if scale > 0.0 { worst / scale } else { worst }
+}
+
+fn add_contact_forces<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    balance: &mut [f64],
+) {
+    let Some(boundary) = &model.boundary else { return };
+    for (i, point) in space.trace.points.iter().enumerate() {
+        let pressure = match boundary.rule {
+            BoundaryRule::Vertex => view.compliance[i] + view.multiplier[i],
+            BoundaryRule::Gauss => view.multiplier[i],
+        };
+        balance[point.component as usize] += point.sign * point.weight * pressure;
+    }
+    if boundary.rule == BoundaryRule::Gauss {
+        let rule = facet_rule(space.mesh.dimension);
+        for facet in 0..space.trace.measure.len() {
+            let members = space.trace.facet(facet);
+            let vertices: Vec<u32> =
+                members.iter().map(|&i| space.trace.points[i as usize].vertex).collect();
+            for (shape, weight) in rule.points.iter().zip(&rule.weights) {
+                let normal: f64 = members
+                    .iter()
+                    .zip(shape)
+                    .map(|(&i, s)| s * space.trace.normal(i as usize, view.u))
+                    .sum();
+                let r = normal - (boundary.shift)(space.mesh.point(&vertices, shape));
+                let pressure = boundary.potential.subdifferential(r).0;
+                for (&i, s) in members.iter().zip(shape) {
+                    let point = space.trace.points[i as usize];
+                    balance[point.component as usize] +=
+                        point.sign * weight * space.trace.measure[facet] * pressure * s;
+                }
+            }
+        }
+    }
+}
+
+fn largest(values: &[f64]) -> f64 {
+    // NaN must not be lost in a maximum.
+    values.iter().fold(0.0, |worst: f64, v| if v.is_nan() { f64::NAN } else { worst.max(v.abs()) })
+}
+
+impl StepView<'_> {
+    /// σ_n^{kh} on cell c, from (5.1) with the discrete history.
+    pub fn stress<P: Projection, const S: usize>(
+        &self,
+        space: &Discretization,
+        model: &Model<P>,
+        c: usize,
+    ) -> [f64; S] {
+        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+        let strain = strain_of::<S>(gradients, nodes, self.u);
+        let mut stress = model.elasticity.apply(&strain);
+        if let (Some(memory), Some(history)) = (&model.memory, self.history) {
+            let remembered = strain_of::<S>(gradients, nodes, history);
+            let part = memory.tensor.apply(&remembered);
+            for (target, value) in stress.iter_mut().zip(part) {
+                *target += value;
+            }
+        }
+        if let Some(extra) = model.projection.stress(&strain, self.kappa) {
+            for (target, value) in stress.iter_mut().zip(extra) {
+                *target += value;
+            }
+        }
+        stress
+    }
+
+    /// True where the projection acts on cell c.
+    pub fn yields<P: Projection, const S: usize>(
+        &self,
+        space: &Discretization,
+        model: &Model<P>,
+        c: usize,
+    ) -> bool {
+        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+        let strain = strain_of::<S>(gradients, nodes, self.u);
+        model.projection.stress(&strain, self.kappa).is_some()
+    }
+}

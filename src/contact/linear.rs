@@ -1,0 +1,175 @@
+//! Linear scenes without memory or with ℬ₀ = β𝒜: one factorization, and no volume operation a step
+//! beyond vector sums where the load separates in time.
+//!
+//! K u_n + β K (past_n + w b(0) u_n) = F_n, so u_n = (K⁻¹F_n - β past_n)/(1 + β w b(0)).
+
+use std::time::Instant;
+
+use super::march::{CaseError, CaseInfo, KKT_ALLOWED, StepView};
+use super::problem::Work;
+use super::{Discretization, Load, Model, kkt_residual};
+use crate::history::{Accumulated, Memory, TimeGrid};
+use crate::law::Projection;
+use crate::linalg::{Factor, FactorError, Workspace, axpy};
+use crate::space::strain_of;
+use crate::tensor::contract;
+use crate::vhi::StepError;
+
+/// K⁻¹F(t): a solve a step, or a sum of few solutions.
+struct Response {
+    factor: Factor,
+    workspace: Workspace,
+    /// K⁻¹F_i where F = Σ a_i(t) F_i.
+    basis: Option<Vec<Vec<f64>>>,
+    factors: Vec<f64>,
+}
+
+/// Solves all steps of a linear case and shows each to `observe`.
+///
+/// # Errors
+/// As [`super::march`]; 1 + β w b(0) ≤ 0 is reported as a tangent that is not positive definite.
+pub fn march<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    grid: &TimeGrid,
+    load: &mut dyn Load,
+    observe: &mut dyn FnMut(&StepView<'_>),
+) -> Result<CaseInfo, CaseError> {
+    let mut info = CaseInfo::default();
+    let rule = model.time_rule.as_ref();
+    let dofs = space.dofs();
+    let beta = model.memory_multiple().unwrap_or(0.0);
+    let kernel = model.memory.as_ref().map(|term| &*term.kernel);
+    let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, dofs));
+    let mut response = Response::new(space, model, load, &mut info.work)?;
+    let (mut force, mut u) = (vec![0.0; dofs], vec![0.0; space.nodes.len()]);
+    let mut history = vec![0.0; if memory.is_some() { space.nodes.len() } else { 0 }];
+    let mut accumulated = Accumulated::default();
+    let nothing = vec![0.0; space.trace.points.len()];
+    for n in 0..=grid.steps() {
+        let t = grid.time(n);
+        let start = Instant::now();
+        load.assemble(t, &mut force)?;
+        info.seconds_load += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let weight = rule.weight(grid, n, n);
+        response.at(t, load, &force, space, &mut u[..dofs], &mut info.work);
+        if let (Some(memory), Some(kernel)) = (&mut memory, kernel) {
+            memory.past(kernel, rule, grid, &mut history[..dofs]);
+            let implicit = weight * kernel.value(0.0);
+            let scale = 1.0 + beta * implicit;
+            if scale.is_nan() || scale <= 0.0 {
+                let source = FactorError::NotPositiveDefinite { dof: 0 };
+                let source = StepError::Factor { iteration: 0, source };
+                return Err(CaseError::Step { n, t, source });
+            }
+            for (value, past) in u[..dofs].iter_mut().zip(&history) {
+                *value = (*value - beta * past) / scale;
+            }
+            memory.commit(grid, &u[..dofs]);
+            axpy(implicit, &u[..dofs], &mut history[..dofs]);
+            info.peak_history_bytes = info.peak_history_bytes.max(memory.bytes());
+        }
+        let strain_norm = strain_norm(space, &u);
+        accumulated.commit(grid, strain_norm);
+        info.work.seconds_solve += start.elapsed().as_secs_f64();
+        info.newton_iterations += 1;
+        let view = StepView {
+            n,
+            t,
+            u: &u,
+            history: memory.as_ref().map(|_| history.as_slice()),
+            zeta: accumulated.value(),
+            kappa: f64::INFINITY,
+            strain_norm,
+            compliance: &nothing,
+            multiplier: &nothing,
+        };
+        let residual = kkt_residual(space, model, &view, &force);
+        if residual.is_nan() || residual > KKT_ALLOWED {
+            return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
+        }
+        info.kkt_residual = info.kkt_residual.max(residual);
+        observe(&view);
+    }
+    Ok(info)
+}
+
+impl Response {
+    fn new<P: Projection>(
+        space: &Discretization,
+        model: &Model<P>,
+        load: &dyn Load,
+        work: &mut Work,
+    ) -> Result<Self, CaseError> {
+        let start = Instant::now();
+        let stiffness = space.stiffness(&model.elasticity);
+        work.seconds_assemble += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
+        space
+            .analysis
+            .factorize(&space.pattern, &stiffness, &mut factor, &mut workspace)
+            .map_err(|source| CaseError::Step {
+                n: 0,
+                t: 0.0,
+                source: StepError::Factor { iteration: 0, source },
+            })?;
+        work.factorizations += 1;
+        work.seconds_factor += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let basis = load.separated().map(|separated| {
+            let mut basis = separated.basis.to_vec();
+            for vector in &mut basis {
+                space.analysis.solve(&factor, vector, &mut workspace);
+                work.solves += 1;
+            }
+            basis
+        });
+        work.seconds_solve += start.elapsed().as_secs_f64();
+        let factors = vec![0.0; basis.as_ref().map_or(0, Vec::len)];
+        Ok(Self { factor, workspace, basis, factors })
+    }
+
+    /// `out` ← K⁻¹F(t), where `force` is F(t).
+    fn at(
+        &mut self,
+        t: f64,
+        load: &dyn Load,
+        force: &[f64],
+        space: &Discretization,
+        out: &mut [f64],
+        work: &mut Work,
+    ) {
+        match (&self.basis, load.separated()) {
+            (Some(basis), Some(separated)) => {
+                (separated.factors)(t, &mut self.factors);
+                out.fill(0.0);
+                for (vector, factor) in basis.iter().zip(&self.factors) {
+                    axpy(*factor, vector, out);
+                }
+            }
+            _ => {
+                out.copy_from_slice(force);
+                space.analysis.solve(&self.factor, out, &mut self.workspace);
+                work.solves += 1;
+            }
+        }
+    }
+}
+
+/// ‖ε(v)‖ of a nodal vector.
+pub fn strain_norm(space: &Discretization, v: &[f64]) -> f64 {
+    fn sum<const S: usize>(space: &Discretization, v: &[f64]) -> f64 {
+        let cell = |c| {
+            let strain =
+                strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), v);
+            space.geometry.measure[c] * contract(&strain, &strain)
+        };
+        (0..space.mesh.cell_count()).map(cell).sum()
+    }
+    match space.mesh.dimension {
+        2 => sum::<3>(space, v).sqrt(),
+        _ => sum::<6>(space, v).sqrt(),
+    }
+}

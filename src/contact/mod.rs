@@ -1,0 +1,21 @@
+//! Problem 14: the contact problem in P1 elements as an instance of `vhi`.
+
+mod assembly;
+mod compliance;
+mod discretization;
+mod kkt;
+mod linear;
+mod load;
+mod march;
+mod model;
+mod problem;
+mod trace;
+
+pub use assembly::{isotropic_stiffness, stress_force};
+pub use discretization::Discretization;
+pub use kkt::kkt_residual;
+pub use load::{ConstantInTime, Load, LoadError, Separated};
+pub use march::{CaseError, CaseInfo, StepView, march};
+pub use model::{Boundary, BoundaryRule, MemoryTerm, Model};
+pub use problem::ContactProblem;
+pub use trace::{ContactTrace, TracePoint};

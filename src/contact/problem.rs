@@ -1,0 +1,468 @@
+//! One time level of Problem 14 as a [`StepInequality`].
+//!
+//! F(u) = ∫ σ:ε(v) - F_n(v) [+ compliance at Gauss points], with
+//! σ = (𝒜 + w b(0) ℬ₀) ε(u) + μ(ε - P_{κ(ζ)}ε), ζ = ζ_past + w‖ε(u)‖, w = w_nn the implicit weight;
+//! the memory of the past is part of the load. The Jacobian is K + a bᵀ: K sparse and symmetric, and
+//! a rank-one piece from ζ(u), a = w κ'(ζ) ∫ ∂σ/∂κ : ε(v), b = ∂‖ε(u)‖/∂u.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::assembly::{cell_stiffness, stress_force};
+use super::compliance::GaussCompliance;
+use super::{BoundaryRule, Discretization, Model};
+use crate::law::{Isotropic, NoPotential, Potential, Projection};
+use crate::linalg::{Factor, FactorError, Workspace, dot, norm};
+use crate::space::strain_of;
+use crate::tensor::contract;
+use crate::vhi::{BoundaryGraph, Coordinate, StepInequality};
+
+/// Counters and times of the solver's parts.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Work {
+    /// Numerical factorizations.
+    pub factorizations: u32,
+    /// Solves with a factor.
+    pub solves: u32,
+    /// Evaluations of F.
+    pub residuals: u32,
+    /// Seconds in residuals and tangents.
+    pub seconds_assemble: f64,
+    /// Seconds in factorizations.
+    pub seconds_factor: f64,
+    /// Seconds in solves.
+    pub seconds_solve: f64,
+}
+
+/// The contact problem on one mesh, at one time level after another.
+pub struct ContactProblem<'a, P> {
+    space: &'a Discretization,
+    model: &'a Model<P>,
+    graph: BoundaryGraph,
+    gauss: Option<GaussCompliance>,
+    /// Positions of the rows and columns of the graph coordinates in the tangent.
+    couplings: Vec<Vec<(u32, u32)>>,
+    /// Stiffness of 𝒜 and of ℬ₀.
+    elastic: Vec<f64>,
+    memory: Vec<f64>,
+    /// 𝒜 + w b(0) ℬ₀ as a law and as matrix values.
+    linear_law: Isotropic,
+    linear: Vec<f64>,
+    tangent: Vec<f64>,
+    factor: Factor,
+    workspace: Workspace,
+    /// What the factor was computed for: implicit weight, slopes, prescribed flags.
+    factored: Option<(f64, Vec<f64>, Vec<bool>)>,
+    /// Load minus memory of the past.
+    load: Vec<f64>,
+    /// u as a nodal vector, and forces on all nodes.
+    nodal: Vec<f64>,
+    nodal_force: Vec<f64>,
+    strains: Vec<f64>,
+    past_zeta: f64,
+    weight: f64,
+    strain_norm: f64,
+    rank_one: Option<RankOne>,
+    /// Prescribed increments (dof, δ), and what they move to the right side (dof, Σ K δ).
+    fixed: Vec<(usize, f64)>,
+    lifted: Vec<(usize, f64)>,
+    /// Two right sides, one after the other.
+    pair: Vec<f64>,
+    /// Counters and times.
+    pub work: Work,
+}
+
+/// The rank-one piece a bᵀ of the Jacobian on the coordinates that are not prescribed.
+struct RankOne {
+    a: Vec<f64>,
+    b: Vec<f64>,
+    /// Σ b_i δ_i over the prescribed increments.
+    fixed: f64,
+}
+
+impl<'a, P: Projection> ContactProblem<'a, P> {
+    /// The problem of `model` on `space`, before the first time level.
+    pub fn new(space: &'a Discretization, model: &'a Model<P>) -> Self {
+        let elastic = space.stiffness(&model.elasticity);
+        let memory = match &model.memory {
+            Some(term) => space.stiffness(&term.tensor),
+            None => Vec::new(),
+        };
+        let graph = boundary_graph(space, model, &elastic);
+        let gauss = model
+            .boundary
+            .as_ref()
+            .filter(|boundary| boundary.rule == BoundaryRule::Gauss)
+            .filter(|boundary| !boundary.potential.is_absent())
+            .map(|boundary| GaussCompliance::new(space, boundary));
+        let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
+        let couplings =
+            if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
+        let needs_strains = model.projection.limit().is_some();
+        let tensor = if space.mesh.dimension == 2 { 3 } else { 6 };
+        Self {
+            factor: space.analysis.factor(),
+            workspace: space.analysis.workspace(2),
+            factored: None,
+            linear_law: model.elasticity,
+            linear: elastic.clone(),
+            tangent: Vec::new(),
+            elastic,
+            memory,
+            load: vec![0.0; space.dofs()],
+            nodal: vec![0.0; space.nodes.len()],
+            nodal_force: vec![0.0; space.nodes.len()],
+            strains: if needs_strains {
+                vec![0.0; tensor * space.mesh.cell_count()]
+            } else {
+                Vec::new()
+            },
+            past_zeta: 0.0,
+            weight: 0.0,
+            strain_norm: 0.0,
+            rank_one: None,
+            fixed: Vec::new(),
+            lifted: Vec::new(),
+            pair: Vec::new(),
+            work: Work::default(),
+            space,
+            model,
+            graph,
+            gauss,
+            couplings,
+        }
+    }
+
+    /// Opens a time level: implicit weight w_nn, the sum ζ_past, the load F_n, and the history
+    /// vector Σ_{j<n} w_nj b(t_n - t_j) u_j where there is memory.
+    pub fn begin(&mut self, weight: f64, past_zeta: f64, load: &[f64], past: Option<&[f64]>) {
+        let start = Instant::now();
+        self.load.copy_from_slice(load);
+        if let Some(past) = past {
+            let force = &mut self.nodal_force[..past.len()];
+            self.space.pattern.multiply(&self.memory, past, force);
+            for (target, value) in self.load.iter_mut().zip(force) {
+                *target -= *value;
+            }
+        }
+        self.past_zeta = past_zeta;
+        if weight != self.weight {
+            self.set_linear_part(weight);
+        }
+        self.work.seconds_assemble += start.elapsed().as_secs_f64();
+    }
+
+    fn set_linear_part(&mut self, weight: f64) {
+        self.weight = weight;
+        if let Some(term) = &self.model.memory {
+            let scale = weight * term.kernel.value(0.0);
+            let (a, b) = (self.model.elasticity, term.tensor);
+            self.linear_law =
+                Isotropic { lambda: a.lambda + scale * b.lambda, mu: a.mu + scale * b.mu };
+            for ((target, a), b) in self.linear.iter_mut().zip(&self.elastic).zip(&self.memory) {
+                *target = a + scale * b;
+            }
+        }
+    }
+
+    /// ‖ε(u)‖ at the last evaluated u.
+    pub fn strain_norm(&self) -> f64 {
+        self.strain_norm
+    }
+
+    /// ζ at the last evaluated u.
+    pub fn zeta(&self) -> f64 {
+        self.past_zeta + self.weight * self.strain_norm
+    }
+
+    /// Stiffness values of 𝒜.
+    pub fn elastic(&self) -> &[f64] {
+        &self.elastic
+    }
+
+    fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {
+        self.nodal_force.fill(0.0);
+        match self.model.projection.limit() {
+            None => self.linear_force::<D, S>(),
+            Some(limit) => {
+                let kappa = {
+                    self.compute_strains::<S>();
+                    limit.value(self.zeta())
+                };
+                self.projected_force::<D, S>(kappa);
+            }
+        }
+        out.copy_from_slice(&self.nodal_force[..out.len()]);
+    }
+
+    fn linear_force<const D: usize, const S: usize>(&mut self) {
+        let mut sum = 0.0;
+        for c in 0..self.space.mesh.cell_count() {
+            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            let measure = self.space.geometry.measure[c];
+            let strain = strain_of::<S>(gradients, nodes, &self.nodal);
+            sum += measure * contract(&strain, &strain);
+            let stress = self.linear_law.apply(&strain).map(|s| measure * s);
+            stress_force::<D, S>(gradients, nodes, &stress, &mut self.nodal_force);
+        }
+        self.strain_norm = sum.sqrt();
+    }
+
+    fn compute_strains<const S: usize>(&mut self) {
+        let mut sum = 0.0;
+        for c in 0..self.space.mesh.cell_count() {
+            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            let strain = strain_of::<S>(gradients, nodes, &self.nodal);
+            self.strains[S * c..S * (c + 1)].copy_from_slice(&strain);
+            sum += self.space.geometry.measure[c] * contract(&strain, &strain);
+        }
+        self.strain_norm = sum.sqrt();
+    }
+
+    fn cell_strain<const S: usize>(&self, c: usize) -> [f64; S] {
+        let mut strain = [0.0; S];
+        strain.copy_from_slice(&self.strains[S * c..S * (c + 1)]);
+        strain
+    }
+
+    fn projected_force<const D: usize, const S: usize>(&mut self, kappa: f64) {
+        for c in 0..self.space.mesh.cell_count() {
+            let strain = self.cell_strain::<S>(c);
+            let measure = self.space.geometry.measure[c];
+            let mut stress = self.linear_law.apply(&strain);
+            if let Some(extra) = self.model.projection.stress(&strain, kappa) {
+                for (target, value) in stress.iter_mut().zip(extra) {
+                    *target += value;
+                }
+            }
+            let stress = stress.map(|s| measure * s);
+            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            stress_force::<D, S>(gradients, nodes, &stress, &mut self.nodal_force);
+        }
+    }
+
+    /// Adds the generalized derivative of the projection to the tangent; fills the rank-one piece.
+    fn projected_tangent<const D: usize, const S: usize>(&mut self) {
+        let Some(limit) = self.model.projection.limit() else { return };
+        let zeta = self.zeta();
+        let (kappa, slope) = (limit.value(zeta), limit.slope(zeta));
+        let coupled = slope != 0.0 && self.weight != 0.0 && self.strain_norm > 0.0;
+        let length = self.space.nodes.len();
+        let (mut a, mut b) =
+            if coupled { (vec![0.0; length], vec![0.0; length]) } else { (vec![], vec![]) };
+        let order = D * (D + 1);
+        let mut local = [0.0; 144];
+        for c in 0..self.space.mesh.cell_count() {
+            let strain = self.cell_strain::<S>(c);
+            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            let measure = self.space.geometry.measure[c];
+            if let Some(response) = self.model.projection.response(&strain, kappa) {
+                let local = &mut local[..order * order];
+                cell_stiffness::<D, S>(gradients, &response.tangent, measure, local);
+                self.space.pattern.scatter::<D>(c, nodes, local, &mut self.tangent);
+                if coupled {
+                    let scale = self.weight * slope * measure;
+                    let stress = response.by_limit.map(|s| scale * s);
+                    stress_force::<D, S>(gradients, nodes, &stress, &mut a);
+                }
+            }
+            if coupled {
+                let stress = strain.map(|e| measure * e / self.strain_norm);
+                stress_force::<D, S>(gradients, nodes, &stress, &mut b);
+            }
+        }
+        self.rank_one = coupled.then(|| {
+            a.truncate(self.space.dofs());
+            b.truncate(self.space.dofs());
+            RankOne { a, b, fixed: 0.0 }
+        });
+    }
+
+    /// Replaces the rows and columns of prescribed coordinates by the identity, and notes what their
+    /// increments move to the right side.
+    fn prescribe(&mut self, prescribed: &[Option<f64>]) {
+        self.fixed.clear();
+        self.lifted.clear();
+        for (i, increment) in prescribed.iter().enumerate() {
+            let Some(increment) = *increment else { continue };
+            for &(other, position) in &self.couplings[i] {
+                let value = std::mem::take(&mut self.tangent[position as usize]);
+                if increment != 0.0 {
+                    self.lifted.push((other as usize, value * increment));
+                }
+            }
+            let dof = self.graph.coordinates[i].dof as usize;
+            self.tangent[self.space.pattern.diagonal(dof)] = 1.0;
+            self.fixed.push((dof, increment));
+        }
+        if let Some(rank_one) = &mut self.rank_one {
+            for &(dof, increment) in &self.fixed {
+                rank_one.fixed += rank_one.b[dof] * increment;
+                rank_one.a[dof] = 0.0;
+                rank_one.b[dof] = 0.0;
+            }
+        }
+    }
+
+    /// (K + a bᵀ)⁻¹ by Sherman-Morrison, with both right sides in one pass over the factor.
+    fn solve_rank_one(&mut self, rank_one: &RankOne, rhs: &mut [f64]) -> Result<(), FactorError> {
+        let dofs = rhs.len();
+        self.pair.clear();
+        self.pair.extend(rhs.iter().zip(&rank_one.a).map(|(r, a)| r - rank_one.fixed * a));
+        self.pair.extend(&rank_one.a);
+        self.space.analysis.solve(&self.factor, &mut self.pair, &mut self.workspace);
+        let (x, y) = self.pair.split_at(dofs);
+        let denominator = 1.0 + dot(&rank_one.b, y);
+        // K⁻¹ and K + a bᵀ share their sign as long as the step has one solution (bound (3.4)).
+        if denominator.is_nan() || denominator <= 0.0 {
+            return Err(FactorError::SingularInZeta { denominator });
+        }
+        let factor = dot(&rank_one.b, x) / denominator;
+        for ((target, x), y) in rhs.iter_mut().zip(x).zip(y) {
+            *target = x - factor * y;
+        }
+        Ok(())
+    }
+}
+
+/// The graphs of Γ3: gap and shift at the vertices, the potential where the vertex rule is used.
+fn boundary_graph<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    elastic: &[f64],
+) -> BoundaryGraph {
+    let none: Arc<dyn Potential> = Arc::new(NoPotential);
+    let Some(boundary) = &model.boundary else {
+        return BoundaryGraph { coordinates: Vec::new(), potential: none };
+    };
+    let potential = match boundary.rule {
+        BoundaryRule::Vertex => boundary.potential.clone(),
+        BoundaryRule::Gauss => none,
+    };
+    let coordinates = space
+        .trace
+        .points
+        .iter()
+        .filter(|point| !point.clamped)
+        .map(|point| {
+            let x = space.mesh.point(&[point.vertex], &[1.0]);
+            let stiffness = elastic[space.pattern.diagonal(point.component as usize)];
+            Coordinate {
+                dof: point.component,
+                sign: point.sign,
+                weight: point.weight,
+                gap: (boundary.gap)(x),
+                shift: (boundary.shift)(x),
+                // γ α_ν = α_ν w/K_ii is of order h α_ν/m_𝒜: below one wherever (2.9) holds.
+                gamma: point.weight / stiffness,
+            }
+        })
+        .collect();
+    BoundaryGraph { coordinates, potential }
+}
+
+impl<P: Projection> StepInequality for ContactProblem<'_, P> {
+    fn dofs(&self) -> usize {
+        self.space.dofs()
+    }
+
+    fn graph(&self) -> &BoundaryGraph {
+        &self.graph
+    }
+
+    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
+        let start = Instant::now();
+        self.nodal[..u.len()].copy_from_slice(u);
+        match self.space.mesh.dimension {
+            2 => self.force::<2, 3>(out),
+            _ => self.force::<3, 6>(out),
+        }
+        if let Some(gauss) = &self.gauss {
+            gauss.add_force(&self.nodal, out);
+        }
+        for (target, load) in out.iter_mut().zip(&self.load) {
+            *target -= load;
+        }
+        self.work.residuals += 1;
+        self.work.seconds_assemble += start.elapsed().as_secs_f64();
+    }
+
+    fn linearize(
+        &mut self,
+        slopes: &[f64],
+        prescribed: &[Option<f64>],
+    ) -> Result<(), FactorError> {
+        let flags = || prescribed.iter().map(Option::is_some);
+        let constant = self.model.projection.limit().is_none() && self.gauss.is_none();
+        // Without projection and Gauss compliance the tangent is known from weight, slopes, pins.
+        let same = self.factored.as_ref().is_some_and(|(weight, s, p)| {
+            *weight == self.weight && s == slopes && p.iter().copied().eq(flags())
+        });
+        let reuse = constant && same;
+        if reuse && prescribed.iter().flatten().all(|&increment| increment == 0.0) {
+            self.lifted.clear();
+            for (_, increment) in &mut self.fixed {
+                *increment = 0.0;
+            }
+            return Ok(());
+        }
+        let start = Instant::now();
+        self.tangent.clone_from(&self.linear);
+        self.rank_one = None;
+        match self.space.mesh.dimension {
+            2 => self.projected_tangent::<2, 3>(),
+            _ => self.projected_tangent::<3, 6>(),
+        }
+        if let Some(gauss) = &self.gauss {
+            gauss.add_tangent(&self.nodal, &self.space.pattern, &mut self.tangent);
+        }
+        for (slope, at) in slopes.iter().zip(&self.graph.coordinates) {
+            self.tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;
+        }
+        self.prescribe(prescribed);
+        self.work.seconds_assemble += start.elapsed().as_secs_f64();
+        if reuse {
+            return Ok(());
+        }
+        self.factored = None;
+        let start = Instant::now();
+        let outcome = self.space.analysis.factorize(
+            &self.space.pattern,
+            &self.tangent,
+            &mut self.factor,
+            &mut self.workspace,
+        );
+        self.work.factorizations += 1;
+        self.work.seconds_factor += start.elapsed().as_secs_f64();
+        outcome?;
+        self.factored = Some((self.weight, slopes.to_vec(), flags().collect()));
+        Ok(())
+    }
+
+    fn solve(&mut self, rhs: &mut [f64]) -> Result<(), FactorError> {
+        let start = Instant::now();
+        for &(dof, value) in &self.lifted {
+            rhs[dof] -= value;
+        }
+        for &(dof, increment) in &self.fixed {
+            rhs[dof] = increment;
+        }
+        let outcome = match self.rank_one.take() {
+            None => {
+                self.space.analysis.solve(&self.factor, rhs, &mut self.workspace);
+                Ok(())
+            }
+            Some(rank_one) => self.solve_rank_one(&rank_one, rhs),
+        };
+        self.work.solves += 1;
+        self.work.seconds_solve += start.elapsed().as_secs_f64();
+        outcome
+    }
+
+    fn force_scale(&self, u: &[f64]) -> f64 {
+        let pattern = &self.space.pattern;
+        let products = u.iter().enumerate().map(|(i, u)| self.linear[pattern.diagonal(i)] * u);
+        let stiffness: f64 = products.map(|f| f * f).sum();
+        stiffness.sqrt() + norm(&self.load)
+    }
+}

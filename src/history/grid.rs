@@ -1,0 +1,107 @@
+//! Time grids 0 = t_0 < … < t_N = T and the quadrature weights of the history integrals.
+
+/// A time grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimeGrid {
+    times: Vec<f64>,
+}
+
+impl TimeGrid {
+    /// t_n = n T / N.
+    pub fn uniform(horizon: f64, steps: u32) -> Self {
+        let times =
+            (0..=steps).map(|n| horizon * f64::from(n) / f64::from(steps)).collect();
+        Self { times }
+    }
+
+    /// t_n = T (n/N)^r.
+    pub fn graded(horizon: f64, steps: u32, exponent: f64) -> Self {
+        let times = (0..=steps)
+            .map(|n| horizon * (f64::from(n) / f64::from(steps)).powf(exponent))
+            .collect();
+        Self { times }
+    }
+
+    /// Any increasing times that start at 0; `None` otherwise.
+    pub fn new(times: Vec<f64>) -> Option<Self> {
+        let increasing = times.windows(2).all(|pair| pair[0] < pair[1]);
+        (times.first() == Some(&0.0) && increasing).then_some(Self { times })
+    }
+
+    /// Number of steps N.
+    pub fn steps(&self) -> usize {
+        self.times.len() - 1
+    }
+
+    /// t_n.
+    pub fn time(&self, n: usize) -> f64 {
+        self.times[n]
+    }
+
+    /// All times t_0, …, t_N.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// k_n = t_n - t_{n-1}, n ≥ 1.
+    pub fn step(&self, n: usize) -> f64 {
+        self.times[n] - self.times[n - 1]
+    }
+
+    /// k, the largest step.
+    pub fn largest_step(&self) -> f64 {
+        (1..self.times.len()).map(|n| self.step(n)).fold(0.0, f64::max)
+    }
+}
+
+/// Weights of ∫_0^{t_n} Z(s) ds ≈ Σ_{j ≤ n} w_{nj} Z(t_j).
+pub trait TimeRule: Send + Sync {
+    /// w_{nj}, 0 ≤ j ≤ n; all zero for n = 0.
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64;
+
+    /// True if the weights are those of [`Trapezoid`], so that recursions may replace sums.
+    fn is_trapezoidal(&self) -> bool {
+        false
+    }
+}
+
+/// The trapezoidal rule Σ' of (3.1): half a step at either end, (k_j + k_{j+1})/2 inside.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Trapezoid;
+
+impl TimeRule for Trapezoid {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        let before = if j > 0 { grid.step(j) } else { 0.0 };
+        let after = if j < n { grid.step(j + 1) } else { 0.0 };
+        0.5 * (before + after)
+    }
+
+    fn is_trapezoidal(&self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rule_is_exact_for_affine_functions_on_any_grid() {
+        for grid in [TimeGrid::uniform(2.0, 7), TimeGrid::graded(2.0, 9, 1.7)] {
+            for n in 0..=grid.steps() {
+                let t = grid.time(n);
+                let sum: f64 = (0..=n)
+                    .map(|j| Trapezoid.weight(&grid, n, j) * (3.0 - grid.time(j)))
+                    .sum();
+                assert!((sum - (3.0 * t - 0.5 * t * t)).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn grids_must_increase_from_zero() {
+        assert!(TimeGrid::new(vec![0.0, 0.5, 0.5]).is_none());
+        assert!(TimeGrid::new(vec![0.1, 0.5]).is_none());
+        assert_eq!(TimeGrid::new(vec![0.0, 0.2, 1.0]).unwrap().largest_step(), 0.8);
+    }
+}

@@ -1,0 +1,9 @@
+//! The history operator S_n^k: time grids, trapezoidal weights, and the sums Σ' over the past.
+
+mod accumulated;
+mod grid;
+mod memory;
+
+pub use accumulated::Accumulated;
+pub use grid::{TimeGrid, TimeRule, Trapezoid};
+pub use memory::Memory;

@@ -1,0 +1,79 @@
+//! Isotropic tensors 𝒜ε = 2 μ ε + λ tr(ε) I; also the spatial part of ℬ.
+
+use crate::tensor::{Symmetric, dimension, trace};
+
+/// An isotropic fourth-order tensor, by its Lamé numbers (a stress each).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Isotropic {
+    /// First Lamé number λ.
+    pub lambda: f64,
+    /// Second Lamé number μ_L.
+    pub mu: f64,
+}
+
+impl Isotropic {
+    /// 𝒜ε.
+    #[inline]
+    pub fn apply<const S: usize>(&self, strain: &Symmetric<S>) -> Symmetric<S> {
+        let volumetric = self.lambda * trace(strain);
+        let mut stress = strain.map(|e| 2.0 * self.mu * e);
+        for value in &mut stress[..dimension::<S>()] {
+            *value += volumetric;
+        }
+        stress
+    }
+
+    /// The S×S matrix of 𝒜 in Mandel notation.
+    pub fn matrix<const S: usize>(&self) -> [[f64; S]; S] {
+        let mut matrix = [[0.0; S]; S];
+        for (i, row) in matrix.iter_mut().enumerate() {
+            row[i] = 2.0 * self.mu;
+            if i < dimension::<S>() {
+                for value in &mut row[..dimension::<S>()] {
+                    *value += self.lambda;
+                }
+            }
+        }
+        matrix
+    }
+
+    /// Smallest and largest eigenvalue on S^d: 2μ on deviators, 2μ + dλ on spheres.
+    pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
+        let (deviators, spheres) = (2.0 * self.mu, 2.0 * self.mu + d as f64 * self.lambda);
+        (deviators.min(spheres), deviators.max(spheres))
+    }
+
+    /// β with `self` = β·`other`, if there is one (to rounding).
+    pub fn multiple_of(&self, other: &Isotropic) -> Option<f64> {
+        let beta = self.mu / other.mu;
+        let matches = (self.lambda - beta * other.lambda).abs()
+            <= 4.0 * f64::EPSILON * self.lambda.abs().max((beta * other.lambda).abs());
+        (beta.is_finite() && matches).then_some(beta)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn apply_and_matrix_agree_in_both_dimensions() {
+        let law = Isotropic { lambda: 1.3, mu: 0.7 };
+        let strain = [0.1, -0.4, 0.25, 0.3, 0.2, -0.1];
+        let matrix = law.matrix::<6>();
+        let stress = law.apply(&strain);
+        for i in 0..6 {
+            let row: f64 = (0..6).map(|j| matrix[i][j] * strain[j]).sum();
+            assert!((row - stress[i]).abs() < 1e-15);
+        }
+        let plane = law.apply(&[1.0, 0.0, 0.0]);
+        assert!((plane[0] - 2.7).abs() < 1e-15 && (plane[1] - 1.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn multiples_are_recognised() {
+        let one = Isotropic { lambda: 1.0, mu: 1.0 };
+        assert_eq!(Isotropic { lambda: 0.25, mu: 0.25 }.multiple_of(&one), Some(0.25));
+        assert_eq!(Isotropic { lambda: 0.25, mu: 0.3 }.multiple_of(&one), None);
+    }
+}

@@ -1,0 +1,29 @@
+//! Scalar memory kernels b(t): ℬ(t)ε = b(t)·ℬ₀ε.
+
+/// A scalar kernel of the memory term ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds.
+pub trait MemoryKernel: Send + Sync {
+    /// b at a lag t - s ≥ 0 (1/time).
+    fn value(&self, lag: f64) -> f64;
+
+    /// (a_i, c_i) with b(t) = Σ a_i exp(-c_i t), if the kernel has this form.
+    fn exponentials(&self) -> Option<&[(f64, f64)]> {
+        None
+    }
+}
+
+/// b(t) = Σ a_i exp(-c_i t): Maxwell elements, also called a Prony series.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExponentialSum {
+    /// The pairs (a_i, c_i).
+    pub terms: Vec<(f64, f64)>,
+}
+
+impl MemoryKernel for ExponentialSum {
+    fn value(&self, lag: f64) -> f64 {
+        self.terms.iter().map(|(a, c)| a * (-c * lag).exp()).sum()
+    }
+
+    fn exponentials(&self) -> Option<&[(f64, f64)]> {
+        Some(&self.terms)
+    }
+}

@@ -1,0 +1,13 @@
+//! Pointwise laws: elasticity, von Mises projection, memory kernel, contact potential.
+//!
+//! Each is a small trait, so that a test can pass a wrong component in its place.
+
+mod elasticity;
+mod kernel;
+mod potential;
+mod projection;
+
+pub use elasticity::Isotropic;
+pub use kernel::{ExponentialSum, MemoryKernel};
+pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError};
+pub use projection::{NoProjection, Projection, Response, VonMises, YieldLimit};

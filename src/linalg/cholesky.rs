@@ -1,0 +1,196 @@
+//! Sparse Cholesky factorization (faer, supernodal, one thread): analysis once a pattern, numbers
+//! often. One thread inside a factorization keeps results bit-identical on any machine load.
+
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::linalg::cholesky::llt::factor::LltError;
+use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+use super::pattern::BlockPattern;
+
+/// Why a factorization was not possible.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FactorError {
+    /// A pivot was not positive: the matrix is not positive definite.
+    #[error("the tangent matrix is not positive definite (first at unknown {dof})")]
+    NotPositiveDefinite { dof: usize },
+    /// The numbers handed in were not finite.
+    #[error("the tangent matrix has an entry that is not a finite number")]
+    NotFinite,
+    /// The rank-one piece of the Jacobian, from ζ_n(u_n), makes it singular or turns its sign.
+    #[error("the implicit dependence on ζ makes the tangent singular (1 + bᵀK⁻¹a = {denominator:e})")]
+    SingularInZeta { denominator: f64 },
+    /// The symbolic analysis ran out of memory or index range.
+    #[error("the symbolic factorization of order {order} failed: {reason}")]
+    Analysis { order: usize, reason: String },
+}
+
+/// Symbolic factorization of a pattern.
+#[derive(Debug)]
+pub struct Analysis {
+    symbolic: SymbolicCholesky<u32>,
+    order: usize,
+}
+
+/// Numbers of one factorization L Lᵀ.
+#[derive(Debug, Clone)]
+pub struct Factor {
+    values: Vec<f64>,
+}
+
+/// Scratch memory of factorizations and solves with up to a fixed number of right sides.
+pub struct Workspace {
+    memory: MemBuffer,
+}
+
+impl Analysis {
+    /// Analyses `pattern` in the order `permutation` (position → dof).
+    ///
+    /// # Errors
+    /// [`FactorError::Analysis`] if memory or the index range is exhausted.
+    pub fn new(pattern: &BlockPattern, permutation: &[u32]) -> Result<Self, FactorError> {
+        let order = pattern.order();
+        let mut inverse = vec![0u32; order];
+        for (position, &dof) in permutation.iter().enumerate() {
+            inverse[dof as usize] = position as u32;
+        }
+        let symbolic = factorize_symbolic_cholesky(
+            symbolic_matrix(pattern),
+            Side::Lower,
+            SymmetricOrdering::Custom(PermRef::new_checked(permutation, &inverse, order)),
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..Default::default()
+            },
+        )
+        .map_err(|error| FactorError::Analysis { order, reason: format!("{error:?}") })?;
+        Ok(Self { symbolic, order })
+    }
+
+    /// Numbers stored in a factor.
+    pub fn factor_entries(&self) -> usize {
+        self.symbolic.len_val()
+    }
+
+    /// An empty factor of this pattern.
+    pub fn factor(&self) -> Factor {
+        Factor { values: vec![0.0; self.symbolic.len_val()] }
+    }
+
+    /// Scratch memory for factorizations and for solves with up to `columns` right sides.
+    pub fn workspace(&self, columns: usize) -> Workspace {
+        let factorize =
+            self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let solve = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        Workspace { memory: MemBuffer::new(StackReq::any_of(&[factorize, solve])) }
+    }
+
+    /// Computes L of the matrix with these lower-triangle `values`.
+    ///
+    /// # Errors
+    /// [`FactorError::NotPositiveDefinite`] names the unknown whose pivot failed.
+    pub fn factorize(
+        &self,
+        pattern: &BlockPattern,
+        values: &[f64],
+        factor: &mut Factor,
+        workspace: &mut Workspace,
+    ) -> Result<(), FactorError> {
+        let matrix = SparseColMatRef::new(symbolic_matrix(pattern), values);
+        let outcome = self.symbolic.factorize_numeric_llt(
+            &mut factor.values,
+            matrix,
+            Side::Lower,
+            Default::default(),
+            Par::Seq,
+            MemStack::new(&mut workspace.memory),
+            Default::default(),
+        );
+        match outcome {
+            Ok(_) => Ok(()),
+            Err(_) if values.iter().any(|v| !v.is_finite()) => Err(FactorError::NotFinite),
+            Err(LltError::NonPositivePivot { index }) => {
+                // The index counts in the permuted order of the supernodal factorization.
+                let dof = match self.symbolic.perm() {
+                    Some(perm) => perm.arrays().0.get(index).map_or(index, |&d| d as usize),
+                    None => index,
+                };
+                Err(FactorError::NotPositiveDefinite { dof })
+            }
+        }
+    }
+
+    /// Solves L Lᵀ x = b in place for the right sides stored one after another in `rhs`.
+    pub fn solve(&self, factor: &Factor, rhs: &mut [f64], workspace: &mut Workspace) {
+        let columns = rhs.len() / self.order.max(1);
+        let rhs = MatMut::from_column_major_slice_mut(rhs, self.order, columns);
+        LltRef::new(&self.symbolic, &factor.values).solve_in_place_with_conj(
+            Conj::No,
+            rhs,
+            Par::Seq,
+            MemStack::new(&mut workspace.memory),
+        );
+    }
+}
+
+fn symbolic_matrix(pattern: &BlockPattern) -> SymbolicSparseColMatRef<'_, u32> {
+    let order = pattern.order();
+    SymbolicSparseColMatRef::new_checked(order, order, &pattern.columns, None, &pattern.rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::nested_dissection;
+    use super::*;
+
+    fn laplacian() -> (BlockPattern, Vec<f64>, Vec<f64>) {
+        let cells: Vec<u32> = (0..28).flat_map(|i| [i, i + 1, i + 2]).collect();
+        let pattern = BlockPattern::new(&cells, 2, 30);
+        let mut values = vec![0.0; pattern.entries()];
+        for dof in 0..60 {
+            values[pattern.diagonal(dof)] = 5.0;
+            if dof >= 2 {
+                values[pattern.position(dof, dof - 2).expect("neighbours")] = -1.0;
+            }
+        }
+        (pattern, values, (0..60).map(|i| f64::from(i / 2)).collect())
+    }
+
+    #[test]
+    fn solves_with_two_right_sides() {
+        let (pattern, values, coordinates) = laplacian();
+        let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates)).unwrap();
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace(2));
+        analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
+        let x: Vec<f64> = (0..120).map(|i| f64::from(i % 7) - 3.0).collect();
+        let mut b = vec![0.0; 120];
+        let (left, right) = b.split_at_mut(60);
+        pattern.multiply(&values, &x[..60], left);
+        pattern.multiply(&values, &x[60..], right);
+        analysis.solve(&factor, &mut b, &mut workspace);
+        assert!(b.iter().zip(&x).all(|(p, q)| (p - q).abs() < 1e-14));
+    }
+
+    #[test]
+    fn an_indefinite_matrix_names_its_unknown() {
+        let (pattern, values, coordinates) = laplacian();
+        let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates)).unwrap();
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace(1));
+        for dof in 0..60 {
+            let mut bad = values.clone();
+            bad[pattern.diagonal(dof)] = -1.0;
+            let error = analysis.factorize(&pattern, &bad, &mut factor, &mut workspace);
+            assert_eq!(error, Err(FactorError::NotPositiveDefinite { dof }));
+        }
+        let mut bad = values;
+        bad[3] = f64::NAN;
+        let error = analysis.factorize(&pattern, &bad, &mut factor, &mut workspace);
+        assert_eq!(error, Err(FactorError::NotFinite));
+    }
+}

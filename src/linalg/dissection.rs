@@ -1,0 +1,88 @@
+//! Fill-reducing order by nested dissection on node coordinates.
+//!
+//! A set of nodes is cut at the median of its longest coordinate direction; nodes of the upper half
+//! that have a neighbour in the lower half form the separator and are numbered last. Reference:
+//! A. George, SIAM J. Numer. Anal. 10 (1973).
+
+use super::pattern::BlockPattern;
+
+/// Sets of at most this many nodes are numbered as they come: cutting them further changes the
+/// fill by less than a per cent and costs time.
+const LEAF: usize = 24;
+
+/// Order of the dofs (position → dof) for the pattern, from `coordinates` of the free nodes
+/// (`dimension` numbers a node). Components of a node stay together.
+pub fn nested_dissection(pattern: &BlockPattern, coordinates: &[f64]) -> Vec<u32> {
+    let d = pattern.dimension();
+    let nodes = pattern.order() / d;
+    let mut adjacency = vec![Vec::new(); nodes];
+    for low in 0..nodes {
+        for &high in pattern.larger_neighbours(low) {
+            adjacency[low].push(high);
+            adjacency[high as usize].push(low as u32);
+        }
+    }
+    let mut order = Vec::with_capacity(nodes);
+    let mut is_low = vec![false; nodes];
+    let all = (0..nodes as u32).collect();
+    dissect(all, &adjacency, coordinates, d, &mut is_low, &mut order);
+    order.iter().flat_map(|&node| (0..d as u32).map(move |i| d as u32 * node + i)).collect()
+}
+
+fn dissect(
+    mut set: Vec<u32>,
+    adjacency: &[Vec<u32>],
+    coordinates: &[f64],
+    d: usize,
+    is_low: &mut [bool],
+    order: &mut Vec<u32>,
+) {
+    if set.len() <= LEAF {
+        order.extend(set);
+        return;
+    }
+    let at = |node: u32, axis: usize| coordinates[d * node as usize + axis];
+    let extent = |axis: usize| {
+        let values = set.iter().map(|&node| at(node, axis));
+        values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
+    };
+    let axis = (0..d).max_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
+    let middle = set.len() / 2;
+    // Ties are broken by node number: the order is a function of the mesh alone.
+    set.select_nth_unstable_by(middle, |&a, &b| {
+        at(a, axis).total_cmp(&at(b, axis)).then(a.cmp(&b))
+    });
+    let mut high = set.split_off(middle);
+    let mut low = set;
+    low.sort_unstable();
+    high.sort_unstable();
+    for &node in &low {
+        is_low[node as usize] = true;
+    }
+    let (separator, high): (Vec<u32>, Vec<u32>) = high
+        .into_iter()
+        .partition(|&node| adjacency[node as usize].iter().any(|&m| is_low[m as usize]));
+    for &node in &low {
+        is_low[node as usize] = false;
+    }
+    dissect(low, adjacency, coordinates, d, is_low, order);
+    dissect(high, adjacency, coordinates, d, is_low, order);
+    order.extend(separator);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_is_a_permutation_and_keeps_components_together() {
+        let cells: Vec<u32> = (0..98).flat_map(|i| [i, i + 1, i + 2]).collect();
+        let pattern = BlockPattern::new(&cells, 2, 100);
+        let coordinates: Vec<f64> = (0..200).map(|i| f64::from(i / 2)).collect();
+        let order = nested_dissection(&pattern, &coordinates);
+        let mut seen = order.clone();
+        seen.sort_unstable();
+        assert!(seen.iter().enumerate().all(|(i, &dof)| i as u32 == dof));
+        assert!(order.chunks(2).all(|pair| pair[0] % 2 == 0 && pair[1] == pair[0] + 1));
+    }
+}

@@ -1,0 +1,26 @@
+//! Sparse symmetric matrices over node blocks, their assembly, and the Cholesky factorization.
+
+mod cholesky;
+mod dissection;
+mod pattern;
+
+pub use cholesky::{Analysis, Factor, FactorError, Workspace};
+pub use dissection::nested_dissection;
+pub use pattern::BlockPattern;
+
+/// Σ a_i b_i, summed in order.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// ‖a‖₂.
+pub fn norm(a: &[f64]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// y ← y + α x.
+pub fn axpy(alpha: f64, x: &[f64], y: &mut [f64]) {
+    for (target, value) in y.iter_mut().zip(x) {
+        *target += alpha * value;
+    }
+}

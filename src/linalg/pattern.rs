@@ -1,0 +1,253 @@
+//! Pattern of a symmetric finite element matrix: lower triangle by columns, D×D blocks of nodes.
+//!
+//! The rows of a column D·b + j are: the rest D - j of its diagonal block, then D rows of every
+//! larger neighbour of node b, sorted. A block is therefore addressed by one slot number, and the
+//! assembly needs one such number for each pair of vertices of a cell.
+
+use sprs::CsMatI;
+
+/// Pattern of the lower triangle and the addresses of the blocks of every cell.
+#[derive(Debug, Clone)]
+pub struct BlockPattern {
+    dimension: usize,
+    /// Column starts of the lower triangle.
+    pub columns: Vec<u32>,
+    /// Row numbers, sorted within a column.
+    pub rows: Vec<u32>,
+    /// Larger neighbours of node b: `neighbours[first[b]..first[b + 1]]`.
+    first: Vec<u32>,
+    neighbours: Vec<u32>,
+    /// For every cell and local pair a < b (in the order 01, 02, 12, 03, …): the slot of the pair
+    /// among the larger neighbours of its smaller node; `NONE` where a node is clamped.
+    slots: Vec<u32>,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl BlockPattern {
+    /// Pattern of matrices over `free` nodes with `dimension` components coupled by `cells`
+    /// (`dimension` + 1 node numbers each; numbers from `free` on are clamped and left out).
+    pub fn new(cells: &[u32], dimension: usize, free: usize) -> Self {
+        let (first, neighbours) = larger_neighbours(cells, dimension + 1, free);
+        let (mut columns, mut rows) = (vec![0u32], Vec::new());
+        for b in 0..free {
+            let list = &neighbours[first[b] as usize..first[b + 1] as usize];
+            for j in 0..dimension {
+                rows.extend((j..dimension).map(|i| (dimension * b + i) as u32));
+                for &a in list {
+                    rows.extend((0..dimension).map(|i| (dimension * a as usize + i) as u32));
+                }
+                columns.push(rows.len() as u32);
+            }
+        }
+        let mut slots = Vec::with_capacity(cells.len() * dimension / 2);
+        for cell in cells.chunks_exact(dimension + 1) {
+            for b in 1..=dimension {
+                for a in 0..b {
+                    let (low, high) = (cell[a].min(cell[b]), cell[a].max(cell[b]));
+                    slots.push(if high as usize >= free {
+                        NONE
+                    } else {
+                        let low = low as usize;
+                        let list = &neighbours[first[low] as usize..first[low + 1] as usize];
+                        list.partition_point(|&x| x < high) as u32
+                    });
+                }
+            }
+        }
+        Self { dimension, columns, rows, first, neighbours, slots }
+    }
+
+    /// Order of the matrix.
+    pub fn order(&self) -> usize {
+        self.columns.len() - 1
+    }
+
+    /// Number of stored entries of the lower triangle.
+    pub fn entries(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Larger neighbours of a free node.
+    pub fn larger_neighbours(&self, node: usize) -> &[u32] {
+        &self.neighbours[self.first[node] as usize..self.first[node + 1] as usize]
+    }
+
+    /// Adds `weight`·`local` to `values`, where `local[(a, i), (b, j)]` is the symmetric matrix of
+    /// cell `c` over its `nodes`, row-major of order `V`·`D`, V = D + 1.
+    #[inline]
+    pub fn scatter<const D: usize>(
+        &self,
+        c: usize,
+        nodes: &[u32],
+        local: &[f64],
+        values: &mut [f64],
+    ) {
+        let vertices = D + 1;
+        let order = D * vertices;
+        let free = (self.first.len() - 1) as u32;
+        for (a, &node) in nodes.iter().enumerate() {
+            if node < free {
+                for j in 0..D {
+                    let start = self.columns[D * node as usize + j] as usize;
+                    for i in j..D {
+                        values[start + i - j] += local[(D * a + i) * order + D * a + j];
+                    }
+                }
+            }
+        }
+        let pairs = vertices * D / 2;
+        let slots = &self.slots[pairs * c..pairs * (c + 1)];
+        let mut pair = 0;
+        for b in 1..vertices {
+            for a in 0..b {
+                let slot = slots[pair];
+                pair += 1;
+                if slot == NONE {
+                    continue;
+                }
+                let (low, high) = if nodes[a] < nodes[b] { (a, b) } else { (b, a) };
+                for j in 0..D {
+                    let column = D * nodes[low] as usize + j;
+                    let start = self.columns[column] as usize + D - j + D * slot as usize;
+                    for i in 0..D {
+                        values[start + i] += local[(D * high + i) * order + D * low + j];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Position of the diagonal entry of a dof.
+    #[inline]
+    pub fn diagonal(&self, dof: usize) -> usize {
+        self.columns[dof] as usize
+    }
+
+    /// Position of the entry of two dofs, if the pattern has it.
+    pub fn position(&self, i: usize, j: usize) -> Option<usize> {
+        let (row, column) = (i.max(j) as u32, i.min(j));
+        let range = self.columns[column] as usize..self.columns[column + 1] as usize;
+        self.rows[range.clone()].binary_search(&row).ok().map(|offset| range.start + offset)
+    }
+
+    /// All off-diagonal entries of the row and column of each of `dofs`: (other dof, position).
+    pub fn couplings(&self, dofs: &[u32]) -> Vec<Vec<(u32, u32)>> {
+        let mut index = vec![NONE; self.order()];
+        for (at, &dof) in dofs.iter().enumerate() {
+            index[dof as usize] = at as u32;
+        }
+        let mut couplings = vec![Vec::new(); dofs.len()];
+        for column in 0..self.order() {
+            for position in self.columns[column] as usize + 1..self.columns[column + 1] as usize {
+                let row = self.rows[position] as usize;
+                for (own, other) in [(column, row), (row, column)] {
+                    if index[own] != NONE {
+                        couplings[index[own] as usize].push((other as u32, position as u32));
+                    }
+                }
+            }
+        }
+        couplings
+    }
+
+    /// The matrix with these lower-triangle `values`, as a compressed sparse column matrix.
+    pub fn matrix(&self, values: Vec<f64>) -> CsMatI<f64, u32> {
+        let order = self.order();
+        CsMatI::new_csc((order, order), self.columns.clone(), self.rows.clone(), values)
+    }
+
+    /// y ← A x for the symmetric matrix with lower-triangle `values`.
+    pub fn multiply(&self, values: &[f64], x: &[f64], y: &mut [f64]) {
+        y[..self.order()].fill(0.0);
+        for column in 0..self.order() {
+            let start = self.columns[column] as usize;
+            let end = self.columns[column + 1] as usize;
+            let own = x[column];
+            let mut sum = values[start] * own;
+            for (&row, &value) in self.rows[start + 1..end].iter().zip(&values[start + 1..end]) {
+                y[row as usize] += value * own;
+                sum += value * x[row as usize];
+            }
+            y[column] += sum;
+        }
+    }
+
+    /// Components a node.
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+}
+
+/// Sorted larger neighbours of every free node, as (starts, list).
+fn larger_neighbours(cells: &[u32], stride: usize, free: usize) -> (Vec<u32>, Vec<u32>) {
+    let mut lists: Vec<Vec<u32>> = vec![Vec::new(); free];
+    for cell in cells.chunks_exact(stride) {
+        for &low in cell {
+            for &high in cell {
+                if low < high && (high as usize) < free {
+                    let list = &mut lists[low as usize];
+                    if let Err(at) = list.binary_search(&high) {
+                        list.insert(at, high);
+                    }
+                }
+            }
+        }
+    }
+    let mut first = Vec::with_capacity(free + 1);
+    first.push(0);
+    let mut neighbours = Vec::new();
+    for list in lists {
+        neighbours.extend(list);
+        first.push(neighbours.len() as u32);
+    }
+    (first, neighbours)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Scatter of two cells against a dense sum, with node 3 clamped in the second cell.
+    #[test]
+    fn scatter_agrees_with_a_dense_assembly() {
+        let cells = [2u32, 0, 1, 1, 3, 2];
+        let pattern = BlockPattern::new(&cells, 2, 3);
+        let mut values = vec![0.0; pattern.entries()];
+        let mut dense = vec![vec![0.0; 6]; 6];
+        for c in 0..2 {
+            let nodes = &cells[3 * c..3 * c + 3];
+            let mut local = [0.0; 36];
+            for i in 0..6 {
+                for j in 0..6 {
+                    local[6 * i + j] = (10 * (i + j) + i * j + c) as f64;
+                }
+            }
+            pattern.scatter::<2>(c, nodes, &local, &mut values);
+            for i in 0..6 {
+                for j in 0..6 {
+                    let (row, column) =
+                        (2 * nodes[i / 2] as usize + i % 2, 2 * nodes[j / 2] as usize + j % 2);
+                    if row < 6 && column < 6 {
+                        dense[row][column] += local[6 * i + j];
+                    }
+                }
+            }
+        }
+        for i in 0..6 {
+            for j in 0..=i {
+                let at = pattern.position(i, j).expect("coupled nodes");
+                assert_eq!(values[at], dense[i][j], "entry {i},{j}");
+            }
+        }
+        let x = [1.0, -2.0, 0.5, 3.0, 0.0, 1.5];
+        let mut y = [0.0; 6];
+        pattern.multiply(&values, &x, &mut y);
+        for i in 0..6 {
+            let row: f64 = (0..6).map(|j| dense[i.max(j)][i.min(j)] * x[j]).sum();
+            assert!((y[i] - row).abs() < 1e-12 * row.abs().max(1.0));
+        }
+        let couplings = pattern.couplings(&[3]);
+        assert_eq!(couplings[0].len(), 5);
+    }
+}

@@ -1,0 +1,144 @@
+//! Quadrature on simplices in barycentric coordinates; weights sum to one (times the measure).
+//!
+//! Sources: Dunavant, Int. J. Numer. Meth. Eng. 21 (1985) for the triangle; Gauss-Legendre on the
+//! interval by Newton's iteration on the Legendre polynomial.
+
+/// Points (barycentric) and weights.
+#[derive(Debug, Clone)]
+pub struct Rule {
+    /// Barycentric coordinates of each point.
+    pub points: Vec<Vec<f64>>,
+    /// Weights, summing to one.
+    pub weights: Vec<f64>,
+}
+
+/// A symmetric orbit of triangle points: (a, a, 1-2a) or (a, b, 1-a-b).
+enum Orbit {
+    Three { weight: f64, a: f64 },
+    Six { weight: f64, a: f64, b: f64 },
+}
+
+/// Triangle rule of 6 points, exact for degree 4: the rule of the loads.
+pub fn triangle_degree_4() -> Rule {
+    triangle(&[
+        Orbit::Three { weight: 0.223_381_589_678_011_47, a: 0.445_948_490_915_964_9 },
+        Orbit::Three { weight: 0.109_951_743_655_321_87, a: 0.091_576_213_509_770_74 },
+    ])
+}
+
+/// Triangle rule of 12 points, exact for degree 6: the rule of the errors.
+pub fn triangle_degree_6() -> Rule {
+    triangle(&[
+        Orbit::Three { weight: 0.116_786_275_726_379_37, a: 0.249_286_745_170_910_42 },
+        Orbit::Three { weight: 0.050_844_906_370_206_82, a: 0.063_089_014_491_502_23 },
+        Orbit::Six {
+            weight: 0.082_851_075_618_373_58,
+            a: 0.053_145_049_844_816_95,
+            b: 0.310_352_451_033_784_4,
+        },
+    ])
+}
+
+fn triangle(orbits: &[Orbit]) -> Rule {
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for orbit in orbits {
+        let (weight, images) = match *orbit {
+            Orbit::Three { weight, a } => {
+                let c = 1.0 - 2.0 * a;
+                (weight, vec![[a, a, c], [a, c, a], [c, a, a]])
+            }
+            Orbit::Six { weight, a, b } => {
+                let c = 1.0 - a - b;
+                let images =
+                    vec![[a, b, c], [a, c, b], [b, a, c], [b, c, a], [c, a, b], [c, b, a]];
+                (weight, images)
+            }
+        };
+        for image in images {
+            points.push(image.to_vec());
+            weights.push(weight);
+        }
+    }
+    Rule { points, weights }
+}
+
+/// Gauss-Legendre rule with `count` points on an edge, exact for degree 2·count - 1.
+pub fn edge(count: usize) -> Rule {
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for (x, w) in gauss_legendre(count) {
+        points.push(vec![0.5 * (1.0 - x), 0.5 * (1.0 + x)]);
+        weights.push(0.5 * w);
+    }
+    Rule { points, weights }
+}
+
+/// Nodes and weights of the Gauss-Legendre rule on [-1, 1].
+pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+    let n = count as f64;
+    (0..count)
+        .map(|i| {
+            let mut x = -(std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
+            let mut slope = 1.0;
+            // Newton from Tricomi's estimate doubles its digits: six rounds are more than enough.
+            for _ in 0..6 {
+                let (mut p, mut before) = (1.0, 0.0);
+                for j in 1..=count {
+                    let j = j as f64;
+                    (p, before) = (((2.0 * j - 1.0) * x * p - (j - 1.0) * before) / j, p);
+                }
+                slope = n * (x * p - before) / (x * x - 1.0);
+                x -= p / slope;
+            }
+            (x, 2.0 / ((1.0 - x * x) * slope * slope))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ∫ over the reference triangle of x^i y^j, divided by its area: 2 i! j! / (i+j+2)!.
+    fn triangle_moment(i: u32, j: u32) -> f64 {
+        let factorial = |m: u32| (1..=m).map(f64::from).product::<f64>();
+        2.0 * factorial(i) * factorial(j) / factorial(i + j + 2)
+    }
+
+    fn integrate(rule: &Rule, i: u32, j: u32) -> f64 {
+        rule.points
+            .iter()
+            .zip(&rule.weights)
+            .map(|(p, w)| w * p[1].powi(i as i32) * p[2].powi(j as i32))
+            .sum()
+    }
+
+    #[test]
+    fn triangle_rules_have_exactly_their_degree() {
+        for (rule, degree) in [(triangle_degree_4(), 4), (triangle_degree_6(), 6)] {
+            for total in 0..=degree {
+                for i in 0..=total {
+                    let error = integrate(&rule, i, total - i) - triangle_moment(i, total - i);
+                    assert!(error.abs() < 1e-14, "degree {degree}, x^{i}: {error:e}");
+                }
+            }
+            let beyond = integrate(&rule, degree + 1, 0) - triangle_moment(degree + 1, 0);
+            assert!(beyond.abs() > 1e-8, "a degree {degree} rule that is exact beyond its degree");
+        }
+    }
+
+    #[test]
+    fn edge_rules_have_degree_twice_count_minus_one() {
+        for count in 1..=16usize {
+            let rule = edge(count);
+            for degree in 0..2 * count {
+                let sum: f64 = rule
+                    .points
+                    .iter()
+                    .zip(&rule.weights)
+                    .map(|(p, w)| w * p[1].powi(degree as i32))
+                    .sum();
+                assert!((sum - 1.0 / (degree + 1) as f64).abs() < 1e-14, "{count} {degree}");
+            }
+        }
+    }
+}

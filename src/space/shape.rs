@@ -1,0 +1,115 @@
+//! Geometry of P1 shape functions: cell measures and (constant) gradients, and the strain of a
+//! nodal vector on a cell.
+
+use crate::mesh::Mesh;
+
+/// Measures and shape gradients of all cells.
+#[derive(Debug, Clone)]
+pub struct Geometry {
+    /// Space dimension d.
+    pub dimension: usize,
+    /// |K| of each cell.
+    pub measure: Vec<f64>,
+    /// ∇λ_a of the d + 1 shape functions of each cell, d numbers each.
+    pub gradient: Vec<f64>,
+}
+
+impl Geometry {
+    /// Computes measures and gradients of `mesh`. A cell of no or negative area is a broken
+    /// invariant of the mesh generators and is reported by its non-positive measure.
+    pub fn new(mesh: &Mesh) -> Self {
+        let d = mesh.dimension;
+        let cells = mesh.cell_count();
+        let mut measure = Vec::with_capacity(cells);
+        let mut gradient = Vec::with_capacity(cells * d * (d + 1));
+        for c in 0..cells {
+            let cell = mesh.cell(c);
+            let origin = mesh.vertex(cell[0]);
+            let edges = nalgebra::DMatrix::from_fn(d, d, |i, a| {
+                mesh.vertex(cell[a + 1])[i] - origin[i]
+            });
+            let factorial = if d == 2 { 2.0 } else { 6.0 };
+            measure.push(edges.determinant() / factorial);
+            // λ_a(x) = row a of edges⁻¹ · (x - x_0) for a ≥ 1, and the gradients sum to zero.
+            let inverse = edges.try_inverse().unwrap_or_else(|| nalgebra::DMatrix::zeros(d, d));
+            for i in 0..d {
+                gradient.push(-inverse.column(i).sum());
+            }
+            for a in 0..d {
+                gradient.extend((0..d).map(|i| inverse[(a, i)]));
+            }
+        }
+        Self { dimension: d, measure, gradient }
+    }
+
+    /// Shape gradients of cell c: d numbers for each of the d + 1 vertices.
+    #[inline]
+    pub fn gradients(&self, c: usize) -> &[f64] {
+        let stride = self.dimension * (self.dimension + 1);
+        &self.gradient[stride * c..stride * (c + 1)]
+    }
+}
+
+/// ε(v) on a cell with shape `gradients` and vertex `nodes`, from the nodal vector `v`, in Mandel
+/// notation.
+#[inline]
+pub fn strain_of<const S: usize>(gradients: &[f64], nodes: &[u32], v: &[f64]) -> [f64; S] {
+    let mut strain = [0.0; S];
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    if S == 3 {
+        for (a, &node) in nodes.iter().enumerate() {
+            let (gx, gy) = (gradients[2 * a], gradients[2 * a + 1]);
+            let base = 2 * node as usize;
+            let (vx, vy) = (v[base], v[base + 1]);
+            strain[0] += gx * vx;
+            strain[1] += gy * vy;
+            strain[2] += half * (gy * vx + gx * vy);
+        }
+    } else {
+        for (a, &node) in nodes.iter().enumerate() {
+            let g = &gradients[3 * a..3 * a + 3];
+            let w = &v[3 * node as usize..3 * node as usize + 3];
+            for i in 0..3 {
+                strain[i] += g[i] * w[i];
+                let (j, l) = ((i + 1) % 3, (i + 2) % 3);
+                strain[3 + i] += half * (g[j] * w[l] + g[l] * w[j]);
+            }
+        }
+    }
+    strain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Family, rectangle};
+
+    #[test]
+    fn strain_of_an_affine_field_is_exact_on_any_mesh() {
+        let mesh = rectangle([1.0, 1.0], 3, Family::Perturbed { amplitude: 0.2, seed: 1 });
+        let geometry = Geometry::new(&mesh);
+        // v = (2x + 3y, -x + 5y): ε = (2, 5, (3-1)/2).
+        let v: Vec<f64> = (0..mesh.vertices() as u32)
+            .flat_map(|p| {
+                let x = mesh.vertex(p);
+                [2.0 * x[0] + 3.0 * x[1], -x[0] + 5.0 * x[1]]
+            })
+            .collect();
+        for c in 0..mesh.cell_count() {
+            let strain = strain_of::<3>(geometry.gradients(c), mesh.cell(c), &v);
+            let expected = [2.0, 5.0, 2f64.sqrt()];
+            // Rounding of coordinates of size 1 divided by h = 1/3: a few units in the last place.
+            assert!(strain.iter().zip(expected).all(|(s, e)| (s - e).abs() < 1e-13));
+        }
+    }
+
+    #[test]
+    fn strain_in_space_has_the_mandel_order_yz_xz_xy() {
+        let gradients = [-1.0, -1.0, -1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+        // v = (y, 0, 0) on the unit tetrahedron: ε_xy = 1/2.
+        let mut v = [0.0; 12];
+        v[6] = 1.0;
+        let strain = strain_of::<6>(&gradients, &[0, 1, 2, 3], &v);
+        assert!((strain[5] - 0.5f64.sqrt()).abs() < 1e-15 && strain[3] == 0.0 && strain[4] == 0.0);
+    }
+}

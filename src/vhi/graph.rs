@@ -1,0 +1,127 @@
+//! Graphs G = ∂j_ν(· - s) + ∂I_{≤ g} on single coordinates, and the choice of a piece.
+//!
+//! The unilateral constraint is the last vertical piece of the graph, a jump of ∂j_ν an inner one:
+//! one rule serves both. For γ α_ν < 1 the map (u, c) ↦ z = u + γ c is one to one along the graph,
+//! so z picks the piece: the primal-dual active set strategy.
+
+use std::sync::Arc;
+
+use crate::law::Potential;
+
+/// The coordinate a graph sits on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coordinate {
+    /// The unknown.
+    pub dof: u32,
+    /// u_ν = sign · u.
+    pub sign: f64,
+    /// Weight w of the pressure in the force balance.
+    pub weight: f64,
+    /// The bound g, infinite where there is none.
+    pub gap: f64,
+    /// The shift s of the potential: ∂j_ν(u_ν - s).
+    pub shift: f64,
+    /// γ (length/pressure), the scaling of the complementarity condition.
+    pub gamma: f64,
+}
+
+/// The piece of a graph on which a coordinate lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Piece {
+    /// c is the (single) value of ∂j_ν.
+    Free,
+    /// u_ν is fixed at `value`, c lies in [lo, hi] (hi = ∞ at the bound).
+    Pinned { value: f64, lo: f64, hi: f64 },
+}
+
+/// All graphs of a time level, with one potential.
+pub struct BoundaryGraph {
+    /// Where the graphs sit.
+    pub coordinates: Vec<Coordinate>,
+    /// The potential, [`crate::law::NoPotential`] if only the constraint is left to the graphs.
+    pub potential: Arc<dyn Potential>,
+}
+
+impl BoundaryGraph {
+    /// The piece that z = u_ν + γ c selects for coordinate i.
+    pub fn piece(&self, i: usize, z: f64) -> Piece {
+        let at = &self.coordinates[i];
+        if at.gap.is_finite() {
+            let lo = self.potential.subdifferential(at.gap - at.shift).0;
+            if z >= at.gap + at.gamma * lo {
+                return Piece::Pinned { value: at.gap, lo, hi: f64::INFINITY };
+            }
+        }
+        for &jump in self.potential.jumps() {
+            let value = jump + at.shift;
+            let (lo, hi) = self.potential.subdifferential(jump);
+            if value < at.gap && z >= value + at.gamma * lo && z <= value + at.gamma * hi {
+                return Piece::Pinned { value, lo, hi };
+            }
+        }
+        Piece::Free
+    }
+
+    /// Pressure and slope of a free coordinate.
+    pub fn value_and_slope(&self, i: usize, normal: f64) -> (f64, f64) {
+        self.potential.value_and_slope(normal - self.coordinates[i].shift)
+    }
+
+    /// u_ν of coordinate i.
+    pub fn normal(&self, i: usize, u: &[f64]) -> f64 {
+        let at = &self.coordinates[i];
+        at.sign * u[at.dof as usize]
+    }
+
+    /// Distance of (u_ν, c) from the graph, as a force: zero exactly on the graph.
+    ///
+    /// At a pinned piece it is w·dist(c, [lo, hi]) for u_ν at its value; else the violation of the
+    /// bound over γ; continuous in both.
+    pub fn defect(&self, i: usize, normal: f64, pressure: f64) -> f64 {
+        let at = &self.coordinates[i];
+        match self.piece(i, normal + at.gamma * pressure) {
+            Piece::Pinned { value, .. } => at.weight * (normal - value).abs() / at.gamma,
+            Piece::Free => at.weight * (pressure - self.value_and_slope(i, normal).0).abs(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::PiecewiseLinear;
+
+    fn graph() -> BoundaryGraph {
+        let points = vec![(0.0, 0.0), (0.0, 1.0), (0.5, 0.8)];
+        let at = Coordinate { dof: 0, sign: -1.0, weight: 0.5, gap: 0.6, shift: 0.1, gamma: 0.3 };
+        BoundaryGraph {
+            coordinates: vec![at],
+            potential: Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).unwrap()),
+        }
+    }
+
+    /// Every point of the graph selects its own piece.
+    #[test]
+    fn z_selects_the_piece_that_it_came_from() {
+        let graph = graph();
+        let gamma = 0.3;
+        assert_eq!(graph.piece(0, -0.2), Piece::Free);
+        let jump = Piece::Pinned { value: 0.1, lo: 0.0, hi: 1.0 };
+        assert_eq!(graph.piece(0, 0.1 + gamma * 0.4), jump);
+        let (pressure, _) = graph.value_and_slope(0, 0.3);
+        assert_eq!(graph.piece(0, 0.3 + gamma * pressure), Piece::Free);
+        let bound = Piece::Pinned { value: 0.6, lo: 0.8, hi: f64::INFINITY };
+        assert_eq!(graph.piece(0, 0.6 + gamma * 2.0), bound);
+    }
+
+    #[test]
+    fn defect_vanishes_on_the_graph_and_only_there() {
+        let graph = graph();
+        for (normal, pressure) in [(0.1, 0.4), (0.6, 3.0), (-0.5, 0.0)] {
+            assert!(graph.defect(0, normal, pressure) < 1e-15, "{normal} {pressure}");
+        }
+        for (normal, pressure) in [(0.1, 1.4), (0.7, 3.0), (-0.5, 0.2), (0.6, 0.2)] {
+            assert!(graph.defect(0, normal, pressure) > 1e-3, "{normal} {pressure}");
+        }
+    }
+}
