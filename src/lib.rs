@@ -6,3 +6,6 @@ pub mod mesh;
 pub mod space;
 pub mod tensor;
 pub mod vhi;
+pub mod formula;
+pub mod manufactured;
+pub mod norms;

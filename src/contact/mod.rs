@@ -14,6 +14,7 @@ mod trace;
 pub use assembly::{isotropic_stiffness, stress_force};
 pub use discretization::Discretization;
 pub use kkt::kkt_residual;
+pub use linear::strain_norm;
 pub use load::{ConstantInTime, Load, LoadError, Separated};
 pub use march::{CaseError, CaseInfo, StepView, march};
 pub use model::{Boundary, BoundaryRule, MemoryTerm, Model};

@@ -12,7 +12,9 @@ use super::assembly::{cell_stiffness, stress_force};
 use super::compliance::GaussCompliance;
 use super::{BoundaryRule, Discretization, Model};
 use crate::law::{Isotropic, NoPotential, Potential, Projection};
-use crate::linalg::{Factor, FactorError, Workspace, dot, norm};
+use crate::linalg::{
+    Factor, FactorError, Krylov, Preconditioned, Workspace, axpy, dot, gmres, norm,
+};
 use crate::space::strain_of;
 use crate::tensor::contract;
 use crate::vhi::{BoundaryGraph, Coordinate, StepInequality};
@@ -22,7 +24,7 @@ use crate::vhi::{BoundaryGraph, Coordinate, StepInequality};
 pub struct Work {
     /// Numerical factorizations.
     pub factorizations: u32,
-    /// Solves with a factor.
+    /// Solves with a factor, those inside an iterative solve included.
     pub solves: u32,
     /// Evaluations of F.
     pub residuals: u32,
@@ -53,6 +55,14 @@ pub struct ContactProblem<'a, P> {
     workspace: Workspace,
     /// What the factor was computed for: implicit weight, slopes, prescribed flags.
     factored: Option<(f64, Vec<f64>, Vec<bool>)>,
+    /// Whether the factor is that of the present tangent.
+    fresh: bool,
+    /// Iterations that the last solve with an older factor took; `None` before the first
+    /// factorization of the time level, which is never replaced by an older one.
+    stale_iterations: Option<u32>,
+    /// Rank-one piece of the factor's Jacobian: K⁻¹a/(1 + bᵀK⁻¹a) and b.
+    correction: Option<(Vec<f64>, Vec<f64>)>,
+    krylov: Krylov,
     /// Load minus memory of the past.
     load: Vec<f64>,
     /// u as a nodal vector, and forces on all nodes.
@@ -104,6 +114,10 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             factor: space.analysis.factor(),
             workspace: space.analysis.workspace(2),
             factored: None,
+            fresh: false,
+            stale_iterations: None,
+            correction: None,
+            krylov: Krylov::default(),
             linear_law: model.elasticity,
             linear: elastic.clone(),
             tangent: Vec::new(),
@@ -146,6 +160,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             }
         }
         self.past_zeta = past_zeta;
+        self.stale_iterations = None;
         if weight != self.weight {
             self.set_linear_part(weight);
         }
@@ -304,11 +319,35 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         }
     }
 
-    /// (K + a bᵀ)⁻¹ by Sherman-Morrison, with both right sides in one pass over the factor.
-    fn solve_rank_one(&mut self, rank_one: &RankOne, rhs: &mut [f64]) -> Result<(), FactorError> {
+    /// Factorizes the tangent and prepares its rank-one correction.
+    fn factorize(&mut self) -> Result<(), FactorError> {
+        self.fresh = false;
+        self.correction = None;
+        let start = Instant::now();
+        let outcome = self.space.analysis.factorize(
+            &self.space.pattern,
+            &self.tangent,
+            &mut self.factor,
+            &mut self.workspace,
+        );
+        self.work.factorizations += 1;
+        self.work.seconds_factor += start.elapsed().as_secs_f64();
+        outcome?;
+        self.fresh = true;
+        self.stale_iterations = Some(0);
+        Ok(())
+    }
+
+    /// (K + a bᵀ)⁻¹ by Sherman-Morrison with the fresh factor, both right sides in one pass over it.
+    fn solve_fresh(&mut self, rhs: &mut [f64]) -> Result<(), FactorError> {
+        self.work.solves += 1;
+        let Some(rank_one) = &self.rank_one else {
+            self.space.analysis.solve(&self.factor, rhs, &mut self.workspace);
+            return Ok(());
+        };
         let dofs = rhs.len();
         self.pair.clear();
-        self.pair.extend(rhs.iter().zip(&rank_one.a).map(|(r, a)| r - rank_one.fixed * a));
+        self.pair.extend_from_slice(rhs);
         self.pair.extend(&rank_one.a);
         self.space.analysis.solve(&self.factor, &mut self.pair, &mut self.workspace);
         let (x, y) = self.pair.split_at(dofs);
@@ -317,11 +356,71 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         if denominator.is_nan() || denominator <= 0.0 {
             return Err(FactorError::SingularInZeta { denominator });
         }
-        let factor = dot(&rank_one.b, x) / denominator;
-        for ((target, x), y) in rhs.iter_mut().zip(x).zip(y) {
-            *target = x - factor * y;
-        }
+        rhs.copy_from_slice(x);
+        let scaled: Vec<f64> = y.iter().map(|y| y / denominator).collect();
+        axpy(-dot(&rank_one.b, rhs), &scaled, rhs);
+        self.correction = Some((scaled, rank_one.b.clone()));
         Ok(())
+    }
+
+    /// GMRES on the present Jacobian with the older factor as preconditioner; a fresh factor where
+    /// that does not converge.
+    fn solve_stale(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+        let mut krylov = std::mem::take(&mut self.krylov);
+        self.pair.clear();
+        self.pair.extend_from_slice(rhs);
+        let mut operator = StaleFactor {
+            space: self.space,
+            tangent: &self.tangent,
+            rank_one: self.rank_one.as_ref(),
+            factor: &self.factor,
+            workspace: &mut self.workspace,
+            correction: self.correction.as_ref(),
+        };
+        let info = gmres(&mut operator, rhs, forcing, STALE_LIMIT, &mut krylov);
+        self.krylov = krylov;
+        self.stale_iterations = Some(info.iterations);
+        self.work.solves += info.iterations;
+        if info.relative_residual <= forcing {
+            return Ok(());
+        }
+        self.factorize()?;
+        let saved = std::mem::take(&mut self.pair);
+        rhs.copy_from_slice(&saved[..rhs.len()]);
+        self.pair = saved;
+        self.solve_fresh(rhs)
+    }
+}
+
+/// A solve that took more iterations than this asks for a new factorization: in the plane a
+/// factorization costs about four applications of operator and preconditioner.
+const STALE_GOOD: u32 = 3;
+/// Iterations after which an older factor is given up at once.
+const STALE_LIMIT: usize = 10;
+
+/// The present Jacobian with an older factorization as preconditioner.
+struct StaleFactor<'a> {
+    space: &'a Discretization,
+    tangent: &'a [f64],
+    rank_one: Option<&'a RankOne>,
+    factor: &'a Factor,
+    workspace: &'a mut Workspace,
+    correction: Option<&'a (Vec<f64>, Vec<f64>)>,
+}
+
+impl Preconditioned for StaleFactor<'_> {
+    fn apply(&mut self, x: &[f64], out: &mut [f64]) {
+        self.space.pattern.multiply(self.tangent, x, out);
+        if let Some(rank_one) = self.rank_one {
+            axpy(dot(&rank_one.b, x), &rank_one.a, out);
+        }
+    }
+
+    fn precondition(&mut self, x: &mut [f64]) {
+        self.space.analysis.solve(self.factor, x, self.workspace);
+        if let Some((scaled, b)) = self.correction {
+            axpy(-dot(b, x), scaled, x);
+        }
     }
 }
 
@@ -424,38 +523,30 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
         if reuse {
             return Ok(());
         }
-        self.factored = None;
-        let start = Instant::now();
-        let outcome = self.space.analysis.factorize(
-            &self.space.pattern,
-            &self.tangent,
-            &mut self.factor,
-            &mut self.workspace,
-        );
-        self.work.factorizations += 1;
-        self.work.seconds_factor += start.elapsed().as_secs_f64();
-        outcome?;
         self.factored = Some((self.weight, slopes.to_vec(), flags().collect()));
-        Ok(())
+        if self.stale_iterations.is_some_and(|iterations| iterations <= STALE_GOOD) {
+            self.fresh = false;
+            return Ok(());
+        }
+        self.factorize()
     }
 
-    fn solve(&mut self, rhs: &mut [f64]) -> Result<(), FactorError> {
+    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         let start = Instant::now();
+        let factor_before = self.work.seconds_factor;
         for &(dof, value) in &self.lifted {
             rhs[dof] -= value;
+        }
+        if let Some(rank_one) = &self.rank_one {
+            axpy(-rank_one.fixed, &rank_one.a, rhs);
         }
         for &(dof, increment) in &self.fixed {
             rhs[dof] = increment;
         }
-        let outcome = match self.rank_one.take() {
-            None => {
-                self.space.analysis.solve(&self.factor, rhs, &mut self.workspace);
-                Ok(())
-            }
-            Some(rank_one) => self.solve_rank_one(&rank_one, rhs),
-        };
-        self.work.solves += 1;
-        self.work.seconds_solve += start.elapsed().as_secs_f64();
+        let outcome =
+            if self.fresh { self.solve_fresh(rhs) } else { self.solve_stale(rhs, forcing) };
+        let factor = self.work.seconds_factor - factor_before;
+        self.work.seconds_solve += start.elapsed().as_secs_f64() - factor;
         outcome
     }
 

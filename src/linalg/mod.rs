@@ -2,10 +2,12 @@
 
 mod cholesky;
 mod dissection;
+mod gmres;
 mod pattern;
 
 pub use cholesky::{Analysis, Factor, FactorError, Workspace};
 pub use dissection::nested_dissection;
+pub use gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
 pub use pattern::BlockPattern;
 
 /// Σ a_i b_i, summed in order.

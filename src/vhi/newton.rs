@@ -52,6 +52,12 @@ pub enum StepError {
 /// halved, which breaks cycles of the active set.
 const PATIENCE: u32 = 8;
 
+/// Relative residual of the linear solves. A Newton step reduces the nonlinear residual by about
+/// this much near the solution, so more digits would be lost to linearization.
+const FORCING: f64 = 1e-4;
+/// In the last iteration the linear residual stays below this share of the tolerance.
+const FORCING_SHARE: f64 = 0.3;
+
 impl Newton {
     /// Solves one time level from the start value in `state`.
     ///
@@ -92,9 +98,9 @@ impl Newton {
             if info.iterations > 0 {
                 info.active_set_changes += scratch.select_pieces(problem, state);
             }
-            scratch.advance(problem, state, damping).map_err(|source| StepError::Factor {
-                iteration: info.iterations,
-                source,
+            let forcing = (FORCING_SHARE * info.tolerance / info.residual).max(FORCING);
+            scratch.advance(problem, state, damping, forcing).map_err(|source| {
+                StepError::Factor { iteration: info.iterations, source }
             })?;
             info.iterations += 1;
             problem.residual(&state.u, &mut scratch.force);
@@ -172,6 +178,7 @@ impl Scratch {
         problem: &mut P,
         state: &mut StepState,
         damping: f64,
+        forcing: f64,
     ) -> Result<(), FactorError> {
         let graph = problem.graph();
         for (i, at) in graph.coordinates.iter().enumerate() {
@@ -187,7 +194,7 @@ impl Scratch {
             }
         }
         problem.linearize(&self.slopes, &self.prescribed)?;
-        problem.solve(&mut self.increment)?;
+        problem.solve(&mut self.increment, forcing)?;
         for (u, increment) in state.u.iter_mut().zip(&self.increment) {
             *u += damping * increment;
         }

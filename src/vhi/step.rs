@@ -32,11 +32,13 @@ pub trait StepInequality {
         prescribed: &[Option<f64>],
     ) -> Result<(), FactorError>;
 
-    /// Solves with the prepared Jacobian in place.
+    /// Solves with the prepared Jacobian in place, to a residual of at most `forcing` times the
+    /// right side (or better: a direct solve ignores it).
     ///
     /// # Errors
-    /// [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian singular.
-    fn solve(&mut self, rhs: &mut [f64]) -> Result<(), FactorError>;
+    /// The factorization's; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
+    /// singular.
+    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError>;
 
     /// Size of the forces that cancel in F(u): rounding in F is a small multiple of ε times this.
     fn force_scale(&self, u: &[f64]) -> f64;

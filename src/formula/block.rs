@@ -1,0 +1,111 @@
+//! Execution of tapes, a block of lanes at a time.
+
+use super::scalar::power;
+use super::tape::{Register, Source, Step, Tape};
+use super::vocabulary::{Function, sign};
+
+/// Lanes of a block: a few dozen registers of this length stay in cache.
+pub(super) const BLOCK: usize = 128;
+
+/// Registers of [`BLOCK`] lanes each.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Registers {
+    blocks: Vec<Vec<f64>>,
+}
+
+impl Registers {
+    /// The lanes of a register.
+    pub(super) fn lanes(&self, register: Register, count: usize) -> &[f64] {
+        &self.blocks[register][..count]
+    }
+
+    /// Runs `tape` on `count` lanes; `fetch` fills in what comes from outside.
+    pub(super) fn run(
+        &mut self,
+        tape: &Tape,
+        count: usize,
+        mut fetch: impl FnMut(Source, &mut [f64]),
+    ) {
+        if self.blocks.len() < tape.registers {
+            self.blocks.resize_with(tape.registers, || vec![0.0; BLOCK]);
+        }
+        for (out, step) in &tape.steps {
+            // Taken out of the file so that operands can be read meanwhile.
+            let mut target = std::mem::take(&mut self.blocks[*out]);
+            match step {
+                Step::Fetch(source) => fetch(*source, &mut target[..count]),
+                step => self.compute(step, &mut target[..count]),
+            }
+            self.blocks[*out] = target;
+        }
+    }
+
+    fn compute(&self, step: &Step, out: &mut [f64]) {
+        match *step {
+            Step::Constant(v) => out.fill(v),
+            Step::Fetch(_) => {}
+            Step::Neg(a) => self.unary(a, out, |a| -a),
+            Step::Scale(v, a) => self.unary(a, out, |a| v * a),
+            Step::Shift(v, a) => self.unary(a, out, |a| v + a),
+            Step::From(v, a) => self.unary(a, out, |a| v - a),
+            Step::Over(a, v) => self.unary(a, out, |a| a / v),
+            Step::Add(a, b) => self.binary([a, b], out, |a, b| a + b),
+            Step::Sub(a, b) => self.binary([a, b], out, |a, b| a - b),
+            Step::Mul(a, b) => self.binary([a, b], out, |a, b| a * b),
+            Step::Div(a, b) => self.binary([a, b], out, |a, b| a / b),
+            Step::Max(a, b) => self.binary([a, b], out, f64::max),
+            Step::Min(a, b) => self.binary([a, b], out, f64::min),
+            Step::Pow(a, b) => self.binary([a, b], out, f64::powf),
+            Step::Power(a, n) => self.power(a, n, out),
+            Step::Apply(function, a) => self.apply(function, a, out),
+            Step::Less(four) => self.select(four, out),
+        }
+    }
+
+    fn unary(&self, a: Register, out: &mut [f64], f: impl Fn(f64) -> f64) {
+        for (out, a) in out.iter_mut().zip(&self.blocks[a]) {
+            *out = f(*a);
+        }
+    }
+
+    fn binary(&self, [a, b]: [Register; 2], out: &mut [f64], f: impl Fn(f64, f64) -> f64) {
+        let operands = self.blocks[a].iter().zip(&self.blocks[b]);
+        for (out, (a, b)) in out.iter_mut().zip(operands) {
+            *out = f(*a, *b);
+        }
+    }
+
+    /// Small powers have loops of their own, which become plain products.
+    fn power(&self, a: Register, n: i32, out: &mut [f64]) {
+        match n {
+            -1 => self.unary(a, out, |a| power(a, -1)),
+            2 => self.unary(a, out, |a| power(a, 2)),
+            3 => self.unary(a, out, |a| power(a, 3)),
+            4 => self.unary(a, out, |a| power(a, 4)),
+            5 => self.unary(a, out, |a| power(a, 5)),
+            6 => self.unary(a, out, |a| power(a, 6)),
+            7 => self.unary(a, out, |a| power(a, 7)),
+            8 => self.unary(a, out, |a| power(a, 8)),
+            _ => self.unary(a, out, |a| power(a, n)),
+        }
+    }
+
+    fn apply(&self, function: Function, a: Register, out: &mut [f64]) {
+        match function {
+            Function::Sqrt => self.unary(a, out, f64::sqrt),
+            Function::Abs => self.unary(a, out, f64::abs),
+            Function::Sign => self.unary(a, out, sign),
+            _ => self.unary(a, out, |a| function.value(a)),
+        }
+    }
+
+    fn select(&self, [a, b, p, q]: [Register; 4], out: &mut [f64]) {
+        let n = out.len();
+        let [a, b, p, q] = [a, b, p, q].map(|r| &self.blocks[r][..n]);
+        for i in 0..n {
+            // Both are read, so that the choice is a blend and not a jump.
+            let (then, otherwise) = (p[i], q[i]);
+            out[i] = if a[i] < b[i] { then } else { otherwise };
+        }
+    }
+}

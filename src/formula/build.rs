@@ -1,0 +1,276 @@
+//! Construction of expressions, with local simplification.
+//!
+//! Constants are folded and x+0, 1*x, 0*x, x-x, x/x and nested powers are
+//! simplified.  0*x = 0 drops the NaN of a singular x, and x/x = 1 the one at
+//! x = 0: both are accepted, an exact solution has neither.
+
+use super::graph::{Graph, Node, Op, Variable};
+use super::scalar::power;
+use super::vocabulary::Function;
+
+impl Graph {
+    /// The number `v`; the two zeros are one.
+    pub fn constant(&mut self, v: f64) -> Node {
+        let v = if v.is_nan() { f64::NAN } else { v + 0.0 };
+        self.intern(Op::Constant(v.to_bits()))
+    }
+
+    /// The variable `v`.
+    pub fn variable(&mut self, v: Variable) -> Node {
+        self.intern(Op::Variable(v))
+    }
+
+    /// -a.
+    pub fn neg(&mut self, a: Node) -> Node {
+        match self.op(a) {
+            Op::Constant(bits) => self.constant(-f64::from_bits(bits)),
+            Op::Neg(b) => b,
+            Op::Sub(b, c) => self.sub(c, b),
+            Op::Mul(b, c) if self.value_of_constant(b).is_some() => {
+                let b = self.neg(b);
+                self.mul(b, c)
+            }
+            _ => self.intern(Op::Neg(a)),
+        }
+    }
+
+    /// a + b.
+    pub fn add(&mut self, a: Node, b: Node) -> Node {
+        match (self.value_of_constant(a), self.value_of_constant(b)) {
+            (Some(u), Some(v)) => return self.constant(u + v),
+            (Some(0.0), _) => return b,
+            (_, Some(0.0)) => return a,
+            _ => {}
+        }
+        if a == b {
+            let two = self.constant(2.0);
+            return self.mul(two, a);
+        }
+        match (self.op(a), self.op(b)) {
+            (_, Op::Neg(c)) => self.sub(a, c),
+            (Op::Neg(c), _) => self.sub(b, c),
+            _ => {
+                let (a, b) = self.ordered(a, b);
+                self.intern(Op::Add(a, b))
+            }
+        }
+    }
+
+    /// a - b.
+    pub fn sub(&mut self, a: Node, b: Node) -> Node {
+        if a == b {
+            return self.constant(0.0);
+        }
+        if self.value_of_constant(b).is_some() {
+            let b = self.neg(b);
+            return self.add(a, b);
+        }
+        if self.value_of_constant(a) == Some(0.0) {
+            return self.neg(b);
+        }
+        if let Op::Neg(c) = self.op(b) {
+            return self.add(a, c);
+        }
+        self.intern(Op::Sub(a, b))
+    }
+
+    /// a * b.
+    pub fn mul(&mut self, a: Node, b: Node) -> Node {
+        let (a, b) = self.ordered(a, b);
+        match (self.value_of_constant(a), self.value_of_constant(b)) {
+            (Some(u), Some(v)) => return self.constant(u * v),
+            (Some(0.0), _) => return a,
+            (Some(1.0), _) => return b,
+            (Some(-1.0), _) => return self.neg(b),
+            _ => {}
+        }
+        match (self.op(a), self.op(b)) {
+            (Op::Constant(_), Op::Neg(c)) => {
+                let a = self.neg(a);
+                self.mul(a, c)
+            }
+            (Op::Constant(u), Op::Mul(c, d)) if self.value_of_constant(c).is_some() => {
+                let v = self.value_of_constant(c).unwrap_or(1.0);
+                let product = self.constant(f64::from_bits(u) * v);
+                self.mul(product, d)
+            }
+            (Op::Neg(c), _) => {
+                let product = self.mul(c, b);
+                self.neg(product)
+            }
+            (_, Op::Neg(c)) => {
+                let product = self.mul(a, c);
+                self.neg(product)
+            }
+            _ if a == b => self.powi(a, 2),
+            (Op::Power(c, n), _) if c == b && (1..i32::MAX).contains(&n) => self.powi(b, n + 1),
+            (_, Op::Power(c, n)) if c == a && (1..i32::MAX).contains(&n) => self.powi(a, n + 1),
+            _ => self.intern(Op::Mul(a, b)),
+        }
+    }
+
+    /// a / b.
+    pub fn div(&mut self, a: Node, b: Node) -> Node {
+        match (self.value_of_constant(a), self.value_of_constant(b)) {
+            (Some(u), Some(v)) => return self.constant(u / v),
+            (Some(0.0), _) => return a,
+            (_, Some(1.0)) => return a,
+            (_, Some(v)) => {
+                if let Op::Mul(c, d) = self.op(a)
+                    && let Some(u) = self.value_of_constant(c)
+                {
+                    let quotient = self.constant(u / v);
+                    return self.mul(quotient, d);
+                }
+            }
+            _ => {}
+        }
+        if a == b {
+            return self.constant(1.0);
+        }
+        match (self.op(a), self.op(b)) {
+            (Op::Neg(c), _) => {
+                let quotient = self.div(c, b);
+                self.neg(quotient)
+            }
+            (_, Op::Neg(c)) => {
+                let quotient = self.div(a, c);
+                self.neg(quotient)
+            }
+            _ => self.intern(Op::Div(a, b)),
+        }
+    }
+
+    /// The integer power a^n, by repeated multiplication, so that negative
+    /// bases have powers.
+    pub fn powi(&mut self, a: Node, n: i32) -> Node {
+        match (n, self.op(a)) {
+            (0, _) => self.constant(1.0),
+            (1, _) => a,
+            (_, Op::Constant(bits)) => self.constant(power(f64::from_bits(bits), n)),
+            (_, Op::Neg(b)) => {
+                let even = self.powi(b, n);
+                if n % 2 == 0 { even } else { self.neg(even) }
+            }
+            (_, Op::Power(b, m)) if m.checked_mul(n).is_some() => self.powi(b, m * n),
+            _ => self.intern(Op::Power(a, n)),
+        }
+    }
+
+    /// The real power a^b; an integer power where b is a whole number.
+    pub fn pow(&mut self, a: Node, b: Node) -> Node {
+        match (self.value_of_constant(a), self.value_of_constant(b)) {
+            (_, Some(n)) if n.fract() == 0.0 && n.abs() <= f64::from(i32::MAX) => {
+                self.powi(a, n as i32)
+            }
+            (Some(u), Some(v)) => self.constant(u.powf(v)),
+            (_, Some(0.5)) => self.apply(Function::Sqrt, a),
+            (Some(1.0), _) => a,
+            _ => self.intern(Op::Pow(a, b)),
+        }
+    }
+
+    /// The larger of a and b.
+    pub fn max(&mut self, a: Node, b: Node) -> Node {
+        self.extremum(a, b, f64::max, Op::Max)
+    }
+
+    /// The smaller of a and b.
+    pub fn min(&mut self, a: Node, b: Node) -> Node {
+        self.extremum(a, b, f64::min, Op::Min)
+    }
+
+    fn extremum(
+        &mut self,
+        a: Node,
+        b: Node,
+        fold: fn(f64, f64) -> f64,
+        op: fn(Node, Node) -> Op,
+    ) -> Node {
+        if a == b {
+            return a;
+        }
+        if let (Some(u), Some(v)) = (self.value_of_constant(a), self.value_of_constant(b)) {
+            return self.constant(fold(u, v));
+        }
+        let (a, b) = self.ordered(a, b);
+        let decider = self.sub(a, b);
+        let node = self.intern(op(a, b));
+        self.deciders.insert(node, decider);
+        node
+    }
+
+    /// `then` where a < b, `otherwise` elsewhere.
+    pub fn select_less(&mut self, a: Node, b: Node, then: Node, otherwise: Node) -> Node {
+        if then == otherwise {
+            return then;
+        }
+        if a == b {
+            return otherwise;
+        }
+        if let (Some(u), Some(v)) = (self.value_of_constant(a), self.value_of_constant(b)) {
+            return if u < v { then } else { otherwise };
+        }
+        let decider = self.sub(a, b);
+        let node = self.intern(Op::Less([a, b, then, otherwise]));
+        self.deciders.insert(node, decider);
+        node
+    }
+
+    pub(super) fn apply(&mut self, function: Function, a: Node) -> Node {
+        match (function, self.op(a)) {
+            (_, Op::Constant(bits)) => self.constant(function.value(f64::from_bits(bits))),
+            (Function::Abs, Op::Neg(b)) => self.apply(function, b),
+            _ => {
+                let node = self.intern(Op::Apply(function, a));
+                if matches!(function, Function::Abs | Function::Sign) {
+                    self.deciders.insert(node, a);
+                }
+                node
+            }
+        }
+    }
+
+    /// The order in which commutative operands are stored: numbers first.
+    fn ordered(&self, a: Node, b: Node) -> (Node, Node) {
+        let key = |n: Node| (self.value_of_constant(n).is_none(), n.0);
+        if key(b) < key(a) { (b, a) } else { (a, b) }
+    }
+}
+
+macro_rules! unary {
+    ($($name:ident $function:ident $text:literal;)*) => {
+        impl Graph {
+            $(
+                #[doc = $text]
+                pub fn $name(&mut self, a: Node) -> Node {
+                    self.apply(Function::$function, a)
+                }
+            )*
+        }
+    };
+}
+
+unary! {
+    sin Sin "sin(a).";
+    cos Cos "cos(a).";
+    tan Tan "tan(a).";
+    asin Asin "asin(a).";
+    acos Acos "acos(a).";
+    atan Atan "atan(a).";
+    sinh Sinh "sinh(a).";
+    cosh Cosh "cosh(a).";
+    tanh Tanh "tanh(a).";
+    exp Exp "exp(a).";
+    log Log "The natural logarithm of a.";
+    sqrt Sqrt "The square root of a.";
+    abs Abs "|a|, whose derivative is sign(a).";
+    sign Sign "-1, 0 or 1 with the sign of a; its derivative is taken as zero.";
+}
+
+impl Graph {
+    /// exp(a) - 1.
+    pub(super) fn exp_minus_one(&mut self, a: Node) -> Node {
+        self.apply(Function::ExpMinusOne, a)
+    }
+}

@@ -1,0 +1,226 @@
+//! The expression graph: every expression is stored once.
+
+use std::collections::HashMap;
+
+use super::vocabulary::Function;
+
+/// An independent variable.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, PartialOrd, Ord)]
+pub enum Variable {
+    /// First space coordinate.
+    X,
+    /// Second space coordinate.
+    Y,
+    /// Third space coordinate.
+    Z,
+    /// Time.
+    T,
+    /// A second scalar argument, constant over the points of one evaluation.
+    Zeta,
+}
+
+impl Variable {
+    /// The name in formulas.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+            Self::T => "t",
+            Self::Zeta => "zeta",
+        }
+    }
+
+    /// The variable with this name.
+    pub fn named(name: &str) -> Option<Self> {
+        [Self::X, Self::Y, Self::Z, Self::T, Self::Zeta]
+            .into_iter()
+            .find(|v| v.name() == name)
+    }
+}
+
+/// The set of variables an expression depends on, one bit each.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default, PartialOrd, Ord)]
+pub(super) struct Dependence(u8);
+
+impl Dependence {
+    const HISTORY: u8 = 1 << 5;
+
+    pub(super) fn of(variable: Variable) -> Self {
+        Self(1 << variable as u8)
+    }
+
+    pub(super) fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    pub(super) fn contains(self, variable: Variable) -> bool {
+        self.0 & Self::of(variable).0 != 0
+    }
+
+    /// The space variables alone: bit 0 for x, 1 for y, 2 for z.
+    pub(super) fn space(self) -> u8 {
+        self.0 & 7
+    }
+
+    pub(super) fn on_time(self) -> bool {
+        self.contains(Variable::T)
+    }
+
+    /// Whether a hereditary integral occurs in the expression.
+    pub(super) fn on_history(self) -> bool {
+        self.0 & Self::HISTORY != 0
+    }
+
+    /// Neither t nor zeta: the value at a point never changes.
+    pub(super) fn is_static(self) -> bool {
+        !self.on_time() && !self.contains(Variable::Zeta)
+    }
+
+    /// Nothing but t, if that.
+    pub(super) fn at_most_time(self) -> bool {
+        self.space() == 0 && !self.contains(Variable::Zeta)
+    }
+}
+
+/// An expression of one [`Graph`].
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Node(pub(super) u32);
+
+impl Node {
+    pub(super) fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What a node is; operands always have smaller numbers than the node itself,
+/// so that ascending numbers are an order of evaluation.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Op {
+    /// The bits of a number.
+    Constant(u64),
+    Variable(Variable),
+    Neg(Node),
+    Add(Node, Node),
+    Sub(Node, Node),
+    Mul(Node, Node),
+    Div(Node, Node),
+    /// An integer power.
+    Power(Node, i32),
+    /// A real power.
+    Pow(Node, Node),
+    Apply(Function, Node),
+    Max(Node, Node),
+    Min(Node, Node),
+    /// `[a, b, then, otherwise]`: `then` where a < b.
+    Less([Node; 4]),
+    /// Integral over 0 < s < t of exp(-c (t-s)) f(s), the bits of c first.
+    Relax(u64, Node),
+    /// Integral over 0 < s < t of b(t-s) f(s), the kernel b first.
+    Convolve(Node, Node),
+}
+
+impl Op {
+    /// The operands, in order.
+    pub(super) fn operands(&self) -> impl Iterator<Item = Node> + use<> {
+        let list = match *self {
+            Self::Constant(_) | Self::Variable(_) => [None; 4],
+            Self::Neg(a) | Self::Power(a, _) | Self::Apply(_, a) | Self::Relax(_, a) => {
+                [Some(a), None, None, None]
+            }
+            Self::Add(a, b)
+            | Self::Sub(a, b)
+            | Self::Mul(a, b)
+            | Self::Div(a, b)
+            | Self::Pow(a, b)
+            | Self::Max(a, b)
+            | Self::Min(a, b)
+            | Self::Convolve(a, b) => [Some(a), Some(b), None, None],
+            Self::Less(four) => four.map(Some),
+        };
+        list.into_iter().flatten()
+    }
+}
+
+/// A directed acyclic graph of expressions with equal ones shared.
+#[derive(Clone, Debug, Default)]
+pub struct Graph {
+    ops: Vec<Op>,
+    dependence: Vec<Dependence>,
+    known: HashMap<Op, Node>,
+    pub(super) derivatives: HashMap<(Node, Variable), Node>,
+    /// For each branching node the expression whose sign decides.
+    pub(super) deciders: HashMap<Node, Node>,
+}
+
+impl Graph {
+    /// An empty graph.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    pub(super) fn op(&self, node: Node) -> Op {
+        self.ops[node.index()]
+    }
+
+    pub(super) fn dependence(&self, node: Node) -> Dependence {
+        self.dependence[node.index()]
+    }
+
+    /// The node of an operation, new or known; no simplification.
+    pub(super) fn intern(&mut self, op: Op) -> Node {
+        if let Some(&node) = self.known.get(&op) {
+            return node;
+        }
+        let mut dependence = op.operands().fold(Dependence::default(), |set, operand| {
+            set.union(self.dependence(operand))
+        });
+        match op {
+            Op::Variable(v) => dependence = Dependence::of(v),
+            Op::Relax(..) | Op::Convolve(..) => {
+                let time = Dependence::of(Variable::T);
+                dependence = dependence.union(time).union(Dependence(Dependence::HISTORY));
+            }
+            _ => {}
+        }
+        let node = Node(self.ops.len() as u32);
+        self.ops.push(op);
+        self.dependence.push(dependence);
+        self.known.insert(op, node);
+        node
+    }
+
+    /// Whether the value of `f` varies with `v`; hereditary integrals vary
+    /// with t.
+    pub fn depends_on(&self, f: Node, v: Variable) -> bool {
+        self.dependence(f).contains(v)
+    }
+
+    /// The number `f` is, if it is one.
+    pub fn value_of_constant(&self, f: Node) -> Option<f64> {
+        match self.op(f) {
+            Op::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    /// All nodes below and including `roots` in order of evaluation.  Where
+    /// `enter` refuses a node the node is listed and its operands are not.
+    ///
+    /// A stack of its own, because a sum of many terms is a deep graph.
+    pub(super) fn reachable(&self, roots: &[Node], enter: impl Fn(Node) -> bool) -> Vec<Node> {
+        let mut seen = std::collections::HashSet::new();
+        let mut stack = roots.to_vec();
+        let mut found = Vec::new();
+        while let Some(node) = stack.pop() {
+            if seen.insert(node) {
+                found.push(node);
+                if enter(node) {
+                    stack.extend(self.op(node).operands());
+                }
+            }
+        }
+        found.sort_unstable_by_key(|n| n.0);
+        found
+    }
+}

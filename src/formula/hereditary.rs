@@ -1,0 +1,115 @@
+//! Integrals over the past: relaxation and convolution in time.
+//!
+//! Both are linear, so the integrand is taken apart: factors that do not
+//! depend on t come out, sums are integrated term by term, and
+//!
+//!   relax(a, relax(b, f)) = (relax(b, f) - relax(a, f)) / (a - b).
+//!
+//! What then remains under an integral depends on as few space variables as
+//! can be, and its values are shared by all points with the same abscissae.
+
+use super::graph::{Graph, Node, Op, Variable};
+
+/// Rates closer than this, relative to the larger, are not split: the
+/// difference quotient would lose as many digits.
+const DISTINCT_RATES: f64 = 1e-4;
+
+/// The kernel of an integral over the past.
+#[derive(Clone, Copy)]
+enum Memory {
+    /// exp(-c (t-s))
+    Exponential(f64),
+    /// b(t-s)
+    General(Node),
+}
+
+impl Graph {
+    /// Integral over 0 < s < t of exp(-c (t-s)) f(x,y,z,s) ds.
+    pub fn relax(&mut self, c: f64, f: Node) -> Node {
+        self.integrate(Memory::Exponential(c + 0.0), f)
+    }
+
+    /// Integral over 0 < s < t of b(t-s) f(x,y,z,s) ds for a smooth kernel b
+    /// that depends on t only.  A sum of exponentials becomes relaxations; a
+    /// kernel that depends on anything else gives NaN.
+    pub fn convolve(&mut self, kernel: Node, f: Node) -> Node {
+        if !self.dependence(kernel).at_most_time() || self.dependence(kernel).on_history() {
+            return self.constant(f64::NAN);
+        }
+        let Some(exponentials) = self.exponential_sum(kernel) else {
+            return self.integrate(Memory::General(kernel), f);
+        };
+        let mut sum = self.constant(0.0);
+        for (a, c) in exponentials {
+            let amplitude = self.constant(a);
+            let part = self.relax(c, f);
+            let part = self.mul(amplitude, part);
+            sum = self.add(sum, part);
+        }
+        sum
+    }
+
+    fn integrate(&mut self, memory: Memory, f: Node) -> Node {
+        // Terms with the same factor in space are summed before it multiplies.
+        let mut groups: Vec<(Node, Node)> = Vec::new();
+        for term in self.terms_in_time(f) {
+            let number = self.constant(term.number);
+            let integral = self.integrate_moving(memory, term.moving);
+            let part = self.mul(number, integral);
+            match groups.iter_mut().find(|(still, _)| *still == term.still) {
+                Some((_, sum)) => *sum = self.add(*sum, part),
+                None => groups.push((term.still, part)),
+            }
+        }
+        let mut total = self.constant(0.0);
+        for (still, sum) in groups {
+            let part = self.mul(still, sum);
+            total = self.add(total, part);
+        }
+        total
+    }
+
+    /// The integral of a product of factors that all depend on t, or of 1.
+    fn integrate_moving(&mut self, memory: Memory, f: Node) -> Node {
+        match (memory, self.op(f)) {
+            (Memory::Exponential(c), Op::Constant(_)) => {
+                let unit = self.relaxed_unit(c);
+                self.mul(f, unit)
+            }
+            (Memory::Exponential(a), Op::Relax(bits, g)) if distinct(a, f64::from_bits(bits)) => {
+                let b = f64::from_bits(bits);
+                let faster = self.relax(a, g);
+                let difference = self.sub(f, faster);
+                let factor = self.constant((a - b).recip());
+                self.mul(factor, difference)
+            }
+            (_, Op::Less([a, b, p, q])) if !self.branches_in_time(a, b) => {
+                let p = self.integrate(memory, p);
+                let q = self.integrate(memory, q);
+                self.select_less(a, b, p, q)
+            }
+            (Memory::Exponential(c), _) => self.intern(Op::Relax(c.to_bits(), f)),
+            (Memory::General(kernel), _) => self.intern(Op::Convolve(kernel, f)),
+        }
+    }
+
+    fn branches_in_time(&self, a: Node, b: Node) -> bool {
+        self.depends_on(a, Variable::T) || self.depends_on(b, Variable::T)
+    }
+
+    /// Integral over 0 < s < t of exp(-c (t-s)) ds = (1 - exp(-c t)) / c.
+    fn relaxed_unit(&mut self, c: f64) -> Node {
+        let t = self.variable(Variable::T);
+        if c == 0.0 {
+            return t;
+        }
+        let rate = self.constant(-c);
+        let exponent = self.mul(rate, t);
+        let growth = self.exp_minus_one(exponent);
+        self.div(growth, rate)
+    }
+}
+
+fn distinct(a: f64, b: f64) -> bool {
+    (a - b).abs() > DISTINCT_RATES * a.abs().max(b.abs())
+}

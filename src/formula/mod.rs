@@ -1,0 +1,43 @@
+//! Formulas: parsed into a graph, differentiated exactly, compiled to blocked
+//! tapes and evaluated at many points for a sequence of times.
+//!
+//! A [`Graph`] holds expressions in x, y, z, t and zeta as a directed acyclic
+//! graph in which equal subexpressions are one node.  A [`Program`] is a set of
+//! nodes prepared for evaluation; a [`Bound`] is a program with its points.
+
+mod arranged;
+mod block;
+mod bound;
+mod breaks;
+mod build;
+mod decompose;
+mod derivative;
+mod error;
+mod expsum;
+mod graph;
+mod guards;
+mod hereditary;
+mod history;
+mod lexer;
+mod memory;
+mod operand;
+mod parser;
+mod past;
+mod program;
+mod quadrature;
+mod sampler;
+mod scalar;
+mod scope;
+mod separate;
+mod stage;
+mod substitute;
+mod tape;
+mod vocabulary;
+mod weights;
+
+pub use bound::Bound;
+pub use error::ParseError;
+pub use graph::{Graph, Node, Variable};
+pub use program::Program;
+pub use scalar::Point;
+pub use scope::Scope;

@@ -1,0 +1,173 @@
+//! Separation of space and time.
+
+use std::collections::HashMap;
+
+use super::graph::{Graph, Node, Op};
+use super::vocabulary::Function;
+
+/// Longer sums count as not separable.
+const MOST_TERMS: usize = 128;
+
+/// The list (a, f) of sum a(t) f(x,y,z).
+type Separated = Vec<(Node, Node)>;
+
+impl Graph {
+    /// The list of (a, g) with f = sum a(t) g(x,y,z,zeta), found by multiplying
+    /// out sums and small powers, and splitting products, exponentials of sums
+    /// and branches decided by space or by time alone.  `None` where the form
+    /// of `f` does not show one; zero is the empty sum.
+    pub fn separate(&mut self, f: Node) -> Option<Vec<(Node, Node)>> {
+        let mut known: HashMap<Node, Option<Separated>> = HashMap::new();
+        for node in self.reachable(&[f], |n| !self.is_pure(n)) {
+            let sum = if self.is_pure(node) {
+                Some(self.pure(node))
+            } else {
+                self.separate_one(node, &known)
+            };
+            let sum = sum.and_then(|sum| self.collected(sum));
+            known.insert(node, sum);
+        }
+        known.remove(&f).flatten()
+    }
+
+    fn is_time_only(&self, f: Node) -> bool {
+        self.dependence(f).at_most_time()
+    }
+
+    /// Time alone or space alone.
+    fn is_pure(&self, f: Node) -> bool {
+        self.is_time_only(f) || !self.dependence(f).on_time()
+    }
+
+    fn pure(&mut self, f: Node) -> Separated {
+        let one = self.constant(1.0);
+        if self.value_of_constant(f) == Some(0.0) {
+            Vec::new()
+        } else if self.dependence(f).on_time() {
+            vec![(f, one)]
+        } else {
+            vec![(one, f)]
+        }
+    }
+
+    fn separate_one(
+        &mut self,
+        f: Node,
+        known: &HashMap<Node, Option<Separated>>,
+    ) -> Option<Separated> {
+        let of = |n: Node| known.get(&n).cloned().flatten();
+        match self.op(f) {
+            Op::Neg(a) => Some(self.negated(of(a)?)),
+            Op::Add(a, b) => Some([of(a)?, of(b)?].concat()),
+            Op::Sub(a, b) => {
+                let minus = self.negated(of(b)?);
+                Some([of(a)?, minus].concat())
+            }
+            Op::Mul(a, b) => self.multiplied(&of(a)?, &of(b)?),
+            Op::Div(a, b) => {
+                let [(time, space)] = of(b)?[..] else {
+                    return None;
+                };
+                let divide = |(a, g): (Node, Node)| (self.div(a, time), self.div(g, space));
+                Some(of(a)?.into_iter().map(divide).collect())
+            }
+            Op::Power(a, n) => {
+                let base = of(a)?;
+                if let [(time, space)] = base[..] {
+                    return Some(vec![(self.powi(time, n), self.powi(space, n))]);
+                }
+                (2..=16).contains(&n).then_some(())?;
+                (1..n).try_fold(base.clone(), |sum, _| {
+                    let sum = self.multiplied(&sum, &base)?;
+                    self.collected(sum)
+                })
+            }
+            Op::Apply(Function::Exp, a) => {
+                let (mut time, mut space) = (self.constant(1.0), self.constant(1.0));
+                for (a, g) in of(a)? {
+                    let exponent = self.mul(a, g);
+                    if !self.is_pure(exponent) {
+                        return None;
+                    }
+                    let factor = self.exp(exponent);
+                    if self.is_time_only(exponent) {
+                        time = self.mul(time, factor);
+                    } else {
+                        space = self.mul(space, factor);
+                    }
+                }
+                Some(vec![(time, space)])
+            }
+            Op::Less([a, b, p, q]) => self.separate_branches([a, b], of(p)?, of(q)?),
+            Op::Relax(c, a) => {
+                let relax = |(a, g): (Node, Node)| (self.relax(f64::from_bits(c), a), g);
+                Some(of(a)?.into_iter().map(relax).collect())
+            }
+            Op::Convolve(kernel, a) => {
+                let convolve = |(a, g): (Node, Node)| (self.convolve(kernel, a), g);
+                Some(of(a)?.into_iter().map(convolve).collect())
+            }
+            _ => None,
+        }
+    }
+
+    /// A branch decided in one of the two factors is taken there.
+    fn separate_branches(
+        &mut self,
+        [a, b]: [Node; 2],
+        then: Separated,
+        otherwise: Separated,
+    ) -> Option<Separated> {
+        let in_time = self.is_time_only(a) && self.is_time_only(b);
+        let in_space = !self.dependence(a).on_time() && !self.dependence(b).on_time();
+        if !in_time && !in_space {
+            return None;
+        }
+        let zero = self.constant(0.0);
+        let mut sum = Vec::with_capacity(then.len() + otherwise.len());
+        for (list, taken) in [(then, true), (otherwise, false)] {
+            for (time, space) in list {
+                let factor = if in_time { time } else { space };
+                let (p, q) = if taken { (factor, zero) } else { (zero, factor) };
+                let factor = self.select_less(a, b, p, q);
+                sum.push(if in_time { (factor, space) } else { (time, factor) });
+            }
+        }
+        Some(sum)
+    }
+
+    fn negated(&mut self, sum: Separated) -> Separated {
+        sum.into_iter().map(|(a, g)| (a, self.neg(g))).collect()
+    }
+
+    fn multiplied(&mut self, f: &Separated, g: &Separated) -> Option<Separated> {
+        if f.len() * g.len() > MOST_TERMS {
+            return None;
+        }
+        let mut sum = Vec::with_capacity(f.len() * g.len());
+        for &(a, p) in f {
+            for &(b, q) in g {
+                sum.push((self.mul(a, b), self.mul(p, q)));
+            }
+        }
+        Some(sum)
+    }
+
+    /// Terms with a common factor put together.
+    fn collected(&mut self, sum: Separated) -> Option<Separated> {
+        let mut kept: Separated = Vec::new();
+        for (a, g) in sum {
+            if let Some((_, space)) = kept.iter_mut().find(|(b, _)| *b == a) {
+                *space = self.add(*space, g);
+            } else if let Some((time, _)) = kept.iter_mut().find(|(_, h)| *h == g) {
+                *time = self.add(*time, a);
+            } else {
+                kept.push((a, g));
+            }
+        }
+        kept.retain(|(a, g)| {
+            self.value_of_constant(*a) != Some(0.0) && self.value_of_constant(*g) != Some(0.0)
+        });
+        (kept.len() <= MOST_TERMS).then_some(kept)
+    }
+}

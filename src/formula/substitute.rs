@@ -1,0 +1,69 @@
+//! Replacement of a variable by an expression.
+
+use std::collections::HashMap;
+
+use super::graph::{Graph, Node, Op, Variable};
+
+impl Graph {
+    /// `f` with `v` replaced by `by`.
+    ///
+    /// A hereditary integral keeps its own time of integration, so in one that
+    /// depends on t not everything can be written: t = 0 gives zero, and a
+    /// replacement of another variable must not itself depend on t.  What
+    /// cannot be written becomes NaN.
+    pub fn substitute(&mut self, f: Node, v: Variable, by: Node) -> Node {
+        if self.op(by) == Op::Variable(v) {
+            return f;
+        }
+        let order = self.reachable(&[f], |n| {
+            // The past of an integral is not touched by a new present.
+            self.depends_on(n, v)
+                && !(v == Variable::T && matches!(self.op(n), Op::Relax(..) | Op::Convolve(..)))
+        });
+        let mut new: HashMap<Node, Node> = HashMap::with_capacity(order.len());
+        for node in order {
+            let image = if self.depends_on(node, v) {
+                self.rebuilt(node, v, by, &new)
+            } else {
+                node
+            };
+            new.insert(node, image);
+        }
+        new.get(&f).copied().unwrap_or(f)
+    }
+
+    fn rebuilt(&mut self, f: Node, v: Variable, by: Node, new: &HashMap<Node, Node>) -> Node {
+        let to = |n: Node| new.get(&n).copied().unwrap_or(n);
+        match self.op(f) {
+            Op::Variable(_) => by,
+            Op::Relax(..) | Op::Convolve(..) if v == Variable::T => {
+                let at_start = self.value_of_constant(by) == Some(0.0);
+                self.constant(if at_start { 0.0 } else { f64::NAN })
+            }
+            Op::Relax(..) | Op::Convolve(..) if self.depends_on(by, Variable::T) => {
+                self.constant(f64::NAN)
+            }
+            op => self.with_operands(op, to),
+        }
+    }
+
+    /// The operation of `op` on other operands, simplified again.
+    pub(super) fn with_operands(&mut self, op: Op, to: impl Fn(Node) -> Node) -> Node {
+        match op {
+            Op::Constant(_) | Op::Variable(_) => self.intern(op),
+            Op::Neg(a) => self.neg(to(a)),
+            Op::Add(a, b) => self.add(to(a), to(b)),
+            Op::Sub(a, b) => self.sub(to(a), to(b)),
+            Op::Mul(a, b) => self.mul(to(a), to(b)),
+            Op::Div(a, b) => self.div(to(a), to(b)),
+            Op::Power(a, n) => self.powi(to(a), n),
+            Op::Pow(a, b) => self.pow(to(a), to(b)),
+            Op::Apply(function, a) => self.apply(function, to(a)),
+            Op::Max(a, b) => self.max(to(a), to(b)),
+            Op::Min(a, b) => self.min(to(a), to(b)),
+            Op::Less([a, b, p, q]) => self.select_less(to(a), to(b), to(p), to(q)),
+            Op::Relax(c, a) => self.relax(f64::from_bits(c), to(a)),
+            Op::Convolve(kernel, a) => self.convolve(kernel, to(a)),
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Straight-line programs over registers.
+
+use std::collections::{HashMap, HashSet};
+
+use super::graph::{Graph, Node, Op, Variable};
+use super::vocabulary::Function;
+
+/// Where a value comes from that the tape does not compute.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Source {
+    Time,
+    Zeta,
+    /// A stored array.
+    Slot(usize),
+    /// A hereditary integral at the time of the lane: group and member.
+    Recall(usize, usize),
+}
+
+pub(super) type Register = usize;
+
+/// One operation on registers; numbers are folded into the operation.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Step {
+    Constant(f64),
+    Fetch(Source),
+    Neg(Register),
+    Scale(f64, Register),
+    Shift(f64, Register),
+    /// number - register
+    From(f64, Register),
+    /// register / number
+    Over(Register, f64),
+    Add(Register, Register),
+    Sub(Register, Register),
+    Mul(Register, Register),
+    Div(Register, Register),
+    Power(Register, i32),
+    Pow(Register, Register),
+    Apply(Function, Register),
+    Max(Register, Register),
+    Min(Register, Register),
+    Less([Register; 4]),
+}
+
+/// A straight-line program.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tape {
+    pub(super) steps: Vec<(Register, Step)>,
+    pub(super) registers: usize,
+    /// The registers that hold the roots at the end.
+    pub(super) results: Vec<Register>,
+}
+
+impl Tape {
+    /// The program that computes `roots` from what `source` gives.
+    pub(super) fn compile(
+        graph: &Graph,
+        roots: &[Node],
+        source: impl Fn(Node) -> Option<Source>,
+    ) -> Self {
+        let source = |n: Node| match graph.op(n) {
+            Op::Variable(Variable::T) => Some(Source::Time),
+            Op::Variable(Variable::Zeta) => Some(Source::Zeta),
+            _ => source(n),
+        };
+        let order = graph.reachable(roots, |n| source(n).is_none());
+        let mut last_use: HashMap<Node, usize> = HashMap::new();
+        for (k, &node) in order.iter().enumerate() {
+            if source(node).is_none() {
+                last_use.extend(operands(graph, node).map(|operand| (operand, k)));
+            }
+        }
+        last_use.extend(roots.iter().map(|&root| (root, usize::MAX)));
+
+        let mut tape = Self::default();
+        let mut held: HashMap<Node, Register> = HashMap::new();
+        let mut free: Vec<Register> = Vec::new();
+        for (k, &node) in order.iter().enumerate() {
+            if !last_use.contains_key(&node) {
+                // A number folded into every operation that uses it.
+                continue;
+            }
+            let out = free.pop().unwrap_or_else(|| {
+                tape.registers += 1;
+                tape.registers - 1
+            });
+            let step = match source(node) {
+                Some(source) => Step::Fetch(source),
+                None => step(graph, node, |n| held.get(&n).copied().unwrap_or(out)),
+            };
+            tape.steps.push((out, step));
+            held.insert(node, out);
+            // Freed only now: a step never writes where it reads.
+            if source(node).is_none() {
+                let done: HashSet<Node> = operands(graph, node)
+                    .filter(|operand| last_use.get(operand) == Some(&k))
+                    .collect();
+                for operand in operands(graph, node) {
+                    if done.contains(&operand) {
+                        free.extend(held.remove(&operand));
+                    }
+                }
+            }
+        }
+        let result = |root| held.get(root).copied().unwrap_or(0);
+        tape.results = roots.iter().map(result).collect();
+        tape
+    }
+
+    /// The sources of the tape, each once.
+    pub(super) fn sources(&self) -> impl Iterator<Item = Source> {
+        self.steps.iter().filter_map(|(_, step)| match step {
+            Step::Fetch(source) => Some(*source),
+            _ => None,
+        })
+    }
+}
+
+/// The operands a step needs in registers.
+fn operands(graph: &Graph, node: Node) -> impl Iterator<Item = Node> + use<> {
+    let number = |n: Node| graph.value_of_constant(n).is_some();
+    let (first, second) = match graph.op(node) {
+        Op::Add(a, b) | Op::Mul(a, b) | Op::Sub(a, b) => (!number(a), true),
+        Op::Div(_, b) => (true, !number(b)),
+        _ => (true, true),
+    };
+    let keep = [first, second, true, true];
+    graph
+        .op(node)
+        .operands()
+        .zip(keep)
+        .filter_map(|(operand, keep)| keep.then_some(operand))
+}
+
+/// The step of a node with operands in registers.
+fn step(graph: &Graph, node: Node, register: impl Fn(Node) -> Register) -> Step {
+    let number = |n: Node| graph.value_of_constant(n);
+    let r = register;
+    match graph.op(node) {
+        Op::Constant(bits) => Step::Constant(f64::from_bits(bits)),
+        Op::Neg(a) => Step::Neg(r(a)),
+        Op::Add(a, b) => match number(a) {
+            Some(v) => Step::Shift(v, r(b)),
+            None => Step::Add(r(a), r(b)),
+        },
+        Op::Sub(a, b) => match number(a) {
+            Some(v) => Step::From(v, r(b)),
+            None => Step::Sub(r(a), r(b)),
+        },
+        Op::Mul(a, b) => match number(a) {
+            Some(v) => Step::Scale(v, r(b)),
+            None => Step::Mul(r(a), r(b)),
+        },
+        Op::Div(a, b) => match number(b) {
+            Some(v) => Step::Over(r(a), v),
+            None => Step::Div(r(a), r(b)),
+        },
+        Op::Power(a, n) => Step::Power(r(a), n),
+        Op::Pow(a, b) => Step::Pow(r(a), r(b)),
+        Op::Apply(function, a) => Step::Apply(function, r(a)),
+        Op::Max(a, b) => Step::Max(r(a), r(b)),
+        Op::Min(a, b) => Step::Min(r(a), r(b)),
+        Op::Less(four) => Step::Less(four.map(r)),
+        // Variables of space and hereditary integrals always have a source.
+        Op::Variable(_) | Op::Relax(..) | Op::Convolve(..) => Step::Constant(f64::NAN),
+    }
+}

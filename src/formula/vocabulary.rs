@@ -1,0 +1,108 @@
+//! The functions of one argument, and the words of the language.
+
+use super::graph::{Graph, Variable};
+
+/// A function of one argument.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub(super) enum Function {
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Exp,
+    /// exp(a) - 1 without cancellation; arises from constant integrands.
+    ExpMinusOne,
+    Log,
+    Sqrt,
+    Abs,
+    Sign,
+}
+
+const UNARY: [(&str, Function); 15] = [
+    ("sin", Function::Sin),
+    ("cos", Function::Cos),
+    ("tan", Function::Tan),
+    ("asin", Function::Asin),
+    ("acos", Function::Acos),
+    ("atan", Function::Atan),
+    ("sinh", Function::Sinh),
+    ("cosh", Function::Cosh),
+    ("tanh", Function::Tanh),
+    ("exp", Function::Exp),
+    ("log", Function::Log),
+    ("ln", Function::Log),
+    ("sqrt", Function::Sqrt),
+    ("abs", Function::Abs),
+    ("sign", Function::Sign),
+];
+
+/// Words with a grammar of their own.
+const SPECIAL: [&str; 5] = ["min", "max", "if", "d", "relax"];
+const CONNECTIVES: [&str; 3] = ["and", "or", "not"];
+
+impl Function {
+    pub(super) fn named(name: &str) -> Option<Self> {
+        UNARY.iter().find(|(n, _)| *n == name).map(|(_, f)| *f)
+    }
+
+    /// The value; sign(0) = 0.
+    #[inline]
+    pub(super) fn value(self, a: f64) -> f64 {
+        match self {
+            Self::Sin => a.sin(),
+            Self::Cos => a.cos(),
+            Self::Tan => a.tan(),
+            Self::Asin => a.asin(),
+            Self::Acos => a.acos(),
+            Self::Atan => a.atan(),
+            Self::Sinh => a.sinh(),
+            Self::Cosh => a.cosh(),
+            Self::Tanh => a.tanh(),
+            Self::Exp => a.exp(),
+            Self::ExpMinusOne => a.exp_m1(),
+            Self::Log => a.ln(),
+            Self::Sqrt => a.sqrt(),
+            Self::Abs => a.abs(),
+            Self::Sign => sign(a),
+        }
+    }
+}
+
+/// -1, 0 or 1; NaN stays NaN.
+#[inline]
+pub(super) fn sign(a: f64) -> f64 {
+    if a > 0.0 {
+        1.0
+    } else if a < 0.0 {
+        -1.0
+    } else {
+        // Adds nothing to zeros of either sign and keeps NaN.
+        a + 0.0
+    }
+}
+
+/// Whether the word may be followed by an argument list.
+pub(super) fn is_function(name: &str) -> bool {
+    SPECIAL.contains(&name) || Function::named(name).is_some()
+}
+
+/// The names of all functions.
+pub(super) fn function_names() -> Vec<&'static str> {
+    UNARY.iter().map(|(n, _)| *n).chain(SPECIAL).collect()
+}
+
+impl Graph {
+    /// Whether the name belongs to the language (function, constant, variable
+    /// or connective) and so may not be defined by the user.
+    pub fn is_reserved(name: &str) -> bool {
+        name == "pi"
+            || is_function(name)
+            || CONNECTIVES.contains(&name)
+            || Variable::named(name).is_some()
+    }
+}

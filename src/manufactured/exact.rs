@@ -1,0 +1,204 @@
+//! An exact solution: formulas for u, λ, ξ, and what follows from them.
+
+use super::symbolic;
+use super::AccumulatedStrain;
+use crate::formula::{Graph, Node, Program, Variable};
+
+/// Numbers of the material, as the scene states them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialNumbers {
+    /// λ.
+    pub lambda: f64,
+    /// μ_L.
+    pub mu_l: f64,
+    /// (λ_ℬ, μ_ℬ).
+    pub memory: Option<(f64, f64)>,
+    /// μ of the projection.
+    pub projection: Option<f64>,
+}
+
+/// A piecewise linear law by its points and outer slopes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LawNumbers {
+    /// (r, p(r)); a repeated abscissa is a jump.
+    pub points: Vec<[f64; 2]>,
+    /// Slope before the first point.
+    pub slope_before: f64,
+    /// Slope after the last point.
+    pub slope_after: f64,
+}
+
+/// Contact data as formulas.
+#[derive(Debug, Clone, Default)]
+pub struct ContactFormulas {
+    /// g(x), none without constraint.
+    pub gap: Option<Node>,
+    /// s(x): the law is evaluated at u_ν - s.
+    pub shift: Option<Node>,
+    /// ∂j_ν.
+    pub law: Option<LawNumbers>,
+    /// λ(x, t).
+    pub multiplier: Option<Node>,
+    /// ξ(x, t), where ∂j_ν(u_ν) is an interval.
+    pub selection: Option<Node>,
+}
+
+/// Which form the loads take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoadForm {
+    /// F(v) = ∫ σ:ε(v) + ∫_{Γ3} c v_ν.
+    Weak,
+    /// F(v) = ∫ f0·v + ∫_{Γ2} f2·v + ∫_{Γ3} h3·v.
+    Strong,
+}
+
+/// What defines an exact solution.
+pub struct ExactData {
+    /// Owner of all formulas.
+    pub graph: Graph,
+    /// u.
+    pub u: Vec<Node>,
+    /// Material numbers.
+    pub material: MaterialNumbers,
+    /// b(t).
+    pub kernel: Option<Node>,
+    /// κ(ζ).
+    pub kappa: Option<Node>,
+    /// Contact, if there is a Γ3 with law or gap.
+    pub contact: Option<ContactFormulas>,
+    /// T.
+    pub horizon: f64,
+    /// Box that contains the domain.
+    pub size: [f64; 2],
+}
+
+/// An exact solution with its compiled formulas.
+pub struct Exact {
+    /// The defining data; the graph has grown by the derived formulas.
+    pub data: ExactData,
+    /// ε, upper components.
+    pub strain: Vec<Node>,
+    /// H = ∫ b(t-s) ε ds; empty without memory.
+    pub memory: Vec<Node>,
+    /// σ as formulas.
+    pub stress: Vec<Node>,
+    /// f0 = -Div σ.
+    pub body_force: Vec<Node>,
+    /// [u, ε, H].
+    pub interior: Program,
+    /// [f0].
+    pub forces: Program,
+    /// ζ(t).
+    pub zeta: AccumulatedStrain,
+}
+
+impl Exact {
+    /// Derives strain, memory, stress and forces from `data` and compiles them.
+    pub fn new(mut data: ExactData) -> Self {
+        let graph = &mut data.graph;
+        let strain = symbolic::strain(graph, &data.u);
+        let memory = match (data.kernel, data.material.memory) {
+            (Some(kernel), Some(_)) => symbolic::memory(graph, kernel, &strain),
+            _ => Vec::new(),
+        };
+        let stress = symbolic::stress(graph, &data.material, data.kappa, &strain, &memory);
+        let body_force = symbolic::body_force(graph, &stress);
+        let outputs: Vec<Node> =
+            data.u.iter().chain(&strain).chain(&memory).copied().collect();
+        let interior = Program::compile(graph, &outputs, data.horizon);
+        let forces = Program::compile(graph, &body_force, data.horizon);
+        let needs_zeta =
+            data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
+        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, data.size, needs_zeta);
+        Self { strain, memory, stress, body_force, interior, forces, zeta, data }
+    }
+
+    /// Space dimension.
+    pub fn dimension(&self) -> usize {
+        self.data.u.len()
+    }
+
+    /// κ(ζ(t)), infinite without projection.
+    pub fn kappa(&self, t: f64) -> f64 {
+        let Some(kappa) = self.data.kappa else { return f64::INFINITY };
+        let at = crate::formula::Point { zeta: self.zeta.at(t), ..Default::default() };
+        self.data.graph.evaluate(kappa, &at)
+    }
+
+    /// Programs on a boundary part with outward normal ν: [u_ν, c = ξ + λ, g].
+    ///
+    /// ξ is the selection where the scene gives one, else the law at u_ν - s.
+    pub fn boundary(&self, normal: &[f64]) -> BoundaryFormulas {
+        let mut graph = self.data.graph.clone();
+        let u_nu = normal_component(&mut graph, &self.data.u, normal);
+        let zero = graph.constant(0.0);
+        let contact = self.data.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref());
+        let xi = match (contact.and_then(|contact| contact.selection), law) {
+            (Some(selection), _) => selection,
+            (None, Some(law)) => {
+                let shift = contact.and_then(|contact| contact.shift).unwrap_or(zero);
+                let r = graph.sub(u_nu, shift);
+                law_formula(&mut graph, law, r)
+            }
+            (None, None) => zero,
+        };
+        let lambda = contact.and_then(|contact| contact.multiplier).unwrap_or(zero);
+        let pressure = graph.add(xi, lambda);
+        let gap = contact.and_then(|contact| contact.gap);
+        let gap = gap.unwrap_or_else(|| graph.constant(f64::INFINITY));
+        let outputs = [u_nu, pressure, gap, xi, lambda];
+        let program = Program::compile(&mut graph, &outputs, self.data.horizon);
+        BoundaryFormulas { graph, program, normal: u_nu, xi, lambda, gap }
+    }
+}
+
+/// Formulas on a part of Γ3.
+pub struct BoundaryFormulas {
+    /// Owner of the nodes below.
+    pub graph: Graph,
+    /// [u_ν, ξ + λ, g, ξ, λ].
+    pub program: Program,
+    /// u_ν.
+    pub normal: Node,
+    /// ξ.
+    pub xi: Node,
+    /// λ.
+    pub lambda: Node,
+    /// g.
+    pub gap: Node,
+}
+
+fn normal_component(graph: &mut Graph, u: &[Node], normal: &[f64]) -> Node {
+    let mut sum = graph.constant(0.0);
+    for (&component, &weight) in u.iter().zip(normal) {
+        let weight = graph.constant(weight);
+        let term = graph.mul(weight, component);
+        sum = graph.add(sum, term);
+    }
+    sum
+}
+
+/// p(r) as nested choices between its linear pieces.
+fn law_formula(graph: &mut Graph, law: &LawNumbers, r: Node) -> Node {
+    let line = |graph: &mut Graph, at: [f64; 2], slope: f64| {
+        let (place, value, slope) =
+            (graph.constant(at[0]), graph.constant(at[1]), graph.constant(slope));
+        let offset = graph.sub(r, place);
+        let rise = graph.mul(slope, offset);
+        graph.add(value, rise)
+    };
+    let last = law.points[law.points.len() - 1];
+    let mut formula = line(graph, last, law.slope_after);
+    for pair in law.points.windows(2).rev() {
+        if pair[1][0] > pair[0][0] {
+            let slope = (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
+            let piece = line(graph, pair[0], slope);
+            let end = graph.constant(pair[1][0]);
+            formula = graph.select_less(r, end, piece, formula);
+        }
+    }
+    let before = line(graph, law.points[0], law.slope_before);
+    let start = graph.constant(law.points[0][0]);
+    graph.select_less(r, start, before, formula)
+}

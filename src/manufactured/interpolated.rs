@@ -1,0 +1,270 @@
+//! Scenes whose exact u(t) is, on each mesh, the nodal interpolant of given formulas (u(t) ∈ V^h):
+//! strain, memory, ζ and stress are those of the interpolant, constant on each cell, and
+//! ∫_{Γ3} c v_ν takes the vertex rule. The error is the time error alone.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::accumulated::sign_changes;
+use super::constitutive::{self, Tensor};
+use super::exact::{BoundaryFormulas, Exact};
+use super::on_mesh::{ByTime, Truth};
+use crate::contact::{Discretization, LoadError, stress_force};
+use crate::formula::{Bound, Node, Point, Program};
+use crate::norms::{FACET_SAMPLES, Moments, facet_sample, is_locked};
+use crate::space::quadrature::gauss_legendre;
+
+/// Panels of the horizon in the integral of ‖ε(I_h u)‖.
+const PANELS: usize = 32;
+/// Gauss points a smooth piece of a panel.
+const TIME_POINTS: usize = 8;
+
+/// The nodal interpolant of an exact solution on one mesh.
+pub struct InterpolatedOnMesh {
+    exact: Arc<Exact>,
+    space: Arc<Discretization>,
+    /// [u_x, u_y, H u_x, H u_y] at the vertices in node order.
+    nodal: Program,
+    bound: Mutex<Bound>,
+    has_memory: bool,
+    boundary: Vec<BoundaryFormulas>,
+    /// Times in [0, T] at which a guard changes sign at some vertex, sorted.
+    events: Vec<f64>,
+    /// ζ at panel ends.
+    panels: Mutex<Vec<f64>>,
+    loads: ByTime<Vec<f64>>,
+    moments: ByTime<Moments>,
+}
+
+impl InterpolatedOnMesh {
+    /// Binds the nodal values of `exact` to the vertices of `space`.
+    pub fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
+        let mut graph = exact.data.graph.clone();
+        let mut outputs: Vec<Node> = exact.data.u.clone();
+        let has_memory = !exact.memory.is_empty();
+        if let (true, Some(kernel)) = (has_memory, exact.data.kernel) {
+            let memory: Vec<Node> =
+                exact.data.u.iter().map(|&u| graph.convolve(kernel, u)).collect();
+            outputs.extend(memory);
+        }
+        let horizon = exact.data.horizon;
+        let nodal = Program::compile(&mut graph, &outputs, horizon);
+        let points: Vec<[f64; 3]> =
+            space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect();
+        let guards = graph.guards(&exact.data.u);
+        let guards_program = Program::compile(&mut graph, &guards, horizon);
+        let events = events(&guards_program, guards.len(), &points, horizon);
+        let boundary = (0..space.mesh.sides.len())
+            .map(|side| exact.boundary(&space.mesh.side_normal[2 * side..2 * side + 2]))
+            .collect();
+        Self {
+            bound: Mutex::new(nodal.bind(&points)),
+            nodal,
+            has_memory,
+            boundary,
+            events,
+            panels: Mutex::new(vec![0.0]),
+            loads: ByTime::default(),
+            moments: ByTime::default(),
+            exact,
+            space,
+        }
+    }
+
+    /// u and H u as nodal vectors at time t.
+    fn nodal_values(&self, t: f64) -> Result<(Vec<f64>, Vec<f64>), LoadError> {
+        let outputs = if self.has_memory { 4 } else { 2 };
+        let mut out = vec![Vec::new(); outputs];
+        self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        let nodes = self.space.nodes.vertex.len();
+        for (field, name) in out.iter().zip(["u_x", "u_y", "H u_x", "H u_y"]) {
+            if let Some(p) = field.iter().position(|v| !v.is_finite()) {
+                let x = self.space.mesh.vertex(self.space.nodes.vertex[p]);
+                let (x, y) = (x[0], x[1]);
+                return Err(LoadError::NotFinite { what: name.into(), value: field[p], x, y, t });
+            }
+        }
+        let interleave = |a: usize| -> Vec<f64> {
+            (0..nodes).flat_map(|p| [out[a][p], out[a + 1][p]]).collect()
+        };
+        let memory = if self.has_memory { interleave(2) } else { Vec::new() };
+        Ok((interleave(0), memory))
+    }
+
+    /// ε of a nodal vector on cell c, as a full tensor: from differences along the edges, apart
+    /// from the solver's shape gradients.
+    fn strain(&self, nodal: &[f64], c: usize) -> Tensor<2> {
+        let cell = self.space.mesh.cell(c);
+        let corner = [0, 1, 2].map(|a| self.space.mesh.vertex(cell[a]));
+        let value = |a: usize, i: usize| {
+            nodal[2 * self.space.nodes.of_vertex[cell[a] as usize] as usize + i]
+        };
+        let (p, q) = (
+            [corner[1][0] - corner[0][0], corner[1][1] - corner[0][1]],
+            [corner[2][0] - corner[0][0], corner[2][1] - corner[0][1]],
+        );
+        let determinant = p[0] * q[1] - p[1] * q[0];
+        let mut gradient = [[0.0; 2]; 2];
+        for (i, row) in gradient.iter_mut().enumerate() {
+            let (a, b) = (value(1, i) - value(0, i), value(2, i) - value(0, i));
+            *row = [(a * q[1] - b * p[1]) / determinant, (b * p[0] - a * q[0]) / determinant];
+        }
+        let shear = 0.5 * (gradient[0][1] + gradient[1][0]);
+        [[gradient[0][0], shear], [shear, gradient[1][1]]]
+    }
+
+    fn strain_norm(&self, t: f64) -> Result<f64, LoadError> {
+        let (u, _) = self.nodal_values(t)?;
+        let mut sum = 0.0;
+        for c in 0..self.space.mesh.cell_count() {
+            let e = self.strain(&u, c);
+            let square = e[0][0] * e[0][0] + 2.0 * e[0][1] * e[0][1] + e[1][1] * e[1][1];
+            sum += self.space.geometry.measure[c] * square;
+        }
+        Ok(sum.sqrt())
+    }
+
+    /// ∫ ‖ε(I_h u(s))‖ ds, cut at the events.
+    fn over_time(&self, from: f64, to: f64) -> Result<f64, LoadError> {
+        let mut cuts = vec![from];
+        cuts.extend(self.events.iter().copied().filter(|&s| s > from && s < to));
+        cuts.push(to);
+        let rule = gauss_legendre(TIME_POINTS);
+        let mut sum = 0.0;
+        for pair in cuts.windows(2).filter(|pair| pair[1] > pair[0]) {
+            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+            for (x, w) in &rule {
+                sum += half * w * self.strain_norm(middle + half * x)?;
+            }
+        }
+        Ok(sum)
+    }
+
+    /// ζ(t) of the interpolant.
+    pub fn zeta(&self, t: f64) -> Result<f64, LoadError> {
+        let width = self.exact.data.horizon / PANELS as f64;
+        let panel = ((t / width) as usize).min(PANELS - 1);
+        let mut ends = self.panels.lock().unwrap_or_else(PoisonError::into_inner);
+        while ends.len() <= panel {
+            let p = ends.len();
+            let value =
+                ends[p - 1] + self.over_time(width * (p - 1) as f64, width * p as f64)?;
+            ends.push(value);
+        }
+        Ok(ends[panel] + self.over_time(width * panel as f64, t)?)
+    }
+
+    fn kappa(&self, t: f64) -> Result<f64, LoadError> {
+        let Some(kappa) = self.exact.data.kappa else { return Ok(f64::INFINITY) };
+        let at = Point { zeta: self.zeta(t)?, ..Point::default() };
+        Ok(self.exact.data.graph.evaluate(kappa, &at))
+    }
+
+    /// [u_ν, ξ + λ, g] at the points of the trace.
+    fn contact_state(&self, t: f64) -> Vec<[f64; 3]> {
+        let mesh = &self.space.mesh;
+        let mut state = vec![[0.0; 3]; self.space.trace.points.len()];
+        for f in 0..self.space.trace.measure.len() {
+            let side = mesh.facet_side[self.space.trace.mesh_facet[f] as usize] as usize;
+            let formulas = &self.boundary[side];
+            for &i in self.space.trace.facet(f) {
+                let x = mesh.point(&[self.space.trace.points[i as usize].vertex], &[1.0]);
+                let at = Point { x: x[0], y: x[1], z: x[2], t, zeta: 0.0 };
+                let value = |node| formulas.graph.evaluate(node, &at);
+                state[i as usize] = [
+                    value(formulas.normal),
+                    value(formulas.xi) + value(formulas.lambda),
+                    value(formulas.gap),
+                ];
+            }
+        }
+        state
+    }
+
+    fn compute_load(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+        let (u, memory) = self.nodal_values(t)?;
+        let kappa = self.kappa(t)?;
+        let mut force = vec![0.0; self.space.nodes.len()];
+        for c in 0..self.space.mesh.cell_count() {
+            let stress = mandel(&self.stress(&u, &memory, kappa, c));
+            let stress = stress.map(|s| s * self.space.geometry.measure[c]);
+            let (gradients, nodes) =
+                (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            stress_force::<2, 3>(gradients, nodes, &stress, &mut force);
+        }
+        for (point, state) in self.space.trace.points.iter().zip(self.contact_state(t)) {
+            force[point.component as usize] += point.sign * point.weight * state[1];
+        }
+        force.truncate(self.space.dofs());
+        Ok(force)
+    }
+
+    fn stress(&self, u: &[f64], memory: &[f64], kappa: f64, c: usize) -> Tensor<2> {
+        let strain = self.strain(u, c);
+        let remembered = if self.has_memory { self.strain(memory, c) } else { [[0.0; 2]; 2] };
+        constitutive::stress(&self.exact.data.material, &strain, &remembered, kappa)
+    }
+
+    fn compute_moments(&self, t: f64) -> Result<Moments, LoadError> {
+        let (u, memory) = self.nodal_values(t)?;
+        let kappa = self.kappa(t)?;
+        let mut moments = Moments::default();
+        for c in 0..self.space.mesh.cell_count() {
+            moments.strain.mean.extend(mandel(&self.strain(&u, c)));
+            moments.stress.mean.extend(mandel(&self.stress(&u, &memory, kappa, c)));
+            for &node in self.space.cell_nodes(c) {
+                moments.displacement.corner.extend(&u[2 * node as usize..2 * node as usize + 2]);
+            }
+        }
+        let state = self.contact_state(t);
+        for f in 0..self.space.trace.measure.len() {
+            let ends = self.space.trace.facet(f);
+            let [a, b] = [state[ends[0] as usize], state[ends[1] as usize]];
+            moments.normal.corner.extend([a[0], b[0]]);
+            moments.pressure.corner.extend([a[1], b[1]]);
+            for s in 0..=FACET_SAMPLES {
+                let [p, q] = facet_sample(s);
+                moments.locked.push(is_locked(p * a[0] + q * b[0], p * a[2] + q * b[2]));
+            }
+        }
+        Ok(moments)
+    }
+
+    /// The compiled nodal program (shared with checks).
+    pub fn program(&self) -> &Program {
+        &self.nodal
+    }
+}
+
+impl Truth for InterpolatedOnMesh {
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+        self.loads.get_or(t, || self.compute_load(t))
+    }
+
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+        self.moments.get_or(t, || self.compute_moments(t))
+    }
+}
+
+fn mandel(tensor: &Tensor<2>) -> [f64; 3] {
+    [tensor[0][0], tensor[1][1], std::f64::consts::SQRT_2 * tensor[0][1]]
+}
+
+/// Times at which a guard changes sign at some vertex.
+fn events(program: &Program, count: usize, points: &[[f64; 3]], horizon: f64) -> Vec<f64> {
+    // Guards of contact scenes depend on x and t: one vertex a distinct x will do.
+    let mut distinct: Vec<[f64; 3]> = points.to_vec();
+    distinct.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    distinct.dedup_by(|a, b| a[0] == b[0]);
+    let mut events = Vec::new();
+    for point in &distinct {
+        events.extend(sign_changes(0.0, horizon, 2 * PANELS, count, |s, out| {
+            let mut values = vec![Vec::new(); count];
+            program.bind(&[*point]).evaluate(s, 0.0, &mut values);
+            out.clear();
+            out.extend(values.iter().map(|v| v[0]));
+        }));
+    }
+    events.sort_by(f64::total_cmp);
+    events.dedup();
+    events
+}

@@ -1,0 +1,18 @@
+//! Exact solutions from formulas: fields, loads, contact state, and their verification.
+//!
+//! Independence: the stress here is computed from full tensors by [`constitutive`], at the accuracy
+//! of formulas and adaptive quadrature. Nothing is taken from `law`, `history` or the solver.
+
+mod accumulated;
+mod check;
+pub mod constitutive;
+mod exact;
+mod interpolated;
+mod on_mesh;
+mod symbolic;
+
+pub use accumulated::AccumulatedStrain;
+pub use check::{Finding, Report, check};
+pub use exact::{ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers};
+pub use interpolated::InterpolatedOnMesh;
+pub use on_mesh::{ExactOnMesh, Truth};

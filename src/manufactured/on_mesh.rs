@@ -1,0 +1,473 @@
+//! An exact solution on a mesh: load vectors and moments, each computed once a time and shared by
+//! all cases on the mesh.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::constitutive::{self, Tensor};
+use super::exact::{Exact, LoadForm};
+use super::symbolic::components;
+use crate::contact::{Discretization, LoadError, stress_force};
+use crate::formula::Bound;
+use crate::norms::{
+    CellConstants, FACET_SAMPLES, Moments, Piecewise, facet_sample, is_locked, linear_projection,
+};
+use crate::space::quadrature::{Rule, edge, triangle_degree_4, triangle_degree_6};
+
+/// What a case is measured against, and driven by.
+pub trait Truth: Send + Sync {
+    /// The load vector F(t), over the unknowns.
+    ///
+    /// # Errors
+    /// A formula that is not finite somewhere.
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError>;
+
+    /// The moments of the truth at t.
+    ///
+    /// # Errors
+    /// A formula that is not finite somewhere, a time that a reference run does not have.
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError>;
+}
+
+/// Values by time, computed once.
+pub(super) struct ByTime<T> {
+    values: Mutex<HashMap<u64, Arc<T>>>,
+}
+
+impl<T> Default for ByTime<T> {
+    fn default() -> Self {
+        Self { values: Mutex::new(HashMap::new()) }
+    }
+}
+
+impl<T> ByTime<T> {
+    pub(super) fn get_or(
+        &self,
+        t: f64,
+        compute: impl FnOnce() -> Result<T, LoadError>,
+    ) -> Result<Arc<T>, LoadError> {
+        let lock = || self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(value) = lock().get(&t.to_bits()) {
+            return Ok(value.clone());
+        }
+        // Computed outside the lock: two threads may both do it, with identical results.
+        let value = Arc::new(compute()?);
+        Ok(lock().entry(t.to_bits()).or_insert(value).clone())
+    }
+}
+
+/// Points with their formulas bound to them.
+struct Sampled {
+    rule: Rule,
+    points: Vec<[f64; 3]>,
+    bound: Mutex<Option<Bound>>,
+}
+
+impl Sampled {
+    /// Values of all outputs at all points at time t.
+    fn evaluate(
+        &self,
+        program: &crate::formula::Program,
+        outputs: usize,
+        t: f64,
+        zeta: f64,
+    ) -> Vec<Vec<f64>> {
+        let mut out = vec![Vec::new(); outputs];
+        let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
+        bound.get_or_insert_with(|| program.bind(&self.points)).evaluate(t, zeta, &mut out);
+        out
+    }
+}
+
+/// A plane exact solution on one mesh.
+pub struct ExactOnMesh {
+    exact: Arc<Exact>,
+    space: Arc<Discretization>,
+    form: LoadForm,
+    /// Points of the load rule and of the (stronger) error rule in the cells.
+    load_points: Sampled,
+    error_points: Sampled,
+    /// Points of the strong form in the cells.
+    force_points: Sampled,
+    /// Facets of Γ3 in groups of one normal: error points, then samples for the locked set.
+    contact: Vec<FacetGroup>,
+    /// Facets of Γ2.
+    traction: Vec<FacetGroup>,
+    loads: ByTime<Vec<f64>>,
+    moments: ByTime<Moments>,
+}
+
+/// Facets with one normal.
+struct FacetGroup {
+    normal: [f64; 2],
+    /// Positions in the list that was grouped: for Γ3 those of the trace.
+    facets: Vec<usize>,
+    /// The same facets by their numbers in the mesh.
+    mesh_facets: Vec<usize>,
+    formulas: super::exact::BoundaryFormulas,
+    points: Sampled,
+    samples: Sampled,
+    strains: Sampled,
+}
+
+impl ExactOnMesh {
+    /// Binds the formulas of `exact` to the points of `space`; `traction` are the sides of Γ2.
+    pub fn new(
+        exact: Arc<Exact>,
+        space: Arc<Discretization>,
+        form: LoadForm,
+        traction: &[u32],
+    ) -> Self {
+        let cell_points = |rule: Rule| {
+            let points = (0..space.mesh.cell_count())
+                .flat_map(|c| {
+                    let cell = space.mesh.cell(c);
+                    rule.points.iter().map(|b| space.mesh.point(cell, b)).collect::<Vec<_>>()
+                })
+                .collect();
+            Sampled { rule, points, bound: Mutex::new(None) }
+        };
+        let contact = facet_groups(&exact, &space, &space.trace.mesh_facet);
+        let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
+        Self {
+            load_points: cell_points(triangle_degree_4()),
+            force_points: cell_points(triangle_degree_4()),
+            error_points: cell_points(triangle_degree_6()),
+            contact,
+            traction: facet_groups(&exact, &space, &free),
+            exact,
+            space,
+            form,
+            loads: ByTime::default(),
+            moments: ByTime::default(),
+        }
+    }
+
+    /// Full ε and H at point p of interior outputs [u, ε, H].
+    fn tensors(&self, values: &[Vec<f64>], p: usize) -> (Tensor<2>, Tensor<2>) {
+        let mut strain = [[0.0; 2]; 2];
+        let mut memory = [[0.0; 2]; 2];
+        let has_memory = !self.exact.memory.is_empty();
+        for (at, &(i, j)) in components(2).iter().enumerate() {
+            strain[i][j] = values[2 + at][p];
+            strain[j][i] = strain[i][j];
+            if has_memory {
+                memory[i][j] = values[5 + at][p];
+                memory[j][i] = memory[i][j];
+            }
+        }
+        (strain, memory)
+    }
+
+    fn interior(&self, points: &Sampled, t: f64) -> Result<Vec<Vec<f64>>, LoadError> {
+        let outputs = 5 + self.exact.memory.len();
+        let values = points.evaluate(&self.exact.interior, outputs, t, 0.0);
+        finite(&values, &points.points, t, &["u_x", "u_y", "ε_xx", "ε_xy", "ε_yy"])?;
+        Ok(values)
+    }
+
+    fn weak_load(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+        let space = &self.space;
+        let values = self.interior(&self.load_points, t)?;
+        let kappa = self.exact.kappa(t);
+        let mut force = vec![0.0; space.nodes.len()];
+        let count = self.load_points.rule.weights.len();
+        for c in 0..space.mesh.cell_count() {
+            let mut mean = [0.0; 3];
+            for (q, weight) in self.load_points.rule.weights.iter().enumerate() {
+                let (strain, memory) = self.tensors(&values, count * c + q);
+                let stress =
+                    constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
+                for (target, value) in mean.iter_mut().zip(mandel(&stress)) {
+                    *target += weight * value;
+                }
+            }
+            let stress = mean.map(|s| s * space.geometry.measure[c]);
+            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+            stress_force::<2, 3>(gradients, nodes, &stress, &mut force);
+        }
+        self.add_contact_pressure(t, &mut force)?;
+        force.truncate(space.dofs());
+        Ok(force)
+    }
+
+    /// Adds ∫_{Γ3} c v_ν by the error rule of the facets.
+    fn add_contact_pressure(&self, t: f64, force: &mut [f64]) -> Result<(), LoadError> {
+        for group in &self.contact {
+            let values = group.contact_values(&group.points, t)?;
+            let count = group.points.rule.weights.len();
+            for (index, &f) in group.facets.iter().enumerate() {
+                let members = self.space.trace.facet(f);
+                for (q, weight) in group.points.rule.weights.iter().enumerate() {
+                    let pressure = values[1][count * index + q];
+                    for (&i, shape) in members.iter().zip(&group.points.rule.points[q]) {
+                        let point = self.space.trace.points[i as usize];
+                        force[point.component as usize] +=
+                            weight * self.space.trace.measure[f] * pressure * point.sign * shape;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn strong_load(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+        let space = &self.space;
+        let zeta = self.exact.zeta.at(t);
+        let points = &self.force_points;
+        let values = points.evaluate(&self.exact.forces, 2, t, zeta);
+        finite(&values, &points.points, t, &["f0_x", "f0_y"])?;
+        let mut force = vec![0.0; space.nodes.len()];
+        let count = points.rule.weights.len();
+        for c in 0..space.mesh.cell_count() {
+            let measure = space.geometry.measure[c];
+            for (q, weight) in points.rule.weights.iter().enumerate() {
+                for (&node, shape) in space.cell_nodes(c).iter().zip(&points.rule.points[q]) {
+                    for i in 0..2 {
+                        force[2 * node as usize + i] +=
+                            weight * measure * shape * values[i][count * c + q];
+                    }
+                }
+            }
+        }
+        for group in self.traction.iter().chain(&self.contact) {
+            self.add_boundary_stress(group, t, &mut force)?;
+        }
+        self.add_contact_pressure(t, &mut force)?;
+        force.truncate(space.dofs());
+        Ok(force)
+    }
+
+    /// Adds ∫ (σν)·v over a group of facets.
+    fn add_boundary_stress(
+        &self,
+        group: &FacetGroup,
+        t: f64,
+        force: &mut [f64],
+    ) -> Result<(), LoadError> {
+        let values = self.interior(&group.strains, t)?;
+        let kappa = self.exact.kappa(t);
+        let rule = &group.strains.rule;
+        for (index, corners) in group.vertices(&self.space).enumerate() {
+            let measure = length(&self.space, &corners);
+            for (q, weight) in rule.weights.iter().enumerate() {
+                let p = rule.weights.len() * index + q;
+                let (strain, memory) = self.tensors(&values, p);
+                let stress =
+                    constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
+                for (&vertex, shape) in corners.iter().zip(&rule.points[q]) {
+                    let node = self.space.nodes.of_vertex[vertex as usize] as usize;
+                    for (i, row) in stress.iter().enumerate() {
+                        let traction = row[0] * group.normal[0] + row[1] * group.normal[1];
+                        force[2 * node + i] += weight * measure * shape * traction;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn compute_moments(&self, t: f64) -> Result<Moments, LoadError> {
+        let values = self.interior(&self.error_points, t)?;
+        let mut moments = self.cell_moments(&values, self.exact.kappa(t));
+        let facets = self.space.trace.measure.len();
+        moments.normal.corner = vec![0.0; 2 * facets];
+        moments.pressure.corner = vec![0.0; 2 * facets];
+        moments.locked = vec![false; facets * (FACET_SAMPLES + 1)];
+        for group in &self.contact {
+            self.facet_moments(group, t, &mut moments)?;
+        }
+        Ok(moments)
+    }
+
+    fn cell_moments(&self, values: &[Vec<f64>], kappa: f64) -> Moments {
+        let space = &self.space;
+        let rule = &self.error_points.rule;
+        let (count, cells) = (rule.weights.len(), space.mesh.cell_count());
+        let mut moments = Moments::default();
+        moments.strain.mean = Vec::with_capacity(3 * cells);
+        moments.stress.mean = Vec::with_capacity(3 * cells);
+        moments.displacement.corner = vec![0.0; 6 * cells];
+        let (mut strains, mut stresses) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count]);
+        for c in 0..cells {
+            for q in 0..count {
+                let (strain, memory) = self.tensors(values, count * c + q);
+                let stress =
+                    constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
+                strains[q] = mandel(&strain);
+                stresses[q] = mandel(&stress);
+            }
+            let measure = space.geometry.measure[c];
+            add_cell(&strains, &rule.weights, measure, &mut moments.strain);
+            add_cell(&stresses, &rule.weights, measure, &mut moments.stress);
+            for i in 0..2 {
+                let at = &values[i][count * c..count * (c + 1)];
+                let corner = &mut moments.displacement.corner[6 * c..6 * (c + 1)];
+                moments.displacement.rest += measure * project(at, rule, |a, v| corner[2 * a + i] = v);
+            }
+        }
+        moments
+    }
+
+    fn facet_moments(
+        &self,
+        group: &FacetGroup,
+        t: f64,
+        moments: &mut Moments,
+    ) -> Result<(), LoadError> {
+        let values = group.contact_values(&group.points, t)?;
+        let samples = group.contact_values(&group.samples, t)?;
+        let rule = &group.points.rule;
+        let count = rule.weights.len();
+        for (index, &f) in group.facets.iter().enumerate() {
+            let measure = self.space.trace.measure[f];
+            for (field, target) in
+                [(0, &mut moments.normal), (1, &mut moments.pressure)]
+            {
+                let at = &values[field][count * index..count * (index + 1)];
+                let Piecewise { corner, rest } = target;
+                *rest += measure * project(at, rule, |a, v| corner[2 * f + a] = v);
+            }
+            for s in 0..=FACET_SAMPLES {
+                let p = (FACET_SAMPLES + 1) * index + s;
+                moments.locked[(FACET_SAMPLES + 1) * f + s] =
+                    is_locked(samples[0][p], samples[2][p]);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Truth for ExactOnMesh {
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+        self.loads.get_or(t, || match self.form {
+            LoadForm::Weak => self.weak_load(t),
+            LoadForm::Strong => self.strong_load(t),
+        })
+    }
+
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+        self.moments.get_or(t, || self.compute_moments(t))
+    }
+}
+
+impl FacetGroup {
+    /// [u_ν, c, g, ξ, λ] at the points.
+    fn contact_values(&self, points: &Sampled, t: f64) -> Result<Vec<Vec<f64>>, LoadError> {
+        let values = points.evaluate(&self.formulas.program, 5, t, 0.0);
+        finite(&values[..2], &points.points, t, &["u_ν", "ξ + λ"])?;
+        Ok(values)
+    }
+
+    /// Vertices of the facets.
+    fn vertices<'a>(&'a self, space: &'a Discretization) -> impl Iterator<Item = [u32; 2]> + 'a {
+        self.mesh_facets.iter().map(|&f| {
+            let facet = space.mesh.facet(f);
+            [facet[0], facet[1]]
+        })
+    }
+}
+
+/// Groups mesh facets by side, hence by normal.
+fn facet_groups(exact: &Exact, space: &Discretization, mesh_facets: &[u32]) -> Vec<FacetGroup> {
+    let mut groups = Vec::new();
+    for side in 0..space.mesh.sides.len() {
+        let members: Vec<(usize, usize)> = mesh_facets
+            .iter()
+            .enumerate()
+            .filter(|(_, f)| space.mesh.facet_side[**f as usize] as usize == side)
+            .map(|(position, &f)| (position, f as usize))
+            .collect();
+        if members.is_empty() {
+            continue;
+        }
+        let normal = [space.mesh.side_normal[2 * side], space.mesh.side_normal[2 * side + 1]];
+        // 6 Gauss points: degree 11, beyond the 3 of the compliance rule.
+        let rule = edge(6);
+        let sampled = |rule: Rule| {
+            let points = members
+                .iter()
+                .flat_map(|(_, f)| {
+                    let facet = space.mesh.facet(*f);
+                    rule.points.iter().map(|b| space.mesh.point(facet, b)).collect::<Vec<_>>()
+                })
+                .collect();
+            Sampled { rule, points, bound: Mutex::new(None) }
+        };
+        let samples = Rule {
+            points: (0..=FACET_SAMPLES).map(|s| facet_sample(s).to_vec()).collect(),
+            weights: vec![0.0; FACET_SAMPLES + 1],
+        };
+        groups.push(FacetGroup {
+            normal,
+            facets: members.iter().map(|(position, _)| *position).collect(),
+            mesh_facets: members.iter().map(|(_, f)| *f).collect(),
+            formulas: exact.boundary(&normal),
+            points: sampled(rule.clone()),
+            samples: sampled(samples),
+            strains: sampled(rule),
+        });
+    }
+    groups
+}
+
+fn length(space: &Discretization, corners: &[u32; 2]) -> f64 {
+    let (p, q) = (space.mesh.vertex(corners[0]), space.mesh.vertex(corners[1]));
+    ((p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)).sqrt()
+}
+
+fn mandel(tensor: &Tensor<2>) -> [f64; 3] {
+    [tensor[0][0], tensor[1][1], std::f64::consts::SQRT_2 * tensor[0][1]]
+}
+
+fn add_cell(values: &[[f64; 3]], weights: &[f64], measure: f64, out: &mut CellConstants) {
+    let mut mean = [0.0; 3];
+    for (value, weight) in values.iter().zip(weights) {
+        for i in 0..3 {
+            mean[i] += weight * value[i];
+        }
+    }
+    for (value, weight) in values.iter().zip(weights) {
+        let square: f64 = (0..3).map(|i| (value[i] - mean[i]).powi(2)).sum();
+        out.rest += measure * weight * square;
+    }
+    out.mean.extend(mean);
+}
+
+/// Linear projection of sampled values on one simplex; returns the mean squared remainder.
+fn project(at: &[f64], rule: &Rule, mut set: impl FnMut(usize, f64)) -> f64 {
+    let corners = rule.points[0].len();
+    let mut moment = [0.0; 4];
+    for ((value, weight), b) in at.iter().zip(&rule.weights).zip(&rule.points) {
+        for a in 0..corners {
+            moment[a] += weight * value * b[a];
+        }
+    }
+    let mut corner = [0.0; 4];
+    linear_projection(&moment[..corners], &mut corner[..corners]);
+    let mut rest = 0.0;
+    for ((value, weight), b) in at.iter().zip(&rule.weights).zip(&rule.points) {
+        let linear: f64 = (0..corners).map(|a| corner[a] * b[a]).sum();
+        rest += weight * (value - linear).powi(2);
+    }
+    for (a, value) in corner[..corners].iter().enumerate() {
+        set(a, *value);
+    }
+    rest
+}
+
+/// Refuses values that are not finite, naming the place.
+fn finite(
+    values: &[Vec<f64>],
+    points: &[[f64; 3]],
+    t: f64,
+    names: &[&str],
+) -> Result<(), LoadError> {
+    for (field, name) in values.iter().zip(names) {
+        if let Some(p) = field.iter().position(|v| !v.is_finite()) {
+            let [x, y, _] = points[p];
+            return Err(LoadError::NotFinite { what: (*name).to_string(), value: field[p], x, y, t });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,142 @@
+//! Errors at one time level, from the discrete solution and the moments of the truth.
+
+use super::moments::{FACET_SAMPLES, Moments, facet_sample, hausdorff};
+use crate::contact::{Discretization, Model, StepView};
+use crate::law::Projection;
+use crate::space::strain_of;
+
+/// Errors at one time level.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct StepErrors {
+    /// ‖ε(u_n - u_n^{kh})‖.
+    pub v: f64,
+    /// ‖u_n - u_n^{kh}‖.
+    pub l2: f64,
+    /// ‖σ_n - σ_n^{kh}‖.
+    pub stress: f64,
+    /// ‖u_ν - u_ν^{kh}‖ on Γ3.
+    pub trace: f64,
+    /// ‖(ξ + λ) - (ξ + λ)^{kh}‖ on Γ3, the discrete pressure linear between vertices.
+    pub pressure: f64,
+    /// Hausdorff distance of the locked sets.
+    pub contact_set: f64,
+}
+
+/// u_ν counts as locked within this distance of g, relative to |g|: the exact field comes from
+/// formulas that round, the discrete one is set to g.
+const LOCKED_WITHIN: f64 = 1e-9;
+
+/// True if u_ν is at its bound, to rounding.
+pub fn is_locked(normal: f64, gap: f64) -> bool {
+    gap.is_finite() && gap - normal <= LOCKED_WITHIN * gap.abs().max(f64::MIN_POSITIVE)
+}
+
+/// All errors of `view` against `truth`.
+pub fn step_errors<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    truth: &Moments,
+) -> StepErrors {
+    let mut errors = match space.mesh.dimension {
+        2 => cells::<P, 2, 3>(space, model, view, truth),
+        _ => cells::<P, 3, 6>(space, model, view, truth),
+    };
+    facets(space, view, truth, &mut errors);
+    errors.contact_set = contact_set(space, model, view, truth);
+    errors
+}
+
+fn cells<P: Projection, const D: usize, const S: usize>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    truth: &Moments,
+) -> StepErrors {
+    let (mut v, mut stress) = (truth.strain.rest, truth.stress.rest);
+    let mut l2 = truth.displacement.rest;
+    let corners = D + 1;
+    for c in 0..space.mesh.cell_count() {
+        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+        let measure = space.geometry.measure[c];
+        let strain = strain_of::<S>(gradients, nodes, view.u);
+        v += measure * squared_distance(&strain, &truth.strain.mean[S * c..]);
+        let discrete = view.stress::<P, S>(space, model, c);
+        stress += measure * squared_distance(&discrete, &truth.stress.mean[S * c..]);
+        let exact = &truth.displacement.corner[D * corners * c..];
+        for i in 0..D {
+            let (mut total, mut squares) = (0.0, 0.0);
+            for a in 0..corners {
+                let difference = exact[D * a + i] - view.u[D * nodes[a] as usize + i];
+                total += difference;
+                squares += difference * difference;
+            }
+            l2 += measure * (squares + total * total) / (corners * (corners + 1)) as f64;
+        }
+    }
+    StepErrors { v: v.sqrt(), l2: l2.sqrt(), stress: stress.sqrt(), ..StepErrors::default() }
+}
+
+fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
+}
+
+fn facets(space: &Discretization, view: &StepView<'_>, truth: &Moments, errors: &mut StepErrors) {
+    let (mut trace, mut pressure) = (truth.normal.rest, truth.pressure.rest);
+    let corners = space.trace.stride;
+    let scale = 1.0 / (corners * (corners + 1)) as f64;
+    for f in 0..space.trace.measure.len() {
+        let members = space.trace.facet(f);
+        let mut sums = [[0.0; 2]; 2];
+        for (a, &i) in members.iter().enumerate() {
+            let i = i as usize;
+            let exact = corners * f + a;
+            let differences = [
+                truth.normal.corner[exact] - space.trace.normal(i, view.u),
+                truth.pressure.corner[exact] - view.compliance[i] - view.multiplier[i],
+            ];
+            for (sum, difference) in sums.iter_mut().zip(differences) {
+                sum[0] += difference;
+                sum[1] += difference * difference;
+            }
+        }
+        trace += space.trace.measure[f] * scale * (sums[0][1] + sums[0][0] * sums[0][0]);
+        pressure += space.trace.measure[f] * scale * (sums[1][1] + sums[1][0] * sums[1][0]);
+    }
+    errors.trace = trace.sqrt();
+    errors.pressure = pressure.sqrt();
+}
+
+/// Hausdorff distance of the exact and the discrete locked set, on samples of the facets of Γ3
+/// (plane scenes). The discrete set holds its locked vertices and the edges between two of them.
+fn contact_set<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    truth: &Moments,
+) -> f64 {
+    let Some(boundary) = &model.boundary else { return 0.0 };
+    if space.mesh.dimension != 2 || truth.locked.is_empty() {
+        return 0.0;
+    }
+    let (mut points, mut discrete) = (Vec::new(), Vec::new());
+    for f in 0..space.trace.measure.len() {
+        let members = space.trace.facet(f);
+        let vertices: Vec<u32> =
+            members.iter().map(|&i| space.trace.points[i as usize].vertex).collect();
+        let ends = [0, 1].map(|a| {
+            let gap = (boundary.gap)(space.mesh.point(&[vertices[a]], &[1.0]));
+            is_locked(space.trace.normal(members[a] as usize, view.u), gap)
+        });
+        for s in 0..=FACET_SAMPLES {
+            points.push(space.mesh.point(&vertices, &facet_sample(s)));
+            discrete.push(match s {
+                0 => ends[0],
+                FACET_SAMPLES => ends[1],
+                _ => ends[0] && ends[1],
+            });
+        }
+    }
+    let diameter = space.trace.measure.iter().sum();
+    hausdorff(&points, &truth.locked, &discrete, diameter)
+}

@@ -1,0 +1,13 @@
+//! Errors of a computed step against a truth that has been reduced to moments on the mesh.
+
+mod errors;
+mod moments;
+mod projection;
+mod reference;
+
+pub use errors::{StepErrors, is_locked, step_errors};
+pub use moments::{
+    CellConstants, FACET_SAMPLES, Moments, Piecewise, facet_sample, hausdorff, linear_projection,
+};
+pub use projection::ElasticProjection;
+pub use reference::{ReferenceError, ReferenceRun, Trajectory};

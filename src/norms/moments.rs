@@ -1,0 +1,113 @@
+//! A field reduced to what the distance to P1 functions needs.
+//!
+//! On a cell the discrete strain and stress are constant and the discrete displacement is linear.
+//! For any field f and its L² projection Πf onto that space, ‖f - f_h‖² = ‖f - Πf‖² + ‖Πf - f_h‖²
+//! with the same quadrature in every term. So the quadrature of the truth (stronger than the
+//! loads') is done once a mesh and time, and each case pays a few operations a cell, without
+//! cancellation.
+
+/// Cell means of a tensor field and the squared distance to them.
+#[derive(Debug, Clone, Default)]
+pub struct CellConstants {
+    /// Means, S numbers a cell (Mandel).
+    pub mean: Vec<f64>,
+    /// Σ_K ∫_K |f - mean|².
+    pub rest: f64,
+}
+
+/// Piecewise linear L² projection of a field on cells or facets, by its values at the corners.
+#[derive(Debug, Clone, Default)]
+pub struct Piecewise {
+    /// Values at the corners of each simplex, all components of a corner together.
+    pub corner: Vec<f64>,
+    /// Σ ∫ |f - Πf|².
+    pub rest: f64,
+}
+
+/// The truth at one time on one mesh.
+#[derive(Debug, Clone, Default)]
+pub struct Moments {
+    /// ε(u).
+    pub strain: CellConstants,
+    /// σ.
+    pub stress: CellConstants,
+    /// u.
+    pub displacement: Piecewise,
+    /// u_ν on the facets of Γ3.
+    pub normal: Piecewise,
+    /// ξ + λ on the facets of Γ3.
+    pub pressure: Piecewise,
+    /// Whether u_ν = g, at [`FACET_SAMPLES`] + 1 equidistant points of each facet of Γ3.
+    pub locked: Vec<bool>,
+}
+
+/// Intervals into which a facet is divided when contact sets are compared.
+pub const FACET_SAMPLES: usize = 8;
+
+/// Barycentric coordinates of sample s on an edge.
+pub fn facet_sample(s: usize) -> [f64; 2] {
+    let b = s as f64 / FACET_SAMPLES as f64;
+    [1.0 - b, b]
+}
+
+/// Corner values of Πf on a simplex of `corners` vertices from its moments m_a = mean of f λ_a:
+/// Πf(x_a) = N ((N + 1) m_a - Σ m_b), N the number of corners.
+pub fn linear_projection(moments: &[f64], out: &mut [f64]) {
+    let n = moments.len() as f64;
+    let total: f64 = moments.iter().sum();
+    for (value, moment) in out.iter_mut().zip(moments) {
+        *value = n * ((n + 1.0) * moment - total);
+    }
+}
+
+/// Hausdorff distance of two sets of samples, given by flags on the same points. Both empty: 0;
+/// one of them: `diameter`.
+pub fn hausdorff(points: &[[f64; 3]], a: &[bool], b: &[bool], diameter: f64) -> f64 {
+    let select = |flags: &[bool]| -> Vec<[f64; 3]> {
+        points.iter().zip(flags).filter(|(_, flag)| **flag).map(|(p, _)| *p).collect()
+    };
+    let (set_a, set_b) = (select(a), select(b));
+    match (set_a.is_empty(), set_b.is_empty()) {
+        (true, true) => return 0.0,
+        (true, false) | (false, true) => return diameter,
+        _ => {}
+    }
+    let one_sided = |own: &[bool], other: &[bool], set: &[[f64; 3]]| {
+        let outside = points.iter().zip(own.iter().zip(other)).filter(|(_, (o, t))| **o && !**t);
+        outside.map(|(p, _)| nearest(p, set)).fold(0.0, f64::max)
+    };
+    one_sided(a, b, &set_b).max(one_sided(b, a, &set_a))
+}
+
+fn nearest(p: &[f64; 3], set: &[[f64; 3]]) -> f64 {
+    let squared = |q: &[f64; 3]| (0..3).map(|i| (p[i] - q[i]).powi(2)).sum::<f64>();
+    set.iter().map(squared).fold(f64::INFINITY, f64::min).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn linear_projection_reproduces_linear_functions() {
+        // f = Σ v_a λ_a on a triangle: m_a = (v_a + Σ v)/12; on an edge: (v_a + Σ v)/6.
+        for (values, factor) in [(vec![1.0, -2.0, 4.0], 12.0), (vec![3.0, 0.5], 6.0)] {
+            let total: f64 = values.iter().sum();
+            let moments: Vec<f64> = values.iter().map(|v| (v + total) / factor).collect();
+            let mut out = vec![0.0; values.len()];
+            linear_projection(&moments, &mut out);
+            assert!(out.iter().zip(&values).all(|(o, v)| (o - v).abs() < 1e-14));
+        }
+    }
+
+    #[test]
+    fn hausdorff_of_intervals_is_the_distance_of_their_ends() {
+        let points: Vec<[f64; 3]> = (0..11).map(|i| [f64::from(i) * 0.1, 0.0, 0.0]).collect();
+        let set = |from: usize, to: usize| (0..11).map(|i| i >= from && i <= to).collect();
+        let (a, b): (Vec<bool>, Vec<bool>) = (set(2, 8), set(3, 10));
+        assert!((hausdorff(&points, &a, &b, 1.0) - 0.2).abs() < 1e-12);
+        let empty = vec![false; 11];
+        assert_eq!(hausdorff(&points, &a, &empty, 1.0), 1.0);
+        assert_eq!(hausdorff(&points, &empty, &empty, 1.0), 0.0);
+    }
+}
