@@ -9,3 +9,5 @@ pub mod vhi;
 pub mod formula;
 pub mod manufactured;
 pub mod norms;
+pub mod scene;
+pub mod setup;

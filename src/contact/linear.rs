@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use super::march::{CaseError, CaseInfo, KKT_ALLOWED, StepView};
+use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
 use super::problem::Work;
 use super::{Discretization, Load, Model, kkt_residual};
 use crate::history::{Accumulated, Memory, TimeGrid};
@@ -33,7 +33,7 @@ pub fn march<P: Projection>(
     model: &Model<P>,
     grid: &TimeGrid,
     load: &mut dyn Load,
-    observe: &mut dyn FnMut(&StepView<'_>),
+    observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     let mut info = CaseInfo::default();
     let rule = model.time_rule.as_ref();
@@ -90,7 +90,7 @@ pub fn march<P: Projection>(
             return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
         }
         info.kkt_residual = info.kkt_residual.max(residual);
-        observe(&view);
+        observe(&view)?;
     }
     Ok(info)
 }
@@ -118,8 +118,8 @@ impl Response {
         work.factorizations += 1;
         work.seconds_factor += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let basis = load.separated().map(|separated| {
-            let mut basis = separated.basis.to_vec();
+        let basis = load.basis().map(|basis| {
+            let mut basis = basis.to_vec();
             for vector in &mut basis {
                 space.analysis.solve(&factor, vector, &mut workspace);
                 work.solves += 1;
@@ -141,15 +141,15 @@ impl Response {
         out: &mut [f64],
         work: &mut Work,
     ) {
-        match (&self.basis, load.separated()) {
-            (Some(basis), Some(separated)) => {
-                (separated.factors)(t, &mut self.factors);
+        match &self.basis {
+            Some(basis) => {
+                load.factors(t, &mut self.factors);
                 out.fill(0.0);
                 for (vector, factor) in basis.iter().zip(&self.factors) {
                     axpy(*factor, vector, out);
                 }
             }
-            _ => {
+            None => {
                 out.copy_from_slice(force);
                 space.analysis.solve(&self.factor, out, &mut self.workspace);
                 work.solves += 1;

@@ -6,14 +6,12 @@ pub enum LoadError {
     /// A formula gave no finite number.
     #[error("{what} is {value} at ({x}, {y}), t = {t}: the formula must be finite on the domain and its time interval")]
     NotFinite { what: String, value: f64, x: f64, y: f64, t: f64 },
-}
-
-/// A load Σ_i a_i(t) F_i with few vectors F_i.
-pub struct Separated<'a> {
-    /// The F_i.
-    pub basis: &'a [Vec<f64>],
-    /// The a_i, as one function that fills a slice.
-    pub factors: &'a dyn Fn(f64, &mut [f64]),
+    /// Errors were asked for where nothing is known to be true.
+    #[error("no exact solution and no reference run to measure against at t = {t}")]
+    NoTruth { t: f64 },
+    /// The reference run does not cover the mesh or the time.
+    #[error("{reason}")]
+    Reference { reason: String },
 }
 
 /// The load of a scene on one mesh.
@@ -24,18 +22,13 @@ pub trait Load {
     /// [`LoadError`] if a formula is not finite.
     fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError>;
 
-    /// The separated form, if the load has one.
-    fn separated(&self) -> Option<Separated<'_>> {
+    /// The F_i where the load separates, F(t) = Σ_i a_i(t) F_i with few of them.
+    fn basis(&self) -> Option<&[Vec<f64>]> {
         None
     }
-}
 
-/// One vector for all times.
-pub struct ConstantInTime(pub Vec<f64>);
-
-impl Load for ConstantInTime {
-    fn assemble(&mut self, _: f64, out: &mut [f64]) -> Result<(), LoadError> {
-        out.copy_from_slice(&self.0);
-        Ok(())
+    /// `out` ← a_i(t), where the load separates.
+    fn factors(&self, _t: f64, out: &mut [f64]) {
+        out.fill(0.0);
     }
 }

@@ -30,6 +30,9 @@ pub struct StepView<'a> {
     pub multiplier: &'a [f64],
 }
 
+/// Sees every time level; an error of its own ends the march.
+pub type Observer<'a> = dyn FnMut(&StepView<'_>) -> Result<(), CaseError> + 'a;
+
 /// Why a case has no result.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum CaseError {
@@ -75,7 +78,7 @@ pub fn march<P: Projection>(
     grid: &TimeGrid,
     load: &mut dyn Load,
     newton: &Newton,
-    observe: &mut dyn FnMut(&StepView<'_>),
+    observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     if model.is_linear() && (model.memory.is_none() || model.memory_multiple().is_some()) {
         return linear::march(space, model, grid, load, observe);
@@ -145,7 +148,7 @@ impl<'a, P: Projection> March<'a, P> {
         &mut self,
         n: usize,
         load: &mut dyn Load,
-        observe: &mut dyn FnMut(&StepView<'_>),
+        observe: &mut Observer<'_>,
     ) -> Result<(), CaseError> {
         let t = self.grid.time(n);
         let start = Instant::now();
@@ -219,7 +222,7 @@ impl<'a, P: Projection> March<'a, P> {
         &mut self,
         n: usize,
         t: f64,
-        observe: &mut dyn FnMut(&StepView<'_>),
+        observe: &mut Observer<'_>,
     ) -> Result<(), CaseError> {
         self.nodal[..self.state.u.len()].copy_from_slice(&self.state.u);
         self.split_pressures();
@@ -240,8 +243,7 @@ impl<'a, P: Projection> March<'a, P> {
             return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
         }
         self.info.kkt_residual = self.info.kkt_residual.max(residual);
-        observe(&view);
-        Ok(())
+        observe(&view)
     }
 
     /// c = ξ + λ: ξ ∈ ∂j_ν(u_ν) takes what the interval allows, λ the rest.

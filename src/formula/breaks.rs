@@ -96,29 +96,32 @@ impl Breaks {
             let mut from = lane.from;
             while let Some(&(_, cut)) = cuts.next_if(|(owner, _)| *owner == k) {
                 if (cut - from).abs() > apart && (lane.to - cut).abs() > apart {
-                    self.pieces.push(Piece { lane: k as u32, from, to: cut });
+                    self.pieces.push(Piece {
+                        lane: k as u32,
+                        from,
+                        to: cut,
+                    });
                     from = cut;
                 }
             }
             if from != lane.to {
-                self.pieces.push(Piece { lane: k as u32, from, to: lane.to });
+                self.pieces.push(Piece {
+                    lane: k as u32,
+                    from,
+                    to: lane.to,
+                });
             }
         }
     }
 
     /// Opens a bracket wherever a guard changes sign between watches.
-    fn watch(
-        &mut self,
-        plan: &HistoryPlan,
-        below: &mut [Past],
-        all: Surroundings,
-        lanes: &[Lane],
-    ) {
+    fn watch(&mut self, plan: &HistoryPlan, below: &mut [Past], all: Surroundings, lanes: &[Lane]) {
         self.sampler.clear();
         for lane in lanes {
             for k in 0..WATCHES {
                 let part = k as f64 / WATCHES as f64;
-                self.sampler.push(lane.tuple, lane.from + (lane.to - lane.from) * part);
+                self.sampler
+                    .push(lane.tuple, lane.from + (lane.to - lane.from) * part);
             }
             self.sampler.push(lane.tuple, lane.to);
         }
@@ -171,7 +174,9 @@ impl Breaks {
         self.brackets.retain_mut(|bracket| {
             let mine = place..place + SECTIONS - 1;
             place = mine.end;
-            let signs = values[bracket.guard][mine.clone()].iter().map(|v| class(*v));
+            let signs = values[bracket.guard][mine.clone()]
+                .iter()
+                .map(|v| class(*v));
             bracket.section(&times[mine], signs);
             if !bracket.is_closed() {
                 return true;

@@ -154,7 +154,11 @@ impl Graph {
                 let rest = self.sub(one, square);
                 let root = self.sqrt(rest);
                 let slope = self.div(one, root);
-                if function == Function::Asin { slope } else { self.neg(slope) }
+                if function == Function::Asin {
+                    slope
+                } else {
+                    self.neg(slope)
+                }
             }
             Function::Atan => {
                 let square = self.powi(a, 2);

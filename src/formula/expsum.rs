@@ -35,9 +35,8 @@ impl Graph {
         known: &HashMap<Node, Option<Exponentials>>,
     ) -> Option<Exponentials> {
         let of = |n: Node| known.get(&n).and_then(Option::as_ref);
-        let negated = |sum: &Exponentials| -> Exponentials {
-            sum.iter().map(|&(a, c)| (-a, c)).collect()
-        };
+        let negated =
+            |sum: &Exponentials| -> Exponentials { sum.iter().map(|&(a, c)| (-a, c)).collect() };
         match self.op(f) {
             Op::Constant(bits) => Some(vec![(f64::from_bits(bits), 0.0)]),
             Op::Neg(a) => Some(negated(of(a)?)),

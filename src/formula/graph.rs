@@ -179,7 +179,9 @@ impl Graph {
             Op::Variable(v) => dependence = Dependence::of(v),
             Op::Relax(..) | Op::Convolve(..) => {
                 let time = Dependence::of(Variable::T);
-                dependence = dependence.union(time).union(Dependence(Dependence::HISTORY));
+                dependence = dependence
+                    .union(time)
+                    .union(Dependence(Dependence::HISTORY));
             }
             _ => {}
         }

@@ -89,8 +89,10 @@ fn number_length(text: &str) -> usize {
 fn number(text: &str, span: Range<usize>) -> Result<f64, ParseError> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(ParseError::new(span, format!("the number {text} is too large"))
-            .hinted("the largest number is about 1.8e308")),
+        Ok(_) => Err(
+            ParseError::new(span, format!("the number {text} is too large"))
+                .hinted("the largest number is about 1.8e308"),
+        ),
         Err(_) => Err(ParseError::new(span, format!("`{text}` is not a number"))),
     }
 }

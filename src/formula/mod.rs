@@ -5,7 +5,6 @@
 //! graph in which equal subexpressions are one node.  A [`Program`] is a set of
 //! nodes prepared for evaluation; a [`Bound`] is a program with its points.
 
-mod arranged;
 mod block;
 mod bound;
 mod breaks;
@@ -14,12 +13,15 @@ mod decompose;
 mod derivative;
 mod error;
 mod expsum;
+mod functions;
 mod graph;
 mod guards;
 mod hereditary;
 mod history;
 mod lexer;
+mod meaning;
 mod memory;
+mod nearest;
 mod operand;
 mod parser;
 mod past;
@@ -41,3 +43,6 @@ pub use graph::{Graph, Node, Variable};
 pub use program::Program;
 pub use scalar::Point;
 pub use scope::Scope;
+
+#[cfg(test)]
+mod tests;

@@ -5,7 +5,9 @@ use std::ops::Range;
 use super::error::ParseError;
 use super::graph::{Node, Variable};
 use super::lexer::Token;
-use super::parser::{Meaning, Parsed, Parser, condition, equals, number};
+use super::meaning::{Meaning, Parsed, condition, number};
+use super::nearest::suggestion;
+use super::parser::{Parser, equals};
 use super::vocabulary::{Function, function_names, is_function};
 
 impl Parser<'_> {
@@ -63,8 +65,9 @@ impl Parser<'_> {
         }
         if is_function(name) {
             let message = format!("the function `{name}` needs arguments");
-            return Err(ParseError::new(span.clone(), message)
-                .hinted(format!("write `{name}(...)`")));
+            return Err(
+                ParseError::new(span.clone(), message).hinted(format!("write `{name}(...)`"))
+            );
         }
         let Some(node) = self.scope.get(name) else {
             let message = format!("unknown name `{name}`");
@@ -157,7 +160,11 @@ impl Parser<'_> {
             "max" | "min" => format!("{name}(a, b, ...)"),
             _ => format!("{name}(a)"),
         };
-        let least = if allowed.start() == allowed.end() { "" } else { "at least " };
+        let least = if allowed.start() == allowed.end() {
+            ""
+        } else {
+            "at least "
+        };
         let message = format!(
             "`{name}` takes {least}{} argument(s), not {}",
             allowed.start(),
@@ -184,7 +191,7 @@ impl Parser<'_> {
 
     fn branch(&mut self, [c, a, b]: [Parsed; 3]) -> Result<Node, ParseError> {
         let (c, a, b) = (condition(c)?, number(a)?, number(b)?);
-        Ok(self.select(&c, a, b))
+        Ok(self.graph.select(&c, a, b))
     }
 
     fn differentiate(&mut self, [f, v]: [Parsed; 2]) -> Result<Node, ParseError> {
@@ -192,10 +199,15 @@ impl Parser<'_> {
         let span = v.1.clone();
         let node = number(v)?;
         let variables = [Variable::X, Variable::Y, Variable::Z, Variable::T];
-        match variables.into_iter().find(|v| self.graph.variable(*v) == node) {
+        match variables
+            .into_iter()
+            .find(|v| self.graph.variable(*v) == node)
+        {
             Some(variable) => Ok(self.graph.derivative(f, variable)),
-            None => Err(ParseError::new(span, "`d` differentiates with respect to a variable")
-                .hinted("one of x, y, z, t")),
+            None => Err(
+                ParseError::new(span, "`d` differentiates with respect to a variable")
+                    .hinted("one of x, y, z, t"),
+            ),
         }
     }
 
@@ -213,8 +225,10 @@ impl Parser<'_> {
                 let f = number(f)?;
                 Ok(self.graph.relax(rate, f))
             }
-            _ => Err(ParseError::new(bytes, "the rate of `relax` must be a finite constant")
-                .hinted("relax(c, f) is the integral of exp(-c (t-s)) f(s) over 0 < s < t")),
+            _ => Err(
+                ParseError::new(bytes, "the rate of `relax` must be a finite constant")
+                    .hinted("relax(c, f) is the integral of exp(-c (t-s)) f(s) over 0 < s < t"),
+            ),
         }
     }
 
@@ -227,35 +241,4 @@ impl Parser<'_> {
         let hint = suggestion(name, &function_names());
         ParseError::new(span, format!("unknown function `{name}`")).hinted(hint)
     }
-}
-
-/// The nearest of the allowed names, and the list.
-fn suggestion(name: &str, allowed: &[&str]) -> String {
-    let list = format!("allowed: {}", allowed.join(", "));
-    let near = allowed
-        .iter()
-        .map(|other| (distance(name, other), other))
-        .min_by_key(|(d, _)| *d);
-    match near {
-        Some((d, other)) if d <= 2 && d < name.chars().count() => {
-            format!("did you mean `{other}`? {list}")
-        }
-        _ => list,
-    }
-}
-
-/// Fewest insertions, deletions and replacements from one word to the other.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, c) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for j in 0..b.len() {
-            let replaced = diagonal + usize::from(c != b[j]);
-            diagonal = row[j + 1];
-            row[j + 1] = replaced.min(row[j] + 1).min(row[j + 1] + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::error::ParseError;
 use super::graph::{Graph, Node, Variable};
 use super::lexer::{Spanned, Token, tokens};
+use super::meaning::{Condition, Meaning, Parsed, condition, number};
 use super::scope::Scope;
 
 /// The longest text that is read.
@@ -22,27 +23,6 @@ mod binding {
     pub(super) const MINUS: u8 = 6;
     pub(super) const POWER: u8 = 7;
 }
-
-/// A condition of `if`.
-#[derive(Clone, Debug)]
-pub(super) enum Condition {
-    /// a < b.
-    Less(Node, Node),
-    Not(Box<Condition>),
-    /// A chain of one connective, so that long chains are not deep.
-    All(Vec<Condition>),
-    Any(Vec<Condition>),
-}
-
-/// What an expression means.
-#[derive(Clone, Debug)]
-pub(super) enum Meaning {
-    Number(Node),
-    Condition(Condition),
-}
-
-/// A meaning and its bytes.
-pub(super) type Parsed = (Meaning, Range<usize>);
 
 pub(super) struct Parser<'a> {
     pub(super) graph: &'a mut Graph,
@@ -68,7 +48,13 @@ impl Graph {
             return Err(ParseError::new(0..text.len(), "the formula is empty"));
         }
         let tokens = tokens(text)?;
-        let mut parser = Parser { graph: self, scope, tokens, at: 0, depth: 0 };
+        let mut parser = Parser {
+            graph: self,
+            scope,
+            tokens,
+            at: 0,
+            depth: 0,
+        };
         let (meaning, span) = parser.expression(0)?;
         parser.end()?;
         number((meaning, span))
@@ -146,7 +132,8 @@ impl<'a> Parser<'a> {
                 _ => self.expression(strength + 1)?,
             };
             left = self.combine(operator, left, right)?;
-            if strength == binding::COMPARISON && infix(self.peek().0).is_some_and(|o| o.1 == strength)
+            if strength == binding::COMPARISON
+                && infix(self.peek().0).is_some_and(|o| o.1 == strength)
             {
                 let span = self.peek().1;
                 return Err(ParseError::new(span, "comparisons cannot be chained")
@@ -164,7 +151,11 @@ impl<'a> Parser<'a> {
                 let operand = self.nested(&span, |p| p.expression(binding::MINUS))?;
                 let whole = span.start..operand.1.end;
                 let value = number(operand)?;
-                let value = if sign == "-" { self.graph.neg(value) } else { value };
+                let value = if sign == "-" {
+                    self.graph.neg(value)
+                } else {
+                    value
+                };
                 Ok((Meaning::Number(value), whole))
             }
             Token::Name("not") => {
@@ -212,22 +203,6 @@ impl<'a> Parser<'a> {
         Ok((meaning, span))
     }
 
-    /// `then` where the condition holds, `otherwise` elsewhere.
-    pub(super) fn select(&mut self, c: &Condition, then: Node, otherwise: Node) -> Node {
-        match c {
-            Condition::Less(a, b) => self.graph.select_less(*a, *b, then, otherwise),
-            Condition::Not(c) => self.select(c, otherwise, then),
-            Condition::All(list) => list
-                .iter()
-                .rev()
-                .fold(then, |inner, c| self.select(c, inner, otherwise)),
-            Condition::Any(list) => list
-                .iter()
-                .rev()
-                .fold(otherwise, |inner, c| self.select(c, then, inner)),
-        }
-    }
-
     pub(super) fn allows_time(&self) -> bool {
         self.scope.allows(Variable::T)
     }
@@ -248,24 +223,6 @@ fn infix(token: Token<'_>) -> Option<(&str, u8)> {
         _ => return None,
     };
     Some((word, strength))
-}
-
-/// The node of a number.
-pub(super) fn number((meaning, span): Parsed) -> Result<Node, ParseError> {
-    match meaning {
-        Meaning::Number(node) => Ok(node),
-        Meaning::Condition(_) => Err(ParseError::new(span, "a condition where a number is needed")
-            .hinted("conditions belong in `if(condition, a, b)`")),
-    }
-}
-
-/// The condition that is not a number.
-pub(super) fn condition((meaning, span): Parsed) -> Result<Condition, ParseError> {
-    match meaning {
-        Meaning::Condition(condition) => Ok(condition),
-        Meaning::Number(_) => Err(ParseError::new(span, "a number where a condition is needed")
-            .hinted("write a comparison, such as `x < 0.5`")),
-    }
 }
 
 /// `=` is in no formula.

@@ -54,13 +54,13 @@ impl Program {
     /// `horizon`.  Later times are allowed; the horizon sets the panels of
     /// hereditary integrals, horizon/64 wide and narrower for fast relaxation.
     pub fn compile(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
-        let outputs = graph.arranged(outputs);
-        let histories = HistoryPlan::groups(graph, &outputs, horizon);
+        let histories = HistoryPlan::groups(graph, outputs, horizon);
         let mut compiler = Compiler::new(graph, &histories);
-        compiler.choose_slots(&outputs);
-        let plan = compiler.plan(&outputs);
+        compiler.choose_slots(outputs);
+        let (mut plan, slots) = compiler.plan(outputs);
+        plan.histories = compile_histories(graph, histories, &slots);
         Self {
-            plan: Arc::new(Plan { histories: compile_histories(graph, histories, &plan.1), ..plan.0 }),
+            plan: Arc::new(plan),
         }
     }
 
@@ -82,7 +82,12 @@ struct Compiler<'a> {
 
 impl<'a> Compiler<'a> {
     fn new(graph: &'a Graph, histories: &'a [HistoryPlan]) -> Self {
-        Self { graph, histories, slots: Slots::new(), stored: Vec::new() }
+        Self {
+            graph,
+            histories,
+            slots: Slots::new(),
+            stored: Vec::new(),
+        }
     }
 
     fn store(&mut self, node: Node) {
@@ -134,8 +139,15 @@ impl<'a> Compiler<'a> {
     fn plan(self, outputs: &[Node]) -> (Plan, Slots) {
         let graph = self.graph;
         let mut plan = Plan {
-            masks: self.stored.iter().map(|&n| graph.dependence(n).space()).collect(),
-            outputs: outputs.iter().filter_map(|n| self.slots.get(n).copied()).collect(),
+            masks: self
+                .stored
+                .iter()
+                .map(|&n| graph.dependence(n).space())
+                .collect(),
+            outputs: outputs
+                .iter()
+                .filter_map(|n| self.slots.get(n).copied())
+                .collect(),
             ..Plan::default()
         };
         for (slot, &node) in self.stored.iter().enumerate() {
@@ -144,9 +156,11 @@ impl<'a> Compiler<'a> {
             }
             for (group, history) in self.histories.iter().enumerate() {
                 let member = history.members.iter().position(|m| m.node == node);
-                plan.recalled.extend(member.map(|member| (group, member, slot)));
+                plan.recalled
+                    .extend(member.map(|member| (group, member, slot)));
             }
         }
+        plan.recalled.sort_unstable();
         let mut masks: Vec<u8> = (0..MASKS as u8).collect();
         masks.sort_by_key(|m| m.count_ones());
         for mask in masks {
@@ -199,7 +213,8 @@ fn compile_histories(
     for history in &mut histories {
         history.compile(graph, |n| {
             let slot = slots.get(&n).filter(|_| graph.dependence(n).is_static());
-            slot.map(|slot| Source::Slot(*slot)).or(places.get(&n).copied())
+            slot.map(|slot| Source::Slot(*slot))
+                .or(places.get(&n).copied())
         });
     }
     histories

@@ -63,7 +63,10 @@ mod tests {
                 .zip(&GAUSS.weights)
                 .map(|(u, w)| w * u.powi(degree))
                 .sum();
-            assert!((sum * f64::from(degree + 1) - 1.0).abs() < 1e-14, "{degree}: {sum}");
+            assert!(
+                (sum * f64::from(degree + 1) - 1.0).abs() < 1e-14,
+                "{degree}: {sum}"
+            );
         }
         let mut sum = 0.0;
         for (u, w) in GAUSS.abscissae.iter().zip(&GAUSS.weights) {

@@ -11,6 +11,9 @@ const PANELS: usize = 32;
 /// Intervals of a panel over which guards are watched.
 const WATCHES: usize = 6;
 
+/// Breaks closer than this, relative to t, are one.
+const APART: f64 = 1e-14;
+
 /// Values of the variables.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
@@ -75,7 +78,11 @@ impl<'a> Scratch<'a> {
             !matches!(graph.op(n), Op::Relax(..) | Op::Convolve(..))
         });
         let values = order.iter().map(|&n| (n, f64::NAN)).collect();
-        Self { graph, order, values }
+        Self {
+            graph,
+            order,
+            values,
+        }
     }
 
     fn value(&mut self, f: Node, at: &Point) -> f64 {
@@ -106,7 +113,11 @@ impl<'a> Scratch<'a> {
             Op::Max(a, b) => self.of(a).max(self.of(b)),
             Op::Min(a, b) => self.of(a).min(self.of(b)),
             Op::Less([a, b, p, q]) => {
-                if self.of(a) < self.of(b) { self.of(p) } else { self.of(q) }
+                if self.of(a) < self.of(b) {
+                    self.of(p)
+                } else {
+                    self.of(q)
+                }
             }
             Op::Relax(c, f) => {
                 let c = f64::from_bits(c);
@@ -145,6 +156,12 @@ fn integral(graph: &Graph, f: Node, at: &Point, mut kernel: impl FnMut(f64) -> f
         cuts.sort_by(f64::total_cmp);
         if at.t < 0.0 {
             cuts.reverse();
+        }
+        // A break next to an edge or another break would leave a piece with no
+        // room for quadrature points.
+        cuts.dedup_by(|next, kept| (*next - *kept).abs() <= APART * at.t.abs());
+        if let Some(last) = cuts.last_mut() {
+            *last = edge((panel + 1) * WATCHES);
         }
         for piece in cuts.windows(2) {
             let width = piece[1] - piece[0];

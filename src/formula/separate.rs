@@ -128,9 +128,17 @@ impl Graph {
         for (list, taken) in [(then, true), (otherwise, false)] {
             for (time, space) in list {
                 let factor = if in_time { time } else { space };
-                let (p, q) = if taken { (factor, zero) } else { (zero, factor) };
+                let (p, q) = if taken {
+                    (factor, zero)
+                } else {
+                    (zero, factor)
+                };
                 let factor = self.select_less(a, b, p, q);
-                sum.push(if in_time { (factor, space) } else { (time, factor) });
+                sum.push(if in_time {
+                    (factor, space)
+                } else {
+                    (time, factor)
+                });
             }
         }
         Some(sum)
@@ -153,10 +161,30 @@ impl Graph {
         Some(sum)
     }
 
+    /// Numbers go to the factor in time if that varies, else to that in space.
+    fn normalised(&mut self, a: Node, g: Node) -> (Node, Node) {
+        let one = self.constant(1.0);
+        if self.value_of_constant(a).is_some() {
+            return (one, self.mul(a, g));
+        }
+        match self.addends(g)[..] {
+            [(number, g)] => {
+                let (number, g) = match self.value_of_constant(g) {
+                    Some(v) => (number * v, one),
+                    None => (number, g),
+                };
+                let number = self.constant(number);
+                (self.mul(number, a), g)
+            }
+            _ => (a, g),
+        }
+    }
+
     /// Terms with a common factor put together.
     fn collected(&mut self, sum: Separated) -> Option<Separated> {
         let mut kept: Separated = Vec::new();
         for (a, g) in sum {
+            let (a, g) = self.normalised(a, g);
             if let Some((_, space)) = kept.iter_mut().find(|(b, _)| *b == a) {
                 *space = self.add(*space, g);
             } else if let Some((time, _)) = kept.iter_mut().find(|(_, h)| *h == g) {

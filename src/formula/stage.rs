@@ -52,22 +52,30 @@ impl Stages {
 
     /// How many tuples the set has.
     pub(super) fn count(&self, mask: u8) -> usize {
-        self.tuples[mask as usize].as_ref().map_or(0, |t| t.first.len())
+        self.tuples[mask as usize]
+            .as_ref()
+            .map_or(0, |t| t.first.len())
     }
 
     /// The first point of each tuple.
     pub(super) fn first_points(&self, mask: u8) -> &[u32] {
-        self.tuples[mask as usize].as_ref().map_or(&[], |t| &t.first)
+        self.tuples[mask as usize]
+            .as_ref()
+            .map_or(&[], |t| &t.first)
     }
 
     /// The tuple of each point.
     pub(super) fn of_points(&self, mask: u8) -> &[u32] {
-        self.tuples[mask as usize].as_ref().map_or(&[], |t| &t.of_point)
+        self.tuples[mask as usize]
+            .as_ref()
+            .map_or(&[], |t| &t.of_point)
     }
 
     /// For each tuple of `mask` the tuple of its part `part`.
     pub(super) fn map(&self, mask: u8, part: u8) -> &[u32] {
-        self.maps[mask as usize][part as usize].as_deref().unwrap_or(&[])
+        self.maps[mask as usize][part as usize]
+            .as_deref()
+            .unwrap_or(&[])
     }
 }
 

@@ -120,7 +120,7 @@ impl Tape {
 fn operands(graph: &Graph, node: Node) -> impl Iterator<Item = Node> + use<> {
     let number = |n: Node| graph.value_of_constant(n).is_some();
     let (first, second) = match graph.op(node) {
-        Op::Add(a, b) | Op::Mul(a, b) | Op::Sub(a, b) => (!number(a), true),
+        Op::Add(a, _) | Op::Mul(a, _) | Op::Sub(a, _) => (!number(a), true),
         Op::Div(_, b) => (true, !number(b)),
         _ => (true, true),
     };

@@ -1,5 +1,7 @@
 //! Time grids 0 = t_0 < … < t_N = T and the quadrature weights of the history integrals.
 
+use crate::linalg::signed_unit;
+
 /// A time grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeGrid {
@@ -19,6 +21,20 @@ impl TimeGrid {
         let times = (0..=steps)
             .map(|n| horizon * (f64::from(n) / f64::from(steps)).powf(exponent))
             .collect();
+        Self { times }
+    }
+
+    /// Steps drawn from [½, 3/2] mean steps by a seeded generator, scaled to end at T.
+    pub fn random(horizon: f64, steps: u32, seed: u64) -> Self {
+        let mut state = seed;
+        let mut times = vec![0.0];
+        for n in 0..steps as usize {
+            times.push(times[n] + 1.0 + 0.5 * signed_unit(&mut state));
+        }
+        let total = times[steps as usize];
+        for time in &mut times {
+            *time *= horizon / total;
+        }
         Self { times }
     }
 

@@ -51,6 +51,22 @@ impl Projection for NoProjection {
     }
 }
 
+impl<Q: Projection> Projection for Option<Q> {
+    #[inline]
+    fn stress<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Symmetric<S>> {
+        self.as_ref()?.stress(strain, kappa)
+    }
+
+    #[inline]
+    fn response<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Response<S>> {
+        self.as_ref()?.response(strain, kappa)
+    }
+
+    fn limit(&self) -> Option<&dyn YieldLimit> {
+        self.as_ref()?.limit()
+    }
+}
+
 /// Projection onto the von Mises ball of radius κ(ζ).
 pub struct VonMises<L> {
     /// μ > 0 (a stress).

@@ -4,11 +4,13 @@ mod cholesky;
 mod dissection;
 mod gmres;
 mod pattern;
+mod random;
 
 pub use cholesky::{Analysis, Factor, FactorError, Workspace};
 pub use dissection::nested_dissection;
 pub use gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
 pub use pattern::BlockPattern;
+pub use random::signed_unit;
 
 /// Σ a_i b_i, summed in order.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {

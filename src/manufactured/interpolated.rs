@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::accumulated::sign_changes;
 use super::constitutive::{self, Tensor};
-use super::exact::{BoundaryFormulas, Exact};
+use super::exact::Exact;
 use super::on_mesh::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError, stress_force};
 use crate::formula::{Bound, Node, Point, Program};
@@ -18,15 +18,21 @@ const PANELS: usize = 32;
 /// Gauss points a smooth piece of a panel.
 const TIME_POINTS: usize = 8;
 
+/// [u_ν, ξ + λ, g, …] at points of the trace with one normal.
+struct SidePoints {
+    members: Vec<usize>,
+    bound: Mutex<Bound>,
+}
+
 /// The nodal interpolant of an exact solution on one mesh.
 pub struct InterpolatedOnMesh {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
     /// [u_x, u_y, H u_x, H u_y] at the vertices in node order.
-    nodal: Program,
     bound: Mutex<Bound>,
     has_memory: bool,
-    boundary: Vec<BoundaryFormulas>,
+    /// Formulas on each side of Γ3, bound to its points of the trace.
+    boundary: Vec<SidePoints>,
     /// Times in [0, T] at which a guard changes sign at some vertex, sorted.
     events: Vec<f64>,
     /// ζ at panel ends.
@@ -53,12 +59,9 @@ impl InterpolatedOnMesh {
         let guards = graph.guards(&exact.data.u);
         let guards_program = Program::compile(&mut graph, &guards, horizon);
         let events = events(&guards_program, guards.len(), &points, horizon);
-        let boundary = (0..space.mesh.sides.len())
-            .map(|side| exact.boundary(&space.mesh.side_normal[2 * side..2 * side + 2]))
-            .collect();
+        let boundary = side_points(&exact, &space);
         Self {
             bound: Mutex::new(nodal.bind(&points)),
-            nodal,
             has_memory,
             boundary,
             events,
@@ -161,20 +164,12 @@ impl InterpolatedOnMesh {
 
     /// [u_ν, ξ + λ, g] at the points of the trace.
     fn contact_state(&self, t: f64) -> Vec<[f64; 3]> {
-        let mesh = &self.space.mesh;
         let mut state = vec![[0.0; 3]; self.space.trace.points.len()];
-        for f in 0..self.space.trace.measure.len() {
-            let side = mesh.facet_side[self.space.trace.mesh_facet[f] as usize] as usize;
-            let formulas = &self.boundary[side];
-            for &i in self.space.trace.facet(f) {
-                let x = mesh.point(&[self.space.trace.points[i as usize].vertex], &[1.0]);
-                let at = Point { x: x[0], y: x[1], z: x[2], t, zeta: 0.0 };
-                let value = |node| formulas.graph.evaluate(node, &at);
-                state[i as usize] = [
-                    value(formulas.normal),
-                    value(formulas.xi) + value(formulas.lambda),
-                    value(formulas.gap),
-                ];
+        for side in &self.boundary {
+            let mut out = vec![Vec::new(); 5];
+            side.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+            for (p, &i) in side.members.iter().enumerate() {
+                state[i] = [out[0][p], out[1][p], out[2][p]];
             }
         }
         state
@@ -229,10 +224,6 @@ impl InterpolatedOnMesh {
         Ok(moments)
     }
 
-    /// The compiled nodal program (shared with checks).
-    pub fn program(&self) -> &Program {
-        &self.nodal
-    }
 }
 
 impl Truth for InterpolatedOnMesh {
@@ -247,6 +238,30 @@ impl Truth for InterpolatedOnMesh {
 
 fn mandel(tensor: &Tensor<2>) -> [f64; 3] {
     [tensor[0][0], tensor[1][1], std::f64::consts::SQRT_2 * tensor[0][1]]
+}
+
+/// The points of the trace, by side.
+fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
+    let (mesh, trace) = (&space.mesh, &space.trace);
+    let on_side = |side: usize| -> Vec<usize> {
+        let facets = (0..trace.measure.len())
+            .filter(|&f| mesh.facet_side[trace.mesh_facet[f] as usize] as usize == side);
+        let mut members: Vec<usize> =
+            facets.flat_map(|f| trace.facet(f)).map(|&i| i as usize).collect();
+        members.sort_unstable();
+        members.dedup();
+        members
+    };
+    (0..mesh.sides.len())
+        .map(|side| (side, on_side(side)))
+        .filter(|(_, members)| !members.is_empty())
+        .map(|(side, members)| {
+            let points: Vec<[f64; 3]> =
+                members.iter().map(|&i| mesh.point(&[trace.points[i].vertex], &[1.0])).collect();
+            let formulas = exact.boundary(&mesh.side_normal[2 * side..2 * side + 2]);
+            SidePoints { members, bound: Mutex::new(formulas.program.bind(&points)) }
+        })
+        .collect()
 }
 
 /// Times at which a guard changes sign at some vertex.

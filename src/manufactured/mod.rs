@@ -13,6 +13,6 @@ mod symbolic;
 
 pub use accumulated::AccumulatedStrain;
 pub use check::{Finding, Report, check};
-pub use exact::{ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers};
+pub use exact::{BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::{ExactOnMesh, Truth};

@@ -27,6 +27,16 @@ pub trait Truth: Send + Sync {
     /// # Errors
     /// A formula that is not finite somewhere, a time that a reference run does not have.
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError>;
+
+    /// The F_i where the load separates, F(t) = Σ_i a_i(t) F_i.
+    fn load_basis(&self) -> Option<&[Vec<f64>]> {
+        None
+    }
+
+    /// `out` ← a_i(t), where the load separates.
+    fn load_factors(&self, _t: f64, out: &mut [f64]) {
+        out.fill(0.0);
+    }
 }
 
 /// Values by time, computed once.

@@ -1,0 +1,48 @@
+//! Tests of formulas as a whole.
+
+mod acid;
+mod calculus;
+mod hereditary;
+mod language;
+mod recognition;
+mod tapes;
+
+use super::{Graph, Node, Point, Scope, Variable};
+
+/// A scope with all variables.
+fn everything() -> Scope {
+    use Variable::{T, X, Y, Z, Zeta};
+    Scope::new(&[X, Y, Z, T, Zeta])
+}
+
+/// The node of a formula that must be right.
+fn node(graph: &mut Graph, scope: &Scope, text: &str) -> Node {
+    match graph.parse(text, scope) {
+        Ok(node) => node,
+        Err(error) => panic!("{text}: {error}"),
+    }
+}
+
+/// The value of a formula at (x, y, z, t).
+fn value(text: &str, [x, y, z, t]: [f64; 4]) -> f64 {
+    let mut graph = Graph::new();
+    let f = node(&mut graph, &everything(), text);
+    graph.evaluate(
+        f,
+        &Point {
+            x,
+            y,
+            z,
+            t,
+            zeta: 0.0,
+        },
+    )
+}
+
+fn assert_close(a: f64, b: f64, tolerance: f64, what: &str) {
+    assert!(
+        (a - b).abs() <= tolerance,
+        "{what}: {a} and {b} differ by {:e}",
+        a - b
+    );
+}

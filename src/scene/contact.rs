@@ -1,0 +1,105 @@
+//! `[contact]`: gap, shift, law and quadrature on Γ3; each part may be absent.
+
+use crate::formula::Node;
+
+use super::diagnostic::SceneError;
+use super::domain::Domain;
+use super::gap::{finite_on_contact, gap};
+use super::law::Law;
+use super::reading::Reading;
+use super::written;
+
+/// The rule for the compliance term on Γ3; it is part of the discrete problem.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ContactQuadrature {
+    /// Trapezoidal on each edge: the conditions decouple by vertex.
+    Vertex,
+    Gauss,
+}
+
+/// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Contact {
+    /// g, a formula in x, y; none is g = ∞.
+    pub gap: Option<Node>,
+    /// s, a formula in x, y; none is 0.
+    pub shift: Option<Node>,
+    pub law: Option<Law>,
+    pub quadrature: ContactQuadrature,
+}
+
+impl Contact {
+    /// The contact of a scene: present exactly if the domain has contact sides.
+    pub(super) fn validate(
+        reading: &mut Reading,
+        written: Option<&written::Contact>,
+        domain: &Domain,
+    ) -> Result<Option<Contact>, SceneError> {
+        match (written, domain.contact.is_empty()) {
+            (None, true) => Ok(None),
+            (None, false) => {
+                let message = "contact sides, but no part [contact]";
+                Err(reading.error(
+                    "domain.contact",
+                    message,
+                    "add [contact]; it may be empty: no gap, no law",
+                ))
+            }
+            (Some(_), true) => {
+                let message = "[contact] without a contact side";
+                Err(reading.error(
+                    "contact",
+                    message,
+                    "name the sides in [domain], contact = [\"bottom\"], or remove [contact]",
+                ))
+            }
+            (Some(written), false) => Contact::parts(reading, written, domain).map(Some),
+        }
+    }
+
+    fn parts(
+        reading: &mut Reading,
+        written: &written::Contact,
+        domain: &Domain,
+    ) -> Result<Contact, SceneError> {
+        let gap = match &written.gap {
+            Some(formula) => gap(reading, formula, domain)?,
+            None => None,
+        };
+        let shift = match &written.shift {
+            Some(formula) => Some(finite_on_contact(
+                reading,
+                "contact.shift",
+                formula,
+                domain,
+            )?),
+            None => None,
+        };
+        let law = match &written.law {
+            Some(law) => Law::validate(reading, law)?,
+            None => None,
+        };
+        let quadrature = quadrature(reading, written.quadrature.as_deref().unwrap_or("vertex"))?;
+        Ok(Contact {
+            gap,
+            shift,
+            law,
+            quadrature,
+        })
+    }
+}
+
+fn quadrature(reading: &Reading, word: &str) -> Result<ContactQuadrature, SceneError> {
+    if word == "exact" {
+        let message = "the quadrature `exact` is not available yet";
+        return Err(reading.error("contact.quadrature", message, "use \"vertex\" or \"gauss\""));
+    }
+    reading.choice(
+        "contact.quadrature",
+        word,
+        &[
+            ("vertex", ContactQuadrature::Vertex),
+            ("gauss", ContactQuadrature::Gauss),
+        ],
+    )
+}

@@ -1,0 +1,117 @@
+//! `[scene]`: the name, the question, and how the scene is judged.
+
+use super::diagnostic::SceneError;
+use super::reading::Reading;
+use super::written;
+
+/// The verdict that a scene must reach.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Expectation {
+    Pass,
+    Fail,
+    Unresolved,
+}
+
+/// A hypothesis that a scene may violate on purpose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hypothesis {
+    /// (2.9): α_φ + α_j c_j² < m_A.
+    Smallness,
+    /// g concave on each contact face, so that U^h ⊂ U.
+    ConcaveGap,
+    /// κ Lipschitz, as (5.1) asks.
+    LipschitzKappa,
+    /// (3.4): k below the step-size bound.
+    StepSize,
+}
+
+impl Hypothesis {
+    const ALL: [Hypothesis; 4] = [
+        Hypothesis::Smallness,
+        Hypothesis::ConcaveGap,
+        Hypothesis::LipschitzKappa,
+        Hypothesis::StepSize,
+    ];
+
+    /// The name that `violates` takes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Hypothesis::Smallness => "2.9",
+            Hypothesis::ConcaveGap => "concave_gap",
+            Hypothesis::LipschitzKappa => "5.1",
+            Hypothesis::StepSize => "3.4",
+        }
+    }
+}
+
+/// `[scene]` as validated.
+pub(super) struct Heading {
+    pub name: String,
+    pub dimension: usize,
+    pub expect: Expectation,
+    pub window_n: Option<[usize; 2]>,
+    pub window_steps: Option<[usize; 2]>,
+    pub violates: Vec<Hypothesis>,
+}
+
+impl Heading {
+    pub fn validate(reading: &Reading, written: &written::Heading) -> Result<Heading, SceneError> {
+        Ok(Heading {
+            name: name(reading, &written.name)?,
+            dimension: dimension(reading, written.dimension)?,
+            expect: match &written.expect {
+                Some(word) => expectation(reading, word)?,
+                None => Expectation::Pass,
+            },
+            window_n: reading.window("scene.window_n", written.window_n.as_ref())?,
+            window_steps: reading.window("scene.window_steps", written.window_steps.as_ref())?,
+            violates: violates(reading, &written.violates)?,
+        })
+    }
+}
+
+/// A name becomes part of file names: letters, digits, `-` and `_`.
+fn name(reading: &Reading, name: &str) -> Result<String, SceneError> {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if !name.is_empty() && name.chars().all(allowed) {
+        return Ok(name.to_string());
+    }
+    Err(reading.error(
+        "scene.name",
+        format!("`{name}` cannot name a scene"),
+        "use letters, digits, - and _: the name becomes part of file names",
+    ))
+}
+
+fn dimension(reading: &Reading, dimension: i64) -> Result<usize, SceneError> {
+    match dimension {
+        2 => Ok(2),
+        3 => Err(reading.error(
+            "scene.dimension",
+            "dimension 3 is not available yet",
+            "write dimension = 2 (plane strain)",
+        )),
+        _ => Err(reading.error(
+            "scene.dimension",
+            format!("dimension {dimension} has no contact problem"),
+            "write dimension = 2 (plane strain)",
+        )),
+    }
+}
+
+fn expectation(reading: &Reading, word: &str) -> Result<Expectation, SceneError> {
+    let known = [
+        ("pass", Expectation::Pass),
+        ("fail", Expectation::Fail),
+        ("unresolved", Expectation::Unresolved),
+    ];
+    reading.choice("scene.expect", word, &known)
+}
+
+fn violates(reading: &Reading, words: &[String]) -> Result<Vec<Hypothesis>, SceneError> {
+    let known = Hypothesis::ALL.map(|hypothesis| (hypothesis.name(), hypothesis));
+    let one = |(index, word): (usize, &String)| {
+        reading.choice(&format!("scene.violates.{index}"), word, &known)
+    };
+    words.iter().enumerate().map(one).collect()
+}

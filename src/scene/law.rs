@@ -1,0 +1,231 @@
+//! The compliance law p = ∂j_ν: piecewise linear, jumps upward only.
+
+use super::diagnostic::SceneError;
+use super::reading::Reading;
+use super::written;
+
+/// p = ∂j_ν as a graph: `slope_before`, then the points joined by lines, then `slope_after`.
+/// Two points of one abscissa are a jump, where p is the interval between them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Law {
+    /// (r, p(r)), at least one, r nondecreasing and at most twice the same.
+    pub points: Vec<[f64; 2]>,
+    pub slope_before: f64,
+    pub slope_after: f64,
+}
+
+/// The kinds of law, before their numbers are known.
+#[derive(Clone, Copy)]
+enum Kind {
+    None,
+    Linear,
+    PiecewiseLinear,
+}
+
+const KEY: &str = "contact.law";
+
+impl Law {
+    pub(super) fn validate(
+        reading: &Reading,
+        written: &written::Law,
+    ) -> Result<Option<Law>, SceneError> {
+        let known = [
+            ("none", Kind::None),
+            ("linear", Kind::Linear),
+            ("piecewise-linear", Kind::PiecewiseLinear),
+        ];
+        let kind = reading.choice("contact.law.kind", &written.kind, &known)?;
+        if !matches!(kind, Kind::Linear) {
+            reading.surplus(
+                "contact.law.stiffness",
+                written.stiffness.as_ref(),
+                &written.kind,
+            )?;
+        }
+        if !matches!(kind, Kind::PiecewiseLinear) {
+            reading.surplus("contact.law.points", written.points.as_ref(), &written.kind)?;
+            reading.surplus(
+                "contact.law.slope_before",
+                written.slope_before.as_ref(),
+                &written.kind,
+            )?;
+            reading.surplus(
+                "contact.law.slope_after",
+                written.slope_after.as_ref(),
+                &written.kind,
+            )?;
+        }
+        match kind {
+            Kind::None => Ok(None),
+            Kind::Linear => Law::linear(reading, written).map(Some),
+            Kind::PiecewiseLinear => Law::piecewise_linear(reading, written).map(Some),
+        }
+    }
+
+    /// p(r) = stiffness · r for every r.
+    fn linear(reading: &Reading, written: &written::Law) -> Result<Law, SceneError> {
+        let stiffness = reading.needed(
+            "contact.law.stiffness",
+            written.stiffness,
+            &written.kind,
+            "stiffness = 2.0",
+        )?;
+        reading.finite("contact.law.stiffness", stiffness)?;
+        Ok(Law {
+            points: vec![[0.0, 0.0]],
+            slope_before: stiffness,
+            slope_after: stiffness,
+        })
+    }
+
+    fn piecewise_linear(reading: &Reading, written: &written::Law) -> Result<Law, SceneError> {
+        let line = "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
+        let points = reading.needed(
+            "contact.law.points",
+            written.points.as_ref(),
+            &written.kind,
+            line,
+        )?;
+        let before = reading.needed(
+            "contact.law.slope_before",
+            written.slope_before,
+            &written.kind,
+            "slope_before = 0.0",
+        )?;
+        let after = reading.needed(
+            "contact.law.slope_after",
+            written.slope_after,
+            &written.kind,
+            "slope_after = 0.0",
+        )?;
+        let law = Law {
+            points: pairs(reading, points)?,
+            slope_before: reading.finite("contact.law.slope_before", before)?,
+            slope_after: reading.finite("contact.law.slope_after", after)?,
+        };
+        law.check_order(reading)?;
+        Ok(law)
+    }
+
+    fn check_order(&self, reading: &Reading) -> Result<(), SceneError> {
+        for (index, pair) in self.points.windows(2).enumerate() {
+            let key = format!("{KEY}.points.{}", index + 1);
+            admissible(reading, &key, pair[0], pair[1])?;
+        }
+        match self
+            .points
+            .windows(3)
+            .position(|three| three[0][0] == three[2][0])
+        {
+            None => Ok(()),
+            Some(index) => {
+                let message = format!("three points at r = {}", self.points[index][0]);
+                let hint = "a jump needs its lower and its upper end: remove the point between";
+                Err(reading.error(&format!("{KEY}.points.{}", index + 1), message, hint))
+            }
+        }
+    }
+
+    /// α_ν ≥ 0, the steepest descent of p (per unit of r): the constant of relaxed monotonicity (2.8c).
+    ///
+    /// It suffices: for r1 > r2 and ξi ∈ p(ri), ξ1 - ξ2 is the integral of the slopes over (r2, r1) plus parts of
+    /// upward jumps, hence at least -α (r1 - r2); times (r1 - r2) this is (2.8c). No smaller constant does: two points
+    /// of the steepest segment give equality. A jump down by δ would need α (r1 - r2)² ≥ δ (r1 - r2) for r1 - r2 → 0.
+    pub fn alpha(&self) -> f64 {
+        let inner = self
+            .points
+            .windows(2)
+            .filter(|pair| pair[1][0] > pair[0][0]);
+        let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
+        slopes
+            .chain([self.slope_before, self.slope_after])
+            .fold(0.0, |alpha, slope| alpha.max(-slope))
+    }
+
+    /// Whether p has a jump, where a selection ξ ∈ p(r) is not determined by r.
+    pub fn is_set_valued(&self) -> bool {
+        self.points.windows(2).any(|pair| pair[0][0] == pair[1][0])
+    }
+}
+
+/// The second of two neighbouring points: not to the left, not below at the same place, and not beyond all slopes.
+fn admissible(
+    reading: &Reading,
+    key: &str,
+    [r, p]: [f64; 2],
+    [next_r, next_p]: [f64; 2],
+) -> Result<(), SceneError> {
+    if next_r < r {
+        let message = format!("the abscissa {next_r} comes after {r}: points must be sorted");
+        return Err(reading.error(key, message, "sort the points by their first number"));
+    }
+    if next_r == r && next_p == p {
+        return Err(reading.error(
+            key,
+            format!("the point [{r}, {p}] is given twice"),
+            "remove one of the two",
+        ));
+    }
+    if next_r == r && next_p < p {
+        let message = format!(
+            "p jumps down from {p} to {next_p} at r = {r}: relaxed monotonicity (2.8c) then fails for every alpha"
+        );
+        return Err(reading.error(key, message, "replace the jump by a steep slope: alpha is that slope, and (2.9) asks alpha c_j^2 < m_A"));
+    }
+    if next_r > r && !((next_p - p) / (next_r - r)).is_finite() {
+        let message = format!("the slope from [{r}, {p}] to [{next_r}, {next_p}] is not finite");
+        return Err(reading.error(
+            key,
+            message,
+            "give the points one abscissa for a jump upward, or set them apart",
+        ));
+    }
+    Ok(())
+}
+
+fn pairs(reading: &Reading, points: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, SceneError> {
+    if points.is_empty() {
+        return Err(reading.error(
+            &format!("{KEY}.points"),
+            "the law has no point",
+            "give at least one: points = [[0.0, 0.0]]",
+        ));
+    }
+    let pair = |(index, point): (usize, &Vec<f64>)| match point[..] {
+        [r, p] if r.is_finite() && p.is_finite() => Ok([r, p]),
+        _ => Err(reading.error(
+            &format!("{KEY}.points.{index}"),
+            format!("{point:?} is not a point"),
+            "a point is two finite numbers: [r, p(r)]",
+        )),
+    };
+    points.iter().enumerate().map(pair).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Law;
+
+    fn law(points: &[[f64; 2]], slope_before: f64, slope_after: f64) -> Law {
+        Law {
+            points: points.to_vec(),
+            slope_before,
+            slope_after,
+        }
+    }
+
+    #[test]
+    fn alpha_is_the_steepest_descent() {
+        let punch = law(&[[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]], 0.0, 0.0);
+        assert!((punch.alpha() - 0.5).abs() < 1e-12);
+        assert_eq!(law(&[[0.0, 0.0]], 2.0, 2.0).alpha(), 0.0);
+        assert_eq!(law(&[[0.0, 0.0]], 1.0, -3.0).alpha(), 3.0);
+    }
+
+    #[test]
+    fn a_jump_upward_costs_nothing() {
+        let jump = law(&[[0.0, 0.0], [0.0, 1.0], [2.0, 0.0]], 0.0, 0.0);
+        assert!(jump.is_set_valued());
+        assert!((jump.alpha() - 0.5).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,165 @@
+//! `[[predicts]]`: the orders that the theory promises, each with the theorem that does.
+
+use super::diagnostic::SceneError;
+use super::reading::Reading;
+use super::written;
+
+/// A quantity in which errors are measured; names as in `cases.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Norm {
+    /// max over n of ‖ε(u_n - u_n^{kh})‖, the paper's.
+    VMax,
+    L2Max,
+    TraceL2Max,
+    PressureL2Max,
+    StressL2Max,
+    ContactSetMax,
+    VTimeMax,
+    VProjectionMax,
+}
+
+impl Norm {
+    /// Every norm.
+    pub const ALL: [Norm; 8] = [
+        Norm::VMax,
+        Norm::L2Max,
+        Norm::TraceL2Max,
+        Norm::PressureL2Max,
+        Norm::StressL2Max,
+        Norm::ContactSetMax,
+        Norm::VTimeMax,
+        Norm::VProjectionMax,
+    ];
+
+    /// The name in scene files and in `cases.csv`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Norm::VMax => "V_max",
+            Norm::L2Max => "L2_max",
+            Norm::TraceL2Max => "trace_L2_max",
+            Norm::PressureL2Max => "pressure_L2_max",
+            Norm::StressL2Max => "stress_L2_max",
+            Norm::ContactSetMax => "contact_set_max",
+            Norm::VTimeMax => "V_time_max",
+            Norm::VProjectionMax => "V_projection_max",
+        }
+    }
+
+    /// Whether the norm lives on Γ3 and so has no meaning without contact.
+    pub fn needs_contact(self) -> bool {
+        matches!(
+            self,
+            Norm::TraceL2Max | Norm::PressureL2Max | Norm::ContactSetMax
+        )
+    }
+
+    pub(super) fn validate(
+        reading: &Reading,
+        key: &str,
+        word: &str,
+        has_contact: bool,
+    ) -> Result<Norm, SceneError> {
+        let norm = reading.choice(key, word, &Norm::ALL.map(|norm| (norm.name(), norm)))?;
+        if norm.needs_contact() && !has_contact {
+            let message = format!("`{word}` is measured on Γ3, and the scene has no contact");
+            return Err(reading.error(
+                key,
+                message,
+                "choose V_max, L2_max or stress_L2_max, or add contact",
+            ));
+        }
+        Ok(norm)
+    }
+}
+
+/// The direction in which an order is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// h → 0 at a fixed number of steps.
+    H,
+    /// k → 0 on a fixed mesh.
+    K,
+    /// Both: C_h h^order + C_k k^order_k over the grid of cases.
+    Joint,
+}
+
+/// One promised order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    pub norm: Norm,
+    pub variable: Direction,
+    /// Order in `variable`; in h where that is joint. Positive.
+    pub order: f64,
+    /// Order in k, present exactly if `variable` is joint. Positive.
+    pub order_k: Option<f64>,
+    /// The order is a lower bound.
+    pub at_least: bool,
+    /// The order is sharp: more is a failure too.
+    pub exact: bool,
+    /// The theorem or equation that promises it.
+    pub why: String,
+    pub window_n: Option<[usize; 2]>,
+    pub window_steps: Option<[usize; 2]>,
+}
+
+impl Prediction {
+    /// The prediction at position `index` of the file.
+    pub(super) fn validate(
+        reading: &Reading,
+        index: usize,
+        written: &written::Prediction,
+        has_contact: bool,
+    ) -> Result<Prediction, SceneError> {
+        let key = |name: &str| format!("predicts.{index}.{name}");
+        let known = [
+            ("h", Direction::H),
+            ("k", Direction::K),
+            ("joint", Direction::Joint),
+        ];
+        let variable = reading.choice(&key("variable"), &written.variable, &known)?;
+        if written.at_least && written.exact {
+            let message = "both at_least and exact: an order is a lower bound or it is sharp";
+            return Err(reading.key_error(&key("exact"), message, "keep one of the two"));
+        }
+        if written.why.trim().is_empty() {
+            return Err(reading.error(
+                &key("why"),
+                "`why` is empty",
+                "name the theorem or equation that promises the order: why = \"(5.26)\"",
+            ));
+        }
+        Ok(Prediction {
+            norm: Norm::validate(reading, &key("norm"), &written.norm, has_contact)?,
+            variable,
+            order: reading.positive(&key("order"), written.order)?,
+            order_k: order_in_k(reading, &key("order_k"), variable, written.order_k)?,
+            at_least: written.at_least,
+            exact: written.exact,
+            why: written.why.clone(),
+            window_n: reading.window(&key("window_n"), written.window_n.as_ref())?,
+            window_steps: reading.window(&key("window_steps"), written.window_steps.as_ref())?,
+        })
+    }
+}
+
+fn order_in_k(
+    reading: &Reading,
+    key: &str,
+    variable: Direction,
+    order: Option<f64>,
+) -> Result<Option<f64>, SceneError> {
+    match (variable, order) {
+        (Direction::Joint, Some(order)) => reading.positive(key, order).map(Some),
+        (Direction::Joint, None) => Err(reading.error(
+            key,
+            "a joint prediction needs two orders",
+            "add the one in k: order_k = 2.0",
+        )),
+        (_, None) => Ok(None),
+        (_, Some(_)) => Err(reading.key_error(
+            key,
+            "`order_k` belongs to joint predictions",
+            "write variable = \"joint\", or remove order_k",
+        )),
+    }
+}

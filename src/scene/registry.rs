@@ -1,0 +1,139 @@
+//! The scenes of a folder, found by name; any other scene, by its path.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::diagnostic::SceneError;
+use super::nearest::by_distance;
+use super::validated::Scene;
+
+/// How many folders deep scenes are looked for.
+const DEEPEST: usize = 8;
+
+/// The scene files under a folder, by name.
+#[derive(Debug, Clone)]
+pub struct Registry {
+    folder: PathBuf,
+    files: BTreeMap<String, PathBuf>,
+}
+
+impl Registry {
+    /// Lists the TOML files under a folder, subfolders included; nothing is read.
+    ///
+    /// # Errors
+    /// The folder cannot be read, or two files have one name.
+    pub fn open(folder: &Path) -> Result<Registry, SceneError> {
+        let mut registry = Registry {
+            folder: folder.to_path_buf(),
+            files: BTreeMap::new(),
+        };
+        registry.enter(folder, DEEPEST)?;
+        Ok(registry)
+    }
+
+    /// The names, sorted.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.files.keys().map(String::as_str)
+    }
+
+    /// The file of a scene given by name, or by a path: whatever has a `/` or ends in `.toml`.
+    ///
+    /// # Errors
+    /// No scene has that name; the nearest names are given.
+    pub fn find(&self, scene: &str) -> Result<PathBuf, SceneError> {
+        if let Some(path) = self.files.get(scene) {
+            return Ok(path.clone());
+        }
+        if scene.contains('/') || scene.ends_with(".toml") {
+            return Ok(PathBuf::from(scene));
+        }
+        Err(self.unknown(scene))
+    }
+
+    /// Reads a scene given by name or by path.
+    ///
+    /// # Errors
+    /// The scene is unknown or at fault, or a file of the folder holds a scene of another name.
+    pub fn load(&self, scene: &str) -> Result<Scene, SceneError> {
+        let path = self.find(scene)?;
+        let loaded = Scene::read(&path)?;
+        let expected = stem(&path);
+        if self.files.contains_key(scene) && loaded.name != expected {
+            let message = format!(
+                "the scene is called `{}`, its file `{expected}.toml`",
+                loaded.name
+            );
+            return Err(loaded.error(
+                "scene.name",
+                message,
+                format!("write name = \"{expected}\", or rename the file"),
+            ));
+        }
+        Ok(loaded)
+    }
+
+    fn unknown(&self, name: &str) -> SceneError {
+        let near = by_distance(name, self.names());
+        let way_out = if !near.is_empty() {
+            format!(
+                "did you mean {}?",
+                near.iter()
+                    .take(3)
+                    .map(|name| format!("`{name}`"))
+                    .collect::<Vec<_>>()
+                    .join(" or ")
+            )
+        } else if self.files.is_empty() {
+            "the folder holds no scene; give the path of a TOML file".to_string()
+        } else {
+            format!(
+                "known: {}; or give the path of a TOML file",
+                self.names().collect::<Vec<_>>().join(", ")
+            )
+        };
+        SceneError::Unknown {
+            name: name.to_string(),
+            folder: self.folder.clone(),
+            way_out,
+        }
+    }
+
+    fn enter(&mut self, folder: &Path, deeper: usize) -> Result<(), SceneError> {
+        let unreadable = |error: std::io::Error| SceneError::Unreadable {
+            path: folder.to_path_buf(),
+            reason: error.to_string(),
+        };
+        let mut paths = Vec::new();
+        for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+            paths.push(entry.map_err(unreadable)?.path());
+        }
+        paths.sort();
+        for path in paths {
+            if path.is_dir() && deeper > 0 {
+                self.enter(&path, deeper - 1)?;
+            } else if path.extension().is_some_and(|ending| ending == "toml") {
+                self.add(path)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, path: PathBuf) -> Result<(), SceneError> {
+        let name = stem(&path);
+        match self.files.insert(name.clone(), path.clone()) {
+            None => Ok(()),
+            Some(first) => Err(SceneError::Duplicate {
+                name,
+                first,
+                second: path,
+            }),
+        }
+    }
+}
+
+/// The file name without its ending.
+fn stem(path: &Path) -> String {
+    path.file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned())
+        .unwrap_or_default()
+}

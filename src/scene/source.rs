@@ -1,0 +1,100 @@
+//! The text of a scene file, where it stands, and its hash.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::diagnostic::SceneError;
+
+/// Largest scene file that is read, in bytes (1 MiB).
+const LARGEST_FILE: u64 = 1 << 20;
+
+/// A scene file as read: where it stands, its text, and the hash that identifies it in records.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Source {
+    pub path: PathBuf,
+    pub text: String,
+    /// 64-bit FNV-1a hash of the text, 16 hexadecimal digits; the same on every machine.
+    pub hash: String,
+}
+
+impl Source {
+    /// Text that did not come from a file; `path` is the name that messages show.
+    pub fn from_text(path: impl Into<PathBuf>, text: impl Into<String>) -> Source {
+        let text = text.into();
+        let hash = format!("{:016x}", fnv_1a(text.as_bytes()));
+        Source {
+            path: path.into(),
+            text,
+            hash,
+        }
+    }
+
+    /// Reads a file of at most 1 MiB of UTF-8.
+    ///
+    /// # Errors
+    /// The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
+    pub fn read(path: &Path) -> Result<Source, SceneError> {
+        let bytes = read_at_most(path, LARGEST_FILE).map_err(|error| SceneError::Unreadable {
+            path: path.to_path_buf(),
+            reason: error.to_string(),
+        })?;
+        if bytes.len() as u64 > LARGEST_FILE {
+            return Err(SceneError::TooLarge {
+                path: path.to_path_buf(),
+            });
+        }
+        match String::from_utf8(bytes) {
+            Ok(text) => Ok(Source::from_text(path, text)),
+            Err(error) => Err(not_utf8(path, &error)),
+        }
+    }
+}
+
+/// The bytes of the file; of a file longer than `largest`, one byte more than that, so that the excess shows.
+fn read_at_most(path: &Path, largest: u64) -> std::io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?
+        .take(largest + 1)
+        .read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+fn not_utf8(path: &Path, error: &std::string::FromUtf8Error) -> SceneError {
+    let bytes = error.as_bytes();
+    let valid = &bytes[..error.utf8_error().valid_up_to()];
+    let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
+    let line_start = valid
+        .iter()
+        .rposition(|&byte| byte == b'\n')
+        .map_or(0, |newline| newline + 1);
+    let column = 1 + String::from_utf8_lossy(&valid[line_start..])
+        .chars()
+        .count();
+    SceneError::NotUtf8 {
+        path: path.to_path_buf(),
+        line,
+        column,
+        byte: bytes[valid.len()],
+    }
+}
+
+/// The 64-bit FNV-1a hash.
+fn fnv_1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fnv_1a;
+
+    /// Values of the reference implementation by Fowler, Noll and Vo.
+    #[test]
+    fn hash_is_the_published_one() {
+        assert_eq!(fnv_1a(b""), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fnv_1a(b"a"), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(fnv_1a(b"foobar"), 0x8594_4171_f739_67e8);
+    }
+}

@@ -1,0 +1,155 @@
+//! `[sweep]`: the grid of cases, and the finer run that stands for the truth.
+
+use super::diagnostic::SceneError;
+use super::domain::Domain;
+use super::prediction::Norm;
+use super::reading::Reading;
+use super::written;
+
+/// The run that stands for the truth where there is no exact solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reference {
+    pub n: usize,
+    pub steps: usize,
+}
+
+/// Every n with every number of steps.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sweep {
+    /// Mesh cells per unit length, h = 1/n; each divides both sides of the rectangle into whole cells.
+    pub n: Vec<usize>,
+    /// Numbers N of time steps.
+    pub steps: Vec<usize>,
+    /// n a multiple of every n, steps of every number of steps.
+    pub reference: Option<Reference>,
+    /// Norms to measure; none leaves the choice to the sweep.
+    pub norms: Option<Vec<Norm>>,
+}
+
+impl Sweep {
+    pub(super) fn validate(
+        reading: &Reading,
+        written: Option<&written::Sweep>,
+        domain: &Domain,
+        has_contact: bool,
+    ) -> Result<Option<Sweep>, SceneError> {
+        let Some(written) = written else {
+            return Ok(None);
+        };
+        let n = counts(reading, "sweep.n", &written.n)?;
+        let steps = counts(reading, "sweep.steps", &written.steps)?;
+        for (index, &n) in n.iter().enumerate() {
+            whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
+        }
+        let reference = match &written.reference {
+            Some(reference) => Some(Reference::validate(reading, reference, domain, &n, &steps)?),
+            None => None,
+        };
+        let norms = match &written.norms {
+            Some(words) => Some(norms(reading, words, has_contact)?),
+            None => None,
+        };
+        Ok(Some(Sweep {
+            n,
+            steps,
+            reference,
+            norms,
+        }))
+    }
+}
+
+impl Reference {
+    fn validate(
+        reading: &Reading,
+        written: &written::Reference,
+        domain: &Domain,
+        n: &[usize],
+        steps: &[usize],
+    ) -> Result<Reference, SceneError> {
+        let reference = Reference {
+            n: reading.count("sweep.reference.n", written.n)?,
+            steps: reading.count("sweep.reference.steps", written.steps)?,
+        };
+        whole_cells(reading, "sweep.reference.n", reference.n, domain)?;
+        multiple(reading, "n", reference.n, n)?;
+        multiple(reading, "steps", reference.steps, steps)?;
+        if n.contains(&reference.n) && steps.contains(&reference.steps) {
+            let message = format!(
+                "the reference is the case n = {}, steps = {} itself: its error would be 0",
+                reference.n, reference.steps
+            );
+            return Err(reading.error(
+                "sweep.reference",
+                message,
+                "refine the reference in n or in steps",
+            ));
+        }
+        Ok(reference)
+    }
+}
+
+/// A list of positive numbers without repetition.
+fn counts(reading: &Reading, key: &str, written: &[i64]) -> Result<Vec<usize>, SceneError> {
+    if written.is_empty() {
+        return Err(reading.error(key, "the list is empty", "give at least one: [8, 16, 32]"));
+    }
+    let mut counts = Vec::new();
+    for (index, &value) in written.iter().enumerate() {
+        let item = format!("{key}.{index}");
+        let count = reading.count(&item, value)?;
+        if counts.contains(&count) {
+            return Err(reading.error(
+                &item,
+                format!("{count} is listed twice"),
+                "remove one of the two",
+            ));
+        }
+        counts.push(count);
+    }
+    Ok(counts)
+}
+
+/// n cells a unit length must cut every side into a whole number of cells.
+fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Result<(), SceneError> {
+    for &length in &domain.size {
+        let cells = n as f64 * length;
+        if cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells {
+            let message = format!(
+                "n = {n} does not divide side {length} into whole cells: {n} cells a unit length make {cells}"
+            );
+            return Err(reading.error(
+                key,
+                message,
+                "choose n so that n times each side is a whole number",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn multiple(
+    reading: &Reading,
+    name: &str,
+    reference: usize,
+    cases: &[usize],
+) -> Result<(), SceneError> {
+    match cases.iter().find(|&&case| !reference.is_multiple_of(case)) {
+        None => Ok(()),
+        Some(case) => {
+            let message =
+                format!("the reference {name} = {reference} is not a multiple of {name} = {case}");
+            Err(reading.error(
+                &format!("sweep.reference.{name}"),
+                message,
+                "errors are compared at common vertices and times: choose a common multiple",
+            ))
+        }
+    }
+}
+
+fn norms(reading: &Reading, words: &[String], has_contact: bool) -> Result<Vec<Norm>, SceneError> {
+    let one = |(index, word): (usize, &String)| {
+        Norm::validate(reading, &format!("sweep.norms.{index}"), word, has_contact)
+    };
+    words.iter().enumerate().map(one).collect()
+}

@@ -1,0 +1,8 @@
+//! Scenes that must be read, and scenes that must be refused.
+
+mod accepted;
+mod good;
+mod malformed;
+mod pure;
+mod shipped;
+mod unreadable;

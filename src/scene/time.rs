@@ -1,0 +1,95 @@
+//! `[time]`: the horizon and the family of grids.
+
+use super::diagnostic::SceneError;
+use super::reading::Reading;
+use super::written;
+
+/// Where the time points t_0 = 0 < … < t_N = T lie.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TimeGrid {
+    /// t_j = T j/N.
+    Uniform,
+    /// t_j = T (j/N)^exponent, exponent ≥ 1: fine near t = 0.
+    Graded { exponent: f64 },
+    /// Random steps, reproducible by their seed.
+    Random { seed: u64 },
+}
+
+/// `[time]` as validated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Time {
+    /// T > 0.
+    pub horizon: f64,
+    pub grid: TimeGrid,
+}
+
+/// The kinds of grid, before their numbers are known.
+#[derive(Clone, Copy)]
+enum Kind {
+    Uniform,
+    Graded,
+    Random,
+}
+
+impl Time {
+    pub(super) fn validate(reading: &Reading, written: &written::Time) -> Result<Time, SceneError> {
+        let horizon = reading.positive("time.horizon", written.horizon)?;
+        let grid = match &written.grid {
+            Some(grid) => TimeGrid::validate(reading, grid)?,
+            None => TimeGrid::Uniform,
+        };
+        Ok(Time { horizon, grid })
+    }
+}
+
+impl TimeGrid {
+    fn validate(reading: &Reading, written: &written::Grid) -> Result<TimeGrid, SceneError> {
+        let known = [
+            ("uniform", Kind::Uniform),
+            ("graded", Kind::Graded),
+            ("random", Kind::Random),
+        ];
+        let kind = reading.choice("time.grid.kind", &written.kind, &known)?;
+        if !matches!(kind, Kind::Graded) {
+            reading.surplus(
+                "time.grid.exponent",
+                written.exponent.as_ref(),
+                &written.kind,
+            )?;
+        }
+        if !matches!(kind, Kind::Random) {
+            reading.surplus("time.grid.seed", written.seed.as_ref(), &written.kind)?;
+        }
+        match kind {
+            Kind::Uniform => Ok(TimeGrid::Uniform),
+            Kind::Graded => {
+                let exponent = reading.needed(
+                    "time.grid.exponent",
+                    written.exponent,
+                    &written.kind,
+                    "exponent = 2.0",
+                )?;
+                graded(reading, exponent)
+            }
+            Kind::Random => {
+                let seed =
+                    reading.needed("time.grid.seed", written.seed, &written.kind, "seed = 1")?;
+                Ok(TimeGrid::Random {
+                    seed: reading.seed("time.grid.seed", seed)?,
+                })
+            }
+        }
+    }
+}
+
+fn graded(reading: &Reading, exponent: f64) -> Result<TimeGrid, SceneError> {
+    if reading.finite("time.grid.exponent", exponent)? >= 1.0 {
+        return Ok(TimeGrid::Graded { exponent });
+    }
+    let message = format!("exponent = {exponent} is below 1: the largest steps would lie at t = 0");
+    Err(reading.error(
+        "time.grid.exponent",
+        message,
+        "t_j = T (j/N)^exponent: give 1 or more; for u ~ t^a take more than 2/(1+a)",
+    ))
+}

@@ -1,0 +1,233 @@
+//! A scene file as written: keys and types, nothing else is checked here.
+//!
+//! Plain nested tables; a `kind` is a string here, and what belongs to it is decided in validation.
+//! Counts are signed, so that a negative one can be refused with words.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, de};
+
+/// A formula as text; a bare TOML number is a formula too.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Formula(pub String);
+
+impl<'de> Deserialize<'de> for Formula {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Formula, D::Error> {
+        deserializer.deserialize_any(FormulaVisitor)
+    }
+}
+
+struct FormulaVisitor;
+
+impl de::Visitor<'_> for FormulaVisitor {
+    type Value = Formula;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a formula in quotes or a number")
+    }
+
+    fn visit_str<E>(self, text: &str) -> Result<Formula, E> {
+        Ok(Formula(text.to_string()))
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Formula, E> {
+        Ok(Formula(value.to_string()))
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Formula, E> {
+        Ok(Formula(value.to_string()))
+    }
+}
+
+/// The whole file.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct File {
+    pub scene: Heading,
+    pub domain: Domain,
+    pub time: Time,
+    pub material: Material,
+    pub contact: Option<Contact>,
+    pub loads: Option<Loads>,
+    pub exact: Option<Exact>,
+    pub sweep: Option<Sweep>,
+    #[serde(default)]
+    pub predicts: Vec<Prediction>,
+}
+
+/// `[scene]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Heading {
+    pub name: String,
+    pub question: String,
+    pub dimension: i64,
+    #[serde(default = "yes")]
+    pub judge: bool,
+    pub expect: Option<String>,
+    #[serde(default)]
+    pub long: bool,
+    pub window_n: Option<Vec<i64>>,
+    pub window_steps: Option<Vec<i64>>,
+    #[serde(default)]
+    pub violates: Vec<String>,
+}
+
+/// `[domain]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Domain {
+    pub shape: String,
+    pub size: Vec<f64>,
+    #[serde(default)]
+    pub clamped: Vec<String>,
+    #[serde(default)]
+    pub traction: Vec<String>,
+    #[serde(default)]
+    pub contact: Vec<String>,
+    pub mesh: Option<Mesh>,
+}
+
+/// `mesh = { kind = "perturbed", amplitude = 0.2, seed = 1 }`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mesh {
+    pub kind: String,
+    pub amplitude: Option<f64>,
+    pub seed: Option<i64>,
+}
+
+/// `[time]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Time {
+    pub horizon: f64,
+    pub grid: Option<Grid>,
+}
+
+/// `grid = { kind = "graded", exponent = 2.0 }`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Grid {
+    pub kind: String,
+    pub exponent: Option<f64>,
+    pub seed: Option<i64>,
+}
+
+/// `[material]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    pub lambda: Option<f64>,
+    #[serde(rename = "mu_L")]
+    pub mu_l: Option<f64>,
+    #[serde(rename = "E")]
+    pub young: Option<f64>,
+    #[serde(rename = "nu")]
+    pub poisson: Option<f64>,
+    pub memory: Option<Memory>,
+    pub projection: Option<Projection>,
+}
+
+/// `[material.memory]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Memory {
+    pub kernel: Formula,
+    pub lambda: f64,
+    pub mu: f64,
+}
+
+/// `[material.projection]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Projection {
+    pub mu: f64,
+    pub kappa: Formula,
+}
+
+/// `[contact]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Contact {
+    pub gap: Option<Formula>,
+    pub shift: Option<Formula>,
+    pub law: Option<Law>,
+    pub quadrature: Option<String>,
+}
+
+/// `law = { kind = "piecewise-linear", points = [[0.0, 0.0], …], slope_before = 0.0, slope_after = 0.0 }`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Law {
+    pub kind: String,
+    pub stiffness: Option<f64>,
+    pub points: Option<Vec<Vec<f64>>>,
+    pub slope_before: Option<f64>,
+    pub slope_after: Option<f64>,
+}
+
+/// `[loads]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Loads {
+    pub body: Vec<Formula>,
+    #[serde(default)]
+    pub traction: BTreeMap<String, Vec<Formula>>,
+}
+
+/// `[exact]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Exact {
+    pub u: Vec<Formula>,
+    pub multiplier: Option<Formula>,
+    pub selection: Option<Formula>,
+    #[serde(default)]
+    pub interpolated: bool,
+    pub form: Option<String>,
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Formula>,
+    #[serde(default)]
+    pub define: BTreeMap<String, Formula>,
+}
+
+/// `[sweep]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Sweep {
+    pub n: Vec<i64>,
+    pub steps: Vec<i64>,
+    pub reference: Option<Reference>,
+    pub norms: Option<Vec<String>>,
+}
+
+/// `reference = { n = 128, steps = 64 }`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reference {
+    pub n: i64,
+    pub steps: i64,
+}
+
+/// `[[predicts]]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Prediction {
+    pub norm: String,
+    pub variable: String,
+    pub order: f64,
+    pub order_k: Option<f64>,
+    #[serde(default)]
+    pub at_least: bool,
+    #[serde(default)]
+    pub exact: bool,
+    pub why: String,
+    pub window_n: Option<Vec<i64>>,
+    pub window_steps: Option<Vec<i64>>,
+}
+
+fn yes() -> bool {
+    true
+}

@@ -1,0 +1,140 @@
+//! What all cases on one mesh share: space, truth, reference trajectories, the A-projection.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
+use crate::contact::{CaseError, Discretization, Load, LoadError, march};
+use crate::manufactured::{ExactOnMesh, InterpolatedOnMesh, Truth};
+use crate::norms::{ReferenceRun, Trajectory};
+use crate::scene::{Data, Side};
+use crate::vhi::Newton;
+
+/// A scene on one mesh.
+pub struct MeshData {
+    /// V^h.
+    pub space: Arc<Discretization>,
+    /// Loads and exact fields.
+    pub truth: Box<dyn Truth>,
+    /// Displacements of runs with more steps, by (steps of the run, steps kept).
+    trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
+}
+
+/// The load of a truth as the solver wants it.
+pub struct TruthLoad<'a>(pub &'a dyn Truth);
+
+impl Load for TruthLoad<'_> {
+    fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
+        out.copy_from_slice(&self.0.load(t)?);
+        Ok(())
+    }
+
+    fn basis(&self) -> Option<&[Vec<f64>]> {
+        self.0.load_basis()
+    }
+
+    fn factors(&self, t: f64, out: &mut [f64]) {
+        self.0.load_factors(t, out);
+    }
+}
+
+impl MeshData {
+    /// The scene on the mesh n; `reference` is the finer run of a scene without exact solution.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`].
+    pub fn new(
+        setup: &Setup,
+        n: u32,
+        reference: Option<Arc<ReferenceRun>>,
+    ) -> Result<Self, SetupError> {
+        let space = setup.space(n)?;
+        let truth: Box<dyn Truth> = match (&setup.scene.data, &setup.exact) {
+            (Data::Exact { interpolated: true, .. }, Some(exact)) => {
+                Box::new(InterpolatedOnMesh::new(exact.clone(), space.clone()))
+            }
+            (Data::Exact { form, .. }, Some(exact)) => {
+                let sides = side_numbers(&space, &setup.scene.domain.traction);
+                let form = super::load_form(*form);
+                Box::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides))
+            }
+            (Data::Loads { body, traction }, _) => {
+                let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);
+                let load = GivenLoad::new(graph, horizon, body, traction, &space);
+                Box::new(ReferenceTruth::new(space.clone(), load, reference))
+            }
+            (Data::Exact { .. }, None) => {
+                return Err(SetupError::NoTruth { scene: setup.scene.name.clone() });
+            }
+        };
+        Ok(Self { space, truth, trajectories: Mutex::default() })
+    }
+
+    /// Displacements of a run with `run_steps` steps at the times of the grid with `kept` steps;
+    /// solved once and shared.
+    ///
+    /// # Errors
+    /// The solver's.
+    pub fn trajectory(
+        &self,
+        setup: &Setup,
+        run_steps: u32,
+        kept: u32,
+    ) -> Result<Arc<Trajectory>, CaseError> {
+        let lock = || self.trajectories.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = lock().get(&(run_steps, kept)) {
+            return Ok(known.clone());
+        }
+        let every = (run_steps / kept.max(1)).max(1) as usize;
+        let mut trajectory = Trajectory::default();
+        march(
+            &self.space,
+            &setup.model,
+            &setup.grid(run_steps),
+            &mut TruthLoad(&*self.truth),
+            &Newton::default(),
+            &mut |view| {
+                if view.n % every == 0 {
+                    trajectory.times.push(view.t);
+                    trajectory.displacements.push(view.u.to_vec());
+                }
+                Ok(())
+            },
+        )?;
+        let trajectory = Arc::new(trajectory);
+        Ok(lock().entry((run_steps, kept)).or_insert(trajectory).clone())
+    }
+}
+
+/// Numbers of sides in the mesh of a space.
+pub fn side_numbers(space: &Discretization, sides: &[Side]) -> Vec<u32> {
+    sides.iter().filter_map(|side| space.mesh.side(side.name())).collect()
+}
+
+/// The finer run that stands for the truth of a scene without exact solution.
+///
+/// # Errors
+/// The solver's, and those of the mesh.
+pub fn reference_run(
+    setup: &Setup,
+    n: u32,
+    steps: u32,
+    keep_every: u32,
+) -> Result<ReferenceRun, SetupError> {
+    let data = MeshData::new(setup, n, None)?;
+    let mut run = ReferenceRun::new(data.space.clone());
+    march(
+        &data.space,
+        &setup.model,
+        &setup.grid(steps),
+        &mut TruthLoad(&*data.truth),
+        &Newton::default(),
+        &mut |view| {
+            if view.n % keep_every as usize == 0 {
+                run.keep(&setup.model, view);
+            }
+            Ok(())
+        },
+    )?;
+    Ok(run)
+}
