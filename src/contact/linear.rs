@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
 use super::problem::Work;
-use super::{Discretization, Load, Model, kkt_residual};
+use super::{Discretization, Floors, Load, Model, kkt_residual};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::Projection;
 use crate::linalg::{Factor, FactorError, Workspace, axpy};
@@ -92,6 +92,7 @@ pub fn march<P: Projection>(
         info.kkt_residual = info.kkt_residual.max(residual);
         observe(&view)?;
     }
+    info.floors = response.floors(space, model, &force, &u, &history);
     Ok(info)
 }
 
@@ -129,6 +130,32 @@ impl Response {
         work.seconds_solve += start.elapsed().as_secs_f64();
         let factors = vec![0.0; basis.as_ref().map_or(0, Vec::len)];
         Ok(Self { factor, workspace, basis, factors })
+    }
+
+    /// Floors from the correction that one more solve at the last step would make.
+    fn floors<P: Projection>(
+        &mut self,
+        space: &Discretization,
+        model: &Model<P>,
+        force: &[f64],
+        u: &[f64],
+        history: &[f64],
+    ) -> Floors {
+        let beta = model.memory_multiple().unwrap_or(0.0);
+        let mut combined = u[..space.dofs()].to_vec();
+        if !history.is_empty() {
+            axpy(beta, &history[..space.dofs()], &mut combined);
+        }
+        let mut delta = vec![0.0; space.nodes.len()];
+        let stiffness = space.stiffness(&model.elasticity);
+        space.pattern.multiply(&stiffness, &combined, &mut delta[..space.dofs()]);
+        for (target, force) in delta.iter_mut().zip(force) {
+            *target = force - *target;
+        }
+        let residual = crate::linalg::norm(&delta);
+        space.analysis.solve(&self.factor, &mut delta[..space.dofs()], &mut self.workspace);
+        let largest = model.elasticity.eigenvalues(space.mesh.dimension).1;
+        Floors::new(space, &delta, u, residual, largest)
     }
 
     /// `out` ← K⁻¹F(t), where `force` is F(t).

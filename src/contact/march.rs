@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::problem::Work;
-use super::{ContactProblem, Discretization, Load, LoadError, Model, kkt_residual, linear};
+use super::{ContactProblem, Discretization, Floors, Load, LoadError, Model, kkt_residual, linear};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::Projection;
 use crate::vhi::{Newton, Scratch, StepError, StepState};
@@ -62,6 +62,8 @@ pub struct CaseInfo {
     pub seconds_load: f64,
     /// Largest memory held by the history.
     pub peak_history_bytes: usize,
+    /// What solver and rounding contribute to each error.
+    pub floors: Floors,
 }
 
 /// A relative KKT residual above this is a failure. Rounding of nodal forces against the largest of
@@ -87,8 +89,7 @@ pub fn march<P: Projection>(
     for n in 0..=grid.steps() {
         march.step(n, load, observe)?;
     }
-    march.info.work = march.problem.work;
-    Ok(march.info)
+    Ok(march.finish())
 }
 
 struct March<'a, P> {
@@ -109,6 +110,7 @@ struct March<'a, P> {
     nodal: Vec<f64>,
     compliance: Vec<f64>,
     multiplier: Vec<f64>,
+    last_residual: f64,
     info: CaseInfo,
 }
 
@@ -133,6 +135,7 @@ impl<'a, P: Projection> March<'a, P> {
             nodal: vec![0.0; space.nodes.len()],
             compliance: vec![0.0; space.trace.points.len()],
             multiplier: vec![0.0; space.trace.points.len()],
+            last_residual: 0.0,
             info: CaseInfo::default(),
             accumulated: Accumulated::default(),
             space,
@@ -169,9 +172,10 @@ impl<'a, P: Projection> March<'a, P> {
             .newton
             .solve(&mut self.problem, &mut self.state, &mut self.scratch)
             .map_err(|source| CaseError::Step { n, t, source })?;
+        self.last_residual = info.residual;
         self.info.newton_iterations += info.iterations;
         self.info.active_set_changes += info.active_set_changes;
-        self.commit(n, weight);
+        self.commit(weight);
         self.show(n, t, observe)
     }
 
@@ -200,7 +204,7 @@ impl<'a, P: Projection> March<'a, P> {
     }
 
     /// Commits the converged level to the history.
-    fn commit(&mut self, n: usize, weight: f64) {
+    fn commit(&mut self, weight: f64) {
         let dofs = self.space.dofs();
         self.accumulated.commit(self.grid, self.problem.strain_norm());
         if let (Some(memory), Some(term)) = (&mut self.memory, &self.model.memory) {
@@ -215,7 +219,19 @@ impl<'a, P: Projection> March<'a, P> {
         } else {
             self.last.insert(0, self.state.clone());
         }
-        debug_assert!(self.grid.time(n) >= 0.0);
+    }
+
+    /// Counters, and the floors from the correction that one more solve would make.
+    fn finish(mut self) -> CaseInfo {
+        let mut delta = vec![0.0; self.space.nodes.len()];
+        let unbalanced = self.scratch.unbalanced();
+        delta[..unbalanced.len()].copy_from_slice(unbalanced);
+        self.problem.solve_with_last_factor(&mut delta[..self.space.dofs()]);
+        let largest = self.model.elasticity.eigenvalues(self.space.mesh.dimension).1;
+        let residual = self.last_residual;
+        self.info.floors = Floors::new(self.space, &delta, &self.nodal, residual, largest);
+        self.info.work = self.problem.work;
+        self.info
     }
 
     fn show(

@@ -3,6 +3,7 @@
 mod assembly;
 mod compliance;
 mod discretization;
+mod floor;
 mod kkt;
 mod linear;
 mod load;
@@ -13,6 +14,7 @@ mod trace;
 
 pub use assembly::{isotropic_stiffness, stress_force};
 pub use discretization::Discretization;
+pub use floor::{Floors, strain_distance};
 pub use kkt::kkt_residual;
 pub use linear::strain_norm;
 pub use load::{Load, LoadError};

@@ -190,9 +190,12 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         self.past_zeta + self.weight * self.strain_norm
     }
 
-    /// Stiffness values of 𝒜.
-    pub fn elastic(&self) -> &[f64] {
-        &self.elastic
+    /// K⁻¹ rhs in place with the last factor; the right side is left as it is before the first
+    /// factorization (a scene at rest).
+    pub fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
+        if self.work.factorizations > 0 {
+            self.space.analysis.solve(&self.factor, rhs, &mut self.workspace);
+        }
     }
 
     fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {

@@ -12,7 +12,7 @@ mod on_mesh;
 mod symbolic;
 
 pub use accumulated::AccumulatedStrain;
-pub use check::{Finding, Report, check};
+pub use check::{Finding, SideOfRectangle, Status, check};
 pub use exact::{BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::{ExactOnMesh, Truth};

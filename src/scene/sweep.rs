@@ -3,6 +3,7 @@
 use super::diagnostic::SceneError;
 use super::domain::Domain;
 use super::prediction::Norm;
+use super::validated::Scene;
 use super::reading::Reading;
 use super::written;
 
@@ -125,6 +126,43 @@ fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Resul
         }
     }
     Ok(())
+}
+
+impl Scene {
+    /// Checks grids that come from outside the file (the command line) as the file's own are.
+    ///
+    /// # Errors
+    /// An n that does not divide the sides into whole cells, or that the reference run does not
+    /// refine; a number of steps that the reference's is no multiple of.
+    pub fn check_grid(&self, n: Option<&[u32]>, steps: Option<&[u32]>) -> Result<(), SceneError> {
+        let reference = self.sweep.as_ref().and_then(|sweep| sweep.reference);
+        for &n in n.unwrap_or_default() {
+            for &length in &self.domain.size {
+                let cells = f64::from(n) * length;
+                if cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells {
+                    let message = format!("n = {n} does not divide side {length} into whole cells");
+                    let hint = "choose n so that n times each side is a whole number";
+                    return Err(self.error("domain.size", message, hint));
+                }
+            }
+            if let Some(reference) = reference.filter(|r| !r.n.is_multiple_of(n as usize)) {
+                let message = format!("the reference n = {} is no multiple of n = {n}", reference.n);
+                let hint = "choose n among the divisors of the reference, or change the reference";
+                return Err(self.error("sweep.reference", message, hint));
+            }
+        }
+        for &steps in steps.unwrap_or_default() {
+            if let Some(reference) =
+                reference.filter(|r| !r.steps.is_multiple_of(steps as usize))
+            {
+                let own = reference.steps;
+                let message = format!("the reference steps = {own} is no multiple of steps = {steps}");
+                let hint = "choose steps among the divisors of the reference's, or change the reference";
+                return Err(self.error("sweep.reference", message, hint));
+            }
+        }
+        Ok(())
+    }
 }
 
 fn multiple(

@@ -122,6 +122,11 @@ pub struct Scratch {
 type PieceKey = Option<Option<f64>>;
 
 impl Scratch {
+    /// Minus the unbalanced force of the last iterate.
+    pub fn unbalanced(&self) -> &[f64] {
+        &self.increment
+    }
+
     fn resize<P: StepInequality>(&mut self, problem: &P) {
         let graphs = problem.graph().coordinates.len();
         self.force.resize(problem.dofs(), 0.0);

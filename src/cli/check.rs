@@ -1,0 +1,98 @@
+//! `sweep check`: the manufactured data and the hypotheses, without a solve.
+
+use clap::Args;
+
+use super::{CliError, Scenes, print_json, print_text};
+use crate::manufactured::{Finding, SideOfRectangle, Status, check};
+use crate::scene::{Scene, Side};
+use crate::setup::{Constants, Setup, constants};
+
+/// `sweep check`: JSON keys with --json: scene, findings (subject, status, value, text).
+#[derive(Args)]
+pub struct Check {
+    /// Name of a scene, or path of a TOML file
+    scene: String,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Check {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let setup = scenes.setup(&self.scene)?;
+        let mut findings = Vec::new();
+        if let Some(exact) = &setup.exact {
+            findings.extend(check(exact, &sides(&setup.scene)));
+        }
+        findings.extend(hypotheses(&setup, &constants(&setup)?));
+        let failed = findings.iter().any(|finding| finding.status == Status::Failed);
+        if self.json {
+            let rows: Vec<_> = findings.iter().map(row).collect();
+            print_json(&serde_json::json!({ "scene": setup.scene.name, "findings": rows }))?;
+        } else {
+            for finding in &findings {
+                let Finding { subject, status, text, .. } = finding;
+                print_text(&format!("{:<28} {:<9} {text}", subject, status.name()));
+            }
+        }
+        Ok(u8::from(failed))
+    }
+}
+
+fn row(finding: &Finding) -> serde_json::Value {
+    serde_json::json!({
+        "subject": finding.subject,
+        "status": finding.status.name(),
+        "value": finding.value,
+        "text": finding.text,
+    })
+}
+
+/// The sides of a scene's rectangle.
+fn sides(scene: &Scene) -> Vec<SideOfRectangle> {
+    Side::ALL
+        .into_iter()
+        .map(|side| SideOfRectangle {
+            normal: match side {
+                Side::Left => [-1.0, 0.0],
+                Side::Right => [1.0, 0.0],
+                Side::Bottom => [0.0, -1.0],
+                Side::Top => [0.0, 1.0],
+            },
+            clamped: scene.domain.clamped.contains(&side),
+            contact: scene.domain.contact.contains(&side),
+        })
+        .collect()
+}
+
+/// The constants of the paper, with how each was obtained.
+fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
+    let fact = |subject: &str, value: f64, how: &str| {
+        Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
+    };
+    let mut findings = vec![
+        fact("m_A, elastic part", c.m_elastic, "smallest eigenvalue of the elasticity tensor"),
+        fact("m_A", c.m_a, "proved: elastic part + mu"),
+        fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),
+        fact("alpha_phi", c.alpha_phi, "proved: mu"),
+        fact("alpha_nu", c.alpha_nu, "proved: steepest descent of the law"),
+    ];
+    if c.c_j_squared > 0.0 {
+        findings.push(fact("c_j^2", c.c_j_squared, "extrapolated from n = 8, 16, 32; no bound"));
+    }
+    if let Some(bound) = c.c_j_squared_bound {
+        findings.push(fact("c_j^2, upper bound", bound, "proved: distance to the clamped side"));
+    }
+    let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
+    let text = format!("m0 = {:.6} with the extrapolated c_j^2", c.m0);
+    findings.push(Finding::new("m0 > 0 (2.9)", status, c.m0, text));
+    findings.push(fact("beta_phi", c.beta_phi, "proved: max(mu L_kappa sqrt|Omega|, 1)"));
+    findings.push(fact("|B|", c.memory_norm, "operator norm, sampled over [0, T]"));
+    if let Some(projection) = &setup.scene.material.projection {
+        findings.push(fact("L_kappa", projection.lipschitz, "sampled exact derivative"));
+    }
+    let sharpened = c.sharpened_step_bound;
+    findings.push(fact("step bound (3.4)", c.step_bound, "k below this: one solution a step"));
+    findings.push(fact("sharpened step bound", sharpened, "half weight, terms apart"));
+    findings
+}

@@ -1,0 +1,80 @@
+//! `sweep list`: the scenes with their terms and predicted orders.
+
+use clap::Args;
+
+use super::{CliError, Scenes, print_json, print_text};
+use crate::scene::{Data, Scene};
+
+/// `sweep list`: JSON keys with --json: name, question, terms, truth, predicts, long, judge.
+#[derive(Args)]
+pub struct List {
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl List {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let all = scenes.select(&[])?;
+        if self.json {
+            let rows: Vec<_> = all.iter().map(row).collect();
+            print_json(&serde_json::Value::Array(rows))?;
+            return Ok(0);
+        }
+        for scene in &all {
+            print_text(&format!("{:<16} {}", scene.name, scene.question));
+            print_text(&format!("{:<16} terms: {}; {}", "", terms(scene).join(", "), truth(scene)));
+            let orders = predictions(scene);
+            let orders = if orders.is_empty() { "nothing judged".into() } else { orders.join("; ") };
+            print_text(&format!("{:<16} {orders}", ""));
+        }
+        Ok(0)
+    }
+}
+
+fn row(scene: &Scene) -> serde_json::Value {
+    serde_json::json!({
+        "name": scene.name,
+        "question": scene.question,
+        "terms": terms(scene),
+        "truth": truth(scene),
+        "predicts": predictions(scene),
+        "long": scene.long,
+        "judge": scene.judge,
+    })
+}
+
+/// The terms of (5.1)-(5.5) that a scene has.
+pub fn terms(scene: &Scene) -> Vec<&'static str> {
+    let contact = scene.contact.as_ref();
+    let present = [
+        (true, "elasticity"),
+        (scene.material.memory.is_some(), "memory"),
+        (scene.material.projection.is_some(), "projection"),
+        (contact.is_some_and(|c| c.law.is_some()), "compliance"),
+        (contact.is_some_and(|c| c.gap.is_some()), "gap"),
+        (contact.is_some_and(|c| c.shift.is_some()), "shift"),
+    ];
+    present.into_iter().filter(|(has, _)| *has).map(|(_, name)| name).collect()
+}
+
+/// What errors are measured against.
+pub fn truth(scene: &Scene) -> &'static str {
+    match &scene.data {
+        Data::Exact { interpolated: true, .. } => "exact solution in V^h",
+        Data::Exact { .. } => "exact solution",
+        Data::Loads { .. } => "given loads, reference run",
+    }
+}
+
+fn predictions(scene: &Scene) -> Vec<String> {
+    let line = |p: &crate::scene::Prediction| {
+        let variable = match p.variable {
+            crate::scene::Direction::H => "h",
+            crate::scene::Direction::K => "k",
+            crate::scene::Direction::Joint => "h and k",
+        };
+        format!("{} in {variable}: order {} ({})", p.norm.name(), p.order, p.why)
+    };
+    scene.predicts.iter().map(line).collect()
+}

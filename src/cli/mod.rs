@@ -1,0 +1,148 @@
+//! The command line: one file a command, results on stdout, progress and errors on stderr.
+
+mod check;
+mod explain;
+mod fit;
+mod list;
+mod progress;
+mod report;
+mod run;
+mod solve;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::scene::{Registry, Scene, SceneError};
+use crate::setup::{Setup, SetupError};
+
+/// Exit code of a command that could not judge.
+const COULD_NOT_JUDGE: u8 = 2;
+
+/// Verifies and benchmarks error estimates of history-dependent variational-hemivariational
+/// inequalities. Without a command: runs the scenes under manufactured/ at gate size, prints the
+/// verdicts and writes reports/latest/.
+#[derive(Parser)]
+#[command(name = "sweep", version, about, long_about = None)]
+struct Arguments {
+    /// Folder of the scenes.
+    #[arg(long, global = true, default_value = "manufactured")]
+    scenes: PathBuf,
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run refinement sweeps, fit orders, judge them, write a report
+    Run(run::Run),
+    /// Run sweeps for CI: verdicts only
+    Gate(run::Gate),
+    /// List the scenes with their terms and predicted orders
+    List(list::List),
+    /// Verify the manufactured data and the hypotheses of a scene, without solving
+    Check(check::Check),
+    /// Say what a scene requires: terms, algorithms, sizes, predicted cost
+    Explain(explain::Explain),
+    /// Solve one case and print named quantities
+    Solve(solve::Solve),
+    /// Fit orders to a table with columns h, k, error
+    Fit(fit::Fit),
+    /// Rebuild every output from the records in a directory, without solving
+    Report(report::Report),
+}
+
+/// What ends a command early, as one message on stderr and exit code 2.
+#[derive(Debug, thiserror::Error)]
+enum CliError {
+    /// A scene is at fault.
+    #[error("{0}")]
+    Scene(#[from] SceneError),
+    /// A scene could not be set up.
+    #[error("{0}")]
+    Setup(#[from] SetupError),
+    /// A sweep could not be run.
+    #[error("error: {0}")]
+    Sweep(#[from] crate::sweep::SweepError),
+    /// A report could not be written.
+    #[error("error: {0}")]
+    Report(#[from] crate::report::ReportError),
+    /// Anything else, said in full.
+    #[error("error: {0}")]
+    Other(String),
+}
+
+/// Parses the arguments and runs the command.
+pub fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    let scenes = Scenes { folder: arguments.scenes };
+    let command = arguments.command.unwrap_or(Command::Run(run::Run::main_job()));
+    let outcome = match command {
+        Command::Run(run) => run.execute(&scenes),
+        Command::Gate(gate) => gate.execute(&scenes),
+        Command::List(list) => list.execute(&scenes),
+        Command::Check(check) => check.execute(&scenes),
+        Command::Explain(explain) => explain.execute(&scenes),
+        Command::Solve(solve) => solve.execute(&scenes),
+        Command::Fit(fit) => fit.execute(),
+        Command::Report(report) => report.execute(&scenes),
+    };
+    match outcome {
+        Ok(code) => ExitCode::from(code),
+        Err(error) => {
+            eprintln!("{}", error.to_string().trim_end());
+            ExitCode::from(COULD_NOT_JUDGE)
+        }
+    }
+}
+
+/// Where scenes come from.
+struct Scenes {
+    folder: PathBuf,
+}
+
+impl Scenes {
+    /// A scene by name or path, ready to compute.
+    fn setup(&self, name: &str) -> Result<Setup, CliError> {
+        Ok(Setup::new(self.scene(name)?)?)
+    }
+
+    fn scene(&self, name: &str) -> Result<Scene, CliError> {
+        // A path needs no folder of scenes.
+        if name.ends_with(".toml") {
+            return Ok(Scene::read(std::path::Path::new(name))?);
+        }
+        Ok(self.registry()?.load(name)?)
+    }
+
+    fn registry(&self) -> Result<Registry, CliError> {
+        Ok(Registry::open(&self.folder)?)
+    }
+
+    /// The named scenes, or all of the folder.
+    fn select(&self, names: &[String]) -> Result<Vec<Scene>, CliError> {
+        if !names.is_empty() {
+            return names.iter().map(|name| self.scene(name)).collect();
+        }
+        let registry = self.registry()?;
+        let all: Vec<String> = registry.names().map(str::to_owned).collect();
+        all.iter().map(|name| Ok(registry.load(name)?)).collect()
+    }
+}
+
+/// Prints a JSON value.
+fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
+    let text = serde_json::to_string_pretty(value).map_err(|e| CliError::Other(e.to_string()))?;
+    print_text(&text);
+    Ok(())
+}
+
+/// Prints to stdout; a closed pipe ends the program quietly instead of with a panic.
+fn print_text(text: &str) {
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    if writeln!(out, "{text}").and_then(|()| out.flush()).is_err() {
+        std::process::exit(0);
+    }
+}

@@ -1,0 +1,92 @@
+//! Progress of a sweep on stderr: a bar on a terminal, plain lines elsewhere.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::sync::PoisonError;
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use crate::record::{CaseRecord, Status};
+use crate::sweep::Progress;
+
+/// Progress for a person or a log.
+pub struct Display {
+    bar: Option<ProgressBar>,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    total: usize,
+    done: usize,
+    running: Vec<String>,
+}
+
+impl Display {
+    /// A bar if stderr is a terminal.
+    pub fn new() -> Self {
+        let bar = std::io::stderr().is_terminal().then(|| {
+            let style = ProgressStyle::with_template("{bar:24} {pos}/{len} cases, {eta} left  {msg}");
+            ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+        });
+        Self { bar, state: Mutex::default() }
+    }
+
+    fn show_running(&self, state: &State) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(state.running.join(" | "));
+        }
+    }
+}
+
+impl Progress for Display {
+    fn begin(&self, total: usize, done: usize) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        (state.total, state.done) = (total, done);
+        match &self.bar {
+            Some(bar) => {
+                bar.set_length(total as u64);
+                bar.set_position(done as u64);
+            }
+            None if done > 0 => eprintln!("{total} cases, {done} already recorded"),
+            None => eprintln!("{total} cases"),
+        }
+    }
+
+    fn started(&self, what: &str) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.running.push(what.to_string());
+        self.show_running(&state);
+    }
+
+    fn finished(&self, what: &str, record: Option<&CaseRecord>) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.running.retain(|running| running != what);
+        let failure = record.and_then(|record| match &record.status {
+            Status::Failed { reason } => Some(reason),
+            _ => None,
+        });
+        if record.is_some() {
+            state.done += 1;
+        }
+        match &self.bar {
+            Some(bar) => {
+                bar.set_position(state.done as u64);
+                if let Some(reason) = failure {
+                    bar.println(format!("{what} failed: {reason}"));
+                }
+                if state.done == state.total {
+                    bar.finish_and_clear();
+                }
+            }
+            None => {
+                let seconds = record.map_or(String::new(), |record| {
+                    format!(" {:.2} s", record.seconds_total)
+                });
+                let outcome = failure.map_or("done".into(), |reason| format!("failed: {reason}"));
+                eprintln!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total);
+            }
+        }
+        self.show_running(&state);
+    }
+}

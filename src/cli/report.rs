@@ -1,0 +1,49 @@
+//! `sweep report DIR`: every output again, from the records alone.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{CliError, Scenes, print_text};
+use crate::record::Key;
+use crate::report::write_all;
+use crate::sweep::{Overrides, Provenance, ScenePlan, judge_scene, scene_summary};
+use crate::verdict::{exit_code, read_failures, render_table, restore_reasons};
+
+/// `sweep report`.
+#[derive(Args)]
+pub struct Report {
+    /// Directory with cases.csv
+    dir: PathBuf,
+}
+
+impl Report {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let other = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
+        let mut records =
+            crate::record::read(&self.dir.join("cases.csv")).map_err(|error| other(&error))?;
+        let document = self.dir.join("verdict.json");
+        if document.exists() {
+            let failures = read_failures(&document).map_err(|error| other(&error))?;
+            restore_reasons(&mut records, &failures);
+        }
+        let mut names: Vec<String> = records.iter().map(|record| record.scene.clone()).collect();
+        names.sort();
+        names.dedup();
+        let (mut verdicts, mut summaries, mut plans) = (Vec::new(), Vec::new(), Vec::new());
+        for scene in scenes.select(&names)? {
+            // The cases of the directory are the ones to judge, and those of the scene's own grid
+            // must be among them only if the directory was made with that grid.
+            let keys: Vec<Key> =
+                records.iter().filter(|r| r.scene == scene.name).map(|r| r.key()).collect();
+            verdicts.extend(judge_scene(&scene, &records, &keys));
+            summaries.push(scene_summary(&scene));
+            plans.push(ScenePlan::new(crate::setup::Setup::new(scene)?, &Overrides::default()));
+        }
+        let provenance = Provenance::new(&plans).json();
+        write_all(&self.dir, &summaries, &records, &verdicts, &provenance)?;
+        print_text(&render_table(&verdicts));
+        print_text(&format!("report: {}", self.dir.join("index.html").display()));
+        Ok(exit_code(&records, &verdicts))
+    }
+}

@@ -1,0 +1,189 @@
+//! `sweep run` and `sweep gate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::{CliError, Scenes, print_json, print_text};
+use crate::record::CaseRecord;
+use crate::report::{SceneSummary, write_all, write_junit};
+use crate::setup::Setup;
+use crate::sweep::{
+    Overrides, Provenance, ScenePlan, judge_scene, run_sweep, scene_summary,
+};
+use crate::verdict::{Verdict, exit_code, failures, render_table};
+
+/// The default directory of reports.
+const LATEST: &str = "reports/latest";
+
+/// `sweep run`: JSON keys with --json are those of verdict.json (provenance, verdicts, failures).
+#[derive(Args)]
+pub struct Run {
+    #[command(flatten)]
+    what: What,
+    /// Keep the cases that the directory already has, run the others
+    #[arg(long)]
+    resume: bool,
+    /// Print verdict.json to stdout instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+/// `sweep gate`.
+#[derive(Args)]
+pub struct Gate {
+    #[command(flatten)]
+    what: What,
+    /// Write the verdicts as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Write verdict.json to this file as well
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+/// Scenes, grids and threads.
+#[derive(Args)]
+struct What {
+    /// Names of scenes, or paths of TOML files; none: all that are not marked long
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Cells per unit length, h = 1/n, in place of the scene's list
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
+    n: Option<Vec<u32>>,
+    /// Numbers N of time steps, k = T/N, in place of the scene's list
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    steps: Option<Vec<u32>>,
+    /// Directory for records and report
+    #[arg(long, value_name = "DIR", default_value = LATEST)]
+    out: PathBuf,
+    /// Cases at a time [default: number of processors]
+    #[arg(long, value_name = "J", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Run the scenes marked long as well
+    #[arg(long)]
+    all: bool,
+}
+
+impl Run {
+    /// The main job: all scenes at gate size into reports/latest.
+    pub fn main_job() -> Self {
+        let what = What {
+            scenes: Vec::new(),
+            n: None,
+            steps: None,
+            out: PathBuf::from(LATEST),
+            jobs: None,
+            all: false,
+        };
+        Self { what, resume: false, json: false }
+    }
+
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let swept = self.what.sweep(scenes, self.resume)?;
+        write_all(
+            &self.what.out,
+            &swept.summaries,
+            &swept.records,
+            &swept.verdicts,
+            &swept.provenance,
+        )?;
+        swept.print(self.json)?;
+        if !self.json {
+            print_text(&format!("report: {}", self.what.out.join("index.html").display()));
+        }
+        Ok(exit_code(&swept.records, &swept.verdicts))
+    }
+}
+
+impl Gate {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let swept = self.what.sweep(scenes, false)?;
+        let document = |path: &std::path::Path| {
+            crate::verdict::write_json(path, &swept.provenance, &swept.verdicts, &swept.records)
+                .map_err(|error| CliError::Other(error.to_string()))
+        };
+        document(&self.what.out.join("verdict.json"))?;
+        if let Some(path) = &self.json {
+            document(path)?;
+        }
+        if let Some(path) = &self.junit {
+            write_junit(path, &swept.verdicts)?;
+        }
+        swept.print(false)?;
+        Ok(exit_code(&swept.records, &swept.verdicts))
+    }
+}
+
+/// A finished sweep.
+struct Swept {
+    records: Vec<CaseRecord>,
+    verdicts: Vec<Verdict>,
+    summaries: Vec<SceneSummary>,
+    provenance: serde_json::Value,
+}
+
+impl What {
+    fn sweep(&self, scenes: &Scenes, resume: bool) -> Result<Swept, CliError> {
+        let plans = self.plans(scenes)?;
+        let jobs = match self.jobs {
+            Some(jobs) => usize::from(jobs),
+            None => std::thread::available_parallelism().map_or(1, usize::from),
+        };
+        let progress = super::progress::Display::new();
+        let records = run_sweep(&plans, &self.out, jobs, resume, &progress)?;
+        let verdicts = plans
+            .iter()
+            .flat_map(|plan| judge_scene(&plan.setup.scene, &records, &plan.keys()))
+            .collect();
+        let summaries = plans.iter().map(|plan| scene_summary(&plan.setup.scene)).collect();
+        Ok(Swept { records, verdicts, summaries, provenance: Provenance::new(&plans).json() })
+    }
+
+    fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {
+        let overrides = Overrides { n: self.n.clone(), steps: self.steps.clone() };
+        let named = !self.scenes.is_empty();
+        let mut plans = Vec::new();
+        for scene in scenes.select(&self.scenes)? {
+            if scene.long && !self.all && !named {
+                continue;
+            }
+            scene.check_grid(self.n.as_deref(), self.steps.as_deref())?;
+            let plan = ScenePlan::new(Setup::new(scene)?, &overrides);
+            let scene = &plan.setup.scene;
+            if plan.cases.is_empty() {
+                let hint = "add [sweep] with n and steps, or give --n and --steps";
+                return Err(scene.error("scene.name", "the scene has no case to run", hint).into());
+            }
+            plans.push(plan);
+        }
+        if plans.is_empty() {
+            let folder = scenes.folder.display();
+            return Err(CliError::Other(format!("no scene to run in {folder}: name one, or add --all")));
+        }
+        Ok(plans)
+    }
+}
+
+impl Swept {
+    fn print(&self, json: bool) -> Result<(), CliError> {
+        if json {
+            let document = serde_json::json!({
+                "provenance": self.provenance,
+                "verdicts": self.verdicts,
+                "failures": failures(&self.records),
+            });
+            return print_json(&document);
+        }
+        print_text(&render_table(&self.verdicts));
+        let as_expected = self.verdicts.iter().filter(|verdict| verdict.as_expected()).count();
+        let failed = failures(&self.records);
+        print_text(&format!(
+            "{} cases, {} failed; {as_expected} of {} verdicts as expected",
+            self.records.len(),
+            failed.len(),
+            self.verdicts.len()
+        ));
+        Ok(())
+    }
+}

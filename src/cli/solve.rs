@@ -1,0 +1,110 @@
+//! `sweep solve`: one case, named quantities at t = T, VTU files.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+
+use super::{CliError, Scenes, print_json, print_text};
+use crate::contact::{CaseInfo, march};
+use crate::setup::{MeshData, TruthLoad};
+use crate::solution::{FinalState, VtuSeries};
+use crate::vhi::Newton;
+
+/// `sweep solve`: JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force,
+/// locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex,
+/// min_normal_gap, max_normal_displacement, normal_displacement, newton_iterations, kkt_residual,
+/// seconds, dofs (all at t = T unless the name says otherwise).
+#[derive(Args)]
+pub struct Solve {
+    /// Name of a scene, or path of a TOML file
+    scene: String,
+    /// Cells per unit length, h = 1/n
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    n: u32,
+    /// Number N of time steps, k = T/N
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    steps: u32,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Write one VTU file a step and a .pvd index into this directory
+    #[arg(long, value_name = "DIR")]
+    vtu: Option<PathBuf>,
+}
+
+impl Solve {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let scene = scenes.scene(&self.scene)?;
+        scene.check_grid(Some(&[self.n]), None)?;
+        let setup = crate::setup::Setup::new(scene)?;
+        let start = Instant::now();
+        let data = MeshData::new(&setup, self.n, None)?;
+        let mut series = match &self.vtu {
+            Some(dir) => Some(VtuSeries::new(dir, &setup.scene.name).map_err(other)?),
+            None => None,
+        };
+        let mut last = None;
+        let mut write_error = None;
+        let info = march(
+            &data.space,
+            &setup.model,
+            &setup.grid(self.steps),
+            &mut TruthLoad(&*data.truth),
+            &Newton::default(),
+            &mut |view| {
+                if let Some(series) = &mut series {
+                    if let Err(error) = series.write(&data.space, &setup.model, view) {
+                        write_error.get_or_insert(error);
+                    }
+                }
+                if view.n == self.steps as usize {
+                    last = Some(FinalState::new(&data.space, &setup.model, view));
+                }
+                Ok(())
+            },
+        )
+        .map_err(|error| other(format!("{} n = {} steps = {}: {error}", setup.scene.name, self.n, self.steps)))?;
+        let seconds = start.elapsed().as_secs_f64();
+        if let Some(error) = write_error {
+            return Err(other(error));
+        }
+        if let Some(series) = series {
+            series.finish().map_err(other)?;
+        }
+        let state = last.ok_or_else(|| other("the run ended before its last step"))?;
+        self.print(&state, &info, seconds, data.space.dofs())?;
+        Ok(0)
+    }
+
+    fn print(
+        &self,
+        state: &FinalState,
+        info: &CaseInfo,
+        seconds: f64,
+        dofs: usize,
+    ) -> Result<(), CliError> {
+        let mut document = serde_json::to_value(state).map_err(other)?;
+        if let Some(object) = document.as_object_mut() {
+            object.insert("newton_iterations".into(), info.newton_iterations.into());
+            object.insert("factorizations".into(), info.work.factorizations.into());
+            object.insert("linear_solves".into(), info.work.solves.into());
+            object.insert("kkt_residual".into(), info.kkt_residual.into());
+            object.insert("seconds".into(), seconds.into());
+            object.insert("dofs".into(), dofs.into());
+        }
+        if self.json {
+            return print_json(&document);
+        }
+        if let Some(object) = document.as_object() {
+            for (key, value) in object.iter().filter(|(key, _)| *key != "normal_displacement") {
+                print_text(&format!("{key:<24} {value}"));
+            }
+        }
+        Ok(())
+    }
+}
+
+fn other(error: impl std::fmt::Display) -> CliError {
+    CliError::Other(error.to_string())
+}

@@ -1,0 +1,117 @@
+//! The interval of an order: a hull of noise, choice of window, drift and curvature.
+
+use super::power_law::corrected_interval;
+use super::{FitError, Interval, PowerLaw, Sample, local_slopes, power_law};
+
+/// An interval and a window need at least so many points.
+const WINDOW: usize = 3;
+
+/// Rounding of logarithms: log e up to 700 in magnitude carries 1e-13, and a slope over a
+/// ratio of 1.3 divides that by 0.26.
+const ROUNDING: f64 = 1e-12;
+
+/// Power of the next term of the error expansion, relative to the first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Correction {
+    /// e = C s^p (1 + D s + …): space, and time schemes with odd terms.
+    Linear,
+    /// e = C s^p (1 + D s² + …): the trapezoidal rule on smooth data.
+    Quadratic,
+}
+
+impl Correction {
+    fn power(self) -> i32 {
+        match self {
+            Self::Linear => 1,
+            Self::Quadratic => 2,
+        }
+    }
+}
+
+/// An order with its interval, and the parts that the interval is the hull of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OrderInterval {
+    /// The power law through all points.
+    pub law: PowerLaw,
+    /// Hull of the parts, widened by the rounding of logarithms.
+    pub interval: Interval,
+    /// (a) Student interval of the logarithmic fit.
+    pub student: Interval,
+    /// (b) Slopes over all contiguous windows of at least three points.
+    pub windows: Interval,
+    /// (c) Last local slope ± 2 |last − previous|.
+    pub drift: Interval,
+    /// (d) Student interval of p with the next term of the expansion fitted as well; from four
+    /// points on.
+    pub curvature: Option<Interval>,
+}
+
+impl OrderInterval {
+    /// Name of the part that reaches furthest from the order.
+    pub fn widest_part(&self) -> &'static str {
+        let curvature = self.curvature.map(|part| ("curvature", part));
+        let parts = [
+            ("scatter", self.student),
+            ("windows", self.windows),
+            ("drift", self.drift),
+        ];
+        let reach = |part: Interval| (part.hi - self.law.order).max(self.law.order - part.lo);
+        let widest = parts
+            .into_iter()
+            .chain(curvature)
+            .max_by(|a, b| reach(a.1).total_cmp(&reach(b.1)));
+        widest.map_or("scatter", |(name, _)| name)
+    }
+}
+
+/// The order of at least three samples in direction of refinement, and its interval.
+///
+/// # Errors
+/// [`FitError::TooFew`] for fewer than three, [`FitError::Singular`].
+pub fn order_interval(
+    samples: &[Sample],
+    correction: Correction,
+) -> Result<OrderInterval, FitError> {
+    let too_few = FitError::TooFew {
+        found: samples.len(),
+        needed: WINDOW,
+    };
+    let slopes = local_slopes(samples);
+    let [.., previous, last] = slopes[..] else {
+        return Err(too_few);
+    };
+    let law = power_law(samples)?;
+    let student = law.interval.ok_or(too_few)?;
+    let windows = Interval::of(window_slopes(samples)?).ok_or(too_few)?;
+    let drift = Interval::around(last, 2.0 * (last - previous).abs());
+    let curvature = match samples.len() {
+        0..=WINDOW => None,
+        _ => Some(corrected_interval(samples, correction.power())?),
+    };
+    let hull = student.hull(windows).hull(drift);
+    let hull = curvature.map_or(hull, |part| hull.hull(part));
+    let rounding = ROUNDING * law.order.abs().max(1.0);
+    let interval = Interval {
+        lo: hull.lo - rounding,
+        hi: hull.hi + rounding,
+    };
+    Ok(OrderInterval {
+        law,
+        interval,
+        student,
+        windows,
+        drift,
+        curvature,
+    })
+}
+
+/// Slopes over every contiguous window of at least three points.
+fn window_slopes(samples: &[Sample]) -> Result<Vec<f64>, FitError> {
+    (WINDOW..=samples.len())
+        .flat_map(|length| samples.windows(length))
+        .map(|window| power_law(window).map(|law| law.order))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,95 @@
+//! Nonlinear least squares of a few parameters.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Steps before a start is given up: a start that converges needs some twenty.
+const STEPS: usize = 200;
+
+/// A step so small changes an order in its tenth digit.
+const SMALL_STEP: f64 = 1e-10;
+
+/// Damping at which no descent direction is left.
+const LARGEST_DAMPING: f64 = 1e12;
+
+/// A local minimum of ‖r(x)‖².
+#[derive(Debug, Clone)]
+pub(super) struct Minimum {
+    pub(super) x: DVector<f64>,
+    pub(super) residuals: DVector<f64>,
+    pub(super) jacobian: DMatrix<f64>,
+}
+
+/// Levenberg-Marquardt with Marquardt's scaling: (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, μ divided by 3
+/// on descent and doubled on ascent. None if it meets a number that is none, or does not end.
+pub(super) fn minimise(
+    start: DVector<f64>,
+    problem: impl Fn(&DVector<f64>) -> (DVector<f64>, DMatrix<f64>),
+) -> Option<Minimum> {
+    let mut x = start;
+    let (mut residuals, mut jacobian) = problem(&x);
+    let mut damping = 1e-3;
+    for _ in 0..STEPS {
+        if !residuals.norm_squared().is_finite() {
+            return None;
+        }
+        let step = damped_step(&residuals, &jacobian, damping)?;
+        let next = &x + &step;
+        let (next_residuals, next_jacobian) = problem(&next);
+        let small = step.amax() < SMALL_STEP * (1.0 + x.amax());
+        // A residual that is not a number is not a descent.
+        if next_residuals.norm_squared() <= residuals.norm_squared() {
+            (x, residuals, jacobian) = (next, next_residuals, next_jacobian);
+            damping /= 3.0;
+        } else {
+            damping *= 2.0;
+        }
+        if small || damping > LARGEST_DAMPING {
+            return Some(Minimum {
+                x,
+                residuals,
+                jacobian,
+            });
+        }
+    }
+    None
+}
+
+fn damped_step(
+    residuals: &DVector<f64>,
+    jacobian: &DMatrix<f64>,
+    damping: f64,
+) -> Option<DVector<f64>> {
+    let mut normal = jacobian.tr_mul(jacobian);
+    for i in 0..normal.nrows() {
+        normal[(i, i)] *= 1.0 + damping;
+    }
+    normal
+        .cholesky()
+        .map(|factor| factor.solve(&-jacobian.tr_mul(residuals)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rosenbrock's valley as r = (10 (y − x²), 1 − x), minimum at (1, 1).
+    #[test]
+    fn rosenbrock_is_solved() {
+        let minimum = minimise(DVector::from_vec(vec![-1.2, 1.0]), |x| {
+            let residuals = DVector::from_vec(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]);
+            (
+                residuals,
+                DMatrix::from_row_slice(2, 2, &[-20.0 * x[0], 10.0, -1.0, 0.0]),
+            )
+        });
+        // Zero residual: quadratic convergence to rounding.
+        assert!((minimum.unwrap().x - DVector::from_vec(vec![1.0, 1.0])).norm() < 1e-8);
+    }
+
+    #[test]
+    fn a_number_that_is_none_ends_it() {
+        let nowhere =
+            |_: &DVector<f64>| (DVector::from_element(2, f64::NAN), DMatrix::identity(2, 1));
+        assert!(minimise(DVector::zeros(1), nowhere).is_none());
+    }
+}

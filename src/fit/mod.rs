@@ -1,0 +1,84 @@
+//! Orders of convergence from errors: pure functions of numbers, for anybody's table.
+//!
+//! The residuals of these fits are bias, not noise: the next term of the error expansion bends
+//! the logarithmic line, so the Student interval alone misses the truth. The interval of an
+//! order is therefore a hull of four parts, see [`order_interval`].
+
+mod hull;
+mod identifiable;
+mod interval;
+mod joint;
+mod least_squares;
+mod levenberg_marquardt;
+mod local;
+mod model;
+mod power_law;
+mod screen;
+
+pub use hull::{Correction, OrderInterval, order_interval};
+pub use identifiable::NotIdentifiable;
+pub use interval::Interval;
+pub use joint::{Estimate, JointFit, JointFits, fit_constants, joint_fits};
+pub use least_squares::{LinearFit, linear_fit, student_quantile};
+pub use local::{constant_under, local_slopes};
+pub use model::Model;
+pub use power_law::{PowerLaw, power_law};
+pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen};
+
+/// One entry of an error table. A missing error is NaN, an unmeasured floor is 0, and a step
+/// that the table does not have is NaN.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Mesh size.
+    pub h: f64,
+    /// Time step.
+    pub k: f64,
+    /// Error.
+    pub error: f64,
+    /// What the error would be for exact discretisation: solver tolerance and rounding.
+    pub floor: f64,
+}
+
+/// The step that is refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// Mesh size h.
+    Space,
+    /// Time step k.
+    Time,
+}
+
+impl Direction {
+    /// The step of a point in this direction.
+    pub fn step(self, point: &Point) -> f64 {
+        match self {
+            Self::Space => point.h,
+            Self::Time => point.k,
+        }
+    }
+}
+
+/// Why no order could be fitted.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// Too few points for a slope and its interval.
+    #[error("{found} points, an order needs {needed}")]
+    TooFew {
+        /// Points given.
+        found: usize,
+        /// Points needed.
+        needed: usize,
+    },
+    /// The same step twice: no ratio, no slope.
+    #[error("the step {step:e} occurs twice")]
+    RepeatedStep {
+        /// The step.
+        step: f64,
+    },
+    /// The least-squares problem has no unique solution.
+    #[error("the fit of {points} points is singular")]
+    Singular {
+        /// Points given.
+        points: usize,
+    },
+}

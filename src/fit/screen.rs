@@ -1,0 +1,144 @@
+//! Which points of a table may carry an order.
+
+use super::{Direction, FitError, Point};
+
+/// A point counts if its error is above so many floors: the floor then moves log e by less
+/// than 1/20, and a slope over one halving by less than 0.07.
+pub const FLOORS_ABOVE: f64 = 20.0;
+
+/// Why a point carries no order.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Exclusion {
+    /// The floor is too large a part of the error.
+    #[error("below floor: error {error:.1e}, floor {floor:.1e}, {FLOORS_ABOVE} floors needed")]
+    BelowFloor {
+        /// Error of the point.
+        error: f64,
+        /// Its floor.
+        floor: f64,
+    },
+    /// An error of exactly zero has no logarithm.
+    #[error("below floor: the error is exactly zero")]
+    Zero,
+    /// NaN (a missing error is NaN as well), infinite or negative.
+    #[error("the error {error} is no error")]
+    NotAnError {
+        /// The value found.
+        error: f64,
+    },
+    /// A floor that is NaN, infinite or negative.
+    #[error("the floor {floor} is no floor")]
+    NotAFloor {
+        /// The value found.
+        floor: f64,
+    },
+}
+
+impl Exclusion {
+    /// Whether the point is broken, and not merely too small to be read.
+    pub fn is_broken(self) -> bool {
+        matches!(self, Self::NotAnError { .. } | Self::NotAFloor { .. })
+    }
+}
+
+/// Whether a point may carry an order.
+///
+/// # Errors
+/// The reason to leave it out.
+pub fn screen(point: &Point) -> Result<(), Exclusion> {
+    let Point { error, floor, .. } = *point;
+    if !error.is_finite() || error < 0.0 {
+        Err(Exclusion::NotAnError { error })
+    } else if !floor.is_finite() || floor < 0.0 {
+        Err(Exclusion::NotAFloor { floor })
+    } else if error == 0.0 {
+        Err(Exclusion::Zero)
+    } else if error <= FLOORS_ABOVE * floor {
+        Err(Exclusion::BelowFloor { error, floor })
+    } else {
+        Ok(())
+    }
+}
+
+/// A step and its error, both positive.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sample {
+    /// h or k.
+    pub step: f64,
+    /// Error.
+    pub error: f64,
+}
+
+/// The screened points in direction of refinement: from the largest step to the smallest.
+///
+/// # Errors
+/// [`FitError::RepeatedStep`] if two of them have one step.
+pub fn samples(points: &[Point], direction: Direction) -> Result<Vec<Sample>, FitError> {
+    let mut samples: Vec<Sample> = points
+        .iter()
+        .filter(|point| screen(point).is_ok())
+        .map(|point| Sample {
+            step: direction.step(point),
+            error: point.error,
+        })
+        .filter(|sample| sample.step.is_finite() && sample.step > 0.0)
+        .collect();
+    samples.sort_by(|a, b| b.step.total_cmp(&a.step));
+    match samples.windows(2).find(|pair| pair[0].step == pair[1].step) {
+        Some(pair) => Err(FitError::RepeatedStep { step: pair[0].step }),
+        None => Ok(samples),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(error: f64, floor: f64) -> Point {
+        Point {
+            h: 0.5,
+            k: 0.5,
+            error,
+            floor,
+        }
+    }
+
+    #[test]
+    fn every_kind_of_bad_point_has_its_reason() {
+        assert_eq!(screen(&point(1.0, 0.01)), Ok(()));
+        assert_eq!(screen(&point(0.0, 0.0)), Err(Exclusion::Zero));
+        assert!(matches!(
+            screen(&point(0.2, 0.01)),
+            Err(Exclusion::BelowFloor { .. })
+        ));
+        for error in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0] {
+            let reason = screen(&point(error, 0.0)).unwrap_err();
+            assert!(reason.is_broken() && matches!(reason, Exclusion::NotAnError { .. }));
+        }
+        assert!(screen(&point(1.0, f64::NAN)).unwrap_err().is_broken());
+        assert!(!Exclusion::Zero.is_broken());
+    }
+
+    #[test]
+    fn samples_are_sorted_and_steps_distinct() {
+        let a = Point {
+            h: 0.25,
+            ..point(1.0, 0.0)
+        };
+        let sorted = samples(&[a, point(2.0, 0.0)], Direction::Space).unwrap();
+        assert_eq!(
+            sorted[0],
+            Sample {
+                step: 0.5,
+                error: 2.0
+            }
+        );
+        assert!(samples(&[a, a], Direction::Space).is_err());
+        let nowhere = Point { h: f64::NAN, ..a };
+        assert!(
+            samples(&[nowhere, nowhere], Direction::Space)
+                .unwrap()
+                .is_empty()
+        );
+    }
+}

@@ -1,1 +1,0 @@
-pub struct Finding; pub struct Report; pub fn check(){}

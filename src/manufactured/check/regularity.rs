@@ -1,0 +1,186 @@
+//! The regularity that (5.26) asks for, measured by differences under refinement: a difference
+//! quotient that settles belongs to a bounded derivative, one that grows does not.
+
+use super::{Finding, SideOfRectangle, Status, times};
+use crate::formula::{Point, Program};
+use crate::manufactured::Exact;
+
+/// Fine intervals along a line; quotients are taken over 8, 4, 2 and 1 of them.
+const FINE: usize = 768;
+const STRIDES: [usize; 4] = [8, 4, 2, 1];
+/// Lines across the direction of differences.
+const LINES: usize = 12;
+/// A quotient that grows by more than this at the last halving is unbounded: a jump gives √2 in
+/// L² and 2 in L∞, a bounded derivative a factor near 1.
+const GROWS: f64 = 1.2;
+
+pub(super) fn regularity(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
+    let mut findings = vec![
+        second_time_derivative(exact),
+        space_derivative(exact, Field::Strain, "u in H2(Omega) (5.25)"),
+        space_derivative(exact, Field::Stress, "sigma in H1(Omega) (5.18)"),
+    ];
+    if exact.data.contact.is_some() {
+        for side in sides.iter().filter(|side| side.contact) {
+            findings.push(normal_trace(exact, side));
+        }
+    }
+    if exact.data.kernel.is_some() {
+        findings.push(kernel(exact));
+    }
+    findings
+}
+
+/// Reads a list of quotients over ever finer strides.
+fn judge(subject: &str, what: &str, quotients: &[f64]) -> Finding {
+    let last = quotients[quotients.len() - 1];
+    let before = quotients[quotients.len() - 2];
+    let growth = if before > 0.0 { last / before } else { 1.0 };
+    let bounded = last.is_finite() && growth <= GROWS;
+    let text = if bounded {
+        format!("{what} settles at {last:.3e}")
+    } else {
+        format!("{what} grows by {growth:.2} a halving: not bounded")
+    };
+    let status = if bounded { Status::Verified } else { Status::Weak };
+    Finding::new(subject, status, last, text)
+}
+
+/// sup_t ‖ε(u(t+δ) - 2u(t) + u(t-δ))‖/δ².
+fn second_time_derivative(exact: &Exact) -> Finding {
+    let points = grid(exact, LINES, LINES);
+    let weight = cell_area(exact, points.len());
+    let mut bound = exact.interior.bind(&points);
+    let mut out = vec![Vec::new(); 5 + exact.memory.len()];
+    let count = FINE / 3;
+    let step = exact.data.horizon / count as f64;
+    let history: Vec<Vec<f64>> = (0..=count)
+        .map(|n| {
+            bound.evaluate(step * n as f64, 0.0, &mut out);
+            out[2..5].concat()
+        })
+        .collect();
+    let quotients = STRIDES.map(|stride| {
+        let delta = step * stride as f64;
+        let second = |n: usize| {
+            let [a, b, c] = [n - stride, n, n + stride].map(|i| &history[i]);
+            let square = |p: usize| ((a[p] - 2.0 * b[p] + c[p]) / delta.powi(2)).powi(2);
+            // Shear counts twice in the Frobenius norm.
+            let sum: f64 = (0..a.len())
+                .map(|p| square(p) * if p / points.len() == 1 { 2.0 } else { 1.0 })
+                .sum();
+            (weight * sum).sqrt()
+        };
+        (stride..=count - stride).map(second).fold(0.0, f64::max)
+    });
+    judge("u in W2,inf(0,T;V) (5.15)", "sup_t |eps(second time difference)|", &quotients)
+}
+
+#[derive(Clone, Copy)]
+enum Field {
+    Strain,
+    Stress,
+}
+
+/// ‖f(· + δe) - f‖/δ in L², in both directions, at three times.
+fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
+    let mut quotients = [0.0f64; 4];
+    for t in times(exact) {
+        for direction in 0..2 {
+            let counts = if direction == 0 { [FINE, LINES] } else { [LINES, FINE] };
+            let points = grid(exact, counts[0], counts[1]);
+            let values = field_values(exact, field, &points, t);
+            let at = |along: usize, across: usize| {
+                if direction == 0 { along * counts[1] + across } else { across * counts[1] + along }
+            };
+            let area = cell_area(exact, points.len());
+            for (quotient, stride) in quotients.iter_mut().zip(STRIDES) {
+                let delta = exact.data.size[direction] * stride as f64 / FINE as f64;
+                let mut sum = 0.0;
+                for component in &values {
+                    for along in 0..FINE - stride {
+                        for across in 0..LINES {
+                            let difference =
+                                component[at(along + stride, across)] - component[at(along, across)];
+                            sum += area * (difference / delta).powi(2);
+                        }
+                    }
+                }
+                *quotient = quotient.max(sum.sqrt());
+            }
+        }
+    }
+    judge(subject, "the difference quotient in L2", &quotients)
+}
+
+fn field_values(exact: &Exact, field: Field, points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
+    let mut graph = exact.data.graph.clone();
+    let nodes = match field {
+        Field::Strain => &exact.strain,
+        Field::Stress => &exact.stress,
+    };
+    let zeta = match field {
+        Field::Strain => 0.0,
+        Field::Stress => exact.zeta.at(t),
+    };
+    let mut out = vec![Vec::new(); nodes.len()];
+    Program::compile(&mut graph, nodes, exact.data.horizon)
+        .bind(points)
+        .evaluate(t, zeta, &mut out);
+    out
+}
+
+/// ‖second difference of u_ν along Γ3‖/δ² in L².
+fn normal_trace(exact: &Exact, side: &SideOfRectangle) -> Finding {
+    let formulas = exact.boundary(&side.normal);
+    let size = exact.data.size;
+    let points: Vec<[f64; 3]> =
+        (0..=FINE).map(|i| side.point(size, i as f64 / FINE as f64)).collect();
+    let mut bound = formulas.program.bind(&points);
+    let mut out = vec![Vec::new(); 5];
+    let mut quotients = [0.0f64; 4];
+    for t in times(exact) {
+        bound.evaluate(t, 0.0, &mut out);
+        let u_nu = &out[0];
+        for (quotient, stride) in quotients.iter_mut().zip(STRIDES) {
+            let delta = side.length(size) * stride as f64 / FINE as f64;
+            let second =
+                |i: usize| (u_nu[i - stride] - 2.0 * u_nu[i] + u_nu[i + stride]) / delta.powi(2);
+            let sum: f64 = (stride..=FINE - stride).map(|i| second(i).powi(2)).sum();
+            let mean = side.length(size) / FINE as f64;
+            *quotient = quotient.max((mean * sum).sqrt());
+        }
+    }
+    judge("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2", &quotients)
+}
+
+/// max |b''| by second differences.
+fn kernel(exact: &Exact) -> Finding {
+    let Some(node) = exact.data.kernel else {
+        return Finding::new("B in C2", Status::Fact, 0.0, "no memory".into());
+    };
+    let step = exact.data.horizon / FINE as f64;
+    let values: Vec<f64> = (0..=FINE)
+        .map(|n| exact.data.graph.evaluate(node, &Point { t: step * n as f64, ..Point::default() }))
+        .collect();
+    let quotients = STRIDES.map(|stride| {
+        let delta = step * stride as f64;
+        let second =
+            |i: usize| (values[i - stride] - 2.0 * values[i] + values[i + stride]) / delta.powi(2);
+        (stride..=FINE - stride).map(|i| second(i).abs()).fold(0.0, f64::max)
+    });
+    judge("B in C2[0,T]", "the second difference quotient of the kernel", &quotients)
+}
+
+/// Midpoints of nx × ny equal cells of the rectangle.
+fn grid(exact: &Exact, nx: usize, ny: usize) -> Vec<[f64; 3]> {
+    let [width, height] = exact.data.size;
+    let middle = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+    (0..nx)
+        .flat_map(|i| (0..ny).map(move |j| [width * middle(i, nx), height * middle(j, ny), 0.0]))
+        .collect()
+}
+
+fn cell_area(exact: &Exact, cells: usize) -> f64 {
+    exact.data.size[0] * exact.data.size[1] / cells as f64
+}

@@ -1,0 +1,185 @@
+//! What one case produced: the waist between computing and judging.
+//!
+//! A case is one solve of one scene on one mesh (`n`) with one time grid (`steps`). It yields
+//! one error for each norm, and in `cases.csv` one row for each of them.
+
+mod atomic;
+mod journal;
+mod norm;
+mod row;
+
+use std::io;
+use std::path::PathBuf;
+
+pub use atomic::replace_file;
+pub use journal::{Journal, read, write_sorted};
+pub use norm::{
+    CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX, TRACE_L2_MAX, V_MAX,
+    V_PROJECTION_MAX, V_TIME_MAX, norm_label, norm_rank,
+};
+pub use row::COLUMNS;
+
+/// What identifies a case. `n` is absent for abstract scenes, which have no mesh.
+#[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Key {
+    /// Name of the scene.
+    pub scene: String,
+    /// Mesh cells per unit length, or level of red refinement of an imported mesh.
+    pub n: Option<u32>,
+    /// Number N of time steps.
+    pub steps: u32,
+}
+
+impl std::fmt::Display for Key {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.n {
+            Some(n) => write!(f, "n = {n}, steps = {}", self.steps),
+            None => write!(f, "steps = {}", self.steps),
+        }
+    }
+}
+
+/// How a case ended. Only a converged case carries errors.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Status {
+    /// All time steps were solved.
+    Converged,
+    /// The solver gave up. `cases.csv` keeps the status, `verdict.json` the reason:
+    /// read back from the table alone, `reason` is empty.
+    Failed {
+        /// What the solver said.
+        reason: String,
+    },
+    /// Planned, but not run.
+    Skipped,
+}
+
+/// Error of one case in one norm, with the measured floor below which it means nothing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NormError {
+    /// One of [`NORMS`], or a name of the caller's.
+    pub norm: String,
+    /// The error; absent if it could not be measured.
+    pub error: Option<f64>,
+    /// Solver and rounding floor of the error; absent if it was not measured.
+    pub floor: Option<f64>,
+}
+
+/// Everything one case produced. Only the `seconds_*` may differ between two runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseRecord {
+    /// Name of the scene.
+    pub scene: String,
+    /// Space dimension; 0 for abstract scenes.
+    pub dimension: u32,
+    /// Mesh cells per unit length; see [`Key::n`].
+    pub n: Option<u32>,
+    /// Number N of time steps.
+    pub steps: u32,
+    /// Mesh size, 1/n or the longest edge; absent without a mesh.
+    pub h: Option<f64>,
+    /// Time step T/N, or the largest step of a non-uniform grid.
+    pub k: f64,
+    /// Unknowns of one time step.
+    pub dofs: u64,
+    /// Elements of the mesh.
+    pub elements: u64,
+    /// How the case ended.
+    pub status: Status,
+    /// Newton iterations over all steps.
+    pub newton_iterations: u64,
+    /// Changes of the active set over all steps.
+    pub active_set_changes: u64,
+    /// Factorizations over all steps.
+    pub factorizations: u64,
+    /// Seconds spent on loads.
+    pub seconds_load: f64,
+    /// Seconds spent on assembly.
+    pub seconds_assemble: f64,
+    /// Seconds spent on factorizations.
+    pub seconds_factor: f64,
+    /// Seconds spent on solves.
+    pub seconds_solve: f64,
+    /// Seconds of the whole case.
+    pub seconds_total: f64,
+    /// Largest storage of the history term, in bytes.
+    pub peak_history_bytes: u64,
+    /// One entry a norm.
+    pub errors: Vec<NormError>,
+}
+
+impl CaseRecord {
+    /// The key of this case.
+    pub fn key(&self) -> Key {
+        Key {
+            scene: self.scene.clone(),
+            n: self.n,
+            steps: self.steps,
+        }
+    }
+
+    /// The entry of a norm, if the case has one.
+    pub fn norm(&self, norm: &str) -> Option<&NormError> {
+        self.errors.iter().find(|entry| entry.norm == norm)
+    }
+
+    /// Names of the norms present, in their order in the table. An interrupted write may have
+    /// lost the last ones: compare with the norms the scene asks for before trusting a case.
+    pub fn norms(&self) -> impl Iterator<Item = &str> {
+        self.errors.iter().map(|entry| entry.norm.as_str())
+    }
+
+    /// Whether the case converged.
+    pub fn converged(&self) -> bool {
+        self.status == Status::Converged
+    }
+}
+
+/// Why records could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum RecordError {
+    /// The file system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// The file exists, and is something else: it is left as it is.
+    #[error("{}: not a table of cases (its header is {found:?})", path.display())]
+    Header {
+        /// The file.
+        path: PathBuf,
+        /// The beginning of its first line.
+        found: String,
+    },
+    /// A line in the middle of the file has the wrong number of fields.
+    #[error("{}:{line}: {found} fields, a row has {}", path.display(), COLUMNS.len())]
+    Fields {
+        /// The file.
+        path: PathBuf,
+        /// Line number, from 1.
+        line: u64,
+        /// Number of fields found.
+        found: usize,
+    },
+    /// A field does not read as what its column holds.
+    #[error("{}:{line}: {value:?} is no value of the column {column}", path.display())]
+    Value {
+        /// The file.
+        path: PathBuf,
+        /// Line number, from 1.
+        line: u64,
+        /// Name of the column.
+        column: &'static str,
+        /// The text found.
+        value: String,
+    },
+    /// A name with a line break in it would tear the table.
+    #[error("the name {name:?} cannot stand in a table: it has a line break")]
+    Name {
+        /// The scene or norm.
+        name: String,
+    },
+}

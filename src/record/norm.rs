@@ -1,0 +1,59 @@
+//! The norms in which errors are measured: contract names, order in tables, labels in plots.
+
+/// max over n of ‖ε(u_n − u_n^{kh})‖, the paper's norm.
+pub const V_MAX: &str = "V_max";
+/// max over n of ‖u_n − u_n^{kh}‖ in L²(Ω).
+pub const L2_MAX: &str = "L2_max";
+/// max over n of ‖u_ν − u_ν^{kh}‖ in L²(Γ3).
+pub const TRACE_L2_MAX: &str = "trace_L2_max";
+/// max over n of the error of ξ + λ in L²(Γ3).
+pub const PRESSURE_L2_MAX: &str = "pressure_L2_max";
+/// max over n of ‖σ − σ^{kh}‖ in L²(Ω).
+pub const STRESS_L2_MAX: &str = "stress_L2_max";
+/// max over n of the Hausdorff distance of the exact and discrete locked sets on Γ3.
+pub const CONTACT_SET_MAX: &str = "contact_set_max";
+/// V norm against a reference on the same mesh with 8N steps: the time error alone.
+pub const V_TIME_MAX: &str = "V_time_max";
+/// V norm against the A-projection of u.
+pub const V_PROJECTION_MAX: &str = "V_projection_max";
+
+/// All norms of the contract, in the order of tables, each with its label in plots.
+pub const NORMS: [(&str, &str); 8] = [
+    (V_MAX, "max ‖ε(u−u_h)‖"),
+    (L2_MAX, "max ‖u−u_h‖"),
+    (TRACE_L2_MAX, "max ‖u_ν−u_hν‖ on Γ3"),
+    (PRESSURE_L2_MAX, "max ‖p−p_h‖ on Γ3, p = ξ+λ"),
+    (STRESS_L2_MAX, "max ‖σ−σ_h‖"),
+    (CONTACT_SET_MAX, "max dist(locked sets)"),
+    (V_TIME_MAX, "max ‖ε(u_h−u_kh)‖, time only"),
+    (V_PROJECTION_MAX, "max ‖ε(P_h u−u_h)‖"),
+];
+
+/// Position of a norm in tables; names outside the contract come after those within.
+pub fn norm_rank(norm: &str) -> usize {
+    NORMS
+        .iter()
+        .position(|(name, _)| *name == norm)
+        .unwrap_or(NORMS.len())
+}
+
+/// Label of a norm in plots; a name outside the contract is its own label.
+pub fn norm_label(norm: &str) -> &str {
+    NORMS
+        .iter()
+        .find(|(name, _)| *name == norm)
+        .map_or(norm, |(_, label)| label)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn foreign_norms_follow_and_label_themselves() {
+        assert_eq!(norm_rank(V_MAX), 0);
+        assert_eq!(norm_rank("mine"), NORMS.len());
+        assert_eq!(norm_label("mine"), "mine");
+        assert_eq!(norm_label(L2_MAX), "max ‖u−u_h‖");
+    }
+}

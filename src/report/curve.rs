@@ -1,0 +1,148 @@
+//! The points of one norm in one direction, with what a verdict says of them.
+
+use super::SceneSummary;
+use crate::fit::{Direction, Point};
+use crate::record::{CaseRecord, V_TIME_MAX, norm_rank};
+use crate::verdict::{Variable, Verdict, line_points};
+
+/// A floor is drawn if it is within three decades of the smallest error: further down it
+/// would only flatten the picture.
+const FLOOR_RANGE: f64 = 1e-3;
+
+/// Distance of the slope triangle below its curve, as a factor.
+const TRIANGLE_BELOW: f64 = 0.55;
+
+/// One norm in the picture: abscissa and error.
+pub(super) struct Curve<'a> {
+    pub(super) norm: &'a str,
+    pub(super) used: Vec<(f64, f64)>,
+    pub(super) left_out: Vec<(f64, f64)>,
+    pub(super) floor: Vec<(f64, f64)>,
+    pub(super) verdict: Option<&'a Verdict>,
+}
+
+/// The norms of a scene, in the order of tables.
+pub(super) fn norms(records: &[CaseRecord]) -> Vec<&str> {
+    let mut norms: Vec<&str> = records.iter().flat_map(CaseRecord::norms).collect();
+    norms.sort_by_key(|norm| (norm_rank(norm), *norm));
+    norms.dedup();
+    norms
+}
+
+/// The curve of a norm in one direction; none if it has fewer than two points there.
+pub(super) fn curve<'a>(
+    scene: &SceneSummary,
+    records: &[CaseRecord],
+    verdicts: &'a [Verdict],
+    norm: &'a str,
+    direction: Direction,
+) -> Option<Curve<'a>> {
+    let variable = match direction {
+        Direction::Space => Variable::H,
+        Direction::Time => Variable::K,
+    };
+    let same = |v: &&Verdict| v.scene == scene.name && v.norm == norm && v.variable == variable;
+    let verdict = verdicts.iter().find(same);
+    if norm == V_TIME_MAX && direction == Direction::Space && verdict.is_none() {
+        // It measures nothing that h changes.
+        return None;
+    }
+    let points = match verdict {
+        Some(verdict) => judged_points(verdict, records),
+        None => line_points(&scene.name, records, norm, variable),
+    };
+    let drawable = |p: &&Point| p.error > 0.0 && p.error.is_finite() && direction.step(p) > 0.0;
+    let pair = |p: &Point| (direction.step(p), p.error);
+    let (used, left_out): (Vec<&Point>, Vec<&Point>) = points
+        .iter()
+        .filter(drawable)
+        .partition(|p| verdict.is_none_or(|v| uses(v, p)));
+    if used.len() + left_out.len() < 2 {
+        return None;
+    }
+    let floor = points
+        .iter()
+        .filter(drawable)
+        .map(|p| (direction.step(p), p.floor));
+    Some(sorted(Curve {
+        norm,
+        used: used.into_iter().map(pair).collect(),
+        left_out: left_out.into_iter().map(pair).collect(),
+        floor: floor
+            .filter(|(_, floor)| *floor > 0.0 && floor.is_finite())
+            .collect(),
+        verdict,
+    }))
+}
+
+fn uses(verdict: &Verdict, point: &Point) -> bool {
+    verdict
+        .points_used
+        .iter()
+        .any(|used| same_step(used.h, point.h) && used.k == point.k)
+}
+
+/// Equal, or both absent: an abstract scene has no h.
+fn same_step(a: f64, b: f64) -> bool {
+    a == b || a.is_nan() && b.is_nan()
+}
+
+/// The points of a verdict, with their floors from the records.
+fn judged_points(verdict: &Verdict, records: &[CaseRecord]) -> Vec<Point> {
+    let floor = |h: f64, k: f64| {
+        let case = records
+            .iter()
+            .find(|record| same_step(record.h.unwrap_or(f64::NAN), h) && record.k == k);
+        case.and_then(|record| record.norm(&verdict.norm)?.floor)
+            .unwrap_or(0.0)
+    };
+    let used = verdict.points_used.iter().map(|p| (p.h, p.k, p.error));
+    let left_out = verdict.points_left_out.iter().map(|p| (p.h, p.k, p.error));
+    used.chain(left_out)
+        .map(|(h, k, error)| Point {
+            h,
+            k,
+            error,
+            floor: floor(h, k),
+        })
+        .collect()
+}
+
+fn sorted(mut curve: Curve<'_>) -> Curve<'_> {
+    for line in [&mut curve.used, &mut curve.left_out, &mut curve.floor] {
+        line.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    curve
+}
+
+impl Curve<'_> {
+    pub(super) fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.used.iter().chain(&self.left_out).copied()
+    }
+
+    /// The floors, if they are in sight of the errors.
+    pub(super) fn visible_floor(&self) -> &[(f64, f64)] {
+        let lowest = self
+            .points()
+            .map(|point| point.1)
+            .fold(f64::INFINITY, f64::min);
+        let visible = self
+            .floor
+            .iter()
+            .all(|(_, floor)| *floor >= FLOOR_RANGE * lowest);
+        if visible { &self.floor } else { &[] }
+    }
+
+    /// Corners of the triangle of the predicted order below the two finest points that serve:
+    /// finer end, corner, and coarser end, with the slope in between.
+    pub(super) fn triangle(&self) -> Option<[(f64, f64); 3]> {
+        let order = self.verdict?.predicted;
+        let [fine, coarse, ..] = self.used[..] else {
+            return None;
+        };
+        let high = TRIANGLE_BELOW * coarse.1.min(fine.1 * (coarse.0 / fine.0).powf(order));
+        let low = high * (fine.0 / coarse.0).powf(order);
+        let drawable = low > 0.0 && low.is_finite();
+        drawable.then_some([(fine.0, low), (coarse.0, low), (coarse.0, high)])
+    }
+}

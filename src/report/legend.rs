@@ -1,0 +1,107 @@
+//! The words beside a picture.
+
+use plotters::style::RGBColor;
+
+use super::ReportError;
+use super::canvas::{Anchor, Canvas, SIZE};
+use super::frame::{LINE, RIGHT, TOP};
+
+/// Characters of plain text in the width of the legend.
+const LEGEND_CHARACTERS: usize = 28;
+
+/// How a legend shows what it names.
+#[derive(Clone, Copy)]
+pub(super) enum Sample {
+    Curve(usize),
+    Hollow,
+    Dashed((f64, f64)),
+    Band,
+    Text,
+}
+
+/// The legend, written from top to bottom.
+pub(super) struct Legend<'a, 'b> {
+    canvas: &'b Canvas<'a>,
+    y: f64,
+}
+
+impl<'a, 'b> Legend<'a, 'b> {
+    pub(super) fn new(canvas: &'b Canvas<'a>) -> Self {
+        Self {
+            canvas,
+            y: TOP + 22.0,
+        }
+    }
+
+    /// One entry: a sample, and its words in at most four lines. What does not fit the picture
+    /// is left to the table.
+    pub(super) fn entry(
+        &mut self,
+        sample: Sample,
+        colour: RGBColor,
+        words: &str,
+    ) -> Result<(), ReportError> {
+        let (left, middle, right) = (RIGHT + 30.0, RIGHT + 62.0, RIGHT + 94.0);
+        if self.y > f64::from(SIZE.1) - LINE {
+            return Ok(());
+        }
+        let line = [(left, self.y), (right, self.y)];
+        match sample {
+            Sample::Curve(shape) => {
+                self.canvas.line(&line, colour, 4)?;
+                self.canvas.marker((middle, self.y), shape, colour, false)?;
+            }
+            Sample::Hollow => self.canvas.marker((middle, self.y), 0, colour, true)?,
+            Sample::Dashed(pattern) => self.canvas.dashed(&line, colour, pattern)?,
+            Sample::Band => {
+                let (top, bottom) = (self.y - 12.0, self.y + 12.0);
+                let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
+                self.canvas.fill(&corners, colour, 0.3)?;
+            }
+            Sample::Text => {}
+        }
+        for text in wrapped(words, LEGEND_CHARACTERS, 4) {
+            self.canvas
+                .text(&text, (right + 18.0, self.y), Anchor::Left)?;
+            self.y += LINE;
+        }
+        Ok(())
+    }
+
+    /// Some space before the next entry.
+    pub(super) fn space(&mut self) {
+        self.y += 0.35 * LINE;
+    }
+}
+
+/// Lines of at most `width` characters, broken at blanks; the last one says if there is more.
+pub(super) fn wrapped(text: &str, width: usize, most: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    let cut = lines.len() > most;
+    lines.truncate(most);
+    if let Some(last) = lines.last_mut().filter(|_| cut) {
+        last.push('…');
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_breaks_at_blanks_and_says_if_it_is_cut() {
+        assert_eq!(wrapped("aa bb cc dd", 5, 2), ["aa bb", "cc dd"]);
+        assert_eq!(wrapped("aa bb cc dd", 5, 1), ["aa bb…"]);
+        assert!(wrapped("", 5, 1).is_empty());
+    }
+}

@@ -1,0 +1,199 @@
+//! Records and verdicts as files: the table of cases, `verdict.json`, pictures, a page, JUnit.
+//!
+//! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes.
+
+mod canvas;
+mod convergence;
+mod curve;
+mod frame;
+mod html;
+mod junit;
+mod legend;
+mod palette;
+mod surface;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub use convergence::convergence_svg;
+pub use junit::write_junit;
+pub use surface::surface_svg;
+
+use crate::fit::Direction;
+use crate::record::{CaseRecord, RecordError, replace_file, write_sorted};
+use crate::verdict::{DocumentError, Verdict, write_json};
+use html::{Figure, page};
+
+/// What a report says of a scene beside its numbers.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SceneSummary {
+    /// Its name, as in the records.
+    pub name: String,
+    /// The question it asks.
+    pub question: String,
+}
+
+/// Why a report could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The file system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// `cases.csv` could not be written.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// `verdict.json` could not be written.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// A picture could not be drawn.
+    #[error("drawing: {what}")]
+    Drawing {
+        /// What the drawing library said.
+        what: String,
+    },
+    /// The JUnit file could not be formed.
+    #[error("JUnit: {source}")]
+    Xml {
+        /// What the writer said.
+        source: quick_junit::SerializeError,
+    },
+    /// Two scenes whose names differ only in characters that a file name does not keep.
+    #[error("the scenes {first:?} and {second:?} would share the file name {stem:?}")]
+    SharedName {
+        /// One scene.
+        first: String,
+        /// The other.
+        second: String,
+        /// Their common file name.
+        stem: String,
+    },
+}
+
+impl ReportError {
+    fn drawing(error: impl std::fmt::Display) -> Self {
+        Self::Drawing {
+            what: error.to_string(),
+        }
+    }
+}
+
+/// Writes cases.csv, verdict.json, index.html and the pictures `SCENE-h.svg`, `SCENE-k.svg` and
+/// `SCENE-hk.svg` into `dir`, which is made if it is not there.
+///
+/// # Errors
+/// [`ReportError`]; files written before stay.
+pub fn write_all(
+    dir: &Path,
+    scenes: &[SceneSummary],
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+    provenance: &serde_json::Value,
+) -> Result<(), ReportError> {
+    let stems = stems(scenes)?;
+    fs::create_dir_all(dir).map_err(|source| ReportError::Io {
+        path: dir.to_owned(),
+        source,
+    })?;
+    write_sorted(&dir.join("cases.csv"), records)?;
+    write_json(&dir.join("verdict.json"), provenance, verdicts, records)?;
+    let mut figures = Vec::new();
+    for (scene, stem) in scenes.iter().zip(stems) {
+        figures.push(write_figures(dir, scene, &stem, records, verdicts)?);
+    }
+    let html = page(scenes, &figures, records, verdicts, provenance);
+    write_text(&dir.join("index.html"), &html)
+}
+
+fn write_figures(
+    dir: &Path,
+    scene: &SceneSummary,
+    stem: &str,
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+) -> Result<Vec<Figure>, ReportError> {
+    let along = |direction| convergence_svg(scene, records, verdicts, direction);
+    let drawn = [
+        (
+            "h",
+            "error against h, at the finest time step",
+            along(Direction::Space)?,
+        ),
+        (
+            "k",
+            "error against k, on the finest mesh",
+            along(Direction::Time)?,
+        ),
+        (
+            "hk",
+            "error against k, one curve an h",
+            surface_svg(scene, records)?,
+        ),
+    ];
+    let mut figures = Vec::new();
+    for (suffix, caption, svg) in drawn {
+        let path = dir.join(format!("{stem}-{suffix}.svg"));
+        match svg {
+            Some(svg) => {
+                write_text(&path, &svg)?;
+                let caption = format!("{}: {caption}.", scene.name);
+                figures.push(Figure { caption, svg });
+            }
+            None => remove_stale(&path)?,
+        }
+    }
+    Ok(figures)
+}
+
+/// A picture of an earlier run would be taken for one of this.
+fn remove_stale(path: &Path) -> Result<(), ReportError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => Err(ReportError::Io {
+            path: path.to_owned(),
+            source,
+        }),
+        _ => Ok(()),
+    }
+}
+
+fn write_text(path: &Path, text: &str) -> Result<(), ReportError> {
+    replace_file(path, text.as_bytes()).map_err(|source| ReportError::Io {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// File names of the scenes: letters, digits, dot, dash and underscore.
+fn stems(scenes: &[SceneSummary]) -> Result<Vec<String>, ReportError> {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_.".contains(c) {
+            c
+        } else {
+            '-'
+        }
+    };
+    let mut owners: BTreeMap<String, &str> = BTreeMap::new();
+    let mut stems = Vec::new();
+    for scene in scenes {
+        let stem: String = scene.name.chars().map(plain).collect();
+        if let Some(first) = owners.insert(stem.clone(), &scene.name) {
+            let (first, second) = (first.to_owned(), scene.name.clone());
+            return Err(ReportError::SharedName {
+                first,
+                second,
+                stem,
+            });
+        }
+        stems.push(stem);
+    }
+    Ok(stems)
+}
+
+#[cfg(test)]
+mod tests;

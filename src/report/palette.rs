@@ -1,0 +1,25 @@
+//! Colours that colour-blind readers tell apart, after Okabe and Ito (2008), with a marker
+//! each, so that a print without colours reads as well.
+
+use plotters::style::RGBColor;
+
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(0, 0, 0),
+];
+
+/// Lines of the grid.
+pub(super) const GRID: RGBColor = RGBColor(222, 222, 222);
+
+/// Axes, triangles and floors.
+pub(super) const INK: RGBColor = RGBColor(90, 90, 90);
+
+/// Colour of the i-th curve. Its marker is the i-th of four: 28 curves until a pair returns.
+pub(super) fn colour(index: usize) -> RGBColor {
+    COLOURS[index % COLOURS.len()]
+}

@@ -1,0 +1,158 @@
+//! Whole reports: files, determinism, escaping.
+
+use super::*;
+use crate::record::{Key, NormError, Status};
+use crate::verdict::{Expect, Prediction, Variable, judge};
+
+/// Three norms on a grid of 5 meshes and 6 time grids; the trace error meets its floor.
+fn example(name: &str) -> Vec<CaseRecord> {
+    let levels = [8u32, 16, 32, 64, 128];
+    let steps = [4u32, 8, 16, 32, 64, 128];
+    let pairs = levels
+        .iter()
+        .flat_map(|n| steps.iter().map(move |s| (*n, *s)));
+    pairs.map(|(n, steps)| case(name, n, steps)).collect()
+}
+
+fn case(scene: &str, n: u32, steps: u32) -> CaseRecord {
+    let (h, k) = (1.0 / f64::from(n), 1.0 / f64::from(steps));
+    let entry = |norm: &str, error: f64, floor: f64| NormError {
+        norm: norm.into(),
+        error: Some(error.max(floor)),
+        floor: Some(floor),
+    };
+    CaseRecord {
+        scene: scene.into(),
+        dimension: 2,
+        n: Some(n),
+        steps,
+        h: Some(h),
+        k,
+        dofs: u64::from(n * n),
+        elements: u64::from(2 * n * n),
+        status: Status::Converged,
+        newton_iterations: 1,
+        active_set_changes: 0,
+        factorizations: 1,
+        seconds_load: 0.0,
+        seconds_assemble: 0.0,
+        seconds_factor: 0.0,
+        seconds_solve: 0.0,
+        seconds_total: 0.0,
+        peak_history_bytes: 0,
+        errors: vec![
+            entry("V_max", (0.3 * h * (1.0 + h)).hypot(0.4 * k * k), 1e-10),
+            entry("trace_L2_max", 0.02 * h * h + 0.001 * k * k, 2e-7),
+            entry("pressure_L2_max", 0.5 * h.powf(1.5) + 0.1 * k * k, 1e-9),
+            entry("V_time_max", 0.4 * k * k * (1.0 - k * k), 1e-6),
+        ],
+    }
+}
+
+fn verdicts(name: &str, records: &[CaseRecord]) -> Vec<Verdict> {
+    let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
+    [
+        ("V_max", Variable::H, 1.0, None),
+        ("trace_L2_max", Variable::H, 1.5, None),
+        ("V_time_max", Variable::K, 2.0, None),
+        ("V_max", Variable::Joint, 1.0, Some(2.0)),
+    ]
+    .map(|(norm, variable, order, order_k)| {
+        let prediction = Prediction {
+            norm: norm.into(),
+            variable,
+            order,
+            order_k,
+            at_least: norm == "trace_L2_max",
+            exact: false,
+            why: "(5.26) & Thm 7".into(),
+            window_n: None,
+            window_steps: None,
+        };
+        judge(name, records, &keys, &prediction, Expect::Pass)
+    })
+    .to_vec()
+}
+
+#[test]
+fn a_report_is_whole_and_the_same_twice() {
+    let name = "pure <strong> & mild";
+    let records = example(name);
+    let verdicts = verdicts(name, &records);
+    let scenes = [SceneSummary {
+        name: name.into(),
+        question: "All four contact states, zones that move, h < 1 & k < 1: do the orders of \
+                   (5.26) hold where the body yields almost everywhere, and from which n on?"
+            .into(),
+    }];
+    let dir = std::env::temp_dir().join(format!("gronwall-report-{}", std::process::id()));
+    let provenance = serde_json::json!({"version": "0.1.0", "threads": 2});
+    let files = [
+        "cases.csv",
+        "verdict.json",
+        "index.html",
+        "pure--strong----mild-h.svg",
+        "pure--strong----mild-k.svg",
+        "pure--strong----mild-hk.svg",
+    ];
+    let write = || {
+        write_all(&dir, &scenes, &records, &verdicts, &provenance).unwrap();
+        write_junit(&dir.join("junit.xml"), &verdicts).unwrap();
+        files.map(|file| fs::read_to_string(dir.join(file)).unwrap())
+    };
+    let once = write();
+    assert_eq!(once, write());
+    let junit = fs::read_to_string(dir.join("junit.xml")).unwrap();
+    assert!(
+        once[2..]
+            .iter()
+            .chain([&junit])
+            .all(|text| !text.contains("<strong>"))
+    );
+    assert!(once[2].contains("pure &lt;strong&gt; &amp; mild") && once[2].contains("<svg"));
+    assert!(junit.contains("pure &lt;strong"));
+    if std::env::var_os("GRONWALL_KEEP").is_none() {
+        fs::remove_dir_all(&dir).unwrap();
+    }
+}
+
+#[test]
+fn nothing_to_draw_draws_nothing() {
+    let scene = SceneSummary {
+        name: "empty".into(),
+        question: String::new(),
+    };
+    assert!(
+        convergence_svg(&scene, &[], &[], Direction::Space)
+            .unwrap()
+            .is_none()
+    );
+    assert!(surface_svg(&scene, &[]).unwrap().is_none());
+    let mut broken = case("empty", 8, 8);
+    broken.errors[0].error = Some(f64::NAN);
+    broken.errors.truncate(1);
+    let records = [
+        broken.clone(),
+        CaseRecord {
+            n: None,
+            h: None,
+            ..broken
+        },
+    ];
+    assert!(
+        convergence_svg(&scene, &records, &[], Direction::Time)
+            .unwrap()
+            .is_none()
+    );
+    assert!(surface_svg(&scene, &records).unwrap().is_none());
+}
+
+#[test]
+fn two_scenes_do_not_share_a_file() {
+    let scene = |name: &str| SceneSummary {
+        name: name.into(),
+        question: String::new(),
+    };
+    let refused = stems(&[scene("a b"), scene("a/b")]);
+    assert!(matches!(refused, Err(ReportError::SharedName { .. })));
+}

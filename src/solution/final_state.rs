@@ -1,0 +1,132 @@
+//! Named quantities of a solution at one time (t = T in `sweep solve`).
+
+use serde::Serialize;
+
+use crate::contact::{Discretization, Model, StepView};
+use crate::law::Projection;
+use crate::norms::is_locked;
+use crate::space::strain_of;
+use crate::tensor::contract;
+
+/// Named quantities; the field names are the JSON keys that other programs rely on.
+#[derive(Debug, Clone, Serialize)]
+pub struct FinalState {
+    /// ‖ε(u)‖.
+    pub strain_norm: f64,
+    /// ζ.
+    pub zeta: f64,
+    /// ½(𝒜ε, ε).
+    pub elastic_energy: f64,
+    /// ∫_{Γ3} (ξ + λ).
+    pub contact_force: f64,
+    /// Vertices with u_ν = g.
+    pub locked_vertices: usize,
+    /// ∫_{Γ3} ξ.
+    pub compliance_force: f64,
+    /// ∫_{Γ3} λ.
+    pub multiplier_force: f64,
+    /// Cells on which the projection acts.
+    pub yielding_elements: usize,
+    /// Smallest u_y over all vertices.
+    pub min_uy: f64,
+    /// Its vertex.
+    pub min_uy_vertex: Vec<f64>,
+    /// Smallest g - u_ν on Γ3; null without a finite gap.
+    pub min_normal_gap: Option<f64>,
+    /// Largest u_ν on Γ3; null without Γ3.
+    pub max_normal_displacement: Option<f64>,
+    /// [x, y, u_ν] (in 3D [x, y, z, u_ν]) on the vertices of Γ3, along the side.
+    pub normal_displacement: Vec<Vec<f64>>,
+}
+
+impl FinalState {
+    /// The quantities of the level that `view` shows.
+    pub fn new<P: Projection>(
+        space: &Discretization,
+        model: &Model<P>,
+        view: &StepView<'_>,
+    ) -> Self {
+        let (elastic_energy, yielding_elements) = match space.mesh.dimension {
+            2 => over_cells::<P, 3>(space, model, view),
+            _ => over_cells::<P, 6>(space, model, view),
+        };
+        let (min_uy, min_uy_vertex) = lowest(space, view);
+        let mut state = Self {
+            strain_norm: view.strain_norm,
+            zeta: view.zeta,
+            elastic_energy,
+            contact_force: 0.0,
+            locked_vertices: 0,
+            compliance_force: 0.0,
+            multiplier_force: 0.0,
+            yielding_elements,
+            min_uy,
+            min_uy_vertex,
+            min_normal_gap: None,
+            max_normal_displacement: None,
+            normal_displacement: Vec::new(),
+        };
+        state.add_trace(space, model, view);
+        state
+    }
+
+    fn add_trace<P: Projection>(
+        &mut self,
+        space: &Discretization,
+        model: &Model<P>,
+        view: &StepView<'_>,
+    ) {
+        let d = space.mesh.dimension;
+        for (i, point) in space.trace.points.iter().enumerate() {
+            let normal = space.trace.normal(i, view.u);
+            self.compliance_force += point.weight * view.compliance[i];
+            self.multiplier_force += point.weight * view.multiplier[i];
+            let gap = model.boundary.as_ref().map_or(f64::INFINITY, |boundary| {
+                (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]))
+            });
+            self.locked_vertices += usize::from(is_locked(normal, gap));
+            if gap.is_finite() {
+                let smallest = self.min_normal_gap.unwrap_or(f64::INFINITY);
+                self.min_normal_gap = Some(smallest.min(gap - normal));
+            }
+            let largest = self.max_normal_displacement.unwrap_or(f64::NEG_INFINITY);
+            self.max_normal_displacement = Some(largest.max(normal));
+            let mut row = space.mesh.vertex(point.vertex)[..d].to_vec();
+            row.push(normal);
+            self.normal_displacement.push(row);
+        }
+        self.normal_displacement.sort_by(|a, b| {
+            a.iter().zip(b).map(|(p, q)| p.total_cmp(q)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+        });
+        self.contact_force = self.compliance_force + self.multiplier_force;
+    }
+}
+
+fn over_cells<P: Projection, const S: usize>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+) -> (f64, usize) {
+    let (mut energy, mut yielding) = (0.0, 0);
+    for c in 0..space.mesh.cell_count() {
+        let strain =
+            strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), view.u);
+        let stress = model.elasticity.apply(&strain);
+        energy += 0.5 * space.geometry.measure[c] * contract(&stress, &strain);
+        yielding += usize::from(view.yields::<P, S>(space, model, c));
+    }
+    (energy, yielding)
+}
+
+/// Smallest u_y and its vertex; of equal values the first vertex in mesh order.
+fn lowest(space: &Discretization, view: &StepView<'_>) -> (f64, Vec<f64>) {
+    let d = space.mesh.dimension;
+    let mut best = (f64::INFINITY, 0);
+    for v in 0..space.mesh.vertices() {
+        let value = view.u[d * space.nodes.of_vertex[v] as usize + 1];
+        if value < best.0 {
+            best = (value, v as u32);
+        }
+    }
+    (best.0, space.mesh.vertex(best.1).to_vec())
+}

@@ -1,0 +1,9 @@
+//! What one case leaves behind for people and other programs: named quantities, VTU files.
+
+mod final_state;
+mod series;
+mod vtu;
+
+pub use final_state::FinalState;
+pub use series::VtuSeries;
+pub use vtu::{Field, Grid, VtuError, write_pvd, write_vtu};

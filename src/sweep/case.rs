@@ -1,0 +1,145 @@
+//! One case: march, errors at every step, their maxima over time.
+
+use std::time::Instant;
+
+use super::plan::{CasePlan, TIME_REFERENCE};
+use crate::contact::{CaseError, CaseInfo, LoadError, StepView, march, strain_distance};
+use crate::norms::{ElasticProjection, Trajectory, step_errors};
+use crate::record::{CaseRecord, NormError, Status};
+use crate::scene::Norm;
+use crate::setup::{MeshData, Setup, TruthLoad};
+use crate::vhi::Newton;
+
+/// Runs a case; a failure is recorded with its reason, and never carries an error.
+pub fn run_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
+    let start = Instant::now();
+    let mut maxima = Maxima::new(case);
+    let outcome = measure(setup, data, case, &mut maxima);
+    let grid = setup.grid(case.steps);
+    let info = outcome.as_ref().copied().unwrap_or_default();
+    let status = match &outcome {
+        Ok(_) => Status::Converged,
+        Err(error) => Status::Failed { reason: error.to_string() },
+    };
+    CaseRecord {
+        scene: setup.scene.name.clone(),
+        dimension: setup.scene.dimension as u32,
+        n: Some(case.n),
+        steps: case.steps,
+        h: Some(data.space.mesh.h()),
+        k: grid.largest_step(),
+        dofs: data.space.dofs() as u64,
+        elements: data.space.mesh.cell_count() as u64,
+        errors: maxima.errors(status == Status::Converged, &info),
+        status,
+        newton_iterations: info.newton_iterations.into(),
+        active_set_changes: info.active_set_changes.into(),
+        factorizations: info.work.factorizations.into(),
+        seconds_load: info.seconds_load,
+        seconds_assemble: info.work.seconds_assemble,
+        seconds_factor: info.work.seconds_factor,
+        seconds_solve: info.work.seconds_solve,
+        seconds_total: start.elapsed().as_secs_f64(),
+        peak_history_bytes: info.peak_history_bytes as u64,
+    }
+}
+
+fn measure(
+    setup: &Setup,
+    data: &MeshData,
+    case: &CasePlan,
+    maxima: &mut Maxima,
+) -> Result<CaseInfo, CaseError> {
+    let wants = |norm| case.norms.contains(&norm);
+    let finer = match wants(Norm::VTimeMax) {
+        true => Some(data.trajectory(setup, TIME_REFERENCE * case.steps, case.steps)?),
+        false => None,
+    };
+    let mut projection = match wants(Norm::VProjectionMax) {
+        true => Some(ElasticProjection::new(
+            &data.space,
+            &setup.model.elasticity,
+            setup.projection_mu(),
+        )
+        .map_err(|error| LoadError::Reference { reason: error.to_string() })?),
+        false => None,
+    };
+    let mut observe = |view: &StepView<'_>| {
+        let moments = data.truth.moments(view.t)?;
+        let errors = step_errors(&data.space, &setup.model, view, &moments);
+        for (norm, value) in [
+            (Norm::VMax, errors.v),
+            (Norm::L2Max, errors.l2),
+            (Norm::StressL2Max, errors.stress),
+            (Norm::TraceL2Max, errors.trace),
+            (Norm::PressureL2Max, errors.pressure),
+            (Norm::ContactSetMax, errors.contact_set),
+        ] {
+            maxima.raise(norm, value);
+        }
+        if let Some(finer) = &finer {
+            maxima.raise(Norm::VTimeMax, time_error(data, finer, view)?);
+        }
+        if let Some(projection) = &mut projection {
+            maxima.raise(Norm::VProjectionMax, projection.distance(&moments, view.u));
+        }
+        Ok(())
+    };
+    let mut load = TruthLoad(&*data.truth);
+    let grid = setup.grid(case.steps);
+    march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), &mut observe)
+}
+
+/// ‖ε(u_n - u_ref(t_n))‖ against the run with more steps on the same mesh.
+fn time_error(
+    data: &MeshData,
+    finer: &Trajectory,
+    view: &StepView<'_>,
+) -> Result<f64, CaseError> {
+    let Some(reference) = finer.at(view.t) else {
+        let reason = format!("the finer run has no step at t = {}", view.t);
+        return Err(LoadError::Reference { reason }.into());
+    };
+    Ok(strain_distance(&data.space, view.u, reference))
+}
+
+/// Maxima over time; a NaN stays a NaN, a norm that was never raised stays absent.
+struct Maxima {
+    values: Vec<(Norm, Option<f64>)>,
+}
+
+impl Maxima {
+    fn new(case: &CasePlan) -> Self {
+        Self { values: case.norms.iter().map(|&norm| (norm, None)).collect() }
+    }
+
+    fn raise(&mut self, norm: Norm, value: f64) {
+        if let Some((_, known)) = self.values.iter_mut().find(|(own, _)| *own == norm) {
+            *known = Some(match *known {
+                Some(before) if before.is_nan() || before >= value => before,
+                _ => value,
+            });
+        }
+    }
+
+    fn errors(&self, converged: bool, info: &CaseInfo) -> Vec<NormError> {
+        let floors = &info.floors;
+        self.values
+            .iter()
+            .map(|&(norm, error)| NormError {
+                norm: norm.name().to_string(),
+                error: error.filter(|_| converged),
+                floor: converged.then(|| match norm {
+                    Norm::VMax | Norm::VProjectionMax => floors.v,
+                    // Two runs, each with its own floor.
+                    Norm::VTimeMax => 2.0 * floors.v,
+                    Norm::L2Max => floors.l2,
+                    Norm::StressL2Max => floors.stress,
+                    Norm::TraceL2Max => floors.trace,
+                    Norm::PressureL2Max => floors.pressure,
+                    Norm::ContactSetMax => 0.0,
+                }),
+            })
+            .collect()
+    }
+}

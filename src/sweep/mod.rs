@@ -1,0 +1,15 @@
+//! Refinement sweeps: which cases, in which order, on how many threads, and what is kept.
+
+mod case;
+mod judging;
+mod plan;
+mod provenance;
+mod resume;
+mod run;
+
+pub use case::run_case;
+pub use judging::{judge_scene, scene_summary};
+pub use plan::{CasePlan, Overrides, ScenePlan};
+pub use provenance::Provenance;
+pub use resume::{ResumeError, resume};
+pub use run::{Progress, SweepError, run_sweep};

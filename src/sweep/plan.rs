@@ -1,0 +1,105 @@
+//! The cases of a scene: every n with every number of steps, and the norms of each.
+
+use crate::record::Key;
+use crate::scene::{Norm, Prediction, Reference, Scene};
+use crate::setup::Setup;
+
+/// Grids given on the command line in place of the scene's.
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    /// Cells a unit length.
+    pub n: Option<Vec<u32>>,
+    /// Numbers of steps.
+    pub steps: Option<Vec<u32>>,
+}
+
+/// One case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CasePlan {
+    /// Cells a unit length.
+    pub n: u32,
+    /// Number of steps N.
+    pub steps: u32,
+    /// What is measured.
+    pub norms: Vec<Norm>,
+}
+
+/// The cases of one scene.
+pub struct ScenePlan {
+    /// The scene with its model.
+    pub setup: Setup,
+    /// The cases, by n and steps.
+    pub cases: Vec<CasePlan>,
+    /// The finer run that is the truth, if the scene has no exact solution.
+    pub reference: Option<Reference>,
+}
+
+/// A run against which the time error is measured has this many times the steps of the case.
+pub const TIME_REFERENCE: u32 = 8;
+
+impl ScenePlan {
+    /// The plan of a scene, with the grids of `overrides` where given.
+    pub fn new(setup: Setup, overrides: &Overrides) -> Self {
+        let scene = &setup.scene;
+        let listed = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<_>>();
+        let sweep = scene.sweep.as_ref();
+        let own_n = sweep.map_or(Vec::new(), |sweep| listed(&sweep.n));
+        let own_steps = sweep.map_or(Vec::new(), |sweep| listed(&sweep.steps));
+        let ns = overrides.n.clone().unwrap_or(own_n);
+        let steps = overrides.steps.clone().unwrap_or(own_steps);
+        let cases = ns
+            .iter()
+            .flat_map(|&n| steps.iter().map(move |&steps| (n, steps)))
+            .map(|(n, steps)| CasePlan { n, steps, norms: norms(scene, n) })
+            .collect();
+        let reference = sweep.and_then(|sweep| sweep.reference);
+        Self { cases, reference: reference.filter(|_| setup.exact.is_none()), setup }
+    }
+
+    /// The keys of all cases.
+    pub fn keys(&self) -> Vec<Key> {
+        let scene = &self.setup.scene.name;
+        self.cases
+            .iter()
+            .map(|case| Key { scene: scene.clone(), n: Some(case.n), steps: case.steps })
+            .collect()
+    }
+
+    /// How often reference levels are kept so that all cases find theirs.
+    pub fn kept_steps(&self) -> u32 {
+        self.cases.iter().map(|case| case.steps).fold(1, lowest_common_multiple)
+    }
+}
+
+fn lowest_common_multiple(a: u32, b: u32) -> u32 {
+    let (mut x, mut y) = (a, b);
+    while y > 0 {
+        (x, y) = (y, x % y);
+    }
+    a / x.max(1) * b
+}
+
+/// The norms of a case on mesh n: all that cost next to nothing, and those of the scene's list or
+/// predictions (the time error costs further runs, so it is measured inside its window only).
+fn norms(scene: &Scene, n: u32) -> Vec<Norm> {
+    let listed = scene.sweep.as_ref().and_then(|sweep| sweep.norms.as_ref());
+    let asked = |norm: Norm| {
+        listed.is_some_and(|list| list.contains(&norm))
+            || scene.predicts.iter().any(|p| p.norm == norm && serves(scene, p, n))
+    };
+    let on_contact = scene.contact.as_ref().is_some_and(|c| c.gap.is_some() || c.law.is_some());
+    Norm::ALL
+        .into_iter()
+        .filter(|&norm| match norm {
+            Norm::VTimeMax | Norm::VProjectionMax => asked(norm),
+            _ if norm.needs_contact() && !on_contact => false,
+            _ => listed.is_none() || asked(norm),
+        })
+        .collect()
+}
+
+/// Whether a prediction uses the mesh n.
+fn serves(scene: &Scene, prediction: &Prediction, n: u32) -> bool {
+    let window = prediction.window_n.or(scene.window_n);
+    window.is_none_or(|[first, last]| (first..=last).contains(&(n as usize)))
+}

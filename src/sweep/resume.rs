@@ -1,0 +1,57 @@
+//! What an interrupted sweep left: complete cases are kept, all others run again.
+
+use std::path::{Path, PathBuf};
+
+use super::{Provenance, ScenePlan};
+use crate::record::{CaseRecord, RecordError, read};
+
+/// Why a directory cannot be resumed.
+#[derive(Debug, thiserror::Error)]
+pub enum ResumeError {
+    /// The records are unreadable.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The provenance is unreadable.
+    #[error("{}: {reason}", path.display())]
+    Provenance { path: PathBuf, reason: String },
+    /// The records belong to something else.
+    #[error("{}: {what}; run without --resume to start anew, or choose another --out", dir.display())]
+    Different { dir: PathBuf, what: String },
+}
+
+/// The complete cases in `dir` that belong to `plans`. An empty or missing directory has none.
+///
+/// # Errors
+/// Records of another version or of another text of a scene, unreadable files.
+pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Vec<CaseRecord>, ResumeError> {
+    let path = dir.join("cases.csv");
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let different = |what: String| ResumeError::Different { dir: dir.to_owned(), what };
+    let known = Provenance::read(dir)
+        .map_err(|(path, reason)| ResumeError::Provenance { path, reason })?
+        .ok_or_else(|| different("records without provenance.json".into()))?;
+    let own = Provenance::new(plans);
+    if known.version != own.version {
+        return Err(different(format!(
+            "the records are of version {}, this is {}",
+            known.version, own.version
+        )));
+    }
+    for (scene, hash) in &own.scenes {
+        if known.scenes.get(scene).is_some_and(|other| other != hash) {
+            return Err(different(format!("the scene `{scene}` has changed since")));
+        }
+    }
+    let complete = |record: &CaseRecord| {
+        let plan = plans.iter().find(|plan| plan.setup.scene.name == record.scene)?;
+        let case = plan
+            .cases
+            .iter()
+            .find(|case| Some(case.n) == record.n && case.steps == record.steps)?;
+        let measured = case.norms.iter().all(|norm| record.norm(norm.name()).is_some());
+        (record.converged() && measured).then_some(())
+    };
+    Ok(read(&path)?.into_iter().filter(|record| complete(record).is_some()).collect())
+}

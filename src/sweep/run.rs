@@ -1,0 +1,290 @@
+//! Runs the cases of many scenes on a few threads, longest first, and records each as it ends.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
+use super::{Provenance, ResumeError, resume, run_case};
+use crate::norms::ReferenceRun;
+use crate::record::{CaseRecord, Journal, RecordError, Status};
+use crate::scene::Norm;
+use crate::setup::{MeshData, reference_run};
+
+/// Why a sweep ended without records.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// The records cannot be written or read.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The old records cannot be resumed.
+    #[error(transparent)]
+    Resume(#[from] ResumeError),
+    /// The directory cannot be made or written.
+    #[error("{}: {reason}", path.display())]
+    Directory { path: PathBuf, reason: String },
+    /// The threads could not be started.
+    #[error("starting {jobs} threads: {reason}")]
+    Threads { jobs: usize, reason: String },
+}
+
+/// Hears of the sweep while it runs.
+pub trait Progress: Sync {
+    /// The sweep begins, with `total` cases of which `done` are already recorded.
+    fn begin(&self, total: usize, done: usize);
+    /// A case or reference run starts.
+    fn started(&self, what: &str);
+    /// It ended.
+    fn finished(&self, what: &str, record: Option<&CaseRecord>);
+}
+
+/// A piece of work.
+enum Job {
+    /// The reference run of a scene.
+    Reference(usize),
+    /// A case: scene and index.
+    Case(usize, usize),
+}
+
+/// What the jobs of one scene share.
+struct Shared<'a> {
+    plan: &'a ScenePlan,
+    reference: OnceLock<Result<Arc<ReferenceRun>, String>>,
+    meshes: Vec<(u32, OnceLock<Result<MeshData, String>>)>,
+}
+
+/// Runs `plans` with `jobs` threads; with `keep`, complete cases in `out` are not run again.
+/// Returns all records, sorted by scene, n and steps.
+///
+/// # Errors
+/// Files only: a case that fails is a record.
+pub fn run_sweep(
+    plans: &[ScenePlan],
+    out: &Path,
+    jobs: usize,
+    keep: bool,
+    progress: &dyn Progress,
+) -> Result<Vec<CaseRecord>, SweepError> {
+    let known = if keep { resume(out, plans)? } else { Vec::new() };
+    let journal = prepare(plans, out, &known)?;
+    let total = plans.iter().map(|plan| plan.cases.len()).sum();
+    progress.begin(total, known.len());
+    let shared: Vec<Shared<'_>> = plans.iter().map(Shared::new).collect();
+    let sweep = Sweep {
+        shared: &shared,
+        journal: Mutex::new(journal),
+        records: Mutex::new(known),
+        failure: Mutex::new(None),
+        progress,
+    };
+    let (first, second) = sweep.jobs();
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(jobs)
+        .build()
+        .map_err(|error| SweepError::Threads { jobs, reason: error.to_string() })?;
+    for wave in [first, second] {
+        let next = AtomicUsize::new(0);
+        pool.scope(|scope| {
+            for _ in 0..jobs {
+                scope.spawn(|_| {
+                    while let Some(job) = wave.get(next.fetch_add(1, Ordering::Relaxed)) {
+                        sweep.execute(job);
+                    }
+                });
+            }
+        });
+    }
+    if let Some(error) = sweep.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(error.into());
+    }
+    let mut records = sweep.records.into_inner().unwrap_or_else(PoisonError::into_inner);
+    records.sort_by_key(CaseRecord::key);
+    Ok(records)
+}
+
+/// Makes the directory, its provenance, and the journal with the records that are kept.
+fn prepare(
+    plans: &[ScenePlan],
+    out: &Path,
+    known: &[CaseRecord],
+) -> Result<Journal, SweepError> {
+    let refused = |(path, reason)| SweepError::Directory { path, reason };
+    std::fs::create_dir_all(out).map_err(|error| refused((out.to_owned(), error.to_string())))?;
+    let table = out.join("cases.csv");
+    crate::record::write_sorted(&table, known)?;
+    Provenance::new(plans).write(out).map_err(refused)?;
+    Ok(Journal::open(&table)?)
+}
+
+struct Sweep<'a> {
+    shared: &'a [Shared<'a>],
+    journal: Mutex<Journal>,
+    records: Mutex<Vec<CaseRecord>>,
+    failure: Mutex<Option<RecordError>>,
+    progress: &'a dyn Progress,
+}
+
+impl Sweep<'_> {
+    /// Reference runs and cases with an exact solution; then the cases that need a reference.
+    fn jobs(&self) -> (Vec<Job>, Vec<Job>) {
+        let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
+        let (mut first, mut second) = (Vec::new(), Vec::new());
+        for (s, shared) in self.shared.iter().enumerate() {
+            let plan = shared.plan;
+            let open: Vec<usize> = (0..plan.cases.len())
+                .filter(|&c| !records.iter().any(|record| is_case(plan, &plan.cases[c], record)))
+                .collect();
+            if plan.setup.exact.is_some() {
+                first.extend(open.into_iter().map(|c| Job::Case(s, c)));
+            } else if !open.is_empty() {
+                first.push(Job::Reference(s));
+                second.extend(open.into_iter().map(|c| Job::Case(s, c)));
+            }
+        }
+        for wave in [&mut first, &mut second] {
+            wave.sort_by(|a, b| self.cost(b).total_cmp(&self.cost(a)));
+        }
+        (first, second)
+    }
+
+    /// Predicted cost, for the order only: a factorization a step, n³ each in the plane.
+    fn cost(&self, job: &Job) -> f64 {
+        let run = |n: u32, steps: u32| f64::from(n).powi(3) * (f64::from(steps) + 1.0);
+        match *job {
+            Job::Reference(s) => {
+                self.shared[s].plan.reference.map_or(0.0, |r| run(r.n as u32, r.steps as u32))
+            }
+            Job::Case(s, c) => {
+                let case = &self.shared[s].plan.cases[c];
+                let timed = case.norms.contains(&Norm::VTimeMax);
+                let factor = if timed { 1 + TIME_REFERENCE } else { 1 };
+                run(case.n, case.steps * factor)
+            }
+        }
+    }
+
+    fn execute(&self, job: &Job) {
+        match *job {
+            Job::Reference(s) => {
+                let what = format!("{} reference", self.shared[s].plan.setup.scene.name);
+                self.progress.started(&what);
+                let _ = self.shared[s].reference();
+                self.progress.finished(&what, None);
+            }
+            Job::Case(s, c) => {
+                let shared = &self.shared[s];
+                let case = &shared.plan.cases[c];
+                let name = &shared.plan.setup.scene.name;
+                let what = format!("{name} n={} N={}", case.n, case.steps);
+                self.progress.started(&what);
+                let record = shared.case(case);
+                self.progress.finished(&what, Some(&record));
+                self.keep(record);
+            }
+        }
+    }
+
+    fn keep(&self, record: CaseRecord) {
+        let mut journal = self.journal.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Err(error) = journal.append(&record) {
+            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        }
+        self.records.lock().unwrap_or_else(PoisonError::into_inner).push(record);
+    }
+}
+
+impl<'a> Shared<'a> {
+    fn new(plan: &'a ScenePlan) -> Self {
+        let mut ns: Vec<u32> = plan.cases.iter().map(|case| case.n).collect();
+        ns.sort_unstable();
+        ns.dedup();
+        let meshes = ns.into_iter().map(|n| (n, OnceLock::new())).collect();
+        Self { plan, reference: OnceLock::new(), meshes }
+    }
+
+    fn reference(&self) -> &Result<Arc<ReferenceRun>, String> {
+        self.reference.get_or_init(|| {
+            let Some(reference) = self.plan.reference else {
+                return Err("the scene has neither an exact solution nor a reference".into());
+            };
+            let (n, steps) = (reference.n as u32, reference.steps as u32);
+            let every = (steps / self.plan.kept_steps()).max(1);
+            reference_run(&self.plan.setup, n, steps, every)
+                .map(Arc::new)
+                .map_err(|error| error.to_string())
+        })
+    }
+
+    fn mesh(&self, n: u32) -> Result<&MeshData, String> {
+        let Some((_, cell)) = self.meshes.iter().find(|(own, _)| *own == n) else {
+            return Err(format!("no mesh n = {n} in the plan"));
+        };
+        let data = cell.get_or_init(|| {
+            let reference = match self.plan.setup.exact {
+                Some(_) => None,
+                None => Some(self.reference().clone()?),
+            };
+            MeshData::new(&self.plan.setup, n, reference).map_err(|error| error.to_string())
+        });
+        data.as_ref().map_err(Clone::clone)
+    }
+
+    fn case(&self, case: &CasePlan) -> CaseRecord {
+        let outcome = catch_unwind(AssertUnwindSafe(|| {
+            self.mesh(case.n).map(|data| run_case(&self.plan.setup, data, case))
+        }));
+        match outcome {
+            Ok(Ok(record)) => record,
+            Ok(Err(reason)) => self.failed(case, reason),
+            Err(panic) => {
+                let text = panic
+                    .downcast_ref::<String>()
+                    .map(String::as_str)
+                    .or_else(|| panic.downcast_ref::<&str>().copied())
+                    .unwrap_or("unknown");
+                self.failed(case, format!("internal error: {text}"))
+            }
+        }
+    }
+
+    /// The record of a case that could not even start.
+    fn failed(&self, case: &CasePlan, reason: String) -> CaseRecord {
+        let scene = &self.plan.setup.scene;
+        CaseRecord {
+            scene: scene.name.clone(),
+            dimension: scene.dimension as u32,
+            n: Some(case.n),
+            steps: case.steps,
+            h: Some(1.0 / f64::from(case.n)),
+            k: self.plan.setup.grid(case.steps).largest_step(),
+            dofs: 0,
+            elements: 0,
+            status: Status::Failed { reason },
+            newton_iterations: 0,
+            active_set_changes: 0,
+            factorizations: 0,
+            seconds_load: 0.0,
+            seconds_assemble: 0.0,
+            seconds_factor: 0.0,
+            seconds_solve: 0.0,
+            seconds_total: 0.0,
+            peak_history_bytes: 0,
+            errors: case
+                .norms
+                .iter()
+                .map(|norm| crate::record::NormError {
+                    norm: norm.name().into(),
+                    error: None,
+                    floor: None,
+                })
+                .collect(),
+        }
+    }
+}
+
+fn is_case(plan: &ScenePlan, case: &CasePlan, record: &CaseRecord) -> bool {
+    record.scene == plan.setup.scene.name
+        && record.n == Some(case.n)
+        && record.steps == case.steps
+}

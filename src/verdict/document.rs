@@ -1,0 +1,134 @@
+//! `verdict.json`: verdicts with where they come from, and why cases failed.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::Verdict;
+use crate::record::{CaseRecord, Key, Status, replace_file};
+
+/// A case that did not converge, with what the solver said: `cases.csv` has no column for it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Name of the scene.
+    pub scene: String,
+    /// Mesh cells per unit length.
+    pub n: Option<u32>,
+    /// Number of time steps.
+    pub steps: u32,
+    /// What the solver said.
+    pub reason: String,
+}
+
+/// Why verdicts could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum DocumentError {
+    /// The file system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// No JSON, or not of this shape.
+    #[error("{}: {source}", path.display())]
+    Json {
+        /// The file.
+        path: PathBuf,
+        /// What the parser said.
+        source: serde_json::Error,
+    },
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    provenance: &'a serde_json::Value,
+    verdicts: &'a [Verdict],
+    failures: Vec<Failure>,
+}
+
+#[derive(Deserialize)]
+struct Failures {
+    #[serde(default)]
+    failures: Vec<Failure>,
+}
+
+/// The failed cases, in the order of their keys.
+pub fn failures(records: &[CaseRecord]) -> Vec<Failure> {
+    let reason = |record: &CaseRecord| match &record.status {
+        Status::Failed { reason } => Some(reason.clone()),
+        _ => None,
+    };
+    let mut failed: Vec<(Key, String)> = records
+        .iter()
+        .filter_map(|record| Some((record.key(), reason(record)?)))
+        .collect();
+    failed.sort();
+    let plain = |(Key { scene, n, steps }, reason)| Failure {
+        scene,
+        n,
+        steps,
+        reason,
+    };
+    failed.into_iter().map(plain).collect()
+}
+
+/// Writes `verdict.json` in one piece. Numbers that are not finite become null.
+///
+/// # Errors
+/// [`DocumentError::Io`]; [`DocumentError::Json`] cannot occur for these types, and is passed on.
+pub fn write_json(
+    path: &Path,
+    provenance: &serde_json::Value,
+    verdicts: &[Verdict],
+    records: &[CaseRecord],
+) -> Result<(), DocumentError> {
+    let document = Document {
+        provenance,
+        verdicts,
+        failures: failures(records),
+    };
+    let mut bytes = serde_json::to_vec_pretty(&document).map_err(|source| DocumentError::Json {
+        path: path.to_owned(),
+        source,
+    })?;
+    bytes.push(b'\n');
+    replace_file(path, &bytes).map_err(|source| DocumentError::Io {
+        path: path.to_owned(),
+        source,
+    })
+}
+
+/// Reads the failures of an earlier `verdict.json`.
+///
+/// # Errors
+/// [`DocumentError::Io`], [`DocumentError::Json`].
+pub fn read_failures(path: &Path) -> Result<Vec<Failure>, DocumentError> {
+    let bytes = std::fs::read(path).map_err(|source| DocumentError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    let read: Failures = serde_json::from_slice(&bytes).map_err(|source| DocumentError::Json {
+        path: path.to_owned(),
+        source,
+    })?;
+    Ok(read.failures)
+}
+
+/// Gives failed cases that were read from `cases.csv` their reasons back.
+pub fn restore_reasons(records: &mut [CaseRecord], failures: &[Failure]) {
+    for record in records {
+        let key = record.key();
+        let same = |failure: &&Failure| {
+            failure.scene == key.scene && failure.n == key.n && failure.steps == key.steps
+        };
+        if let Status::Failed { reason } = &mut record.status
+            && reason.is_empty()
+            && let Some(failure) = failures.iter().find(same)
+        {
+            reason.clone_from(&failure.reason);
+        }
+    }
+}

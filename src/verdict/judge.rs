@@ -1,0 +1,227 @@
+//! One prediction judged from records.
+
+use std::collections::BTreeMap;
+
+use super::compare::{Aim, WIDEST_HALF_WIDTH, compare};
+use super::joint::judge_grid;
+use super::next::next_case;
+use super::selection::{Cases, Selection};
+use super::{Constant, Decision, Expect, IntervalParts, Prediction, Variable, Verdict};
+use crate::fit::{
+    Correction, Direction, Interval, OrderInterval, Point, Sample, constant_under, joint_fits,
+    order_interval, samples,
+};
+use crate::record::{CaseRecord, Key};
+
+/// To see an order q = 2 within 0.1 under an order 1, the other term must stay below this
+/// share: a local slope is the error-weighted mean of the orders present.
+const LARGEST_OTHER_SHARE: f64 = 0.053;
+
+/// What the data say about a prediction, before it is a verdict.
+pub(super) struct Finding {
+    pub(super) orders: Option<(f64, Interval)>,
+    pub(super) orders_k: Option<(f64, Interval)>,
+    pub(super) parts: Option<IntervalParts>,
+    pub(super) constants: BTreeMap<&'static str, Constant>,
+    pub(super) decision: Decision,
+    pub(super) reason: String,
+}
+
+impl Finding {
+    pub(super) fn without_order(decision: Decision, reason: String) -> Self {
+        let constants = BTreeMap::new();
+        Self {
+            orders: None,
+            orders_k: None,
+            parts: None,
+            constants,
+            decision,
+            reason,
+        }
+    }
+}
+
+/// Judges one prediction for one scene. Every expected case has to be there, converged, and
+/// with a finite error: else the verdict is `fail`, and says which is not.
+pub fn judge(
+    scene: &str,
+    records: &[CaseRecord],
+    expected_cases: &[Key],
+    prediction: &Prediction,
+    expect: Expect,
+) -> Verdict {
+    let cases = Cases::new(scene, records, expected_cases);
+    let selection = cases.select(prediction);
+    let complete = selection.gaps.is_empty();
+    let finding = match prediction.variable {
+        _ if !complete => Finding::without_order(Decision::Fail, gaps_in_words(&selection.gaps)),
+        Variable::H => judge_line(&cases, &selection, prediction, Direction::Space),
+        Variable::K => judge_line(&cases, &selection, prediction, Direction::Time),
+        Variable::Joint => judge_grid(&selection, prediction),
+    };
+    let ends = |orders: Option<(f64, Interval)>| orders.map(|(_, interval)| pair(interval));
+    Verdict {
+        scene: scene.to_owned(),
+        norm: prediction.norm.clone(),
+        variable: prediction.variable,
+        predicted: prediction.order,
+        predicted_k: prediction
+            .order_k
+            .filter(|_| prediction.variable == Variable::Joint),
+        at_least: prediction.at_least,
+        why: prediction.why.clone(),
+        observed: finding.orders.map(|(order, _)| order),
+        observed_k: finding.orders_k.map(|(order, _)| order),
+        interval: ends(finding.orders),
+        interval_k: ends(finding.orders_k),
+        interval_parts: finding.parts,
+        points_used: selection.points_used(),
+        points_left_out: selection.points_left_out(),
+        constants: finding.constants,
+        decision: finding.decision,
+        reason: finding.reason,
+        complete,
+        expect,
+    }
+}
+
+/// Gaps that are named before the rest is counted.
+const NAMED_GAPS: usize = 3;
+
+fn gaps_in_words(gaps: &[String]) -> String {
+    let named = gaps
+        .iter()
+        .take(NAMED_GAPS)
+        .cloned()
+        .collect::<Vec<_>>()
+        .join("; ");
+    match gaps.len().saturating_sub(NAMED_GAPS) {
+        0 => named,
+        more => format!("{named}; and {more} more"),
+    }
+}
+
+fn judge_line(
+    cases: &Cases<'_>,
+    selection: &Selection,
+    prediction: &Prediction,
+    direction: Direction,
+) -> Finding {
+    let next = || next_case(selection, direction);
+    let fitted = samples(&selection.points(), direction).and_then(|samples| {
+        order_interval(&samples, correction(prediction, direction)).map(|found| (samples, found))
+    });
+    let (samples, found) = match fitted {
+        Ok(fitted) => fitted,
+        Err(error) => {
+            let reason = format!("{error}: {}", next());
+            return Finding::without_order(Decision::Unresolved, reason);
+        }
+    };
+    let order = prediction.order;
+    let (decision, mut reason) = decide(&found, prediction, &next());
+    if let Some(note) = other_term(&cases.points(&prediction.norm), selection, direction) {
+        reason = format!("{reason}; {note}");
+    }
+    Finding {
+        orders: Some((found.law.order, found.interval)),
+        orders_k: None,
+        parts: Some(IntervalParts {
+            student: pair(found.student),
+            windows: pair(found.windows),
+            drift: pair(found.drift),
+            curvature: found.curvature.map(pair),
+        }),
+        constants: constants(&samples, order, direction),
+        decision,
+        reason,
+    }
+}
+
+/// The decision on one order; where it is open, with the part of the interval that keeps it
+/// open and the next cases to run.
+fn decide(found: &OrderInterval, prediction: &Prediction, next: &str) -> (Decision, String) {
+    let Prediction {
+        order,
+        at_least,
+        exact,
+        ..
+    } = *prediction;
+    let (decision, sentence) = compare(
+        found.interval,
+        Aim {
+            order,
+            at_least,
+            exact,
+        },
+    );
+    if decision != Decision::Unresolved {
+        return (decision, sentence);
+    }
+    let wide = found.interval.half_width() > WIDEST_HALF_WIDTH;
+    let part = if wide {
+        format!(", from {}", found.widest_part())
+    } else {
+        String::new()
+    };
+    (decision, format!("{sentence}{part}: {next}"))
+}
+
+/// The trapezoidal rule on smooth data has even terms only, k² (1 + D k²): where order 2 is
+/// predicted in time. Space, and every other order in time, has the next power.
+fn correction(prediction: &Prediction, direction: Direction) -> Correction {
+    if direction == Direction::Time && prediction.order == 2.0 {
+        Correction::Quadratic
+    } else {
+        Correction::Linear
+    }
+}
+
+fn constants(
+    samples: &[Sample],
+    order: f64,
+    direction: Direction,
+) -> BTreeMap<&'static str, Constant> {
+    let name = match direction {
+        Direction::Space => "C_h",
+        Direction::Time => "C_k",
+    };
+    let fitted = constant_under(order, samples).map(|(value, interval)| {
+        (
+            name,
+            Constant {
+                value,
+                interval: pair(interval),
+                order,
+            },
+        )
+    });
+    fitted.into_iter().collect()
+}
+
+/// Says where the term of the other direction bends this line, if the grid can tell.
+fn other_term(grid: &[Point], selection: &Selection, direction: Direction) -> Option<String> {
+    let best = joint_fits(grid, false).ok()?.best;
+    let (index, name, cure) = match direction {
+        Direction::Space => (1, "time", "more steps"),
+        Direction::Time => (0, "space", "more cells n"),
+    };
+    let shares = selection.used.iter().map(|serving| {
+        (
+            best.weights(serving.point.h, serving.point.k)[index],
+            &serving.key,
+        )
+    });
+    let (share, key) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let percent = 100.0 * share;
+    (share > LARGEST_OTHER_SHARE).then(|| {
+        format!("the {name} term is {percent:.0} % of the error at {key}, which bends the slope: {cure} would tell")
+    })
+}
+
+pub(super) fn pair(interval: Interval) -> [f64; 2] {
+    [interval.lo, interval.hi]
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,231 @@
+//! What the theory predicts, compared with what was measured: pass, fail or unresolved.
+
+mod compare;
+mod document;
+mod joint;
+mod judge;
+mod next;
+mod selection;
+mod table;
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::record::{CaseRecord, Status};
+
+pub use compare::{Aim, compare};
+pub use document::{DocumentError, Failure, failures, read_failures, restore_reasons, write_json};
+pub use judge::judge;
+pub use selection::line_points;
+pub use table::{cell_texts, render_table};
+
+/// What is refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Variable {
+    /// The mesh, at the finest time step.
+    H,
+    /// The time step, on the finest mesh.
+    K,
+    /// Both: order p in h and q in k from the whole grid.
+    Joint,
+}
+
+impl Variable {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::H => "h",
+            Self::K => "k",
+            Self::Joint => "joint",
+        }
+    }
+}
+
+/// An order that the theory predicts for a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    /// Name of the norm.
+    pub norm: String,
+    /// What is refined.
+    pub variable: Variable,
+    /// Order in the variable; in h for [`Variable::Joint`].
+    pub order: f64,
+    /// Order in k, for [`Variable::Joint`] alone.
+    pub order_k: Option<f64>,
+    /// The theory gives a lower bound.
+    pub at_least: bool,
+    /// Higher orders refute the prediction as well.
+    pub exact: bool,
+    /// The theorem that predicts it.
+    pub why: String,
+    /// First and last n to be judged.
+    pub window_n: Option<[u32; 2]>,
+    /// First and last number of steps to be judged.
+    pub window_steps: Option<[u32; 2]>,
+}
+
+/// What a comparison says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Decision {
+    /// The prediction lies in a narrow interval.
+    Pass,
+    /// The measurement refutes the prediction, or is not there.
+    Fail,
+    /// The data do not decide.
+    Unresolved,
+}
+
+impl Decision {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "fail",
+            Self::Unresolved => "unresolved",
+        }
+    }
+}
+
+/// The verdict a scene is built to get.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Expect {
+    /// The theory holds here.
+    #[default]
+    Pass,
+    /// The theory does not hold here, and a gate must show it.
+    Fail,
+    /// The cases cannot decide, and a gate must say so.
+    Unresolved,
+}
+
+impl Expect {
+    /// The decision that is expected.
+    pub fn decision(self) -> Decision {
+        match self {
+            Self::Pass => Decision::Pass,
+            Self::Fail => Decision::Fail,
+            Self::Unresolved => Decision::Unresolved,
+        }
+    }
+}
+
+/// A point that served.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PointUsed {
+    /// Mesh size.
+    pub h: f64,
+    /// Time step.
+    pub k: f64,
+    /// Error.
+    pub error: f64,
+}
+
+/// A point that was left out.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PointLeftOut {
+    /// Mesh size.
+    pub h: f64,
+    /// Time step.
+    pub k: f64,
+    /// Error.
+    pub error: f64,
+    /// Why.
+    pub reason: String,
+}
+
+/// Constant of an error term under its predicted order.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Constant {
+    /// The constant.
+    pub value: f64,
+    /// Its interval.
+    pub interval: [f64; 2],
+    /// The order it belongs to.
+    pub order: f64,
+}
+
+/// The parts of an interval, see [`crate::fit::OrderInterval`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct IntervalParts {
+    /// (a) Student interval of the logarithmic fit.
+    pub student: [f64; 2],
+    /// (b) Spread over windows.
+    pub windows: [f64; 2],
+    /// (c) Last local slope and its last change.
+    pub drift: [f64; 2],
+    /// (d) Student interval with the next term of the expansion.
+    pub curvature: Option<[f64; 2]>,
+}
+
+/// One prediction judged; serialised it is an entry of `verdict.json`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the norm.
+    pub norm: String,
+    /// What is refined.
+    pub variable: Variable,
+    /// Predicted order, in h if joint.
+    pub predicted: f64,
+    /// Predicted order in k, if joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted_k: Option<f64>,
+    /// The prediction is a lower bound.
+    pub at_least: bool,
+    /// The theorem that predicts it.
+    pub why: String,
+    /// Fitted order, in h if joint.
+    pub observed: Option<f64>,
+    /// Fitted order in k, if joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub observed_k: Option<f64>,
+    /// Interval of the order, in h if joint.
+    pub interval: Option<[f64; 2]>,
+    /// Interval of the order in k, if joint.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_k: Option<[f64; 2]>,
+    /// What the interval is the hull of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_parts: Option<IntervalParts>,
+    /// The points that served.
+    pub points_used: Vec<PointUsed>,
+    /// The points that did not.
+    pub points_left_out: Vec<PointLeftOut>,
+    /// `C_h` and `C_k`, as far as they were fitted.
+    pub constants: BTreeMap<&'static str, Constant>,
+    /// The decision.
+    #[serde(rename = "verdict")]
+    pub decision: Decision,
+    /// Why, in one sentence.
+    pub reason: String,
+    /// Every expected case is there, converged, with a finite error. Without, the verdict is
+    /// `fail` and meets no expectation.
+    pub complete: bool,
+    /// The verdict that the scene is built to get.
+    pub expect: Expect,
+}
+
+impl Verdict {
+    /// Whether the scene got the verdict it is built to get. A scene that must fail has to fail
+    /// by its order: a case that is missing does not count.
+    pub fn as_expected(&self) -> bool {
+        self.complete && self.decision == self.expect.decision()
+    }
+}
+
+/// 0 if all verdicts are as expected, 1 if one is not, 2 if a solver gave up on a case.
+pub fn exit_code(records: &[CaseRecord], verdicts: &[Verdict]) -> u8 {
+    if records
+        .iter()
+        .any(|record| matches!(record.status, Status::Failed { .. }))
+    {
+        2
+    } else {
+        u8::from(!verdicts.iter().all(Verdict::as_expected))
+    }
+}

@@ -1,0 +1,95 @@
+//! The next cases to run, where the present ones do not decide.
+
+use super::selection::{Selection, Serving};
+use crate::fit::Direction;
+
+/// What to run to resolve an order in one direction.
+pub(super) fn next_case(selection: &Selection, direction: Direction) -> String {
+    let name = match direction {
+        Direction::Space => "n",
+        Direction::Time => "steps",
+    };
+    let lost = finest_is_below_floor(selection, direction);
+    let levels = levels(selection.used.iter(), direction);
+    match (&levels[..], lost) {
+        ([], true) => "lower the floor: a tighter solver tolerance".to_owned(),
+        ([], false) => format!("run three values of {name}"),
+        ([first, ..], true) => match coarser(first.0, levels.get(1).map(|level| level.0)) {
+            Some(level) => format!("run {name} = {level}: finer ones are below floor"),
+            None => "lower the floor: a tighter solver tolerance".to_owned(),
+        },
+        ([.., previous, last], false) => format!("run {name} = {}", finer(*previous, *last)),
+        ([only], false) => {
+            format!(
+                "run {name} = {} and {name} = {}",
+                twice(only.0),
+                twice(twice(only.0))
+            )
+        }
+    }
+}
+
+/// The levels n or N of the cases with their steps, from coarse to fine.
+fn levels<'a>(
+    servings: impl Iterator<Item = &'a Serving>,
+    direction: Direction,
+) -> Vec<(u32, f64)> {
+    let level = |serving: &Serving| match direction {
+        Direction::Space => serving.key.n,
+        Direction::Time => Some(serving.key.steps),
+    };
+    let mut levels: Vec<(u32, f64)> = servings
+        .filter_map(|serving| Some((level(serving)?, direction.step(&serving.point))))
+        .collect();
+    levels.sort_by_key(|level| level.0);
+    levels.dedup_by_key(|level| level.0);
+    levels
+}
+
+fn finest_is_below_floor(selection: &Selection, direction: Direction) -> bool {
+    let lost = selection
+        .left_out
+        .iter()
+        .filter(|(_, reason)| reason.starts_with("below floor"));
+    let finest_lost = levels(lost.map(|(serving, _)| serving), direction).pop();
+    let finest_used = levels(selection.used.iter(), direction).pop();
+    finest_lost.is_some_and(|lost| finest_used.is_none_or(|used| lost.0 > used.0))
+}
+
+fn twice(level: u32) -> u32 {
+    level.saturating_mul(2)
+}
+
+/// The next level in the ratio of the last two; one more where the levels count refinements,
+/// which shows in steps that do not fall like 1/n.
+fn finer(previous: (u32, f64), last: (u32, f64)) -> u32 {
+    let ratio = f64::from(last.0) / f64::from(previous.0.max(1));
+    // Largest steps of graded grids follow 1/N within a few percent only.
+    let counts_cells = (previous.1 / last.1 / ratio - 1.0).abs() < 0.1 || previous.1.is_nan();
+    if previous.0 == 0 || !counts_cells && last.0 == previous.0 + 1 {
+        return last.0.saturating_add(1);
+    }
+    ((f64::from(last.0) * ratio).round() as u32).max(last.0.saturating_add(1))
+}
+
+fn coarser(first: u32, second: Option<u32>) -> Option<u32> {
+    let ratio = second.map_or(2.0, |second| f64::from(second) / f64::from(first.max(1)));
+    let level = (f64::from(first) / ratio).round() as u32;
+    (1..first).contains(&level).then_some(level)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_continue_as_they_went() {
+        assert_eq!(finer((64, 1.0 / 64.0), (128, 1.0 / 128.0)), 256);
+        assert_eq!(finer((8, 1.0 / 8.0), (12, 1.0 / 12.0)), 18);
+        assert_eq!(finer((2, 0.25), (3, 0.125)), 4);
+        assert_eq!(finer((0, 1.0), (1, 0.5)), 2);
+        assert_eq!(finer((10, f64::NAN), (20, f64::NAN)), 40);
+        assert_eq!(coarser(8, Some(16)), Some(4));
+        assert_eq!(coarser(1, Some(2)), None);
+    }
+}
