@@ -4,30 +4,25 @@
 //! lines. The integral over Ω is cut where a guard changes sign along x, the integral over time
 //! where a guard changes sign at an end of Ω. Pieces take Gauss-Legendre rules.
 
-use std::sync::Mutex;
-
+use super::running_integral::RunningIntegral;
+use super::sign_changes::sign_changes;
 use crate::formula::{Graph, Node, Program, Variable};
 use crate::space::quadrature::gauss_legendre;
 
-/// Panels of the horizon; the value at t does not depend on which other times were asked for.
-const PANELS: usize = 16;
-/// Gauss points a piece of a time panel; with smooth pieces of T/16 the error is below 1e-14.
-const TIME_POINTS: usize = 8;
 /// Gauss points a piece in x and y. A quarter of the domain with 14 points resolves sin(4πx)
 /// squared to rounding.
 const SPACE_POINTS: usize = 14;
 /// Pieces of the domain in x and in y before cuts at guards.
 const SPACE_PIECES: usize = 3;
-/// Intervals in which sign changes of guards are looked for.
+/// Intervals of the domain, and of a panel in time, in which guards are watched.
 const WATCHES: usize = 48;
+const TIME_WATCHES: usize = 8;
 
 /// ζ(t) by quadrature.
 pub struct AccumulatedStrain {
     /// [ε], upper components; `None` where nothing depends on ζ.
     integrand: Option<Integrand>,
-    horizon: f64,
-    /// ζ at panel ends, grown on demand.
-    panels: Mutex<Vec<f64>>,
+    integral: RunningIntegral,
 }
 
 struct Integrand {
@@ -67,22 +62,21 @@ impl AccumulatedStrain {
                 size,
             }
         });
-        Self { integrand, horizon, panels: Mutex::new(vec![0.0]) }
+        Self { integrand, integral: RunningIntegral::new(horizon) }
     }
 
     /// ζ(t); NaN if it was declared as not needed.
     pub fn at(&self, t: f64) -> f64 {
         let Some(integrand) = &self.integrand else { return f64::NAN };
-        let width = self.horizon / PANELS as f64;
-        let panel = ((t / width) as usize).min(PANELS - 1);
-        let mut ends = self.panels.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        while ends.len() <= panel {
-            let p = ends.len();
-            let piece = integrand.over_time(width * (p - 1) as f64, width * p as f64);
-            let value = ends[p - 1] + piece;
-            ends.push(value);
+        let value: Result<f64, std::convert::Infallible> = self.integral.at(
+            t,
+            |from, to| integrand.events(from, to),
+            |s| Ok(integrand.norm(s)),
+        );
+        match value {
+            Ok(value) => value,
+            Err(never) => match never {},
         }
-        ends[panel] + integrand.over_time(width * panel as f64, t)
     }
 
     /// ‖ε(u(t))‖; NaN if it was declared as not needed.
@@ -92,26 +86,24 @@ impl AccumulatedStrain {
 }
 
 impl Integrand {
-    fn over_time(&self, from: f64, to: f64) -> f64 {
-        if to <= from {
-            return 0.0;
-        }
-        let mut cuts = vec![from, to];
-        for x in [0.0, self.size[0]] {
-            let along = |s: f64, out: &mut Vec<f64>| self.guards_at(&[[x, 0.0, 0.0]], s, out);
-            cuts.extend(sign_changes(from, to, 8, self.guard_count, along));
-        }
-        cuts.sort_by(f64::total_cmp);
-        cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * (to - from));
-        let rule = gauss_legendre(TIME_POINTS);
-        let mut sum = 0.0;
-        for pair in cuts.windows(2) {
-            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-            for (x, w) in &rule {
-                sum += half * w * self.norm(middle + half * x);
+    /// Times in (from, to) at which a guard changes sign at an end of the domain.
+    fn events(&self, from: f64, to: f64) -> Vec<f64> {
+        let ends = [[0.0, 0.0, 0.0], [self.size[0], 0.0, 0.0]];
+        let mut events = sign_changes(from, to, TIME_WATCHES, |times| {
+            let mut bound = self.guards.bind(&ends);
+            let mut values = vec![Vec::new(); self.guard_count];
+            let mut rows = vec![Vec::with_capacity(times.len()); 2 * self.guard_count];
+            for &t in times {
+                bound.evaluate(t, 0.0, &mut values);
+                for (g, value) in values.iter().enumerate() {
+                    rows[2 * g].push(value[0]);
+                    rows[2 * g + 1].push(value[1]);
+                }
             }
-        }
-        sum
+            rows
+        });
+        events.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * (to - from));
+        events
     }
 
     /// ‖ε(u(t))‖_ℋ.
@@ -142,19 +134,16 @@ impl Integrand {
         let width = self.size[0];
         let mut cuts = uniform_cuts(width);
         for time in [t, 0.0] {
-            let along = |x: f64, out: &mut Vec<f64>| self.guards_at(&[[x, 0.0, 0.0]], time, out);
-            cuts.extend(sign_changes(0.0, width, WATCHES, self.guard_count, along));
+            cuts.extend(sign_changes(0.0, width, WATCHES, |places| {
+                let points: Vec<[f64; 3]> = places.iter().map(|&x| [x, 0.0, 0.0]).collect();
+                let mut values = vec![Vec::new(); self.guard_count];
+                self.guards.bind(&points).evaluate(time, 0.0, &mut values);
+                values
+            }));
         }
         cuts.sort_by(f64::total_cmp);
         cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * width);
         cuts
-    }
-
-    fn guards_at(&self, points: &[[f64; 3]], t: f64, out: &mut Vec<f64>) {
-        let mut values = vec![Vec::new(); self.guard_count];
-        self.guards.bind(points).evaluate(t, 0.0, &mut values);
-        out.clear();
-        out.extend(values.iter().map(|v| v[0]));
     }
 }
 
@@ -171,51 +160,4 @@ fn pieces(cuts: &[f64]) -> Vec<(f64, f64)> {
         out.extend(rule.iter().map(|(x, w)| (middle + half * x, half * w)));
     }
     out
-}
-
-/// Places in (from, to) where one of `count` functions changes sign, by bisection to rounding.
-pub fn sign_changes(
-    from: f64,
-    to: f64,
-    watches: usize,
-    count: usize,
-    values: impl Fn(f64, &mut Vec<f64>),
-) -> Vec<f64> {
-    if count == 0 {
-        return Vec::new();
-    }
-    let (mut before, mut after) = (Vec::new(), Vec::new());
-    let mut roots = Vec::new();
-    let place = |i: usize| from + (to - from) * i as f64 / watches as f64;
-    values(from, &mut before);
-    for i in 1..=watches {
-        values(place(i), &mut after);
-        for g in 0..count {
-            if (before[g] < 0.0) != (after[g] < 0.0) {
-                roots.push(bisect(place(i - 1), place(i), before[g] < 0.0, |s| {
-                    let mut at = Vec::new();
-                    values(s, &mut at);
-                    at[g]
-                }));
-            }
-        }
-        std::mem::swap(&mut before, &mut after);
-    }
-    roots
-}
-
-fn bisect(mut low: f64, mut high: f64, negative: bool, value: impl Fn(f64) -> f64) -> f64 {
-    // 52 halvings exhaust the digits of an f64.
-    for _ in 0..52 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if (value(middle) < 0.0) == negative {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    0.5 * (low + high)
 }

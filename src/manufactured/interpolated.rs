@@ -4,19 +4,17 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::accumulated::sign_changes;
 use super::constitutive::{self, Tensor};
 use super::exact::Exact;
 use super::on_mesh::{ByTime, Truth};
+use super::running_integral::RunningIntegral;
+use super::sign_changes::sign_changes;
 use crate::contact::{Discretization, LoadError, stress_force};
 use crate::formula::{Bound, Node, Point, Program};
 use crate::norms::{FACET_SAMPLES, Moments, facet_sample, is_locked};
-use crate::space::quadrature::gauss_legendre;
 
-/// Panels of the horizon in the integral of ‖ε(I_h u)‖.
-const PANELS: usize = 32;
-/// Gauss points a smooth piece of a panel.
-const TIME_POINTS: usize = 8;
+/// Intervals of the horizon in which guards are watched.
+const WATCHES: usize = 64;
 
 /// [u_ν, ξ + λ, g, …] at points of the trace with one normal.
 struct SidePoints {
@@ -35,8 +33,8 @@ pub struct InterpolatedOnMesh {
     boundary: Vec<SidePoints>,
     /// Times in [0, T] at which a guard changes sign at some vertex, sorted.
     events: Vec<f64>,
-    /// ζ at panel ends.
-    panels: Mutex<Vec<f64>>,
+    /// ζ.
+    accumulated: RunningIntegral,
     loads: ByTime<Vec<f64>>,
     moments: ByTime<Moments>,
 }
@@ -65,7 +63,7 @@ impl InterpolatedOnMesh {
             has_memory,
             boundary,
             events,
-            panels: Mutex::new(vec![0.0]),
+            accumulated: RunningIntegral::new(horizon),
             loads: ByTime::default(),
             moments: ByTime::default(),
             exact,
@@ -126,34 +124,12 @@ impl InterpolatedOnMesh {
         Ok(sum.sqrt())
     }
 
-    /// ∫ ‖ε(I_h u(s))‖ ds, cut at the events.
-    fn over_time(&self, from: f64, to: f64) -> Result<f64, LoadError> {
-        let mut cuts = vec![from];
-        cuts.extend(self.events.iter().copied().filter(|&s| s > from && s < to));
-        cuts.push(to);
-        let rule = gauss_legendre(TIME_POINTS);
-        let mut sum = 0.0;
-        for pair in cuts.windows(2).filter(|pair| pair[1] > pair[0]) {
-            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-            for (x, w) in &rule {
-                sum += half * w * self.strain_norm(middle + half * x)?;
-            }
-        }
-        Ok(sum)
-    }
-
-    /// ζ(t) of the interpolant.
-    pub fn zeta(&self, t: f64) -> Result<f64, LoadError> {
-        let width = self.exact.data.horizon / PANELS as f64;
-        let panel = ((t / width) as usize).min(PANELS - 1);
-        let mut ends = self.panels.lock().unwrap_or_else(PoisonError::into_inner);
-        while ends.len() <= panel {
-            let p = ends.len();
-            let value =
-                ends[p - 1] + self.over_time(width * (p - 1) as f64, width * p as f64)?;
-            ends.push(value);
-        }
-        Ok(ends[panel] + self.over_time(width * panel as f64, t)?)
+    /// ζ(t) = ∫ ‖ε(I_h u(s))‖ ds of the interpolant, cut at the events.
+    fn zeta(&self, t: f64) -> Result<f64, LoadError> {
+        let events = |from: f64, to: f64| {
+            self.events.iter().copied().filter(|&s| s > from && s < to).collect()
+        };
+        self.accumulated.at(t, events, |s| self.strain_norm(s))
     }
 
     fn kappa(&self, t: f64) -> Result<f64, LoadError> {
@@ -270,16 +246,18 @@ fn events(program: &Program, count: usize, points: &[[f64; 3]], horizon: f64) ->
     let mut distinct: Vec<[f64; 3]> = points.to_vec();
     distinct.sort_by(|a, b| a[0].total_cmp(&b[0]));
     distinct.dedup_by(|a, b| a[0] == b[0]);
-    let mut events = Vec::new();
-    for point in &distinct {
-        events.extend(sign_changes(0.0, horizon, 2 * PANELS, count, |s, out| {
-            let mut values = vec![Vec::new(); count];
-            program.bind(&[*point]).evaluate(s, 0.0, &mut values);
-            out.clear();
-            out.extend(values.iter().map(|v| v[0]));
-        }));
-    }
-    events.sort_by(f64::total_cmp);
+    let mut events = sign_changes(0.0, horizon, WATCHES, |times| {
+        let mut bound = program.bind(&distinct);
+        let mut values = vec![Vec::new(); count];
+        let mut rows = vec![Vec::with_capacity(times.len()); count * distinct.len()];
+        for &t in times {
+            bound.evaluate(t, 0.0, &mut values);
+            for (row, value) in rows.iter_mut().zip(values.iter().flatten()) {
+                row.push(*value);
+            }
+        }
+        rows
+    });
     events.dedup();
     events
 }

@@ -9,6 +9,8 @@ pub mod constitutive;
 mod exact;
 mod interpolated;
 mod on_mesh;
+mod running_integral;
+mod sign_changes;
 mod symbolic;
 
 pub use accumulated::AccumulatedStrain;

@@ -8,6 +8,7 @@
 use super::{Finding, SideOfRectangle, Status, times};
 use crate::formula::{Graph, Node, Program, Scope, Variable};
 use crate::manufactured::constitutive::stress;
+use crate::manufactured::sign_changes::sign_changes;
 use crate::manufactured::{Exact, symbolic::AXES, symbolic::components};
 use crate::space::quadrature::gauss_legendre;
 
@@ -319,18 +320,12 @@ fn guard_lines(exact: &Exact, t: f64) -> Vec<f64> {
     let width = exact.data.size[0];
     let mut lines = Vec::new();
     for time in [t, 0.0] {
-        lines.extend(crate::manufactured::accumulated::sign_changes(
-            0.0,
-            width,
-            64,
-            guards.len(),
-            |x, out| {
-                let mut values = vec![Vec::new(); guards.len()];
-                program.bind(&[[x, 0.0, 0.0]]).evaluate(time, 0.0, &mut values);
-                out.clear();
-                out.extend(values.iter().map(|v| v[0]));
-            },
-        ));
+        lines.extend(sign_changes(0.0, width, 64, |places| {
+            let points: Vec<[f64; 3]> = places.iter().map(|&x| [x, 0.0, 0.0]).collect();
+            let mut values = vec![Vec::new(); guards.len()];
+            program.bind(&points).evaluate(time, 0.0, &mut values);
+            values
+        }));
     }
     lines.sort_by(f64::total_cmp);
     lines.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * width);
