@@ -105,14 +105,14 @@ impl<'a> Reading<'a> {
             return Ok(None);
         };
         match values[..] {
-            [first, last] if first < last => Ok(Some([
+            [first, last] if first <= last => Ok(Some([
                 self.count(&format!("{key}.0"), first)?,
                 self.count(&format!("{key}.1"), last)?,
             ])),
             _ => Err(self.error(
                 key,
                 format!("{values:?} is not a window"),
-                "a window is [from, to] with from < to, as in [32, 128]",
+                "a window is [from, to] with from <= to, as in [32, 128]",
             )),
         }
     }
