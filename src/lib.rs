@@ -1,20 +1,75 @@
+//! Gronwall verifies error estimates of history-dependent variational-hemivariational inequalities.
+//!
+//! # The problem
+//! Find u(t) ∈ U with, for all v ∈ U = {v ∈ V : v_ν ≤ g on Γ3},
+//!
+//! ```text
+//! σ = 𝒜ε(u) + μ(ε(u) - P_{M(κ(ζ))} ε(u)) + ∫_0^t ℬ(t-s) ε(u(s)) ds,  ζ(t) = ∫_0^t ‖ε(u(s))‖ ds   (5.1)
+//! (σ, ε(v-u)) + ∫_{Γ3} j_ν⁰(u_ν; v_ν-u_ν) ≥ F(v-u)
+//! ```
+//!
+//! a viscoelastic body in frictionless contact with a nonmonotone layer over a rigid one. P1 elements
+//! in space and the trapezoidal rule in time give errors of order h + k² (5.26). Equation numbers are
+//! those of W. Xu, Z. Huang, W. Han, W. Chen, C. Wang, J. Comput. Appl. Math. (2019),
+//! doi 10.1016/j.cam.2018.08.046.
+//!
+//! # Notation
+//! | symbol | name here | shape | unit |
+//! |---|---|---|---|
+//! | u_n^{kh} | `u` | d numbers a node, free nodes first | length |
+//! | ε(u) | `strain` | d(d+1)/2 numbers a cell, Mandel ([`tensor`]) | 1 |
+//! | σ | `stress` | like ε | stress |
+//! | 𝒜, ℬ₀ | [`law::Isotropic`] | two Lamé numbers | stress |
+//! | b(t) | [`law::MemoryKernel`] | ℝ₊ → ℝ | 1/time |
+//! | μ, κ(ζ) | [`law::VonMises`], [`law::YieldLimit`] | | stress, strain |
+//! | ζ | `zeta` ([`history::Accumulated`]) | one number a time | time |
+//! | ∂j_ν, α_ν | [`law::Potential`] | interval a vertex of Γ3 | pressure, pressure/length |
+//! | g | `gap` | a number a vertex of Γ3, ∞ without | length |
+//! | ξ, λ | `compliance`, `multiplier` | a number a vertex of Γ3 | pressure |
+//! | h = 1/n, k = T/N | `n`, `steps` | | length, time |
+//!
+//! # The house
+//! Each module imports only those above it in this list; `tests/house.rs` enforces it.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`tensor`] | symmetric tensors in Mandel notation |
+//! | [`record`] | what one case produced; the waist between computing and judging |
+//! | [`linalg`] | sparse matrices on node blocks, Cholesky factorization, GMRES |
+//! | [`mesh`] | simplex meshes and their sides |
+//! | [`space`] | P1 geometry, node numbering, quadrature |
+//! | [`law`] | elasticity, projection, memory kernels, contact potentials |
+//! | [`history`] | time grids and rules, the sums Σ' over the past |
+//! | [`vhi`] | one time level of Problem 9: constraint graphs, semismooth Newton |
+//! | [`contact`] | Problem 14: assembly, contact trace, march in time, KKT residual |
+//! | [`formula`] | formulas: parsing, exact derivatives, blocked evaluation |
+//! | [`norms`] | errors against moments of the truth, reference runs |
+//! | [`manufactured`] | exact fields and loads from formulas, and their verification |
+//! | [`scene`] | scene files, as written and as validated |
+//! | [`setup`] | a scene made computable; constants and hypotheses |
+//! | [`solution`] | named quantities and VTU files of a case |
+//! | [`fit`], [`verdict`] | orders with intervals; predictions judged |
+//! | [`report`] | pictures, page, JUnit |
+//! | [`sweep`] | cases, threads, records, resume |
+//! | [`cli`] | the commands |
+
+pub mod cli;
 pub mod contact;
+pub mod fit;
+pub mod formula;
 pub mod history;
 pub mod law;
 pub mod linalg;
-pub mod mesh;
-pub mod space;
-pub mod tensor;
-pub mod vhi;
-pub mod formula;
 pub mod manufactured;
+pub mod mesh;
 pub mod norms;
-pub mod scene;
-pub mod setup;
-pub mod fit;
 pub mod record;
 pub mod report;
-pub mod verdict;
-pub mod sweep;
-pub mod cli;
+pub mod scene;
+pub mod setup;
 pub mod solution;
+pub mod space;
+pub mod sweep;
+pub mod tensor;
+pub mod verdict;
+pub mod vhi;

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, print_json, print_text};
-use crate::fit::{Correction, Direction, OrderInterval, Point, local_slopes, order_interval, samples};
+use crate::fit::{
+    Correction, Direction, OrderInterval, Point, local_slopes, order_interval, samples,
+};
 use crate::verdict::{Aim, Decision, compare};
 
 /// `sweep fit`: JSON keys with --json: one object a direction with variable, local_slopes, observed,
@@ -42,8 +44,9 @@ impl Fit {
                 Direction::Time if predicted == Some(2.0) => Correction::Quadratic,
                 _ => Correction::Linear,
             };
-            let fitted = samples(&line, direction)
-                .and_then(|s| order_interval(&s, correction).map(|found| (local_slopes(&s), found)));
+            let fitted = samples(&line, direction).and_then(|s| {
+                order_interval(&s, correction).map(|found| (local_slopes(&s), found))
+            });
             let (decision, reason) = match (&fitted, predicted) {
                 (Ok((_, found)), Some(order)) => {
                     let aim = Aim { order, at_least: false, exact: false };
@@ -141,7 +144,8 @@ fn read(path: &std::path::Path) -> Result<Vec<Point>, CliError> {
         let record = record.map_err(|error| fail(error.to_string()))?;
         let line = record.position().map_or(0, csv::Position::line);
         let number = |at: Option<usize>, absent: f64| -> Result<f64, CliError> {
-            let Some(text) = at.and_then(|at| record.get(at)).filter(|text| !text.is_empty()) else {
+            let Some(text) = at.and_then(|at| record.get(at)).filter(|text| !text.is_empty())
+            else {
                 return Ok(absent);
             };
             text.parse().map_err(|_| fail(format!("line {line}: `{text}` is not a number")))

@@ -25,7 +25,8 @@ impl List {
             print_text(&format!("{:<16} {}", scene.name, scene.question));
             print_text(&format!("{:<16} terms: {}; {}", "", terms(scene).join(", "), truth(scene)));
             let orders = predictions(scene);
-            let orders = if orders.is_empty() { "nothing judged".into() } else { orders.join("; ") };
+            let orders =
+                if orders.is_empty() { "nothing judged".into() } else { orders.join("; ") };
             print_text(&format!("{:<16} {orders}", ""));
         }
         Ok(0)

@@ -27,7 +27,13 @@ const COULD_NOT_JUDGE: u8 = 2;
 #[command(name = "sweep", version, about, long_about = None)]
 struct Arguments {
     /// Folder of the scenes.
-    #[arg(long = "scenes", id = "folder", value_name = "FOLDER", global = true, default_value = "manufactured")]
+    #[arg(
+        long = "scenes",
+        id = "folder",
+        value_name = "FOLDER",
+        global = true,
+        default_value = "manufactured"
+    )]
     scenes: PathBuf,
     #[command(subcommand)]
     command: Option<Command>,

@@ -26,7 +26,8 @@ impl Display {
     /// A bar if stderr is a terminal.
     pub fn new() -> Self {
         let bar = std::io::stderr().is_terminal().then(|| {
-            let style = ProgressStyle::with_template("{bar:24} {pos}/{len} cases, {eta} left  {msg}");
+            let style =
+                ProgressStyle::with_template("{bar:24} {pos}/{len} cases, {eta} left  {msg}");
             ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         Self { bar, state: Mutex::default() }
@@ -80,9 +81,8 @@ impl Progress for Display {
                 }
             }
             None => {
-                let seconds = record.map_or(String::new(), |record| {
-                    format!(" {:.2} s", record.seconds_total)
-                });
+                let seconds = record
+                    .map_or(String::new(), |record| format!(" {:.2} s", record.seconds_total));
                 let outcome = failure.map_or("done".into(), |reason| format!("failed: {reason}"));
                 eprintln!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total);
             }

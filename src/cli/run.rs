@@ -8,9 +8,7 @@ use super::{CliError, Scenes, print_json, print_text};
 use crate::record::CaseRecord;
 use crate::report::{SceneSummary, write_all, write_junit};
 use crate::setup::Setup;
-use crate::sweep::{
-    Overrides, Provenance, ScenePlan, judge_scene, run_sweep, scene_summary,
-};
+use crate::sweep::{Overrides, Provenance, ScenePlan, judge_scene, run_sweep, scene_summary};
 use crate::verdict::{Verdict, exit_code, failures, render_table};
 
 /// The default directory of reports.
@@ -159,7 +157,9 @@ impl What {
         }
         if plans.is_empty() {
             let folder = scenes.folder.display();
-            return Err(CliError::Other(format!("no scene to run in {folder}: name one, or add --all")));
+            return Err(CliError::Other(format!(
+                "no scene to run in {folder}: name one, or add --all"
+            )));
         }
         Ok(plans)
     }

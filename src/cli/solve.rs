@@ -53,10 +53,10 @@ impl Solve {
             &mut TruthLoad(&*data.truth),
             &Newton::default(),
             &mut |view| {
-                if let Some(series) = &mut series {
-                    if let Err(error) = series.write(&data.space, &setup.model, view) {
-                        write_error.get_or_insert(error);
-                    }
+                let outcome =
+                    series.as_mut().map(|series| series.write(&data.space, &setup.model, view));
+                if let Some(Err(error)) = outcome {
+                    write_error.get_or_insert(error);
                 }
                 if view.n == self.steps as usize {
                     last = Some(FinalState::new(&data.space, &setup.model, view));
@@ -64,7 +64,9 @@ impl Solve {
                 Ok(())
             },
         )
-        .map_err(|error| other(format!("{} n = {} steps = {}: {error}", setup.scene.name, self.n, self.steps)))?;
+        .map_err(|error| {
+            other(format!("{} n = {} steps = {}: {error}", setup.scene.name, self.n, self.steps))
+        })?;
         let seconds = start.elapsed().as_secs_f64();
         if let Some(error) = write_error {
             return Err(other(error));

@@ -1,10 +1,10 @@
 //! The KKT residual of the discrete form of (5.14), evaluated apart from the solver: from strains,
 //! laws and multipliers only, without tangents, active sets or stored matrices.
 
-use super::{BoundaryRule, Discretization, Model};
 use super::assembly::stress_force;
 use super::compliance::facet_rule;
 use super::march::StepView;
+use super::{BoundaryRule, Discretization, Model};
 use crate::law::Projection;
 use crate::space::strain_of;
 
@@ -33,7 +33,12 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
     let mut balance = vec![0.0; space.nodes.len()];
     for c in 0..space.mesh.cell_count() {
         let stress = view.stress::<P, S>(space, model, c).map(|s| s * space.geometry.measure[c]);
-        stress_force::<D, S>(space.geometry.gradients(c), space.cell_nodes(c), &stress, &mut balance);
+        stress_force::<D, S>(
+            space.geometry.gradients(c),
+            space.cell_nodes(c),
+            &stress,
+            &mut balance,
+        );
     }
     let mut scale = largest(&balance).max(largest(load));
     add_contact_forces(space, model, view, &mut balance);

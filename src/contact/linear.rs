@@ -108,14 +108,13 @@ impl Response {
         work.seconds_assemble += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
-        space
-            .analysis
-            .factorize(&space.pattern, &stiffness, &mut factor, &mut workspace)
-            .map_err(|source| CaseError::Step {
+        space.analysis.factorize(&space.pattern, &stiffness, &mut factor, &mut workspace).map_err(
+            |source| CaseError::Step {
                 n: 0,
                 t: 0.0,
                 source: StepError::Factor { iteration: 0, source },
-            })?;
+            },
+        )?;
         work.factorizations += 1;
         work.seconds_factor += start.elapsed().as_secs_f64();
         let start = Instant::now();
@@ -189,8 +188,7 @@ impl Response {
 pub fn strain_norm(space: &Discretization, v: &[f64]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, v: &[f64]) -> f64 {
         let cell = |c| {
-            let strain =
-                strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), v);
+            let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), v);
             space.geometry.measure[c] * contract(&strain, &strain)
         };
         (0..space.mesh.cell_count()).map(cell).sum()

@@ -4,14 +4,33 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LoadError {
     /// A formula gave no finite number.
-    #[error("{what} is {value} at ({x}, {y}), t = {t}: the formula must be finite on the domain and its time interval")]
-    NotFinite { what: String, value: f64, x: f64, y: f64, t: f64 },
+    #[error(
+        "{what} is {value} at ({x}, {y}), t = {t}: the formula must be finite on the domain and its time interval"
+    )]
+    NotFinite {
+        /// The quantity.
+        what: String,
+        /// Its value.
+        value: f64,
+        /// The place.
+        x: f64,
+        /// The place.
+        y: f64,
+        /// The time.
+        t: f64,
+    },
     /// Errors were asked for where nothing is known to be true.
     #[error("no exact solution and no reference run to measure against at t = {t}")]
-    NoTruth { t: f64 },
+    NoTruth {
+        /// The time.
+        t: f64,
+    },
     /// The reference run does not cover the mesh or the time.
     #[error("{reason}")]
-    Reference { reason: String },
+    Reference {
+        /// What is missing.
+        reason: String,
+    },
 }
 
 /// The load of a scene on one mesh.

@@ -38,13 +38,31 @@ pub type Observer<'a> = dyn FnMut(&StepView<'_>) -> Result<(), CaseError> + 'a;
 pub enum CaseError {
     /// A step failed.
     #[error("step {n} (t = {t}): {source}")]
-    Step { n: usize, t: f64, source: StepError },
+    Step {
+        /// n.
+        n: usize,
+        /// t_n.
+        t: f64,
+        /// What the solver said.
+        source: StepError,
+    },
     /// A load failed.
     #[error(transparent)]
     Load(#[from] LoadError),
     /// The separate evaluation of the KKT system disagrees with the solver.
-    #[error("step {n} (t = {t}): KKT residual {residual:.3e} by separate evaluation exceeds {allowed:.1e}")]
-    Kkt { n: usize, t: f64, residual: f64, allowed: f64 },
+    #[error(
+        "step {n} (t = {t}): KKT residual {residual:.3e} by separate evaluation exceeds {allowed:.1e}"
+    )]
+    Kkt {
+        /// n.
+        n: usize,
+        /// t_n.
+        t: f64,
+        /// The relative residual.
+        residual: f64,
+        /// What is allowed.
+        allowed: f64,
+    },
 }
 
 /// What one case took.
@@ -234,12 +252,7 @@ impl<'a, P: Projection> March<'a, P> {
         self.info
     }
 
-    fn show(
-        &mut self,
-        n: usize,
-        t: f64,
-        observe: &mut Observer<'_>,
-    ) -> Result<(), CaseError> {
+    fn show(&mut self, n: usize, t: f64, observe: &mut Observer<'_>) -> Result<(), CaseError> {
         self.nodal[..self.state.u.len()].copy_from_slice(&self.state.u);
         self.split_pressures();
         let zeta = self.problem.zeta();

@@ -18,7 +18,7 @@ pub use floor::{Floors, strain_distance};
 pub use kkt::kkt_residual;
 pub use linear::strain_norm;
 pub use load::{Load, LoadError};
-pub use march::{CaseError, CaseInfo, Observer, StepView, march};
+pub use march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, march};
 pub use model::{Boundary, BoundaryRule, MemoryTerm, Model};
 pub use problem::ContactProblem;
 pub use trace::{ContactTrace, TracePoint, facet_measure};

@@ -106,8 +106,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             .filter(|boundary| !boundary.potential.is_absent())
             .map(|boundary| GaussCompliance::new(space, boundary));
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
-        let couplings =
-            if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
+        let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
         let needs_strains = model.projection.limit().is_some();
         let tensor = if space.mesh.dimension == 2 { 3 } else { 6 };
         Self {
@@ -489,11 +488,7 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
     }
 
-    fn linearize(
-        &mut self,
-        slopes: &[f64],
-        prescribed: &[Option<f64>],
-    ) -> Result<(), FactorError> {
+    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
         let flags = || prescribed.iter().map(Option::is_some);
         let constant = self.model.projection.limit().is_none() && self.gauss.is_none();
         // Without projection and Gauss compliance the tangent is known from weight, slopes, pins.

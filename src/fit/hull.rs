@@ -50,16 +50,10 @@ impl OrderInterval {
     /// Name of the part that reaches furthest from the order.
     pub fn widest_part(&self) -> &'static str {
         let curvature = self.curvature.map(|part| ("curvature", part));
-        let parts = [
-            ("scatter", self.student),
-            ("windows", self.windows),
-            ("drift", self.drift),
-        ];
+        let parts = [("scatter", self.student), ("windows", self.windows), ("drift", self.drift)];
         let reach = |part: Interval| (part.hi - self.law.order).max(self.law.order - part.lo);
-        let widest = parts
-            .into_iter()
-            .chain(curvature)
-            .max_by(|a, b| reach(a.1).total_cmp(&reach(b.1)));
+        let widest =
+            parts.into_iter().chain(curvature).max_by(|a, b| reach(a.1).total_cmp(&reach(b.1)));
         widest.map_or("scatter", |(name, _)| name)
     }
 }
@@ -72,10 +66,7 @@ pub fn order_interval(
     samples: &[Sample],
     correction: Correction,
 ) -> Result<OrderInterval, FitError> {
-    let too_few = FitError::TooFew {
-        found: samples.len(),
-        needed: WINDOW,
-    };
+    let too_few = FitError::TooFew { found: samples.len(), needed: WINDOW };
     let slopes = local_slopes(samples);
     let [.., previous, last] = slopes[..] else {
         return Err(too_few);
@@ -91,18 +82,8 @@ pub fn order_interval(
     let hull = student.hull(windows).hull(drift);
     let hull = curvature.map_or(hull, |part| hull.hull(part));
     let rounding = ROUNDING * law.order.abs().max(1.0);
-    let interval = Interval {
-        lo: hull.lo - rounding,
-        hi: hull.hi + rounding,
-    };
-    Ok(OrderInterval {
-        law,
-        interval,
-        student,
-        windows,
-        drift,
-        curvature,
-    })
+    let interval = Interval { lo: hull.lo - rounding, hi: hull.hi + rounding };
+    Ok(OrderInterval { law, interval, student, windows, drift, curvature })
 }
 
 /// Slopes over every contiguous window of at least three points.

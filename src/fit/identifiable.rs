@@ -32,17 +32,11 @@ pub struct NotIdentifiable {
 
 impl NotIdentifiable {
     fn new(reason: impl Into<String>, suggestion: impl Into<String>) -> Self {
-        Self {
-            reason: reason.into(),
-            suggestion: suggestion.into(),
-        }
+        Self { reason: reason.into(), suggestion: suggestion.into() }
     }
 
     pub(super) fn no_minimum() -> Self {
-        Self::new(
-            "the fit of two power laws finds no minimum",
-            "run one more level of h and of k",
-        )
+        Self::new("the fit of two power laws finds no minimum", "run one more level of h and of k")
     }
 }
 
@@ -84,17 +78,11 @@ fn check_levels(points: &[Point], parameters: usize, needed: usize) -> Result<()
 /// Share of each term, and condition of the fit.
 pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIdentifiable> {
     let largest = |term: usize| {
-        points
-            .iter()
-            .map(|point| fit.weights(point.h, point.k)[term])
-            .fold(0.0, f64::max)
+        points.iter().map(|point| fit.weights(point.h, point.k)[term]).fold(0.0, f64::max)
     };
     let hints = [
         ("space", "run fewer cells n, or more steps"),
-        (
-            "time",
-            "run fewer steps, or more cells n, or judge k on V_time_max",
-        ),
+        ("time", "run fewer steps, or more cells n, or judge k on V_time_max"),
     ];
     for (term, (name, suggestion)) in hints.into_iter().enumerate() {
         let share = largest(term);
@@ -109,19 +97,13 @@ pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIde
         return Ok(());
     }
     let reason = format!("the condition of the fit is {:.0e}", fit.condition);
-    Err(NotIdentifiable::new(
-        reason,
-        "run one more level of h and of k",
-    ))
+    Err(NotIdentifiable::new(reason, "run one more level of h and of k"))
 }
 
 /// The grids without the coarsest h, and without the coarsest k.
 pub(super) fn clipped(points: &[Point]) -> [Vec<Point>; 2] {
     [Direction::Space, Direction::Time].map(|direction| {
-        let coarsest = levels(points, direction)
-            .first()
-            .copied()
-            .unwrap_or(f64::INFINITY);
+        let coarsest = levels(points, direction).first().copied().unwrap_or(f64::INFINITY);
         let finer = |point: &&Point| direction.step(point) < coarsest * (1.0 - SAME_LEVEL);
         points.iter().filter(finer).copied().collect()
     })

@@ -12,28 +12,19 @@ pub struct Interval {
 impl Interval {
     /// `[centre - radius, centre + radius]`.
     pub fn around(centre: f64, radius: f64) -> Self {
-        Self {
-            lo: centre - radius,
-            hi: centre + radius,
-        }
+        Self { lo: centre - radius, hi: centre + radius }
     }
 
     /// The smallest interval that holds all values; none if there is no value.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let points = values.into_iter().map(|value| Self {
-            lo: value,
-            hi: value,
-        });
+        let points = values.into_iter().map(|value| Self { lo: value, hi: value });
         points.reduce(Self::hull)
     }
 
     /// The smallest interval that holds both.
     #[must_use]
     pub fn hull(self, other: Self) -> Self {
-        Self {
-            lo: self.lo.min(other.lo),
-            hi: self.hi.max(other.hi),
-        }
+        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
     }
 
     /// Half of its length.
@@ -49,10 +40,7 @@ impl Interval {
     /// The image under the increasing function exp.
     #[must_use]
     pub fn exp(self) -> Self {
-        Self {
-            lo: self.lo.exp(),
-            hi: self.hi.exp(),
-        }
+        Self { lo: self.lo.exp(), hi: self.hi.exp() }
     }
 }
 

@@ -8,14 +8,8 @@ use super::model::{Extra, LogTable};
 use super::{FitError, Interval, Model, NotIdentifiable, Point, screen, student_quantile};
 
 /// Orders to start from; each pair is tried and the best minimum kept.
-const STARTS: [(f64, f64); 6] = [
-    (1.0, 2.0),
-    (1.0, 1.0),
-    (0.5, 2.0),
-    (2.0, 2.0),
-    (2.0, 1.0),
-    (0.5, 1.0),
-];
+const STARTS: [(f64, f64); 6] =
+    [(1.0, 2.0), (1.0, 1.0), (0.5, 2.0), (2.0, 2.0), (2.0, 1.0), (0.5, 1.0)];
 
 /// A model whose residual is at most so many times that of the better one is not refuted by
 /// it: the ratio 4 of their squares is below the 95 % quantile of F up to 6 and 6 degrees.
@@ -66,8 +60,7 @@ impl JointFit {
     fn combined(&self, h: f64, k: f64) -> (f64, [f64; 3]) {
         let space = self.constant_h.ln() + self.order_h.value * h.ln();
         let time = self.constant_k.ln() + self.order_k.value * k.ln();
-        self.model
-            .combine([space, time, self.floor.map_or(f64::NEG_INFINITY, f64::ln)])
+        self.model.combine([space, time, self.floor.map_or(f64::NEG_INFINITY, f64::ln)])
     }
 }
 
@@ -89,10 +82,7 @@ pub struct JointFits {
 /// [`NotIdentifiable`] if the points do not determine both orders.
 pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotIdentifiable> {
     let usable = usable(points);
-    let extra = Extra {
-        floor: with_floor,
-        bends: false,
-    };
+    let extra = Extra { floor: with_floor, bends: false };
     check_grid(&usable, extra.parameters())?;
     let mut fits: Vec<JointFit> = [Model::Sum, Model::RootSumSquare]
         .into_iter()
@@ -103,10 +93,7 @@ pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotId
     let best = fits.next().ok_or_else(NotIdentifiable::no_minimum)?;
     let other = fits.next();
     check_terms(&best, &usable)?;
-    Ok(JointFits {
-        best: widened(best, other.as_ref(), &usable),
-        other,
-    })
+    Ok(JointFits { best: widened(best, other.as_ref(), &usable), other })
 }
 
 /// The constants C_h and C_k under given orders (p, q), each with its 95 % Student interval.
@@ -120,23 +107,14 @@ pub fn fit_constants(
 ) -> Result<[Estimate; 2], FitError> {
     let usable = usable(points);
     let found = usable.len();
-    let freedom = found
-        .checked_sub(3)
-        .ok_or(FitError::TooFew { found, needed: 3 })?
-        + 1;
+    let freedom = found.checked_sub(3).ok_or(FitError::TooFew { found, needed: 3 })? + 1;
     let table = LogTable::new(&usable);
     let start = DVector::from_element(2, half_level(&table));
     let singular = FitError::Singular { points: found };
     let minimum = minimise(start, |x| {
         let full = DVector::from_vec(vec![x[0], x[1], orders.0, orders.1]);
-        let (residuals, jacobian) = table.residuals(
-            model,
-            Extra {
-                floor: false,
-                bends: false,
-            },
-            &full,
-        );
+        let (residuals, jacobian) =
+            table.residuals(model, Extra { floor: false, bends: false }, &full);
         (residuals, jacobian.columns(0, 2).into_owned())
     })
     .ok_or(singular)?;
@@ -145,10 +123,7 @@ pub fn fit_constants(
     let constant = |i: usize, order: f64| {
         let log = minimum.x[i] - order * table.centre[i];
         let interval = Interval::around(log, quantile * deviations[i]).exp();
-        Estimate {
-            value: log.exp(),
-            interval,
-        }
+        Estimate { value: log.exp(), interval }
     };
     Ok([constant(0, orders.0), constant(1, orders.1)])
 }
@@ -168,11 +143,7 @@ fn half_level(table: &LogTable) -> f64 {
 fn fit_model(points: &[Point], model: Model, extra: Extra) -> Option<JointFit> {
     let table = LogTable::new(points);
     let level = half_level(&table);
-    let lowest = table
-        .rows
-        .iter()
-        .map(|row| row.error)
-        .fold(f64::INFINITY, f64::min);
+    let lowest = table.rows.iter().map(|row| row.error).fold(f64::INFINITY, f64::min);
     let minimum = STARTS
         .into_iter()
         .filter_map(|(p, q)| {
@@ -208,10 +179,7 @@ fn deviations(minimum: &Minimum, freedom: usize) -> Option<DVector<f64>> {
     let variance = minimum.residuals.norm_squared() / freedom as f64;
     let inverse = minimum.jacobian.tr_mul(&minimum.jacobian).try_inverse()?;
     let squares = inverse.diagonal() * variance;
-    squares
-        .iter()
-        .all(|x| x.is_finite() && *x >= 0.0)
-        .then(|| squares.map(f64::sqrt))
+    squares.iter().all(|x| x.is_finite() && *x >= 0.0).then(|| squares.map(f64::sqrt))
 }
 
 fn condition(jacobian: &DMatrix<f64>) -> f64 {
@@ -230,21 +198,13 @@ fn condition(jacobian: &DMatrix<f64>) -> f64 {
 /// The fit with its intervals widened by the choice of grid and of model.
 fn widened(mut fit: JointFit, other: Option<&JointFit>, points: &[Point]) -> JointFit {
     let full = fit.clone();
-    let extra = Extra {
-        floor: full.floor.is_some(),
-        bends: false,
-    };
-    let clips = clipped(points)
-        .into_iter()
-        .filter(|clip| check_grid(clip, 4).is_ok());
+    let extra = Extra { floor: full.floor.is_some(), bends: false };
+    let clips = clipped(points).into_iter().filter(|clip| check_grid(clip, 4).is_ok());
     for clip in clips.filter_map(|clip| fit_model(&clip, full.model, extra)) {
         widen(&mut fit.order_h, drift(full.order_h, clip.order_h));
         widen(&mut fit.order_k, drift(full.order_k, clip.order_k));
     }
-    let bent = Extra {
-        bends: true,
-        ..extra
-    };
+    let bent = Extra { bends: true, ..extra };
     if check_bends(points, bent.parameters()).is_ok()
         && let Some(bent) = fit_model(points, full.model, bent)
     {
@@ -266,10 +226,7 @@ fn widen(order: &mut Estimate, part: Interval) {
 /// change that they make: for the terms after them. The half is set by simulation: without it
 /// the interval of p covers 77-95 % of grids with |D| ≤ 4, h from 1/8, with it 96-100 %.
 fn corrected(full: Estimate, bent: Estimate) -> Interval {
-    bent.interval.hull(Interval::around(
-        bent.value,
-        0.5 * (bent.value - full.value).abs(),
-    ))
+    bent.interval.hull(Interval::around(bent.value, 0.5 * (bent.value - full.value).abs()))
 }
 
 /// The order of the clipped grid ± 2 |its change by clipping|.

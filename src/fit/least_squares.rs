@@ -34,29 +34,19 @@ pub fn linear_fit(design: DMatrix<f64>, values: &DVector<f64>) -> Option<LinearF
         return None;
     }
     let (q, r) = design.clone().qr().unpack();
-    let inverse = r
-        .try_inverse()
-        .filter(|inverse| inverse.iter().all(|x| x.is_finite()))?;
+    let inverse = r.try_inverse().filter(|inverse| inverse.iter().all(|x| x.is_finite()))?;
     let coefficients = &inverse * q.transpose() * values;
     let residuals = values - design * &coefficients;
     let degrees_of_freedom = rows - columns;
     let variance = residuals.norm_squared() / degrees_of_freedom.max(1) as f64;
-    let standard_errors = DVector::from_fn(columns, |i, _| {
-        (variance * inverse.row(i).norm_squared()).sqrt()
-    });
-    Some(LinearFit {
-        coefficients,
-        residuals,
-        standard_errors,
-        degrees_of_freedom,
-    })
+    let standard_errors =
+        DVector::from_fn(columns, |i, _| (variance * inverse.row(i).norm_squared()).sqrt());
+    Some(LinearFit { coefficients, residuals, standard_errors, degrees_of_freedom })
 }
 
 /// The 97.5 % quantile of Student's t: ± it bounds a two-sided 95 % interval.
 pub fn student_quantile(degrees_of_freedom: usize) -> Option<f64> {
-    StudentsT::new(0.0, 1.0, degrees_of_freedom as f64)
-        .ok()
-        .map(|t| t.inverse_cdf(0.975))
+    StudentsT::new(0.0, 1.0, degrees_of_freedom as f64).ok().map(|t| t.inverse_cdf(0.975))
 }
 
 #[cfg(test)]
@@ -65,11 +55,8 @@ mod tests {
 
     #[test]
     fn quantiles_of_the_tables() {
-        for (degrees, quantile) in [
-            (1, 12.706204736432),
-            (2, 4.302652729696),
-            (30, 2.042272456301),
-        ] {
+        for (degrees, quantile) in [(1, 12.706204736432), (2, 4.302652729696), (30, 2.042272456301)]
+        {
             // The quantile of statrs is good to 9 digits.
             assert!((student_quantile(degrees).unwrap() - quantile).abs() < 1e-9 * quantile);
         }

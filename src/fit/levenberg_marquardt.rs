@@ -44,11 +44,7 @@ pub(super) fn minimise(
             damping *= 2.0;
         }
         if small || damping > LARGEST_DAMPING {
-            return Some(Minimum {
-                x,
-                residuals,
-                jacobian,
-            });
+            return Some(Minimum { x, residuals, jacobian });
         }
     }
     None
@@ -63,9 +59,7 @@ fn damped_step(
     for i in 0..normal.nrows() {
         normal[(i, i)] *= 1.0 + damping;
     }
-    normal
-        .cholesky()
-        .map(|factor| factor.solve(&-jacobian.tr_mul(residuals)))
+    normal.cholesky().map(|factor| factor.solve(&-jacobian.tr_mul(residuals)))
 }
 
 #[cfg(test)]
@@ -77,10 +71,7 @@ mod tests {
     fn rosenbrock_is_solved() {
         let minimum = minimise(DVector::from_vec(vec![-1.2, 1.0]), |x| {
             let residuals = DVector::from_vec(vec![10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]]);
-            (
-                residuals,
-                DMatrix::from_row_slice(2, 2, &[-20.0 * x[0], 10.0, -1.0, 0.0]),
-            )
+            (residuals, DMatrix::from_row_slice(2, 2, &[-20.0 * x[0], 10.0, -1.0, 0.0]))
         });
         // Zero residual: quadratic convergence to rounding.
         assert!((minimum.unwrap().x - DVector::from_vec(vec![1.0, 1.0])).norm() < 1e-8);

@@ -15,10 +15,8 @@ pub fn local_slopes(samples: &[Sample]) -> Vec<f64> {
 /// of the Student interval of the mean of log C (noise) with the last value times or over the
 /// square of its last change (drift). Needs two samples.
 pub fn constant_under(order: f64, samples: &[Sample]) -> Option<(f64, Interval)> {
-    let logs: Vec<f64> = samples
-        .iter()
-        .map(|sample| sample.error.ln() - order * sample.step.ln())
-        .collect();
+    let logs: Vec<f64> =
+        samples.iter().map(|sample| sample.error.ln() - order * sample.step.ln()).collect();
     let [.., previous, last] = logs[..] else {
         return None;
     };
@@ -35,13 +33,7 @@ mod tests {
     use super::*;
 
     fn law(steps: &[f64], error: impl Fn(f64) -> f64) -> Vec<Sample> {
-        steps
-            .iter()
-            .map(|&step| Sample {
-                step,
-                error: error(step),
-            })
-            .collect()
+        steps.iter().map(|&step| Sample { step, error: error(step) }).collect()
     }
 
     #[test]

@@ -87,10 +87,7 @@ impl LogTable {
             bends: [point.h / h, (point.k / k).powi(2)],
             error: point.error.ln(),
         };
-        Self {
-            rows: points.iter().map(row).collect(),
-            centre,
-        }
+        Self { rows: points.iter().map(row).collect(), centre }
     }
 
     /// Residuals log E − log e and their Jacobian in (log C_h, log C_k, p, q[, log F][, D_h,
@@ -104,31 +101,17 @@ impl LogTable {
         let mut residuals = DVector::zeros(self.rows.len());
         let mut jacobian = DMatrix::zeros(self.rows.len(), x.len());
         let bent = 4 + usize::from(extra.floor);
-        for (
-            i,
-            Row {
-                steps: [h, k],
-                bends: [bend_h, bend_k],
-                error,
-            },
-        ) in self.rows.iter().copied().enumerate()
+        for (i, Row { steps: [h, k], bends: [bend_h, bend_k], error }) in
+            self.rows.iter().copied().enumerate()
         {
             let floor = if extra.floor { x[4] } else { f64::NEG_INFINITY };
-            let [d_h, d_k] = if extra.bends {
-                [x[bent], x[bent + 1]]
-            } else {
-                [0.0; 2]
-            };
+            let [d_h, d_k] = if extra.bends { [x[bent], x[bent + 1]] } else { [0.0; 2] };
             let space = x[0] + x[2] * h + d_h * bend_h;
             let time = x[1] + x[3] * k + d_k * bend_k;
             let (log_error, [a, b, f]) = model.combine([space, time, floor]);
             residuals[i] = log_error - error;
             let floor = extra.floor.then_some(f);
-            let bends = if extra.bends {
-                vec![a * bend_h, b * bend_k]
-            } else {
-                Vec::new()
-            };
+            let bends = if extra.bends { vec![a * bend_h, b * bend_k] } else { Vec::new() };
             let columns = [a, b, a * h, b * k].into_iter().chain(floor).chain(bends);
             for (j, value) in columns.enumerate() {
                 jacobian[(i, j)] = value;
@@ -154,19 +137,11 @@ mod tests {
 
     #[test]
     fn the_jacobian_agrees_with_central_differences() {
-        let points =
-            [(0.5, 0.3, 1.0), (0.2, 0.1, 0.3), (0.1, 0.25, 0.2)].map(|(h, k, error)| Point {
-                h,
-                k,
-                error,
-                floor: 0.0,
-            });
+        let points = [(0.5, 0.3, 1.0), (0.2, 0.1, 0.3), (0.1, 0.25, 0.2)]
+            .map(|(h, k, error)| Point { h, k, error, floor: 0.0 });
         let table = LogTable::new(&points);
         let x = DVector::from_vec(vec![-1.0, -1.5, 1.2, 1.8, -3.0, 0.4, -0.7]);
-        let extra = Extra {
-            floor: true,
-            bends: true,
-        };
+        let extra = Extra { floor: true, bends: true };
         for model in [Model::Sum, Model::RootSumSquare] {
             let (_, jacobian) = table.residuals(model, extra, &x);
             for j in 0..extra.parameters() {

@@ -38,10 +38,7 @@ pub fn power_law(samples: &[Sample]) -> Result<PowerLaw, FitError> {
 /// # Errors
 /// [`FitError::TooFew`], [`FitError::Singular`].
 pub(super) fn corrected_interval(samples: &[Sample], power: i32) -> Result<Interval, FitError> {
-    let too_few = FitError::TooFew {
-        found: samples.len(),
-        needed: 4,
-    };
+    let too_few = FitError::TooFew { found: samples.len(), needed: 4 };
     let coarsest = samples.first().ok_or(too_few)?.step;
     // Scaled to 1 on the coarsest grid: a unit of D changes nothing else.
     let (fit, _) = fit_columns(samples, 3, |step| (step / coarsest).powi(power))?;
@@ -56,10 +53,7 @@ fn fit_columns(
 ) -> Result<(LinearFit, f64), FitError> {
     let found = samples.len();
     if found < columns {
-        return Err(FitError::TooFew {
-            found,
-            needed: columns,
-        });
+        return Err(FitError::TooFew { found, needed: columns });
     }
     let logs: Vec<f64> = samples.iter().map(|sample| sample.step.ln()).collect();
     let centre = logs.iter().sum::<f64>() / found as f64;
@@ -80,10 +74,7 @@ mod tests {
     #[test]
     fn an_exact_law_is_found() {
         let samples: Vec<Sample> = [0.5, 0.3, 0.1, 0.07]
-            .map(|step: f64| Sample {
-                step,
-                error: 7.0 * step.powf(1.5),
-            })
+            .map(|step: f64| Sample { step, error: 7.0 * step.powf(1.5) })
             .to_vec();
         let law = power_law(&samples).unwrap();
         // A dozen roundings of logarithms of size 5.

@@ -77,10 +77,7 @@ pub fn samples(points: &[Point], direction: Direction) -> Result<Vec<Sample>, Fi
     let mut samples: Vec<Sample> = points
         .iter()
         .filter(|point| screen(point).is_ok())
-        .map(|point| Sample {
-            step: direction.step(point),
-            error: point.error,
-        })
+        .map(|point| Sample { step: direction.step(point), error: point.error })
         .filter(|sample| sample.step.is_finite() && sample.step > 0.0)
         .collect();
     samples.sort_by(|a, b| b.step.total_cmp(&a.step));
@@ -95,22 +92,14 @@ mod tests {
     use super::*;
 
     fn point(error: f64, floor: f64) -> Point {
-        Point {
-            h: 0.5,
-            k: 0.5,
-            error,
-            floor,
-        }
+        Point { h: 0.5, k: 0.5, error, floor }
     }
 
     #[test]
     fn every_kind_of_bad_point_has_its_reason() {
         assert_eq!(screen(&point(1.0, 0.01)), Ok(()));
         assert_eq!(screen(&point(0.0, 0.0)), Err(Exclusion::Zero));
-        assert!(matches!(
-            screen(&point(0.2, 0.01)),
-            Err(Exclusion::BelowFloor { .. })
-        ));
+        assert!(matches!(screen(&point(0.2, 0.01)), Err(Exclusion::BelowFloor { .. })));
         for error in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0] {
             let reason = screen(&point(error, 0.0)).unwrap_err();
             assert!(reason.is_broken() && matches!(reason, Exclusion::NotAnError { .. }));
@@ -121,24 +110,11 @@ mod tests {
 
     #[test]
     fn samples_are_sorted_and_steps_distinct() {
-        let a = Point {
-            h: 0.25,
-            ..point(1.0, 0.0)
-        };
+        let a = Point { h: 0.25, ..point(1.0, 0.0) };
         let sorted = samples(&[a, point(2.0, 0.0)], Direction::Space).unwrap();
-        assert_eq!(
-            sorted[0],
-            Sample {
-                step: 0.5,
-                error: 2.0
-            }
-        );
+        assert_eq!(sorted[0], Sample { step: 0.5, error: 2.0 });
         assert!(samples(&[a, a], Direction::Space).is_err());
         let nowhere = Point { h: f64::NAN, ..a };
-        assert!(
-            samples(&[nowhere, nowhere], Direction::Space)
-                .unwrap()
-                .is_empty()
-        );
+        assert!(samples(&[nowhere, nowhere], Direction::Space).unwrap().is_empty());
     }
 }

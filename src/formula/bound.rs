@@ -37,11 +37,8 @@ impl Bound {
     pub(super) fn new(plan: Arc<Plan>, points: &[[f64; 3]]) -> Self {
         let (masks, pairs) = plan.stages();
         let stages = Stages::new(points, &masks, &pairs);
-        let mut slots: Vec<Vec<f64>> = plan
-            .masks
-            .iter()
-            .map(|&mask| vec![0.0; stages.count(mask)])
-            .collect();
+        let mut slots: Vec<Vec<f64>> =
+            plan.masks.iter().map(|&mask| vec![0.0; stages.count(mask)]).collect();
         for &(slot, axis) in &plan.coordinates {
             let first = stages.first_points(plan.masks[slot]);
             slots[slot] = first.iter().map(|&p| points[p as usize][axis]).collect();
@@ -124,12 +121,7 @@ impl Bound {
                 self.tuples.extend(0..count as u32);
                 self.times.clear();
                 self.times.resize(count, t);
-                let all = Surroundings {
-                    plan,
-                    stages: &self.stages,
-                    slots: &self.slots,
-                    zeta,
-                };
+                let all = Surroundings { plan, stages: &self.stages, slots: &self.slots, zeta };
                 let (below, rest) = self.pasts.split_at_mut(group);
                 rest[0].values(below, all, &self.tuples, &self.times, &mut self.values);
             }
@@ -144,34 +136,28 @@ impl Bound {
     fn run(&mut self, stage: &StageTape, t: f64, zeta: f64) {
         let slots = &mut self.slots;
         self.taken.clear();
-        self.taken.extend(
-            stage
-                .slots
-                .iter()
-                .map(|&slot| std::mem::take(&mut slots[slot])),
-        );
+        self.taken.extend(stage.slots.iter().map(|&slot| std::mem::take(&mut slots[slot])));
         let count = self.stages.count(stage.mask);
         for start in (0..count).step_by(BLOCK) {
             let lanes = start..count.min(start + BLOCK);
             let (slots, stages, masks) = (&self.slots, &self.stages, &self.plan.masks);
-            self.registers
-                .run(&stage.tape, lanes.len(), |source, out| match source {
-                    Source::Time => out.fill(t),
-                    Source::Zeta => out.fill(zeta),
-                    Source::Slot(slot) if masks[slot] == stage.mask => {
-                        out.copy_from_slice(&slots[slot][lanes.clone()]);
+            self.registers.run(&stage.tape, lanes.len(), |source, out| match source {
+                Source::Time => out.fill(t),
+                Source::Zeta => out.fill(zeta),
+                Source::Slot(slot) if masks[slot] == stage.mask => {
+                    out.copy_from_slice(&slots[slot][lanes.clone()]);
+                }
+                Source::Slot(slot) if masks[slot] == 0 => out.fill(slots[slot][0]),
+                Source::Slot(slot) => {
+                    let map = &stages.map(stage.mask, masks[slot])[lanes.clone()];
+                    let values = &slots[slot];
+                    for (out, &tuple) in out.iter_mut().zip(map) {
+                        *out = values[tuple as usize];
                     }
-                    Source::Slot(slot) if masks[slot] == 0 => out.fill(slots[slot][0]),
-                    Source::Slot(slot) => {
-                        let map = &stages.map(stage.mask, masks[slot])[lanes.clone()];
-                        let values = &slots[slot];
-                        for (out, &tuple) in out.iter_mut().zip(map) {
-                            *out = values[tuple as usize];
-                        }
-                    }
-                    // Integrals are read from slots here.
-                    Source::Recall(..) => out.fill(f64::NAN),
-                });
+                }
+                // Integrals are read from slots here.
+                Source::Recall(..) => out.fill(f64::NAN),
+            });
             for (values, &result) in self.taken.iter_mut().zip(&stage.tape.results) {
                 values[lanes.clone()].copy_from_slice(self.registers.lanes(result, lanes.len()));
             }
@@ -187,15 +173,8 @@ impl Plan {
     fn stages(&self) -> (Vec<u8>, Vec<(u8, u8)>) {
         let mut masks = self.masks.clone();
         let mut pairs = Vec::new();
-        let tapes = self
-            .fixed
-            .iter()
-            .chain(&self.moving)
-            .map(|s| (s.mask, &s.tape));
-        let inner = self
-            .histories
-            .iter()
-            .flat_map(|h| [(h.mask, &h.tape), (h.mask, &h.watch)]);
+        let tapes = self.fixed.iter().chain(&self.moving).map(|s| (s.mask, &s.tape));
+        let inner = self.histories.iter().flat_map(|h| [(h.mask, &h.tape), (h.mask, &h.watch)]);
         for (mask, tape) in tapes.chain(inner) {
             masks.push(mask);
             for source in tape.sources() {

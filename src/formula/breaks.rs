@@ -87,8 +87,7 @@ impl Breaks {
             }
         }
         let order = |s: f64, lane: usize| (s - lanes[lane].from).abs();
-        self.cuts
-            .sort_by(|a, b| (a.0.cmp(&b.0)).then(order(a.1, a.0).total_cmp(&order(b.1, b.0))));
+        self.cuts.sort_by(|a, b| (a.0.cmp(&b.0)).then(order(a.1, a.0).total_cmp(&order(b.1, b.0))));
         self.pieces.clear();
         let mut cuts = self.cuts.iter().peekable();
         for (k, lane) in lanes.iter().enumerate() {
@@ -96,20 +95,12 @@ impl Breaks {
             let mut from = lane.from;
             while let Some(&(_, cut)) = cuts.next_if(|(owner, _)| *owner == k) {
                 if (cut - from).abs() > apart && (lane.to - cut).abs() > apart {
-                    self.pieces.push(Piece {
-                        lane: k as u32,
-                        from,
-                        to: cut,
-                    });
+                    self.pieces.push(Piece { lane: k as u32, from, to: cut });
                     from = cut;
                 }
             }
             if from != lane.to {
-                self.pieces.push(Piece {
-                    lane: k as u32,
-                    from,
-                    to: lane.to,
-                });
+                self.pieces.push(Piece { lane: k as u32, from, to: lane.to });
             }
         }
     }
@@ -120,8 +111,7 @@ impl Breaks {
         for lane in lanes {
             for k in 0..WATCHES {
                 let part = k as f64 / WATCHES as f64;
-                self.sampler
-                    .push(lane.tuple, lane.from + (lane.to - lane.from) * part);
+                self.sampler.push(lane.tuple, lane.from + (lane.to - lane.from) * part);
             }
             self.sampler.push(lane.tuple, lane.to);
         }
@@ -174,9 +164,7 @@ impl Breaks {
         self.brackets.retain_mut(|bracket| {
             let mine = place..place + SECTIONS - 1;
             place = mine.end;
-            let signs = values[bracket.guard][mine.clone()]
-                .iter()
-                .map(|v| class(*v));
+            let signs = values[bracket.guard][mine.clone()].iter().map(|v| class(*v));
             bracket.section(&times[mine], signs);
             if !bracket.is_closed() {
                 return true;

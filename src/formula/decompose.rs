@@ -45,11 +45,7 @@ impl Graph {
                     }
                     _ => {
                         let moving = self.product_without(&product.moving, usize::MAX);
-                        terms.push(Term {
-                            number,
-                            still,
-                            moving,
-                        });
+                        terms.push(Term { number, still, moving });
                     }
                 }
             }
@@ -83,11 +79,7 @@ impl Graph {
     /// The factors of `f`, quotients and powers of products included.
     fn factors(&mut self, f: Node) -> Product {
         let one = self.constant(1.0);
-        let mut product = Product {
-            number: 1.0,
-            still: one,
-            moving: Vec::new(),
-        };
+        let mut product = Product { number: 1.0, still: one, moving: Vec::new() };
         let mut stack = vec![(f, false)];
         while let Some((node, below)) = stack.pop() {
             match self.op(node) {

@@ -13,9 +13,8 @@ impl Graph {
     pub fn derivative(&mut self, f: Node, v: Variable) -> Node {
         // Nodes without v have derivative zero and those below a finished
         // node are not needed.
-        let order = self.reachable(&[f], |n| {
-            self.depends_on(n, v) && !self.derivatives.contains_key(&(n, v))
-        });
+        let order = self
+            .reachable(&[f], |n| self.depends_on(n, v) && !self.derivatives.contains_key(&(n, v)));
         for node in order {
             if !self.derivatives.contains_key(&(node, v)) {
                 let slope = self.one_derivative(node, v);
@@ -154,11 +153,7 @@ impl Graph {
                 let rest = self.sub(one, square);
                 let root = self.sqrt(rest);
                 let slope = self.div(one, root);
-                if function == Function::Asin {
-                    slope
-                } else {
-                    self.neg(slope)
-                }
+                if function == Function::Asin { slope } else { self.neg(slope) }
             }
             Function::Atan => {
                 let square = self.powi(a, 2);

@@ -17,11 +17,7 @@ pub struct ParseError {
 impl ParseError {
     /// A fault without a hint.
     pub(super) fn new(span: Range<usize>, message: impl Into<String>) -> Self {
-        Self {
-            span,
-            message: message.into(),
-            hint: None,
-        }
+        Self { span, message: message.into(), hint: None }
     }
 
     /// The same fault with a hint.

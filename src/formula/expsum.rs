@@ -106,9 +106,7 @@ impl Graph {
 }
 
 fn product(f: &Exponentials, g: &Exponentials) -> Exponentials {
-    f.iter()
-        .flat_map(|(a, c)| g.iter().map(move |(b, d)| (a * b, c + d)))
-        .collect()
+    f.iter().flat_map(|(a, c)| g.iter().map(move |(b, d)| (a * b, c + d))).collect()
 }
 
 /// Equal rates merged, ascending; none if the sum is too long or not finite.

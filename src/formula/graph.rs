@@ -33,9 +33,7 @@ impl Variable {
 
     /// The variable with this name.
     pub fn named(name: &str) -> Option<Self> {
-        [Self::X, Self::Y, Self::Z, Self::T, Self::Zeta]
-            .into_iter()
-            .find(|v| v.name() == name)
+        [Self::X, Self::Y, Self::Z, Self::T, Self::Zeta].into_iter().find(|v| v.name() == name)
     }
 }
 
@@ -172,16 +170,14 @@ impl Graph {
         if let Some(&node) = self.known.get(&op) {
             return node;
         }
-        let mut dependence = op.operands().fold(Dependence::default(), |set, operand| {
-            set.union(self.dependence(operand))
-        });
+        let mut dependence = op
+            .operands()
+            .fold(Dependence::default(), |set, operand| set.union(self.dependence(operand)));
         match op {
             Op::Variable(v) => dependence = Dependence::of(v),
             Op::Relax(..) | Op::Convolve(..) => {
                 let time = Dependence::of(Variable::T);
-                dependence = dependence
-                    .union(time)
-                    .union(Dependence(Dependence::HISTORY));
+                dependence = dependence.union(time).union(Dependence(Dependence::HISTORY));
             }
             _ => {}
         }

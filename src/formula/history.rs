@@ -108,11 +108,7 @@ impl HistoryPlan {
                 plan.integrands.push(f);
                 plan.integrands.len() - 1
             });
-            plan.members.push(Member {
-                node,
-                kernel: place,
-                integrand,
-            });
+            plan.members.push(Member { node, kernel: place, integrand });
         }
         plan.guards = graph.guards(&plan.integrands);
         plan.guards.retain(|g| graph.depends_on(*g, Variable::T));
@@ -121,11 +117,7 @@ impl HistoryPlan {
     }
 
     fn panel_width(&self, horizon: f64) -> f64 {
-        let horizon = if horizon.is_finite() && horizon > 0.0 {
-            horizon
-        } else {
-            1.0
-        };
+        let horizon = if horizon.is_finite() && horizon > 0.0 { horizon } else { 1.0 };
         let width = horizon / PANELS;
         let rates = self.kernels.iter().map(|k| match k {
             Kernel::Exponential(c) => c.abs(),

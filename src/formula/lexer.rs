@@ -19,9 +19,7 @@ pub(super) enum Token<'a> {
 pub(super) type Spanned<'a> = (Token<'a>, Range<usize>);
 
 /// Longest first, so that `<=` is not read as `<`.
-const SYMBOLS: [&str; 13] = [
-    "<=", ">=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ",", "=",
-];
+const SYMBOLS: [&str; 13] = ["<=", ">=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ",", "="];
 
 /// The tokens of `text`, [`Token::End`] last.
 pub(super) fn tokens(text: &str) -> Result<Vec<Spanned<'_>>, ParseError> {
@@ -35,8 +33,7 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Spanned<'_>>, ParseError> {
         } else if first.is_ascii_digit() || first == '.' {
             number_length(rest)
         } else if first.is_alphabetic() || first == '_' {
-            rest.find(|c: char| !c.is_alphanumeric() && c != '_')
-                .unwrap_or(rest.len())
+            rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len())
         } else {
             0
         };
@@ -89,10 +86,8 @@ fn number_length(text: &str) -> usize {
 fn number(text: &str, span: Range<usize>) -> Result<f64, ParseError> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        Ok(_) => Err(
-            ParseError::new(span, format!("the number {text} is too large"))
-                .hinted("the largest number is about 1.8e308"),
-        ),
+        Ok(_) => Err(ParseError::new(span, format!("the number {text} is too large"))
+            .hinted("the largest number is about 1.8e308")),
         Err(_) => Err(ParseError::new(span, format!("`{text}` is not a number"))),
     }
 }

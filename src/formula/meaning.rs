@@ -32,14 +32,12 @@ impl Graph {
         match c {
             Condition::Less(a, b) => self.select_less(*a, *b, then, otherwise),
             Condition::Not(c) => self.select(c, otherwise, then),
-            Condition::All(list) => list
-                .iter()
-                .rev()
-                .fold(then, |inner, c| self.select(c, inner, otherwise)),
-            Condition::Any(list) => list
-                .iter()
-                .rev()
-                .fold(otherwise, |inner, c| self.select(c, then, inner)),
+            Condition::All(list) => {
+                list.iter().rev().fold(then, |inner, c| self.select(c, inner, otherwise))
+            }
+            Condition::Any(list) => {
+                list.iter().rev().fold(otherwise, |inner, c| self.select(c, then, inner))
+            }
         }
     }
 }
@@ -48,10 +46,8 @@ impl Graph {
 pub(super) fn number((meaning, span): Parsed) -> Result<Node, ParseError> {
     match meaning {
         Meaning::Number(node) => Ok(node),
-        Meaning::Condition(_) => Err(
-            ParseError::new(span, "a condition where a number is needed")
-                .hinted("conditions belong in `if(condition, a, b)`"),
-        ),
+        Meaning::Condition(_) => Err(ParseError::new(span, "a condition where a number is needed")
+            .hinted("conditions belong in `if(condition, a, b)`")),
     }
 }
 
@@ -59,9 +55,7 @@ pub(super) fn number((meaning, span): Parsed) -> Result<Node, ParseError> {
 pub(super) fn condition((meaning, span): Parsed) -> Result<Condition, ParseError> {
     match meaning {
         Meaning::Condition(condition) => Ok(condition),
-        Meaning::Number(_) => Err(
-            ParseError::new(span, "a number where a condition is needed")
-                .hinted("write a comparison, such as `x < 0.5`"),
-        ),
+        Meaning::Number(_) => Err(ParseError::new(span, "a number where a condition is needed")
+            .hinted("write a comparison, such as `x < 0.5`")),
     }
 }

@@ -3,10 +3,7 @@
 /// The nearest of the allowed names, and the list.
 pub(super) fn suggestion(name: &str, allowed: &[&str]) -> String {
     let list = format!("allowed: {}", allowed.join(", "));
-    let near = allowed
-        .iter()
-        .map(|other| (distance(name, other), other))
-        .min_by_key(|(d, _)| *d);
+    let near = allowed.iter().map(|other| (distance(name, other), other)).min_by_key(|(d, _)| *d);
     match near {
         Some((d, other)) if d <= 2 && d < name.chars().count() => {
             format!("did you mean `{other}`? {list}")

@@ -160,11 +160,7 @@ impl Parser<'_> {
             "max" | "min" => format!("{name}(a, b, ...)"),
             _ => format!("{name}(a)"),
         };
-        let least = if allowed.start() == allowed.end() {
-            ""
-        } else {
-            "at least "
-        };
+        let least = if allowed.start() == allowed.end() { "" } else { "at least " };
         let message = format!(
             "`{name}` takes {least}{} argument(s), not {}",
             allowed.start(),
@@ -199,15 +195,10 @@ impl Parser<'_> {
         let span = v.1.clone();
         let node = number(v)?;
         let variables = [Variable::X, Variable::Y, Variable::Z, Variable::T];
-        match variables
-            .into_iter()
-            .find(|v| self.graph.variable(*v) == node)
-        {
+        match variables.into_iter().find(|v| self.graph.variable(*v) == node) {
             Some(variable) => Ok(self.graph.derivative(f, variable)),
-            None => Err(
-                ParseError::new(span, "`d` differentiates with respect to a variable")
-                    .hinted("one of x, y, z, t"),
-            ),
+            None => Err(ParseError::new(span, "`d` differentiates with respect to a variable")
+                .hinted("one of x, y, z, t")),
         }
     }
 
@@ -225,10 +216,8 @@ impl Parser<'_> {
                 let f = number(f)?;
                 Ok(self.graph.relax(rate, f))
             }
-            _ => Err(
-                ParseError::new(bytes, "the rate of `relax` must be a finite constant")
-                    .hinted("relax(c, f) is the integral of exp(-c (t-s)) f(s) over 0 < s < t"),
-            ),
+            _ => Err(ParseError::new(bytes, "the rate of `relax` must be a finite constant")
+                .hinted("relax(c, f) is the integral of exp(-c (t-s)) f(s) over 0 < s < t")),
         }
     }
 

@@ -48,13 +48,7 @@ impl Graph {
             return Err(ParseError::new(0..text.len(), "the formula is empty"));
         }
         let tokens = tokens(text)?;
-        let mut parser = Parser {
-            graph: self,
-            scope,
-            tokens,
-            at: 0,
-            depth: 0,
-        };
+        let mut parser = Parser { graph: self, scope, tokens, at: 0, depth: 0 };
         let (meaning, span) = parser.expression(0)?;
         parser.end()?;
         number((meaning, span))
@@ -151,11 +145,7 @@ impl<'a> Parser<'a> {
                 let operand = self.nested(&span, |p| p.expression(binding::MINUS))?;
                 let whole = span.start..operand.1.end;
                 let value = number(operand)?;
-                let value = if sign == "-" {
-                    self.graph.neg(value)
-                } else {
-                    value
-                };
+                let value = if sign == "-" { self.graph.neg(value) } else { value };
                 Ok((Meaning::Number(value), whole))
             }
             Token::Name("not") => {

@@ -73,11 +73,7 @@ impl Past {
         lanes.clear();
         lanes.extend(tuples.iter().zip(times).map(|(&tuple, time)| {
             let to = finite(time);
-            Lane {
-                tuple,
-                from: plan.edge(plan.panel(to)),
-                to,
-            }
+            Lane { tuple, from: plan.edge(plan.panel(to)), to }
         }));
         out.clear();
         out.resize(lanes.len() * members, 0.0);
@@ -111,11 +107,7 @@ impl Past {
         while self.edges.len() <= last {
             let panel = self.edges.len() - 1;
             let (from, to) = (plan.edge(panel), plan.edge(panel + 1));
-            let lane = |tuple| Lane {
-                tuple: tuple as u32,
-                from,
-                to,
-            };
+            let lane = |tuple| Lane { tuple: tuple as u32, from, to };
             let lanes: Vec<Lane> = (0..self.tuples).map(lane).collect();
             let mut next = vec![0.0; lanes.len() * plan.members.len()];
             self.integrate(plan, below, all, &lanes, &mut next, Some(panel));
@@ -161,13 +153,7 @@ impl Past {
                 }
             }
             if whole.is_some() && plan.is_general() {
-                self.memory.keep(
-                    plan,
-                    whole,
-                    lanes,
-                    &self.breaks.pieces,
-                    &self.sampler.values,
-                );
+                self.memory.keep(plan, whole, lanes, &self.breaks.pieces, &self.sampler.values);
             }
         }
     }

@@ -59,9 +59,7 @@ impl Program {
         compiler.choose_slots(outputs);
         let (mut plan, slots) = compiler.plan(outputs);
         plan.histories = compile_histories(graph, histories, &slots);
-        Self {
-            plan: Arc::new(plan),
-        }
+        Self { plan: Arc::new(plan) }
     }
 
     /// Binds the program to points; fixed values are computed here.
@@ -82,12 +80,7 @@ struct Compiler<'a> {
 
 impl<'a> Compiler<'a> {
     fn new(graph: &'a Graph, histories: &'a [HistoryPlan]) -> Self {
-        Self {
-            graph,
-            histories,
-            slots: Slots::new(),
-            stored: Vec::new(),
-        }
+        Self { graph, histories, slots: Slots::new(), stored: Vec::new() }
     }
 
     fn store(&mut self, node: Node) {
@@ -139,15 +132,8 @@ impl<'a> Compiler<'a> {
     fn plan(self, outputs: &[Node]) -> (Plan, Slots) {
         let graph = self.graph;
         let mut plan = Plan {
-            masks: self
-                .stored
-                .iter()
-                .map(|&n| graph.dependence(n).space())
-                .collect(),
-            outputs: outputs
-                .iter()
-                .filter_map(|n| self.slots.get(n).copied())
-                .collect(),
+            masks: self.stored.iter().map(|&n| graph.dependence(n).space()).collect(),
+            outputs: outputs.iter().filter_map(|n| self.slots.get(n).copied()).collect(),
             ..Plan::default()
         };
         for (slot, &node) in self.stored.iter().enumerate() {
@@ -156,8 +142,7 @@ impl<'a> Compiler<'a> {
             }
             for (group, history) in self.histories.iter().enumerate() {
                 let member = history.members.iter().position(|m| m.node == node);
-                plan.recalled
-                    .extend(member.map(|member| (group, member, slot)));
+                plan.recalled.extend(member.map(|member| (group, member, slot)));
             }
         }
         plan.recalled.sort_unstable();
@@ -178,10 +163,7 @@ impl<'a> Compiler<'a> {
         };
         let given = |n: Node| {
             is_hereditary(graph, n)
-                || matches!(
-                    graph.op(n),
-                    Op::Variable(Variable::X | Variable::Y | Variable::Z)
-                )
+                || matches!(graph.op(n), Op::Variable(Variable::X | Variable::Y | Variable::Z))
         };
         let (slots, roots): (Vec<usize>, Vec<Node>) = (self.stored.iter().enumerate())
             .filter(|(_, n)| here(**n) && !given(**n))
@@ -213,8 +195,7 @@ fn compile_histories(
     for history in &mut histories {
         history.compile(graph, |n| {
             let slot = slots.get(&n).filter(|_| graph.dependence(n).is_static());
-            slot.map(|slot| Source::Slot(*slot))
-                .or(places.get(&n).copied())
+            slot.map(|slot| Source::Slot(*slot)).or(places.get(&n).copied())
         });
     }
     histories
@@ -226,8 +207,5 @@ pub(super) fn is_hereditary(graph: &Graph, n: Node) -> bool {
 
 /// Values every tape has at hand: numbers, t and zeta.
 fn is_immediate(graph: &Graph, n: Node) -> bool {
-    matches!(
-        graph.op(n),
-        Op::Constant(_) | Op::Variable(Variable::T | Variable::Zeta)
-    )
+    matches!(graph.op(n), Op::Constant(_) | Op::Variable(Variable::T | Variable::Zeta))
 }

@@ -19,10 +19,7 @@ impl Rule {
     /// weights 2 / ((1 - r^2) P_n'(r)^2), moved from (-1, 1) to (0, 1).
     fn legendre() -> Self {
         let n = ORDER as f64;
-        let mut rule = Self {
-            abscissae: [0.0; ORDER],
-            weights: [0.0; ORDER],
-        };
+        let mut rule = Self { abscissae: [0.0; ORDER], weights: [0.0; ORDER] };
         for k in 0..ORDER {
             let angle = std::f64::consts::PI * (ORDER as f64 - k as f64 - 0.25) / (n + 0.5);
             let mut r = angle.cos();
@@ -57,16 +54,9 @@ mod tests {
     #[test]
     fn rule_is_exact_to_degree_23() {
         for degree in 0..24 {
-            let sum: f64 = GAUSS
-                .abscissae
-                .iter()
-                .zip(&GAUSS.weights)
-                .map(|(u, w)| w * u.powi(degree))
-                .sum();
-            assert!(
-                (sum * f64::from(degree + 1) - 1.0).abs() < 1e-14,
-                "{degree}: {sum}"
-            );
+            let sum: f64 =
+                GAUSS.abscissae.iter().zip(&GAUSS.weights).map(|(u, w)| w * u.powi(degree)).sum();
+            assert!((sum * f64::from(degree + 1) - 1.0).abs() < 1e-14, "{degree}: {sum}");
         }
         let mut sum = 0.0;
         for (u, w) in GAUSS.abscissae.iter().zip(&GAUSS.weights) {

@@ -77,19 +77,18 @@ impl Sampler {
             self.recall(lanes.clone(), mask, below, all);
             let (tuples, times) = (&self.tuples[lanes.clone()], &self.times[lanes.clone()]);
             let recalled = &self.recalled;
-            self.registers
-                .run(tape, lanes.len(), |source, out| match source {
-                    Source::Time => out.copy_from_slice(times),
-                    Source::Zeta => out.fill(all.zeta),
-                    Source::Slot(slot) => all.gather(mask, slot, tuples, out),
-                    Source::Recall(group, member) => {
-                        let members = all.plan.histories[group].members.len();
-                        let values = recalled.iter().find(|(g, _)| *g == group);
-                        let values = values.map_or(&[][..], |(_, v)| v);
-                        let mine = values.iter().skip(member).step_by(members);
-                        out.iter_mut().zip(mine).for_each(|(out, v)| *out = *v);
-                    }
-                });
+            self.registers.run(tape, lanes.len(), |source, out| match source {
+                Source::Time => out.copy_from_slice(times),
+                Source::Zeta => out.fill(all.zeta),
+                Source::Slot(slot) => all.gather(mask, slot, tuples, out),
+                Source::Recall(group, member) => {
+                    let members = all.plan.histories[group].members.len();
+                    let values = recalled.iter().find(|(g, _)| *g == group);
+                    let values = values.map_or(&[][..], |(_, v)| v);
+                    let mine = values.iter().skip(member).step_by(members);
+                    out.iter_mut().zip(mine).for_each(|(out, v)| *out = *v);
+                }
+            });
             for (values, &result) in self.values.iter_mut().zip(&tape.results) {
                 values[lanes.clone()].copy_from_slice(self.registers.lanes(result, lanes.len()));
             }

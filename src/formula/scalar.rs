@@ -74,15 +74,10 @@ impl Graph {
 
 impl<'a> Scratch<'a> {
     fn new(graph: &'a Graph, roots: &[Node]) -> Self {
-        let order = graph.reachable(roots, |n| {
-            !matches!(graph.op(n), Op::Relax(..) | Op::Convolve(..))
-        });
+        let order =
+            graph.reachable(roots, |n| !matches!(graph.op(n), Op::Relax(..) | Op::Convolve(..)));
         let values = order.iter().map(|&n| (n, f64::NAN)).collect();
-        Self {
-            graph,
-            order,
-            values,
-        }
+        Self { graph, order, values }
     }
 
     fn value(&mut self, f: Node, at: &Point) -> f64 {
@@ -125,9 +120,7 @@ impl<'a> Scratch<'a> {
             }
             Op::Convolve(kernel, f) => {
                 let mut b = Scratch::new(self.graph, &[kernel]);
-                integral(self.graph, f, at, |lag| {
-                    b.value(kernel, &Point { t: lag, ..*at })
-                })
+                integral(self.graph, f, at, |lag| b.value(kernel, &Point { t: lag, ..*at }))
             }
         }
     }

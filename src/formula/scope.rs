@@ -18,10 +18,7 @@ impl Scope {
         let mut variables = variables.to_vec();
         variables.sort_unstable();
         variables.dedup();
-        Self {
-            variables,
-            names: BTreeMap::new(),
-        }
+        Self { variables, names: BTreeMap::new() }
     }
 
     /// Gives `name` the value `node`; a later definition replaces an earlier.

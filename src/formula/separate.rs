@@ -128,17 +128,9 @@ impl Graph {
         for (list, taken) in [(then, true), (otherwise, false)] {
             for (time, space) in list {
                 let factor = if in_time { time } else { space };
-                let (p, q) = if taken {
-                    (factor, zero)
-                } else {
-                    (zero, factor)
-                };
+                let (p, q) = if taken { (factor, zero) } else { (zero, factor) };
                 let factor = self.select_less(a, b, p, q);
-                sum.push(if in_time {
-                    (factor, space)
-                } else {
-                    (time, factor)
-                });
+                sum.push(if in_time { (factor, space) } else { (time, factor) });
             }
         }
         Some(sum)

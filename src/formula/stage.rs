@@ -31,10 +31,7 @@ impl Stages {
     /// Numbers the tuples of the sets in `masks`, and maps those in `pairs`
     /// from the first set to its subset, the second.
     pub(super) fn new(points: &[[f64; 3]], masks: &[u8], pairs: &[(u8, u8)]) -> Self {
-        let mut stages = Self {
-            tuples: Default::default(),
-            maps: Default::default(),
-        };
+        let mut stages = Self { tuples: Default::default(), maps: Default::default() };
         for &mask in masks {
             stages.tuples[mask as usize].get_or_insert_with(|| Tuples::new(points, mask));
         }
@@ -52,30 +49,22 @@ impl Stages {
 
     /// How many tuples the set has.
     pub(super) fn count(&self, mask: u8) -> usize {
-        self.tuples[mask as usize]
-            .as_ref()
-            .map_or(0, |t| t.first.len())
+        self.tuples[mask as usize].as_ref().map_or(0, |t| t.first.len())
     }
 
     /// The first point of each tuple.
     pub(super) fn first_points(&self, mask: u8) -> &[u32] {
-        self.tuples[mask as usize]
-            .as_ref()
-            .map_or(&[], |t| &t.first)
+        self.tuples[mask as usize].as_ref().map_or(&[], |t| &t.first)
     }
 
     /// The tuple of each point.
     pub(super) fn of_points(&self, mask: u8) -> &[u32] {
-        self.tuples[mask as usize]
-            .as_ref()
-            .map_or(&[], |t| &t.of_point)
+        self.tuples[mask as usize].as_ref().map_or(&[], |t| &t.of_point)
     }
 
     /// For each tuple of `mask` the tuple of its part `part`.
     pub(super) fn map(&self, mask: u8, part: u8) -> &[u32] {
-        self.maps[mask as usize][part as usize]
-            .as_deref()
-            .unwrap_or(&[])
+        self.maps[mask as usize][part as usize].as_deref().unwrap_or(&[])
     }
 }
 

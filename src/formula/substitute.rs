@@ -22,11 +22,8 @@ impl Graph {
         });
         let mut new: HashMap<Node, Node> = HashMap::with_capacity(order.len());
         for node in order {
-            let image = if self.depends_on(node, v) {
-                self.rebuilt(node, v, by, &new)
-            } else {
-                node
-            };
+            let image =
+                if self.depends_on(node, v) { self.rebuilt(node, v, by, &new) } else { node };
             new.insert(node, image);
         }
         new.get(&f).copied().unwrap_or(f)

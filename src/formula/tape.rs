@@ -125,11 +125,7 @@ fn operands(graph: &Graph, node: Node) -> impl Iterator<Item = Node> + use<> {
         _ => (true, true),
     };
     let keep = [first, second, true, true];
-    graph
-        .op(node)
-        .operands()
-        .zip(keep)
-        .filter_map(|(operand, keep)| keep.then_some(operand))
+    graph.op(node).operands().zip(keep).filter_map(|(operand, keep)| keep.then_some(operand))
 }
 
 /// The step of a node with operands in registers.

@@ -41,11 +41,10 @@ impl Weights {
         if self.decay_of != Some(lag.to_bits()) {
             self.decay_of = Some(lag.to_bits());
             self.decay.clear();
-            self.decay
-                .extend(plan.kernels.iter().map(|kernel| match kernel {
-                    Kernel::Exponential(c) => (-c * lag).exp(),
-                    Kernel::General(..) => 0.0,
-                }));
+            self.decay.extend(plan.kernels.iter().map(|kernel| match kernel {
+                Kernel::Exponential(c) => (-c * lag).exp(),
+                Kernel::General(..) => 0.0,
+            }));
         }
         &self.decay
     }

@@ -11,8 +11,7 @@ pub struct TimeGrid {
 impl TimeGrid {
     /// t_n = n T / N.
     pub fn uniform(horizon: f64, steps: u32) -> Self {
-        let times =
-            (0..=steps).map(|n| horizon * f64::from(n) / f64::from(steps)).collect();
+        let times = (0..=steps).map(|n| horizon * f64::from(n) / f64::from(steps)).collect();
         Self { times }
     }
 
@@ -106,9 +105,8 @@ mod tests {
         for grid in [TimeGrid::uniform(2.0, 7), TimeGrid::graded(2.0, 9, 1.7)] {
             for n in 0..=grid.steps() {
                 let t = grid.time(n);
-                let sum: f64 = (0..=n)
-                    .map(|j| Trapezoid.weight(&grid, n, j) * (3.0 - grid.time(j)))
-                    .sum();
+                let sum: f64 =
+                    (0..=n).map(|j| Trapezoid.weight(&grid, n, j) * (3.0 - grid.time(j))).sum();
                 assert!((sum - (3.0 * t - 0.5 * t * t)).abs() < 1e-14);
             }
         }

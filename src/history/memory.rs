@@ -10,10 +10,22 @@ use crate::linalg::axpy;
 /// History of coefficient vectors under a scalar kernel.
 pub enum Memory {
     /// All u_j are kept; the sum costs O(n) vectors at step n.
-    Direct { past: Vec<Vec<f64>> },
+    Direct {
+        /// u_0, …, u_{n-1}.
+        past: Vec<Vec<f64>>,
+    },
     /// One state a term a·exp(-c t): I_n = ∫_0^{t_n} exp(-c(t_n - s)) u(s) ds by the trapezoidal
     /// rule, advanced exactly: I_n = e^{-c k_n}(I_{n-1} + k_n/2 u_{n-1}) + k_n/2 u_n.
-    Recursive { terms: Vec<(f64, f64)>, states: Vec<Vec<f64>>, last: Vec<f64>, committed: usize },
+    Recursive {
+        /// (a_i, c_i).
+        terms: Vec<(f64, f64)>,
+        /// I_{n-1} of each term.
+        states: Vec<Vec<f64>>,
+        /// u_{n-1}.
+        last: Vec<f64>,
+        /// n.
+        committed: usize,
+    },
 }
 
 impl Memory {

@@ -57,7 +57,14 @@ pub enum PotentialError {
     Unsorted(f64, f64),
     /// A downward jump violates (2.8c) for every α_ν.
     #[error("downward jump of ∂j_ν from {from} to {to} at {at}: (2.8c) fails for every α_ν")]
-    DownwardJump { at: f64, from: f64, to: f64 },
+    DownwardJump {
+        /// The abscissa.
+        at: f64,
+        /// The value before the jump.
+        from: f64,
+        /// The value after it.
+        to: f64,
+    },
     /// At least one point is needed, all of them finite.
     #[error("the law needs at least one point, and finite numbers only")]
     Empty,

@@ -19,16 +19,29 @@ use super::pattern::BlockPattern;
 pub enum FactorError {
     /// A pivot was not positive: the matrix is not positive definite.
     #[error("the tangent matrix is not positive definite (first at unknown {dof})")]
-    NotPositiveDefinite { dof: usize },
+    NotPositiveDefinite {
+        /// The unknown.
+        dof: usize,
+    },
     /// The numbers handed in were not finite.
     #[error("the tangent matrix has an entry that is not a finite number")]
     NotFinite,
     /// The rank-one piece of the Jacobian, from ζ_n(u_n), makes it singular or turns its sign.
-    #[error("the implicit dependence on ζ makes the tangent singular (1 + bᵀK⁻¹a = {denominator:e})")]
-    SingularInZeta { denominator: f64 },
+    #[error(
+        "the implicit dependence on ζ makes the tangent singular (1 + bᵀK⁻¹a = {denominator:e})"
+    )]
+    SingularInZeta {
+        /// 1 + bᵀK⁻¹a.
+        denominator: f64,
+    },
     /// The symbolic analysis ran out of memory or index range.
     #[error("the symbolic factorization of order {order} failed: {reason}")]
-    Analysis { order: usize, reason: String },
+    Analysis {
+        /// Order of the matrix.
+        order: usize,
+        /// What the library said.
+        reason: String,
+    },
 }
 
 /// Symbolic factorization of a pattern.

@@ -127,12 +127,8 @@ mod tests {
 
     /// A nonsymmetric 4×4 matrix with a diagonal preconditioner.
     struct Small;
-    const MATRIX: [[f64; 4]; 4] = [
-        [4.0, 1.0, 0.0, 0.5],
-        [-1.0, 3.0, 1.0, 0.0],
-        [0.0, 0.3, 5.0, -2.0],
-        [1.0, 0.0, 0.7, 2.0],
-    ];
+    const MATRIX: [[f64; 4]; 4] =
+        [[4.0, 1.0, 0.0, 0.5], [-1.0, 3.0, 1.0, 0.0], [0.0, 0.3, 5.0, -2.0], [1.0, 0.0, 0.7, 2.0]];
 
     impl Preconditioned for Small {
         fn apply(&mut self, x: &[f64], out: &mut [f64]) {

@@ -68,11 +68,8 @@ impl AccumulatedStrain {
     /// ζ(t); NaN if it was declared as not needed.
     pub fn at(&self, t: f64) -> f64 {
         let Some(integrand) = &self.integrand else { return f64::NAN };
-        let value: Result<f64, std::convert::Infallible> = self.integral.at(
-            t,
-            |from, to| integrand.events(from, to),
-            |s| Ok(integrand.norm(s)),
-        );
+        let value: Result<f64, std::convert::Infallible> =
+            self.integral.at(t, |from, to| integrand.events(from, to), |s| Ok(integrand.norm(s)));
         match value {
             Ok(value) => value,
             Err(never) => match never {},

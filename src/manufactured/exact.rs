@@ -1,7 +1,7 @@
 //! An exact solution: formulas for u, λ, ξ, and what follows from them.
 
-use super::symbolic;
 use super::AccumulatedStrain;
+use super::symbolic;
 use crate::formula::{Graph, Node, Program, Variable};
 
 /// Numbers of the material, as the scene states them.
@@ -86,7 +86,7 @@ pub struct Exact {
     pub body_force: Vec<Node>,
     /// [u, ε, H].
     pub interior: Program,
-    /// [f0].
+    /// f0.
     pub forces: Program,
     /// ζ(t).
     pub zeta: AccumulatedStrain,
@@ -103,12 +103,10 @@ impl Exact {
         };
         let stress = symbolic::stress(graph, &data.material, data.kappa, &strain, &memory);
         let body_force = symbolic::body_force(graph, &stress);
-        let outputs: Vec<Node> =
-            data.u.iter().chain(&strain).chain(&memory).copied().collect();
+        let outputs: Vec<Node> = data.u.iter().chain(&strain).chain(&memory).copied().collect();
         let interior = Program::compile(graph, &outputs, data.horizon);
         let forces = Program::compile(graph, &body_force, data.horizon);
-        let needs_zeta =
-            data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
+        let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
         let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, data.size, needs_zeta);
         Self { strain, memory, stress, body_force, interior, forces, zeta, data }
     }

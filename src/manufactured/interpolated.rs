@@ -158,8 +158,7 @@ impl InterpolatedOnMesh {
         for c in 0..self.space.mesh.cell_count() {
             let stress = mandel(&self.stress(&u, &memory, kappa, c));
             let stress = stress.map(|s| s * self.space.geometry.measure[c]);
-            let (gradients, nodes) =
-                (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
             stress_force::<2, 3>(gradients, nodes, &stress, &mut force);
         }
         for (point, state) in self.space.trace.points.iter().zip(self.contact_state(t)) {
@@ -199,7 +198,6 @@ impl InterpolatedOnMesh {
         }
         Ok(moments)
     }
-
 }
 
 impl Truth for InterpolatedOnMesh {

@@ -15,6 +15,8 @@ mod symbolic;
 
 pub use accumulated::AccumulatedStrain;
 pub use check::{Finding, SideOfRectangle, Status, check};
-pub use exact::{BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers};
+pub use exact::{
+    BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
+};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::{ExactOnMesh, Truth};

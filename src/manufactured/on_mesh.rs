@@ -313,7 +313,8 @@ impl ExactOnMesh {
             for i in 0..2 {
                 let at = &values[i][count * c..count * (c + 1)];
                 let corner = &mut moments.displacement.corner[6 * c..6 * (c + 1)];
-                moments.displacement.rest += measure * project(at, rule, |a, v| corner[2 * a + i] = v);
+                moments.displacement.rest +=
+                    measure * project(at, rule, |a, v| corner[2 * a + i] = v);
             }
         }
         moments
@@ -331,9 +332,7 @@ impl ExactOnMesh {
         let count = rule.weights.len();
         for (index, &f) in group.facets.iter().enumerate() {
             let measure = self.space.trace.measure[f];
-            for (field, target) in
-                [(0, &mut moments.normal), (1, &mut moments.pressure)]
-            {
+            for (field, target) in [(0, &mut moments.normal), (1, &mut moments.pressure)] {
                 let at = &values[field][count * index..count * (index + 1)];
                 let Piecewise { corner, rest } = target;
                 *rest += measure * project(at, rule, |a, v| corner[2 * f + a] = v);
@@ -476,7 +475,13 @@ fn finite(
     for (field, name) in values.iter().zip(names) {
         if let Some(p) = field.iter().position(|v| !v.is_finite()) {
             let [x, y, _] = points[p];
-            return Err(LoadError::NotFinite { what: (*name).to_string(), value: field[p], x, y, t });
+            return Err(LoadError::NotFinite {
+                what: (*name).to_string(),
+                value: field[p],
+                x,
+                y,
+                t,
+            });
         }
     }
     Ok(())

@@ -125,11 +125,8 @@ mod tests {
         for t in [2.0, 0.3, 0.7, 1.234, 0.0] {
             let value: Result<f64, ()> =
                 integral.at(t, events, |s| Ok((s - 0.7).abs() + (3.0 * s).sin()));
-            let kink = if t < 0.7 {
-                0.7 * t - 0.5 * t * t
-            } else {
-                0.245 + 0.5 * (t - 0.7) * (t - 0.7)
-            };
+            let kink =
+                if t < 0.7 { 0.7 * t - 0.5 * t * t } else { 0.245 + 0.5 * (t - 0.7) * (t - 0.7) };
             let exact = kink + (1.0 - (3.0 * t).cos()) / 3.0;
             assert!((value.unwrap() - exact).abs() < 1e-14, "{t}");
         }

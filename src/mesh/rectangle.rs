@@ -13,12 +13,8 @@ pub enum Family {
 }
 
 /// The sides of a rectangle, in the order of `Mesh::sides`.
-const SIDES: [(&str, [f64; 2]); 4] = [
-    ("left", [-1.0, 0.0]),
-    ("right", [1.0, 0.0]),
-    ("bottom", [0.0, -1.0]),
-    ("top", [0.0, 1.0]),
-];
+const SIDES: [(&str, [f64; 2]); 4] =
+    [("left", [-1.0, 0.0]), ("right", [1.0, 0.0]), ("bottom", [0.0, -1.0]), ("top", [0.0, 1.0])];
 
 /// Triangulates (0, size₀)×(0, size₁) with n cells a unit length; `n·size` must be whole
 /// (validated with the scene), else it is rounded.

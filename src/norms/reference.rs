@@ -29,7 +29,9 @@ impl Trajectory {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ReferenceError {
     /// The finer mesh must be a refinement of the coarse one.
-    #[error("the reference mesh (n = {fine}) is not a refinement of n = {coarse}: choose a multiple")]
+    #[error(
+        "the reference mesh (n = {fine}) is not a refinement of n = {coarse}: choose a multiple"
+    )]
     NotNested { coarse: u32, fine: u32 },
     /// The time is not one of the reference's.
     #[error("the reference run has no step at t = {t}: its steps must be a multiple of the case's")]
@@ -87,8 +89,7 @@ impl ReferenceRun {
     /// Meshes that are not nested, a time that was not kept.
     pub fn moments(&self, coarse: &Discretization, t: f64) -> Result<Moments, ReferenceError> {
         let close = |level: &&Level| (level.t - t).abs() <= 1e-9 * t.abs().max(1e-300);
-        let level =
-            self.levels.iter().find(close).ok_or(ReferenceError::NoSuchTime { t })?;
+        let level = self.levels.iter().find(close).ok_or(ReferenceError::NoSuchTime { t })?;
         let (n, fine) = (coarse.mesh.n, self.space.mesh.n);
         if fine % n != 0 {
             return Err(ReferenceError::NotNested { coarse: n, fine });
@@ -109,9 +110,7 @@ impl ReferenceRun {
     ) {
         let fine = &self.space;
         let strain: Vec<f64> = (0..fine.mesh.cell_count())
-            .flat_map(|c| {
-                strain_of::<3>(fine.geometry.gradients(c), fine.cell_nodes(c), &level.u)
-            })
+            .flat_map(|c| strain_of::<3>(fine.geometry.gradients(c), fine.cell_nodes(c), &level.u))
             .collect();
         moments.strain = constants(fine, coarse, parent, &strain);
         moments.stress = constants(fine, coarse, parent, &level.stress);
@@ -235,9 +234,8 @@ fn project_on_edge(at: &[usize], values: &[f64], measure: f64, out: &mut Piecewi
 /// The coarse cell that holds each fine cell, by centroids on the structured mesh.
 fn parents(fine: &Discretization, coarse: &Discretization) -> Vec<u32> {
     let n = f64::from(coarse.mesh.n);
-    let width = (0..coarse.mesh.vertices())
-        .map(|v| coarse.mesh.vertex(v as u32)[0])
-        .fold(0.0, f64::max);
+    let width =
+        (0..coarse.mesh.vertices()).map(|v| coarse.mesh.vertex(v as u32)[0]).fold(0.0, f64::max);
     let columns = (width * n).round() as u32;
     (0..fine.mesh.cell_count())
         .map(|c| {

@@ -25,25 +25,15 @@ impl Journal {
     /// [`RecordError::Header`] if the file is something else (it is not touched), and all
     /// that [`read`] reports.
     pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let io_error = |source| RecordError::Io {
-            path: path.to_owned(),
-            source,
-        };
+        let io_error = |source| RecordError::Io { path: path.to_owned(), source };
         let bytes = match fs::read(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
             other => other.map_err(io_error)?,
         };
         let intact = scan(path, &bytes)?.intact;
-        let file = OpenOptions::new()
-            .create(true)
-            .append(true)
-            .open(path)
-            .map_err(io_error)?;
+        let file = OpenOptions::new().create(true).append(true).open(path).map_err(io_error)?;
         file.set_len(intact).map_err(io_error)?;
-        let mut journal = Self {
-            path: path.to_owned(),
-            file,
-        };
+        let mut journal = Self { path: path.to_owned(), file };
         if intact == 0 {
             journal.write(&lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(io_error)?)?;
         }
@@ -61,10 +51,7 @@ impl Journal {
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), RecordError> {
         let written = self.file.write_all(bytes).and_then(|()| self.file.flush());
-        written.map_err(|source| RecordError::Io {
-            path: self.path.clone(),
-            source,
-        })
+        written.map_err(|source| RecordError::Io { path: self.path.clone(), source })
     }
 }
 
@@ -75,26 +62,18 @@ impl Journal {
 /// # Errors
 /// A torn or malformed line anywhere else, with its number.
 pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
-    let bytes = fs::read(path).map_err(|source| RecordError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes =
+        fs::read(path).map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
     let rows = scan(path, &bytes)?.rows;
     let mut cases: Vec<CaseRecord> = Vec::new();
     let mut place: BTreeMap<Key, usize> = BTreeMap::new();
     let mut previous: Option<&StringRecord> = None;
     let mut current = 0;
     for (line, fields) in &rows {
-        let row = Row {
-            path,
-            line: *line,
-            fields,
-        };
+        let row = Row { path, line: *line, fields };
         let norm = row.norm()?;
         let continues = previous.is_some_and(|before| row::same_case(before, fields))
-            && norm
-                .as_ref()
-                .is_some_and(|entry| cases[current].norm(&entry.norm).is_none());
+            && norm.as_ref().is_some_and(|entry| cases[current].norm(&entry.norm).is_none());
         if !continues {
             let case = row.case()?;
             current = *place.entry(case.key()).or_insert(cases.len());
@@ -116,18 +95,12 @@ pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
 /// # Errors
 /// [`RecordError::Name`], [`RecordError::Io`].
 pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError> {
-    let io_error = |source| RecordError::Io {
-        path: path.to_owned(),
-        source,
-    };
-    let mut sorted: BTreeMap<Key, CaseRecord> = cases
-        .iter()
-        .map(|case| (case.key(), case.clone()))
-        .collect();
+    let io_error = |source| RecordError::Io { path: path.to_owned(), source };
+    let mut sorted: BTreeMap<Key, CaseRecord> =
+        cases.iter().map(|case| (case.key(), case.clone())).collect();
     let mut bytes = lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(io_error)?;
     for case in sorted.values_mut() {
-        case.errors
-            .sort_by_cached_key(|entry| (norm_rank(&entry.norm), entry.norm.clone()));
+        case.errors.sort_by_cached_key(|entry| (norm_rank(&entry.norm), entry.norm.clone()));
         bytes.extend(case_lines(case, path)?);
     }
     replace_file(path, &bytes).map_err(io_error)
@@ -136,15 +109,10 @@ pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError
 fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
     for name in case.norms().chain([case.scene.as_str()]) {
         if name.contains(['\n', '\r']) {
-            return Err(RecordError::Name {
-                name: name.to_owned(),
-            });
+            return Err(RecordError::Name { name: name.to_owned() });
         }
     }
-    lines(&row::encode(case)).map_err(|source| RecordError::Io {
-        path: path.to_owned(),
-        source,
-    })
+    lines(&row::encode(case)).map_err(|source| RecordError::Io { path: path.to_owned(), source })
 }
 
 fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
@@ -152,9 +120,7 @@ fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
     for row in rows {
         writer.write_record(row)?;
     }
-    writer
-        .into_inner()
-        .map_err(|error| io::Error::other(error.to_string()))
+    writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
 }
 
 /// A line number, from 1, and the fields of the line.
@@ -167,62 +133,36 @@ struct Scan {
 }
 
 fn scan(path: &Path, bytes: &[u8]) -> Result<Scan, RecordError> {
-    let whole = bytes
-        .iter()
-        .rposition(|&byte| byte == b'\n')
-        .map_or(0, |last| last + 1);
+    let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
     if whole == 0 {
-        return check_header(path, bytes, COLUMNS.join(",").as_bytes().starts_with(bytes)).map(
-            |()| Scan {
-                rows: Vec::new(),
-                intact: 0,
-            },
-        );
+        return check_header(path, bytes, COLUMNS.join(",").as_bytes().starts_with(bytes))
+            .map(|()| Scan { rows: Vec::new(), intact: 0 });
     }
     let (mut rows, mut places) = parse_lines(path, &bytes[..whole])?;
-    check_header(
-        path,
-        bytes,
-        rows.first().is_some_and(|(_, first)| *first == COLUMNS[..]),
-    )?;
+    check_header(path, bytes, rows.first().is_some_and(|(_, first)| *first == COLUMNS[..]))?;
     rows.remove(0);
     let mut intact = whole as u64;
-    if rows
-        .last()
-        .is_some_and(|(_, last)| last.len() != COLUMNS.len())
-    {
+    if rows.last().is_some_and(|(_, last)| last.len() != COLUMNS.len()) {
         rows.pop();
         intact = places.pop().unwrap_or(intact);
     }
-    match rows
-        .iter()
-        .find(|(_, fields)| fields.len() != COLUMNS.len())
-    {
-        Some((line, fields)) => Err(RecordError::Fields {
-            path: path.to_owned(),
-            line: *line,
-            found: fields.len(),
-        }),
+    match rows.iter().find(|(_, fields)| fields.len() != COLUMNS.len()) {
+        Some((line, fields)) => {
+            Err(RecordError::Fields { path: path.to_owned(), line: *line, found: fields.len() })
+        }
         None => Ok(Scan { rows, intact }),
     }
 }
 
 /// The lines of a table with their numbers, and where each begins.
 fn parse_lines(path: &Path, bytes: &[u8]) -> Result<(Vec<Line>, Vec<u64>), RecordError> {
-    let mut reader = csv::ReaderBuilder::new()
-        .has_headers(false)
-        .flexible(true)
-        .from_reader(bytes);
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
     let mut rows = Vec::new();
     let mut places = Vec::new();
     for record in reader.byte_records() {
-        let record = record.map_err(|error| RecordError::Io {
-            path: path.to_owned(),
-            source: error.into(),
-        })?;
-        let (line, byte) = record
-            .position()
-            .map_or((0, 0), |at| (at.line(), at.byte()));
+        let record = record
+            .map_err(|error| RecordError::Io { path: path.to_owned(), source: error.into() })?;
+        let (line, byte) = record.position().map_or((0, 0), |at| (at.line(), at.byte()));
         rows.push((line, StringRecord::from_byte_record_lossy(record)));
         places.push(byte);
     }
@@ -233,15 +173,9 @@ fn check_header(path: &Path, bytes: &[u8], ours: bool) -> Result<(), RecordError
     if ours {
         return Ok(());
     }
-    let first = bytes
-        .split(|&byte| byte == b'\n')
-        .next()
-        .unwrap_or_default();
+    let first = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
     let found = String::from_utf8_lossy(&first[..first.len().min(60)]).into_owned();
-    Err(RecordError::Header {
-        path: path.to_owned(),
-        found,
-    })
+    Err(RecordError::Header { path: path.to_owned(), found })
 }
 
 #[cfg(test)]

@@ -111,11 +111,7 @@ pub struct CaseRecord {
 impl CaseRecord {
     /// The key of this case.
     pub fn key(&self) -> Key {
-        Key {
-            scene: self.scene.clone(),
-            n: self.n,
-            steps: self.steps,
-        }
+        Key { scene: self.scene.clone(), n: self.n, steps: self.steps }
     }
 
     /// The entry of a norm, if the case has one.

@@ -31,18 +31,12 @@ pub const NORMS: [(&str, &str); 8] = [
 
 /// Position of a norm in tables; names outside the contract come after those within.
 pub fn norm_rank(norm: &str) -> usize {
-    NORMS
-        .iter()
-        .position(|(name, _)| *name == norm)
-        .unwrap_or(NORMS.len())
+    NORMS.iter().position(|(name, _)| *name == norm).unwrap_or(NORMS.len())
 }
 
 /// Label of a norm in plots; a name outside the contract is its own label.
 pub fn norm_label(norm: &str) -> &str {
-    NORMS
-        .iter()
-        .find(|(name, _)| *name == norm)
-        .map_or(norm, |(_, label)| label)
+    NORMS.iter().find(|(name, _)| *name == norm).map_or(norm, |(_, label)| label)
 }
 
 #[cfg(test)]

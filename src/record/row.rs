@@ -37,20 +37,9 @@ const NORM_COLUMNS: std::ops::Range<usize> = 8..11;
 
 /// The rows of a case, one a norm; a case without norms has one row with an empty name.
 pub(super) fn encode(case: &CaseRecord) -> Vec<Vec<String>> {
-    let nameless = [NormError {
-        norm: String::new(),
-        error: None,
-        floor: None,
-    }];
-    let entries = if case.errors.is_empty() {
-        &nameless[..]
-    } else {
-        &case.errors[..]
-    };
-    entries
-        .iter()
-        .map(|entry| encode_row(case, entry))
-        .collect()
+    let nameless = [NormError { norm: String::new(), error: None, floor: None }];
+    let entries = if case.errors.is_empty() { &nameless[..] } else { &case.errors[..] };
+    entries.iter().map(|entry| encode_row(case, entry)).collect()
 }
 
 fn encode_row(case: &CaseRecord, entry: &NormError) -> Vec<String> {
@@ -96,9 +85,7 @@ fn optional(value: Option<f64>) -> String {
 
 /// Whether two rows describe the same case, column for column.
 pub(super) fn same_case(a: &StringRecord, b: &StringRecord) -> bool {
-    (0..COLUMNS.len())
-        .filter(|i| !NORM_COLUMNS.contains(i))
-        .all(|i| a.get(i) == b.get(i))
+    (0..COLUMNS.len()).filter(|i| !NORM_COLUMNS.contains(i)).all(|i| a.get(i) == b.get(i))
 }
 
 /// A row with its place, for messages.
@@ -147,9 +134,7 @@ impl Row<'_> {
     fn status(&self) -> Result<Status, RecordError> {
         match self.text(11) {
             "converged" => Ok(Status::Converged),
-            "failed" => Ok(Status::Failed {
-                reason: String::new(),
-            }),
+            "failed" => Ok(Status::Failed { reason: String::new() }),
             "skipped" => Ok(Status::Skipped),
             _ => Err(self.malformed(11)),
         }
@@ -160,17 +145,11 @@ impl Row<'_> {
     }
 
     fn parse<T: FromStr>(&self, column: usize) -> Result<T, RecordError> {
-        self.text(column)
-            .parse()
-            .map_err(|_| self.malformed(column))
+        self.text(column).parse().map_err(|_| self.malformed(column))
     }
 
     fn parse_optional<T: FromStr>(&self, column: usize) -> Result<Option<T>, RecordError> {
-        if self.text(column).is_empty() {
-            Ok(None)
-        } else {
-            self.parse(column).map(Some)
-        }
+        if self.text(column).is_empty() { Ok(None) } else { self.parse(column).map(Some) }
     }
 
     fn malformed(&self, column: usize) -> RecordError {

@@ -56,9 +56,7 @@ impl<'a> Canvas<'a> {
         width: u32,
     ) -> Result<(), ReportError> {
         let style = colour.stroke_width(width);
-        self.area
-            .draw(&PathElement::new(pixels(path), style))
-            .map_err(ReportError::drawing)
+        self.area.draw(&PathElement::new(pixels(path), style)).map_err(ReportError::drawing)
     }
 
     /// A path of strokes of length `on` with gaps of length `off`.
@@ -74,10 +72,7 @@ impl<'a> Canvas<'a> {
             let length = (to.0 - from.0).hypot(to.1 - from.1);
             let along = |s: f64| {
                 let share = s / length;
-                (
-                    from.0 + share * (to.0 - from.0),
-                    from.1 + share * (to.1 - from.1),
-                )
+                (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1))
             };
             let mut start = -phase;
             while start < length {
@@ -116,13 +111,8 @@ impl<'a> Canvas<'a> {
             let disc = |radius: f64, ink: RGBColor| {
                 Circle::new(pixel(place), radius.round() as i32, ink.filled())
             };
-            self.area
-                .draw(&disc(MARKER, colour))
-                .map_err(ReportError::drawing)?;
-            return self
-                .area
-                .draw(&disc(MARKER - 4.0, inside))
-                .map_err(ReportError::drawing);
+            self.area.draw(&disc(MARKER, colour)).map_err(ReportError::drawing)?;
+            return self.area.draw(&disc(MARKER - 4.0, inside)).map_err(ReportError::drawing);
         }
         self.fill(&corners, inside, 1.0)?;
         let closed: Vec<Place> = corners.iter().chain(corners.first()).copied().collect();
@@ -149,9 +139,7 @@ impl<'a> Canvas<'a> {
         anchor: Anchor,
         weight: FontStyle,
     ) -> Result<(), ReportError> {
-        let font = ("sans-serif", TEXT * PLOTTERS_FONT)
-            .into_font()
-            .style(weight);
+        let font = ("sans-serif", TEXT * PLOTTERS_FONT).into_font().style(weight);
         let (font, horizontal) = match anchor {
             Anchor::Left => (font, HPos::Left),
             Anchor::Centre => (font, HPos::Center),
@@ -175,10 +163,7 @@ fn outline(shape: usize, (x, y): Place) -> Vec<Place> {
         2 => &[(0.0, -1.3), (1.2, 0.9), (-1.2, 0.9)],
         _ => &[(0.0, -1.4), (1.4, 0.0), (0.0, 1.4), (-1.4, 0.0)],
     };
-    corners
-        .iter()
-        .map(|(dx, dy)| (x + MARKER * dx, y + MARKER * dy))
-        .collect()
+    corners.iter().map(|(dx, dy)| (x + MARKER * dx, y + MARKER * dy)).collect()
 }
 
 fn pixel((x, y): Place) -> (i32, i32) {

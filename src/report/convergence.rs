@@ -23,11 +23,8 @@ pub fn convergence_svg(
     verdicts: &[Verdict],
     direction: Direction,
 ) -> Result<Option<String>, ReportError> {
-    let records: Vec<CaseRecord> = records
-        .iter()
-        .filter(|record| record.scene == scene.name)
-        .cloned()
-        .collect();
+    let records: Vec<CaseRecord> =
+        records.iter().filter(|record| record.scene == scene.name).cloned().collect();
     let curves: Vec<Curve<'_>> = norms(&records)
         .into_iter()
         .filter_map(|norm| curve(scene, &records, verdicts, norm, direction))
@@ -72,10 +69,7 @@ fn step_name(records: &[CaseRecord], direction: Direction) -> &'static str {
 fn extent(curves: &[Curve<'_>]) -> Vec<(f64, f64)> {
     let all = curves.iter().flat_map(|curve| {
         let triangle = curve.triangle().into_iter().flatten();
-        curve
-            .points()
-            .chain(curve.visible_floor().iter().copied())
-            .chain(triangle)
+        curve.points().chain(curve.visible_floor().iter().copied()).chain(triangle)
     });
     all.collect()
 }
@@ -102,14 +96,8 @@ fn draw_points(
     let Some([fine, corner, coarse]) = curve.triangle() else {
         return Ok(());
     };
-    canvas.line(
-        &[fine, corner, coarse, fine].map(|point| place(&point)),
-        INK,
-        3,
-    )?;
-    let order = curve
-        .verdict
-        .map_or_else(String::new, |verdict| cell_texts(verdict)[3].clone());
+    canvas.line(&[fine, corner, coarse, fine].map(|point| place(&point)), INK, 3)?;
+    let order = curve.verdict.map_or_else(String::new, |verdict| cell_texts(verdict)[3].clone());
     let (x, y) = place(&(corner.0, (corner.1 * coarse.1).sqrt()));
     canvas.text(&order, (x + 12.0, y), Anchor::Left)
 }
@@ -121,9 +109,7 @@ fn draw_fit(
     curve: &Curve<'_>,
     index: usize,
 ) -> Result<(), ReportError> {
-    let fitted = curve
-        .verdict
-        .and_then(|verdict| verdict.observed.zip(verdict.interval));
+    let fitted = curve.verdict.and_then(|verdict| verdict.observed.zip(verdict.interval));
     let ends = curve.used.first().zip(curve.used.last());
     let (Some((order, [lo, hi])), Some((first, last))) = (fitted, ends) else {
         return Ok(());
@@ -134,10 +120,7 @@ fn draw_fit(
     let at = |step: f64, slope: f64| frame.place(step, (y + slope * (step.ln() - x)).exp());
     let centre = frame.place(x.exp(), y.exp());
     let (a, b) = (first.0, last.0);
-    for corners in [
-        [at(a, lo), centre, at(a, hi)],
-        [at(b, lo), centre, at(b, hi)],
-    ] {
+    for corners in [[at(a, lo), centre, at(a, hi)], [at(b, lo), centre, at(b, hi)]] {
         canvas.fill(&corners, colour(index), 0.22)?;
     }
     canvas.line(&[at(a, order), at(b, order)], colour(index), 4)
@@ -153,11 +136,7 @@ fn draw_legend(canvas: &Canvas<'_>, curves: &[Curve<'_>]) -> Result<(), ReportEr
         }
         legend.space();
     }
-    if curves.iter().any(|curve| {
-        curve
-            .verdict
-            .is_some_and(|verdict| verdict.interval.is_some())
-    }) {
+    if curves.iter().any(|curve| curve.verdict.is_some_and(|verdict| verdict.interval.is_some())) {
         legend.entry(Sample::Band, INK, "fitted line, its interval")?;
     }
     if curves.iter().any(|curve| curve.triangle().is_some()) {

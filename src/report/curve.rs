@@ -53,33 +53,23 @@ pub(super) fn curve<'a>(
     };
     let drawable = |p: &&Point| p.error > 0.0 && p.error.is_finite() && direction.step(p) > 0.0;
     let pair = |p: &Point| (direction.step(p), p.error);
-    let (used, left_out): (Vec<&Point>, Vec<&Point>) = points
-        .iter()
-        .filter(drawable)
-        .partition(|p| verdict.is_none_or(|v| uses(v, p)));
+    let (used, left_out): (Vec<&Point>, Vec<&Point>) =
+        points.iter().filter(drawable).partition(|p| verdict.is_none_or(|v| uses(v, p)));
     if used.len() + left_out.len() < 2 {
         return None;
     }
-    let floor = points
-        .iter()
-        .filter(drawable)
-        .map(|p| (direction.step(p), p.floor));
+    let floor = points.iter().filter(drawable).map(|p| (direction.step(p), p.floor));
     Some(sorted(Curve {
         norm,
         used: used.into_iter().map(pair).collect(),
         left_out: left_out.into_iter().map(pair).collect(),
-        floor: floor
-            .filter(|(_, floor)| *floor > 0.0 && floor.is_finite())
-            .collect(),
+        floor: floor.filter(|(_, floor)| *floor > 0.0 && floor.is_finite()).collect(),
         verdict,
     }))
 }
 
 fn uses(verdict: &Verdict, point: &Point) -> bool {
-    verdict
-        .points_used
-        .iter()
-        .any(|used| same_step(used.h, point.h) && used.k == point.k)
+    verdict.points_used.iter().any(|used| same_step(used.h, point.h) && used.k == point.k)
 }
 
 /// Equal, or both absent: an abstract scene has no h.
@@ -93,19 +83,11 @@ fn judged_points(verdict: &Verdict, records: &[CaseRecord]) -> Vec<Point> {
         let case = records
             .iter()
             .find(|record| same_step(record.h.unwrap_or(f64::NAN), h) && record.k == k);
-        case.and_then(|record| record.norm(&verdict.norm)?.floor)
-            .unwrap_or(0.0)
+        case.and_then(|record| record.norm(&verdict.norm)?.floor).unwrap_or(0.0)
     };
     let used = verdict.points_used.iter().map(|p| (p.h, p.k, p.error));
     let left_out = verdict.points_left_out.iter().map(|p| (p.h, p.k, p.error));
-    used.chain(left_out)
-        .map(|(h, k, error)| Point {
-            h,
-            k,
-            error,
-            floor: floor(h, k),
-        })
-        .collect()
+    used.chain(left_out).map(|(h, k, error)| Point { h, k, error, floor: floor(h, k) }).collect()
 }
 
 fn sorted(mut curve: Curve<'_>) -> Curve<'_> {
@@ -122,14 +104,8 @@ impl Curve<'_> {
 
     /// The floors, if they are in sight of the errors.
     pub(super) fn visible_floor(&self) -> &[(f64, f64)] {
-        let lowest = self
-            .points()
-            .map(|point| point.1)
-            .fold(f64::INFINITY, f64::min);
-        let visible = self
-            .floor
-            .iter()
-            .all(|(_, floor)| *floor >= FLOOR_RANGE * lowest);
+        let lowest = self.points().map(|point| point.1).fold(f64::INFINITY, f64::min);
+        let visible = self.floor.iter().all(|(_, floor)| *floor >= FLOOR_RANGE * lowest);
         if visible { &self.floor } else { &[] }
     }
 

@@ -44,15 +44,8 @@ impl Frame {
         let exponents = data.iter().map(|point| point.1.log10());
         let lowest = exponents.clone().fold(f64::INFINITY, f64::min).floor() as i32;
         let highest = exponents.fold(f64::NEG_INFINITY, f64::max).ceil() as i32;
-        let y = [
-            lowest.max(*EXPONENTS.start()),
-            highest.max(lowest + 1).min(*EXPONENTS.end()),
-        ];
-        Some(Self {
-            x: [first - margin, last + margin],
-            y,
-            levels,
-        })
+        let y = [lowest.max(*EXPONENTS.start()), highest.max(lowest + 1).min(*EXPONENTS.end())];
+        Some(Self { x: [first - margin, last + margin], y, levels })
     }
 
     /// Place of a point; y is kept within the frame.
@@ -60,36 +53,20 @@ impl Frame {
         let share = (x.ln() - self.x[0]) / (self.x[1] - self.x[0]);
         let decades = f64::from(self.y[1] - self.y[0]);
         let height = ((y.log10() - f64::from(self.y[0])) / decades).clamp(0.0, 1.0);
-        (
-            LEFT + share * (RIGHT - LEFT),
-            BOTTOM - height * (BOTTOM - TOP),
-        )
+        (LEFT + share * (RIGHT - LEFT), BOTTOM - height * (BOTTOM - TOP))
     }
 
     /// Title, grid, ticks and labels.
     pub(super) fn draw(&self, canvas: &Canvas<'_>, title: &Title<'_>) -> Result<(), ReportError> {
         canvas.bold(title.scene, (30.0, 44.0))?;
-        for (i, line) in wrapped(title.question, TITLE_CHARACTERS, 2)
-            .iter()
-            .enumerate()
-        {
+        for (i, line) in wrapped(title.question, TITLE_CHARACTERS, 2).iter().enumerate() {
             canvas.text(line, (30.0, 44.0 + LINE * (i + 1) as f64), Anchor::Left)?;
         }
         self.draw_decades(canvas)?;
         self.draw_levels(canvas)?;
-        let corners = [
-            (LEFT, TOP),
-            (RIGHT, TOP),
-            (RIGHT, BOTTOM),
-            (LEFT, BOTTOM),
-            (LEFT, TOP),
-        ];
+        let corners = [(LEFT, TOP), (RIGHT, TOP), (RIGHT, BOTTOM), (LEFT, BOTTOM), (LEFT, TOP)];
         canvas.line(&corners, INK, 3)?;
-        canvas.text(
-            title.x_label,
-            (0.5 * (LEFT + RIGHT), BOTTOM + 96.0),
-            Anchor::Centre,
-        )?;
+        canvas.text(title.x_label, (0.5 * (LEFT + RIGHT), BOTTOM + 96.0), Anchor::Centre)?;
         canvas.text(title.y_label, (34.0, 0.5 * (TOP + BOTTOM)), Anchor::Upwards)
     }
 

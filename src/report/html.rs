@@ -30,11 +30,8 @@ pub(super) fn page(
     verdicts: &[Verdict],
     provenance: &serde_json::Value,
 ) -> String {
-    let sections: String = scenes
-        .iter()
-        .zip(figures)
-        .map(|(scene, figures)| section(scene, figures))
-        .collect();
+    let sections: String =
+        scenes.iter().zip(figures).map(|(scene, figures)| section(scene, figures)).collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -48,14 +45,9 @@ pub(super) fn page(
 }
 
 fn summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
-    let met = verdicts
-        .iter()
-        .filter(|verdict| verdict.as_expected())
-        .count();
-    let failed = records
-        .iter()
-        .filter(|record| matches!(record.status, Status::Failed { .. }))
-        .count();
+    let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
+    let failed =
+        records.iter().filter(|record| matches!(record.status, Status::Failed { .. })).count();
     let code = exit_code(records, verdicts);
     format!(
         "{met} of {} verdicts as expected; {} cases, {failed} of them failed. Exit code {code}.",
@@ -65,20 +57,8 @@ fn summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
 }
 
 fn table(verdicts: &[Verdict]) -> String {
-    let heads = [
-        "scene",
-        "norm",
-        "in",
-        "predicted",
-        "observed",
-        "verdict",
-        "why",
-        "reason",
-    ];
-    let head: String = heads
-        .iter()
-        .map(|head| format!("<th>{head}</th>"))
-        .collect();
+    let heads = ["scene", "norm", "in", "predicted", "observed", "verdict", "why", "reason"];
+    let head: String = heads.iter().map(|head| format!("<th>{head}</th>")).collect();
     let rows: String = verdicts.iter().map(row).collect();
     format!(
         "<div class=\"scroll\"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n\
@@ -87,11 +67,7 @@ fn table(verdicts: &[Verdict]) -> String {
 }
 
 fn row(verdict: &Verdict) -> String {
-    let class = if verdict.as_expected() {
-        "pass"
-    } else {
-        "miss"
-    };
+    let class = if verdict.as_expected() { "pass" } else { "miss" };
     let [scene, norm, variable, predicted, observed, decision, why] =
         cell_texts(verdict).map(|text| escaped(&text));
     let reason = escaped(&verdict.reason);
@@ -121,11 +97,7 @@ fn provenance_list(provenance: &serde_json::Value) -> String {
     let rows: String = entries
         .iter()
         .map(|(key, value)| {
-            format!(
-                "<tr><th>{}</th><td>{}</td></tr>\n",
-                escaped(key),
-                escaped(&text(value))
-            )
+            format!("<tr><th>{}</th><td>{}</td></tr>\n", escaped(key), escaped(&text(value)))
         })
         .collect();
     format!("<h2>Provenance</h2>\n<table>\n{rows}</table>\n")

@@ -16,10 +16,8 @@ use crate::verdict::{Decision, Verdict, cell_texts};
 /// [`ReportError::Xml`], [`ReportError::Io`].
 pub fn write_junit(path: &Path, verdicts: &[Verdict]) -> Result<(), ReportError> {
     let text = junit_xml(verdicts).map_err(|source| ReportError::Xml { source })?;
-    replace_file(path, text.as_bytes()).map_err(|source| ReportError::Io {
-        path: path.to_owned(),
-        source,
-    })
+    replace_file(path, text.as_bytes())
+        .map_err(|source| ReportError::Io { path: path.to_owned(), source })
 }
 
 fn junit_xml(verdicts: &[Verdict]) -> Result<String, quick_junit::SerializeError> {
@@ -47,12 +45,9 @@ fn test_case(verdict: &Verdict) -> TestCase {
             Decision::Unresolved => "unresolved",
             Decision::Fail | Decision::Pass => "fail",
         };
-        status
-            .set_type(kind)
-            .set_message(verdict.reason.as_str())
-            .set_description(format!(
-                "predicted {predicted} by {why}, observed {observed}: {decision}"
-            ));
+        status.set_type(kind).set_message(verdict.reason.as_str()).set_description(format!(
+            "predicted {predicted} by {why}, observed {observed}: {decision}"
+        ));
         status
     };
     let mut case = TestCase::new(name, status);

@@ -27,10 +27,7 @@ pub(super) struct Legend<'a, 'b> {
 
 impl<'a, 'b> Legend<'a, 'b> {
     pub(super) fn new(canvas: &'b Canvas<'a>) -> Self {
-        Self {
-            canvas,
-            y: TOP + 22.0,
-        }
+        Self { canvas, y: TOP + 22.0 }
     }
 
     /// One entry: a sample, and its words in at most four lines. What does not fit the picture
@@ -61,8 +58,7 @@ impl<'a, 'b> Legend<'a, 'b> {
             Sample::Text => {}
         }
         for text in wrapped(words, LEGEND_CHARACTERS, 4) {
-            self.canvas
-                .text(&text, (right + 18.0, self.y), Anchor::Left)?;
+            self.canvas.text(&text, (right + 18.0, self.y), Anchor::Left)?;
             self.y += LINE;
         }
         Ok(())

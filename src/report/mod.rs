@@ -78,9 +78,7 @@ pub enum ReportError {
 
 impl ReportError {
     fn drawing(error: impl std::fmt::Display) -> Self {
-        Self::Drawing {
-            what: error.to_string(),
-        }
+        Self::Drawing { what: error.to_string() }
     }
 }
 
@@ -97,10 +95,7 @@ pub fn write_all(
     provenance: &serde_json::Value,
 ) -> Result<(), ReportError> {
     let stems = stems(scenes)?;
-    fs::create_dir_all(dir).map_err(|source| ReportError::Io {
-        path: dir.to_owned(),
-        source,
-    })?;
+    fs::create_dir_all(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
     write_sorted(&dir.join("cases.csv"), records)?;
     write_json(&dir.join("verdict.json"), provenance, verdicts, records)?;
     let mut figures = Vec::new();
@@ -120,21 +115,9 @@ fn write_figures(
 ) -> Result<Vec<Figure>, ReportError> {
     let along = |direction| convergence_svg(scene, records, verdicts, direction);
     let drawn = [
-        (
-            "h",
-            "error against h, at the finest time step",
-            along(Direction::Space)?,
-        ),
-        (
-            "k",
-            "error against k, on the finest mesh",
-            along(Direction::Time)?,
-        ),
-        (
-            "hk",
-            "error against k, one curve an h",
-            surface_svg(scene, records)?,
-        ),
+        ("h", "error against h, at the finest time step", along(Direction::Space)?),
+        ("k", "error against k, on the finest mesh", along(Direction::Time)?),
+        ("hk", "error against k, one curve an h", surface_svg(scene, records)?),
     ];
     let mut figures = Vec::new();
     for (suffix, caption, svg) in drawn {
@@ -154,29 +137,22 @@ fn write_figures(
 /// A picture of an earlier run would be taken for one of this.
 fn remove_stale(path: &Path) -> Result<(), ReportError> {
     match fs::remove_file(path) {
-        Err(source) if source.kind() != io::ErrorKind::NotFound => Err(ReportError::Io {
-            path: path.to_owned(),
-            source,
-        }),
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(ReportError::Io { path: path.to_owned(), source })
+        }
         _ => Ok(()),
     }
 }
 
 fn write_text(path: &Path, text: &str) -> Result<(), ReportError> {
-    replace_file(path, text.as_bytes()).map_err(|source| ReportError::Io {
-        path: path.to_owned(),
-        source,
-    })
+    replace_file(path, text.as_bytes())
+        .map_err(|source| ReportError::Io { path: path.to_owned(), source })
 }
 
 /// File names of the scenes: letters, digits, dot, dash and underscore.
 fn stems(scenes: &[SceneSummary]) -> Result<Vec<String>, ReportError> {
     let plain = |c: char| {
-        if c.is_alphanumeric() || "-_.".contains(c) {
-            c
-        } else {
-            '-'
-        }
+        if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' }
     };
     let mut owners: BTreeMap<String, &str> = BTreeMap::new();
     let mut stems = Vec::new();
@@ -184,11 +160,7 @@ fn stems(scenes: &[SceneSummary]) -> Result<Vec<String>, ReportError> {
         let stem: String = scene.name.chars().map(plain).collect();
         if let Some(first) = owners.insert(stem.clone(), &scene.name) {
             let (first, second) = (first.to_owned(), scene.name.clone());
-            return Err(ReportError::SharedName {
-                first,
-                second,
-                stem,
-            });
+            return Err(ReportError::SharedName { first, second, stem });
         }
         stems.push(stem);
     }

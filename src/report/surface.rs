@@ -24,14 +24,9 @@ pub fn surface_svg(
     scene: &SceneSummary,
     records: &[CaseRecord],
 ) -> Result<Option<String>, ReportError> {
-    let records: Vec<CaseRecord> = records
-        .iter()
-        .filter(|record| record.scene == scene.name)
-        .cloned()
-        .collect();
-    let grids = norms(&records)
-        .into_iter()
-        .map(|norm| (norm, curves(&records, norm)));
+    let records: Vec<CaseRecord> =
+        records.iter().filter(|record| record.scene == scene.name).cloned().collect();
+    let grids = norms(&records).into_iter().map(|norm| (norm, curves(&records, norm)));
     let Some((norm, curves)) = grids.into_iter().find(|(_, curves)| is_grid(curves)) else {
         return Ok(None);
     };
@@ -50,19 +45,8 @@ pub fn surface_svg(
     let mut svg = String::new();
     let canvas = Canvas::new(&mut svg)?;
     frame.draw(&canvas, &title)?;
-    draw_curves(
-        &canvas,
-        &frame,
-        &curves,
-        fitted.as_ref().ok().map(|fits| &fits.best),
-    )?;
-    draw_legend(
-        &canvas,
-        &curves,
-        fitted
-            .map(|fits| fits.best)
-            .map_err(|error| error.to_string()),
-    )?;
+    draw_curves(&canvas, &frame, &curves, fitted.as_ref().ok().map(|fits| &fits.best))?;
+    draw_legend(&canvas, &curves, fitted.map(|fits| fits.best).map_err(|error| error.to_string()))?;
     canvas.finish()?;
     Ok(Some(svg))
 }
@@ -74,10 +58,7 @@ fn draw_curves(
     model: Option<&JointFit>,
 ) -> Result<(), ReportError> {
     for (index, curve) in curves.iter().enumerate() {
-        let path: Vec<_> = curve
-            .iter()
-            .map(|point| frame.place(point.k, point.error))
-            .collect();
+        let path: Vec<_> = curve.iter().map(|point| frame.place(point.k, point.error)).collect();
         canvas.line(&path, colour(index), 3)?;
         if let Some(model) = model {
             canvas.dashed(&model_path(frame, model, curve), INK, DOTS)?;
@@ -91,28 +72,15 @@ fn draw_curves(
 
 /// The points that can be drawn, one curve an h from coarse to fine, along falling k.
 fn curves(records: &[CaseRecord], norm: &str) -> Vec<Vec<Point>> {
-    let mut points: Vec<Point> = records
-        .iter()
-        .filter_map(|record| point(record, norm))
-        .collect();
+    let mut points: Vec<Point> = records.iter().filter_map(|record| point(record, norm)).collect();
     points.sort_by(|a, b| b.h.total_cmp(&a.h).then(b.k.total_cmp(&a.k)));
-    points
-        .chunk_by(|a, b| a.h == b.h)
-        .map(<[Point]>::to_vec)
-        .collect()
+    points.chunk_by(|a, b| a.h == b.h).map(<[Point]>::to_vec).collect()
 }
 
 fn point(record: &CaseRecord, norm: &str) -> Option<Point> {
     let entry = record.norm(norm).filter(|_| record.converged())?;
-    let error = entry
-        .error
-        .filter(|error| *error > 0.0 && error.is_finite())?;
-    Some(Point {
-        h: record.h?,
-        k: record.k,
-        error,
-        floor: entry.floor.unwrap_or(0.0),
-    })
+    let error = entry.error.filter(|error| *error > 0.0 && error.is_finite())?;
+    Some(Point { h: record.h?, k: record.k, error, floor: entry.floor.unwrap_or(0.0) })
 }
 
 fn is_grid(curves: &[Vec<Point>]) -> bool {
@@ -146,10 +114,7 @@ fn draw_legend(
     match model {
         Ok(fit) => {
             let (p, q) = (fit.order_h.value, fit.order_k.value);
-            let words = format!(
-                "model {}: p = {p:.2} in h, q = {q:.2} in k",
-                fit.model.name()
-            );
+            let words = format!("model {}: p = {p:.2} in h, q = {q:.2} in k", fit.model.name());
             legend.entry(Sample::Dashed(DOTS), INK, &words)
         }
         Err(reason) => legend.entry(Sample::Text, INK, &reason),

@@ -8,9 +8,7 @@ use crate::verdict::{Expect, Prediction, Variable, judge};
 fn example(name: &str) -> Vec<CaseRecord> {
     let levels = [8u32, 16, 32, 64, 128];
     let steps = [4u32, 8, 16, 32, 64, 128];
-    let pairs = levels
-        .iter()
-        .flat_map(|n| steps.iter().map(move |s| (*n, *s)));
+    let pairs = levels.iter().flat_map(|n| steps.iter().map(move |s| (*n, *s)));
     pairs.map(|(n, steps)| case(name, n, steps)).collect()
 }
 
@@ -103,12 +101,7 @@ fn a_report_is_whole_and_the_same_twice() {
     let once = write();
     assert_eq!(once, write());
     let junit = fs::read_to_string(dir.join("junit.xml")).unwrap();
-    assert!(
-        once[2..]
-            .iter()
-            .chain([&junit])
-            .all(|text| !text.contains("<strong>"))
-    );
+    assert!(once[2..].iter().chain([&junit]).all(|text| !text.contains("<strong>")));
     assert!(once[2].contains("pure &lt;strong&gt; &amp; mild") && once[2].contains("<svg"));
     assert!(junit.contains("pure &lt;strong"));
     if std::env::var_os("GRONWALL_KEEP").is_none() {
@@ -118,41 +111,20 @@ fn a_report_is_whole_and_the_same_twice() {
 
 #[test]
 fn nothing_to_draw_draws_nothing() {
-    let scene = SceneSummary {
-        name: "empty".into(),
-        question: String::new(),
-    };
-    assert!(
-        convergence_svg(&scene, &[], &[], Direction::Space)
-            .unwrap()
-            .is_none()
-    );
+    let scene = SceneSummary { name: "empty".into(), question: String::new() };
+    assert!(convergence_svg(&scene, &[], &[], Direction::Space).unwrap().is_none());
     assert!(surface_svg(&scene, &[]).unwrap().is_none());
     let mut broken = case("empty", 8, 8);
     broken.errors[0].error = Some(f64::NAN);
     broken.errors.truncate(1);
-    let records = [
-        broken.clone(),
-        CaseRecord {
-            n: None,
-            h: None,
-            ..broken
-        },
-    ];
-    assert!(
-        convergence_svg(&scene, &records, &[], Direction::Time)
-            .unwrap()
-            .is_none()
-    );
+    let records = [broken.clone(), CaseRecord { n: None, h: None, ..broken }];
+    assert!(convergence_svg(&scene, &records, &[], Direction::Time).unwrap().is_none());
     assert!(surface_svg(&scene, &records).unwrap().is_none());
 }
 
 #[test]
 fn two_scenes_do_not_share_a_file() {
-    let scene = |name: &str| SceneSummary {
-        name: name.into(),
-        question: String::new(),
-    };
+    let scene = |name: &str| SceneSummary { name: name.into(), question: String::new() };
     let refused = stems(&[scene("a b"), scene("a/b")]);
     assert!(matches!(refused, Err(ReportError::SharedName { .. })));
 }

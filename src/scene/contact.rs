@@ -67,12 +67,7 @@ impl Contact {
             None => None,
         };
         let shift = match &written.shift {
-            Some(formula) => Some(finite_on_contact(
-                reading,
-                "contact.shift",
-                formula,
-                domain,
-            )?),
+            Some(formula) => Some(finite_on_contact(reading, "contact.shift", formula, domain)?),
             None => None,
         };
         let law = match &written.law {
@@ -80,12 +75,7 @@ impl Contact {
             None => None,
         };
         let quadrature = quadrature(reading, written.quadrature.as_deref().unwrap_or("vertex"))?;
-        Ok(Contact {
-            gap,
-            shift,
-            law,
-            quadrature,
-        })
+        Ok(Contact { gap, shift, law, quadrature })
     }
 }
 
@@ -97,9 +87,6 @@ fn quadrature(reading: &Reading, word: &str) -> Result<ContactQuadrature, SceneE
     reading.choice(
         "contact.quadrature",
         word,
-        &[
-            ("vertex", ContactQuadrature::Vertex),
-            ("gauss", ContactQuadrature::Gauss),
-        ],
+        &[("vertex", ContactQuadrature::Vertex), ("gauss", ContactQuadrature::Gauss)],
     )
 }

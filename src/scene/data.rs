@@ -98,28 +98,15 @@ fn exact_solution(
         ));
     }
     let known = [("weak", LoadForm::Weak), ("strong", LoadForm::Strong)];
-    let form = reading.choice(
-        "exact.form",
-        written.form.as_deref().unwrap_or("weak"),
-        &known,
-    )?;
+    let form = reading.choice("exact.form", written.form.as_deref().unwrap_or("weak"), &known)?;
     let scope = definitions(reading, &written.define)?;
     let u = reading.vector("exact.u", &written.u, dimension, &scope)?;
     let mut optional = |key, formula: &Option<_>| {
-        formula
-            .as_ref()
-            .map(|formula| reading.formula(key, formula, &scope))
-            .transpose()
+        formula.as_ref().map(|formula| reading.formula(key, formula, &scope)).transpose()
     };
     let multiplier = optional("exact.multiplier", &written.multiplier)?;
     let selection = optional("exact.selection", &written.selection)?;
-    Ok(Data::Exact {
-        u,
-        multiplier,
-        selection,
-        interpolated: written.interpolated,
-        form,
-    })
+    Ok(Data::Exact { u, multiplier, selection, interpolated: written.interpolated, form })
 }
 
 fn given_loads(
@@ -166,10 +153,8 @@ fn traction_side(
 fn finite(reading: &Reading, key: &str, load: &[Node], points: &[Point]) -> Result<(), SceneError> {
     for (index, node) in load.iter().enumerate() {
         if let Some((point, value)) = reading.first_not_finite(*node, points.iter().copied()) {
-            let message = format!(
-                "the load is {value} at x = {}, y = {}, t = {}",
-                point.x, point.y, point.t
-            );
+            let message =
+                format!("the load is {value} at x = {}, y = {}, t = {}", point.x, point.y, point.t);
             return Err(reading.error(
                 &format!("{key}.{index}"),
                 message,
@@ -187,22 +172,12 @@ fn grid(domain: &Domain, time: &Time) -> Vec<Point> {
 }
 
 fn along(side: Side, domain: &Domain, time: &Time) -> Vec<Point> {
-    at_all_times(
-        evenly(0.0, 1.0, SAMPLES).map(|s| side.point(&domain.size, s)),
-        time,
-    )
+    at_all_times(evenly(0.0, 1.0, SAMPLES).map(|s| side.point(&domain.size, s)), time)
 }
 
 fn at_all_times(places: impl Iterator<Item = [f64; 2]>, time: &Time) -> Vec<Point> {
     let times = evenly(0.0, time.horizon, SAMPLES);
     places
-        .flat_map(|[x, y]| {
-            times.clone().map(move |t| Point {
-                x,
-                y,
-                t,
-                ..Point::default()
-            })
-        })
+        .flat_map(|[x, y]| times.clone().map(move |t| Point { x, y, t, ..Point::default() }))
         .collect()
 }

@@ -24,11 +24,7 @@ pub(super) fn parameters(
     for (key, name, formula) in in_file_order(reading, PARAMETERS, &exact.parameters) {
         free_name(reading, &key, name)?;
         let node = reading.formula(&key, formula, &scope)?;
-        if !reading
-            .formulas
-            .value_of_constant(node)
-            .is_some_and(f64::is_finite)
-        {
+        if !reading.formulas.value_of_constant(node).is_some_and(f64::is_finite) {
             let message = format!("the parameter `{name}` is not a finite constant");
             return Err(reading.error(
                 &key,
@@ -51,11 +47,7 @@ pub(super) fn definitions(
     let ordered = in_file_order(reading, DEFINE, written);
     for (key, name, formula) in &ordered {
         free_name(reading, key, name)?;
-        if reading
-            .parameters
-            .iter()
-            .any(|(parameter, _)| parameter == name)
-        {
+        if reading.parameters.iter().any(|(parameter, _)| parameter == name) {
             return Err(reading.key_error(
                 key,
                 format!("`{name}` is a parameter already"),
@@ -111,9 +103,7 @@ fn free_name(reading: &Reading, key: &str, name: &str) -> Result<(), SceneError>
         return Err(reading.key_error(key, format!("`{name}` is a reserved name"), hint));
     }
     let mut letters = name.chars();
-    let starts = letters
-        .next()
-        .is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
+    let starts = letters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_');
     if starts && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return Ok(());
     }

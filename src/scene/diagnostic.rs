@@ -27,28 +27,15 @@ pub enum SceneError {
     #[error("{} is larger than 1 MiB\n  = a scene is a few kilobytes of TOML: is this the right file?", path.display())]
     TooLarge { path: PathBuf },
     #[error("{}:{line}:{column}: byte 0x{byte:02x} is not UTF-8\n  = save the file as UTF-8 text", path.display())]
-    NotUtf8 {
-        path: PathBuf,
-        line: usize,
-        column: usize,
-        byte: u8,
-    },
+    NotUtf8 { path: PathBuf, line: usize, column: usize, byte: u8 },
     #[error("no scene is called `{name}` under {}\n  = {way_out}", folder.display())]
-    Unknown {
-        name: String,
-        folder: PathBuf,
-        way_out: String,
-    },
+    Unknown { name: String, folder: PathBuf, way_out: String },
     #[error(
         "two scenes are called `{name}`: {} and {}\n  = rename one of them: records are kept by name",
         first.display(),
         second.display()
     )]
-    Duplicate {
-        name: String,
-        first: PathBuf,
-        second: PathBuf,
-    },
+    Duplicate { name: String, first: PathBuf, second: PathBuf },
 }
 
 impl SceneError {
@@ -113,10 +100,7 @@ impl fmt::Display for Diagnosis {
             .with_message(&self.message)
             .with_label(Label::primary((), self.span.clone()))
             .with_notes(notes);
-        let config = Config {
-            chars: Chars::ascii(),
-            ..Config::default()
-        };
+        let config = Config { chars: Chars::ascii(), ..Config::default() };
         let rendered = term::emit_into_string(&config, &file, &diagnostic)
             .unwrap_or_else(|_| self.message.clone());
         f.write_str(rendered.trim_end())

@@ -93,11 +93,8 @@ impl Domain {
     }
 
     fn each_side_once(&self, reading: &Reading) -> Result<(), SceneError> {
-        let lists = [
-            ("clamped", &self.clamped),
-            ("traction", &self.traction),
-            ("contact", &self.contact),
-        ];
+        let lists =
+            [("clamped", &self.clamped), ("traction", &self.traction), ("contact", &self.contact)];
         let mut owner: [Option<&str>; 4] = [None; 4];
         for (list, sides) in lists {
             for (index, side) in sides.iter().enumerate() {
@@ -112,11 +109,7 @@ impl Domain {
             }
         }
         let is_free = |side: &Side| owner[*side as usize].is_none();
-        let free: Vec<&str> = Side::ALL
-            .into_iter()
-            .filter(is_free)
-            .map(Side::name)
-            .collect();
+        let free: Vec<&str> = Side::ALL.into_iter().filter(is_free).map(Side::name).collect();
         if free.is_empty() {
             return Ok(());
         }
@@ -133,11 +126,7 @@ fn twice(reading: &Reading, key: &str, side: Side, [first, second]: [&str; 2]) -
         format!("in `{first}` and in `{second}`")
     };
     let message = format!("the side `{}` is {lists}", side.name());
-    reading.error(
-        key,
-        message,
-        "each side belongs to exactly one of clamped, traction, contact",
-    )
+    reading.error(key, message, "each side belongs to exactly one of clamped, traction, contact")
 }
 
 fn size(reading: &Reading, size: &[f64], dimension: usize) -> Result<Vec<f64>, SceneError> {
@@ -177,12 +166,8 @@ fn mesh(reading: &Reading, written: Option<&written::Mesh>) -> Result<MeshFamily
         reading.surplus("domain.mesh.seed", mesh.seed.as_ref(), &mesh.kind)?;
         return Ok(MeshFamily::Structured);
     }
-    let amplitude = reading.needed(
-        "domain.mesh.amplitude",
-        mesh.amplitude,
-        &mesh.kind,
-        "amplitude = 0.2",
-    )?;
+    let amplitude =
+        reading.needed("domain.mesh.amplitude", mesh.amplitude, &mesh.kind, "amplitude = 0.2")?;
     if !(0.0..0.25).contains(&amplitude) {
         let message = format!("amplitude = {amplitude} is outside [0, 0.25)");
         return Err(reading.error(
@@ -192,8 +177,5 @@ fn mesh(reading: &Reading, written: Option<&written::Mesh>) -> Result<MeshFamily
         ));
     }
     let seed = reading.needed("domain.mesh.seed", mesh.seed, &mesh.kind, "seed = 1")?;
-    Ok(MeshFamily::Perturbed {
-        amplitude,
-        seed: reading.seed("domain.mesh.seed", seed)?,
-    })
+    Ok(MeshFamily::Perturbed { amplitude, seed: reading.seed("domain.mesh.seed", seed)? })
 }

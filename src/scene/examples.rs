@@ -4,15 +4,9 @@
 const LINES: [(&str, &str); 30] = [
     ("scene", "[scene] holds name, question, dimension"),
     ("scene.name", "name = \"punch\""),
-    (
-        "scene.question",
-        "question = \"What this scene decides, in one sentence.\"",
-    ),
+    ("scene.question", "question = \"What this scene decides, in one sentence.\""),
     ("scene.dimension", "dimension = 2"),
-    (
-        "domain",
-        "[domain] holds shape, size, and the sides: clamped, traction, contact",
-    ),
+    ("domain", "[domain] holds shape, size, and the sides: clamped, traction, contact"),
     ("domain.shape", "shape = \"rectangle\""),
     ("domain.size", "size = [1.0, 1.0]"),
     ("domain.mesh.kind", "kind = \"structured\""),
@@ -32,10 +26,7 @@ const LINES: [(&str, &str); 30] = [
     ("sweep.steps", "steps = [8, 16, 32]"),
     ("sweep.reference.n", "n = 128"),
     ("sweep.reference.steps", "steps = 64"),
-    (
-        "predicts",
-        "write [[predicts]], with double brackets: there may be several",
-    ),
+    ("predicts", "write [[predicts]], with double brackets: there may be several"),
     ("predicts.norm", "norm = \"V_max\""),
     ("predicts.variable", "variable = \"h\""),
     ("predicts.order", "order = 1.0"),
@@ -46,13 +37,6 @@ const LINES: [(&str, &str); 30] = [
 /// The line to add for a dotted name such as `predicts.0.order`.
 pub(super) fn example(name: &str) -> Option<&'static str> {
     let is_index = |part: &&str| part.parse::<usize>().is_err();
-    let plain = name
-        .split('.')
-        .filter(is_index)
-        .collect::<Vec<_>>()
-        .join(".");
-    LINES
-        .iter()
-        .find(|(known, _)| *known == plain)
-        .map(|(_, line)| *line)
+    let plain = name.split('.').filter(is_index).collect::<Vec<_>>().join(".");
+    LINES.iter().find(|(known, _)| *known == plain).map(|(_, line)| *line)
 }

@@ -84,25 +84,14 @@ fn steepest_bend(
     let spacing = (points[1].x - points[0].x) + (points[1].y - points[0].y);
     let value = |node: Node, point: &Point| reading.formulas.evaluate(node, point);
     let values: Vec<f64> = points.iter().map(|point| value(gap, point)).collect();
-    let size = values
-        .iter()
-        .fold(f64::MIN_POSITIVE, |size, value| size.max(value.abs()));
+    let size = values.iter().fold(f64::MIN_POSITIVE, |size, value| size.max(value.abs()));
     let exact = points.iter().map(|point| (*point, value(curvature, point)));
     let second_difference = |g: &[f64]| (g[0] - 2.0 * g[1] + g[2]) / (spacing * spacing);
-    let differences = points[1..]
-        .iter()
-        .zip(values.windows(3))
-        .map(|(point, g)| (*point, second_difference(g)));
-    let upward = exact
-        .chain(differences)
-        .filter(|(_, bend)| bend * spacing * spacing > ROUNDING * size);
-    upward.reduce(|steepest, next| {
-        if next.1 > 1.001 * steepest.1 {
-            next
-        } else {
-            steepest
-        }
-    })
+    let differences =
+        points[1..].iter().zip(values.windows(3)).map(|(point, g)| (*point, second_difference(g)));
+    let upward =
+        exact.chain(differences).filter(|(_, bend)| bend * spacing * spacing > ROUNDING * size);
+    upward.reduce(|steepest, next| if next.1 > 1.001 * steepest.1 { next } else { steepest })
 }
 
 /// The second derivative along a side.
@@ -118,10 +107,6 @@ fn second_derivative(reading: &mut Reading, gap: Node, side: Side) -> Node {
 fn points(side: Side, domain: &Domain) -> impl Iterator<Item = Point> {
     evenly(0.0, 1.0, SAMPLES).map(move |s| {
         let [x, y] = side.point(&domain.size, s);
-        Point {
-            x,
-            y,
-            ..Point::default()
-        }
+        Point { x, y, ..Point::default() }
     })
 }

@@ -36,11 +36,7 @@ impl Law {
         ];
         let kind = reading.choice("contact.law.kind", &written.kind, &known)?;
         if !matches!(kind, Kind::Linear) {
-            reading.surplus(
-                "contact.law.stiffness",
-                written.stiffness.as_ref(),
-                &written.kind,
-            )?;
+            reading.surplus("contact.law.stiffness", written.stiffness.as_ref(), &written.kind)?;
         }
         if !matches!(kind, Kind::PiecewiseLinear) {
             reading.surplus("contact.law.points", written.points.as_ref(), &written.kind)?;
@@ -71,21 +67,13 @@ impl Law {
             "stiffness = 2.0",
         )?;
         reading.finite("contact.law.stiffness", stiffness)?;
-        Ok(Law {
-            points: vec![[0.0, 0.0]],
-            slope_before: stiffness,
-            slope_after: stiffness,
-        })
+        Ok(Law { points: vec![[0.0, 0.0]], slope_before: stiffness, slope_after: stiffness })
     }
 
     fn piecewise_linear(reading: &Reading, written: &written::Law) -> Result<Law, SceneError> {
         let line = "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
-        let points = reading.needed(
-            "contact.law.points",
-            written.points.as_ref(),
-            &written.kind,
-            line,
-        )?;
+        let points =
+            reading.needed("contact.law.points", written.points.as_ref(), &written.kind, line)?;
         let before = reading.needed(
             "contact.law.slope_before",
             written.slope_before,
@@ -112,11 +100,7 @@ impl Law {
             let key = format!("{KEY}.points.{}", index + 1);
             admissible(reading, &key, pair[0], pair[1])?;
         }
-        match self
-            .points
-            .windows(3)
-            .position(|three| three[0][0] == three[2][0])
-        {
+        match self.points.windows(3).position(|three| three[0][0] == three[2][0]) {
             None => Ok(()),
             Some(index) => {
                 let message = format!("three points at r = {}", self.points[index][0]);
@@ -132,10 +116,7 @@ impl Law {
     /// upward jumps, hence at least -α (r1 - r2); times (r1 - r2) this is (2.8c). No smaller constant does: two points
     /// of the steepest segment give equality. A jump down by δ would need α (r1 - r2)² ≥ δ (r1 - r2) for r1 - r2 → 0.
     pub fn alpha(&self) -> f64 {
-        let inner = self
-            .points
-            .windows(2)
-            .filter(|pair| pair[1][0] > pair[0][0]);
+        let inner = self.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
         let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
         slopes
             .chain([self.slope_before, self.slope_after])
@@ -207,11 +188,7 @@ mod tests {
     use super::Law;
 
     fn law(points: &[[f64; 2]], slope_before: f64, slope_after: f64) -> Law {
-        Law {
-            points: points.to_vec(),
-            slope_before,
-            slope_after,
-        }
+        Law { points: points.to_vec(), slope_before, slope_after }
     }
 
     #[test]

@@ -32,12 +32,7 @@ impl Material {
             Some(projection) => Some(Projection::validate(reading, projection, horizon)?),
             None => None,
         };
-        Ok(Material {
-            lambda,
-            mu,
-            memory,
-            projection,
-        })
+        Ok(Material { lambda, mu, memory, projection })
     }
 }
 
@@ -47,22 +42,10 @@ fn lame(reading: &Reading, written: &written::Material) -> Result<[f64; 2], Scen
         (Some(lambda), Some(mu), None, None) => elliptic(reading, lambda, mu),
         (None, None, Some(young), Some(poisson)) => from_young(reading, young, poisson),
         (lambda, mu, young, poisson) => {
-            let given = [
-                ("lambda", lambda),
-                ("mu_L", mu),
-                ("E", young),
-                ("nu", poisson),
-            ];
-            let names: Vec<&str> = given
-                .iter()
-                .filter(|(_, value)| value.is_some())
-                .map(|(name, _)| *name)
-                .collect();
-            let list = if names.is_empty() {
-                "nothing".to_string()
-            } else {
-                names.join(", ")
-            };
+            let given = [("lambda", lambda), ("mu_L", mu), ("E", young), ("nu", poisson)];
+            let names: Vec<&str> =
+                given.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
+            let list = if names.is_empty() { "nothing".to_string() } else { names.join(", ") };
             let message = format!("[material] gives {list}: elasticity needs exactly one pair");
             Err(reading.error("material", message, "give lambda and mu_L, or E and nu"))
         }

@@ -30,20 +30,12 @@ impl Memory {
         let lambda = reading.finite("material.memory.lambda", written.lambda)?;
         let mu = reading.finite("material.memory.mu", written.mu)?;
         let kernel = reading.formula(key, &written.kernel, &Scope::new(&[Variable::T]))?;
-        let times = evenly(0.0, horizon, SAMPLES).map(|t| Point {
-            t,
-            ..Point::default()
-        });
+        let times = evenly(0.0, horizon, SAMPLES).map(|t| Point { t, ..Point::default() });
         if let Some((point, value)) = reading.first_not_finite(kernel, times) {
             let message = format!("the memory kernel is {value} at t = {}", point.t);
             let hint = "ℬ must be continuous on [0, T]: the trapezoidal rule uses its value at t = 0; -exp(-t) and sqrt(t) are examples";
             return Err(reading.error(key, message, hint));
         }
-        Ok(Memory {
-            kernel,
-            exponentials: reading.formulas.exponential_sum(kernel),
-            lambda,
-            mu,
-        })
+        Ok(Memory { kernel, exponentials: reading.formulas.exponential_sum(kernel), lambda, mu })
     }
 }

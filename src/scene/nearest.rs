@@ -31,9 +31,7 @@ fn closeness(name: &str, candidate: &str) -> Option<usize> {
     }
     let edits = edit_distance(name, candidate);
     let longer = name.chars().count().max(candidate.chars().count());
-    (edits <= longer.div_ceil(3))
-        .then_some(edits)
-        .filter(|&edits| edits < longer)
+    (edits <= longer.div_ceil(3)).then_some(edits).filter(|&edits| edits < longer)
 }
 
 /// Fewest insertions, deletions, substitutions and swaps of neighbours that turn one name into the other.
@@ -71,10 +69,7 @@ mod tests {
 
     #[test]
     fn only_what_may_be_meant_is_offered() {
-        assert_eq!(
-            nearest("quadrture", ["gap", "quadrature"]),
-            Some("quadrature")
-        );
+        assert_eq!(nearest("quadrture", ["gap", "quadrature"]), Some("quadrature"));
         assert_eq!(nearest("colour", ["gap", "law"]), None);
         assert_eq!(nearest("a", ["b"]), None);
     }

@@ -47,10 +47,7 @@ impl Norm {
 
     /// Whether the norm lives on Γ3 and so has no meaning without contact.
     pub fn needs_contact(self) -> bool {
-        matches!(
-            self,
-            Norm::TraceL2Max | Norm::PressureL2Max | Norm::ContactSetMax
-        )
+        matches!(self, Norm::TraceL2Max | Norm::PressureL2Max | Norm::ContactSetMax)
     }
 
     pub(super) fn validate(
@@ -111,11 +108,7 @@ impl Prediction {
         has_contact: bool,
     ) -> Result<Prediction, SceneError> {
         let key = |name: &str| format!("predicts.{index}.{name}");
-        let known = [
-            ("h", Direction::H),
-            ("k", Direction::K),
-            ("joint", Direction::Joint),
-        ];
+        let known = [("h", Direction::H), ("k", Direction::K), ("joint", Direction::Joint)];
         let variable = reading.choice(&key("variable"), &written.variable, &known)?;
         if written.at_least && written.exact {
             let message = "both at_least and exact: an order is a lower bound or it is sharp";

@@ -44,11 +44,7 @@ impl Projection {
         let kappa = reading.formula(key, &written.kappa, &Scope::new(&[Variable::Zeta]))?;
         admissible(reading, key, kappa, horizon)?;
         let lipschitz = lipschitz(reading, key, kappa, horizon)?;
-        Ok(Projection {
-            mu,
-            kappa,
-            lipschitz,
-        })
+        Ok(Projection { mu, kappa, lipschitz })
     }
 }
 
@@ -106,10 +102,5 @@ fn lipschitz(
 fn samples(horizon: f64) -> impl Iterator<Item = Point> {
     let largest = LARGEST_MEAN_STRAIN * horizon;
     let crowded = (0..CROWDED_SAMPLES).map(move |i| largest * 0.5_f64.powi(i));
-    evenly(0.0, largest, EVEN_SAMPLES)
-        .chain(crowded)
-        .map(|zeta| Point {
-            zeta,
-            ..Point::default()
-        })
+    evenly(0.0, largest, EVEN_SAMPLES).chain(crowded).map(|zeta| Point { zeta, ..Point::default() })
 }

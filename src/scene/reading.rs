@@ -134,9 +134,7 @@ impl<'a> Reading<'a> {
         scope: &Scope,
     ) -> Result<Node, SceneError> {
         self.formulas.parse(&formula.0, scope).map_err(|error| {
-            let hint = error
-                .hint
-                .unwrap_or_else(|| "correct the formula".to_string());
+            let hint = error.hint.unwrap_or_else(|| "correct the formula".to_string());
             SceneError::at(
                 self.source,
                 self.inside(key, &formula.0, error.span),
@@ -205,7 +203,5 @@ pub(super) fn evenly(from: f64, to: f64, intervals: u32) -> impl Iterator<Item =
 
 /// The last name of a dotted key.
 pub(super) fn last(key: &str) -> &str {
-    key.rsplit('.')
-        .find(|part| part.parse::<usize>().is_err())
-        .unwrap_or(key)
+    key.rsplit('.').find(|part| part.parse::<usize>().is_err()).unwrap_or(key)
 }

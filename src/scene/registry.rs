@@ -23,10 +23,7 @@ impl Registry {
     /// # Errors
     /// The folder cannot be read, or two files have one name.
     pub fn open(folder: &Path) -> Result<Registry, SceneError> {
-        let mut registry = Registry {
-            folder: folder.to_path_buf(),
-            files: BTreeMap::new(),
-        };
+        let mut registry = Registry { folder: folder.to_path_buf(), files: BTreeMap::new() };
         registry.enter(folder, DEEPEST)?;
         Ok(registry)
     }
@@ -59,10 +56,8 @@ impl Registry {
         let loaded = Scene::read(&path)?;
         let expected = stem(&path);
         if self.files.contains_key(scene) && loaded.name != expected {
-            let message = format!(
-                "the scene is called `{}`, its file `{expected}.toml`",
-                loaded.name
-            );
+            let message =
+                format!("the scene is called `{}`, its file `{expected}.toml`", loaded.name);
             return Err(loaded.error(
                 "scene.name",
                 message,
@@ -91,11 +86,7 @@ impl Registry {
                 self.names().collect::<Vec<_>>().join(", ")
             )
         };
-        SceneError::Unknown {
-            name: name.to_string(),
-            folder: self.folder.clone(),
-            way_out,
-        }
+        SceneError::Unknown { name: name.to_string(), folder: self.folder.clone(), way_out }
     }
 
     fn enter(&mut self, folder: &Path, deeper: usize) -> Result<(), SceneError> {
@@ -122,18 +113,12 @@ impl Registry {
         let name = stem(&path);
         match self.files.insert(name.clone(), path.clone()) {
             None => Ok(()),
-            Some(first) => Err(SceneError::Duplicate {
-                name,
-                first,
-                second: path,
-            }),
+            Some(first) => Err(SceneError::Duplicate { name, first, second: path }),
         }
     }
 }
 
 /// The file name without its ending.
 fn stem(path: &Path) -> String {
-    path.file_stem()
-        .map(|stem| stem.to_string_lossy().into_owned())
-        .unwrap_or_default()
+    path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }

@@ -23,11 +23,7 @@ impl Source {
     pub fn from_text(path: impl Into<PathBuf>, text: impl Into<String>) -> Source {
         let text = text.into();
         let hash = format!("{:016x}", fnv_1a(text.as_bytes()));
-        Source {
-            path: path.into(),
-            text,
-            hash,
-        }
+        Source { path: path.into(), text, hash }
     }
 
     /// Reads a file of at most 1 MiB of UTF-8.
@@ -40,9 +36,7 @@ impl Source {
             reason: error.to_string(),
         })?;
         if bytes.len() as u64 > LARGEST_FILE {
-            return Err(SceneError::TooLarge {
-                path: path.to_path_buf(),
-            });
+            return Err(SceneError::TooLarge { path: path.to_path_buf() });
         }
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Source::from_text(path, text)),
@@ -54,9 +48,7 @@ impl Source {
 /// The bytes of the file; of a file longer than `largest`, one byte more than that, so that the excess shows.
 fn read_at_most(path: &Path, largest: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    File::open(path)?
-        .take(largest + 1)
-        .read_to_end(&mut bytes)?;
+    File::open(path)?.take(largest + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 
@@ -64,19 +56,9 @@ fn not_utf8(path: &Path, error: &std::string::FromUtf8Error) -> SceneError {
     let bytes = error.as_bytes();
     let valid = &bytes[..error.utf8_error().valid_up_to()];
     let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
-    let line_start = valid
-        .iter()
-        .rposition(|&byte| byte == b'\n')
-        .map_or(0, |newline| newline + 1);
-    let column = 1 + String::from_utf8_lossy(&valid[line_start..])
-        .chars()
-        .count();
-    SceneError::NotUtf8 {
-        path: path.to_path_buf(),
-        line,
-        column,
-        byte: bytes[valid.len()],
-    }
+    let line_start = valid.iter().rposition(|&byte| byte == b'\n').map_or(0, |newline| newline + 1);
+    let column = 1 + String::from_utf8_lossy(&valid[line_start..]).chars().count();
+    SceneError::NotUtf8 { path: path.to_path_buf(), line, column, byte: bytes[valid.len()] }
 }
 
 /// The 64-bit FNV-1a hash.

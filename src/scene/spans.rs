@@ -28,14 +28,12 @@ impl Spans {
 
     /// Bytes of the value at a dotted key; of the nearest part that contains it, where the key is absent.
     pub fn value(&self, key: &str) -> Range<usize> {
-        self.nearest_place(key)
-            .map_or(0..0, |place| place.value.clone())
+        self.nearest_place(key).map_or(0..0, |place| place.value.clone())
     }
 
     /// Bytes of the key itself, or of the nearest part that contains it.
     pub fn key(&self, key: &str) -> Range<usize> {
-        self.nearest_place(key)
-            .map_or(0..0, |place| place.key.clone())
+        self.nearest_place(key).map_or(0..0, |place| place.key.clone())
     }
 
     /// The dotted name of the table whose header, or inline value, occupies exactly these bytes.
@@ -82,20 +80,10 @@ impl Spans {
             }
             _ => {}
         }
-        self.places.insert(
-            name,
-            Place {
-                key,
-                value: value.span(),
-            },
-        );
+        self.places.insert(name, Place { key, value: value.span() });
     }
 }
 
 fn join(parent: &str, key: &str) -> String {
-    if parent.is_empty() {
-        key.to_string()
-    } else {
-        format!("{parent}.{key}")
-    }
+    if parent.is_empty() { key.to_string() } else { format!("{parent}.{key}") }
 }

@@ -3,8 +3,8 @@
 use super::diagnostic::SceneError;
 use super::domain::Domain;
 use super::prediction::Norm;
-use super::validated::Scene;
 use super::reading::Reading;
+use super::validated::Scene;
 use super::written;
 
 /// The run that stands for the truth where there is no exact solution.
@@ -50,12 +50,7 @@ impl Sweep {
             Some(words) => Some(norms(reading, words, has_contact)?),
             None => None,
         };
-        Ok(Some(Sweep {
-            n,
-            steps,
-            reference,
-            norms,
-        }))
+        Ok(Some(Sweep { n, steps, reference, norms }))
     }
 }
 
@@ -146,18 +141,19 @@ impl Scene {
                 }
             }
             if let Some(reference) = reference.filter(|r| !r.n.is_multiple_of(n as usize)) {
-                let message = format!("the reference n = {} is no multiple of n = {n}", reference.n);
+                let message =
+                    format!("the reference n = {} is no multiple of n = {n}", reference.n);
                 let hint = "choose n among the divisors of the reference, or change the reference";
                 return Err(self.error("sweep.reference", message, hint));
             }
         }
         for &steps in steps.unwrap_or_default() {
-            if let Some(reference) =
-                reference.filter(|r| !r.steps.is_multiple_of(steps as usize))
-            {
+            if let Some(reference) = reference.filter(|r| !r.steps.is_multiple_of(steps as usize)) {
                 let own = reference.steps;
-                let message = format!("the reference steps = {own} is no multiple of steps = {steps}");
-                let hint = "choose steps among the divisors of the reference's, or change the reference";
+                let message =
+                    format!("the reference steps = {own} is no multiple of steps = {steps}");
+                let hint =
+                    "choose steps among the divisors of the reference's, or change the reference";
                 return Err(self.error("sweep.reference", message, hint));
             }
         }

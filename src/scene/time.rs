@@ -44,18 +44,11 @@ impl Time {
 
 impl TimeGrid {
     fn validate(reading: &Reading, written: &written::Grid) -> Result<TimeGrid, SceneError> {
-        let known = [
-            ("uniform", Kind::Uniform),
-            ("graded", Kind::Graded),
-            ("random", Kind::Random),
-        ];
+        let known =
+            [("uniform", Kind::Uniform), ("graded", Kind::Graded), ("random", Kind::Random)];
         let kind = reading.choice("time.grid.kind", &written.kind, &known)?;
         if !matches!(kind, Kind::Graded) {
-            reading.surplus(
-                "time.grid.exponent",
-                written.exponent.as_ref(),
-                &written.kind,
-            )?;
+            reading.surplus("time.grid.exponent", written.exponent.as_ref(), &written.kind)?;
         }
         if !matches!(kind, Kind::Random) {
             reading.surplus("time.grid.seed", written.seed.as_ref(), &written.kind)?;
@@ -74,9 +67,7 @@ impl TimeGrid {
             Kind::Random => {
                 let seed =
                     reading.needed("time.grid.seed", written.seed, &written.kind, "seed = 1")?;
-                Ok(TimeGrid::Random {
-                    seed: reading.seed("time.grid.seed", seed)?,
-                })
+                Ok(TimeGrid::Random { seed: reading.seed("time.grid.seed", seed)? })
             }
         }
     }

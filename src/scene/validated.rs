@@ -91,9 +91,7 @@ impl Scene {
 
 /// Nothing but white space and comments.
 fn is_blank(text: &str) -> bool {
-    text.lines()
-        .map(str::trim)
-        .all(|line| line.is_empty() || line.starts_with('#'))
+    text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
 }
 
 fn parse(source: &Source) -> Result<(written::File, Spans), SceneError> {
@@ -167,9 +165,5 @@ fn has_truth(
     let message =
         "no exact solution and no reference run: errors have no truth to be measured against";
     let key = if sweep.is_some() { "sweep" } else { "loads" };
-    Err(reading.error(
-        key,
-        message,
-        "add to [sweep]: reference = { n = 128, steps = 64 }",
-    ))
+    Err(reading.error(key, message, "add to [sweep]: reference = { n = 128, steps = 64 }"))
 }

@@ -85,26 +85,14 @@ fn unknown_key(
 fn missing_key(source: &Source, spans: &Spans, span: Range<usize>, key: &str) -> SceneError {
     match spans.name_at(&span) {
         Some(part) => {
-            let hint = example(&format!("{part}.{key}")).map_or_else(
-                || format!("add `{key} = …`"),
-                |line| format!("for instance: {line}"),
-            );
-            SceneError::at(
-                source,
-                span,
-                format!("{} lacks the key `{key}`", heading(part)),
-                hint,
-            )
+            let hint = example(&format!("{part}.{key}"))
+                .map_or_else(|| format!("add `{key} = …`"), |line| format!("for instance: {line}"));
+            SceneError::at(source, span, format!("{} lacks the key `{key}`", heading(part)), hint)
         }
         None => {
             let end = source.text.trim_end().len();
             let hint = example(key).unwrap_or("add it");
-            SceneError::at(
-                source,
-                end..end,
-                format!("the part [{key}] is missing"),
-                hint,
-            )
+            SceneError::at(source, end..end, format!("the part [{key}] is missing"), hint)
         }
     }
 }
@@ -121,11 +109,7 @@ fn wrong_type(source: &Source, spans: &Spans, span: Range<usize>, message: &str)
     {
         Some((found, expected)) => {
             let subject = name.map(|name| format!("`{name}`: ")).unwrap_or_default();
-            format!(
-                "{subject}expected {}, found {}",
-                plain_type(expected),
-                plain_type(found)
-            )
+            format!("{subject}expected {}, found {}", plain_type(expected), plain_type(found))
         }
         None => message.to_string(),
     };
@@ -137,20 +121,15 @@ fn plain_type(name: &str) -> String {
         return "a table".to_string();
     }
     let name = name.trim_end_matches(" as i128");
-    let renamed = TYPES.iter().find_map(|(theirs, ours)| {
-        name.strip_prefix(theirs)
-            .map(|rest| format!("{ours}{rest}"))
-    });
+    let renamed = TYPES
+        .iter()
+        .find_map(|(theirs, ours)| name.strip_prefix(theirs).map(|rest| format!("{ours}{rest}")));
     renamed.unwrap_or_else(|| name.to_string())
 }
 
 /// How a dotted name of a table reads in a message: `[material.memory]`, `[[predicts]]`.
 fn heading(part: &str) -> String {
-    if part.starts_with("predicts.") {
-        "[[predicts]]".to_string()
-    } else {
-        format!("[{part}]")
-    }
+    if part.starts_with("predicts.") { "[[predicts]]".to_string() } else { format!("[{part}]") }
 }
 
 /// The pieces of a message between backticks.

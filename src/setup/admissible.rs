@@ -141,17 +141,24 @@ fn contact_state(setup: &Setup, exact: &Exact, side: Side) -> Result<(), SetupEr
         let &[u_nu, _, gap, xi, lambda] = values else { return Ok(()) };
         let scene = &setup.scene;
         if lambda.is_nan() || lambda < 0.0 {
-            let message = format!("the multiplier is {lambda:.3e} {}: it must not be negative", place(at));
+            let message =
+                format!("the multiplier is {lambda:.3e} {}: it must not be negative", place(at));
             let hint = "a multiplier is a pressure: lambda >= 0, and it vanishes where u_nu < g";
             return Err(scene.error("exact.multiplier", message, hint).into());
         }
         if u_nu.is_nan() || u_nu - gap > ROUNDING * gap.abs().max(f64::MIN_POSITIVE) {
-            let message = format!("the exact solution violates u_nu <= g: u_nu = {u_nu:.6}, g = {gap:.6} {}", place(at));
+            let message = format!(
+                "the exact solution violates u_nu <= g: u_nu = {u_nu:.6}, g = {gap:.6} {}",
+                place(at)
+            );
             let hint = "lower the displacement on the contact side or raise the gap";
             return Err(scene.error("exact.u", message, hint).into());
         }
         if gap.is_finite() && lambda > 0.0 && gap - u_nu > ROUNDING * gap.abs() {
-            let message = format!("the multiplier is {lambda:.3e} where u_nu = {u_nu:.6} is below g = {gap:.6}, {}", place(at));
+            let message = format!(
+                "the multiplier is {lambda:.3e} where u_nu = {u_nu:.6} is below g = {gap:.6}, {}",
+                place(at)
+            );
             let hint = "complementarity: lambda (u_nu - g) = 0, so lambda > 0 only where u_nu = g";
             return Err(scene.error("exact.multiplier", message, hint).into());
         }
@@ -160,12 +167,7 @@ fn contact_state(setup: &Setup, exact: &Exact, side: Side) -> Result<(), SetupEr
 }
 
 /// ξ ∈ ∂j_ν(u_ν - s), where the scene states ξ.
-fn selection(
-    setup: &Setup,
-    at: &Point,
-    u_nu: f64,
-    xi: f64,
-) -> Result<(), SceneError> {
+fn selection(setup: &Setup, at: &Point, u_nu: f64, xi: f64) -> Result<(), SceneError> {
     let Some(boundary) = &setup.model.boundary else { return Ok(()) };
     let shift = (boundary.shift)([at.x, at.y, at.z]);
     let (lo, hi) = boundary.potential.subdifferential(u_nu - shift);
@@ -173,7 +175,10 @@ fn selection(
     if xi >= lo - slack && xi <= hi + slack {
         return Ok(());
     }
-    let message = format!("xi = {xi:.6} is not in the subdifferential [{lo:.6}, {hi:.6}] at u_nu = {u_nu:.6}, {}", place(at));
+    let message = format!(
+        "xi = {xi:.6} is not in the subdifferential [{lo:.6}, {hi:.6}] at u_nu = {u_nu:.6}, {}",
+        place(at)
+    );
     let hint = "state exact.selection within the interval of the law at u_nu - shift";
     Err(setup.scene.error("exact.selection", message, hint))
 }

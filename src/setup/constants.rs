@@ -54,11 +54,9 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
     let mu = setup.projection_mu();
     let law = scene.contact.as_ref().and_then(|contact| contact.law.as_ref());
     let alpha_nu = law.map_or(0.0, crate::scene::Law::alpha);
-    let c_j_squared =
-        if scene.domain.contact.is_empty() { 0.0 } else { trace_constant(setup)? };
+    let c_j_squared = if scene.domain.contact.is_empty() { 0.0 } else { trace_constant(setup)? };
     let m0 = m_elastic - alpha_nu * c_j_squared;
-    let lipschitz =
-        material.projection.as_ref().map_or(0.0, |projection| projection.lipschitz);
+    let lipschitz = material.projection.as_ref().map_or(0.0, |projection| projection.lipschitz);
     let area: f64 = scene.domain.size.iter().product();
     let yielding = mu * lipschitz * area.sqrt();
     let (memory_norm, memory_at_zero) = memory_norms(setup);
@@ -86,9 +84,8 @@ fn memory_norms(setup: &Setup) -> (f64, f64) {
     let tensor = Isotropic { lambda: memory.lambda, mu: memory.mu };
     let (low, high) = tensor.eigenvalues(scene.dimension);
     let size = low.abs().max(high.abs());
-    let kernel = |t: f64| {
-        scene.formulas.evaluate(memory.kernel, &Point { t, ..Point::default() }).abs()
-    };
+    let kernel =
+        |t: f64| scene.formulas.evaluate(memory.kernel, &Point { t, ..Point::default() }).abs();
     let step = scene.time.horizon / f64::from(KERNEL_SAMPLES);
     let largest = (0..=KERNEL_SAMPLES).map(|i| kernel(step * f64::from(i))).fold(0.0, f64::max);
     (size * largest, size * kernel(0.0))
@@ -117,8 +114,7 @@ pub fn trace_constant(setup: &Setup) -> Result<f64, SetupError> {
     let mut values = Vec::new();
     for n in LEVELS {
         let space = setup.space(n)?;
-        let value = largest_trace_ratio(&space)
-            .map_err(|source| SetupError::Mesh { n, source })?;
+        let value = largest_trace_ratio(&space).map_err(|source| SetupError::Mesh { n, source })?;
         values.push(value);
     }
     let (first, second) = (values[1] - values[0], values[2] - values[1]);
@@ -168,8 +164,8 @@ fn trace_mass(space: &Discretization, v: &[f64]) -> Vec<f64> {
         for &i in members {
             let point = space.trace.points[i as usize];
             let own = space.trace.normal(i as usize, v);
-            out[point.component as usize] += point.sign * space.trace.measure[f] * (own + total)
-                / (corners * (corners + 1.0));
+            out[point.component as usize] +=
+                point.sign * space.trace.measure[f] * (own + total) / (corners * (corners + 1.0));
         }
     }
     out[space.dofs()..].fill(0.0);

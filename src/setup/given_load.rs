@@ -174,9 +174,9 @@ impl ReferenceTruth {
         load: GivenLoad,
         reference: Option<Arc<ReferenceRun>>,
     ) -> Self {
-        let basis = load.basis().map(|basis| {
-            basis.iter().map(|vector| vector[..space.dofs()].to_vec()).collect()
-        });
+        let basis = load
+            .basis()
+            .map(|basis| basis.iter().map(|vector| vector[..space.dofs()].to_vec()).collect());
         Self { space, load, basis, reference, moments: Mutex::default() }
     }
 }

@@ -94,9 +94,7 @@ impl Setup {
         let time = self.scene.time;
         match time.grid {
             scene::TimeGrid::Uniform => TimeGrid::uniform(time.horizon, steps),
-            scene::TimeGrid::Graded { exponent } => {
-                TimeGrid::graded(time.horizon, steps, exponent)
-            }
+            scene::TimeGrid::Graded { exponent } => TimeGrid::graded(time.horizon, steps, exponent),
             scene::TimeGrid::Random { seed } => TimeGrid::random(time.horizon, steps, seed),
         }
     }
@@ -118,13 +116,12 @@ fn model(scene: &Scene) -> SceneModel {
         },
         tensor: Isotropic { lambda: memory.lambda, mu: memory.mu },
     });
-    let projection = material
-        .projection
-        .as_ref()
-        .filter(|projection| projection.mu > 0.0)
-        .map(|projection| VonMises {
-            mu: projection.mu,
-            limit: YieldFormula::new(&scene.formulas, projection.kappa),
+    let projection =
+        material.projection.as_ref().filter(|projection| projection.mu > 0.0).map(|projection| {
+            VonMises {
+                mu: projection.mu,
+                limit: YieldFormula::new(&scene.formulas, projection.kappa),
+            }
         });
     let boundary = scene
         .contact

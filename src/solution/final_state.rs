@@ -96,7 +96,11 @@ impl FinalState {
             self.normal_displacement.push(row);
         }
         self.normal_displacement.sort_by(|a, b| {
-            a.iter().zip(b).map(|(p, q)| p.total_cmp(q)).find(|o| o.is_ne()).unwrap_or(std::cmp::Ordering::Equal)
+            a.iter()
+                .zip(b)
+                .map(|(p, q)| p.total_cmp(q))
+                .find(|o| o.is_ne())
+                .unwrap_or(std::cmp::Ordering::Equal)
         });
         self.contact_force = self.compliance_force + self.multiplier_force;
     }
@@ -109,8 +113,7 @@ fn over_cells<P: Projection, const S: usize>(
 ) -> (f64, usize) {
     let (mut energy, mut yielding) = (0.0, 0);
     for c in 0..space.mesh.cell_count() {
-        let strain =
-            strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), view.u);
+        let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), view.u);
         let stress = model.elasticity.apply(&strain);
         energy += 0.5 * space.geometry.measure[c] * contract(&stress, &strain);
         yielding += usize::from(view.yields::<P, S>(space, model, c));

@@ -49,11 +49,8 @@ impl VtuSeries {
             lambda[point.vertex as usize] += view.multiplier[i];
         }
         let pressure: Vec<f64> = xi.iter().zip(&lambda).map(|(a, b)| a + b).collect();
-        let grid = Grid {
-            points: &points,
-            cells: &mesh.cells,
-            vertices_per_cell: mesh.dimension + 1,
-        };
+        let grid =
+            Grid { points: &points, cells: &mesh.cells, vertices_per_cell: mesh.dimension + 1 };
         let scalar = |name, values| Field { name, components: 1, values };
         let file = format!("{}_{:04}.vtu", self.name, view.n);
         write_vtu(

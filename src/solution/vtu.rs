@@ -1,13 +1,12 @@
 //! VTK files: a grid with its fields as `.vtu` (XML `UnstructuredGrid`, appended raw binary data)
 //! and a `.pvd` index of time steps.
-//!
-//! Layout of the appended data: an underscore, then for each array its length in bytes (`u64`)
-//! and its values, everything little endian. Offsets in the XML count from behind the underscore.
 
-use std::borrow::Cow;
+mod appended;
+
 use std::io;
 use std::path::{Path, PathBuf};
 
+use self::appended::{Appended, escape};
 use crate::record::replace_file;
 
 /// Values at the points or in the cells of a grid.
@@ -146,94 +145,9 @@ fn cell_type(grid: &Grid<'_>) -> Result<u8, VtuError> {
     }
 }
 
-/// The XML declarations of the arrays, and the bytes that they point to.
-#[derive(Default)]
-struct Appended {
-    declarations: String,
-    bytes: Vec<u8>,
-}
-
-impl Appended {
-    fn open(&mut self, element: &str) {
-        self.declarations += &format!("      <{element}>\n");
-    }
-
-    fn close(&mut self, element: &str) {
-        self.declarations += &format!("      </{element}>\n");
-    }
-
-    /// Declares an array and appends its values, with their number of bytes in front.
-    fn array<const BYTES: usize>(
-        &mut self,
-        kind: &str,
-        name: &str,
-        components: usize,
-        values: impl Iterator<Item = [u8; BYTES]>,
-    ) {
-        let offset = self.bytes.len();
-        let name = escape(name);
-        self.declarations += &format!(
-            "        <DataArray type=\"{kind}\" Name=\"{name}\" \
-             NumberOfComponents=\"{components}\" format=\"appended\" offset=\"{offset}\"/>\n"
-        );
-        let start = offset + size_of::<u64>();
-        self.bytes.resize(start, 0);
-        values.for_each(|value| self.bytes.extend_from_slice(&value));
-        let length = (self.bytes.len() - start) as u64;
-        self.bytes[offset..start].copy_from_slice(&length.to_le_bytes());
-    }
-
-    fn fields(&mut self, fields: &[Field<'_>], count: usize) -> Result<(), VtuError> {
-        for &Field { name, components, values } in fields {
-            if components == 0 || count.checked_mul(components) != Some(values.len()) {
-                let (name, found) = (name.to_owned(), values.len());
-                return Err(VtuError::FieldLength { name, count, components, found });
-            }
-            // Viewers take an array for a vector if it has three components.
-            let written = if components == 2 { 3 } else { components };
-            let padding = std::iter::repeat_n(0.0, written - components);
-            let padded = values
-                .chunks_exact(components)
-                .flat_map(|value| value.iter().copied().chain(padding.clone()));
-            self.array("Float64", name, written, padded.map(f64::to_le_bytes));
-        }
-        Ok(())
-    }
-
-    fn document(&self, points: usize, cells: usize) -> Vec<u8> {
-        let declarations = &self.declarations;
-        let head = format!(
-            "<?xml version=\"1.0\"?>\n\
-             <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt64\">\n  <UnstructuredGrid>\n    \
-             <Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n{declarations}    \
-             </Piece>\n  </UnstructuredGrid>\n  <AppendedData encoding=\"raw\">\n_"
-        );
-        [head.as_bytes(), &self.bytes, b"\n  </AppendedData>\n</VTKFile>\n"].concat()
-    }
-}
-
-/// `text` as the value of an XML attribute. Control characters, which XML cannot hold, become
-/// blanks.
-fn escape(text: &str) -> Cow<'_, str> {
-    if !text.contains(|c: char| c.is_control() || "<>&\"'".contains(c)) {
-        return Cow::Borrowed(text);
-    }
-    let mut escaped = String::with_capacity(text.len() + 8);
-    for c in text.chars() {
-        match c {
-            '<' => escaped += "&lt;",
-            '>' => escaped += "&gt;",
-            '&' => escaped += "&amp;",
-            '"' => escaped += "&quot;",
-            '\'' => escaped += "&apos;",
-            c if c.is_control() => escaped.push(' '),
-            c => escaped.push(c),
-        }
-    }
-    Cow::Owned(escaped)
-}
-
 fn replace(path: &Path, bytes: &[u8]) -> Result<(), VtuError> {
     replace_file(path, bytes).map_err(|source| VtuError::Io { path: path.to_owned(), source })
 }
+
+#[cfg(test)]
+mod tests;

@@ -28,8 +28,7 @@ impl Nodes {
             }
         }
         let vertices = 0..mesh.vertices() as u32;
-        let mut vertex: Vec<u32> =
-            vertices.clone().filter(|&v| !is_clamped[v as usize]).collect();
+        let mut vertex: Vec<u32> = vertices.clone().filter(|&v| !is_clamped[v as usize]).collect();
         let free = vertex.len();
         vertex.extend(vertices.filter(|&v| is_clamped[v as usize]));
         let mut of_vertex = vec![0; vertex.len()];

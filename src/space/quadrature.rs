@@ -49,8 +49,7 @@ fn triangle(orbits: &[Orbit]) -> Rule {
             }
             Orbit::Six { weight, a, b } => {
                 let c = 1.0 - a - b;
-                let images =
-                    vec![[a, b, c], [a, c, b], [b, a, c], [b, c, a], [c, a, b], [c, b, a]];
+                let images = vec![[a, b, c], [a, c, b], [b, a, c], [b, c, a], [c, a, b], [c, b, a]];
                 (weight, images)
             }
         };

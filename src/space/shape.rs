@@ -25,9 +25,8 @@ impl Geometry {
         for c in 0..cells {
             let cell = mesh.cell(c);
             let origin = mesh.vertex(cell[0]);
-            let edges = nalgebra::DMatrix::from_fn(d, d, |i, a| {
-                mesh.vertex(cell[a + 1])[i] - origin[i]
-            });
+            let edges =
+                nalgebra::DMatrix::from_fn(d, d, |i, a| mesh.vertex(cell[a + 1])[i] - origin[i]);
             let factorial = if d == 2 { 2.0 } else { 6.0 };
             measure.push(edges.determinant() / factorial);
             // λ_a(x) = row a of edges⁻¹ · (x - x_0) for a ≥ 1, and the gradients sum to zero.

@@ -56,12 +56,10 @@ fn measure(
         false => None,
     };
     let mut projection = match wants(Norm::VProjectionMax) {
-        true => Some(ElasticProjection::new(
-            &data.space,
-            &setup.model.elasticity,
-            setup.projection_mu(),
-        )
-        .map_err(|error| LoadError::Reference { reason: error.to_string() })?),
+        true => Some(
+            ElasticProjection::new(&data.space, &setup.model.elasticity, setup.projection_mu())
+                .map_err(|error| LoadError::Reference { reason: error.to_string() })?,
+        ),
         false => None,
     };
     let mut observe = |view: &StepView<'_>| {
@@ -91,11 +89,7 @@ fn measure(
 }
 
 /// ‖ε(u_n - u_ref(t_n))‖ against the run with more steps on the same mesh.
-fn time_error(
-    data: &MeshData,
-    finer: &Trajectory,
-    view: &StepView<'_>,
-) -> Result<f64, CaseError> {
+fn time_error(data: &MeshData, finer: &Trajectory, view: &StepView<'_>) -> Result<f64, CaseError> {
     let Some(reference) = finer.at(view.t) else {
         let reason = format!("the finer run has no step at t = {}", view.t);
         return Err(LoadError::Reference { reason }.into());
@@ -129,7 +123,7 @@ impl Maxima {
             .map(|&(norm, error)| NormError {
                 norm: norm.name().to_string(),
                 error: error.filter(|_| converged),
-                floor: converged.then(|| match norm {
+                floor: converged.then_some(match norm {
                     Norm::VMax | Norm::VProjectionMax => floors.v,
                     // Two runs, each with its own floor.
                     Norm::VTimeMax => 2.0 * floors.v,

@@ -3,7 +3,7 @@
 use crate::record::{CaseRecord, Key};
 use crate::report::SceneSummary;
 use crate::scene::{Direction, Expectation, Prediction, Scene};
-use crate::verdict::{self, Expect, Verdict, Variable};
+use crate::verdict::{self, Expect, Variable, Verdict};
 
 /// The verdicts of a scene; none if it is not judged.
 pub fn judge_scene(scene: &Scene, records: &[CaseRecord], expected: &[Key]) -> Vec<Verdict> {

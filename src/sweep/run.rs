@@ -104,11 +104,7 @@ pub fn run_sweep(
 }
 
 /// Makes the directory, its provenance, and the journal with the records that are kept.
-fn prepare(
-    plans: &[ScenePlan],
-    out: &Path,
-    known: &[CaseRecord],
-) -> Result<Journal, SweepError> {
+fn prepare(plans: &[ScenePlan], out: &Path, known: &[CaseRecord]) -> Result<Journal, SweepError> {
     let refused = |(path, reason)| SweepError::Directory { path, reason };
     std::fs::create_dir_all(out).map_err(|error| refused((out.to_owned(), error.to_string())))?;
     let table = out.join("cases.csv");
@@ -284,7 +280,5 @@ impl<'a> Shared<'a> {
 }
 
 fn is_case(plan: &ScenePlan, case: &CasePlan, record: &CaseRecord) -> bool {
-    record.scene == plan.setup.scene.name
-        && record.n == Some(case.n)
-        && record.steps == case.steps
+    record.scene == plan.setup.scene.name && record.n == Some(case.n) && record.steps == case.steps
 }

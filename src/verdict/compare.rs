@@ -22,29 +22,19 @@ pub struct Aim {
 /// The decision on one order, and the sentence that states it. Where the decision is
 /// `Unresolved`, the next cases to run are still to be named.
 pub fn compare(interval: Interval, aim: Aim) -> (Decision, String) {
-    let Aim {
-        order,
-        at_least,
-        exact,
-    } = aim;
+    let Aim { order, at_least, exact } = aim;
     let below = order - interval.hi;
     let above = interval.lo - order;
     let half_width = interval.half_width();
     if at_least && interval.lo >= order - WIDEST_HALF_WIDTH {
         (Decision::Pass, format!("{interval} is not below {order}"))
     } else if below > CLEAR_MISS {
-        (
-            Decision::Fail,
-            format!("{interval} lies {below:.2} below {order}"),
-        )
+        (Decision::Fail, format!("{interval} lies {below:.2} below {order}"))
     } else if at_least {
         let sentence = format!("{interval} reaches below {order} - {WIDEST_HALF_WIDTH}");
         (Decision::Unresolved, sentence)
     } else if exact && above > CLEAR_MISS {
-        (
-            Decision::Fail,
-            format!("{interval} lies {above:.2} above {order}, which is exact"),
-        )
+        (Decision::Fail, format!("{interval} lies {above:.2} above {order}, which is exact"))
     } else if above > CLEAR_MISS {
         let cause = "superconvergence, or a solution that does not excite the term";
         let sentence =
@@ -52,10 +42,7 @@ pub fn compare(interval: Interval, aim: Aim) -> (Decision, String) {
         (Decision::Unresolved, sentence)
     } else if !interval.contains(order) {
         let miss = below.max(above);
-        (
-            Decision::Unresolved,
-            format!("{interval} misses {order} by {miss:.3}"),
-        )
+        (Decision::Unresolved, format!("{interval} misses {order} by {miss:.3}"))
     } else if half_width > WIDEST_HALF_WIDTH {
         let sentence = format!("half-width {half_width:.2} > {WIDEST_HALF_WIDTH}");
         (Decision::Unresolved, sentence)
@@ -69,64 +56,26 @@ mod tests {
     use super::*;
 
     fn decide(lo: f64, hi: f64, at_least: bool, exact: bool) -> (Decision, String) {
-        compare(
-            Interval { lo, hi },
-            Aim {
-                order: 1.0,
-                at_least,
-                exact,
-            },
-        )
+        compare(Interval { lo, hi }, Aim { order: 1.0, at_least, exact })
     }
 
     #[test]
     fn every_rule_has_its_decision() {
         let cases = [
             (0.9, 1.1, false, false, Decision::Pass, "lies in"),
-            (
-                0.8,
-                1.2,
-                false,
-                false,
-                Decision::Unresolved,
-                "half-width 0.20 > 0.15",
-            ),
+            (0.8, 1.2, false, false, Decision::Unresolved, "half-width 0.20 > 0.15"),
             (0.8, 0.94, false, false, Decision::Fail, "below"),
-            (
-                0.8,
-                0.96,
-                false,
-                false,
-                Decision::Unresolved,
-                "misses 1 by 0.040",
-            ),
+            (0.8, 0.96, false, false, Decision::Unresolved, "misses 1 by 0.040"),
             (1.04, 1.1, false, true, Decision::Unresolved, "misses"),
-            (
-                1.06,
-                1.1,
-                false,
-                false,
-                Decision::Unresolved,
-                "order too high",
-            ),
+            (1.06, 1.1, false, false, Decision::Unresolved, "order too high"),
             (1.06, 1.1, false, true, Decision::Fail, "exact"),
             (0.86, 3.0, true, false, Decision::Pass, "not below"),
-            (
-                0.80,
-                3.0,
-                true,
-                false,
-                Decision::Unresolved,
-                "reaches below",
-            ),
+            (0.80, 3.0, true, false, Decision::Unresolved, "reaches below"),
             (0.80, 0.90, true, false, Decision::Fail, "below"),
         ];
         for (lo, hi, at_least, exact, decision, words) in cases {
             let (found, sentence) = decide(lo, hi, at_least, exact);
-            assert!(
-                found == decision && sentence.contains(words),
-                "{lo} {hi}: {sentence}"
-            );
+            assert!(found == decision && sentence.contains(words), "{lo} {hi}: {sentence}");
         }
     }
 }

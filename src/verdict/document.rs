@@ -61,17 +61,10 @@ pub fn failures(records: &[CaseRecord]) -> Vec<Failure> {
         Status::Failed { reason } => Some(reason.clone()),
         _ => None,
     };
-    let mut failed: Vec<(Key, String)> = records
-        .iter()
-        .filter_map(|record| Some((record.key(), reason(record)?)))
-        .collect();
+    let mut failed: Vec<(Key, String)> =
+        records.iter().filter_map(|record| Some((record.key(), reason(record)?))).collect();
     failed.sort();
-    let plain = |(Key { scene, n, steps }, reason)| Failure {
-        scene,
-        n,
-        steps,
-        reason,
-    };
+    let plain = |(Key { scene, n, steps }, reason)| Failure { scene, n, steps, reason };
     failed.into_iter().map(plain).collect()
 }
 
@@ -85,20 +78,11 @@ pub fn write_json(
     verdicts: &[Verdict],
     records: &[CaseRecord],
 ) -> Result<(), DocumentError> {
-    let document = Document {
-        provenance,
-        verdicts,
-        failures: failures(records),
-    };
-    let mut bytes = serde_json::to_vec_pretty(&document).map_err(|source| DocumentError::Json {
-        path: path.to_owned(),
-        source,
-    })?;
+    let document = Document { provenance, verdicts, failures: failures(records) };
+    let mut bytes = serde_json::to_vec_pretty(&document)
+        .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
     bytes.push(b'\n');
-    replace_file(path, &bytes).map_err(|source| DocumentError::Io {
-        path: path.to_owned(),
-        source,
-    })
+    replace_file(path, &bytes).map_err(|source| DocumentError::Io { path: path.to_owned(), source })
 }
 
 /// Reads the failures of an earlier `verdict.json`.
@@ -106,14 +90,10 @@ pub fn write_json(
 /// # Errors
 /// [`DocumentError::Io`], [`DocumentError::Json`].
 pub fn read_failures(path: &Path) -> Result<Vec<Failure>, DocumentError> {
-    let bytes = std::fs::read(path).map_err(|source| DocumentError::Io {
-        path: path.to_owned(),
-        source,
-    })?;
-    let read: Failures = serde_json::from_slice(&bytes).map_err(|source| DocumentError::Json {
-        path: path.to_owned(),
-        source,
-    })?;
+    let bytes = std::fs::read(path)
+        .map_err(|source| DocumentError::Io { path: path.to_owned(), source })?;
+    let read: Failures = serde_json::from_slice(&bytes)
+        .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
     Ok(read.failures)
 }
 

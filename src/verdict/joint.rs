@@ -21,29 +21,10 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
             return Finding::without_order(Decision::Unresolved, error.to_string());
         }
     };
-    let Prediction {
-        order,
-        at_least,
-        exact,
-        ..
-    } = *prediction;
+    let Prediction { order, at_least, exact, .. } = *prediction;
     let best = fits.best;
-    let space = compare(
-        best.order_h.interval,
-        Aim {
-            order,
-            at_least,
-            exact,
-        },
-    );
-    let time = compare(
-        best.order_k.interval,
-        Aim {
-            order: order_k,
-            at_least,
-            exact,
-        },
-    );
+    let space = compare(best.order_h.interval, Aim { order, at_least, exact });
+    let time = compare(best.order_k.interval, Aim { order: order_k, at_least, exact });
     let decision = match (space.0, time.0) {
         (Decision::Fail, _) | (_, Decision::Fail) => Decision::Fail,
         (Decision::Pass, Decision::Pass) => Decision::Pass,
@@ -80,12 +61,7 @@ fn sentence(
 /// The residuals of both models, the better one first.
 fn residuals(best: &JointFit, other: Option<&JointFit>) -> String {
     let text = |fit: &JointFit| format!("{:.1e} ({})", fit.residual_norm, fit.model.name());
-    [Some(best), other]
-        .into_iter()
-        .flatten()
-        .map(text)
-        .collect::<Vec<_>>()
-        .join(", ")
+    [Some(best), other].into_iter().flatten().map(text).collect::<Vec<_>>().join(", ")
 }
 
 fn constants(
@@ -99,14 +75,7 @@ fn constants(
     [("C_h", space, orders.0), ("C_k", time, orders.1)]
         .into_iter()
         .map(|(name, fitted, order)| {
-            (
-                name,
-                Constant {
-                    value: fitted.value,
-                    interval: pair(fitted.interval),
-                    order,
-                },
-            )
+            (name, Constant { value: fitted.value, interval: pair(fitted.interval), order })
         })
         .collect()
 }

@@ -30,14 +30,7 @@ pub(super) struct Finding {
 impl Finding {
     pub(super) fn without_order(decision: Decision, reason: String) -> Self {
         let constants = BTreeMap::new();
-        Self {
-            orders: None,
-            orders_k: None,
-            parts: None,
-            constants,
-            decision,
-            reason,
-        }
+        Self { orders: None, orders_k: None, parts: None, constants, decision, reason }
     }
 }
 
@@ -65,9 +58,7 @@ pub fn judge(
         norm: prediction.norm.clone(),
         variable: prediction.variable,
         predicted: prediction.order,
-        predicted_k: prediction
-            .order_k
-            .filter(|_| prediction.variable == Variable::Joint),
+        predicted_k: prediction.order_k.filter(|_| prediction.variable == Variable::Joint),
         at_least: prediction.at_least,
         why: prediction.why.clone(),
         observed: finding.orders.map(|(order, _)| order),
@@ -89,12 +80,7 @@ pub fn judge(
 const NAMED_GAPS: usize = 3;
 
 fn gaps_in_words(gaps: &[String]) -> String {
-    let named = gaps
-        .iter()
-        .take(NAMED_GAPS)
-        .cloned()
-        .collect::<Vec<_>>()
-        .join("; ");
+    let named = gaps.iter().take(NAMED_GAPS).cloned().collect::<Vec<_>>().join("; ");
     match gaps.len().saturating_sub(NAMED_GAPS) {
         0 => named,
         more => format!("{named}; and {more} more"),
@@ -141,29 +127,13 @@ fn judge_line(
 /// The decision on one order; where it is open, with the part of the interval that keeps it
 /// open and the next cases to run.
 fn decide(found: &OrderInterval, prediction: &Prediction, next: &str) -> (Decision, String) {
-    let Prediction {
-        order,
-        at_least,
-        exact,
-        ..
-    } = *prediction;
-    let (decision, sentence) = compare(
-        found.interval,
-        Aim {
-            order,
-            at_least,
-            exact,
-        },
-    );
+    let Prediction { order, at_least, exact, .. } = *prediction;
+    let (decision, sentence) = compare(found.interval, Aim { order, at_least, exact });
     if decision != Decision::Unresolved {
         return (decision, sentence);
     }
     let wide = found.interval.half_width() > WIDEST_HALF_WIDTH;
-    let part = if wide {
-        format!(", from {}", found.widest_part())
-    } else {
-        String::new()
-    };
+    let part = if wide { format!(", from {}", found.widest_part()) } else { String::new() };
     (decision, format!("{sentence}{part}: {next}"))
 }
 
@@ -186,16 +156,8 @@ fn constants(
         Direction::Space => "C_h",
         Direction::Time => "C_k",
     };
-    let fitted = constant_under(order, samples).map(|(value, interval)| {
-        (
-            name,
-            Constant {
-                value,
-                interval: pair(interval),
-                order,
-            },
-        )
-    });
+    let fitted = constant_under(order, samples)
+        .map(|(value, interval)| (name, Constant { value, interval: pair(interval), order }));
     fitted.into_iter().collect()
 }
 
@@ -206,12 +168,10 @@ fn other_term(grid: &[Point], selection: &Selection, direction: Direction) -> Op
         Direction::Space => (1, "time", "more steps"),
         Direction::Time => (0, "space", "more cells n"),
     };
-    let shares = selection.used.iter().map(|serving| {
-        (
-            best.weights(serving.point.h, serving.point.k)[index],
-            &serving.key,
-        )
-    });
+    let shares = selection
+        .used
+        .iter()
+        .map(|serving| (best.weights(serving.point.h, serving.point.k)[index], &serving.key));
     let (share, key) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let percent = 100.0 * share;
     (share > LARGEST_OTHER_SHARE).then(|| {

@@ -220,10 +220,7 @@ impl Verdict {
 
 /// 0 if all verdicts are as expected, 1 if one is not, 2 if a solver gave up on a case.
 pub fn exit_code(records: &[CaseRecord], verdicts: &[Verdict]) -> u8 {
-    if records
-        .iter()
-        .any(|record| matches!(record.status, Status::Failed { .. }))
-    {
+    if records.iter().any(|record| matches!(record.status, Status::Failed { .. })) {
         2
     } else {
         u8::from(!verdicts.iter().all(Verdict::as_expected))

@@ -20,11 +20,7 @@ pub(super) fn next_case(selection: &Selection, direction: Direction) -> String {
         },
         ([.., previous, last], false) => format!("run {name} = {}", finer(*previous, *last)),
         ([only], false) => {
-            format!(
-                "run {name} = {} and {name} = {}",
-                twice(only.0),
-                twice(twice(only.0))
-            )
+            format!("run {name} = {} and {name} = {}", twice(only.0), twice(twice(only.0)))
         }
     }
 }
@@ -47,10 +43,7 @@ fn levels<'a>(
 }
 
 fn finest_is_below_floor(selection: &Selection, direction: Direction) -> bool {
-    let lost = selection
-        .left_out
-        .iter()
-        .filter(|(_, reason)| reason.starts_with("below floor"));
+    let lost = selection.left_out.iter().filter(|(_, reason)| reason.starts_with("below floor"));
     let finest_lost = levels(lost.map(|(serving, _)| serving), direction).pop();
     let finest_used = levels(selection.used.iter(), direction).pop();
     finest_lost.is_some_and(|lost| finest_used.is_none_or(|used| lost.0 > used.0))

@@ -29,10 +29,7 @@ impl Selection {
 
     pub(super) fn points_used(&self) -> Vec<PointUsed> {
         let plain = |Point { h, k, error, .. }: Point| PointUsed { h, k, error };
-        self.used
-            .iter()
-            .map(|serving| plain(serving.point))
-            .collect()
+        self.used.iter().map(|serving| plain(serving.point)).collect()
     }
 
     pub(super) fn points_left_out(&self) -> Vec<PointLeftOut> {
@@ -42,10 +39,7 @@ impl Selection {
             error,
             reason: reason.clone(),
         };
-        self.left_out
-            .iter()
-            .map(|(serving, reason)| plain(serving.point, reason))
-            .collect()
+        self.left_out.iter().map(|(serving, reason)| plain(serving.point, reason)).collect()
     }
 }
 
@@ -66,11 +60,7 @@ impl<'a> Cases<'a> {
 
     /// The points of all converged cases that carry the norm.
     pub(super) fn points(&self, norm: &str) -> Vec<Point> {
-        self.cases
-            .values()
-            .flatten()
-            .filter_map(|record| point(record, norm))
-            .collect()
+        self.cases.values().flatten().filter_map(|record| point(record, norm)).collect()
     }
 
     /// Sorts the cases that a prediction rests on. Along h these are all n with the largest
@@ -89,10 +79,7 @@ impl<'a> Cases<'a> {
                 }
                 Found::NotMeasured => {}
                 Found::Point(point) if served => {
-                    let serving = Serving {
-                        key: key.clone(),
-                        point,
-                    };
+                    let serving = Serving { key: key.clone(), point };
                     match exclusion(&serving, prediction) {
                         Some(reason) => selection.left_out.push((serving, reason)),
                         None => selection.used.push(serving),
@@ -135,10 +122,7 @@ impl<'a> Cases<'a> {
         let carries =
             |record: &Option<&CaseRecord>| record.is_some_and(|record| record.norm(norm).is_some());
         let nowhere = !self.cases.values().any(carries);
-        let carriers = self
-            .cases
-            .iter()
-            .filter(|(_, record)| nowhere || carries(record));
+        let carriers = self.cases.iter().filter(|(_, record)| nowhere || carries(record));
         carriers.map(|(key, _)| level(key)).collect()
     }
 }
@@ -147,10 +131,7 @@ impl<'a> Cases<'a> {
 fn most_frequent<T: Ord>(values: impl Iterator<Item = T>) -> Option<T> {
     let mut counts: BTreeMap<T, usize> = BTreeMap::new();
     values.for_each(|value| *counts.entry(value).or_default() += 1);
-    counts
-        .into_iter()
-        .max_by_key(|(_, count)| *count)
-        .map(|(value, _)| value)
+    counts.into_iter().max_by_key(|(_, count)| *count).map(|(value, _)| value)
 }
 
 /// What is known of a case in one norm.
@@ -241,10 +222,5 @@ pub fn line_points(
     };
     let selection = Cases::new(scene, records, &[]).select(&prediction);
     let left_out = selection.left_out.iter().map(|(serving, _)| serving);
-    selection
-        .used
-        .iter()
-        .chain(left_out)
-        .map(|serving| serving.point)
-        .collect()
+    selection.used.iter().chain(left_out).map(|serving| serving.point).collect()
 }

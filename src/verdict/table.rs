@@ -12,40 +12,16 @@ const WIDTH: usize = 100;
 /// reason of every verdict that is not a plain pass.
 pub fn render_table(verdicts: &[Verdict]) -> String {
     let mut table = Table::new();
-    table
-        .set_content_arrangement(ContentArrangement::Dynamic)
-        .force_no_tty();
-    table
-        .set_width(WIDTH as u16)
-        .load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
+    table.set_width(WIDTH as u16).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
 
-    table.set_header([
-        "scene",
-        "norm",
-        "in",
-        "predicted",
-        "observed",
-        "verdict",
-        "why",
-    ]);
+    table.set_header(["scene", "norm", "in", "predicted", "observed", "verdict", "why"]);
     table.add_rows(verdicts.iter().map(cell_texts));
-    let reasons = verdicts
-        .iter()
-        .filter(|verdict| !is_plain_pass(verdict))
-        .map(|verdict| {
-            let Verdict {
-                scene,
-                norm,
-                variable,
-                reason,
-                ..
-            } = verdict;
-            let name = verdict.decision.name();
-            wrapped(&format!(
-                "{scene} {norm} in {}: {name}: {reason}",
-                variable.name()
-            ))
-        });
+    let reasons = verdicts.iter().filter(|verdict| !is_plain_pass(verdict)).map(|verdict| {
+        let Verdict { scene, norm, variable, reason, .. } = verdict;
+        let name = verdict.decision.name();
+        wrapped(&format!("{scene} {norm} in {}: {name}: {reason}", variable.name()))
+    });
     let blocks: Vec<String> = [table.trim_fmt()].into_iter().chain(reasons).collect();
     blocks.join("\n")
 }
@@ -75,28 +51,18 @@ fn is_plain_pass(verdict: &Verdict) -> bool {
 
 fn predicted(verdict: &Verdict) -> String {
     let bound = if verdict.at_least { "≥ " } else { "" };
-    let order_k = verdict
-        .predicted_k
-        .map_or_else(String::new, |order| format!(", {order}"));
+    let order_k = verdict.predicted_k.map_or_else(String::new, |order| format!(", {order}"));
     format!("{bound}{}{order_k}", verdict.predicted)
 }
 
 fn observed(verdict: &Verdict) -> String {
     let text = |order: Option<f64>, interval: Option<[f64; 2]>| {
-        order
-            .zip(interval)
-            .map(|(order, [lo, hi])| format!("{order:.2} [{lo:.2}, {hi:.2}]"))
+        order.zip(interval).map(|(order, [lo, hi])| format!("{order:.2} [{lo:.2}, {hi:.2}]"))
     };
-    let both = [
-        text(verdict.observed, verdict.interval),
-        text(verdict.observed_k, verdict.interval_k),
-    ];
+    let both =
+        [text(verdict.observed, verdict.interval), text(verdict.observed_k, verdict.interval_k)];
     let texts: Vec<String> = both.into_iter().flatten().collect();
-    if texts.is_empty() {
-        "-".to_owned()
-    } else {
-        texts.join("\n")
-    }
+    if texts.is_empty() { "-".to_owned() } else { texts.join("\n") }
 }
 
 /// Breaks a text at blanks, later lines indented.

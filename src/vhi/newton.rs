@@ -38,13 +38,17 @@ pub struct StepInfo {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// The Jacobian could not be factorized.
-    #[error("{source} in Newton iteration {iteration}; a smaller time step restores it if memory at lag 0 is negative, a smaller descent slope of the contact law otherwise")]
+    #[error(
+        "{source} in Newton iteration {iteration}; a smaller time step restores it if memory at lag 0 is negative, a smaller descent slope of the contact law otherwise"
+    )]
     Factor { iteration: u32, source: FactorError },
     /// Residual or increment is not a finite number.
     #[error("the residual became {value} in Newton iteration {iteration}")]
     NotFinite { iteration: u32, value: f64 },
     /// Too many iterations.
-    #[error("no convergence in {iterations} Newton iterations: residual {residual:.3e}, wanted {tolerance:.3e}")]
+    #[error(
+        "no convergence in {iterations} Newton iterations: residual {residual:.3e}, wanted {tolerance:.3e}"
+    )]
     NotConverged { iterations: u32, residual: f64, tolerance: f64 },
 }
 
@@ -76,8 +80,7 @@ impl Newton {
         let (mut best, mut since_best) = (f64::INFINITY, 0);
         loop {
             info.residual = scratch.balance(problem, state);
-            info.tolerance =
-                self.rounding_units * f64::EPSILON * problem.force_scale(&state.u);
+            info.tolerance = self.rounding_units * f64::EPSILON * problem.force_scale(&state.u);
             if !info.residual.is_finite() {
                 let value = info.residual;
                 return Err(StepError::NotFinite { iteration: info.iterations, value });
@@ -99,9 +102,9 @@ impl Newton {
                 info.active_set_changes += scratch.select_pieces(problem, state);
             }
             let forcing = (FORCING_SHARE * info.tolerance / info.residual).max(FORCING);
-            scratch.advance(problem, state, damping, forcing).map_err(|source| {
-                StepError::Factor { iteration: info.iterations, source }
-            })?;
+            scratch
+                .advance(problem, state, damping, forcing)
+                .map_err(|source| StepError::Factor { iteration: info.iterations, source })?;
             info.iterations += 1;
             problem.residual(&state.u, &mut scratch.force);
         }
@@ -142,8 +145,7 @@ impl Scratch {
         let graph = problem.graph();
         let mut changes = 0;
         for i in 0..graph.coordinates.len() {
-            let z = graph.normal(i, &state.u)
-                + graph.coordinates[i].gamma * state.pressure[i];
+            let z = graph.normal(i, &state.u) + graph.coordinates[i].gamma * state.pressure[i];
             let key = match graph.piece(i, z) {
                 Piece::Free => None,
                 Piece::Pinned { value, .. } => Some(value),

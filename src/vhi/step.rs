@@ -26,11 +26,7 @@ pub trait StepInequality {
     ///
     /// # Errors
     /// The factorization's, if the Jacobian is not positive definite.
-    fn linearize(
-        &mut self,
-        slopes: &[f64],
-        prescribed: &[Option<f64>],
-    ) -> Result<(), FactorError>;
+    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError>;
 
     /// Solves with the prepared Jacobian in place, to a residual of at most `forcing` times the
     /// right side (or better: a direct solve ignores it).

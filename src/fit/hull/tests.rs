@@ -5,10 +5,7 @@ use super::*;
 fn refined(ratio: f64, levels: i32, error: impl Fn(f64) -> f64) -> Vec<Sample> {
     (0..levels)
         .map(|level| 0.125 * ratio.powi(-level))
-        .map(|step| Sample {
-            step,
-            error: error(step),
-        })
+        .map(|step| Sample { step, error: error(step) })
         .collect()
 }
 
@@ -21,10 +18,7 @@ fn exact_laws_give_a_point_that_holds_the_truth() {
                 let found = order_interval(&samples, Correction::Linear).unwrap();
                 assert!(found.interval.contains(order), "{ratio} {order} {found:?}");
                 // Student's factor 12.7 on rounding; nothing else is there.
-                assert!(
-                    found.interval.half_width() < 1e-10,
-                    "{ratio} {order} {found:?}"
-                );
+                assert!(found.interval.half_width() < 1e-10, "{ratio} {order} {found:?}");
             }
         }
     }
@@ -50,13 +44,7 @@ fn divergence_is_negative() {
 fn fewer_than_three_points_have_no_interval() {
     let samples = refined(2.0, 2, |h| h);
     let refused = order_interval(&samples, Correction::Linear).unwrap_err();
-    assert_eq!(
-        refused,
-        FitError::TooFew {
-            found: 2,
-            needed: 3
-        }
-    );
+    assert_eq!(refused, FitError::TooFew { found: 2, needed: 3 });
     assert!(order_interval(&[], Correction::Linear).is_err());
 }
 
@@ -65,10 +53,7 @@ struct Lcg(u64);
 
 impl Lcg {
     fn uniform(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
+        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 11) as f64 / (1u64 << 53) as f64
     }
 
@@ -91,10 +76,7 @@ fn simulate(levels: i32, noise: f64, correction: Correction) -> (f64, f64) {
             constant * step.powf(order) * (1.0 + bend * step.powi(correction.power()))
         })
         .into_iter()
-        .map(|exact| Sample {
-            error: exact.error * (noise * random.normal()).exp(),
-            ..exact
-        })
+        .map(|exact| Sample { error: exact.error * (noise * random.normal()).exp(), ..exact })
         .collect();
         let found = order_interval(&samples, correction).unwrap();
         covered += usize::from(found.interval.contains(order));
@@ -111,10 +93,7 @@ fn simulated_coverage_is_at_least_95_percent() {
             for noise in [0.0, 0.01, 0.02] {
                 let (coverage, median) = simulate(levels, noise, correction);
                 println!("{correction:?} {levels} levels, noise {noise}: {coverage} {median:.4}");
-                assert!(
-                    coverage >= 0.95,
-                    "{levels} levels, noise {noise}: {coverage}"
-                );
+                assert!(coverage >= 0.95, "{levels} levels, noise {noise}: {coverage}");
             }
         }
     }

@@ -5,14 +5,7 @@ use super::*;
 fn grid(levels: i32, error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
     let step = |level: i32| 0.125 * 0.5f64.powi(level);
     let pairs = (0..levels).flat_map(|i| (0..levels).map(move |j| (step(i), step(j))));
-    pairs
-        .map(|(h, k)| Point {
-            h,
-            k,
-            error: error(h, k),
-            floor: 0.0,
-        })
-        .collect()
+    pairs.map(|(h, k)| Point { h, k, error: error(h, k), floor: 0.0 }).collect()
 }
 
 #[test]
@@ -58,10 +51,8 @@ fn constants_under_given_orders() {
 
 #[test]
 fn what_cannot_be_identified_says_why() {
-    let path: Vec<Point> = grid(6, |h, k| h + k * k)
-        .into_iter()
-        .filter(|point| point.h == point.k)
-        .collect();
+    let path: Vec<Point> =
+        grid(6, |h, k| h + k * k).into_iter().filter(|point| point.h == point.k).collect();
     let refused = joint_fits(&path, false).unwrap_err();
     assert!(refused.reason.contains("together"), "{refused}");
     let flat = joint_fits(&grid(4, |h, k| h + 1e-4 * k * k), false).unwrap_err();
@@ -79,9 +70,7 @@ fn simulated_coverage_of_the_grid() {
     let mut state = 2024u64;
     // Knuth's MMIX generator, uniform on [0, 1).
     let mut uniform = || {
-        state = state
-            .wrapping_mul(6364136223846793005)
-            .wrapping_add(1442695040888963407);
+        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (state >> 11) as f64 / (1u64 << 53) as f64
     };
     for m in [1.0, 2.0] {
@@ -94,9 +83,7 @@ fn simulated_coverage_of_the_grid() {
                 (space.powf(m) + time.powf(m)).powf(1.0 / m)
             });
             // Uniform noise of standard deviation 1 %.
-            points
-                .iter_mut()
-                .for_each(|p| p.error *= 1.0 + 0.0346 * (uniform() - 0.5));
+            points.iter_mut().for_each(|p| p.error *= 1.0 + 0.0346 * (uniform() - 0.5));
             let best = joint_fits(&points, false).unwrap().best;
             covered[0] += usize::from(best.order_h.interval.contains(1.0));
             covered[1] += usize::from(best.order_k.interval.contains(2.0));

@@ -64,21 +64,11 @@ fn reference_values_by_both_evaluators() {
     let program = Program::compile(&mut graph, &outputs, 1.0);
     let mut out = vec![Vec::new(); outputs.len()];
     for (component, x, y, expected) in REFERENCE {
-        let at = Point {
-            x,
-            y,
-            t: 1.0,
-            ..Point::default()
-        };
+        let at = Point { x, y, t: 1.0, ..Point::default() };
         let plain = graph.evaluate(outputs[component], &at);
         assert_close(plain, expected, 2e-13, &format!("plain {component} at {x}"));
         program.bind(&[[x, y, 0.0]]).evaluate(1.0, 0.0, &mut out);
-        assert_close(
-            out[component][0],
-            expected,
-            2e-13,
-            &format!("{component} at {x}"),
-        );
+        assert_close(out[component][0], expected, 2e-13, &format!("{component} at {x}"));
         for (k, out) in out.iter().enumerate() {
             let plain = graph.evaluate(outputs[k], &at);
             assert_close(out[0], plain, 1e-13, &format!("{k} at {x}"));
@@ -103,24 +93,14 @@ fn no_integral_depends_on_y() {
 
 /// Quadrature points of 64 x 64 cells, two triangles each with six points.
 fn structured() -> Vec<[f64; 3]> {
-    let triangle = [
-        [0.09, 0.09],
-        [0.09, 0.82],
-        [0.82, 0.09],
-        [0.445, 0.445],
-        [0.445, 0.11],
-        [0.11, 0.445],
-    ];
+    let triangle =
+        [[0.09, 0.09], [0.09, 0.82], [0.82, 0.09], [0.445, 0.445], [0.445, 0.11], [0.11, 0.445]];
     let mut points = Vec::new();
     for cell in 0..64 * 64 {
         let (i, j) = (f64::from(cell % 64), f64::from(cell / 64));
         for half in 0..2 {
             for [a, b] in triangle {
-                let [a, b] = if half == 0 {
-                    [a, b]
-                } else {
-                    [1.0 - a, 1.0 - b]
-                };
+                let [a, b] = if half == 0 { [a, b] } else { [1.0 - a, 1.0 - b] };
                 points.push([(i + a) / 64.0, (j + b) / 64.0, 0.0]);
             }
         }

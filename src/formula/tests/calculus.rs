@@ -23,9 +23,7 @@ enum Expr {
     Of(&'static str, Box<Expr>),
 }
 
-const FUNCTIONS: [&str; 9] = [
-    "sin", "cos", "tanh", "atan", "exp", "log", "sqrt", "sinh", "cosh",
-];
+const FUNCTIONS: [&str; 9] = ["sin", "cos", "tanh", "atan", "exp", "log", "sqrt", "sinh", "cosh"];
 
 impl Expr {
     fn text(&self) -> String {
@@ -161,18 +159,8 @@ fn branches_and_special_functions_by_differences() {
             assert_close(slope, quotient, 1e-7 * (1.0 + slope.abs()), text);
         }
     }
-    assert_close(
-        value("(x-2)^3", [0.5, 0.0, 0.0, 0.0]),
-        -3.375,
-        0.0,
-        "negative base",
-    );
-    assert_close(
-        value("d((x-2)^3, x)", [0.5, 0.0, 0.0, 0.0]),
-        6.75,
-        0.0,
-        "negative base",
-    );
+    assert_close(value("(x-2)^3", [0.5, 0.0, 0.0, 0.0]), -3.375, 0.0, "negative base");
+    assert_close(value("d((x-2)^3, x)", [0.5, 0.0, 0.0, 0.0]), 6.75, 0.0, "negative base");
 }
 
 #[test]

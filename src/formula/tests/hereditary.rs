@@ -26,26 +26,10 @@ fn check_node(
         bound.evaluate(t, 0.0, &mut out);
         for (x, ours) in abscissae.into_iter().zip(&out[0]) {
             let expected = exact(x, t);
-            assert_close(
-                *ours,
-                expected,
-                tolerance,
-                &format!("{text} at x={x} t={t}"),
-            );
-            let at = Point {
-                x,
-                y: 0.5,
-                z: 0.2,
-                t,
-                zeta: 0.0,
-            };
+            assert_close(*ours, expected, tolerance, &format!("{text} at x={x} t={t}"));
+            let at = Point { x, y: 0.5, z: 0.2, t, zeta: 0.0 };
             let plain = graph.evaluate(f, &at);
-            assert_close(
-                plain,
-                expected,
-                tolerance,
-                &format!("plain {text} at x={x} t={t}"),
-            );
+            assert_close(plain, expected, tolerance, &format!("plain {text} at x={x} t={t}"));
         }
     }
 }
@@ -74,13 +58,9 @@ fn relaxation_of_smooth_functions() {
 
 #[test]
 fn relaxation_across_kinks_and_jumps() {
-    check("relax(1.3, max(t-0.3, 0)*x)", 1e-15, |x, t| {
-        x * ramp(1.3, 0.3, t)
-    });
+    check("relax(1.3, max(t-0.3, 0)*x)", 1e-15, |x, t| x * ramp(1.3, 0.3, t));
     // A kink at s = x^2 and a jump at s = x/2 that move with x.
-    check("relax(0.7, max(t-x^2, 0))", 2e-15, |x, t| {
-        ramp(0.7, x * x, t)
-    });
+    check("relax(0.7, max(t-x^2, 0))", 2e-15, |x, t| ramp(0.7, x * x, t));
     let step = |x: f64, t: f64| {
         let u = (t - x / 2.0).max(0.0);
         let all = (1.0 - (-0.9 * t).exp()) / 0.9;
@@ -93,14 +73,10 @@ fn relaxation_across_kinks_and_jumps() {
         at_x + 2.0 * ramp(1.0, x, t)
     });
     // Zero on an interval between two signs.
-    check(
-        "relax(1, sign(max(t-0.6,0)+min(t-0.31,0)))",
-        2e-15,
-        |_, t| {
-            let tail = |a: f64, b: f64| (b.min(t) - t).exp() - (a.min(t) - t).exp();
-            tail(0.6, 9.0) - tail(0.0, 0.31)
-        },
-    );
+    check("relax(1, sign(max(t-0.6,0)+min(t-0.31,0)))", 2e-15, |_, t| {
+        let tail = |a: f64, b: f64| (b.min(t) - t).exp() - (a.min(t) - t).exp();
+        tail(0.6, 9.0) - tail(0.0, 0.31)
+    });
 }
 
 #[test]
@@ -109,12 +85,8 @@ fn nested_relaxation() {
     let exact = |a: f64, b: f64, t: f64| {
         ((1.0 - (-b * t).exp()) / b - (1.0 - (-a * t).exp()) / a) / (a - b)
     };
-    check("relax(1, relax(0.75, 1))", 1e-14, |_, t| {
-        exact(1.0, 0.75, t)
-    });
-    check("relax(2, relax(0.5, t))", 1e-14, |_, t| {
-        (ramp(0.5, 0.0, t) - ramp(2.0, 0.0, t)) / 1.5
-    });
+    check("relax(1, relax(0.75, 1))", 1e-14, |_, t| exact(1.0, 0.75, t));
+    check("relax(2, relax(0.5, t))", 1e-14, |_, t| (ramp(0.5, 0.0, t) - ramp(2.0, 0.0, t)) / 1.5);
     check("relax(1, relax(1, max(t-x,0)))", 1e-14, |x, t| {
         let u = (t - x).max(0.0);
         u - 2.0 + (u + 2.0) * (-u).exp()
@@ -139,11 +111,7 @@ fn still_factors_come_out() {
         ("relax(1, (x*t+y*sin(t))/3)", "", 2),
         ("relax(1, (x*sin(t))^2)", "", 1),
         ("relax(1, y*relax(0.75, sin(x*t)))", "x", 2),
-        (
-            "relax(1, y*(1-y)*(-sin(x*t)/3 - relax(0.75, sin(x*t))/12))",
-            "x",
-            2,
-        ),
+        ("relax(1, y*(1-y)*(-sin(x*t)/3 - relax(0.75, sin(x*t))/12))", "x", 2),
         ("relax(1, if(y<0.5, sin(t), cos(t)))", "", 2),
         ("d(relax(1, y*sin(x*t)), y)", "x", 1),
     ];
@@ -183,30 +151,18 @@ fn convolution() {
     let kernel = node(&mut graph, &scope, "1/(1+t)");
     let f = node(&mut graph, &scope, "x*t");
     let smooth = graph.convolve(kernel, f);
-    assert!(
-        integrals(&graph, smooth)
-            .iter()
-            .all(|n| !graph.depends_on(*n, Variable::X))
-    );
+    assert!(integrals(&graph, smooth).iter().all(|n| !graph.depends_on(*n, Variable::X)));
     let exact = |u: f64| (1.0 + u) * u.ln_1p() - u;
     check_node(&mut graph, smooth, "b * xt", 1e-14, |x, t| x * exact(t));
     let f = node(&mut graph, &scope, "max(t-x/3, 0)");
     let kinked = graph.convolve(kernel, f);
-    check_node(&mut graph, kinked, "b * kink", 1e-14, |x, t| {
-        exact((t - x / 3.0).max(0.0))
-    });
+    check_node(&mut graph, kinked, "b * kink", 1e-14, |x, t| exact((t - x / 3.0).max(0.0)));
     // d/dt gives b(0) f + b' * f = log(1 + t - x/3).
     let slope = graph.derivative(kinked, Variable::T);
-    check_node(&mut graph, slope, "(b * kink)'", 2e-14, |x, t| {
-        (t - x / 3.0).max(0.0).ln_1p()
-    });
+    check_node(&mut graph, slope, "(b * kink)'", 2e-14, |x, t| (t - x / 3.0).max(0.0).ln_1p());
     let kernel = node(&mut graph, &scope, "1-exp(-2*t)");
     let f = node(&mut graph, &scope, "sin(x*t)");
     let ours = graph.convolve(kernel, f);
-    let expected = node(
-        &mut graph,
-        &scope,
-        "relax(0, sin(x*t)) - relax(2, sin(x*t))",
-    );
+    let expected = node(&mut graph, &scope, "relax(0, sin(x*t)) - relax(2, sin(x*t))");
     assert_eq!(ours, expected);
 }

@@ -27,22 +27,9 @@ fn node(graph: &mut Graph, scope: &Scope, text: &str) -> Node {
 fn value(text: &str, [x, y, z, t]: [f64; 4]) -> f64 {
     let mut graph = Graph::new();
     let f = node(&mut graph, &everything(), text);
-    graph.evaluate(
-        f,
-        &Point {
-            x,
-            y,
-            z,
-            t,
-            zeta: 0.0,
-        },
-    )
+    graph.evaluate(f, &Point { x, y, z, t, zeta: 0.0 })
 }
 
 fn assert_close(a: f64, b: f64, tolerance: f64, what: &str) {
-    assert!(
-        (a - b).abs() <= tolerance,
-        "{what}: {a} and {b} differ by {:e}",
-        a - b
-    );
+    assert!((a - b).abs() <= tolerance, "{what}: {a} and {b} differ by {:e}", a - b);
 }

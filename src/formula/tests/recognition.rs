@@ -11,10 +11,7 @@ fn sums_of_exponentials() {
         ("exp(-t/4)", &[(1.0, 0.25)]),
         ("-exp(-t)", &[(-1.0, 1.0)]),
         ("2*exp(1-3*t)", &[(2.0 * e, 3.0)]),
-        (
-            "1 + exp(-t)/2 - 3*exp(-2*t)",
-            &[(1.0, 0.0), (0.5, 1.0), (-3.0, 2.0)],
-        ),
+        ("1 + exp(-t)/2 - 3*exp(-2*t)", &[(1.0, 0.0), (0.5, 1.0), (-3.0, 2.0)]),
         ("(1-exp(-t))^2", &[(1.0, 0.0), (-2.0, 1.0), (1.0, 2.0)]),
         ("exp(-t)*exp(t)", &[(1.0, 0.0)]),
         ("1/exp(2*t)", &[(1.0, 2.0)]),
@@ -22,24 +19,14 @@ fn sums_of_exponentials() {
     for (text, expected) in cases {
         let mut graph = Graph::new();
         let f = node(&mut graph, &everything(), text);
-        let sum = graph
-            .exponential_sum(f)
-            .unwrap_or_else(|| panic!("{text} is one"));
+        let sum = graph.exponential_sum(f).unwrap_or_else(|| panic!("{text} is one"));
         assert_eq!(sum.len(), expected.len(), "{text}: {sum:?}");
         for ((a, c), (b, d)) in sum.iter().zip(expected) {
             assert_close(*a, *b, 1e-14, text);
             assert_close(*c, *d, 1e-14, text);
         }
     }
-    for text in [
-        "t",
-        "exp(-t^2)",
-        "sin(t)",
-        "x",
-        "exp(-x*t)",
-        "1/(1+t)",
-        "relax(1, sin(t))",
-    ] {
+    for text in ["t", "exp(-t^2)", "sin(t)", "x", "exp(-x*t)", "1/(1+t)", "relax(1, sin(t))"] {
         let mut graph = Graph::new();
         let f = node(&mut graph, &everything(), text);
         assert_eq!(graph.exponential_sum(f), None, "{text}");
@@ -63,17 +50,9 @@ fn separation() {
     for (text, most) in cases {
         let mut graph = Graph::new();
         let f = node(&mut graph, &everything(), text);
-        let sum = graph
-            .separate(f)
-            .unwrap_or_else(|| panic!("{text} separates"));
+        let sum = graph.separate(f).unwrap_or_else(|| panic!("{text} separates"));
         assert!(sum.len() <= most, "{text}: {} terms", sum.len());
-        let at = Point {
-            x: 0.3,
-            y: 0.8,
-            z: 0.1,
-            t: 0.7,
-            zeta: 0.0,
-        };
+        let at = Point { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
         let mut total = 0.0;
         for (a, g) in sum {
             assert!(!graph.depends_on(g, Variable::T), "{text}");
@@ -82,13 +61,7 @@ fn separation() {
         }
         assert_close(total, graph.evaluate(f, &at), 1e-13, text);
     }
-    for text in [
-        "sin(x*t)",
-        "1/(x+t)",
-        "max(x, t)",
-        "if(x<t, 1, 2)",
-        "relax(1, sin(x*t))",
-    ] {
+    for text in ["sin(x*t)", "1/(x+t)", "max(x, t)", "if(x<t, 1, 2)", "relax(1, sin(x*t))"] {
         let mut graph = Graph::new();
         let f = node(&mut graph, &everything(), text);
         assert!(graph.separate(f).is_none(), "{text}");
@@ -102,17 +75,8 @@ fn guards_are_found() {
     let text = "max(x, t) + abs(y) + if(x<=y, 1, 2)*relax(1, sign(t-x)*t) + max(2, 3)";
     let f = node(&mut graph, &scope, text);
     let found = graph.guards(&[f]);
-    let at = Point {
-        x: 0.25,
-        y: 2.0,
-        z: 0.0,
-        t: 1.0,
-        zeta: 0.0,
-    };
-    let mut sizes: Vec<f64> = found
-        .iter()
-        .map(|g| graph.evaluate(*g, &at).abs())
-        .collect();
+    let at = Point { x: 0.25, y: 2.0, z: 0.0, t: 1.0, zeta: 0.0 };
+    let mut sizes: Vec<f64> = found.iter().map(|g| graph.evaluate(*g, &at).abs()).collect();
     sizes.sort_by(f64::total_cmp);
     assert_eq!(sizes, [0.75, 0.75, 1.75, 2.0]);
     let smooth = node(&mut graph, &scope, "sin(x)*relax(1, t*x)");

@@ -28,11 +28,7 @@ fn setup() -> (Graph, Vec<Node>, Vec<[f64; 3]>) {
     // Two distinct z, seven x, nineteen y: more than one block.
     let points = (0..266).map(|k| {
         let (i, j, l) = (k % 7, k / 7 % 19, k / 133);
-        [
-            0.05 + f64::from(i) * 0.13,
-            0.07 + f64::from(j) * 0.05,
-            0.2 + f64::from(l) * 0.4,
-        ]
+        [0.05 + f64::from(i) * 0.13, 0.07 + f64::from(j) * 0.05, 0.2 + f64::from(l) * 0.4]
     });
     (graph, outputs, points.collect())
 }
@@ -69,26 +65,14 @@ fn tapes_agree_with_plain_evaluation() {
 fn values_do_not_depend_on_what_was_evaluated_before() {
     let (mut graph, outputs, points) = setup();
     let program = Program::compile(&mut graph, &outputs, 1.0);
-    let times = [
-        (0.9, 0.1),
-        (0.1, 0.1),
-        (0.5, 0.7),
-        (0.484375, 0.1),
-        (2.2, 0.7),
-        (0.1, 0.7),
-    ];
+    let times = [(0.9, 0.1), (0.1, 0.1), (0.5, 0.7), (0.484375, 0.1), (2.2, 0.7), (0.1, 0.7)];
     let mut bound = program.bind(&points);
-    let first: Vec<_> = times
-        .map(|(t, zeta)| bits(&run(&mut bound, outputs.len(), t, zeta)))
-        .to_vec();
+    let first: Vec<_> =
+        times.map(|(t, zeta)| bits(&run(&mut bound, outputs.len(), t, zeta))).to_vec();
     let mut again = program.bind(&points);
     for k in [3, 0, 5, 2, 4, 1, 0, 3] {
         let (t, zeta) = times[k];
-        assert_eq!(
-            first[k],
-            bits(&run(&mut again, outputs.len(), t, zeta)),
-            "t = {t}"
-        );
+        assert_eq!(first[k], bits(&run(&mut again, outputs.len(), t, zeta)), "t = {t}");
     }
     // Nor on the other points.
     for p in [0, 100, 265] {
@@ -104,24 +88,12 @@ fn values_do_not_depend_on_what_was_evaluated_before() {
 fn extreme_times_and_empty_sets() {
     let (mut graph, outputs, points) = setup();
     let program = Program::compile(&mut graph, &outputs, 1.0);
-    assert!(
-        run(&mut program.bind(&[]), outputs.len(), 0.5, 0.0)
-            .iter()
-            .all(Vec::is_empty)
-    );
+    assert!(run(&mut program.bind(&[]), outputs.len(), 0.5, 0.0).iter().all(Vec::is_empty));
     let start = run(&mut program.bind(&points), outputs.len(), 0.0, 0.2);
     for k in [7, 8, 9, 12] {
-        assert!(
-            start[k].iter().all(|v| *v == 0.0),
-            "output {k} at the start"
-        );
+        assert!(start[k].iter().all(|v| *v == 0.0), "output {k} at the start");
     }
-    let out = run(
-        &mut program.bind(&points[..3]),
-        outputs.len(),
-        f64::NAN,
-        0.2,
-    );
+    let out = run(&mut program.bind(&points[..3]), outputs.len(), f64::NAN, 0.2);
     assert!(out[7].iter().all(|v| v.is_nan()));
     // Far beyond the horizon: relax(1, sin(t)) tends to (sin - cos)/2.
     let f = node(&mut graph, &everything(), "relax(1, sin(t))");

@@ -31,7 +31,8 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
     for side in sides.iter().filter(|side| side.contact) {
         sample(exact, side, &mut extremes);
     }
-    let Extremes { penetration, tension, complementarity, pressure, sourced, stress, .. } = extremes;
+    let Extremes { penetration, tension, complementarity, pressure, sourced, stress, .. } =
+        extremes;
     let scale = stress.max(f64::MIN_POSITIVE);
     let mut findings = Vec::new();
     if penetration.is_finite() {

@@ -40,8 +40,7 @@ pub(super) fn strong_against_weak(exact: &Exact, sides: &[SideOfRectangle]) -> V
         for balance in balances(exact, sides, &tests, t) {
             let scale = balance.absolute.max(f64::MIN_POSITIVE);
             bare = worst(bare, (balance.strong - balance.weak) / scale);
-            repaired =
-                worst(repaired, (balance.strong + balance.interface - balance.weak) / scale);
+            repaired = worst(repaired, (balance.strong + balance.interface - balance.weak) / scale);
             jump = worst(jump, balance.interface / scale);
         }
     }
@@ -50,7 +49,8 @@ pub(super) fn strong_against_weak(exact: &Exact, sides: &[SideOfRectangle]) -> V
         None => ROUNDING,
     };
     let status = if repaired <= allowed { Status::Verified } else { Status::Failed };
-    let text = format!("strong and weak loads agree to {repaired:.1e} of the sum of absolute terms");
+    let text =
+        format!("strong and weak loads agree to {repaired:.1e} of the sum of absolute terms");
     let mut findings = vec![Finding::new("loads", status, repaired, text)];
     if jump > ROUNDING {
         let text = format!(
@@ -91,8 +91,7 @@ impl TestFunctions {
         for factor in ["1", "x", "y"] {
             // The texts are built from numbers and the names above: they parse.
             if let Ok(v) = graph.parse(&format!("{distance}*{factor}"), &scope) {
-                let (dx, dy) =
-                    (graph.derivative(v, Variable::X), graph.derivative(v, Variable::Y));
+                let (dx, dy) = (graph.derivative(v, Variable::X), graph.derivative(v, Variable::Y));
                 outputs.extend([v, dx, dy]);
             }
         }

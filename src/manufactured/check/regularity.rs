@@ -115,8 +115,8 @@ fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
                 for component in &values {
                     for along in 0..FINE - stride {
                         for across in 0..LINES {
-                            let difference =
-                                component[at(along + stride, across)] - component[at(along, across)];
+                            let difference = component[at(along + stride, across)]
+                                - component[at(along, across)];
                             sum += area * (difference / delta).powi(2);
                         }
                     }

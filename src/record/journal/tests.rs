@@ -47,17 +47,10 @@ fn reads_back_bit_identically() {
         case(3, 7, &[("V_max", 0.1 + 0.2), ("L2_max", f64::MIN_POSITIVE)]),
         case(6, 7, &[("V_max", 1.0 / 3.0)]),
     ];
-    written.push(CaseRecord {
-        n: None,
-        h: None,
-        errors: vec![],
-        ..case(1, 1, &[])
-    });
+    written.push(CaseRecord { n: None, h: None, errors: vec![], ..case(1, 1, &[]) });
     written[2].status = Status::Skipped;
     let mut journal = Journal::open(&path).unwrap();
-    written
-        .iter()
-        .for_each(|case| journal.append(case).unwrap());
+    written.iter().for_each(|case| journal.append(case).unwrap());
     assert_eq!(read(&path).unwrap(), written);
     let header = fs::read_to_string(&path).unwrap();
     assert!(
@@ -90,33 +83,16 @@ fn a_torn_tail_is_dropped_at_every_byte_and_cut_on_reopening() {
 #[test]
 fn a_short_last_line_is_torn_and_one_before_it_is_an_error() {
     let path = file("short");
-    Journal::open(&path)
-        .unwrap()
-        .append(&case(4, 4, &[("V_max", 0.5)]))
-        .unwrap();
+    Journal::open(&path).unwrap().append(&case(4, 4, &[("V_max", 0.5)])).unwrap();
     let good = fs::read_to_string(&path).unwrap();
     fs::write(&path, format!("{good}x,2,3\n")).unwrap();
     assert_eq!(read(&path).unwrap().len(), 1);
     let row = good.lines().nth(1).unwrap();
     fs::write(&path, format!("{good}x,2,3\n{row}\n")).unwrap();
-    assert!(matches!(
-        read(&path),
-        Err(RecordError::Fields {
-            line: 3,
-            found: 3,
-            ..
-        })
-    ));
+    assert!(matches!(read(&path), Err(RecordError::Fields { line: 3, found: 3, .. })));
     assert!(Journal::open(&path).is_err());
     fs::write(&path, good.replace("0.25", "a quarter")).unwrap();
-    assert!(matches!(
-        read(&path),
-        Err(RecordError::Value {
-            line: 2,
-            column: "h",
-            ..
-        })
-    ));
+    assert!(matches!(read(&path), Err(RecordError::Value { line: 2, column: "h", .. })));
     fs::remove_file(&path).unwrap();
 }
 
@@ -125,10 +101,7 @@ fn a_foreign_file_is_refused_and_left_alone() {
     let path = file("foreign");
     for text in ["notes", "h,k,error\n1,1,1\n"] {
         fs::write(&path, text).unwrap();
-        assert!(matches!(
-            Journal::open(&path),
-            Err(RecordError::Header { .. })
-        ));
+        assert!(matches!(Journal::open(&path), Err(RecordError::Header { .. })));
         assert_eq!(fs::read_to_string(&path).unwrap(), text);
     }
     fs::remove_file(&path).unwrap();
@@ -143,27 +116,12 @@ fn the_later_of_two_entries_wins_whole() {
     journal.append(&partial).unwrap();
     journal.append(&full).unwrap();
     assert_eq!(read(&path).unwrap(), vec![full]);
-    let failed = CaseRecord {
-        status: Status::Failed {
-            reason: "no descent".into(),
-        },
-        ..partial.clone()
-    };
+    let failed =
+        CaseRecord { status: Status::Failed { reason: "no descent".into() }, ..partial.clone() };
     journal.append(&failed).unwrap();
     let last = read(&path).unwrap().remove(0);
-    assert_eq!(
-        last.status,
-        Status::Failed {
-            reason: String::new()
-        }
-    );
-    assert_eq!(
-        last.errors,
-        vec![NormError {
-            error: None,
-            ..failed.errors[0].clone()
-        }]
-    );
+    assert_eq!(last.status, Status::Failed { reason: String::new() });
+    assert_eq!(last.errors, vec![NormError { error: None, ..failed.errors[0].clone() }]);
     fs::remove_file(&path).unwrap();
 }
 
@@ -180,10 +138,7 @@ fn sorted_by_key_and_norm_whatever_the_order_of_arrival() {
     let cases = read(&path).unwrap();
     let keys: Vec<_> = cases.iter().map(|case| (case.n, case.steps)).collect();
     assert_eq!(keys, [(Some(4), 8), (Some(4), 16), (Some(8), 4)]);
-    assert_eq!(
-        cases[2].norms().collect::<Vec<_>>(),
-        ["V_max", "L2_max", "mine"]
-    );
+    assert_eq!(cases[2].norms().collect::<Vec<_>>(), ["V_max", "L2_max", "mine"]);
     fs::remove_file(&path).unwrap();
 }
 
@@ -191,13 +146,7 @@ fn sorted_by_key_and_norm_whatever_the_order_of_arrival() {
 fn a_line_break_in_a_name_is_refused() {
     let path = file("break");
     let mut journal = Journal::open(&path).unwrap();
-    let broken = CaseRecord {
-        scene: "a\nb".into(),
-        ..case(1, 1, &[])
-    };
-    assert!(matches!(
-        journal.append(&broken),
-        Err(RecordError::Name { .. })
-    ));
+    let broken = CaseRecord { scene: "a\nb".into(), ..case(1, 1, &[]) };
+    assert!(matches!(journal.append(&broken), Err(RecordError::Name { .. })));
     fs::remove_file(&path).unwrap();
 }

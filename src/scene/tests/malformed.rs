@@ -21,13 +21,7 @@ const fn case(
     column: usize,
     phrase: &'static str,
 ) -> Case {
-    Case {
-        from,
-        to,
-        line,
-        column,
-        phrase,
-    }
+    Case { from, to, line, column, phrase }
 }
 
 #[track_caller]
@@ -47,16 +41,9 @@ fn check(good: &str, cases: &[Case]) {
             case.phrase,
             case.to
         );
-        assert_eq!(
-            (diagnosis.line(), diagnosis.column()),
-            (case.line, case.column),
-            "{shown}"
-        );
+        assert_eq!((diagnosis.line(), diagnosis.column()), (case.line, case.column), "{shown}");
         let place = format!("block.toml:{}:{}", case.line, case.column);
-        assert!(
-            shown.contains(&place) && !diagnosis.hint.is_empty(),
-            "{shown}"
-        );
+        assert!(shown.contains(&place) && !diagnosis.hint.is_empty(), "{shown}");
     }
 }
 
@@ -90,7 +77,7 @@ fn heading_and_domain() {
         case("name = \"block\"", "name = \"a block\"", 2, 8, "cannot name a scene"),
         case("judge = true", "expect = \"fails\"", 5, 10, "did you mean `fail`?"),
         case("judge = true", "violates = [\"2.8\"]", 5, 13, "known: 2.9, concave_gap, 5.1, 3.4"),
-        case("judge = true", "window_n = [128, 32]", 5, 12, "[from, to] with from < to"),
+        case("judge = true", "window_n = [128, 32]", 5, 12, "[from, to] with from <= to"),
         case("\"rectangle\"", "\"rectangel\"", 7, 9, "did you mean `rectangle`?"),
         case("size = [1.0, 0.5]", "size = [1.0, -0.5]", 8, 14, "not positive"),
         case("size = [1.0, 0.5]", "size = [1.0, inf]", 8, 14, "not finite"),
@@ -196,18 +183,9 @@ fn contact_and_its_sides_come_together() {
     let sides_only = LOADED.replace(&LOADED[start..end], "");
     let shown = refused(&sides_only).to_string();
     assert!(shown.contains("block.toml:11:11"), "{shown}");
-    assert!(
-        shown.contains("contact sides, but no part [contact]"),
-        "{shown}"
-    );
-    let none = sides_only.replace(
-        "\"right\"]\ncontact = [\"bottom\"]",
-        "\"right\", \"bottom\"]",
-    );
+    assert!(shown.contains("contact sides, but no part [contact]"), "{shown}");
+    let none = sides_only.replace("\"right\"]\ncontact = [\"bottom\"]", "\"right\", \"bottom\"]");
     let shown = refused(&none.replace("V_max", "trace_L2_max")).to_string();
-    assert!(
-        shown.contains("`trace_L2_max` is measured on Γ3"),
-        "{shown}"
-    );
+    assert!(shown.contains("`trace_L2_max` is measured on Γ3"), "{shown}");
     assert!(Scene::from_source(Source::from_text("block.toml", none)).is_ok());
 }

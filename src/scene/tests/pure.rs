@@ -25,24 +25,11 @@ impl Pure {
         let [yx, yy] = [Variable::X, Variable::Y].map(|v| graph.derivative(u[1], v));
         let (sum, half) = (graph.add(xy, yx), graph.constant(0.5));
         let shear = graph.mul(half, sum);
-        Pure {
-            scene,
-            u,
-            strain: [xx, yy, shear],
-            multiplier,
-        }
+        Pure { scene, u, strain: [xx, yy, shear], multiplier }
     }
 
     fn at(&self, node: Node, x: f64, y: f64, t: f64) -> f64 {
-        self.scene.formulas.evaluate(
-            node,
-            &Point {
-                x,
-                y,
-                t,
-                ..Point::default()
-            },
-        )
+        self.scene.formulas.evaluate(node, &Point { x, y, t, ..Point::default() })
     }
 
     /// Elastic and remembered part of σ_yy and σ_xy; the projection adds nothing where ‖ε^D‖ ≤ κ.
@@ -53,11 +40,8 @@ impl Pure {
             let intervals = 40;
             let step = t / f64::from(intervals);
             for j in 0..=intervals {
-                let simpson = if j == 0 || j == intervals {
-                    1.0
-                } else {
-                    f64::from(2 + 2 * (j % 2))
-                };
+                let simpson =
+                    if j == 0 || j == intervals { 1.0 } else { f64::from(2 + 2 * (j % 2)) };
                 let time = step * f64::from(j);
                 let weight = -(time - t).exp() * step * simpson / 3.0;
                 let [xx, yy, xy] = self.strain.map(|node| self.at(node, x, y, time));
@@ -69,12 +53,7 @@ impl Pure {
     }
 
     fn compliance(&self, u_normal: f64) -> f64 {
-        match self
-            .scene
-            .contact
-            .as_ref()
-            .and_then(|contact| contact.law.as_ref())
-        {
+        match self.scene.contact.as_ref().and_then(|contact| contact.law.as_ref()) {
             None => 0.0,
             Some(_) if u_normal <= 0.0 => 0.0,
             Some(_) if u_normal <= 0.04 => 2.0 * u_normal,
@@ -84,18 +63,15 @@ impl Pure {
 
     fn check(&self, is_pure: bool) -> [bool; 3] {
         let mut seen = [false; 3];
-        for (x, t) in [0.05, 0.3, 0.47, 0.95]
-            .into_iter()
-            .flat_map(|x| [0.0, 0.4, 1.0].map(|t| (x, t)))
+        for (x, t) in
+            [0.05, 0.3, 0.47, 0.95].into_iter().flat_map(|x| [0.0, 0.4, 1.0].map(|t| (x, t)))
         {
             let u_normal = -self.at(self.u[1], x, 0.0, t);
             let multiplier = self.multiplier.map_or(0.0, |node| self.at(node, x, 0.0, t));
             assert!(u_normal <= 0.08 + 1e-14 && multiplier >= 0.0);
             assert!((multiplier * (u_normal - 0.08)).abs() < 1e-14);
             assert!(
-                self.u
-                    .iter()
-                    .all(|&node| self.at(node, x, 1.0, t).abs() < 1e-15),
+                self.u.iter().all(|&node| self.at(node, x, 1.0, t).abs() < 1e-15),
                 "u on the clamped side"
             );
             if is_pure {

@@ -26,19 +26,14 @@ fn folder() -> PathBuf {
 
 pub(super) fn shipped(name: &str) -> Scene {
     let registry = Registry::open(&folder()).unwrap();
-    registry
-        .load(name)
-        .unwrap_or_else(|error| panic!("{error}"))
+    registry.load(name).unwrap_or_else(|error| panic!("{error}"))
 }
 
 #[test]
 fn all_are_there_and_valid() {
     let registry = Registry::open(&folder()).unwrap();
     for name in NAMES {
-        assert!(
-            registry.names().any(|known| known == name),
-            "{name} is not shipped"
-        );
+        assert!(registry.names().any(|known| known == name), "{name} is not shipped");
     }
     for name in registry.names() {
         let scene = shipped(name);
@@ -66,12 +61,7 @@ fn the_punch_is_the_common_benchmark() {
     let projection = scene.material.projection.unwrap();
     assert!((projection.lipschitz - 0.05).abs() < 1e-15);
     let contact = scene.contact.unwrap();
-    assert_eq!(
-        contact
-            .gap
-            .and_then(|gap| scene.formulas.value_of_constant(gap)),
-        Some(0.10)
-    );
+    assert_eq!(contact.gap.and_then(|gap| scene.formulas.value_of_constant(gap)), Some(0.10));
     assert!((contact.law.unwrap().alpha() - 0.5).abs() < 1e-12);
     let reference = scene.sweep.unwrap().reference.unwrap();
     assert_eq!((reference.n, reference.steps), (128, 64));
@@ -92,10 +82,7 @@ fn absent_terms_are_absent() {
 fn a_path_is_read_whatever_the_name() {
     let registry = Registry::open(&folder()).unwrap();
     let path = folder().join("affine.toml");
-    assert_eq!(
-        registry.load(&path.display().to_string()).unwrap().name,
-        "affine"
-    );
+    assert_eq!(registry.load(&path.display().to_string()).unwrap().name, "affine");
 }
 
 #[test]
@@ -107,10 +94,7 @@ fn an_unknown_name_is_answered_with_the_nearest() {
         "{message}"
     );
     let message = registry.load("zzzzzz").unwrap_err().to_string();
-    assert!(
-        message.contains("known: affine, affine-locked"),
-        "{message}"
-    );
+    assert!(message.contains("known: affine, affine-locked"), "{message}");
 }
 
 #[test]
@@ -119,31 +103,18 @@ fn names_in_the_folder_are_unique_and_match_their_files() {
     std::fs::create_dir_all(folder.join("more")).unwrap();
     let text = shipped("punch").source.text;
     std::fs::write(folder.join("block.toml"), &text).unwrap();
-    let error = Registry::open(&folder)
-        .unwrap()
-        .load("block")
-        .unwrap_err()
-        .to_string();
-    assert!(
-        error.contains("the scene is called `punch`, its file `block.toml`"),
-        "{error}"
-    );
+    let error = Registry::open(&folder).unwrap().load("block").unwrap_err().to_string();
+    assert!(error.contains("the scene is called `punch`, its file `block.toml`"), "{error}");
     std::fs::write(folder.join("more/block.toml"), &text).unwrap();
     let error = Registry::open(&folder).unwrap_err();
     std::fs::remove_dir_all(&folder).unwrap();
-    assert!(
-        matches!(error, SceneError::Duplicate { ref name, .. } if name == "block"),
-        "{error}"
-    );
+    assert!(matches!(error, SceneError::Duplicate { ref name, .. } if name == "block"), "{error}");
 }
 
 #[test]
 fn keys_and_hash_lead_back_to_the_text() {
     let scene = shipped("pure-mild");
-    assert_eq!(
-        &scene.source.text[scene.span("exact.multiplier")],
-        "\"lambda\""
-    );
+    assert_eq!(&scene.source.text[scene.span("exact.multiplier")], "\"lambda\"");
     assert_eq!(&scene.source.text[scene.span("sweep.n.2")], "64");
     assert_eq!(&scene.source.text[scene.span("exact.selection")], "[exact]");
     let again = Source::from_text("elsewhere.toml", scene.source.text.clone());

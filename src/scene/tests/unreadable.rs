@@ -26,24 +26,16 @@ fn files_that_hold_no_scene() {
     let empty = read("empty.toml", b"# only a remark\n\n");
     let latin = read("latin.toml", b"[scene]\nname = \"caf\xe9\"\n");
     let large = read("large.toml", &vec![b'#'; (1 << 20) + 1]);
-    let missing = Scene::read(Path::new("/nowhere/scene.toml"))
-        .unwrap_err()
-        .to_string();
+    let missing = Scene::read(Path::new("/nowhere/scene.toml")).unwrap_err().to_string();
     let directory = Scene::read(&folder).unwrap_err().to_string();
     std::fs::remove_dir_all(&folder).unwrap();
     assert!(
         empty.contains("is empty") && empty.contains("copy manufactured/affine.toml"),
         "{empty}"
     );
-    assert!(
-        latin.contains("latin.toml:2:12: byte 0xe9 is not UTF-8"),
-        "{latin}"
-    );
+    assert!(latin.contains("latin.toml:2:12: byte 0xe9 is not UTF-8"), "{latin}");
     assert!(large.contains("larger than 1 MiB"), "{large}");
-    assert!(
-        missing.contains("cannot read /nowhere/scene.toml"),
-        "{missing}"
-    );
+    assert!(missing.contains("cannot read /nowhere/scene.toml"), "{missing}");
     assert!(directory.contains("cannot read"), "{directory}");
 }
 
@@ -52,15 +44,9 @@ fn files_that_hold_no_scene() {
 fn nothing_panics() {
     for good in [LOADED, EXACT] {
         for end in (0..good.len()).step_by(7) {
-            drop(Scene::from_source(Source::from_text(
-                "prefix.toml",
-                &good[..end],
-            )));
+            drop(Scene::from_source(Source::from_text("prefix.toml", &good[..end])));
         }
-        for (at, wrong) in (0..good.len())
-            .step_by(11)
-            .zip("\"'[]{}=.,#\n-9x".chars().cycle())
-        {
+        for (at, wrong) in (0..good.len()).step_by(11).zip("\"'[]{}=.,#\n-9x".chars().cycle()) {
             let edited = format!("{}{wrong}{}", &good[..at], &good[at + 1..]);
             if let Err(error) = Scene::from_source(Source::from_text("edited.toml", edited)) {
                 assert!(!error.to_string().is_empty());

@@ -38,14 +38,7 @@ fn table(ns: &[u32], steps: &[u32], error: impl Fn(f64, f64) -> f64) -> Vec<Case
     let step = |level: &u32| 1.0 / f64::from(*level);
     ns.iter()
         .flat_map(|n| steps.iter().map(move |s| (step(n), step(s))))
-        .map(|(h, k)| {
-            record(Point {
-                h,
-                k,
-                error: error(h, k),
-                floor,
-            })
-        })
+        .map(|(h, k)| record(Point { h, k, error: error(h, k), floor }))
         .collect()
 }
 
@@ -79,10 +72,7 @@ fn power_laws_pass_with_any_ratio() {
         let space = verdict(&table(ns, &[4], |h, _| 2.0 * h), &predict(Variable::H, 1.0));
         assert_eq!(space.decision, Decision::Pass, "{}", space.reason);
         assert!((space.constants["C_h"].value - 2.0).abs() < 1e-12);
-        let time = verdict(
-            &table(&[4], ns, |_, k| 5.0 * k * k),
-            &predict(Variable::K, 2.0),
-        );
+        let time = verdict(&table(&[4], ns, |_, k| 5.0 * k * k), &predict(Variable::K, 2.0));
         assert_eq!(time.decision, Decision::Pass, "{}", time.reason);
         assert_eq!(time.points_used.len(), 4);
     }
@@ -90,16 +80,10 @@ fn power_laws_pass_with_any_ratio() {
 
 #[test]
 fn bias_passes_and_divergence_fails() {
-    let bent = verdict(
-        &table(&DOUBLING, &[4], |h, _| h + 4.0 * h * h),
-        &predict(Variable::H, 1.0),
-    );
+    let bent = verdict(&table(&DOUBLING, &[4], |h, _| h + 4.0 * h * h), &predict(Variable::H, 1.0));
     assert_eq!(bent.decision, Decision::Pass, "{}", bent.reason);
     for order in [1.0, 2.0] {
-        let prediction = Prediction {
-            at_least: order == 1.0,
-            ..predict(Variable::H, order)
-        };
+        let prediction = Prediction { at_least: order == 1.0, ..predict(Variable::H, order) };
         let apart = verdict(&table(&DOUBLING, &[4], |h, _| h.powi(-2)), &prediction);
         assert_eq!(apart.decision, Decision::Fail, "{}", apart.reason);
         assert!((apart.observed.unwrap() + 2.0).abs() < 1e-10);
@@ -114,20 +98,12 @@ fn a_plateau_at_the_floor_is_left_out() {
     assert!(verdict.points_left_out[0].reason.starts_with("below floor"));
     assert_eq!(verdict.decision, Decision::Unresolved);
     assert!(
-        verdict
-            .reason
-            .contains("run steps = 4: finer ones are below floor"),
+        verdict.reason.contains("run steps = 4: finer ones are below floor"),
         "{}",
         verdict.reason
     );
-    let zeros = self::verdict(
-        &table(&[4], &DOUBLING, |_, _| 0.0),
-        &predict(Variable::K, 2.0),
-    );
-    assert_eq!(
-        (zeros.decision, zeros.complete),
-        (Decision::Unresolved, true)
-    );
+    let zeros = self::verdict(&table(&[4], &DOUBLING, |_, _| 0.0), &predict(Variable::K, 2.0));
+    assert_eq!((zeros.decision, zeros.complete), (Decision::Unresolved, true));
     assert!(zeros.reason.contains("lower the floor"), "{}", zeros.reason);
 }
 
@@ -139,54 +115,32 @@ fn a_missing_a_failed_and_a_broken_case_fail_even_where_failure_is_expected() {
     let mut missing = good.clone();
     missing.remove(4);
     let mut failed = good.clone();
-    failed[3].status = Status::Failed {
-        reason: "no descent at t = 0.5".into(),
-    };
+    failed[3].status = Status::Failed { reason: "no descent at t = 0.5".into() };
     let mut broken = good.clone();
     broken[0].errors[0].error = Some(f64::NAN);
     let mut absent = good.clone();
     absent[1].errors[0].error = None;
     let mut unmeasured = good.clone();
     unmeasured[1].errors.clear();
-    let words = [
-        "n = 32, steps = 4 is missing",
-        "no descent",
-        "NaN",
-        "has no error",
-        "no row",
-    ];
-    for (records, word) in [&missing, &failed, &broken, &absent, &unmeasured]
-        .into_iter()
-        .zip(words)
+    let words = ["n = 32, steps = 4 is missing", "no descent", "NaN", "has no error", "no row"];
+    for (records, word) in [&missing, &failed, &broken, &absent, &unmeasured].into_iter().zip(words)
     {
         let verdict = judge("block", records, &wanted, &prediction, Expect::Fail);
         assert_eq!(verdict.decision, Decision::Fail);
         assert!(verdict.reason.contains(word), "{}", verdict.reason);
         assert!(!verdict.as_expected());
-        assert_eq!(
-            exit_code(records, &[verdict]),
-            if word == "no descent" { 2 } else { 1 }
-        );
+        assert_eq!(exit_code(records, &[verdict]), if word == "no descent" { 2 } else { 1 });
     }
-    assert_eq!(
-        judge("other", &good, &wanted, &prediction, Expect::Pass).decision,
-        Decision::Fail
-    );
+    assert_eq!(judge("other", &good, &wanted, &prediction, Expect::Pass).decision, Decision::Fail);
 }
 
 #[test]
 fn two_points_are_unresolved_and_name_the_third() {
-    let two = verdict(
-        &table(&[64, 128], &[4], |h, _| h),
-        &predict(Variable::H, 1.0),
-    );
+    let two = verdict(&table(&[64, 128], &[4], |h, _| h), &predict(Variable::H, 1.0));
     assert_eq!(two.decision, Decision::Unresolved);
     assert_eq!(two.reason, "2 points, an order needs 3: run n = 256");
     assert!(two.interval.is_none());
-    let windowed = Prediction {
-        window_n: Some([32, 64]),
-        ..predict(Variable::H, 1.0)
-    };
+    let windowed = Prediction { window_n: Some([32, 64]), ..predict(Variable::H, 1.0) };
     let windowed = verdict(&table(&DOUBLING, &[4], |h, _| h), &windowed);
     assert_eq!(windowed.points_left_out[0].reason, "outside window");
     assert_eq!(windowed.points_used.len(), 2);
@@ -198,48 +152,27 @@ fn an_order_too_high_is_unresolved_unless_it_is_a_bound_or_exact() {
     let high = verdict(&records, &predict(Variable::H, 1.0));
     assert_eq!(high.decision, Decision::Unresolved);
     assert!(high.reason.contains("order too high"), "{}", high.reason);
-    let bound = Prediction {
-        at_least: true,
-        ..predict(Variable::H, 1.0)
-    };
+    let bound = Prediction { at_least: true, ..predict(Variable::H, 1.0) };
     assert_eq!(verdict(&records, &bound).decision, Decision::Pass);
-    let exact = Prediction {
-        exact: true,
-        ..predict(Variable::H, 1.0)
-    };
+    let exact = Prediction { exact: true, ..predict(Variable::H, 1.0) };
     assert_eq!(verdict(&records, &exact).decision, Decision::Fail);
 }
 
 #[test]
 fn the_grid_gives_both_orders_and_the_path_gives_none() {
-    let joint = Prediction {
-        order_k: Some(2.0),
-        ..predict(Variable::Joint, 1.0)
-    };
+    let joint = Prediction { order_k: Some(2.0), ..predict(Variable::Joint, 1.0) };
     let levels = [8, 16, 32, 64];
     let grid = table(&levels, &levels, |h, k| 0.3 * h + 4.0 * k * k);
     let both = verdict(&grid, &joint);
     assert_eq!(both.decision, Decision::Pass, "{}", both.reason);
     assert!((both.constants["C_k"].value - 4.0).abs() < 1e-6);
-    let wrong = verdict(
-        &grid,
-        &Prediction {
-            order_k: Some(3.0),
-            ..joint.clone()
-        },
-    );
+    let wrong = verdict(&grid, &Prediction { order_k: Some(3.0), ..joint.clone() });
     assert_eq!(wrong.decision, Decision::Fail);
-    let path: Vec<CaseRecord> = grid
-        .into_iter()
-        .filter(|case| case.n == Some(case.steps))
-        .collect();
+    let path: Vec<CaseRecord> =
+        grid.into_iter().filter(|case| case.n == Some(case.steps)).collect();
     let path = verdict(&path, &joint);
     assert_eq!(path.decision, Decision::Unresolved);
-    assert!(
-        path.reason.starts_with("not identifiable"),
-        "{}",
-        path.reason
-    );
+    assert!(path.reason.starts_with("not identifiable"), "{}", path.reason);
 }
 
 #[test]
@@ -255,62 +188,31 @@ fn a_slope_bent_by_the_other_term_says_so() {
 fn expectations_turn_the_exit_code() {
     let records = table(&DOUBLING, &[4], |h, _| h.sqrt());
     let prediction = predict(Variable::H, 1.0);
-    let code = |expect| {
-        exit_code(
-            &records,
-            &[judge("block", &records, &[], &prediction, expect)],
-        )
-    };
-    assert_eq!(
-        (
-            code(Expect::Pass),
-            code(Expect::Fail),
-            code(Expect::Unresolved)
-        ),
-        (1, 0, 1)
-    );
+    let code = |expect| exit_code(&records, &[judge("block", &records, &[], &prediction, expect)]);
+    assert_eq!((code(Expect::Pass), code(Expect::Fail), code(Expect::Unresolved)), (1, 0, 1));
     assert_eq!(exit_code(&[], &[]), 0);
 }
 
 #[test]
 fn the_document_has_its_keys_and_no_infinite_number() {
     let mut records = table(&[8, 16, 32, 64], &[4], |h, _| h);
-    records.push(CaseRecord {
-        n: None,
-        h: None,
-        ..records[0].clone()
-    });
+    records.push(CaseRecord { n: None, h: None, ..records[0].clone() });
     let passed = verdict(&records, &predict(Variable::H, 1.0));
-    records[1].status = Status::Failed {
-        reason: "no descent".into(),
-    };
+    records[1].status = Status::Failed { reason: "no descent".into() };
     let path = std::env::temp_dir().join(format!("gronwall-verdict-{}.json", std::process::id()));
     write_json(&path, &serde_json::json!({"seed": 1}), &[passed], &records).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let entry = &json["verdicts"][0];
-    assert_eq!(
-        (&entry["variable"], &entry["verdict"]),
-        (&"h".into(), &"pass".into())
-    );
+    assert_eq!((&entry["variable"], &entry["verdict"]), (&"h".into(), &"pass".into()));
     assert!(entry["points_left_out"][0]["h"].is_null());
-    for key in [
-        "scene",
-        "norm",
-        "predicted",
-        "why",
-        "observed",
-        "interval",
-        "constants",
-        "reason",
-    ] {
+    for key in ["scene", "norm", "predicted", "why", "observed", "interval", "constants", "reason"]
+    {
         assert!(!entry[key].is_null(), "{key}");
     }
     let kept = crate::verdict::read_failures(&path).unwrap();
     assert_eq!(kept, failures(&records));
-    records[1].status = Status::Failed {
-        reason: String::new(),
-    };
+    records[1].status = Status::Failed { reason: String::new() };
     restore_reasons(&mut records, &kept);
     assert_eq!(failures(&records), kept);
     std::fs::remove_file(&path).unwrap();
@@ -320,10 +222,7 @@ fn the_document_has_its_keys_and_no_infinite_number() {
 fn the_table_fits_100_columns() {
     let records = table(&DOUBLING, &[4], |h, _| h.powf(1.7));
     let mut verdicts = vec![verdict(&records, &predict(Variable::H, 1.0))];
-    verdicts.push(Verdict {
-        scene: "corner-reentrant-loaded".into(),
-        ..verdicts[0].clone()
-    });
+    verdicts.push(Verdict { scene: "corner-reentrant-loaded".into(), ..verdicts[0].clone() });
     let text = render_table(&verdicts);
     println!("{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 100));

@@ -1,0 +1,86 @@
+//! Bits, refusals and the index; the round trip through another reader is in `round_trip`.
+
+mod reading;
+mod round_trip;
+
+use std::fs;
+
+use self::reading::{block, floats, read};
+use super::*;
+
+const SQUARE: [[f64; 3]; 5] =
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.25, 0.0]];
+const TRIANGLES: [u32; 12] = [0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4];
+
+fn triangles() -> Grid<'static> {
+    Grid { points: &SQUARE, cells: &TRIANGLES, vertices_per_cell: 3 }
+}
+
+/// Every pair of values is bitwise equal.
+fn same(found: &[f64], expected: &[f64]) -> bool {
+    found.iter().map(|x| x.to_bits()).eq(expected.iter().map(|x| x.to_bits()))
+}
+
+/// A path for one test, in the system's folder for temporary files.
+fn scratch(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("gronwall-{}-{name}", std::process::id()))
+}
+
+#[test]
+fn every_bit_pattern_is_kept() {
+    let odd = [f64::NAN, f64::NEG_INFINITY, -0.0, f64::from_bits(0x3c3c_3c26_2d5d_0a3e), 5e-324];
+    let path = scratch("bits.vtu");
+    let field = Field { name: "odd", components: 1, values: &odd };
+    write_vtu(&path, &triangles(), &[field], &[]).expect("written");
+    let file = fs::read(&path).expect("readable");
+    fs::remove_file(&path).expect("removable");
+    assert!(same(&floats(block(&file, "odd")), &odd));
+    assert!(same(&floats(block(&file, "Points")), SQUARE.as_flattened()));
+    assert_eq!(block(&file, "types"), [5; 4]);
+    assert!(file.ends_with(b"\n  </AppendedData>\n</VTKFile>\n"));
+}
+
+#[test]
+fn inconsistent_input_is_refused_and_leaves_no_file() {
+    let path = scratch("refused.vtu");
+    let refused = |grid: Grid<'_>, field: Field<'_>| {
+        let error = write_vtu(&path, &grid, &[], &[field]).expect_err("refused");
+        assert!(!path.exists());
+        error.to_string()
+    };
+    let field = Field { name: "p", components: 1, values: &[0.0; 4] };
+    let grid = triangles();
+    assert_eq!(
+        refused(grid, Field { components: 2, ..field }),
+        "field `p`: 4 values, expected 4 × 2"
+    );
+    assert!(refused(grid, Field { components: 0, values: &[], ..field }).contains("4 × 0"));
+    assert!(refused(Grid { vertices_per_cell: 2, ..grid }, field).contains("of 2 vertices"));
+    assert!(refused(Grid { cells: &TRIANGLES[1..], ..grid }, field).contains("11 cell vertices"));
+    assert!(refused(Grid { points: &SQUARE[..4], ..grid }, field).contains("has vertex 4"));
+    let absent = scratch("absent").join("grid.vtu");
+    let error = write_vtu(&absent, &grid, &[], &[field]).expect_err("no such folder");
+    assert!(matches!(error, VtuError::Io { path, .. } if path == absent));
+}
+
+#[test]
+fn an_empty_grid_is_a_file() {
+    let path = scratch("empty.vtu");
+    let grid = Grid { points: &[], cells: &[], vertices_per_cell: 3 };
+    write_vtu(&path, &grid, &[], &[]).expect("written");
+    let back = read(&fs::read(&path).expect("readable")).expect("vtkio reads the file");
+    fs::remove_file(&path).expect("removable");
+    assert!(back.points.is_empty() && back.types.is_empty());
+}
+
+#[test]
+fn the_index_lists_times_with_all_digits() {
+    let path = scratch("series.pvd");
+    let steps = [(0.0, "a_0.vtu".to_owned()), (0.1 + 0.2, "a&b.vtu".to_owned())];
+    write_pvd(&path, &steps).expect("written");
+    let text = fs::read_to_string(&path).expect("readable");
+    fs::remove_file(&path).expect("removable");
+    assert!(text.contains("<DataSet timestep=\"0\" part=\"0\" file=\"a_0.vtu\"/>"));
+    let last = "<DataSet timestep=\"0.30000000000000004\" part=\"0\" file=\"a&amp;b.vtu\"/>";
+    assert!(text.contains(last) && text.ends_with("</VTKFile>\n"));
+}
