@@ -146,7 +146,8 @@ impl What {
             if scene.long && !self.all && !named {
                 continue;
             }
-            scene.check_grid(self.n.as_deref(), self.steps.as_deref())?;
+            let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
+            scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
             let plan = ScenePlan::new(Setup::new(scene)?, &overrides);
             let scene = &plan.setup.scene;
             if plan.cases.is_empty() {

@@ -36,7 +36,7 @@ pub struct Solve {
 impl Solve {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        scene.check_grid(Some(&[self.n]), None)?;
+        scene.check_cells(self.n)?;
         let setup = crate::setup::Setup::new(scene)?;
         let start = Instant::now();
         let data = MeshData::new(&setup, self.n, None)?;
@@ -89,8 +89,8 @@ impl Solve {
         let mut document = serde_json::to_value(state).map_err(other)?;
         if let Some(object) = document.as_object_mut() {
             object.insert("newton_iterations".into(), info.newton_iterations.into());
-            object.insert("factorizations".into(), info.work.factorizations.into());
-            object.insert("linear_solves".into(), info.work.solves.into());
+            object.insert("factorizations".into(), info.work.linear.factorizations.into());
+            object.insert("linear_solves".into(), info.work.linear.solves.into());
             object.insert("kkt_residual".into(), info.kkt_residual.into());
             object.insert("seconds".into(), seconds.into());
             object.insert("dofs".into(), dofs.into());

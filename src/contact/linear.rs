@@ -72,7 +72,7 @@ pub fn march<P: Projection>(
         }
         let strain_norm = strain_norm(space, &u);
         accumulated.commit(grid, strain_norm);
-        info.work.seconds_solve += start.elapsed().as_secs_f64();
+        info.work.linear.seconds_solve += start.elapsed().as_secs_f64();
         info.newton_iterations += 1;
         let view = StepView {
             n,
@@ -115,18 +115,18 @@ impl Response {
                 source: StepError::Factor { iteration: 0, source },
             },
         )?;
-        work.factorizations += 1;
-        work.seconds_factor += start.elapsed().as_secs_f64();
+        work.linear.factorizations += 1;
+        work.linear.seconds_factor += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let basis = load.basis().map(|basis| {
             let mut basis = basis.to_vec();
             for vector in &mut basis {
                 space.analysis.solve(&factor, vector, &mut workspace);
-                work.solves += 1;
+                work.linear.solves += 1;
             }
             basis
         });
-        work.seconds_solve += start.elapsed().as_secs_f64();
+        work.linear.seconds_solve += start.elapsed().as_secs_f64();
         let factors = vec![0.0; basis.as_ref().map_or(0, Vec::len)];
         Ok(Self { factor, workspace, basis, factors })
     }
@@ -178,7 +178,7 @@ impl Response {
             None => {
                 out.copy_from_slice(force);
                 space.analysis.solve(&self.factor, out, &mut self.workspace);
-                work.solves += 1;
+                work.linear.solves += 1;
             }
         }
     }

@@ -248,7 +248,7 @@ impl<'a, P: Projection> March<'a, P> {
         let largest = self.model.elasticity.eigenvalues(self.space.mesh.dimension).1;
         let residual = self.last_residual;
         self.info.floors = Floors::new(self.space, &delta, &self.nodal, residual, largest);
-        self.info.work = self.problem.work;
+        self.info.work = self.problem.work();
         self.info
     }
 

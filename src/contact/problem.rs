@@ -12,9 +12,7 @@ use super::assembly::{cell_stiffness, stress_force};
 use super::compliance::GaussCompliance;
 use super::{BoundaryRule, Discretization, Model};
 use crate::law::{Isotropic, NoPotential, Potential, Projection};
-use crate::linalg::{
-    Factor, FactorError, Krylov, Preconditioned, Workspace, axpy, dot, gmres, norm,
-};
+use crate::linalg::{FactorError, LinearWork, RankOne, SequenceSolver, axpy, norm};
 use crate::space::strain_of;
 use crate::tensor::contract;
 use crate::vhi::{BoundaryGraph, Coordinate, StepInequality};
@@ -22,18 +20,12 @@ use crate::vhi::{BoundaryGraph, Coordinate, StepInequality};
 /// Counters and times of the solver's parts.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Work {
-    /// Numerical factorizations.
-    pub factorizations: u32,
-    /// Solves with a factor, those inside an iterative solve included.
-    pub solves: u32,
     /// Evaluations of F.
     pub residuals: u32,
     /// Seconds in residuals and tangents.
     pub seconds_assemble: f64,
-    /// Seconds in factorizations.
-    pub seconds_factor: f64,
-    /// Seconds in solves.
-    pub seconds_solve: f64,
+    /// Factorizations and solves.
+    pub linear: LinearWork,
 }
 
 /// The contact problem on one mesh, at one time level after another.
@@ -50,19 +42,9 @@ pub struct ContactProblem<'a, P> {
     /// 𝒜 + w b(0) ℬ₀ as a law and as matrix values.
     linear_law: Isotropic,
     linear: Vec<f64>,
-    tangent: Vec<f64>,
-    factor: Factor,
-    workspace: Workspace,
-    /// What the factor was computed for: implicit weight, slopes, prescribed flags.
-    factored: Option<(f64, Vec<f64>, Vec<bool>)>,
-    /// Whether the factor is that of the present tangent.
-    fresh: bool,
-    /// Iterations that the last solve with an older factor took; `None` before the first
-    /// factorization of the time level, which is never replaced by an older one.
-    stale_iterations: Option<u32>,
-    /// Rank-one piece of the factor's Jacobian: K⁻¹a/(1 + bᵀK⁻¹a) and b.
-    correction: Option<(Vec<f64>, Vec<f64>)>,
-    krylov: Krylov,
+    solver: SequenceSolver<'a>,
+    /// What the last tangent was made of: implicit weight, slopes, prescribed flags.
+    last: Option<(f64, Vec<f64>, Vec<bool>)>,
     /// Load minus memory of the past.
     load: Vec<f64>,
     /// u as a nodal vector, and forces on all nodes.
@@ -72,22 +54,11 @@ pub struct ContactProblem<'a, P> {
     past_zeta: f64,
     weight: f64,
     strain_norm: f64,
-    rank_one: Option<RankOne>,
-    /// Prescribed increments (dof, δ), and what they move to the right side (dof, Σ K δ).
+    /// Prescribed increments (dof, δ), and what they move to the right side (dof, value).
     fixed: Vec<(usize, f64)>,
     lifted: Vec<(usize, f64)>,
-    /// Two right sides, one after the other.
-    pair: Vec<f64>,
     /// Counters and times.
-    pub work: Work,
-}
-
-/// The rank-one piece a bᵀ of the Jacobian on the coordinates that are not prescribed.
-struct RankOne {
-    a: Vec<f64>,
-    b: Vec<f64>,
-    /// Σ b_i δ_i over the prescribed increments.
-    fixed: f64,
+    work: Work,
 }
 
 impl<'a, P: Projection> ContactProblem<'a, P> {
@@ -110,16 +81,10 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         let needs_strains = model.projection.limit().is_some();
         let tensor = if space.mesh.dimension == 2 { 3 } else { 6 };
         Self {
-            factor: space.analysis.factor(),
-            workspace: space.analysis.workspace(2),
-            factored: None,
-            fresh: false,
-            stale_iterations: None,
-            correction: None,
-            krylov: Krylov::default(),
+            solver: SequenceSolver::new(&space.analysis, &space.pattern),
+            last: None,
             linear_law: model.elasticity,
             linear: elastic.clone(),
-            tangent: Vec::new(),
             elastic,
             memory,
             load: vec![0.0; space.dofs()],
@@ -133,10 +98,8 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             past_zeta: 0.0,
             weight: 0.0,
             strain_norm: 0.0,
-            rank_one: None,
             fixed: Vec::new(),
             lifted: Vec::new(),
-            pair: Vec::new(),
             work: Work::default(),
             space,
             model,
@@ -159,7 +122,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             }
         }
         self.past_zeta = past_zeta;
-        self.stale_iterations = None;
+        self.solver.begin_level();
         if weight != self.weight {
             self.set_linear_part(weight);
         }
@@ -192,9 +155,12 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
     /// K⁻¹ rhs in place with the last factor; the right side is left as it is before the first
     /// factorization (a scene at rest).
     pub fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
-        if self.work.factorizations > 0 {
-            self.space.analysis.solve(&self.factor, rhs, &mut self.workspace);
-        }
+        self.solver.solve_with_last_factor(rhs);
+    }
+
+    /// Counters and times so far.
+    pub fn work(&self) -> Work {
+        Work { linear: self.solver.work, ..self.work }
     }
 
     fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {
@@ -258,9 +224,12 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         }
     }
 
-    /// Adds the generalized derivative of the projection to the tangent; fills the rank-one piece.
-    fn projected_tangent<const D: usize, const S: usize>(&mut self) {
-        let Some(limit) = self.model.projection.limit() else { return };
+    /// Adds the generalized derivative of the projection to the tangent; returns the rank-one piece.
+    fn projected_tangent<const D: usize, const S: usize>(
+        &self,
+        tangent: &mut [f64],
+    ) -> Option<RankOne> {
+        let limit = self.model.projection.limit()?;
         let zeta = self.zeta();
         let (kappa, slope) = (limit.value(zeta), limit.slope(zeta));
         let coupled = slope != 0.0 && self.weight != 0.0 && self.strain_norm > 0.0;
@@ -276,7 +245,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             if let Some(response) = self.model.projection.response(&strain, kappa) {
                 let local = &mut local[..order * order];
                 cell_stiffness::<D, S>(gradients, &response.tangent, measure, local);
-                self.space.pattern.scatter::<D>(c, nodes, local, &mut self.tangent);
+                self.space.pattern.scatter::<D>(c, nodes, local, tangent);
                 if coupled {
                     let scale = self.weight * slope * measure;
                     let stress = response.by_limit.map(|s| scale * s);
@@ -288,140 +257,45 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
                 stress_force::<D, S>(gradients, nodes, &stress, &mut b);
             }
         }
-        self.rank_one = coupled.then(|| {
+        coupled.then(|| {
             a.truncate(self.space.dofs());
             b.truncate(self.space.dofs());
-            RankOne { a, b, fixed: 0.0 }
-        });
+            RankOne { a, b }
+        })
     }
 
     /// Replaces the rows and columns of prescribed coordinates by the identity, and notes what their
     /// increments move to the right side.
-    fn prescribe(&mut self, prescribed: &[Option<f64>]) {
+    fn prescribe(
+        &mut self,
+        prescribed: &[Option<f64>],
+        tangent: &mut [f64],
+        rank_one: &mut Option<RankOne>,
+    ) {
         self.fixed.clear();
         self.lifted.clear();
         for (i, increment) in prescribed.iter().enumerate() {
             let Some(increment) = *increment else { continue };
             for &(other, position) in &self.couplings[i] {
-                let value = std::mem::take(&mut self.tangent[position as usize]);
+                let value = std::mem::take(&mut tangent[position as usize]);
                 if increment != 0.0 {
                     self.lifted.push((other as usize, value * increment));
                 }
             }
             let dof = self.graph.coordinates[i].dof as usize;
-            self.tangent[self.space.pattern.diagonal(dof)] = 1.0;
+            // The diagonal stays: any positive number serves, and this one fits its neighbours.
             self.fixed.push((dof, increment));
         }
-        if let Some(rank_one) = &mut self.rank_one {
-            for &(dof, increment) in &self.fixed {
-                rank_one.fixed += rank_one.b[dof] * increment;
-                rank_one.a[dof] = 0.0;
-                rank_one.b[dof] = 0.0;
-            }
+        let Some(rank_one) = rank_one else { return };
+        let moved: f64 =
+            self.fixed.iter().map(|&(dof, increment)| rank_one.b[dof] * increment).sum();
+        if moved != 0.0 {
+            let a = rank_one.a.iter().enumerate();
+            self.lifted.extend(a.map(|(dof, a)| (dof, moved * a)));
         }
-    }
-
-    /// Factorizes the tangent and prepares its rank-one correction.
-    fn factorize(&mut self) -> Result<(), FactorError> {
-        self.fresh = false;
-        self.correction = None;
-        let start = Instant::now();
-        let outcome = self.space.analysis.factorize(
-            &self.space.pattern,
-            &self.tangent,
-            &mut self.factor,
-            &mut self.workspace,
-        );
-        self.work.factorizations += 1;
-        self.work.seconds_factor += start.elapsed().as_secs_f64();
-        outcome?;
-        self.fresh = true;
-        self.stale_iterations = Some(0);
-        Ok(())
-    }
-
-    /// (K + a bᵀ)⁻¹ by Sherman-Morrison with the fresh factor, both right sides in one pass over it.
-    fn solve_fresh(&mut self, rhs: &mut [f64]) -> Result<(), FactorError> {
-        self.work.solves += 1;
-        let Some(rank_one) = &self.rank_one else {
-            self.space.analysis.solve(&self.factor, rhs, &mut self.workspace);
-            return Ok(());
-        };
-        let dofs = rhs.len();
-        self.pair.clear();
-        self.pair.extend_from_slice(rhs);
-        self.pair.extend(&rank_one.a);
-        self.space.analysis.solve(&self.factor, &mut self.pair, &mut self.workspace);
-        let (x, y) = self.pair.split_at(dofs);
-        let denominator = 1.0 + dot(&rank_one.b, y);
-        // K⁻¹ and K + a bᵀ share their sign as long as the step has one solution (bound (3.4)).
-        if denominator.is_nan() || denominator <= 0.0 {
-            return Err(FactorError::SingularInZeta { denominator });
-        }
-        rhs.copy_from_slice(x);
-        let scaled: Vec<f64> = y.iter().map(|y| y / denominator).collect();
-        axpy(-dot(&rank_one.b, rhs), &scaled, rhs);
-        self.correction = Some((scaled, rank_one.b.clone()));
-        Ok(())
-    }
-
-    /// GMRES on the present Jacobian with the older factor as preconditioner; a fresh factor where
-    /// that does not converge.
-    fn solve_stale(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
-        let mut krylov = std::mem::take(&mut self.krylov);
-        self.pair.clear();
-        self.pair.extend_from_slice(rhs);
-        let mut operator = StaleFactor {
-            space: self.space,
-            tangent: &self.tangent,
-            rank_one: self.rank_one.as_ref(),
-            factor: &self.factor,
-            workspace: &mut self.workspace,
-            correction: self.correction.as_ref(),
-        };
-        let info = gmres(&mut operator, rhs, forcing, STALE_LIMIT, &mut krylov);
-        self.krylov = krylov;
-        self.stale_iterations = Some(info.iterations);
-        self.work.solves += info.iterations;
-        if info.relative_residual <= forcing {
-            return Ok(());
-        }
-        self.factorize()?;
-        let saved = std::mem::take(&mut self.pair);
-        rhs.copy_from_slice(&saved[..rhs.len()]);
-        self.pair = saved;
-        self.solve_fresh(rhs)
-    }
-}
-
-/// A solve that took more iterations than this asks for a new factorization: in the plane a
-/// factorization costs about four applications of operator and preconditioner.
-const STALE_GOOD: u32 = 3;
-/// Iterations after which an older factor is given up at once.
-const STALE_LIMIT: usize = 10;
-
-/// The present Jacobian with an older factorization as preconditioner.
-struct StaleFactor<'a> {
-    space: &'a Discretization,
-    tangent: &'a [f64],
-    rank_one: Option<&'a RankOne>,
-    factor: &'a Factor,
-    workspace: &'a mut Workspace,
-    correction: Option<&'a (Vec<f64>, Vec<f64>)>,
-}
-
-impl Preconditioned for StaleFactor<'_> {
-    fn apply(&mut self, x: &[f64], out: &mut [f64]) {
-        self.space.pattern.multiply(self.tangent, x, out);
-        if let Some(rank_one) = self.rank_one {
-            axpy(dot(&rank_one.b, x), &rank_one.a, out);
-        }
-    }
-
-    fn precondition(&mut self, x: &mut [f64]) {
-        self.space.analysis.solve(self.factor, x, self.workspace);
-        if let Some((scaled, b)) = self.correction {
-            axpy(-dot(b, x), scaled, x);
+        for &(dof, _) in &self.fixed {
+            rank_one.a[dof] = 0.0;
+            rank_one.b[dof] = 0.0;
         }
     }
 }
@@ -489,63 +363,39 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
     }
 
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
-        let flags = || prescribed.iter().map(Option::is_some);
-        let constant = self.model.projection.limit().is_none() && self.gauss.is_none();
-        // Without projection and Gauss compliance the tangent is known from weight, slopes, pins.
-        let same = self.factored.as_ref().is_some_and(|(weight, s, p)| {
-            *weight == self.weight && s == slopes && p.iter().copied().eq(flags())
-        });
-        let reuse = constant && same;
-        if reuse && prescribed.iter().flatten().all(|&increment| increment == 0.0) {
-            self.lifted.clear();
-            for (_, increment) in &mut self.fixed {
-                *increment = 0.0;
-            }
-            return Ok(());
-        }
         let start = Instant::now();
-        self.tangent.clone_from(&self.linear);
-        self.rank_one = None;
-        match self.space.mesh.dimension {
-            2 => self.projected_tangent::<2, 3>(),
-            _ => self.projected_tangent::<3, 6>(),
-        }
+        let flags: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
+        let now = (self.weight, slopes.to_vec(), flags);
+        // Without projection and Gauss compliance the tangent is known from weight, slopes, pins.
+        let constant = self.model.projection.limit().is_none() && self.gauss.is_none();
+        let unchanged = constant && self.last.as_ref() == Some(&now);
+        let mut tangent = self.solver.take_values();
+        tangent.clone_from(&self.linear);
+        let mut rank_one = match self.space.mesh.dimension {
+            2 => self.projected_tangent::<2, 3>(&mut tangent),
+            _ => self.projected_tangent::<3, 6>(&mut tangent),
+        };
         if let Some(gauss) = &self.gauss {
-            gauss.add_tangent(&self.nodal, &self.space.pattern, &mut self.tangent);
+            gauss.add_tangent(&self.nodal, &self.space.pattern, &mut tangent);
         }
         for (slope, at) in slopes.iter().zip(&self.graph.coordinates) {
-            self.tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;
+            tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;
         }
-        self.prescribe(prescribed);
+        self.prescribe(prescribed, &mut tangent, &mut rank_one);
+        self.last = Some(now);
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
-        if reuse {
-            return Ok(());
-        }
-        self.factored = Some((self.weight, slopes.to_vec(), flags().collect()));
-        if self.stale_iterations.is_some_and(|iterations| iterations <= STALE_GOOD) {
-            self.fresh = false;
-            return Ok(());
-        }
-        self.factorize()
+        self.solver.prepare(tangent, rank_one, unchanged)
     }
 
     fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
-        let start = Instant::now();
-        let factor_before = self.work.seconds_factor;
         for &(dof, value) in &self.lifted {
             rhs[dof] -= value;
         }
-        if let Some(rank_one) = &self.rank_one {
-            axpy(-rank_one.fixed, &rank_one.a, rhs);
-        }
         for &(dof, increment) in &self.fixed {
-            rhs[dof] = increment;
+            let stiffness = self.solver.diagonal(dof);
+            rhs[dof] = stiffness * increment;
         }
-        let outcome =
-            if self.fresh { self.solve_fresh(rhs) } else { self.solve_stale(rhs, forcing) };
-        let factor = self.work.seconds_factor - factor_before;
-        self.work.seconds_solve += start.elapsed().as_secs_f64() - factor;
-        outcome
+        self.solver.solve(rhs, forcing)
     }
 
     fn force_scale(&self, u: &[f64]) -> f64 {

@@ -51,10 +51,32 @@ pub struct Analysis {
     order: usize,
 }
 
+/// Real numbers in which a factor can be kept: f64, or f32 as a preconditioner.
+pub trait Real: faer::traits::RealField + Copy {
+    /// Zero.
+    const ZERO: Self;
+    /// Whether the number is finite.
+    fn finite(self) -> bool;
+}
+
+impl Real for f64 {
+    const ZERO: Self = 0.0;
+    fn finite(self) -> bool {
+        self.is_finite()
+    }
+}
+
+impl Real for f32 {
+    const ZERO: Self = 0.0;
+    fn finite(self) -> bool {
+        self.is_finite()
+    }
+}
+
 /// Numbers of one factorization L Lᵀ.
 #[derive(Debug, Clone)]
-pub struct Factor {
-    values: Vec<f64>,
+pub struct Factor<T = f64> {
+    values: Vec<T>,
 }
 
 /// Scratch memory of factorizations and solves with up to a fixed number of right sides.
@@ -92,8 +114,8 @@ impl Analysis {
     }
 
     /// An empty factor of this pattern.
-    pub fn factor(&self) -> Factor {
-        Factor { values: vec![0.0; self.symbolic.len_val()] }
+    pub fn factor<T: Real>(&self) -> Factor<T> {
+        Factor { values: vec![T::ZERO; self.symbolic.len_val()] }
     }
 
     /// Scratch memory for factorizations and for solves with up to `columns` right sides.
@@ -108,11 +130,11 @@ impl Analysis {
     ///
     /// # Errors
     /// [`FactorError::NotPositiveDefinite`] names the unknown whose pivot failed.
-    pub fn factorize(
+    pub fn factorize<T: Real>(
         &self,
         pattern: &BlockPattern,
-        values: &[f64],
-        factor: &mut Factor,
+        values: &[T],
+        factor: &mut Factor<T>,
         workspace: &mut Workspace,
     ) -> Result<(), FactorError> {
         let matrix = SparseColMatRef::new(symbolic_matrix(pattern), values);
@@ -127,7 +149,7 @@ impl Analysis {
         );
         match outcome {
             Ok(_) => Ok(()),
-            Err(_) if values.iter().any(|v| !v.is_finite()) => Err(FactorError::NotFinite),
+            Err(_) if values.iter().any(|v| !v.finite()) => Err(FactorError::NotFinite),
             Err(LltError::NonPositivePivot { index }) => {
                 // The index counts in the permuted order of the supernodal factorization.
                 let dof = match self.symbolic.perm() {
@@ -140,7 +162,7 @@ impl Analysis {
     }
 
     /// Solves L Lᵀ x = b in place for the right sides stored one after another in `rhs`.
-    pub fn solve(&self, factor: &Factor, rhs: &mut [f64], workspace: &mut Workspace) {
+    pub fn solve<T: Real>(&self, factor: &Factor<T>, rhs: &mut [T], workspace: &mut Workspace) {
         let columns = rhs.len() / self.order.max(1);
         let rhs = MatMut::from_column_major_slice_mut(rhs, self.order, columns);
         LltRef::new(&self.symbolic, &factor.values).solve_in_place_with_conj(

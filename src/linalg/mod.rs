@@ -5,12 +5,14 @@ mod dissection;
 mod gmres;
 mod pattern;
 mod random;
+mod sequence;
 
-pub use cholesky::{Analysis, Factor, FactorError, Workspace};
+pub use cholesky::{Analysis, Factor, FactorError, Real, Workspace};
 pub use dissection::nested_dissection;
 pub use gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
 pub use pattern::BlockPattern;
 pub use random::signed_unit;
+pub use sequence::{LinearWork, RankOne, SequenceSolver};
 
 /// Σ a_i b_i, summed in order.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -124,36 +124,35 @@ fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Resul
 }
 
 impl Scene {
+    /// Checks that n cells a unit length divide the sides into whole cells.
+    ///
+    /// # Errors
+    /// An n that does not.
+    pub fn check_cells(&self, n: u32) -> Result<(), SceneError> {
+        let odd = |length: &&f64| {
+            let cells = f64::from(n) * **length;
+            cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells
+        };
+        let Some(length) = self.domain.size.iter().find(odd) else { return Ok(()) };
+        let message = format!("n = {n} does not divide side {length} into whole cells");
+        let hint = "choose n so that n times each side is a whole number";
+        Err(self.error("domain.size", message, hint))
+    }
+
     /// Checks grids that come from outside the file (the command line) as the file's own are.
     ///
     /// # Errors
-    /// An n that does not divide the sides into whole cells, or that the reference run does not
-    /// refine; a number of steps that the reference's is no multiple of.
-    pub fn check_grid(&self, n: Option<&[u32]>, steps: Option<&[u32]>) -> Result<(), SceneError> {
-        let reference = self.sweep.as_ref().and_then(|sweep| sweep.reference);
-        for &n in n.unwrap_or_default() {
-            for &length in &self.domain.size {
-                let cells = f64::from(n) * length;
-                if cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells {
-                    let message = format!("n = {n} does not divide side {length} into whole cells");
-                    let hint = "choose n so that n times each side is a whole number";
-                    return Err(self.error("domain.size", message, hint));
-                }
-            }
-            if let Some(reference) = reference.filter(|r| !r.n.is_multiple_of(n as usize)) {
+    /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
+    pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
+        n.iter().try_for_each(|&n| self.check_cells(n))?;
+        let Some(reference) = self.sweep.as_ref().and_then(|sweep| sweep.reference) else {
+            return Ok(());
+        };
+        for (name, own, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
+            if let Some(case) = cases.iter().find(|&&case| !own.is_multiple_of(case as usize)) {
                 let message =
-                    format!("the reference n = {} is no multiple of n = {n}", reference.n);
-                let hint = "choose n among the divisors of the reference, or change the reference";
-                return Err(self.error("sweep.reference", message, hint));
-            }
-        }
-        for &steps in steps.unwrap_or_default() {
-            if let Some(reference) = reference.filter(|r| !r.steps.is_multiple_of(steps as usize)) {
-                let own = reference.steps;
-                let message =
-                    format!("the reference steps = {own} is no multiple of steps = {steps}");
-                let hint =
-                    "choose steps among the divisors of the reference's, or change the reference";
+                    format!("the reference {name} = {own} is no multiple of {name} = {case}");
+                let hint = "choose divisors of the reference's, or change the reference";
                 return Err(self.error("sweep.reference", message, hint));
             }
         }
