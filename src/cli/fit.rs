@@ -36,7 +36,8 @@ impl Fit {
             [(Direction::Space, "h", self.p), (Direction::Time, "k", self.q)]
         {
             let line = finest_line(&points, direction);
-            let refined = line.iter().any(|p| direction.step(p) != direction.step(&line[0]));
+            let steps = || line.iter().map(|p| direction.step(p)).filter(|step| step.is_finite());
+            let refined = steps().any(|step| Some(step) != steps().next());
             if !refined && predicted.is_none() {
                 continue;
             }

@@ -1,6 +1,7 @@
 //! Problem 14: the contact problem in P1 elements as an instance of `vhi`.
 
 mod assembly;
+mod boundary;
 mod compliance;
 mod discretization;
 mod floor;

@@ -5,17 +5,17 @@
 //! the memory of the past is part of the load. The Jacobian is K + a bᵀ: K sparse and symmetric, and
 //! a rank-one piece from ζ(u), a = w κ'(ζ) ∫ ∂σ/∂κ : ε(v), b = ∂‖ε(u)‖/∂u.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use super::assembly::{cell_stiffness, stress_force};
+use super::boundary::boundary_graph;
 use super::compliance::GaussCompliance;
 use super::{BoundaryRule, Discretization, Model};
-use crate::law::{Isotropic, NoPotential, Potential, Projection};
-use crate::linalg::{FactorError, LinearWork, RankOne, SequenceSolver, axpy, norm};
+use crate::law::{Isotropic, Projection};
+use crate::linalg::{FactorError, LinearWork, RankOne, SequenceSolver, norm};
 use crate::space::strain_of;
 use crate::tensor::contract;
-use crate::vhi::{BoundaryGraph, Coordinate, StepInequality};
+use crate::vhi::{BoundaryGraph, StepInequality};
 
 /// Counters and times of the solver's parts.
 #[derive(Debug, Clone, Copy, Default)]
@@ -298,42 +298,6 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             rank_one.b[dof] = 0.0;
         }
     }
-}
-
-/// The graphs of Γ3: gap and shift at the vertices, the potential where the vertex rule is used.
-fn boundary_graph<P: Projection>(
-    space: &Discretization,
-    model: &Model<P>,
-    elastic: &[f64],
-) -> BoundaryGraph {
-    let none: Arc<dyn Potential> = Arc::new(NoPotential);
-    let Some(boundary) = &model.boundary else {
-        return BoundaryGraph { coordinates: Vec::new(), potential: none };
-    };
-    let potential = match boundary.rule {
-        BoundaryRule::Vertex => boundary.potential.clone(),
-        BoundaryRule::Gauss => none,
-    };
-    let coordinates = space
-        .trace
-        .points
-        .iter()
-        .filter(|point| !point.clamped)
-        .map(|point| {
-            let x = space.mesh.point(&[point.vertex], &[1.0]);
-            let stiffness = elastic[space.pattern.diagonal(point.component as usize)];
-            Coordinate {
-                dof: point.component,
-                sign: point.sign,
-                weight: point.weight,
-                gap: (boundary.gap)(x),
-                shift: (boundary.shift)(x),
-                // γ α_ν = α_ν w/K_ii is of order h α_ν/m_𝒜: below one wherever (2.9) holds.
-                gamma: point.weight / stiffness,
-            }
-        })
-        .collect();
-    BoundaryGraph { coordinates, potential }
 }
 
 impl<P: Projection> StepInequality for ContactProblem<'_, P> {

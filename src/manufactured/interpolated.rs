@@ -6,9 +6,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::constitutive::{self, Tensor};
 use super::exact::Exact;
-use super::on_mesh::{ByTime, Truth};
 use super::running_integral::RunningIntegral;
 use super::sign_changes::sign_changes;
+use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError, stress_force};
 use crate::formula::{Bound, Node, Point, Program};
 use crate::norms::{FACET_SAMPLES, Moments, facet_sample, is_locked};

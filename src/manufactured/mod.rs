@@ -9,9 +9,11 @@ pub mod constitutive;
 mod exact;
 mod interpolated;
 mod on_mesh;
+mod reduction;
 mod running_integral;
 mod sign_changes;
 mod symbolic;
+mod truth;
 
 pub use accumulated::AccumulatedStrain;
 pub use check::{Finding, SideOfRectangle, Status, check};
@@ -19,4 +21,5 @@ pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };
 pub use interpolated::InterpolatedOnMesh;
-pub use on_mesh::{ExactOnMesh, Truth};
+pub use on_mesh::ExactOnMesh;
+pub use truth::Truth;

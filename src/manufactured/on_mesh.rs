@@ -1,70 +1,17 @@
 //! An exact solution on a mesh: load vectors and moments, each computed once a time and shared by
 //! all cases on the mesh.
 
-use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::constitutive::{self, Tensor};
 use super::exact::{Exact, LoadForm};
+use super::reduction::{add_cell, project};
 use super::symbolic::components;
+use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError, stress_force};
 use crate::formula::Bound;
-use crate::norms::{
-    CellConstants, FACET_SAMPLES, Moments, Piecewise, facet_sample, is_locked, linear_projection,
-};
+use crate::norms::{FACET_SAMPLES, Moments, Piecewise, facet_sample, is_locked};
 use crate::space::quadrature::{Rule, edge, triangle_degree_4, triangle_degree_6};
-
-/// What a case is measured against, and driven by.
-pub trait Truth: Send + Sync {
-    /// The load vector F(t), over the unknowns.
-    ///
-    /// # Errors
-    /// A formula that is not finite somewhere.
-    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError>;
-
-    /// The moments of the truth at t.
-    ///
-    /// # Errors
-    /// A formula that is not finite somewhere, a time that a reference run does not have.
-    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError>;
-
-    /// The F_i where the load separates, F(t) = Σ_i a_i(t) F_i.
-    fn load_basis(&self) -> Option<&[Vec<f64>]> {
-        None
-    }
-
-    /// `out` ← a_i(t), where the load separates.
-    fn load_factors(&self, _t: f64, out: &mut [f64]) {
-        out.fill(0.0);
-    }
-}
-
-/// Values by time, computed once.
-pub(super) struct ByTime<T> {
-    values: Mutex<HashMap<u64, Arc<T>>>,
-}
-
-impl<T> Default for ByTime<T> {
-    fn default() -> Self {
-        Self { values: Mutex::new(HashMap::new()) }
-    }
-}
-
-impl<T> ByTime<T> {
-    pub(super) fn get_or(
-        &self,
-        t: f64,
-        compute: impl FnOnce() -> Result<T, LoadError>,
-    ) -> Result<Arc<T>, LoadError> {
-        let lock = || self.values.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(value) = lock().get(&t.to_bits()) {
-            return Ok(value.clone());
-        }
-        // Computed outside the lock: two threads may both do it, with identical results.
-        let value = Arc::new(compute()?);
-        Ok(lock().entry(t.to_bits()).or_insert(value).clone())
-    }
-}
 
 /// Points with their formulas bound to them.
 struct Sampled {
@@ -427,42 +374,6 @@ fn length(space: &Discretization, corners: &[u32; 2]) -> f64 {
 
 fn mandel(tensor: &Tensor<2>) -> [f64; 3] {
     [tensor[0][0], tensor[1][1], std::f64::consts::SQRT_2 * tensor[0][1]]
-}
-
-fn add_cell(values: &[[f64; 3]], weights: &[f64], measure: f64, out: &mut CellConstants) {
-    let mut mean = [0.0; 3];
-    for (value, weight) in values.iter().zip(weights) {
-        for i in 0..3 {
-            mean[i] += weight * value[i];
-        }
-    }
-    for (value, weight) in values.iter().zip(weights) {
-        let square: f64 = (0..3).map(|i| (value[i] - mean[i]).powi(2)).sum();
-        out.rest += measure * weight * square;
-    }
-    out.mean.extend(mean);
-}
-
-/// Linear projection of sampled values on one simplex; returns the mean squared remainder.
-fn project(at: &[f64], rule: &Rule, mut set: impl FnMut(usize, f64)) -> f64 {
-    let corners = rule.points[0].len();
-    let mut moment = [0.0; 4];
-    for ((value, weight), b) in at.iter().zip(&rule.weights).zip(&rule.points) {
-        for a in 0..corners {
-            moment[a] += weight * value * b[a];
-        }
-    }
-    let mut corner = [0.0; 4];
-    linear_projection(&moment[..corners], &mut corner[..corners]);
-    let mut rest = 0.0;
-    for ((value, weight), b) in at.iter().zip(&rule.weights).zip(&rule.points) {
-        let linear: f64 = (0..corners).map(|a| corner[a] * b[a]).sum();
-        rest += weight * (value - linear).powi(2);
-    }
-    for (a, value) in corner[..corners].iter().enumerate() {
-        set(a, *value);
-    }
-    rest
 }
 
 /// Refuses values that are not finite, naming the place.

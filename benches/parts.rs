@@ -1,0 +1,110 @@
+//! Benchmarks of the parts and of one case; policy in `benches/README.md`.
+
+use std::hint::black_box;
+use std::path::Path;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use gronwall::contact::march;
+use gronwall::fit::{Correction, Direction, Point, order_interval, samples};
+use gronwall::history::{Memory, TimeGrid, Trapezoid};
+use gronwall::law::ExponentialSum;
+use gronwall::scene::Scene;
+use gronwall::setup::{MeshData, Setup, TruthLoad};
+use gronwall::vhi::Newton;
+
+fn setup(name: &str) -> Setup {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("manufactured/{name}.toml"));
+    let scene = Scene::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    Setup::new(scene).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Strains and their memory integrals of a full scene at the points of a mesh.
+fn tape(c: &mut Criterion) {
+    let setup = setup("pure-strong");
+    let exact = setup.exact.as_ref().expect("an exact scene");
+    let points: Vec<[f64; 3]> = (0..4096)
+        .map(|i| [(f64::from(i % 64) + 0.3) / 64.0, (f64::from(i / 64) + 0.6) / 64.0, 0.0])
+        .collect();
+    let mut bound = exact.interior.bind(&points);
+    let mut out = vec![Vec::new(); 8];
+    let mut n = 0u32;
+    c.bench_function("tape: u, strain, memory at 4096 points", |b| {
+        b.iter(|| {
+            n = (n + 1) % 997;
+            bound.evaluate(black_box(f64::from(n) / 997.0), 0.0, &mut out);
+        });
+    });
+}
+
+/// All steps of a case, errors excluded.
+fn cases(c: &mut Criterion) {
+    for (name, n, steps) in [("punch", 32, 8), ("elastic-punch", 32, 8), ("linear-punch", 64, 32)] {
+        let setup = setup(name);
+        let data = MeshData::new(&setup, n, None).unwrap_or_else(|error| panic!("{error}"));
+        let grid = setup.grid(steps);
+        c.bench_function(&format!("case: {name} n={n} N={steps}"), |b| {
+            b.iter(|| {
+                let mut load = TruthLoad(&*data.truth);
+                let newton = Newton::default();
+                march(&data.space, &setup.model, &grid, &mut load, &newton, &mut |_| Ok(()))
+                    .unwrap_or_else(|error| panic!("{error}"))
+            });
+        });
+    }
+}
+
+/// Mesh, pattern and analysis; then one factorization and solve.
+fn linear_algebra(c: &mut Criterion) {
+    let setup = setup("linear-punch");
+    c.bench_function("space: mesh, pattern, analysis n=64", |b| {
+        b.iter(|| setup.space(black_box(64)).unwrap_or_else(|error| panic!("{error}")));
+    });
+    let space = setup.space(64).unwrap_or_else(|error| panic!("{error}"));
+    let values = space.stiffness(&setup.model.elasticity);
+    let (mut factor, mut workspace) = (space.analysis.factor::<f64>(), space.analysis.workspace(1));
+    let mut x = vec![1.0; space.dofs()];
+    c.bench_function("factorization n=64", |b| {
+        b.iter(|| space.analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace));
+    });
+    c.bench_function("solve n=64", |b| {
+        b.iter(|| space.analysis.solve(&factor, black_box(&mut x), &mut workspace));
+    });
+}
+
+/// The history of 256 steps, as a sum and as a recursion.
+fn history(c: &mut Criterion) {
+    let kernel = ExponentialSum { terms: vec![(-1.0, 1.0)] };
+    let grid = TimeGrid::uniform(1.0, 256);
+    let u = vec![0.5; 1000];
+    let run = |mut memory: Memory| {
+        let mut past = vec![0.0; u.len()];
+        for _ in 0..=grid.steps() {
+            memory.past(&kernel, &Trapezoid, &grid, &mut past);
+            memory.commit(&grid, &u);
+        }
+        past
+    };
+    c.bench_function("history: direct sum, N=256", |b| b.iter(|| run(Memory::direct())));
+    c.bench_function("history: recursion, N=256", |b| {
+        b.iter(|| run(Memory::new(&kernel, &Trapezoid, u.len())));
+    });
+}
+
+/// An order with its interval from six points.
+fn fit(c: &mut Criterion) {
+    let points: Vec<Point> = (3..9)
+        .map(|i| {
+            let h = 0.5f64.powi(i);
+            Point { h, k: 1.0, error: h + 4.0 * h * h, floor: 0.0 }
+        })
+        .collect();
+    c.bench_function("fit: order and interval of 6 points", |b| {
+        b.iter(|| {
+            samples(black_box(&points), Direction::Space)
+                .and_then(|samples| order_interval(&samples, Correction::Linear))
+        });
+    });
+}
+
+criterion_group!(parts, tape, cases, linear_algebra, history, fit);
+criterion_main!(parts);

@@ -1,0 +1,43 @@
+//! The constraint graphs of Γ3 for the solver.
+
+use std::sync::Arc;
+
+use super::{BoundaryRule, Discretization, Model};
+use crate::law::{NoPotential, Potential, Projection};
+use crate::vhi::{BoundaryGraph, Coordinate};
+
+/// The graphs of Γ3: gap and shift at the vertices, the potential where the vertex rule is used.
+pub fn boundary_graph<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    elastic: &[f64],
+) -> BoundaryGraph {
+    let none: Arc<dyn Potential> = Arc::new(NoPotential);
+    let Some(boundary) = &model.boundary else {
+        return BoundaryGraph { coordinates: Vec::new(), potential: none };
+    };
+    let potential = match boundary.rule {
+        BoundaryRule::Vertex => boundary.potential.clone(),
+        BoundaryRule::Gauss => none,
+    };
+    let coordinates = space
+        .trace
+        .points
+        .iter()
+        .filter(|point| !point.clamped)
+        .map(|point| {
+            let x = space.mesh.point(&[point.vertex], &[1.0]);
+            let stiffness = elastic[space.pattern.diagonal(point.component as usize)];
+            Coordinate {
+                dof: point.component,
+                sign: point.sign,
+                weight: point.weight,
+                gap: (boundary.gap)(x),
+                shift: (boundary.shift)(x),
+                // γ α_ν = α_ν w/K_ii is of order h α_ν/m_𝒜: below one wherever (2.9) holds.
+                gamma: point.weight / stiffness,
+            }
+        })
+        .collect();
+    BoundaryGraph { coordinates, potential }
+}

@@ -1,0 +1,59 @@
+//! What a case is measured against, and its values kept by time.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::contact::LoadError;
+use crate::norms::Moments;
+
+/// What a case is measured against, and driven by.
+pub trait Truth: Send + Sync {
+    /// The load vector F(t), over the unknowns.
+    ///
+    /// # Errors
+    /// A formula that is not finite somewhere.
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError>;
+
+    /// The moments of the truth at t.
+    ///
+    /// # Errors
+    /// A formula that is not finite somewhere, a time that a reference run does not have.
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError>;
+
+    /// The F_i where the load separates, F(t) = Σ_i a_i(t) F_i.
+    fn load_basis(&self) -> Option<&[Vec<f64>]> {
+        None
+    }
+
+    /// `out` ← a_i(t), where the load separates.
+    fn load_factors(&self, _t: f64, out: &mut [f64]) {
+        out.fill(0.0);
+    }
+}
+
+/// Values by time, computed once.
+pub(super) struct ByTime<T> {
+    values: Mutex<HashMap<u64, Arc<T>>>,
+}
+
+impl<T> Default for ByTime<T> {
+    fn default() -> Self {
+        Self { values: Mutex::new(HashMap::new()) }
+    }
+}
+
+impl<T> ByTime<T> {
+    pub(super) fn get_or(
+        &self,
+        t: f64,
+        compute: impl FnOnce() -> Result<T, LoadError>,
+    ) -> Result<Arc<T>, LoadError> {
+        let lock = || self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(value) = lock().get(&t.to_bits()) {
+            return Ok(value.clone());
+        }
+        // Computed outside the lock: two threads may both do it, with identical results.
+        let value = Arc::new(compute()?);
+        Ok(lock().entry(t.to_bits()).or_insert(value).clone())
+    }
+}

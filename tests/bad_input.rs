@@ -1,0 +1,268 @@
+//! Source: the contract of the command line: bad input ends with exit code 2 and one clear message on stderr.
+//! Goal: malformed scenes, unknown names and grids that do not fit are refused by every command that would compute,
+//!   with file, line and the reason, before anything is written or printed.
+//! Data: shipped scenes with one edit each.
+
+mod program;
+mod shipped;
+
+use std::process::Output;
+
+use program::{Folder, code, stderr, stdout, sweep};
+use shipped::{edited, text};
+
+/// What is wrong with a refusal; `place` must stand in the one message, with each of the phrases.
+fn faults(output: &Output, place: &str, phrases: &[&str]) -> Vec<String> {
+    let message = stderr(output);
+    let mut faults = Vec::new();
+    let mut expect = |holds: bool, what: String| {
+        if !holds {
+            faults.push(what);
+        }
+    };
+    expect(code(output) == 2, format!("exit code {}", code(output)));
+    expect(output.stdout.is_empty(), format!("on stdout: {}", stdout(output)));
+    // codespan begins each message with `error:`, others have one line and a way out.
+    let messages = message.matches("error: ").count();
+    expect(messages <= 1 && !message.trim().is_empty(), format!("{messages} messages"));
+    expect(!message.contains("panicked"), "a panic".into());
+    for phrase in phrases.iter().chain([&place]) {
+        expect(message.contains(phrase), format!("no `{phrase}` in: {message}"));
+    }
+    faults
+}
+
+/// The line of `key` in a text, from 1.
+fn line_of(text: &str, key: &str) -> usize {
+    let at = text.find(key).unwrap_or_else(|| panic!("no `{key}`"));
+    1 + text[..at].matches('\n').count()
+}
+
+/// A malformed scene: where its message points (a text that stands at that line), and what it says.
+struct Malformed {
+    name: &'static str,
+    text: String,
+    at: &'static str,
+    phrases: &'static [&'static str],
+}
+
+fn malformed() -> Vec<Malformed> {
+    let make = |name, from: &str, edits: &[(&str, &str)], at, phrases| {
+        let mut scene = text(from);
+        for (old, new) in edits {
+            scene = edited(&scene, old, new);
+        }
+        Malformed { name, text: scene, at, phrases }
+    };
+    let [uniform, slope] =
+        ["grid = { kind = \"uniform\" }\n", "slope_before = 0.0, slope_after = 0.0"];
+    let time = format!("[time]\nhorizon = 1.0\n{uniform}");
+    let steep = "points = [[0.0, 0.0], [0.04, 0.08], [0.05, -0.02]]";
+    vec![
+        make(
+            "unknown-key",
+            "punch",
+            &[("gap = ", "gpa = ")],
+            "gpa = ",
+            &["unknown key `gpa`", "`gap`"],
+        ),
+        // Nothing of a missing part can be underlined: the message points at the end of the file.
+        make("missing-part", "punch", &[(&time, "")], "", &["[time] is missing"]),
+        make(
+            "bad-formula",
+            "punch",
+            &[("\"-3*t*x\"", "\"-3*t*(x\"")],
+            "body = ",
+            &["`)` is missing"],
+        ),
+        make(
+            "unknown-name",
+            "affine",
+            &[("b = \"0.3*sin(2*t)\"", "b = \"0.3*sin(2*q)\"")],
+            "b = \"0.3",
+            &["unknown name `q`"],
+        ),
+        make(
+            "negative-lame",
+            "punch",
+            &[("mu_L = 1.0", "mu_L = -1.0")],
+            "mu_L = -1.0",
+            &["mu_L = -1", "not positive"],
+        ),
+        make(
+            "not-small",
+            "punch",
+            &[("points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]", steep)],
+            "law = ",
+            &["(2.9)", "alpha_nu", "m_A"],
+        ),
+        make("downward-jump", "punch", &[("[0.10, 0.05]", "[0.04, 0.05]")], "law = ", &["(2.8c)"]),
+        make(
+            "kernel-at-zero",
+            "punch",
+            &[("\"-exp(-t)\"", "\"-t^(-0.5)\"")],
+            "kernel = ",
+            &["kernel", "inf at t = 0"],
+        ),
+        make(
+            "negative-multiplier",
+            "affine-locked",
+            &[("multiplier = \"t\"", "multiplier = \"-t\"")],
+            "multiplier = ",
+            &["must not be negative"],
+        ),
+        make(
+            "multiplier-off-contact",
+            "affine",
+            &[("[exact.define]", "multiplier = \"t\"\n[exact.define]")],
+            "multiplier = ",
+            &["multiplier", "below g"],
+        ),
+        make(
+            "beyond-the-gap",
+            "affine",
+            &[("a = \"0.08*t", "a = \"0.12*t")],
+            "u = [",
+            &["u_nu <= g"],
+        ),
+        make(
+            "convex-gap",
+            "punch",
+            &[("gap = \"0.10\"", "gap = \"0.1 + 0.2*x^2\"")],
+            "gap = ",
+            &["not concave"],
+        ),
+        make(
+            "not-clamped",
+            "affine",
+            &[("\"b*(1 - y)\"", "\"b*(1 - 0.9*y)\"")],
+            "u = [",
+            &["clamped side"],
+        ),
+        make(
+            "no-number",
+            "punch",
+            &[(slope, "slope_before = nan, slope_after = 0.0")],
+            "law = ",
+            &["not finite"],
+        ),
+    ]
+}
+
+#[test]
+fn malformed_scenes_are_refused_with_their_place() {
+    let folder = Folder::new("bad-input");
+    let mut wrong = Vec::new();
+    for Malformed { name, text, at, phrases } in malformed() {
+        let file = format!("{name}.toml");
+        let path = folder.file(&file, &text);
+        let line = if at.is_empty() { text.lines().count() } else { line_of(&text, at) };
+        let place = format!("{file}:{line}:");
+        let (out, vtu) = (folder.argument("out"), folder.argument("vtu"));
+        let commands: [&[&str]; 5] = [
+            &["run", &path, "--out", &out],
+            &["gate", &path, "--out", &out],
+            &["solve", &path, "--n", "4", "--steps", "4", "--vtu", &vtu],
+            &["check", &path],
+            &["explain", &path],
+        ];
+        for arguments in commands {
+            let found = faults(&sweep(arguments), &place, phrases);
+            wrong.extend(found.into_iter().map(|what| format!("{} {name}: {what}", arguments[0])));
+        }
+        assert!(!folder.at("out").exists() && !folder.at("vtu").exists(), "{name} left files");
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The judge of refusals above refuses what is none.
+#[test]
+fn a_sound_scene_is_no_refusal() {
+    let folder = Folder::new("sound");
+    let path = folder
+        .file("sound.toml", &edited(&text("affine"), "name = \"affine\"", "name = \"sound\""));
+    let output = sweep(&["solve", &path, "--n", "4", "--steps", "4"]);
+    let found = faults(&output, "sound.toml:1:", &["unknown key"]);
+    // Exit code, stdout, no message, no place, no phrase.
+    assert_eq!(found.len(), 5, "{found:?}");
+}
+
+#[test]
+fn files_and_names_that_are_no_scene() {
+    let folder = Folder::new("no-scene");
+    let empty = folder.file("empty.toml", "");
+    let remark = folder.file("remark.toml", "# nothing but a remark\n\n");
+    let broken = folder.file("broken.toml", "[scene\nname = \"x\"\n");
+    let missing = folder.argument("missing.toml");
+    let out = folder.argument("out");
+    let cases: [(&str, &str, &[&str]); 6] = [
+        (&empty, "empty.toml", &["is empty"]),
+        (&remark, "remark.toml", &["is empty"]),
+        (&broken, "broken.toml:1:", &["not TOML"]),
+        (&missing, "missing.toml", &["cannot read"]),
+        ("pure-mld", "pure-mld", &["no scene is called", "`pure-mild`"]),
+        ("zzzzzz", "zzzzzz", &["no scene is called", "known: "]),
+    ];
+    for (scene, place, phrases) in cases {
+        for arguments in [
+            vec!["run", scene, "--out", &out],
+            vec!["run", "affine", scene, "--out", &out],
+            vec!["solve", scene, "--n", "4", "--steps", "4"],
+            vec!["check", scene],
+            vec!["explain", scene],
+        ] {
+            let found = faults(&sweep(&arguments), place, phrases);
+            assert!(found.is_empty(), "{arguments:?}: {found:?}");
+        }
+    }
+    assert!(!folder.at("out").exists());
+}
+
+#[test]
+fn grids_that_do_not_fit() {
+    let folder = Folder::new("grids");
+    let half = edited(&text("viscoelastic"), "size = [1.0, 1.0]", "size = [1.0, 0.5]");
+    let half = half.replace("(1 - y)", "(1 - 2*y)").replace("(1 - y^2)", "(1 - 4*y^2)");
+    let half = folder.file("half.toml", &half);
+    let out = folder.argument("out");
+    let cases: [(&str, &[&str], &str, &[&str]); 5] = [
+        (&half, &["--n", "3"], "half.toml:", &["n = 3 does not divide side 0.5"]),
+        ("punch", &["--n", "24"], "punch.toml:", &["128", "n = 24"]),
+        ("punch", &["--steps", "24"], "punch.toml:", &["64", "steps = 24"]),
+        ("affine", &["--n", "0"], "--n", &["0"]),
+        ("affine", &["--steps", "-4"], "-4", &[]),
+    ];
+    for (scene, grid, place, phrases) in cases {
+        let mut arguments = vec!["run", scene, "--out", &out];
+        arguments.extend(grid);
+        let found = faults(&sweep(&arguments), place, phrases);
+        assert!(found.is_empty(), "{arguments:?}: {found:?}");
+    }
+    let found =
+        faults(&sweep(&["solve", &half, "--n", "5", "--steps", "4"]), "half.toml:", &["n = 5"]);
+    assert!(found.is_empty(), "{found:?}");
+    assert!(!folder.at("out").exists());
+}
+
+#[test]
+fn tables_that_cannot_be_fitted() {
+    let folder = Folder::new("tables");
+    let cases = [
+        ("no-error.csv", "h,k\n0.1,0.2\n", "no column `error`"),
+        ("no-steps.csv", "error\n0.1\n", "no column `h`"),
+        ("no-rows.csv", "h,error\n", "no rows"),
+        ("no-number.csv", "h,error\n0.1,0.2\n0.05,much\n", "line 3: `much` is not a number"),
+        ("one-h.csv", "h,error\n0.1,0.2\n0.1,0.3\n", "nothing to fit"),
+        ("torn.csv", "h,error\n0.1,0.2\n0.05\n", "line 3"),
+    ];
+    for (name, table, phrase) in cases {
+        let path = folder.file(name, table);
+        let found = faults(&sweep(&["fit", &path]), name, &[phrase]);
+        assert!(found.is_empty(), "{name}: {found:?}");
+    }
+    let missing = folder.argument("missing.csv");
+    let found = faults(&sweep(&["fit", &missing]), "missing.csv", &[]);
+    assert!(found.is_empty(), "{found:?}");
+    let found = faults(&sweep(&["report", &folder.argument("nowhere")]), "nowhere", &[]);
+    assert!(found.is_empty(), "{found:?}");
+}

@@ -1,0 +1,142 @@
+//! Source: the contract of `sweep run`: an interrupted sweep loses nothing, `--resume` skips what is there.
+//! Goal: killed at several moments and resumed, the records are those of an uninterrupted run; a torn last line is
+//!   cut; records of another text of the scene are refused.
+//! Data: pure-mild and signorini on small grids, 16 cases.
+
+mod program;
+mod shipped;
+
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use program::{Folder, code, command, stderr, stdout, sweep, timeless};
+use shipped::{edited, text};
+
+fn scenes(folder: &Folder) -> [String; 2] {
+    let mild = edited(&text("pure-mild"), "n = [16, 32, 64, 128]", "n = [4, 8, 16]");
+    let signorini = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [4, 8, 16, 32]");
+    [folder.file("pure-mild.toml", &mild), folder.file("signorini.toml", &signorini)]
+}
+
+/// Arguments of the sweep into `out`, one case at a time.
+fn arguments<'a>(scenes: &'a [String; 2], out: &'a str) -> Vec<&'a str> {
+    vec!["run", &scenes[0], &scenes[1], "--out", out, "--jobs", "1"]
+}
+
+#[track_caller]
+fn finish(arguments: &[&str]) -> String {
+    let output = sweep(arguments);
+    // Too few points for verdicts: unresolved; a failed case would be 2.
+    assert_eq!(code(&output), 1, "{}{}", stdout(&output), stderr(&output));
+    stderr(&output)
+}
+
+fn lines(path: &Path) -> usize {
+    std::fs::read(path).map_or(0, |bytes| bytes.iter().filter(|&&b| b == b'\n').count())
+}
+
+/// Cases that a resumed run found, from its first line of progress, "16 cases, 5 already recorded".
+fn recorded(progress: &str) -> usize {
+    let words: Vec<&str> = progress.lines().next().unwrap_or_default().split_whitespace().collect();
+    match words[..] {
+        [_, "cases,", done, "already", "recorded"] => done.parse().expect("a number"),
+        [_, "cases"] => 0,
+        _ => panic!("no first line of progress: {progress}"),
+    }
+}
+
+/// Runs until `cases.csv` has at least `rows` lines, then kills the process. False if it ended before.
+fn kill_after(arguments: &[&str], table: &Path, rows: usize) -> bool {
+    let mut child =
+        command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("a process");
+    // The limit guards against a hanging process; it decides nothing.
+    let limit = Instant::now() + Duration::from_secs(300);
+    while lines(table) < rows && child.try_wait().expect("a status").is_none() {
+        assert!(Instant::now() < limit, "no {rows} rows in five minutes");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let running = child.try_wait().expect("a status").is_none();
+    child.kill().expect("SIGKILL");
+    child.wait().expect("a status");
+    running
+}
+
+#[test]
+fn a_killed_sweep_resumes_to_the_same_records() {
+    let folder = Folder::new("resume");
+    let scenes = scenes(&folder);
+    let whole = folder.argument("whole");
+    finish(&arguments(&scenes, &whole));
+    let expected = timeless(&folder.at("whole/cases.csv"));
+    let all = lines(&folder.at("whole/cases.csv"));
+    assert_eq!(all, expected.len());
+    let mut interrupted = 0;
+    // Before the first case, after the first, in the middle, and twice in a row.
+    for (moment, rows) in [vec![1], vec![2], vec![all / 2], vec![8, all / 2 + 6]].iter().enumerate()
+    {
+        let out = folder.argument(&format!("killed-{moment}"));
+        let table = folder.at(&format!("killed-{moment}/cases.csv"));
+        let mut resuming = arguments(&scenes, &out);
+        resuming.push("--resume");
+        for &rows in rows {
+            interrupted += usize::from(kill_after(&resuming, &table, rows));
+        }
+        let kept = lines(&table).saturating_sub(1) / 6;
+        let progress = finish(&resuming);
+        assert!(
+            recorded(&progress) >= kept.saturating_sub(1),
+            "{kept} cases were there: {progress}"
+        );
+        assert_eq!(timeless(&table), expected, "killed after {rows:?} rows");
+    }
+    assert!(interrupted >= 3, "{interrupted} of 5 kills came before the end");
+}
+
+#[test]
+fn a_torn_last_line_is_cut() {
+    let folder = Folder::new("torn");
+    let scenes = scenes(&folder);
+    let out = folder.argument("out");
+    let mut resuming = arguments(&scenes, &out);
+    finish(&resuming);
+    resuming.push("--resume");
+    let table = folder.at("out/cases.csv");
+    let bytes = std::fs::read(&table).expect("the table");
+    let expected = timeless(&table);
+    // In the middle of a row in the middle of a case; after the first byte of a row; without the last line break; in
+    // the header.
+    let starts: Vec<usize> = (1..bytes.len()).filter(|&at| bytes[at - 1] == b'\n').collect();
+    for (at, most) in [(starts[20] + 40, 3), (starts[12] + 1, 2), (bytes.len() - 1, 16), (30, 0)] {
+        std::fs::write(&table, &bytes[..at]).expect("a torn table");
+        let progress = finish(&resuming);
+        assert!(recorded(&progress) <= most, "cut at byte {at}: {progress}");
+        assert_eq!(timeless(&table), expected, "cut at byte {at}");
+    }
+}
+
+#[test]
+fn records_of_another_text_are_refused() {
+    let folder = Folder::new("changed");
+    let scenes = scenes(&folder);
+    let out = folder.argument("out");
+    let mut resuming = arguments(&scenes, &out);
+    finish(&resuming);
+    resuming.push("--resume");
+    let table = std::fs::read(folder.at("out/cases.csv")).expect("the table");
+    // The same numbers in another text: the records cannot know.
+    let original = std::fs::read_to_string(folder.at("signorini.toml")).expect("the scene");
+    folder.file("signorini.toml", &edited(&original, "L = 600", "L = 601"));
+    let output = sweep(&resuming);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    assert_eq!(stdout(&output), "");
+    let message = stderr(&output);
+    assert!(
+        message.contains("`signorini` has changed") && message.contains("--resume"),
+        "{message}"
+    );
+    assert_eq!(std::fs::read(folder.at("out/cases.csv")).expect("the table"), table);
+    // With the text restored the records are good again, and nothing is left to run.
+    folder.file("signorini.toml", &original);
+    assert_eq!(recorded(&finish(&resuming)), 16);
+}

@@ -1,0 +1,102 @@
+//! Shipped scenes for the tests: by name or from an edited text, and their marches.
+
+// Each test file compiles this module for itself and uses a part of it.
+#![allow(dead_code)]
+
+use std::path::{Path, PathBuf};
+
+use gronwall::contact::{CaseError, CaseInfo, Model, StepView, march};
+use gronwall::law::Projection;
+use gronwall::norms::{StepErrors, step_errors};
+use gronwall::scene::{Scene, Source};
+use gronwall::setup::{MeshData, Setup, TruthLoad};
+use gronwall::vhi::Newton;
+
+/// The path of a shipped scene.
+pub fn path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("manufactured/{name}.toml"))
+}
+
+/// Its text.
+pub fn text(name: &str) -> String {
+    std::fs::read_to_string(path(name)).expect("a shipped scene")
+}
+
+/// `text` with `from`, which must stand there exactly once, replaced by `to`.
+pub fn edited(text: &str, from: &str, to: &str) -> String {
+    assert_eq!(text.matches(from).count(), 1, "`{from}` must stand in the text once");
+    text.replace(from, to)
+}
+
+/// A scene from a text, ready to compute.
+pub fn setup_of(text: String) -> Setup {
+    let scene = Scene::from_source(Source::from_text("edited.toml", text));
+    Setup::new(scene.unwrap_or_else(|error| panic!("{error}")))
+        .unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A shipped scene, ready to compute.
+pub fn setup(name: &str) -> Setup {
+    setup_of(text(name))
+}
+
+/// `setup` on the mesh n, without a reference run.
+pub fn on_mesh(setup: &Setup, n: u32) -> MeshData {
+    MeshData::new(setup, n, None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Marches `model`, which may differ from the model of `setup`, under the loads of `setup`.
+pub fn run<P: Projection>(
+    setup: &Setup,
+    model: &Model<P>,
+    data: &MeshData,
+    steps: u32,
+    mut see: impl FnMut(&StepView<'_>),
+) -> Result<CaseInfo, CaseError> {
+    let mut load = TruthLoad(&*data.truth);
+    let grid = setup.grid(steps);
+    march(&data.space, model, &grid, &mut load, &Newton::default(), &mut |view| {
+        see(view);
+        Ok(())
+    })
+}
+
+/// The errors of every time level of `model` against the truth of `setup`.
+pub fn errors<P: Projection>(
+    setup: &Setup,
+    model: &Model<P>,
+    data: &MeshData,
+    steps: u32,
+) -> Vec<StepErrors> {
+    let mut found = Vec::new();
+    run(setup, model, data, steps, |view| {
+        let moments = data.truth.moments(view.t).expect("the truth is finite");
+        found.push(step_errors(&data.space, model, view, &moments));
+    })
+    .unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(found.len(), steps as usize + 1);
+    found
+}
+
+/// max over n ≥ 0 of ‖ε(u_n - u_n^{kh})‖; NaN if one of them is.
+pub fn v_max<P: Projection>(setup: &Setup, model: &Model<P>, data: &MeshData, steps: u32) -> f64 {
+    let all = errors(setup, model, data, steps);
+    all.iter().fold(0.0, |worst, e| if e.v.is_nan() || e.v > worst { e.v } else { worst })
+}
+
+/// |a - b| relative to |b|; for b = 0 anything but 0 is infinitely far.
+pub fn relative(a: f64, b: f64) -> f64 {
+    if a == b { 0.0 } else { (a - b).abs() / b.abs() }
+}
+
+/// A fixture, a JSON document of values from outside.
+pub fn fixture(name: &str) -> serde_json::Value {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/fixtures/{name}.json"));
+    let text = std::fs::read_to_string(&path).expect("a fixture");
+    serde_json::from_str(&text).expect("a fixture in JSON")
+}
+
+/// A number of a fixture; a missing one fails the test.
+pub fn number(value: &serde_json::Value, key: &str) -> f64 {
+    value[key].as_f64().unwrap_or_else(|| panic!("the fixture has no number `{key}`: {value}"))
+}
