@@ -125,11 +125,14 @@ fn with_material(change: impl Fn(&mut MaterialNumbers)) -> Exact {
     })
 }
 
+/// A change of one number of the material.
+type Defect = fn(&mut MaterialNumbers);
+
 #[test]
 fn wrong_materials_are_seen() {
     let sound = distances(&with_material(|_| {}));
     assert!(sound.iter().all(|off| *off <= FIELDS), "the rebuilt scene is sound: {sound:?}");
-    let defects: [(&str, fn(&mut MaterialNumbers)); 4] = [
+    let defects: [(&str, Defect); 4] = [
         ("μ_L", |m| m.mu_l *= 1.0 + 1e-6),
         ("μ of the projection", |m| m.projection = m.projection.map(|mu| mu * (1.0 + 1e-6))),
         ("no projection", |m| m.projection = None),

@@ -131,6 +131,7 @@ fn read(path: &std::path::Path) -> Result<Vec<Point>, CliError> {
     let fail = |what: String| CliError::Other(format!("{}: {what}", path.display()));
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
+        .flexible(true)
         .from_path(path)
         .map_err(|error| fail(error.to_string()))?;
     let header = reader.headers().map_err(|error| fail(error.to_string()))?.clone();
@@ -144,6 +145,10 @@ fn read(path: &std::path::Path) -> Result<Vec<Point>, CliError> {
     for record in reader.records() {
         let record = record.map_err(|error| fail(error.to_string()))?;
         let line = record.position().map_or(0, csv::Position::line);
+        if record.len() != header.len() {
+            let (own, wanted) = (record.len(), header.len());
+            return Err(fail(format!("line {line}: {own} fields, the header has {wanted}")));
+        }
         let number = |at: Option<usize>, absent: f64| -> Result<f64, CliError> {
             let Some(text) = at.and_then(|at| record.get(at)).filter(|text| !text.is_empty())
             else {

@@ -75,7 +75,7 @@ fn predictions(scene: &Scene) -> Vec<String> {
             crate::scene::Direction::K => "k",
             crate::scene::Direction::Joint => "h and k",
         };
-        format!("{} in {variable}: order {} ({})", p.norm.name(), p.order, p.why)
+        format!("{} in {variable}: order {}, by {}", p.norm.name(), p.order, p.why)
     };
     scene.predicts.iter().map(line).collect()
 }
