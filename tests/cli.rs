@@ -1,0 +1,302 @@
+//! Source: the contracts of the command line (exit codes, JSON keys, files); others rely on them.
+//! Goal: 0 only where all verdicts pass, 1 where one fails or is unresolved, 2 where it could not judge; every table
+//!   has its JSON, `report` rebuilds what `run` wrote, and the help says what the main job is.
+//! Data: affine and steady (small, judged), edited copies of shipped scenes, tables by hand.
+
+mod program;
+mod shipped;
+
+use std::collections::BTreeSet;
+
+use program::{Folder, code, json, stderr, stdout, sweep};
+use serde_json::Value;
+use shipped::{edited, text};
+
+/// Runs a scene into `out` of the folder; the exit code and verdict.json.
+#[track_caller]
+fn run(folder: &Folder, scene: &str, grid: &[&str]) -> (i32, Value) {
+    let out = folder.argument("out");
+    let mut arguments = vec!["run", scene, "--out", &out];
+    arguments.extend(grid);
+    let output = sweep(&arguments);
+    let verdict = std::fs::read_to_string(folder.at("out/verdict.json"));
+    let verdict = verdict.unwrap_or_else(|error| panic!("{error}: {}", stderr(&output)));
+    (code(&output), serde_json::from_str(&verdict).expect("JSON"))
+}
+
+fn decisions(document: &Value) -> Vec<&str> {
+    let verdicts = document["verdicts"].as_array().expect("verdicts").iter();
+    verdicts.map(|verdict| verdict["verdict"].as_str().expect("a verdict")).collect()
+}
+
+const SMALL: [&str; 4] = ["--n", "4", "--steps", "4,8,16"];
+
+#[test]
+fn verdicts_that_pass_are_zero() {
+    let folder = Folder::new("pass");
+    let (exit, document) = run(&folder, "affine", &SMALL);
+    assert_eq!((exit, decisions(&document)), (0, vec!["pass"]));
+    for file in ["cases.csv", "index.html", "affine-k.svg", "provenance.json"] {
+        assert!(folder.at("out").join(file).exists(), "no {file}");
+    }
+}
+
+#[test]
+fn verdicts_that_fail_or_are_not_as_expected_are_one() {
+    let folder = Folder::new("fail");
+    let third = edited(&text("affine"), "order = 2.0", "order = 3.0");
+    let failing = folder.file("affine.toml", &third);
+    let (exit, document) = run(&folder, &failing, &SMALL);
+    assert_eq!((exit, decisions(&document)), (1, vec!["fail"]));
+    // A scene built to fail passes by failing, and fails by passing.
+    let heading = "name = \"affine\"\n";
+    let expected = |scene: &str| edited(scene, heading, &format!("{heading}expect = \"fail\"\n"));
+    let failing = folder.file("affine.toml", &expected(&third));
+    assert_eq!(run(&folder, &failing, &SMALL).0, 0);
+    let passing = folder.file("affine.toml", &expected(&text("affine")));
+    let (exit, document) = run(&folder, &passing, &SMALL);
+    assert_eq!((exit, decisions(&document)), (1, vec!["pass"]));
+}
+
+#[test]
+fn unresolved_is_one() {
+    let folder = Folder::new("unresolved");
+    // Two points give no interval.
+    let (exit, document) = run(&folder, "affine", &["--n", "4", "--steps", "4,8"]);
+    assert_eq!((exit, decisions(&document)), (1, vec!["unresolved"]));
+    // The steep front is pre-asymptotic up to n = 64 (0.78, 0.84, then 1.00): without its window no order is told.
+    let all = edited(&text("pure-strong"), "window_n = [32, 128]\n", "");
+    let scene = folder.file("pure-strong.toml", &all);
+    let (exit, document) = run(&folder, &scene, &["--n", "16,32,64", "--steps", "16"]);
+    assert_eq!((exit, decisions(&document)), (1, vec!["unresolved"]), "{document}");
+}
+
+#[test]
+fn a_solver_that_gives_up_is_two() {
+    let folder = Folder::new("gives-up");
+    // 1 + (k/2) b(0)/4 < 0 at k = 1: no step has a positive definite tangent.
+    let strong = edited(&text("viscoelastic"), "-exp(-t)", "-50*exp(-t)");
+    let scene = folder.file("viscoelastic.toml", &strong);
+    let (exit, document) = run(&folder, &scene, &["--n", "4", "--steps", "1,2"]);
+    assert_eq!((exit, decisions(&document)), (2, vec!["fail"]));
+    let failures = document["failures"].as_array().expect("failures");
+    assert_eq!(failures.len(), 2);
+    assert!(failures[0]["reason"].as_str().is_some_and(|r| r.contains("not positive definite")));
+    let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("a table");
+    assert!(
+        table.lines().skip(1).all(|row| row.contains(",,,failed,")),
+        "no error, no floor: {table}"
+    );
+    let output = sweep(&["solve", &scene, "--n", "4", "--steps", "1", "--json"]);
+    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
+    assert!(stderr(&output).contains("step 1 (t = 1)"), "{}", stderr(&output));
+}
+
+#[test]
+fn tables_of_anybody_are_judged() {
+    let folder = Folder::new("fit");
+    let fit = |rows: &[&str], aim: &[&str]| {
+        let table = folder.file("table.csv", &format!("h,error\n{}\n", rows.join("\n")));
+        let mut arguments = vec!["fit", &table];
+        arguments.extend(aim);
+        code(&sweep(&arguments))
+    };
+    let first = ["0.2,0.6", "0.1,0.3", "0.05,0.15", "0.025,0.075"];
+    assert_eq!(fit(&first, &["--p", "1"]), 0);
+    assert_eq!(fit(&first, &["--p", "2"]), 1);
+    assert_eq!(fit(&first, &[]), 0);
+    assert_eq!(fit(&first[..2], &["--p", "1"]), 1, "two points are unresolved");
+    assert_eq!(fit(&first, &["--p", "1", "--q", "2"]), 1, "no k to judge");
+}
+
+/// NaN or missing is a failure: the other rows must not pass for the table.
+#[test]
+fn a_table_with_a_hole_does_not_pass() {
+    let folder = Folder::new("hole");
+    for hole in ["0.025,nan", "0.025,", "0.025,inf", "0.025,-0.075", "0.025,0"] {
+        let rows = ["h,error", "0.2,0.6", "0.1,0.3", "0.05,0.15", hole, ""].join("\n");
+        let table = folder.file("table.csv", &rows);
+        let output = sweep(&["fit", &table, "--p", "1"]);
+        assert_ne!(code(&output), 0, "`{hole}`: {}", stdout(&output));
+    }
+}
+
+#[test]
+fn a_fit_says_nothing_of_absent_columns() {
+    let folder = Folder::new("absent");
+    let table = folder.file("table.csv", "h,error\n0.2,0.6\n0.1,0.3\n0.05,0.15\n");
+    let rows = json(&sweep(&["fit", &table, "--p", "1", "--json"]));
+    let variables: Vec<&Value> =
+        rows.as_array().expect("rows").iter().map(|r| &r["variable"]).collect();
+    assert_eq!(variables, ["h"]);
+    keys(
+        &rows[0],
+        &[
+            "variable",
+            "local_slopes",
+            "observed",
+            "interval",
+            "constant",
+            "predicted",
+            "verdict",
+            "reason",
+        ],
+    );
+}
+
+/// Exactly these keys.
+#[track_caller]
+fn keys(object: &Value, expected: &[&str]) {
+    let found: BTreeSet<&str> =
+        object.as_object().expect("an object").keys().map(String::as_str).collect();
+    assert_eq!(found, expected.iter().copied().collect());
+}
+
+#[test]
+fn list_explain_and_check_have_their_json() {
+    let list = json(&sweep(&["list", "--json"]));
+    let scenes = list.as_array().expect("scenes");
+    assert!(scenes.len() >= 13);
+    for scene in scenes {
+        keys(scene, &["name", "question", "terms", "truth", "predicts", "long", "judge"]);
+    }
+    let plan = json(&sweep(&["explain", "affine", "--json"]));
+    keys(&plan, &["scene", "terms", "truth", "algorithm", "history", "cases"]);
+    let cases = plan["cases"].as_array().expect("cases");
+    assert_eq!(cases.len(), 5);
+    for case in cases {
+        keys(case, &["n", "steps", "dofs", "history_bytes", "norms"]);
+        // 4 × 4 squares, 25 vertices, 5 of them clamped, two unknowns each.
+        assert_eq!(case["dofs"], 40);
+    }
+    let check = json(&sweep(&["check", "affine", "--json"]));
+    keys(&check, &["scene", "findings"]);
+    let findings = check["findings"].as_array().expect("findings");
+    assert!(findings.len() >= 10);
+    for finding in findings {
+        keys(finding, &["subject", "status", "value", "text"]);
+        let status = finding["status"].as_str().expect("a status");
+        assert!(["verified", "fact", "weak"].contains(&status), "{finding}");
+    }
+}
+
+/// The keys that programs outside rely on.
+const SOLVED: [&str; 17] = [
+    "strain_norm",
+    "zeta",
+    "elastic_energy",
+    "contact_force",
+    "locked_vertices",
+    "compliance_force",
+    "multiplier_force",
+    "yielding_elements",
+    "min_uy",
+    "min_uy_vertex",
+    "min_normal_gap",
+    "max_normal_displacement",
+    "normal_displacement",
+    "newton_iterations",
+    "kkt_residual",
+    "seconds",
+    "dofs",
+];
+/// Later additions.
+const ADDED: [&str; 2] = ["factorizations", "linear_solves"];
+
+#[test]
+fn solve_has_its_keys() {
+    let punch = json(&sweep(&["solve", "punch", "--n", "4", "--steps", "4", "--json"]));
+    keys(&punch, &[&SOLVED[..], &ADDED[..]].concat());
+    let lists = ["min_uy_vertex", "normal_displacement"];
+    for key in SOLVED.iter().filter(|key| !lists.contains(key)) {
+        assert!(punch[*key].as_f64().is_some_and(f64::is_finite), "{key}: {}", punch[*key]);
+    }
+    let rows = punch["normal_displacement"].as_array().expect("rows");
+    assert!(rows.len() == 5 && rows.iter().all(|row| row.as_array().is_some_and(|r| r.len() == 3)));
+    assert!(punch["kkt_residual"].as_f64().is_some_and(|r| r <= 1e-9));
+    // g = ∞ has no distance to it.
+    let linear = json(&sweep(&["solve", "linear-punch", "--n", "4", "--steps", "4", "--json"]));
+    assert!(linear["min_normal_gap"].is_null() && linear["max_normal_displacement"].is_number());
+}
+
+#[test]
+fn report_rebuilds_what_run_wrote() {
+    let folder = Folder::new("report");
+    run(&folder, "steady", &["--n", "8,16,32"]);
+    let files = ["verdict.json", "cases.csv", "index.html", "steady-h.svg"];
+    let read = |file: &str| std::fs::read(folder.at("out").join(file)).expect("a file");
+    let before = files.map(read);
+    for file in ["verdict.json", "index.html", "steady-h.svg"] {
+        std::fs::remove_file(folder.at("out").join(file)).expect("removed");
+    }
+    let output = sweep(&["report", &folder.argument("out")]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    for (file, before) in files.iter().zip(before) {
+        assert!(read(file) == before, "{file} differs");
+    }
+}
+
+/// Records are judged by the text they were made with, or not at all.
+#[test]
+fn report_refuses_records_of_another_text() {
+    let folder = Folder::new("other-text");
+    let second = folder.file("steady.toml", &edited(&text("steady"), "order = 1.0", "order = 2.0"));
+    let (exit, document) = run(&folder, &second, &["--n", "8,16,32"]);
+    assert_eq!((exit, decisions(&document)), (1, vec!["fail"]));
+    let output = sweep(&["report", &folder.argument("out")]);
+    assert_eq!(code(&output), 2, "judged by the shipped scene of that name:\n{}", stdout(&output));
+}
+
+/// `--resume` with other cases keeps what is there, or refuses and touches nothing.
+#[test]
+fn resume_loses_no_records() {
+    let folder = Folder::new("keeps");
+    run(&folder, "affine", &SMALL);
+    let more: [(&str, &[&str]); 2] = [
+        ("affine", &["--n", "4", "--steps", "32", "--resume"]),
+        ("steady", &["--n", "8", "--resume"]),
+    ];
+    for (scene, grid) in more {
+        run(&folder, scene, grid);
+        let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("a table");
+        for start in ["affine,2,4,4,", "affine,2,4,8,", "affine,2,4,16,"] {
+            let rows = table.lines().filter(|row| row.starts_with(start)).count();
+            assert_eq!(rows, 6, "rows of {start} after {scene} {grid:?}");
+        }
+    }
+}
+
+/// The words of a help text, whatever the line breaks.
+fn help(arguments: &[&str]) -> String {
+    let output = sweep(arguments);
+    assert_eq!(code(&output), 0);
+    stdout(&output).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn the_help_says_what_the_main_job_is() {
+    let main = help(&["--help"]);
+    assert!(main.contains("[default: manufactured]"), "{main}");
+    assert!(main.contains("Without a command") && main.contains("reports/latest"), "{main}");
+    let run = help(&["run", "--help"]);
+    assert!(
+        run.contains("[default: reports/latest]")
+            && run.contains("[default: number of processors]")
+    );
+    assert!(run.contains("not marked long"), "{run}");
+}
+
+#[test]
+fn the_help_documents_the_json_keys() {
+    let solve = help(&["solve", "--help"]);
+    let missing: Vec<_> = SOLVED.iter().filter(|key| !solve.contains(**key)).collect();
+    assert!(missing.is_empty(), "solve --help lacks {missing:?}");
+    for (command, key) in [
+        ("list", "truth"),
+        ("check", "findings"),
+        ("explain", "history_bytes"),
+        ("fit", "local_slopes"),
+    ] {
+        assert!(help(&[command, "--help"]).contains(key), "{command} --help lacks {key}");
+    }
+}
