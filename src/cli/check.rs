@@ -7,8 +7,9 @@ use crate::manufactured::{Finding, SideOfRectangle, Status, check};
 use crate::scene::{Scene, Side};
 use crate::setup::{Constants, Setup, constants};
 
-/// `sweep check`: JSON keys with --json: scene, findings (subject, status, value, text).
+/// `sweep check`.
 #[derive(Args)]
+#[command(after_help = "JSON keys with --json: scene, findings (subject, status, value, text).")]
 pub struct Check {
     /// Name of a scene, or path of a TOML file
     scene: String,

@@ -7,9 +7,11 @@ use super::{CliError, Scenes, print_json, print_text};
 use crate::setup::Setup;
 use crate::sweep::{Overrides, ScenePlan};
 
-/// `sweep explain`: JSON keys with --json: scene, terms, truth, algorithm, history, cases (n, steps,
-/// dofs, history_bytes, norms).
+/// `sweep explain`.
 #[derive(Args)]
+#[command(
+    after_help = "JSON keys with --json: scene, terms, truth, algorithm, history, cases (n, steps, dofs, history_bytes, norms)."
+)]
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
     scene: String,

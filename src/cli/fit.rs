@@ -6,13 +6,15 @@ use clap::Args;
 
 use super::{CliError, print_json, print_text};
 use crate::fit::{
-    Correction, Direction, OrderInterval, Point, local_slopes, order_interval, samples,
+    Correction, Direction, OrderInterval, Point, local_slopes, order_interval, samples, screen,
 };
 use crate::verdict::{Aim, Decision, compare};
 
-/// `sweep fit`: JSON keys with --json: one object a direction with variable, local_slopes, observed,
-/// interval, constant, predicted, verdict, reason.
+/// `sweep fit`.
 #[derive(Args)]
+#[command(
+    after_help = "JSON keys with --json: one object a direction with variable, local_slopes, observed, interval, constant, predicted, verdict, reason."
+)]
 pub struct Fit {
     /// Table with columns h, k, error (one of h, k may be missing) and optionally floor
     file: PathBuf,
@@ -48,7 +50,12 @@ impl Fit {
             let fitted = samples(&line, direction).and_then(|s| {
                 order_interval(&s, correction).map(|found| (local_slopes(&s), found))
             });
+            // A broken row is a failure of the table, as a missing case is one of a sweep.
+            let broken = line.iter().filter_map(|p| screen(p).err()).find(|why| why.is_broken());
             let (decision, reason) = match (&fitted, predicted) {
+                (_, Some(_)) if broken.is_some() => {
+                    (Some(Decision::Fail), broken.map_or(String::new(), |why| why.to_string()))
+                }
                 (Ok((_, found)), Some(order)) => {
                     let aim = Aim { order, at_least: false, exact: false };
                     let (decision, reason) = compare(found.interval, aim);

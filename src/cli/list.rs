@@ -5,8 +5,11 @@ use clap::Args;
 use super::{CliError, Scenes, print_json, print_text};
 use crate::scene::{Data, Scene};
 
-/// `sweep list`: JSON keys with --json: name, question, terms, truth, predicts, long, judge.
+/// `sweep list`.
 #[derive(Args)]
+#[command(
+    after_help = "JSON keys with --json: name, question, terms, truth, predicts, long, judge."
+)]
 pub struct List {
     /// Print JSON
     #[arg(long)]

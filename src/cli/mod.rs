@@ -24,7 +24,7 @@ const COULD_NOT_JUDGE: u8 = 2;
 /// inequalities. Without a command: runs the scenes under manufactured/ at gate size, prints the
 /// verdicts and writes reports/latest/.
 #[derive(Parser)]
-#[command(name = "sweep", version, about, long_about = None)]
+#[command(name = "sweep", version)]
 struct Arguments {
     /// Folder of the scenes.
     #[arg(

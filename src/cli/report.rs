@@ -31,7 +31,18 @@ impl Report {
         names.sort();
         names.dedup();
         let (mut verdicts, mut summaries, mut plans) = (Vec::new(), Vec::new(), Vec::new());
+        let known = Provenance::read(&self.dir)
+            .map_err(|(path, reason)| CliError::Other(format!("{}: {reason}", path.display())))?;
         for scene in scenes.select(&names)? {
+            let made_with = known.as_ref().and_then(|known| known.scenes.get(&scene.name));
+            if made_with.is_some_and(|hash| *hash != scene.source.hash) {
+                let message = format!(
+                    "the records in {} were made with another text of this scene",
+                    self.dir.display()
+                );
+                let hint = "name the folder of that text with --scenes, or run the scene again";
+                return Err(scene.error("scene.name", message, hint).into());
+            }
             // The cases of the directory are the ones to judge, and those of the scene's own grid
             // must be among them only if the directory was made with that grid.
             let keys: Vec<Key> =

@@ -14,8 +14,11 @@ use crate::verdict::{Verdict, exit_code, failures, render_table};
 /// The default directory of reports.
 const LATEST: &str = "reports/latest";
 
-/// `sweep run`: JSON keys with --json are those of verdict.json (provenance, verdicts, failures).
+/// `sweep run`.
 #[derive(Args)]
+#[command(
+    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures)."
+)]
 pub struct Run {
     #[command(flatten)]
     what: What,

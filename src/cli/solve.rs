@@ -11,11 +11,11 @@ use crate::setup::{MeshData, TruthLoad};
 use crate::solution::{FinalState, VtuSeries};
 use crate::vhi::Newton;
 
-/// `sweep solve`: JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force,
-/// locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex,
-/// min_normal_gap, max_normal_displacement, normal_displacement, newton_iterations, kkt_residual,
-/// seconds, dofs (all at t = T unless the name says otherwise).
+/// `sweep solve`.
 #[derive(Args)]
+#[command(
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, normal_displacement, newton_iterations, kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
+)]
 pub struct Solve {
     /// Name of a scene, or path of a TOML file
     scene: String,

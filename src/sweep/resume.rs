@@ -44,14 +44,21 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Vec<CaseRecord>, Resume
             return Err(different(format!("the scene `{scene}` has changed since")));
         }
     }
-    let complete = |record: &CaseRecord| {
+    let case_of = |record: &CaseRecord| {
         let plan = plans.iter().find(|plan| plan.setup.scene.name == record.scene)?;
-        let case = plan
-            .cases
-            .iter()
-            .find(|case| Some(case.n) == record.n && case.steps == record.steps)?;
-        let measured = case.norms.iter().all(|norm| record.norm(norm.name()).is_some());
-        (record.converged() && measured).then_some(())
+        plan.cases.iter().find(|case| Some(case.n) == record.n && case.steps == record.steps)
     };
-    Ok(read(&path)?.into_iter().filter(|record| complete(record).is_some()).collect())
+    let mut complete = Vec::new();
+    for record in read(&path)? {
+        // The table is written anew from what is returned here: a case outside the plan would be lost.
+        let Some(case) = case_of(&record) else {
+            let key = record.key();
+            return Err(different(format!("`{}` {key} is no case of this sweep", key.scene)));
+        };
+        let measured = case.norms.iter().all(|norm| record.norm(norm.name()).is_some());
+        if record.converged() && measured {
+            complete.push(record);
+        }
+    }
+    Ok(complete)
 }

@@ -108,8 +108,13 @@ fn prepare(plans: &[ScenePlan], out: &Path, known: &[CaseRecord]) -> Result<Jour
     let refused = |(path, reason)| SweepError::Directory { path, reason };
     std::fs::create_dir_all(out).map_err(|error| refused((out.to_owned(), error.to_string())))?;
     let table = out.join("cases.csv");
-    crate::record::write_sorted(&table, known)?;
+    // Killed at any point, the directory must hold no table without its provenance, and no old
+    // table beside a new one: the old table goes first, the new one comes last.
+    if known.is_empty() && table.exists() {
+        std::fs::remove_file(&table).map_err(|e| refused((table.clone(), e.to_string())))?;
+    }
     Provenance::new(plans).write(out).map_err(refused)?;
+    crate::record::write_sorted(&table, known)?;
     Ok(Journal::open(&table)?)
 }
 
