@@ -44,13 +44,15 @@ fn small(
         sign,
         weight: WEIGHT,
         gap,
+        floor: f64::NEG_INFINITY,
+        law: 0,
         shift: 0.0,
         gamma: WEIGHT / matrix[(i, i)],
     };
     let coordinates = (0..order).map(coordinate).collect();
     Small {
         load: DVector::from_row_slice(load),
-        graph: BoundaryGraph { coordinates, potential },
+        graph: BoundaryGraph { coordinates, potentials: vec![potential] },
         flaw: |_| 0.0,
         evaluations: 0,
         tangent: matrix.clone(),

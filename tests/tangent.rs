@@ -6,7 +6,7 @@
 
 mod shipped;
 
-use gronwall::contact::{BoundaryRule, ContactProblem, Discretization, Model};
+use gronwall::contact::{BoundaryRule, ContactProblem, Discretization, LastSlot, Model};
 use gronwall::law::{Projection, Response, YieldLimit};
 use gronwall::linalg::signed_unit;
 use gronwall::setup::Setup;
@@ -67,13 +67,15 @@ fn mismatch<P: Projection>(space: &Discretization, model: &Model<P>, pin: bool, 
     let u = state(space);
     let mut problem = ContactProblem::new(space, model);
     let load = vec![0.0; space.dofs()];
+    let memory = model.memory.as_ref().map_or(0.0, |term| WEIGHT * term.kernel.value(0.0));
+    let slot = LastSlot { zeta: WEIGHT, memory };
     let (mut seed, mut worst) = (7, 0f64);
     for _ in 0..5 {
         let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
         let shifted = |sign: f64| -> Vec<f64> {
             u.iter().zip(&d).map(|(u, d)| u + sign * STEP * d).collect()
         };
-        problem.begin(WEIGHT, PAST, &load, None);
+        problem.begin(slot, PAST, &load, None);
         let plus = forces(&mut problem, &shifted(1.0));
         let minus = forces(&mut problem, &shifted(-1.0));
         let mut x: Vec<f64> =

@@ -14,7 +14,7 @@ pub fn boundary_graph<P: Projection>(
 ) -> BoundaryGraph {
     let none: Arc<dyn Potential> = Arc::new(NoPotential);
     let Some(boundary) = &model.boundary else {
-        return BoundaryGraph { coordinates: Vec::new(), potential: none };
+        return BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] };
     };
     let potential = match boundary.rule {
         BoundaryRule::Vertex => boundary.potential.clone(),
@@ -33,11 +33,13 @@ pub fn boundary_graph<P: Projection>(
                 sign: point.sign,
                 weight: point.weight,
                 gap: (boundary.gap)(x),
+                floor: f64::NEG_INFINITY,
+                law: 0,
                 shift: (boundary.shift)(x),
                 // γ α_ν = α_ν w/K_ii is of order h α_ν/m_𝒜: below one wherever (2.9) holds.
                 gamma: point.weight / stiffness,
             }
         })
         .collect();
-    BoundaryGraph { coordinates, potential }
+    BoundaryGraph { coordinates, potentials: vec![potential] }
 }

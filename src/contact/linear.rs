@@ -9,11 +9,11 @@ use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
 use super::problem::Work;
 use super::{Discretization, Floors, Load, Model, kkt_residual};
 use crate::history::{Accumulated, Memory, TimeGrid};
-use crate::law::Projection;
+use crate::law::{Convolution, Projection};
 use crate::linalg::{Factor, FactorError, Workspace, axpy};
 use crate::space::strain_of;
 use crate::tensor::contract;
-use crate::vhi::StepError;
+use crate::vhi::{FailedStep, StepError};
 
 /// K⁻¹F(t): a solve a step, or a sum of few solutions.
 struct Response {
@@ -52,16 +52,15 @@ pub fn march<P: Projection>(
         load.assemble(t, &mut force)?;
         info.seconds_load += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let weight = rule.weight(grid, n, n);
         response.at(t, load, &force, space, &mut u[..dofs], &mut info.work);
         if let (Some(memory), Some(kernel)) = (&mut memory, kernel) {
             memory.past(kernel, rule, grid, &mut history[..dofs]);
-            let implicit = weight * kernel.value(0.0);
+            let implicit = rule.kernel_weight(&Convolution(kernel), grid, n, n);
             let scale = 1.0 + beta * implicit;
             if scale.is_nan() || scale <= 0.0 {
                 let source = FactorError::NotPositiveDefinite { dof: 0 };
                 let source = StepError::Factor { iteration: 0, source };
-                return Err(CaseError::Step { n, t, source });
+                return Err(FailedStep { n, t, source }.into());
             }
             for (value, past) in u[..dofs].iter_mut().zip(&history) {
                 *value = (*value - beta * past) / scale;
@@ -109,7 +108,7 @@ impl Response {
         let start = Instant::now();
         let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
         space.analysis.factorize(&space.pattern, &stiffness, &mut factor, &mut workspace).map_err(
-            |source| CaseError::Step {
+            |source| FailedStep {
                 n: 0,
                 t: 0.0,
                 source: StepError::Factor { iteration: 0, source },

@@ -1,8 +1,8 @@
 //! One time level of Problem 14 as a [`StepInequality`].
 //!
 //! F(u) = ∫ σ:ε(v) - F_n(v) [+ compliance at Gauss points], with
-//! σ = (𝒜 + w b(0) ℬ₀) ε(u) + μ(ε - P_{κ(ζ)}ε), ζ = ζ_past + w‖ε(u)‖, w = w_nn the implicit weight;
-//! the memory of the past is part of the load. The Jacobian is K + a bᵀ: K sparse and symmetric, and
+//! σ = (𝒜 + W ℬ₀) ε(u) + μ(ε - P_{κ(ζ)}ε), ζ = ζ_past + w‖ε(u)‖, with w = w_nn and W = w_nn b(0) the
+//! weights of the last slot ([`LastSlot`]); the memory of the past is part of the load. The Jacobian is K + a bᵀ: K sparse and symmetric, and
 //! a rank-one piece from ζ(u), a = w κ'(ζ) ∫ ∂σ/∂κ : ε(v), b = ∂‖ε(u)‖/∂u.
 
 use std::time::Instant;
@@ -28,6 +28,16 @@ pub struct Work {
     pub linear: LinearWork,
 }
 
+/// Weights of the last slot of the histories, through which F depends on u_n. Both are zero at n = 0
+/// and where the last slot is frozen.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct LastSlot {
+    /// w_nn, of ‖ε(u_n)‖ in ζ_n (a time).
+    pub zeta: f64,
+    /// W_nn = w_nn b(0), of ℬ₀ε(u_n) in the memory term (dimensionless).
+    pub memory: f64,
+}
+
 /// The contact problem on one mesh, at one time level after another.
 pub struct ContactProblem<'a, P> {
     space: &'a Discretization,
@@ -39,12 +49,12 @@ pub struct ContactProblem<'a, P> {
     /// Stiffness of 𝒜 and of ℬ₀.
     elastic: Vec<f64>,
     memory: Vec<f64>,
-    /// 𝒜 + w b(0) ℬ₀ as a law and as matrix values.
+    /// 𝒜 + W ℬ₀ as a law and as matrix values.
     linear_law: Isotropic,
     linear: Vec<f64>,
     solver: SequenceSolver<'a>,
-    /// What the last tangent was made of: implicit weight, slopes, prescribed flags.
-    last: Option<(f64, Vec<f64>, Vec<bool>)>,
+    /// What the last tangent was made of: last slot, slopes, prescribed flags.
+    last: Option<(LastSlot, Vec<f64>, Vec<bool>)>,
     /// Load minus memory of the past.
     load: Vec<f64>,
     /// u as a nodal vector, and forces on all nodes.
@@ -52,7 +62,7 @@ pub struct ContactProblem<'a, P> {
     nodal_force: Vec<f64>,
     strains: Vec<f64>,
     past_zeta: f64,
-    weight: f64,
+    slot: LastSlot,
     strain_norm: f64,
     /// Prescribed increments (dof, δ), and what they move to the right side (dof, value).
     fixed: Vec<(usize, f64)>,
@@ -96,7 +106,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
                 Vec::new()
             },
             past_zeta: 0.0,
-            weight: 0.0,
+            slot: LastSlot::default(),
             strain_norm: 0.0,
             fixed: Vec::new(),
             lifted: Vec::new(),
@@ -109,9 +119,9 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         }
     }
 
-    /// Opens a time level: implicit weight w_nn, the sum ζ_past, the load F_n, and the history
+    /// Opens a time level: weights of the last slot, the sum ζ_past, the load F_n, and the history
     /// vector Σ_{j<n} w_nj b(t_n - t_j) u_j where there is memory.
-    pub fn begin(&mut self, weight: f64, past_zeta: f64, load: &[f64], past: Option<&[f64]>) {
+    pub fn begin(&mut self, slot: LastSlot, past_zeta: f64, load: &[f64], past: Option<&[f64]>) {
         let start = Instant::now();
         self.load.copy_from_slice(load);
         if let Some(past) = past {
@@ -123,16 +133,17 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         }
         self.past_zeta = past_zeta;
         self.solver.begin_level();
-        if weight != self.weight {
-            self.set_linear_part(weight);
+        let changed = slot.memory != self.slot.memory;
+        self.slot = slot;
+        if changed {
+            self.set_linear_part();
         }
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
     }
 
-    fn set_linear_part(&mut self, weight: f64) {
-        self.weight = weight;
+    fn set_linear_part(&mut self) {
         if let Some(term) = &self.model.memory {
-            let scale = weight * term.kernel.value(0.0);
+            let scale = self.slot.memory;
             let (a, b) = (self.model.elasticity, term.tensor);
             self.linear_law =
                 Isotropic { lambda: a.lambda + scale * b.lambda, mu: a.mu + scale * b.mu };
@@ -149,7 +160,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
 
     /// ζ at the last evaluated u.
     pub fn zeta(&self) -> f64 {
-        self.past_zeta + self.weight * self.strain_norm
+        self.past_zeta + self.slot.zeta * self.strain_norm
     }
 
     /// K⁻¹ rhs in place with the last factor; the right side is left as it is before the first
@@ -232,7 +243,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         let limit = self.model.projection.limit()?;
         let zeta = self.zeta();
         let (kappa, slope) = (limit.value(zeta), limit.slope(zeta));
-        let coupled = slope != 0.0 && self.weight != 0.0 && self.strain_norm > 0.0;
+        let coupled = slope != 0.0 && self.slot.zeta != 0.0 && self.strain_norm > 0.0;
         let length = self.space.nodes.len();
         let (mut a, mut b) =
             if coupled { (vec![0.0; length], vec![0.0; length]) } else { (vec![], vec![]) };
@@ -247,7 +258,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
                 cell_stiffness::<D, S>(gradients, &response.tangent, measure, local);
                 self.space.pattern.scatter::<D>(c, nodes, local, tangent);
                 if coupled {
-                    let scale = self.weight * slope * measure;
+                    let scale = self.slot.zeta * slope * measure;
                     let stress = response.by_limit.map(|s| scale * s);
                     stress_force::<D, S>(gradients, nodes, &stress, &mut a);
                 }
@@ -329,8 +340,8 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
         let start = Instant::now();
         let flags: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
-        let now = (self.weight, slopes.to_vec(), flags);
-        // Without projection and Gauss compliance the tangent is known from weight, slopes, pins.
+        let now = (self.slot, slopes.to_vec(), flags);
+        // Without projection and Gauss compliance the tangent is known from slot, slopes, pins.
         let constant = self.model.projection.limit().is_none() && self.gauss.is_none();
         let unchanged = constant && self.last.as_ref() == Some(&now);
         let mut tangent = self.solver.take_values();

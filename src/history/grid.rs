@@ -1,5 +1,6 @@
 //! Time grids 0 = t_0 < … < t_N = T and the quadrature weights of the history integrals.
 
+use crate::law::HistoryKernel;
 use crate::linalg::signed_unit;
 
 /// A time grid.
@@ -73,6 +74,22 @@ impl TimeGrid {
 pub trait TimeRule: Send + Sync {
     /// w_{nj}, 0 ≤ j ≤ n; all zero for n = 0.
     fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64;
+
+    /// The weight of v(t_j) in ∫_0^{t_n} q(t_n, s) v(s) ds: w_{nj} q(t_n, t_j), unless the rule
+    /// integrates the kernel in a way of its own.
+    fn kernel_weight(
+        &self,
+        kernel: &dyn HistoryKernel,
+        grid: &TimeGrid,
+        n: usize,
+        j: usize,
+    ) -> f64 {
+        match self.weight(grid, n, j) {
+            // A kernel may be infinite where it is not asked for.
+            0.0 => 0.0,
+            weight => weight * kernel.at(grid.time(n), grid.time(j)),
+        }
+    }
 
     /// True if the weights are those of [`Trapezoid`], so that recursions may replace sums.
     fn is_trapezoidal(&self) -> bool {

@@ -4,7 +4,7 @@
 //! vector of unknowns is kept a step (direct sum) or an exponential (recursion), not a tensor a cell.
 
 use super::{TimeGrid, TimeRule};
-use crate::law::MemoryKernel;
+use crate::law::{Convolution, MemoryKernel};
 use crate::linalg::axpy;
 
 /// History of coefficient vectors under a scalar kernel.
@@ -71,9 +71,8 @@ impl Memory {
         }
         match self {
             Self::Direct { past } => {
-                let t = grid.time(n);
                 for (j, u) in past.iter().enumerate() {
-                    axpy(rule.weight(grid, n, j) * kernel.value(t - grid.time(j)), u, out);
+                    axpy(rule.kernel_weight(&Convolution(kernel), grid, n, j), u, out);
                 }
             }
             Self::Recursive { terms, states, last, .. } => {

@@ -1,4 +1,19 @@
-//! Scalar memory kernels b(t): ℬ(t)ε = b(t)·ℬ₀ε.
+//! Kernels of the history operator (2.11): general q(t, s), and b(t - s) as in ℬ(t)ε = b(t)·ℬ₀ε.
+
+/// A scalar kernel q(t, s) of the history operator (2.11), 0 ≤ s ≤ t (1/time).
+pub trait HistoryKernel {
+    /// q(t, s).
+    fn at(&self, t: f64, s: f64) -> f64;
+}
+
+/// q(t, s) = b(t - s).
+pub struct Convolution<'a>(pub &'a dyn MemoryKernel);
+
+impl HistoryKernel for Convolution<'_> {
+    fn at(&self, t: f64, s: f64) -> f64 {
+        self.0.value(t - s)
+    }
+}
 
 /// A scalar kernel of the memory term ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds.
 pub trait MemoryKernel: Send + Sync {

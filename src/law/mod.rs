@@ -8,6 +8,6 @@ mod potential;
 mod projection;
 
 pub use elasticity::Isotropic;
-pub use kernel::{ExponentialSum, MemoryKernel};
+pub use kernel::{Convolution, ExponentialSum, HistoryKernel, MemoryKernel};
 pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError};
 pub use projection::{NoProjection, Projection, Response, VonMises, YieldLimit};

@@ -1,4 +1,4 @@
-//! Graphs G = ∂j_ν(· - s) + ∂I_{≤ g} on single coordinates, and the choice of a piece.
+//! Graphs G = ∂j_ν(· - s) + ∂I_{[floor, g]} on single coordinates, and the choice of a piece.
 //!
 //! The unilateral constraint is the last vertical piece of the graph, a jump of ∂j_ν an inner one:
 //! one rule serves both. For γ α_ν < 1 the map (u, c) ↦ z = u + γ c is one to one along the graph,
@@ -19,6 +19,10 @@ pub struct Coordinate {
     pub weight: f64,
     /// The bound g, infinite where there is none.
     pub gap: f64,
+    /// The lower bound, -infinite where there is none (always, in contact).
+    pub floor: f64,
+    /// Number of the potential.
+    pub law: u32,
     /// The shift s of the potential: ∂j_ν(u_ν - s).
     pub shift: f64,
     /// γ (length/pressure), the scaling of the complementarity condition.
@@ -30,32 +34,46 @@ pub struct Coordinate {
 pub enum Piece {
     /// c is the (single) value of ∂j_ν.
     Free,
-    /// u_ν is fixed at `value`, c lies in [lo, hi] (hi = ∞ at the bound).
+    /// u_ν is fixed at `value`, c lies in [lo, hi] (hi = ∞ at the bound, lo = -∞ at the lower one).
     Pinned { value: f64, lo: f64, hi: f64 },
 }
 
-/// All graphs of a time level, with one potential.
+/// All graphs of a time level.
 pub struct BoundaryGraph {
     /// Where the graphs sit.
     pub coordinates: Vec<Coordinate>,
-    /// The potential, [`crate::law::NoPotential`] if only the constraint is left to the graphs.
-    pub potential: Arc<dyn Potential>,
+    /// The potentials, [`crate::law::NoPotential`] where only the constraint is left to the graphs.
+    pub potentials: Vec<Arc<dyn Potential>>,
 }
 
 impl BoundaryGraph {
+    fn potential(&self, i: usize) -> &dyn Potential {
+        &*self.potentials[self.coordinates[i].law as usize]
+    }
+
     /// The piece that z = u_ν + γ c selects for coordinate i.
     pub fn piece(&self, i: usize, z: f64) -> Piece {
-        let at = &self.coordinates[i];
+        let (at, potential) = (&self.coordinates[i], self.potential(i));
         if at.gap.is_finite() {
-            let lo = self.potential.subdifferential(at.gap - at.shift).0;
+            let lo = potential.subdifferential(at.gap - at.shift).0;
             if z >= at.gap + at.gamma * lo {
                 return Piece::Pinned { value: at.gap, lo, hi: f64::INFINITY };
             }
         }
-        for &jump in self.potential.jumps() {
+        if at.floor.is_finite() {
+            let hi = potential.subdifferential(at.floor - at.shift).1;
+            if z <= at.floor + at.gamma * hi {
+                return Piece::Pinned { value: at.floor, lo: f64::NEG_INFINITY, hi };
+            }
+        }
+        for &jump in potential.jumps() {
             let value = jump + at.shift;
-            let (lo, hi) = self.potential.subdifferential(jump);
-            if value < at.gap && z >= value + at.gamma * lo && z <= value + at.gamma * hi {
+            let (lo, hi) = potential.subdifferential(jump);
+            if value > at.floor
+                && value < at.gap
+                && z >= value + at.gamma * lo
+                && z <= value + at.gamma * hi
+            {
                 return Piece::Pinned { value, lo, hi };
             }
         }
@@ -64,7 +82,7 @@ impl BoundaryGraph {
 
     /// Pressure and slope of a free coordinate.
     pub fn value_and_slope(&self, i: usize, normal: f64) -> (f64, f64) {
-        self.potential.value_and_slope(normal - self.coordinates[i].shift)
+        self.potential(i).value_and_slope(normal - self.coordinates[i].shift)
     }
 
     /// u_ν of coordinate i.
@@ -93,10 +111,19 @@ mod tests {
 
     fn graph() -> BoundaryGraph {
         let points = vec![(0.0, 0.0), (0.0, 1.0), (0.5, 0.8)];
-        let at = Coordinate { dof: 0, sign: -1.0, weight: 0.5, gap: 0.6, shift: 0.1, gamma: 0.3 };
+        let at = Coordinate {
+            dof: 0,
+            sign: -1.0,
+            weight: 0.5,
+            gap: 0.6,
+            floor: -0.4,
+            law: 0,
+            shift: 0.1,
+            gamma: 0.3,
+        };
         BoundaryGraph {
             coordinates: vec![at],
-            potential: Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).unwrap()),
+            potentials: vec![Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).unwrap())],
         }
     }
 
@@ -110,6 +137,8 @@ mod tests {
         assert_eq!(graph.piece(0, 0.1 + gamma * 0.4), jump);
         let (pressure, _) = graph.value_and_slope(0, 0.3);
         assert_eq!(graph.piece(0, 0.3 + gamma * pressure), Piece::Free);
+        let floor = Piece::Pinned { value: -0.4, lo: f64::NEG_INFINITY, hi: 0.0 };
+        assert_eq!(graph.piece(0, -0.4 - gamma * 0.5), floor);
         let bound = Piece::Pinned { value: 0.6, lo: 0.8, hi: f64::INFINITY };
         assert_eq!(graph.piece(0, 0.6 + gamma * 2.0), bound);
     }
@@ -117,10 +146,10 @@ mod tests {
     #[test]
     fn defect_vanishes_on_the_graph_and_only_there() {
         let graph = graph();
-        for (normal, pressure) in [(0.1, 0.4), (0.6, 3.0), (-0.5, 0.0)] {
+        for (normal, pressure) in [(0.1, 0.4), (0.6, 3.0), (-0.3, 0.0), (-0.4, -2.0)] {
             assert!(graph.defect(0, normal, pressure) < 1e-15, "{normal} {pressure}");
         }
-        for (normal, pressure) in [(0.1, 1.4), (0.7, 3.0), (-0.5, 0.2), (0.6, 0.2)] {
+        for (normal, pressure) in [(0.1, 1.4), (0.7, 3.0), (-0.3, 0.2), (0.6, 0.2), (-0.5, -1.0)] {
             assert!(graph.defect(0, normal, pressure) > 1e-3, "{normal} {pressure}");
         }
     }

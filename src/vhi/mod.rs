@@ -1,10 +1,17 @@
-//! The discrete inequality (4.3) at one time level, and its solution by a semismooth Newton method
-//! with primal-dual active set. Nothing here knows a mesh.
+//! The discrete inequality (4.3) over a time grid, and its solution level by level: a semismooth
+//! Newton method with primal-dual active set, or the fixed-point iteration Λ of Theorem 6. Nothing
+//! here knows a mesh.
 
+mod fixed_point;
 mod graph;
+mod history_inequality;
 mod newton;
 mod step;
+mod stepper;
 
+pub use fixed_point::FixedPoint;
 pub use graph::{BoundaryGraph, Coordinate, Piece};
+pub use history_inequality::{FailedStep, HistoryInequality};
 pub use newton::{Newton, Scratch, StepError, StepInfo};
 pub use step::{StepInequality, StepState};
+pub use stepper::{StepSolver, Stepper};

@@ -32,6 +32,8 @@ pub struct StepInfo {
     pub residual: f64,
     /// The tolerance it had to meet.
     pub tolerance: f64,
+    /// Applications of Λ, 0 where the last slot of the history was implicit.
+    pub fixed_point_iterations: u32,
 }
 
 /// Why a time level has no computed solution.
@@ -50,6 +52,11 @@ pub enum StepError {
         "no convergence in {iterations} Newton iterations: residual {residual:.3e}, wanted {tolerance:.3e}"
     )]
     NotConverged { iterations: u32, residual: f64, tolerance: f64 },
+    /// The fixed-point iteration does not stand still.
+    #[error(
+        "Λ does not contract: after {iterations} iterations it still changes by {change:.3e}, {factor:.3} times the change before; a smaller time step makes it contract (3.4), and Newton's method does not need it to"
+    )]
+    NotContracting { iterations: u32, change: f64, factor: f64 },
 }
 
 /// Full steps are taken until this many iterations bring no new best residual; then they are
