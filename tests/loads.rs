@@ -21,7 +21,7 @@ fn loads(
     t: f64,
 ) -> Result<[Arc<Vec<f64>>; 2], LoadError> {
     let space = setup.space(n).unwrap_or_else(|error| panic!("{error}"));
-    let sides = side_numbers(&space, &setup.scene.domain.traction);
+    let sides = side_numbers(&space, &setup.body.domain.traction);
     let on_mesh = |form| ExactOnMesh::new(exact.clone(), space.clone(), form, &sides).load(t);
     Ok([on_mesh(LoadForm::Weak)?, on_mesh(LoadForm::Strong)?])
 }

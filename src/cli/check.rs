@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::{CliError, Scenes, print_json, print_text};
 use crate::manufactured::{Finding, SideOfRectangle, Status, check};
-use crate::scene::{Scene, Side};
+use crate::scene::{ContactScene, Side};
 use crate::setup::{Constants, Setup, constants};
 
 /// `sweep check`.
@@ -23,7 +23,7 @@ impl Check {
         let setup = scenes.setup(&self.scene)?;
         let mut findings = Vec::new();
         if let Some(exact) = &setup.exact {
-            findings.extend(check(exact, &sides(&setup.scene)));
+            findings.extend(check(exact, &sides(&setup.body)));
         }
         findings.extend(hypotheses(&setup, &constants(&setup)?));
         let failed = findings.iter().any(|finding| finding.status == Status::Failed);
@@ -50,7 +50,7 @@ fn row(finding: &Finding) -> serde_json::Value {
 }
 
 /// The sides of a scene's rectangle.
-fn sides(scene: &Scene) -> Vec<SideOfRectangle> {
+fn sides(body: &ContactScene) -> Vec<SideOfRectangle> {
     Side::ALL
         .into_iter()
         .map(|side| SideOfRectangle {
@@ -60,8 +60,8 @@ fn sides(scene: &Scene) -> Vec<SideOfRectangle> {
                 Side::Bottom => [0.0, -1.0],
                 Side::Top => [0.0, 1.0],
             },
-            clamped: scene.domain.clamped.contains(&side),
-            contact: scene.domain.contact.contains(&side),
+            clamped: body.domain.clamped.contains(&side),
+            contact: body.domain.contact.contains(&side),
         })
         .collect()
 }
@@ -89,7 +89,7 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     findings.push(Finding::new("m0 > 0 (2.9)", status, c.m0, text));
     findings.push(fact("beta_phi", c.beta_phi, "proved: max(mu L_kappa sqrt|Omega|, 1)"));
     findings.push(fact("|B|", c.memory_norm, "operator norm, sampled over [0, T]"));
-    if let Some(projection) = &setup.scene.material.projection {
+    if let Some(projection) = &setup.body.material.projection {
         findings.push(fact("L_kappa", projection.lipschitz, "sampled exact derivative"));
     }
     let sharpened = c.sharpened_step_bound;

@@ -79,7 +79,7 @@ fn algorithm(setup: &Setup) -> &'static str {
 }
 
 fn history(setup: &Setup) -> String {
-    match &setup.scene.material.memory {
+    match &setup.body.material.memory {
         None => "none".into(),
         Some(memory) => match &memory.exponentials {
             Some(terms) => format!("recursion, {} exponential(s), O(1) a step", terms.len()),
@@ -90,7 +90,7 @@ fn history(setup: &Setup) -> String {
 
 /// Vectors of unknowns held for the history after N steps.
 fn history_vectors(setup: &Setup, steps: u32) -> usize {
-    match &setup.scene.material.memory {
+    match &setup.body.material.memory {
         None => 0,
         Some(memory) => memory.exponentials.as_ref().map_or(steps as usize + 1, |t| t.len() + 1),
     }

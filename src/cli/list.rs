@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::{CliError, Scenes, print_json, print_text};
-use crate::scene::{Data, Scene};
+use crate::scene::{Body, Data, Scene};
 
 /// `sweep list`.
 #[derive(Args)]
@@ -50,11 +50,12 @@ fn row(scene: &Scene) -> serde_json::Value {
 
 /// The terms of (5.1)-(5.5) that a scene has.
 pub fn terms(scene: &Scene) -> Vec<&'static str> {
-    let contact = scene.contact.as_ref();
+    let Some(body) = scene.as_contact() else { return abstract_terms(scene) };
+    let contact = body.contact.as_ref();
     let present = [
         (true, "elasticity"),
-        (scene.material.memory.is_some(), "memory"),
-        (scene.material.projection.is_some(), "projection"),
+        (body.material.memory.is_some(), "memory"),
+        (body.material.projection.is_some(), "projection"),
         (contact.is_some_and(|c| c.law.is_some()), "compliance"),
         (contact.is_some_and(|c| c.gap.is_some()), "gap"),
         (contact.is_some_and(|c| c.shift.is_some()), "shift"),
@@ -62,9 +63,25 @@ pub fn terms(scene: &Scene) -> Vec<&'static str> {
     present.into_iter().filter(|(has, _)| *has).map(|(_, name)| name).collect()
 }
 
+/// The terms of Problem 1 that an abstract scene has.
+fn abstract_terms(scene: &Scene) -> Vec<&'static str> {
+    let Body::Abstract(problem) = &scene.body else { return Vec::new() };
+    let traces = &problem.traces;
+    let present = [
+        (problem.nonlinear.is_none(), "linear operator"),
+        (problem.nonlinear.is_some(), "nonlinear operator"),
+        (!problem.kernels.is_empty(), "history"),
+        (problem.force.is_some(), "nonlinear phi"),
+        (traces.iter().any(|trace| trace.law.is_some()), "j"),
+        (traces.iter().any(|trace| trace.is_bounded()), "constraint"),
+    ];
+    present.into_iter().filter(|(has, _)| *has).map(|(_, name)| name).collect()
+}
+
 /// What errors are measured against.
 pub fn truth(scene: &Scene) -> &'static str {
-    match &scene.data {
+    let Some(body) = scene.as_contact() else { return "exact solution" };
+    match &body.data {
         Data::Exact { interpolated: true, .. } => "exact solution in V^h",
         Data::Exact { .. } => "exact solution",
         Data::Loads { .. } => "given loads, reference run",

@@ -71,7 +71,7 @@ impl Contact {
             None => None,
         };
         let law = match &written.law {
-            Some(law) => Law::validate(reading, law)?,
+            Some(law) => Law::validate(reading, "contact.law", law)?,
             None => None,
         };
         let quadrature = quadrature(reading, written.quadrature.as_deref().unwrap_or("vertex"))?;

@@ -6,7 +6,7 @@ use crate::formula::{Graph, Node, Scope, Variable};
 
 use super::diagnostic::SceneError;
 use super::reading::Reading;
-use super::written::{self, Formula};
+use super::written::Formula;
 
 const PARAMETERS: &str = "exact.parameters";
 const DEFINE: &str = "exact.define";
@@ -14,14 +14,11 @@ const DEFINE: &str = "exact.define";
 /// The named constants, in file order; each may use the ones before it.
 pub(super) fn parameters(
     reading: &mut Reading,
-    exact: Option<&written::Exact>,
+    written: &BTreeMap<String, Formula>,
 ) -> Result<Vec<(String, Node)>, SceneError> {
     let mut scope = Scope::new(&[]);
     let mut parameters = Vec::new();
-    let Some(exact) = exact else {
-        return Ok(parameters);
-    };
-    for (key, name, formula) in in_file_order(reading, PARAMETERS, &exact.parameters) {
+    for (key, name, formula) in in_file_order(reading, PARAMETERS, written) {
         free_name(reading, &key, name)?;
         let node = reading.formula(&key, formula, &scope)?;
         if !reading.formulas.value_of_constant(node).is_some_and(f64::is_finite) {
@@ -43,7 +40,16 @@ pub(super) fn definitions(
     reading: &mut Reading,
     written: &BTreeMap<String, Formula>,
 ) -> Result<Scope, SceneError> {
-    let mut scope = reading.scope(&[Variable::X, Variable::Y, Variable::T]);
+    definitions_in(reading, written, &[Variable::X, Variable::Y, Variable::T])
+}
+
+/// The same with other variables.
+pub(super) fn definitions_in(
+    reading: &mut Reading,
+    written: &BTreeMap<String, Formula>,
+    variables: &[Variable],
+) -> Result<Scope, SceneError> {
+    let mut scope = reading.scope(variables);
     let ordered = in_file_order(reading, DEFINE, written);
     for (key, name, formula) in &ordered {
         free_name(reading, key, name)?;

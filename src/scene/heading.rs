@@ -1,5 +1,6 @@
 //! `[scene]`: the name, the question, and how the scene is judged.
 
+use super::abstract_scene::MOST;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::written;
@@ -44,6 +45,23 @@ impl Hypothesis {
     }
 }
 
+/// What a file states a problem of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Problem 12: a body in contact.
+    Contact,
+    /// Problem 1 in ℝ^m.
+    Abstract,
+}
+
+impl Kind {
+    /// The kind that a file names, contact if it names none.
+    pub fn validate(reading: &Reading, word: Option<&str>) -> Result<Kind, SceneError> {
+        let known = [("contact", Kind::Contact), ("abstract", Kind::Abstract)];
+        reading.choice("scene.kind", word.unwrap_or("contact"), &known)
+    }
+}
+
 /// `[scene]` as validated.
 pub(super) struct Heading {
     pub name: String,
@@ -55,10 +73,14 @@ pub(super) struct Heading {
 }
 
 impl Heading {
-    pub fn validate(reading: &Reading, written: &written::Heading) -> Result<Heading, SceneError> {
+    pub fn validate(
+        reading: &Reading,
+        written: &written::Heading,
+        kind: Kind,
+    ) -> Result<Heading, SceneError> {
         Ok(Heading {
             name: name(reading, &written.name)?,
-            dimension: dimension(reading, written.dimension)?,
+            dimension: dimension(reading, written.dimension, kind)?,
             expect: match &written.expect {
                 Some(word) => expectation(reading, word)?,
                 None => Expectation::Pass,
@@ -83,8 +105,14 @@ fn name(reading: &Reading, name: &str) -> Result<String, SceneError> {
     ))
 }
 
-fn dimension(reading: &Reading, dimension: i64) -> Result<usize, SceneError> {
+fn dimension(reading: &Reading, dimension: i64, kind: Kind) -> Result<usize, SceneError> {
     match dimension {
+        1..=MOST if kind == Kind::Abstract => Ok(dimension.unsigned_abs() as usize),
+        _ if kind == Kind::Abstract => Err(reading.error(
+            "scene.dimension",
+            format!("{dimension} is no dimension of an abstract problem"),
+            format!("X = R^m with m from 1 to {MOST}: matrices are dense"),
+        )),
         2 => Ok(2),
         3 => Err(reading.error(
             "scene.dimension",

@@ -22,82 +22,76 @@ enum Kind {
     PiecewiseLinear,
 }
 
-const KEY: &str = "contact.law";
-
 impl Law {
     pub(super) fn validate(
         reading: &Reading,
+        table: &str,
         written: &written::Law,
     ) -> Result<Option<Law>, SceneError> {
+        let key = |name: &str| format!("{table}.{name}");
         let known = [
             ("none", Kind::None),
             ("linear", Kind::Linear),
             ("piecewise-linear", Kind::PiecewiseLinear),
         ];
-        let kind = reading.choice("contact.law.kind", &written.kind, &known)?;
+        let kind = reading.choice(&key("kind"), &written.kind, &known)?;
         if !matches!(kind, Kind::Linear) {
-            reading.surplus("contact.law.stiffness", written.stiffness.as_ref(), &written.kind)?;
+            reading.surplus(&key("stiffness"), written.stiffness.as_ref(), &written.kind)?;
         }
         if !matches!(kind, Kind::PiecewiseLinear) {
-            reading.surplus("contact.law.points", written.points.as_ref(), &written.kind)?;
-            reading.surplus(
-                "contact.law.slope_before",
-                written.slope_before.as_ref(),
-                &written.kind,
-            )?;
-            reading.surplus(
-                "contact.law.slope_after",
-                written.slope_after.as_ref(),
-                &written.kind,
-            )?;
+            reading.surplus(&key("points"), written.points.as_ref(), &written.kind)?;
+            reading.surplus(&key("slope_before"), written.slope_before.as_ref(), &written.kind)?;
+            reading.surplus(&key("slope_after"), written.slope_after.as_ref(), &written.kind)?;
         }
         match kind {
             Kind::None => Ok(None),
-            Kind::Linear => Law::linear(reading, written).map(Some),
-            Kind::PiecewiseLinear => Law::piecewise_linear(reading, written).map(Some),
+            Kind::Linear => Law::linear(reading, table, written).map(Some),
+            Kind::PiecewiseLinear => Law::piecewise_linear(reading, table, written).map(Some),
         }
     }
 
     /// p(r) = stiffness · r for every r.
-    fn linear(reading: &Reading, written: &written::Law) -> Result<Law, SceneError> {
-        let stiffness = reading.needed(
-            "contact.law.stiffness",
-            written.stiffness,
-            &written.kind,
-            "stiffness = 2.0",
-        )?;
-        reading.finite("contact.law.stiffness", stiffness)?;
+    fn linear(reading: &Reading, table: &str, written: &written::Law) -> Result<Law, SceneError> {
+        let key = format!("{table}.stiffness");
+        let stiffness =
+            reading.needed(&key, written.stiffness, &written.kind, "stiffness = 2.0")?;
+        reading.finite(&key, stiffness)?;
         Ok(Law { points: vec![[0.0, 0.0]], slope_before: stiffness, slope_after: stiffness })
     }
 
-    fn piecewise_linear(reading: &Reading, written: &written::Law) -> Result<Law, SceneError> {
+    fn piecewise_linear(
+        reading: &Reading,
+        table: &str,
+        written: &written::Law,
+    ) -> Result<Law, SceneError> {
+        let key = |name: &str| format!("{table}.{name}");
         let line = "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
         let points =
-            reading.needed("contact.law.points", written.points.as_ref(), &written.kind, line)?;
+            reading.needed(&key("points"), written.points.as_ref(), &written.kind, line)?;
         let before = reading.needed(
-            "contact.law.slope_before",
+            &key("slope_before"),
             written.slope_before,
             &written.kind,
             "slope_before = 0.0",
         )?;
         let after = reading.needed(
-            "contact.law.slope_after",
+            &key("slope_after"),
             written.slope_after,
             &written.kind,
             "slope_after = 0.0",
         )?;
         let law = Law {
-            points: pairs(reading, points)?,
-            slope_before: reading.finite("contact.law.slope_before", before)?,
-            slope_after: reading.finite("contact.law.slope_after", after)?,
+            points: pairs(reading, table, points)?,
+            slope_before: reading.finite(&key("slope_before"), before)?,
+            slope_after: reading.finite(&key("slope_after"), after)?,
         };
-        law.check_order(reading)?;
+        law.check_order(reading, table)?;
         Ok(law)
     }
 
-    fn check_order(&self, reading: &Reading) -> Result<(), SceneError> {
+    fn check_order(&self, reading: &Reading, table: &str) -> Result<(), SceneError> {
         for (index, pair) in self.points.windows(2).enumerate() {
-            let key = format!("{KEY}.points.{}", index + 1);
+            let key = format!("{table}.points.{}", index + 1);
             admissible(reading, &key, pair[0], pair[1])?;
         }
         match self.points.windows(3).position(|three| three[0][0] == three[2][0]) {
@@ -105,7 +99,7 @@ impl Law {
             Some(index) => {
                 let message = format!("three points at r = {}", self.points[index][0]);
                 let hint = "a jump needs its lower and its upper end: remove the point between";
-                Err(reading.error(&format!("{KEY}.points.{}", index + 1), message, hint))
+                Err(reading.error(&format!("{table}.points.{}", index + 1), message, hint))
             }
         }
     }
@@ -164,10 +158,10 @@ fn admissible(
     Ok(())
 }
 
-fn pairs(reading: &Reading, points: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, SceneError> {
+fn pairs(reading: &Reading, table: &str, points: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, SceneError> {
     if points.is_empty() {
         return Err(reading.error(
-            &format!("{KEY}.points"),
+            &format!("{table}.points"),
             "the law has no point",
             "give at least one: points = [[0.0, 0.0]]",
         ));
@@ -175,7 +169,7 @@ fn pairs(reading: &Reading, points: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, SceneE
     let pair = |(index, point): (usize, &Vec<f64>)| match point[..] {
         [r, p] if r.is_finite() && p.is_finite() => Ok([r, p]),
         _ => Err(reading.error(
-            &format!("{KEY}.points.{index}"),
+            &format!("{table}.points.{index}"),
             format!("{point:?} is not a point"),
             "a point is two finite numbers: [r, p(r)]",
         )),

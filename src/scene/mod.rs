@@ -7,6 +7,8 @@
 //!
 //! Conditions that need a mesh, such as (2.9), are checked later and point at the same text by [`Scene::span`].
 
+mod abstract_scene;
+pub mod abstract_written;
 mod choices;
 mod contact;
 mod data;
@@ -32,6 +34,7 @@ mod validated;
 mod wording;
 pub mod written;
 
+pub use abstract_scene::{AbstractKernel, AbstractScene, AbstractTrace};
 pub use contact::{Contact, ContactQuadrature};
 pub use data::{Data, LoadForm};
 pub use diagnostic::{Diagnosis, SceneError};
@@ -47,7 +50,7 @@ pub use source::Source;
 pub use spans::Spans;
 pub use sweep::{Reference, Sweep};
 pub use time::{Time, TimeGrid};
-pub use validated::Scene;
+pub use validated::{Body, ContactScene, Scene};
 
 #[cfg(test)]
 mod tests;

@@ -135,6 +135,23 @@ impl Prediction {
     }
 }
 
+impl Prediction {
+    /// An abstract scene has no mesh: its error is ‖u_n - u_n^k‖_X, in k alone.
+    pub(super) fn only_in_time(&self, reading: &Reading, index: usize) -> Result<(), SceneError> {
+        let key = |name: &str| format!("predicts.{index}.{name}");
+        if self.norm != Norm::VMax {
+            let message = format!("`{}` needs a body", self.norm.name());
+            let hint = "the error of an abstract scene is V_max, the largest norm in X";
+            return Err(reading.error(&key("norm"), message, hint));
+        }
+        if self.variable != Direction::K {
+            let message = "an abstract scene has no mesh, so no order in h";
+            return Err(reading.error(&key("variable"), message, "write variable = \"k\""));
+        }
+        Ok(())
+    }
+}
+
 fn order_in_k(
     reading: &Reading,
     key: &str,

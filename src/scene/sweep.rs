@@ -4,7 +4,7 @@ use super::diagnostic::SceneError;
 use super::domain::Domain;
 use super::prediction::Norm;
 use super::reading::Reading;
-use super::validated::Scene;
+use super::validated::{Body, Scene};
 use super::written;
 
 /// The run that stands for the truth where there is no exact solution.
@@ -18,6 +18,7 @@ pub struct Reference {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sweep {
     /// Mesh cells per unit length, h = 1/n; each divides both sides of the rectangle into whole cells.
+    /// Empty for abstract scenes, which have no mesh.
     pub n: Vec<usize>,
     /// Numbers N of time steps.
     pub steps: Vec<usize>,
@@ -51,6 +52,14 @@ impl Sweep {
             None => None,
         };
         Ok(Some(Sweep { n, steps, reference, norms }))
+    }
+}
+
+impl Sweep {
+    /// The sweep of an abstract scene: numbers of steps alone.
+    pub(super) fn in_time(reading: &Reading, steps: &[i64]) -> Result<Sweep, SceneError> {
+        let steps = counts(reading, "sweep.steps", steps)?;
+        Ok(Sweep { n: Vec::new(), steps, reference: None, norms: None })
     }
 }
 
@@ -133,7 +142,8 @@ impl Scene {
             let cells = f64::from(n) * **length;
             cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells
         };
-        let Some(length) = self.domain.size.iter().find(odd) else { return Ok(()) };
+        let Body::Contact(body) = &self.body else { return Ok(()) };
+        let Some(length) = body.domain.size.iter().find(odd) else { return Ok(()) };
         let message = format!("n = {n} does not divide side {length} into whole cells");
         let hint = "choose n so that n times each side is a whole number";
         Err(self.error("domain.size", message, hint))

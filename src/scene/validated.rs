@@ -8,12 +8,14 @@ use toml::de::{DeTable, Deserializer};
 
 use crate::formula::Graph;
 
+use super::abstract_scene::AbstractScene;
+use super::abstract_written::AbstractFile;
 use super::contact::Contact;
 use super::data::Data;
 use super::definitions::parameters;
 use super::diagnostic::SceneError;
 use super::domain::Domain;
-use super::heading::{Expectation, Heading, Hypothesis};
+use super::heading::{Expectation, Heading, Hypothesis, Kind};
 use super::material::Material;
 use super::prediction::Prediction;
 use super::reading::Reading;
@@ -28,7 +30,7 @@ use super::{wording, written};
 pub struct Scene {
     pub name: String,
     pub question: String,
-    /// 2 for now.
+    /// 2 for bodies (plane strain); m for an abstract problem in ℝ^m.
     pub dimension: usize,
     /// Whether verdicts are given; else the scene is measured and reported only.
     pub judge: bool,
@@ -40,11 +42,9 @@ pub struct Scene {
     pub violates: Vec<Hypothesis>,
     pub source: Source,
     pub spans: Spans,
-    pub domain: Domain,
     pub time: Time,
-    pub material: Material,
-    pub contact: Option<Contact>,
-    pub data: Data,
+    /// What is solved.
+    pub body: Body,
     pub predicts: Vec<Prediction>,
     /// None where the scene asks for no sweep.
     pub sweep: Option<Sweep>,
@@ -52,7 +52,33 @@ pub struct Scene {
     pub formulas: Graph,
 }
 
+/// The problem of a scene.
+#[derive(Debug, Clone)]
+pub enum Body {
+    /// Problem 12.
+    Contact(ContactScene),
+    /// Problem 1 in ℝ^m.
+    Abstract(AbstractScene),
+}
+
+/// A body in contact.
+#[derive(Debug, Clone)]
+pub struct ContactScene {
+    pub domain: Domain,
+    pub material: Material,
+    pub contact: Option<Contact>,
+    pub data: Data,
+}
+
 impl Scene {
+    /// The body in contact, if the scene is one.
+    pub fn as_contact(&self) -> Option<&ContactScene> {
+        match &self.body {
+            Body::Contact(body) => Some(body),
+            Body::Abstract(_) => None,
+        }
+    }
+
     /// Reads and validates a file.
     ///
     /// # Errors
@@ -69,8 +95,19 @@ impl Scene {
         if is_blank(&source.text) {
             return Err(SceneError::Empty { path: source.path });
         }
-        let (file, spans) = parse(&source)?;
-        validate(file, source, spans)
+        let table = DeTable::parse(&source.text).map_err(|e| wording::syntax(&source, &e))?;
+        let spans = Spans::of(table.get_ref());
+        let kind = Kind::validate(&Reading::new(&source, &spans), kind_of(table.get_ref()))?;
+        match kind {
+            Kind::Contact => {
+                let file = structured(table, &source, &spans)?;
+                validate_contact(file, source, spans)
+            }
+            Kind::Abstract => {
+                let file = structured(table, &source, &spans)?;
+                validate_abstract(file, source, spans)
+            }
+        }
     }
 
     /// Bytes of the value at a dotted key (`exact.multiplier`), or of the part that would hold it.
@@ -94,49 +131,103 @@ fn is_blank(text: &str) -> bool {
     text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
 }
 
-fn parse(source: &Source) -> Result<(written::File, Spans), SceneError> {
-    let table = DeTable::parse(&source.text).map_err(|error| wording::syntax(source, &error))?;
-    let spans = Spans::of(table.get_ref());
-    let file = written::File::deserialize(Deserializer::from(table))
-        .map_err(|error| wording::structure(source, &spans, &error))?;
-    Ok((file, spans))
+/// scene.kind, if it is a string.
+fn kind_of<'t>(table: &'t DeTable<'_>) -> Option<&'t str> {
+    table.get("scene")?.get_ref().get("kind")?.get_ref().as_str()
 }
 
-fn validate(file: written::File, source: Source, spans: Spans) -> Result<Scene, SceneError> {
+fn structured<'t, F: Deserialize<'t>>(
+    table: toml::Spanned<DeTable<'t>>,
+    source: &Source,
+    spans: &Spans,
+) -> Result<F, SceneError> {
+    F::deserialize(Deserializer::from(table))
+        .map_err(|error| wording::structure(source, spans, &error))
+}
+
+fn validate_contact(
+    file: written::File,
+    source: Source,
+    spans: Spans,
+) -> Result<Scene, SceneError> {
     let mut reading = Reading::new(&source, &spans);
-    let heading = Heading::validate(&reading, &file.scene)?;
+    let heading = Heading::validate(&reading, &file.scene, Kind::Contact)?;
     reading.violates.clone_from(&heading.violates);
     let domain = Domain::validate(&reading, &file.domain, heading.dimension)?;
     let time = Time::validate(&reading, &file.time)?;
     let material = Material::validate(&mut reading, &file.material, time.horizon)?;
-    reading.parameters = parameters(&mut reading, file.exact.as_ref())?;
+    if let Some(exact) = &file.exact {
+        reading.parameters = parameters(&mut reading, &exact.parameters)?;
+    }
     let contact = Contact::validate(&mut reading, file.contact.as_ref(), &domain)?;
     let data = Data::validate(&mut reading, &file, &domain, &time, contact.as_ref())?;
     let predicts = predictions(&reading, &file.predicts, contact.is_some())?;
     let sweep = Sweep::validate(&reading, file.sweep.as_ref(), &domain, contact.is_some())?;
     has_truth(&reading, file.scene.judge, &data, sweep.as_ref())?;
     let formulas = reading.formulas;
-    Ok(Scene {
-        name: heading.name,
-        question: file.scene.question,
-        dimension: heading.dimension,
-        judge: file.scene.judge,
-        expect: heading.expect,
-        long: file.scene.long,
-        window_n: heading.window_n,
-        window_steps: heading.window_steps,
-        violates: heading.violates,
-        source,
-        spans,
-        domain,
-        time,
-        material,
-        contact,
-        data,
-        predicts,
-        sweep,
-        formulas,
-    })
+    let body = Body::Contact(ContactScene { domain, material, contact, data });
+    let content = Content { source, spans, time, body, predicts, sweep, formulas };
+    Ok(heading.scene(file.scene, content))
+}
+
+fn validate_abstract(
+    file: AbstractFile,
+    source: Source,
+    spans: Spans,
+) -> Result<Scene, SceneError> {
+    let mut reading = Reading::new(&source, &spans);
+    let heading = Heading::validate(&reading, &file.scene, Kind::Abstract)?;
+    reading.violates.clone_from(&heading.violates);
+    let time = Time::validate(&reading, &file.time)?;
+    reading.parameters = parameters(&mut reading, &file.exact.parameters)?;
+    let body = AbstractScene::validate(&mut reading, &file, heading.dimension)?;
+    let predicts = predictions(&reading, &file.predicts, false)?;
+    for (index, prediction) in predicts.iter().enumerate() {
+        prediction.only_in_time(&reading, index)?;
+    }
+    let sweep = match &file.sweep {
+        Some(sweep) => Some(Sweep::in_time(&reading, &sweep.steps)?),
+        None => None,
+    };
+    let formulas = reading.formulas;
+    let body = Body::Abstract(body);
+    let content = Content { source, spans, time, body, predicts, sweep, formulas };
+    Ok(heading.scene(file.scene, content))
+}
+
+/// What a scene has besides its heading.
+struct Content {
+    source: Source,
+    spans: Spans,
+    time: Time,
+    body: Body,
+    predicts: Vec<Prediction>,
+    sweep: Option<Sweep>,
+    formulas: Graph,
+}
+
+impl Heading {
+    fn scene(self, written: written::Heading, content: Content) -> Scene {
+        let Content { source, spans, time, body, predicts, sweep, formulas } = content;
+        Scene {
+            name: self.name,
+            question: written.question,
+            dimension: self.dimension,
+            judge: written.judge,
+            expect: self.expect,
+            long: written.long,
+            window_n: self.window_n,
+            window_steps: self.window_steps,
+            violates: self.violates,
+            source,
+            spans,
+            time,
+            body,
+            predicts,
+            sweep,
+            formulas,
+        }
+    }
 }
 
 fn predictions(

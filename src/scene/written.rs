@@ -62,6 +62,7 @@ pub struct File {
 pub struct Heading {
     pub name: String,
     pub question: String,
+    pub kind: Option<String>,
     pub dimension: i64,
     #[serde(default = "yes")]
     pub judge: bool,

@@ -20,7 +20,7 @@ pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
     smallness(setup)?;
     if let Some(exact) = &setup.exact {
         clamped(setup, exact)?;
-        for &side in &setup.scene.domain.contact {
+        for &side in &setup.body.domain.contact {
             contact_state(setup, exact, side)?;
         }
     }
@@ -30,7 +30,7 @@ pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
 /// (2.9): α_ν c_j² < m_𝒜.
 fn smallness(setup: &Setup) -> Result<(), SetupError> {
     let scene = &setup.scene;
-    let law = scene.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     if law.is_none_or(|law| law.alpha() == 0.0) || scene.violates.contains(&Hypothesis::Smallness) {
         return Ok(());
     }
@@ -50,7 +50,7 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
 }
 
 fn side_point(setup: &Setup, side: Side, i: u32) -> [f64; 2] {
-    let size = &setup.scene.domain.size;
+    let size = &setup.body.domain.size;
     let s = f64::from(i) / f64::from(ALONG);
     match side {
         Side::Left => [0.0, s * size[1]],
@@ -105,7 +105,7 @@ fn clamped(setup: &Setup, exact: &Exact) -> Result<(), SetupError> {
         Ok(())
     })?;
     let allowed = ROUNDING * size.max(f64::MIN_POSITIVE);
-    for &side in &setup.scene.domain.clamped {
+    for &side in &setup.body.domain.clamped {
         visit(&program, count, &side_points(setup, side), horizon, |at, u| {
             let Some(component) = u.iter().position(|u| u.is_nan() || u.abs() > allowed) else {
                 return Ok(());
@@ -122,7 +122,7 @@ fn clamped(setup: &Setup, exact: &Exact) -> Result<(), SetupError> {
 }
 
 fn interior(setup: &Setup) -> Vec<[f64; 3]> {
-    let size = &setup.scene.domain.size;
+    let size = &setup.body.domain.size;
     let fraction = |i: u32| (f64::from(i) + 0.5) / 6.0;
     (0..36).map(|i| [size[0] * fraction(i / 6), size[1] * fraction(i % 6), 0.0]).collect()
 }

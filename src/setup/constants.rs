@@ -48,16 +48,17 @@ const KERNEL_SAMPLES: u32 = 512;
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
     let scene = &setup.scene;
-    let material = &scene.material;
+    let material = &setup.body.material;
     let elastic = Isotropic { lambda: material.lambda, mu: material.mu };
     let (m_elastic, largest) = elastic.eigenvalues(scene.dimension);
     let mu = setup.projection_mu();
-    let law = scene.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     let alpha_nu = law.map_or(0.0, crate::scene::Law::alpha);
-    let c_j_squared = if scene.domain.contact.is_empty() { 0.0 } else { trace_constant(setup)? };
+    let c_j_squared =
+        if setup.body.domain.contact.is_empty() { 0.0 } else { trace_constant(setup)? };
     let m0 = m_elastic - alpha_nu * c_j_squared;
     let lipschitz = material.projection.as_ref().map_or(0.0, |projection| projection.lipschitz);
-    let area: f64 = scene.domain.size.iter().product();
+    let area: f64 = setup.body.domain.size.iter().product();
     let yielding = mu * lipschitz * area.sqrt();
     let (memory_norm, memory_at_zero) = memory_norms(setup);
     let beta_phi = yielding.max(1.0);
@@ -80,7 +81,7 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
 /// max_t ‖ℬ(t)‖ and ‖ℬ(0)‖, operator norms on S^d.
 fn memory_norms(setup: &Setup) -> (f64, f64) {
     let scene = &setup.scene;
-    let Some(memory) = &scene.material.memory else { return (0.0, 0.0) };
+    let Some(memory) = &setup.body.material.memory else { return (0.0, 0.0) };
     let tensor = Isotropic { lambda: memory.lambda, mu: memory.mu };
     let (low, high) = tensor.eigenvalues(scene.dimension);
     let size = low.abs().max(high.abs());
@@ -94,7 +95,7 @@ fn memory_norms(setup: &Setup) -> (f64, f64) {
 /// If Γ3 lies opposite to a clamped parallel side at distance H, then for v = 0 there
 /// |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
 fn proved_bound(setup: &Setup) -> Option<f64> {
-    let domain = &setup.scene.domain;
+    let domain = &setup.body.domain;
     let [side] = domain.contact[..] else { return None };
     let (opposite, distance) = match side {
         Side::Bottom => (Side::Top, domain.size[1]),

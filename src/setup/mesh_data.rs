@@ -49,12 +49,12 @@ impl MeshData {
         reference: Option<Arc<ReferenceRun>>,
     ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
-        let truth: Box<dyn Truth> = match (&setup.scene.data, &setup.exact) {
+        let truth: Box<dyn Truth> = match (&setup.body.data, &setup.exact) {
             (Data::Exact { interpolated: true, .. }, Some(exact)) => {
                 Box::new(InterpolatedOnMesh::new(exact.clone(), space.clone()))
             }
             (Data::Exact { form, .. }, Some(exact)) => {
-                let sides = side_numbers(&space, &setup.scene.domain.traction);
+                let sides = side_numbers(&space, &setup.body.domain.traction);
                 let form = super::load_form(*form);
                 Box::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides))
             }

@@ -24,7 +24,9 @@ use crate::manufactured::{
     ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };
 use crate::mesh::{Family, rectangle};
-use crate::scene::{self, ContactQuadrature, Data, MeshFamily, Scene, SceneError, Side};
+use crate::scene::{
+    self, Body, ContactQuadrature, ContactScene, Data, MeshFamily, Scene, SceneError, Side,
+};
 
 /// The model of a scene.
 pub type SceneModel = Model<Option<VonMises<YieldFormula>>>;
@@ -50,6 +52,8 @@ pub enum SetupError {
 pub struct Setup {
     /// The scene as validated.
     pub scene: Scene,
+    /// Its body, domain and material.
+    pub body: ContactScene,
     /// Its model.
     pub model: SceneModel,
     /// Its exact solution, if it has one.
@@ -62,9 +66,16 @@ impl Setup {
     /// # Errors
     /// What [`admissible`] refuses.
     pub fn new(scene: Scene) -> Result<Self, SetupError> {
-        let model = model(&scene);
-        let exact = exact(&scene).map(Arc::new);
-        let setup = Self { scene, model, exact };
+        let Body::Contact(body) = &scene.body else {
+            let message = "an abstract problem has no body, mesh or contact";
+            let hint =
+                "this command needs a scene of the contact problem, without kind = \"abstract\"";
+            return Err(scene.error("scene.kind", message, hint).into());
+        };
+        let body = body.clone();
+        let model = model(&scene, &body);
+        let exact = exact(&scene, &body).map(Arc::new);
+        let setup = Self { scene, body, model, exact };
         admissible(&setup)?;
         Ok(setup)
     }
@@ -74,7 +85,7 @@ impl Setup {
     /// # Errors
     /// [`SetupError::Mesh`].
     pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
-        let domain = &self.scene.domain;
+        let domain = &self.body.domain;
         let family = match domain.mesh {
             MeshFamily::Structured => Family::Structured,
             MeshFamily::Perturbed { amplitude, seed } => Family::Perturbed { amplitude, seed },
@@ -101,12 +112,12 @@ impl Setup {
 
     /// μ of the projection, 0 without.
     pub fn projection_mu(&self) -> f64 {
-        self.scene.material.projection.as_ref().map_or(0.0, |projection| projection.mu)
+        self.body.material.projection.as_ref().map_or(0.0, |projection| projection.mu)
     }
 }
 
-fn model(scene: &Scene) -> SceneModel {
-    let material = &scene.material;
+fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
+    let material = &body.material;
     let formulas = Arc::new(scene.formulas.clone());
     let memory = material.memory.as_ref().map(|memory| MemoryTerm {
         kernel: match &memory.exponentials {
@@ -123,19 +134,18 @@ fn model(scene: &Scene) -> SceneModel {
                 limit: YieldFormula::new(&scene.formulas, projection.kappa),
             }
         });
-    let boundary = scene
-        .contact
-        .as_ref()
-        .filter(|contact| contact.gap.is_some() || contact.law.is_some())
-        .map(|contact| Boundary {
-            potential: potential(contact.law.as_ref()),
-            gap: GapFormula::new(formulas.clone(), contact.gap, f64::INFINITY).boxed(),
-            shift: GapFormula::new(formulas.clone(), contact.shift, 0.0).boxed(),
-            rule: match contact.quadrature {
-                ContactQuadrature::Vertex => BoundaryRule::Vertex,
-                ContactQuadrature::Gauss => BoundaryRule::Gauss,
+    let boundary =
+        body.contact.as_ref().filter(|contact| contact.gap.is_some() || contact.law.is_some()).map(
+            |contact| Boundary {
+                potential: potential(contact.law.as_ref()),
+                gap: GapFormula::new(formulas.clone(), contact.gap, f64::INFINITY).boxed(),
+                shift: GapFormula::new(formulas.clone(), contact.shift, 0.0).boxed(),
+                rule: match contact.quadrature {
+                    ContactQuadrature::Vertex => BoundaryRule::Vertex,
+                    ContactQuadrature::Gauss => BoundaryRule::Gauss,
+                },
             },
-        });
+        );
     Model {
         elasticity: Isotropic { lambda: material.lambda, mu: material.mu },
         memory,
@@ -158,10 +168,10 @@ fn potential(law: Option<&scene::Law>) -> Arc<dyn Potential> {
     }
 }
 
-fn exact(scene: &Scene) -> Option<Exact> {
-    let Data::Exact { u, multiplier, selection, .. } = &scene.data else { return None };
-    let material = &scene.material;
-    let contact = scene.contact.as_ref().map(|contact| ContactFormulas {
+fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
+    let Data::Exact { u, multiplier, selection, .. } = &body.data else { return None };
+    let material = &body.material;
+    let contact = body.contact.as_ref().map(|contact| ContactFormulas {
         gap: contact.gap,
         shift: contact.shift,
         law: contact.law.as_ref().map(|law| LawNumbers {
@@ -186,7 +196,7 @@ fn exact(scene: &Scene) -> Option<Exact> {
         kappa: projection.map(|projection| projection.kappa),
         contact,
         horizon: scene.time.horizon,
-        size: [scene.domain.size[0], scene.domain.size[1]],
+        size: [body.domain.size[0], body.domain.size[1]],
     }))
 }
 

@@ -87,7 +87,8 @@ fn norms(scene: &Scene, n: u32) -> Vec<Norm> {
         listed.is_some_and(|list| list.contains(&norm))
             || scene.predicts.iter().any(|p| p.norm == norm && serves(scene, p, n))
     };
-    let on_contact = scene.contact.as_ref().is_some_and(|c| c.gap.is_some() || c.law.is_some());
+    let Some(body) = scene.as_contact() else { return vec![Norm::VMax] };
+    let on_contact = body.contact.as_ref().is_some_and(|c| c.gap.is_some() || c.law.is_some());
     Norm::ALL
         .into_iter()
         .filter(|&norm| match norm {

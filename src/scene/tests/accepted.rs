@@ -19,36 +19,66 @@ fn grids_and_meshes() {
     assert_eq!(random.time.grid, TimeGrid::Random { seed: 7 });
     let mesh = "\"perturbed\", amplitude = 0.2, seed = 1";
     let perturbed = accepted(LOADED, "\"structured\"", mesh);
-    assert_eq!(perturbed.domain.mesh, MeshFamily::Perturbed { amplitude: 0.2, seed: 1 });
+    assert_eq!(
+        perturbed.as_contact().unwrap().domain.mesh,
+        MeshFamily::Perturbed { amplitude: 0.2, seed: 1 }
+    );
 }
 
 #[test]
 fn young_and_poisson_give_lame() {
     let scene = accepted(EXACT, "nu = 0.25", "nu = 0.25");
-    assert!((scene.material.lambda - 1.0).abs() < 1e-15);
-    assert!((scene.material.mu - 1.0).abs() < 1e-15);
-    let Data::Exact { form, interpolated, multiplier, .. } = scene.data else { panic!() };
+    assert!((scene.as_contact().unwrap().material.lambda - 1.0).abs() < 1e-15);
+    assert!((scene.as_contact().unwrap().material.mu - 1.0).abs() < 1e-15);
+    let Data::Exact { form, interpolated, multiplier, .. } = scene.as_contact().unwrap().data
+    else {
+        panic!()
+    };
     assert_eq!((form, interpolated, multiplier.is_some()), (LoadForm::Strong, false, true));
 }
 
 #[test]
 fn gaps_as_numbers_and_without_bound() {
     let number = accepted(LOADED, "gap = \"0.10\"", "gap = 0.25");
-    let gap = number.contact.unwrap().gap.unwrap();
+    let gap = number.as_contact().unwrap().contact.clone().unwrap().gap.unwrap();
     assert_eq!(number.formulas.value_of_constant(gap), Some(0.25));
     for free in ["gap = \"inf\"", "gap = inf", ""] {
-        assert!(accepted(LOADED, "gap = \"0.10\"", free).contact.unwrap().gap.is_none());
+        assert!(
+            accepted(LOADED, "gap = \"0.10\"", free)
+                .as_contact()
+                .unwrap()
+                .contact
+                .clone()
+                .unwrap()
+                .gap
+                .is_none()
+        );
     }
     accepted(LOADED, "gap = \"0.10\"", "gap = \"0.08 + 0.1*x*(1 - x)\"");
 }
 
 #[test]
 fn laws_with_a_jump_and_linear() {
-    let jump = accepted(LOADED, "[0.04, 0.08]", "[0.0, 0.08]").contact.unwrap().law.unwrap();
+    let jump = accepted(LOADED, "[0.04, 0.08]", "[0.0, 0.08]")
+        .as_contact()
+        .unwrap()
+        .contact
+        .clone()
+        .unwrap()
+        .law
+        .unwrap();
     assert!(jump.is_set_valued() && (jump.alpha() - 0.3).abs() < 1e-12);
     let start = LOADED.find("law = {").unwrap();
     let end = start + LOADED[start..].find('\n').unwrap();
-    let law = |text: &str| accepted(LOADED, &LOADED[start..end], text).contact.unwrap().law;
+    let law = |text: &str| {
+        accepted(LOADED, &LOADED[start..end], text)
+            .as_contact()
+            .unwrap()
+            .contact
+            .clone()
+            .unwrap()
+            .law
+    };
     let linear = law("law = { kind = \"linear\", stiffness = 3 }").unwrap();
     assert_eq!((linear.slope_before, linear.slope_after, linear.alpha()), (3.0, 3.0, 0.0));
     assert!(law("law = { kind = \"none\" }").is_none());
@@ -61,7 +91,10 @@ fn hypotheses_violated_on_purpose() {
     assert_eq!(scene.violates, [Hypothesis::ConcaveGap, Hypothesis::Smallness]);
     let root = LOADED.replace("0.05*zeta", "sqrt(zeta)");
     let scene = accepted(&root, "judge = true", "violates = [\"5.1\"]\nexpect = \"fail\"");
-    assert_eq!(scene.material.projection.unwrap().lipschitz, f64::INFINITY);
+    assert_eq!(
+        scene.as_contact().unwrap().material.projection.clone().unwrap().lipschitz,
+        f64::INFINITY
+    );
     assert_eq!(scene.expect, Expectation::Fail);
 }
 
@@ -70,7 +103,7 @@ fn loads_predictions_and_no_sweep() {
     let scene = accepted(LOADED, "variable = \"h\"", "variable = \"joint\"\norder_k = 2.0");
     assert_eq!(scene.predicts[0].variable, Direction::Joint);
     assert_eq!(scene.predicts[0].order_k, Some(2.0));
-    let Data::Loads { traction, .. } = &scene.data else { panic!() };
+    let Data::Loads { traction, .. } = &scene.as_contact().unwrap().data else { panic!() };
     assert_eq!(traction.len(), 1);
     assert_eq!(traction[0].0, Side::Left);
     let start = LOADED.find("[sweep]").unwrap();

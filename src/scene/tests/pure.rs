@@ -17,7 +17,7 @@ struct Pure {
 impl Pure {
     fn of(name: &str) -> Pure {
         let mut scene = shipped(name);
-        let Data::Exact { u, multiplier, .. } = scene.data.clone() else {
+        let Data::Exact { u, multiplier, .. } = scene.as_contact().unwrap().data.clone() else {
             panic!("{name} has no exact solution")
         };
         let graph = &mut scene.formulas;
@@ -36,7 +36,7 @@ impl Pure {
     fn stress(&self, x: f64, y: f64, t: f64) -> [f64; 2] {
         let [xx, yy, xy] = self.strain.map(|node| self.at(node, x, y, t));
         let mut stress = [3.0 * yy + xx, 2.0 * xy];
-        if self.scene.material.memory.is_some() {
+        if self.scene.as_contact().unwrap().material.memory.is_some() {
             let intervals = 40;
             let step = t / f64::from(intervals);
             for j in 0..=intervals {
@@ -53,7 +53,14 @@ impl Pure {
     }
 
     fn compliance(&self, u_normal: f64) -> f64 {
-        match self.scene.contact.as_ref().and_then(|contact| contact.law.as_ref()) {
+        match self
+            .scene
+            .as_contact()
+            .unwrap()
+            .contact
+            .as_ref()
+            .and_then(|contact| contact.law.as_ref())
+        {
             None => 0.0,
             Some(_) if u_normal <= 0.0 => 0.0,
             Some(_) if u_normal <= 0.04 => 2.0 * u_normal,

@@ -54,28 +54,37 @@ fn all_are_there_and_valid() {
 #[test]
 fn the_punch_is_the_common_benchmark() {
     let scene = shipped("punch");
-    let memory = scene.material.memory.unwrap();
-    assert_eq!((scene.material.lambda, scene.material.mu), (1.0, 1.0));
+    let memory = scene.as_contact().unwrap().material.memory.clone().unwrap();
+    assert_eq!(
+        (scene.as_contact().unwrap().material.lambda, scene.as_contact().unwrap().material.mu),
+        (1.0, 1.0)
+    );
     assert_eq!((memory.lambda, memory.mu), (0.25, 0.25));
     assert_eq!(memory.exponentials, Some(vec![(-1.0, 1.0)]));
-    let projection = scene.material.projection.unwrap();
+    let projection = scene.as_contact().unwrap().material.projection.clone().unwrap();
     assert!((projection.lipschitz - 0.05).abs() < 1e-15);
-    let contact = scene.contact.unwrap();
+    let contact = scene.as_contact().unwrap().contact.clone().unwrap();
     assert_eq!(contact.gap.and_then(|gap| scene.formulas.value_of_constant(gap)), Some(0.10));
     assert!((contact.law.unwrap().alpha() - 0.5).abs() < 1e-12);
-    let reference = scene.sweep.unwrap().reference.unwrap();
+    let reference = scene.sweep.clone().unwrap().reference.unwrap();
     assert_eq!((reference.n, reference.steps), (128, 64));
-    assert!(matches!(scene.data, Data::Loads { ref traction, .. } if traction.is_empty()));
+    assert!(
+        matches!(scene.as_contact().unwrap().data, Data::Loads { ref traction, .. } if traction.is_empty())
+    );
 }
 
 #[test]
 fn absent_terms_are_absent() {
     let linear = shipped("linear-punch");
-    let contact = linear.contact.unwrap();
-    assert!(contact.gap.is_none() && contact.law.is_none() && linear.material.projection.is_none());
-    assert!(shipped("viscoelastic").contact.is_none());
-    assert!(shipped("steady").material.memory.is_none());
-    assert!(shipped("signorini").contact.unwrap().law.is_none());
+    let contact = linear.as_contact().unwrap().contact.clone().unwrap();
+    assert!(
+        contact.gap.is_none()
+            && contact.law.is_none()
+            && linear.as_contact().unwrap().material.projection.is_none()
+    );
+    assert!(shipped("viscoelastic").as_contact().unwrap().contact.is_none());
+    assert!(shipped("steady").as_contact().unwrap().material.memory.is_none());
+    assert!(shipped("signorini").as_contact().unwrap().contact.clone().unwrap().law.is_none());
 }
 
 #[test]
