@@ -40,7 +40,8 @@
 //! | [`space`] | P1 geometry, node numbering, quadrature |
 //! | [`law`] | elasticity, projection, memory kernels, contact potentials |
 //! | [`history`] | time grids and rules, the sums Σ' over the past |
-//! | [`vhi`] | one time level of Problem 9: constraint graphs, semismooth Newton |
+//! | [`vhi`] | Problem 9 as a trait: constraint graphs, semismooth Newton, fixed point Λ, march |
+//! | [`finite`] | Problem 9 in ℝ^m, an instance of `vhi` without a mesh |
 //! | [`contact`] | Problem 14: assembly, contact trace, march in time, KKT residual |
 //! | [`formula`] | formulas: parsing, exact derivatives, blocked evaluation |
 //! | [`norms`] | errors against moments of the truth, reference runs |
@@ -55,6 +56,7 @@
 
 pub mod cli;
 pub mod contact;
+pub mod finite;
 pub mod fit;
 pub mod formula;
 pub mod history;

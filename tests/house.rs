@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gronwall::scene::{Registry, Scene};
 
 /// Each module imports only those before it.
-const ORDER: [&str; 20] = [
+const ORDER: [&str; 21] = [
     "tensor",
     "record",
     "linalg",
@@ -17,6 +17,7 @@ const ORDER: [&str; 20] = [
     "law",
     "history",
     "vhi",
+    "finite",
     "contact",
     "formula",
     "norms",

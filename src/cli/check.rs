@@ -2,10 +2,10 @@
 
 use clap::Args;
 
-use super::{CliError, Scenes, print_json, print_text};
+use super::{CliError, Scenes, abstract_problem, print_json, print_text};
 use crate::manufactured::{Finding, SideOfRectangle, Status, check};
 use crate::scene::{ContactScene, Side};
-use crate::setup::{Constants, Setup, constants};
+use crate::setup::{Constants, Setup, Subject, constants};
 
 /// `sweep check`.
 #[derive(Args)]
@@ -20,16 +20,21 @@ pub struct Check {
 
 impl Check {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let setup = scenes.setup(&self.scene)?;
+        let subject = scenes.subject(&self.scene)?;
         let mut findings = Vec::new();
-        if let Some(exact) = &setup.exact {
-            findings.extend(check(exact, &sides(&setup.body)));
+        match &subject {
+            Subject::Contact(setup) => {
+                if let Some(exact) = &setup.exact {
+                    findings.extend(check(exact, &sides(&setup.body)));
+                }
+                findings.extend(hypotheses(setup, &constants(setup)?));
+            }
+            Subject::Abstract(setup) => findings.extend(abstract_problem::findings(setup)),
         }
-        findings.extend(hypotheses(&setup, &constants(&setup)?));
         let failed = findings.iter().any(|finding| finding.status == Status::Failed);
         if self.json {
             let rows: Vec<_> = findings.iter().map(row).collect();
-            print_json(&serde_json::json!({ "scene": setup.scene.name, "findings": rows }))?;
+            print_json(&serde_json::json!({ "scene": subject.scene().name, "findings": rows }))?;
         } else {
             for finding in &findings {
                 let Finding { subject, status, text, .. } = finding;

@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::list::{terms, truth};
-use super::{CliError, Scenes, print_json, print_text};
-use crate::setup::Setup;
+use super::{CliError, Scenes, abstract_problem, print_json, print_text};
+use crate::setup::{Setup, Subject};
 use crate::sweep::{Overrides, ScenePlan};
 
 /// `sweep explain`.
@@ -22,14 +22,16 @@ pub struct Explain {
 
 impl Explain {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let plan = ScenePlan::new(scenes.setup(&self.scene)?, &Overrides::default());
-        let setup = &plan.setup;
+        let plan = ScenePlan::new(scenes.subject(&self.scene)?, &Overrides::default());
+        let Subject::Contact(setup) = &plan.subject else {
+            return abstract_problem::explain(&plan, self.json);
+        };
         let (algorithm, history) = (algorithm(setup), history(setup));
         let cases: Vec<_> = plan
             .cases
             .iter()
             .map(|case| {
-                let dofs = unknowns(setup, case.n);
+                let dofs = case.n.map_or(0, |n| unknowns(setup, n));
                 serde_json::json!({
                     "n": case.n,
                     "steps": case.steps,

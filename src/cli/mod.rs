@@ -1,5 +1,6 @@
 //! The command line: one file a command, results on stdout, progress and errors on stderr.
 
+mod abstract_problem;
 mod check;
 mod explain;
 mod fit;
@@ -15,7 +16,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::scene::{Registry, Scene, SceneError};
-use crate::setup::{Setup, SetupError};
+use crate::setup::{SetupError, Subject};
 
 /// Exit code of a command that could not judge.
 const COULD_NOT_JUDGE: u8 = 2;
@@ -110,8 +111,8 @@ struct Scenes {
 
 impl Scenes {
     /// A scene by name or path, ready to compute.
-    fn setup(&self, name: &str) -> Result<Setup, CliError> {
-        Ok(Setup::new(self.scene(name)?)?)
+    fn subject(&self, name: &str) -> Result<Subject, CliError> {
+        Ok(Subject::new(self.scene(name)?)?)
     }
 
     fn scene(&self, name: &str) -> Result<Scene, CliError> {

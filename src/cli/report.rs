@@ -49,7 +49,7 @@ impl Report {
                 records.iter().filter(|r| r.scene == scene.name).map(|r| r.key()).collect();
             verdicts.extend(judge_scene(&scene, &records, &keys));
             summaries.push(scene_summary(&scene));
-            plans.push(ScenePlan::new(crate::setup::Setup::new(scene)?, &Overrides::default()));
+            plans.push(ScenePlan::new(crate::setup::Subject::new(scene)?, &Overrides::default()));
         }
         let provenance = Provenance::new(&plans).json();
         write_all(&self.dir, &summaries, &records, &verdicts, &provenance)?;

@@ -7,7 +7,7 @@ use clap::Args;
 use super::{CliError, Scenes, print_json, print_text};
 use crate::record::CaseRecord;
 use crate::report::{SceneSummary, write_all, write_junit};
-use crate::setup::Setup;
+use crate::setup::Subject;
 use crate::sweep::{Overrides, Provenance, ScenePlan, judge_scene, run_sweep, scene_summary};
 use crate::verdict::{Verdict, exit_code, failures, render_table};
 
@@ -135,9 +135,9 @@ impl What {
         let records = run_sweep(&plans, &self.out, jobs, resume, &progress)?;
         let verdicts = plans
             .iter()
-            .flat_map(|plan| judge_scene(&plan.setup.scene, &records, &plan.keys()))
+            .flat_map(|plan| judge_scene(plan.scene(), &records, &plan.keys()))
             .collect();
-        let summaries = plans.iter().map(|plan| scene_summary(&plan.setup.scene)).collect();
+        let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
         Ok(Swept { records, verdicts, summaries, provenance: Provenance::new(&plans).json() })
     }
 
@@ -151,8 +151,8 @@ impl What {
             }
             let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
             scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
-            let plan = ScenePlan::new(Setup::new(scene)?, &overrides);
-            let scene = &plan.setup.scene;
+            let plan = ScenePlan::new(Subject::new(scene)?, &overrides);
+            let scene = plan.scene();
             if plan.cases.is_empty() {
                 let hint = "add [sweep] with n and steps, or give --n and --steps";
                 return Err(scene.error("scene.name", "the scene has no case to run", hint).into());

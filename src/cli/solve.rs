@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::{CliError, Scenes, print_json, print_text};
+use super::{CliError, Scenes, abstract_problem, print_json, print_text};
 use crate::contact::{CaseInfo, march};
-use crate::setup::{MeshData, TruthLoad};
+use crate::setup::{MeshData, Setup, Subject, TruthLoad};
 use crate::solution::{FinalState, VtuSeries};
 use crate::vhi::Newton;
 
@@ -19,9 +19,9 @@ use crate::vhi::Newton;
 pub struct Solve {
     /// Name of a scene, or path of a TOML file
     scene: String,
-    /// Cells per unit length, h = 1/n
+    /// Cells per unit length, h = 1/n; abstract scenes have none
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
-    n: u32,
+    n: Option<u32>,
     /// Number N of time steps, k = T/N
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     steps: u32,
@@ -36,10 +36,26 @@ pub struct Solve {
 impl Solve {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        scene.check_cells(self.n)?;
-        let setup = crate::setup::Setup::new(scene)?;
+        match (Subject::new(scene)?, self.n) {
+            (Subject::Contact(setup), Some(n)) => self.contact(&setup, n),
+            (Subject::Abstract(setup), None) => {
+                abstract_problem::solve(&setup, self.steps, self.json)
+            }
+            (Subject::Contact(setup), None) => {
+                let hint = "give --n, the number of mesh cells per unit length";
+                Err(setup.scene.error("sweep.n", "a body needs a mesh", hint).into())
+            }
+            (Subject::Abstract(setup), Some(n)) => {
+                let message = format!("an abstract problem has no mesh, so no n = {n}");
+                Err(setup.scene.error("scene.kind", message, "leave --n away").into())
+            }
+        }
+    }
+
+    fn contact(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
+        setup.scene.check_cells(n)?;
         let start = Instant::now();
-        let data = MeshData::new(&setup, self.n, None)?;
+        let data = MeshData::new(setup, n, None)?;
         let mut series = match &self.vtu {
             Some(dir) => Some(VtuSeries::new(dir, &setup.scene.name).map_err(other)?),
             None => None,
@@ -65,7 +81,7 @@ impl Solve {
             },
         )
         .map_err(|error| {
-            other(format!("{} n = {} steps = {}: {error}", setup.scene.name, self.n, self.steps))
+            other(format!("{} n = {} steps = {}: {error}", setup.scene.name, n, self.steps))
         })?;
         let seconds = start.elapsed().as_secs_f64();
         if let Some(error) = write_error {

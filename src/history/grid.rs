@@ -91,6 +91,11 @@ pub trait TimeRule: Send + Sync {
         }
     }
 
+    /// The weights of v(t_0), …, v(t_n) in the same integral.
+    fn kernel_row(&self, kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize) -> Vec<f64> {
+        (0..=n).map(|j| self.kernel_weight(kernel, grid, n, j)).collect()
+    }
+
     /// True if the weights are those of [`Trapezoid`], so that recursions may replace sums.
     fn is_trapezoidal(&self) -> bool {
         false
@@ -106,6 +111,15 @@ impl TimeRule for Trapezoid {
         let before = if j > 0 { grid.step(j) } else { 0.0 };
         let after = if j < n { grid.step(j + 1) } else { 0.0 };
         0.5 * (before + after)
+    }
+
+    fn kernel_row(&self, kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize) -> Vec<f64> {
+        let mut row = kernel.row(grid.time(n), &grid.times()[..=n]);
+        for (j, value) in row.iter_mut().enumerate() {
+            let weight = self.weight(grid, n, j);
+            *value = if weight == 0.0 { 0.0 } else { weight * *value };
+        }
+        row
     }
 
     fn is_trapezoidal(&self) -> bool {

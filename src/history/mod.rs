@@ -3,7 +3,9 @@
 mod accumulated;
 mod grid;
 mod memory;
+mod rules;
 
 pub use accumulated::Accumulated;
 pub use grid::{TimeGrid, TimeRule, Trapezoid};
 pub use memory::Memory;
+pub use rules::{CorrectedEnd, ProductIntegration};

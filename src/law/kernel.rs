@@ -4,6 +4,11 @@
 pub trait HistoryKernel {
     /// q(t, s).
     fn at(&self, t: f64, s: f64) -> f64;
+
+    /// q(t, s_j) for several s_j.
+    fn row(&self, t: f64, s: &[f64]) -> Vec<f64> {
+        s.iter().map(|&s| self.at(t, s)).collect()
+    }
 }
 
 /// q(t, s) = b(t - s).

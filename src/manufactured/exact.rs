@@ -167,7 +167,8 @@ pub struct BoundaryFormulas {
     pub gap: Node,
 }
 
-fn normal_component(graph: &mut Graph, u: &[Node], normal: &[f64]) -> Node {
+/// a·u.
+pub(super) fn normal_component(graph: &mut Graph, u: &[Node], normal: &[f64]) -> Node {
     let mut sum = graph.constant(0.0);
     for (&component, &weight) in u.iter().zip(normal) {
         let weight = graph.constant(weight);
@@ -178,7 +179,7 @@ fn normal_component(graph: &mut Graph, u: &[Node], normal: &[f64]) -> Node {
 }
 
 /// p(r) as nested choices between its linear pieces.
-fn law_formula(graph: &mut Graph, law: &LawNumbers, r: Node) -> Node {
+pub(super) fn law_formula(graph: &mut Graph, law: &LawNumbers, r: Node) -> Node {
     let line = |graph: &mut Graph, at: [f64; 2], slope: f64| {
         let (place, value, slope) =
             (graph.constant(at[0]), graph.constant(at[1]), graph.constant(slope));

@@ -6,7 +6,9 @@
 mod accumulated;
 mod check;
 pub mod constitutive;
+mod double_exponential;
 mod exact;
+mod finite_exact;
 mod interpolated;
 mod on_mesh;
 mod reduction;
@@ -20,6 +22,7 @@ pub use check::{Finding, SideOfRectangle, Status, check};
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };
+pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;
 pub use truth::Truth;

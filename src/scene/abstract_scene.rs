@@ -118,9 +118,8 @@ impl AbstractScene {
         }
         let force = match &file.phi {
             Some(phi) => {
-                let mut scope = reading.scope(&[]);
+                let mut scope = reading.scope(&[Variable::Y]);
                 scope.define("r", reading.formulas.variable(Variable::X));
-                scope.define("y", reading.formulas.variable(Variable::Y));
                 Some(reading.vector("phi.force", &phi.force, m, &scope)?)
             }
             None => None,

@@ -49,7 +49,7 @@ pub use registry::Registry;
 pub use source::Source;
 pub use spans::Spans;
 pub use sweep::{Reference, Sweep};
-pub use time::{Time, TimeGrid};
+pub use time::{Time, TimeGrid, TimeRule};
 pub use validated::{Body, ContactScene, Scene};
 
 #[cfg(test)]

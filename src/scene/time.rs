@@ -21,6 +21,54 @@ pub struct Time {
     /// T > 0.
     pub horizon: f64,
     pub grid: TimeGrid,
+    pub rule: TimeRule,
+}
+
+/// How ∫ q(t, s) v(s) ds is approximated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum TimeRule {
+    /// The trapezoidal rule of the paper.
+    Trapezoid,
+    /// The same with a corrected weight at s = t for kernels like (t - s)^exponent.
+    CorrectedEnd { exponent: f64 },
+    /// v interpolated linearly, the kernel integrated exactly.
+    ProductIntegration,
+}
+
+#[derive(Clone, Copy)]
+enum RuleKind {
+    Trapezoid,
+    CorrectedEnd,
+    ProductIntegration,
+}
+
+impl TimeRule {
+    fn validate(reading: &Reading, written: &written::Rule) -> Result<TimeRule, SceneError> {
+        let known = [
+            ("trapezoid", RuleKind::Trapezoid),
+            ("corrected-end", RuleKind::CorrectedEnd),
+            ("product-integration", RuleKind::ProductIntegration),
+        ];
+        let kind = reading.choice("time.rule.kind", &written.kind, &known)?;
+        if !matches!(kind, RuleKind::CorrectedEnd) {
+            reading.surplus("time.rule.exponent", written.exponent.as_ref(), &written.kind)?;
+        }
+        Ok(match kind {
+            RuleKind::Trapezoid => TimeRule::Trapezoid,
+            RuleKind::ProductIntegration => TimeRule::ProductIntegration,
+            RuleKind::CorrectedEnd => {
+                let key = "time.rule.exponent";
+                let line = "exponent = 0.5";
+                let exponent = reading.needed(key, written.exponent, &written.kind, line)?;
+                if !(exponent > 0.0 && exponent < 1.0) {
+                    let message = format!("exponent = {exponent} is not between 0 and 1");
+                    let hint = "the correction is for kernels (t - s)^a with 0 < a < 1";
+                    return Err(reading.error(key, message, hint));
+                }
+                TimeRule::CorrectedEnd { exponent }
+            }
+        })
+    }
 }
 
 /// The kinds of grid, before their numbers are known.
@@ -38,7 +86,11 @@ impl Time {
             Some(grid) => TimeGrid::validate(reading, grid)?,
             None => TimeGrid::Uniform,
         };
-        Ok(Time { horizon, grid })
+        let rule = match &written.rule {
+            Some(rule) => TimeRule::validate(reading, rule)?,
+            None => TimeRule::Trapezoid,
+        };
+        Ok(Time { horizon, grid, rule })
     }
 }
 

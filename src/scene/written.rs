@@ -105,6 +105,15 @@ pub struct Mesh {
 pub struct Time {
     pub horizon: f64,
     pub grid: Option<Grid>,
+    pub rule: Option<Rule>,
+}
+
+/// `rule = { kind = "corrected-end", exponent = 0.5 }`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rule {
+    pub kind: String,
+    pub exponent: Option<f64>,
 }
 
 /// `grid = { kind = "graded", exponent = 2.0 }`

@@ -1,21 +1,27 @@
 //! A validated scene made computable: the model with its laws, the spaces, the truth.
 
+mod abstract_constants;
+mod abstract_setup;
 mod admissible;
 mod constants;
 mod formulas;
 mod given_load;
 mod mesh_data;
+mod subject;
 
 use std::sync::Arc;
 
+pub use abstract_constants::AbstractConstants;
+pub use abstract_setup::{AbstractLoad, AbstractSetup};
 pub use admissible::admissible;
 pub use constants::{Constants, constants, trace_constant};
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
+pub use subject::Subject;
 
 use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
-use crate::history::{TimeGrid, Trapezoid};
+use crate::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use crate::law::{
     ExponentialSum, Isotropic, MemoryKernel, NoPotential, PiecewiseLinear, Potential, VonMises,
 };
@@ -102,17 +108,30 @@ impl Setup {
 
     /// The grid with the given number of steps.
     pub fn grid(&self, steps: u32) -> TimeGrid {
-        let time = self.scene.time;
-        match time.grid {
-            scene::TimeGrid::Uniform => TimeGrid::uniform(time.horizon, steps),
-            scene::TimeGrid::Graded { exponent } => TimeGrid::graded(time.horizon, steps, exponent),
-            scene::TimeGrid::Random { seed } => TimeGrid::random(time.horizon, steps, seed),
-        }
+        time_grid(&self.scene.time, steps)
     }
 
     /// μ of the projection, 0 without.
     pub fn projection_mu(&self) -> f64 {
         self.body.material.projection.as_ref().map_or(0.0, |projection| projection.mu)
+    }
+}
+
+/// The grid of a scene with the given number of steps.
+fn time_grid(time: &scene::Time, steps: u32) -> TimeGrid {
+    match time.grid {
+        scene::TimeGrid::Uniform => TimeGrid::uniform(time.horizon, steps),
+        scene::TimeGrid::Graded { exponent } => TimeGrid::graded(time.horizon, steps, exponent),
+        scene::TimeGrid::Random { seed } => TimeGrid::random(time.horizon, steps, seed),
+    }
+}
+
+/// The rule of a scene.
+fn time_rule(time: &scene::Time) -> Box<dyn TimeRule> {
+    match time.rule {
+        scene::TimeRule::Trapezoid => Box::new(Trapezoid),
+        scene::TimeRule::CorrectedEnd { exponent } => Box::new(CorrectedEnd { exponent }),
+        scene::TimeRule::ProductIntegration => Box::new(ProductIntegration),
     }
 }
 
@@ -151,7 +170,7 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
         memory,
         projection,
         boundary,
-        time_rule: Box::new(Trapezoid),
+        time_rule: time_rule(&scene.time),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::setup::{MeshData, Setup, TruthLoad};
 use crate::vhi::Newton;
 
 /// Runs a case; a failure is recorded with its reason, and never carries an error.
-pub fn run_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
+pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
     let start = Instant::now();
     let mut maxima = Maxima::new(case);
     let outcome = measure(setup, data, case, &mut maxima);
@@ -24,7 +24,7 @@ pub fn run_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
     CaseRecord {
         scene: setup.scene.name.clone(),
         dimension: setup.scene.dimension as u32,
-        n: Some(case.n),
+        n: case.n,
         steps: case.steps,
         h: Some(data.space.mesh.h()),
         k: grid.largest_step(),

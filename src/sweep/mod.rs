@@ -1,5 +1,6 @@
 //! Refinement sweeps: which cases, in which order, on how many threads, and what is kept.
 
+mod abstract_case;
 mod case;
 mod judging;
 mod plan;
@@ -7,7 +8,8 @@ mod provenance;
 mod resume;
 mod run;
 
-pub use case::run_case;
+pub use abstract_case::run_abstract_case;
+pub use case::run_contact_case;
 pub use judging::{judge_scene, scene_summary};
 pub use plan::{CasePlan, Overrides, ScenePlan};
 pub use provenance::Provenance;

@@ -2,7 +2,7 @@
 
 use crate::record::Key;
 use crate::scene::{Norm, Prediction, Reference, Scene};
-use crate::setup::Setup;
+use crate::setup::Subject;
 
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default)]
@@ -16,8 +16,8 @@ pub struct Overrides {
 /// One case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CasePlan {
-    /// Cells a unit length.
-    pub n: u32,
+    /// Cells a unit length; none in an abstract scene.
+    pub n: Option<u32>,
     /// Number of steps N.
     pub steps: u32,
     /// What is measured.
@@ -27,7 +27,7 @@ pub struct CasePlan {
 /// The cases of one scene.
 pub struct ScenePlan {
     /// The scene with its model.
-    pub setup: Setup,
+    pub subject: Subject,
     /// The cases, by n and steps.
     pub cases: Vec<CasePlan>,
     /// The finer run that is the truth, if the scene has no exact solution.
@@ -39,29 +39,38 @@ pub const TIME_REFERENCE: u32 = 8;
 
 impl ScenePlan {
     /// The plan of a scene, with the grids of `overrides` where given.
-    pub fn new(setup: Setup, overrides: &Overrides) -> Self {
-        let scene = &setup.scene;
+    pub fn new(subject: Subject, overrides: &Overrides) -> Self {
+        let scene = subject.scene();
         let listed = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<_>>();
         let sweep = scene.sweep.as_ref();
         let own_n = sweep.map_or(Vec::new(), |sweep| listed(&sweep.n));
         let own_steps = sweep.map_or(Vec::new(), |sweep| listed(&sweep.steps));
         let ns = overrides.n.clone().unwrap_or(own_n);
         let steps = overrides.steps.clone().unwrap_or(own_steps);
+        let ns: Vec<Option<u32>> = match scene.as_contact() {
+            Some(_) => ns.into_iter().map(Some).collect(),
+            None => vec![None],
+        };
         let cases = ns
             .iter()
             .flat_map(|&n| steps.iter().map(move |&steps| (n, steps)))
             .map(|(n, steps)| CasePlan { n, steps, norms: norms(scene, n) })
             .collect();
         let reference = sweep.and_then(|sweep| sweep.reference);
-        Self { cases, reference: reference.filter(|_| setup.exact.is_none()), setup }
+        Self { cases, reference: reference.filter(|_| !subject.has_exact()), subject }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        self.subject.scene()
     }
 
     /// The keys of all cases.
     pub fn keys(&self) -> Vec<Key> {
-        let scene = &self.setup.scene.name;
+        let scene = &self.scene().name;
         self.cases
             .iter()
-            .map(|case| Key { scene: scene.clone(), n: Some(case.n), steps: case.steps })
+            .map(|case| Key { scene: scene.clone(), n: case.n, steps: case.steps })
             .collect()
     }
 
@@ -81,7 +90,7 @@ fn lowest_common_multiple(a: u32, b: u32) -> u32 {
 
 /// The norms of a case on mesh n: all that cost next to nothing, and those of the scene's list or
 /// predictions (the time error costs further runs, so it is measured inside its window only).
-fn norms(scene: &Scene, n: u32) -> Vec<Norm> {
+fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
     let listed = scene.sweep.as_ref().and_then(|sweep| sweep.norms.as_ref());
     let asked = |norm: Norm| {
         listed.is_some_and(|list| list.contains(&norm))
@@ -100,7 +109,7 @@ fn norms(scene: &Scene, n: u32) -> Vec<Norm> {
 }
 
 /// Whether a prediction uses the mesh n.
-fn serves(scene: &Scene, prediction: &Prediction, n: u32) -> bool {
+fn serves(scene: &Scene, prediction: &Prediction, n: Option<u32>) -> bool {
     let window = prediction.window_n.or(scene.window_n);
-    window.is_none_or(|[first, last]| (first..=last).contains(&(n as usize)))
+    window.zip(n).is_none_or(|([first, last], n)| (first..=last).contains(&(n as usize)))
 }

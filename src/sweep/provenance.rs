@@ -31,7 +31,7 @@ impl Provenance {
             scenes: plans
                 .iter()
                 .map(|plan| {
-                    let scene = &plan.setup.scene;
+                    let scene = plan.scene();
                     (scene.name.clone(), scene.source.hash.clone())
                 })
                 .collect(),

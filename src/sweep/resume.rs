@@ -45,8 +45,8 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Vec<CaseRecord>, Resume
         }
     }
     let case_of = |record: &CaseRecord| {
-        let plan = plans.iter().find(|plan| plan.setup.scene.name == record.scene)?;
-        plan.cases.iter().find(|case| Some(case.n) == record.n && case.steps == record.steps)
+        let plan = plans.iter().find(|plan| plan.scene().name == record.scene)?;
+        plan.cases.iter().find(|case| case.n == record.n && case.steps == record.steps)
     };
     let mut complete = Vec::new();
     for record in read(&path)? {

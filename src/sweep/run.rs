@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use super::{Provenance, ResumeError, resume, run_case};
+use super::{Provenance, ResumeError, resume, run_abstract_case, run_contact_case};
 use crate::norms::ReferenceRun;
 use crate::record::{CaseRecord, Journal, RecordError, Status};
 use crate::scene::Norm;
-use crate::setup::{MeshData, reference_run};
+use crate::setup::{MeshData, Setup, Subject, reference_run};
 
 /// Why a sweep ended without records.
 #[derive(Debug, thiserror::Error)]
@@ -136,7 +136,7 @@ impl Sweep<'_> {
             let open: Vec<usize> = (0..plan.cases.len())
                 .filter(|&c| !records.iter().any(|record| is_case(plan, &plan.cases[c], record)))
                 .collect();
-            if plan.setup.exact.is_some() {
+            if plan.subject.has_exact() {
                 first.extend(open.into_iter().map(|c| Job::Case(s, c)));
             } else if !open.is_empty() {
                 first.push(Job::Reference(s));
@@ -160,7 +160,8 @@ impl Sweep<'_> {
                 let case = &self.shared[s].plan.cases[c];
                 let timed = case.norms.contains(&Norm::VTimeMax);
                 let factor = if timed { 1 + TIME_REFERENCE } else { 1 };
-                run(case.n, case.steps * factor)
+                // An abstract case costs its direct history, next to nothing beside a mesh.
+                case.n.map_or(0.0, |n| run(n, case.steps * factor))
             }
         }
     }
@@ -168,16 +169,21 @@ impl Sweep<'_> {
     fn execute(&self, job: &Job) {
         match *job {
             Job::Reference(s) => {
-                let what = format!("{} reference", self.shared[s].plan.setup.scene.name);
+                let what = format!("{} reference", self.shared[s].plan.scene().name);
                 self.progress.started(&what);
-                let _ = self.shared[s].reference();
+                if let Subject::Contact(setup) = &self.shared[s].plan.subject {
+                    let _ = self.shared[s].reference(setup);
+                }
                 self.progress.finished(&what, None);
             }
             Job::Case(s, c) => {
                 let shared = &self.shared[s];
                 let case = &shared.plan.cases[c];
-                let name = &shared.plan.setup.scene.name;
-                let what = format!("{name} n={} N={}", case.n, case.steps);
+                let name = &shared.plan.scene().name;
+                let what = match case.n {
+                    Some(n) => format!("{name} n={n} N={}", case.steps),
+                    None => format!("{name} N={}", case.steps),
+                };
                 self.progress.started(&what);
                 let record = shared.case(case);
                 self.progress.finished(&what, Some(&record));
@@ -197,43 +203,45 @@ impl Sweep<'_> {
 
 impl<'a> Shared<'a> {
     fn new(plan: &'a ScenePlan) -> Self {
-        let mut ns: Vec<u32> = plan.cases.iter().map(|case| case.n).collect();
+        let mut ns: Vec<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
         ns.sort_unstable();
         ns.dedup();
         let meshes = ns.into_iter().map(|n| (n, OnceLock::new())).collect();
         Self { plan, reference: OnceLock::new(), meshes }
     }
 
-    fn reference(&self) -> &Result<Arc<ReferenceRun>, String> {
+    fn reference(&self, setup: &Setup) -> &Result<Arc<ReferenceRun>, String> {
         self.reference.get_or_init(|| {
             let Some(reference) = self.plan.reference else {
                 return Err("the scene has neither an exact solution nor a reference".into());
             };
             let (n, steps) = (reference.n as u32, reference.steps as u32);
             let every = (steps / self.plan.kept_steps()).max(1);
-            reference_run(&self.plan.setup, n, steps, every)
-                .map(Arc::new)
-                .map_err(|error| error.to_string())
+            reference_run(setup, n, steps, every).map(Arc::new).map_err(|error| error.to_string())
         })
     }
 
-    fn mesh(&self, n: u32) -> Result<&MeshData, String> {
+    fn mesh(&self, setup: &Setup, n: u32) -> Result<&MeshData, String> {
         let Some((_, cell)) = self.meshes.iter().find(|(own, _)| *own == n) else {
             return Err(format!("no mesh n = {n} in the plan"));
         };
         let data = cell.get_or_init(|| {
-            let reference = match self.plan.setup.exact {
+            let reference = match setup.exact {
                 Some(_) => None,
-                None => Some(self.reference().clone()?),
+                None => Some(self.reference(setup).clone()?),
             };
-            MeshData::new(&self.plan.setup, n, reference).map_err(|error| error.to_string())
+            MeshData::new(setup, n, reference).map_err(|error| error.to_string())
         });
         data.as_ref().map_err(Clone::clone)
     }
 
     fn case(&self, case: &CasePlan) -> CaseRecord {
-        let outcome = catch_unwind(AssertUnwindSafe(|| {
-            self.mesh(case.n).map(|data| run_case(&self.plan.setup, data, case))
+        let outcome = catch_unwind(AssertUnwindSafe(|| match (&self.plan.subject, case.n) {
+            (Subject::Contact(setup), Some(n)) => {
+                self.mesh(setup, n).map(|data| run_contact_case(setup, data, case))
+            }
+            (Subject::Contact(_), None) => Err("a body needs a mesh: no n".into()),
+            (Subject::Abstract(setup), _) => Ok(run_abstract_case(setup, case)),
         }));
         match outcome {
             Ok(Ok(record)) => record,
@@ -251,14 +259,14 @@ impl<'a> Shared<'a> {
 
     /// The record of a case that could not even start.
     fn failed(&self, case: &CasePlan, reason: String) -> CaseRecord {
-        let scene = &self.plan.setup.scene;
+        let scene = self.plan.scene();
         CaseRecord {
             scene: scene.name.clone(),
             dimension: scene.dimension as u32,
-            n: Some(case.n),
+            n: case.n,
             steps: case.steps,
-            h: Some(1.0 / f64::from(case.n)),
-            k: self.plan.setup.grid(case.steps).largest_step(),
+            h: case.n.map(|n| 1.0 / f64::from(n)),
+            k: self.plan.subject.grid(case.steps).largest_step(),
             dofs: 0,
             elements: 0,
             status: Status::Failed { reason },
@@ -285,5 +293,5 @@ impl<'a> Shared<'a> {
 }
 
 fn is_case(plan: &ScenePlan, case: &CasePlan, record: &CaseRecord) -> bool {
-    record.scene == plan.setup.scene.name && record.n == Some(case.n) && record.steps == case.steps
+    record.scene == plan.scene().name && record.n == case.n && record.steps == case.steps
 }

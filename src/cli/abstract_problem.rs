@@ -1,0 +1,115 @@
+//! What `check`, `explain` and `solve` say of an abstract scene.
+
+use std::time::Instant;
+
+use nalgebra::DVector;
+
+use super::list::terms;
+use super::{CliError, print_json, print_text};
+use crate::finite::march;
+use crate::manufactured::{Finding, Status};
+use crate::setup::{AbstractLoad, AbstractSetup};
+use crate::sweep::ScenePlan;
+use crate::vhi::Newton;
+
+/// The hypotheses of the abstract theory with their constants.
+pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
+    let c = &setup.constants;
+    let fact = |subject: &str, value: f64, how: &str| {
+        Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
+    };
+    let sampled = if setup.model.nonlinear.is_empty() { "computed" } else { "slopes sampled" };
+    let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
+    let mut findings = vec![
+        fact("m_A", c.m_a, &format!("{sampled}: smallest eigenvalue of the symmetric part in X")),
+        fact("L_A", c.l_a, &format!("{sampled}: norm X -> X*")),
+        fact("alpha_phi", c.alpha_phi, "slopes of N in r, sampled"),
+        fact("beta_phi", c.beta_phi, "slopes of N in y, sampled; 1 where N = y"),
+        fact("alpha_j", c.alpha_j, "proved: steepest descent of the laws"),
+        fact("c_j^2", c.c_j_squared, "computed: largest eigenvalue of the functionals in X"),
+        Finding::new("m0 > 0 (2.9)", status, c.m0, format!("m0 = {:.6}", c.m0)),
+        fact("|R|", c.r_norm, "computed: norm on X*"),
+        fact("|q|", c.q_norm, "sampled over 0 <= s <= t <= T: norm X -> X*"),
+    ];
+    findings.push(fact("step bound (3.4)", c.step_bound, "k below this: one solution a step"));
+    let sharpened = c.sharpened_step_bound;
+    findings.push(fact("sharpened step bound", sharpened, "half weight of the last slot"));
+    findings
+}
+
+/// The plan of an abstract scene.
+pub fn explain(plan: &ScenePlan, json: bool) -> Result<u8, CliError> {
+    let scene = plan.scene();
+    let algorithm = "semismooth Newton with active set, dense LU";
+    let history = "direct sum, O(n) at step n";
+    let cases: Vec<_> = plan
+        .cases
+        .iter()
+        .map(|case| {
+            serde_json::json!({
+                "n": null,
+                "steps": case.steps,
+                "dofs": scene.dimension,
+                "history_bytes": (case.steps as usize + 1) * scene.dimension * size_of::<f64>(),
+                "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    if json {
+        print_json(&serde_json::json!({
+            "scene": scene.name,
+            "terms": terms(scene),
+            "truth": "exact solution",
+            "algorithm": algorithm,
+            "history": history,
+            "cases": cases,
+        }))?;
+        return Ok(0);
+    }
+    print_text(&format!("{}: {}", scene.name, scene.question));
+    print_text(&format!("terms      {}", terms(scene).join(", ")));
+    print_text(&format!("algorithm  {algorithm}"));
+    print_text(&format!("history    {history}"));
+    for case in &cases {
+        let (steps, bytes) = (&case["steps"], &case["history_bytes"]);
+        print_text(&format!("case       N = {steps}: {bytes} bytes of history"));
+    }
+    Ok(0)
+}
+
+/// One case: u and its history at t = T, the largest error over the steps.
+pub fn solve(setup: &AbstractSetup, steps: u32, json: bool) -> Result<u8, CliError> {
+    let start = Instant::now();
+    let (mut last, mut largest) = (None, 0f64);
+    let mut observe = |view: &crate::finite::FiniteView<'_>| {
+        let exact = DVector::from_column_slice(&setup.state(view.t).u);
+        let error = setup.model.norm(&(exact - view.u));
+        largest = if error.is_nan() { error } else { largest.max(error) };
+        last = Some((view.u.clone(), view.history.clone(), view.pressure.to_vec()));
+    };
+    let load = &mut AbstractLoad(setup);
+    let info = march(&setup.model, &setup.grid(steps), load, &Newton::default(), &mut observe)
+        .map_err(|e| CliError::Other(format!("{} steps = {steps}: {e}", setup.scene.name)))?;
+    let Some((u, history, pressure)) = last else {
+        return Err(CliError::Other("the run ended before its last step".into()));
+    };
+    let document = serde_json::json!({
+        "u": u.as_slice(),
+        "history": history.as_slice(),
+        "pressure": pressure,
+        "norm": setup.model.norm(&u),
+        "V_max": largest,
+        "newton_iterations": info.newton_iterations,
+        "kkt_residual": info.kkt_residual,
+        "seconds": start.elapsed().as_secs_f64(),
+        "dofs": setup.scene.dimension,
+    });
+    if json {
+        print_json(&document)?;
+    } else if let Some(object) = document.as_object() {
+        for (key, value) in object {
+            print_text(&format!("{key:<24} {value}"));
+        }
+    }
+    Ok(0)
+}

@@ -1,0 +1,143 @@
+//! The data of Problem 1 in ℝ^m.
+
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::history::TimeRule;
+use crate::law::{HistoryKernel, Potential};
+
+/// A function of y = (Su)_i and r = u_i.
+pub trait ComponentLaw: Send + Sync {
+    /// Its value.
+    fn value(&self, y: f64, r: f64) -> f64;
+    /// Its derivative in y.
+    fn by_y(&self, y: f64, r: f64) -> f64;
+    /// Its derivative in r.
+    fn by_r(&self, y: f64, r: f64) -> f64;
+}
+
+/// One term q(t, s) Q of the history.
+pub struct FiniteKernel {
+    /// q.
+    pub kernel: Box<dyn HistoryKernel + Send + Sync>,
+    /// Q.
+    pub matrix: DMatrix<f64>,
+}
+
+/// γ_i: u ↦ a_i·u with its part of j and K.
+pub struct Functional {
+    /// a_i; all of them linearly independent.
+    pub a: DVector<f64>,
+    /// w_i, the weight of j_i.
+    pub weight: f64,
+    /// ∂j_i.
+    pub potential: Arc<dyn Potential>,
+    /// a_i·u ≤ upper, ∞ without.
+    pub upper: f64,
+    /// a_i·u ≥ lower, -∞ without.
+    pub lower: f64,
+}
+
+/// Problem 1 in ℝ^m. Forces are vectors of ℝ^m too: ⟨f, v⟩ = f·v.
+///
+/// ```text
+/// ⟨A u, v⟩ = (M u + g(u))·v,  S_n u = R(Σ_l Σ_j W^l_nj Q_l u_j + a_S),  φ(y, u, v) = N(y, u)·v,
+/// j(γu) = Σ_i w_i j_i(a_i·u),  K = {lower_i ≤ a_i·u ≤ upper_i}
+/// ```
+///
+/// g and N act component by component; without them A is linear and N(y, u) = y.
+pub struct FiniteModel {
+    /// Gram matrix of X.
+    pub inner_product: DMatrix<f64>,
+    /// M.
+    pub matrix: DMatrix<f64>,
+    /// g_i(r), one a component; empty where A is linear.
+    pub nonlinear: Vec<Box<dyn ComponentLaw>>,
+    /// Terms of the history; empty where there is none.
+    pub kernels: Vec<FiniteKernel>,
+    /// R.
+    pub r: DMatrix<f64>,
+    /// a_S.
+    pub a_s: DVector<f64>,
+    /// N_i(y, r), one a component; empty where N(y, u) = y.
+    pub force: Vec<Box<dyn ComponentLaw>>,
+    /// The functionals.
+    pub functionals: Vec<Functional>,
+    /// Quadrature in time.
+    pub time_rule: Box<dyn TimeRule>,
+}
+
+impl FiniteModel {
+    /// m.
+    pub fn dimension(&self) -> usize {
+        self.matrix.nrows()
+    }
+
+    /// ‖v‖_X.
+    pub fn norm(&self, v: &DVector<f64>) -> f64 {
+        v.dot(&(&self.inner_product * v)).max(0.0).sqrt()
+    }
+
+    /// N(y, u).
+    pub fn force_of(&self, y: &DVector<f64>, u: &DVector<f64>) -> DVector<f64> {
+        if self.force.is_empty() {
+            return y.clone();
+        }
+        DVector::from_fn(u.len(), |i, _| self.force[i].value(y[i], u[i]))
+    }
+
+    /// A u.
+    pub fn operator(&self, u: &DVector<f64>) -> DVector<f64> {
+        let mut out = &self.matrix * u;
+        for (i, g) in self.nonlinear.iter().enumerate() {
+            out[i] += g.value(0.0, u[i]);
+        }
+        out
+    }
+
+    /// Coordinates in which the functionals are the first ones: C with a_i·(C w) = w_i, the rest
+    /// orthonormal. The identity up to order where the functionals are unit vectors. `None` if the
+    /// functionals are linearly dependent.
+    pub fn coordinates(&self) -> Option<DMatrix<f64>> {
+        let (m, p) = (self.dimension(), self.functionals.len());
+        let mut rows = DMatrix::zeros(m, m);
+        for (i, functional) in self.functionals.iter().enumerate() {
+            rows.set_row(i, &functional.a.transpose());
+        }
+        // Complete by the unit vectors that lie farthest from the span of the rows so far.
+        let mut basis: Vec<DVector<f64>> = Vec::new();
+        let residue = |basis: &[DVector<f64>], v: &DVector<f64>| {
+            // Twice: the second pass removes what rounding left of the first.
+            let once = |v: DVector<f64>| {
+                basis.iter().fold(v, |v, b| {
+                    let along = b.dot(&v);
+                    v - b * along
+                })
+            };
+            once(once(v.clone()))
+        };
+        for i in 0..p {
+            let row = self.functionals[i].a.clone();
+            let rest = residue(&basis, &row);
+            if rest.norm() <= INDEPENDENT * row.norm() {
+                return None;
+            }
+            basis.push(rest.normalize());
+        }
+        for i in p..m {
+            let candidates = (0..m).map(|e| {
+                let unit = DVector::from_fn(m, |row, _| f64::from(u8::from(row == e)));
+                residue(&basis, &unit)
+            });
+            let rest = candidates.max_by(|a, b| a.norm().total_cmp(&b.norm()))?.normalize();
+            rows.set_row(i, &rest.transpose());
+            basis.push(rest);
+        }
+        rows.try_inverse()
+    }
+}
+
+/// A functional closer to the span of the others than this, relatively, loses 8 digits in the change
+/// of coordinates: it is refused as dependent.
+const INDEPENDENT: f64 = 1e-8;
