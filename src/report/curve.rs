@@ -1,16 +1,14 @@
 //! The points of one norm in one direction, with what a verdict says of them.
 
 use super::SceneSummary;
+use super::slope::Slope;
 use crate::fit::{Direction, Point};
 use crate::record::{CaseRecord, V_TIME_MAX, norm_rank};
-use crate::verdict::{Variable, Verdict, line_points};
+use crate::verdict::{Variable, Verdict, cell_texts, line_points};
 
 /// A floor is drawn if it is within three decades of the smallest error: further down it
 /// would only flatten the picture.
 const FLOOR_RANGE: f64 = 1e-3;
-
-/// Distance of the slope triangle below its curve, as a factor.
-const TRIANGLE_BELOW: f64 = 0.55;
 
 /// One norm in the picture: abscissa and error.
 pub(super) struct Curve<'a> {
@@ -109,16 +107,10 @@ impl Curve<'_> {
         if visible { &self.floor } else { &[] }
     }
 
-    /// Corners of the triangle of the predicted order below the two finest points that serve:
-    /// finer end, corner, and coarser end, with the slope in between.
-    pub(super) fn triangle(&self) -> Option<[(f64, f64); 3]> {
-        let order = self.verdict?.predicted;
-        let [fine, coarse, ..] = self.used[..] else {
-            return None;
-        };
-        let high = TRIANGLE_BELOW * coarse.1.min(fine.1 * (coarse.0 / fine.0).powf(order));
-        let low = high * (fine.0 / coarse.0).powf(order);
-        let drawable = low > 0.0 && low.is_finite();
-        drawable.then_some([(fine.0, low), (coarse.0, low), (coarse.0, high)])
+    /// The predicted order, between the points that serve.
+    pub(super) fn slope(&self) -> Option<Slope> {
+        let verdict = self.verdict?;
+        let label = cell_texts(verdict)[3].clone();
+        Some(Slope { order: verdict.predicted, label, along: self.used.clone() })
     }
 }

@@ -1,15 +1,21 @@
 //! Records and verdicts as files: the table of cases, `verdict.json`, pictures, a page, JUnit.
 //!
-//! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes.
+//! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes. A picture
+//! is a [`Chart`]: series over two axes, with lines at values of either axis.
 
 mod canvas;
+mod chart;
 mod convergence;
 mod curve;
 mod frame;
 mod html;
 mod junit;
 mod legend;
+mod marks;
+mod number;
 mod palette;
+mod ruler;
+mod slope;
 mod surface;
 
 use std::collections::BTreeMap;
@@ -17,8 +23,11 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
 pub use junit::write_junit;
+pub use ruler::Scale;
+pub use slope::Slope;
 pub use surface::surface_svg;
 
 use crate::fit::Direction;
