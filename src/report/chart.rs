@@ -45,7 +45,7 @@ pub enum Part {
 pub struct Series {
     /// Its words in the legend; without any it has no entry.
     pub name: String,
-    /// More words below its name.
+    /// More lines of words below its name.
     pub detail: String,
     /// What is drawn.
     pub parts: Vec<Part>,
@@ -272,7 +272,9 @@ impl Chart {
         for (series, (ink, shape)) in self.series.iter().zip(self.inks()) {
             if !series.name.is_empty() {
                 legend.entry(series.sample(shape), ink, &series.name)?;
-                legend.entry(Sample::Text, INK, &series.detail)?;
+                for words in series.detail.lines() {
+                    legend.entry(Sample::Text, INK, words)?;
+                }
                 legend.space();
             }
         }

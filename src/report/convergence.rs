@@ -1,11 +1,11 @@
 //! Error against h, and against k: one curve a norm, with what was predicted and fitted.
 
 use super::chart::{Axis, Chart, Datum, Key, Part, Series};
-use super::curve::{Curve, curve, norms};
+use super::curve::{Curve, curve, leaves_out_contact_set, norms};
 use super::ruler::Scale;
 use super::{ReportError, SceneSummary};
 use crate::fit::Direction;
-use crate::record::{CaseRecord, norm_label};
+use crate::record::{CONTACT_SET_MAX, CaseRecord, norm_label};
 use crate::verdict::{Verdict, cell_texts};
 
 /// The picture of one scene in one direction; none if no norm has two points there.
@@ -24,11 +24,27 @@ pub fn convergence_svg(
         .into_iter()
         .filter_map(|norm| curve(scene, &records, verdicts, norm, direction))
         .collect();
-    let x = Axis::new(step_name(&records, direction), Scale::Steps);
+    let level = |fixed: Option<u32>| match (fixed, direction) {
+        (Some(steps), Direction::Space) => format!("N = {steps}"),
+        (Some(n), Direction::Time) => format!("n = {n}"),
+        (None, _) => String::new(),
+    };
+    let first = curves.first().and_then(|curve| curve.fixed);
+    // Curves from different cases each say from which; else the axis says it for all.
+    let common = curves.iter().all(|curve| curve.fixed == first);
+    let mut step = step_name(&records, direction).to_owned();
+    if let Some(common) = first.filter(|_| common) {
+        step = format!("{step}, {}", level(Some(common)));
+    }
+    let x = Axis::new(step, Scale::Steps);
     let y = Axis::new("error in the norm named", Scale::Log);
     let mut chart = Chart::new(&scene.name, &scene.question, x, y);
-    chart.series = curves.iter().map(series).collect();
+    chart.series =
+        curves.iter().map(|curve| series(curve, &level(curve.fixed.filter(|_| !common)))).collect();
     chart.keys = keys(&chart.series);
+    if leaves_out_contact_set(&records, &curves) {
+        chart.note = format!("{}: in cases.csv", norm_label(CONTACT_SET_MAX));
+    }
     chart.svg()
 }
 
@@ -48,7 +64,7 @@ fn step_name(records: &[CaseRecord], direction: Direction) -> &'static str {
     }
 }
 
-fn series(curve: &Curve<'_>) -> Series {
+fn series(curve: &Curve<'_>, level: &str) -> Series {
     let fitted = fitted(curve);
     let mut parts = match &fitted {
         Some(fit) => fit.to_vec(),
@@ -58,10 +74,11 @@ fn series(curve: &Curve<'_>) -> Series {
     let rest = [Part::Hollow(curve.left_out.clone()), Part::Dashed(curve.visible_floor().to_vec())];
     parts.extend(rest.into_iter().filter(|part| !part.points().is_empty()));
     let mut series = Series::new(norm_label(curve.norm), parts);
-    if let Some(verdict) = curve.verdict {
+    let judged = curve.verdict.map(|verdict| {
         let [_, _, _, _, observed, decision, _] = cell_texts(verdict);
-        series.detail = format!("{observed} {decision}");
-    }
+        format!("{observed} {decision}")
+    });
+    series.detail = [Some(level.to_owned()), judged].map(Option::unwrap_or_default).join("\n");
     series.slope = curve.slope();
     series
 }

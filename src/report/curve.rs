@@ -3,7 +3,7 @@
 use super::SceneSummary;
 use super::slope::Slope;
 use crate::fit::{Direction, Point};
-use crate::record::{CaseRecord, V_TIME_MAX, norm_rank};
+use crate::record::{CONTACT_SET_MAX, CaseRecord, V_TIME_MAX, norm_rank};
 use crate::verdict::{Variable, Verdict, cell_texts, line_points};
 
 /// A floor is drawn if it is within three decades of the smallest error: further down it
@@ -17,6 +17,8 @@ pub(super) struct Curve<'a> {
     pub(super) left_out: Vec<(f64, f64)>,
     pub(super) floor: Vec<(f64, f64)>,
     pub(super) verdict: Option<&'a Verdict>,
+    /// n of a curve along k, N of one along h.
+    pub(super) fixed: Option<u32>,
 }
 
 /// The norms of a scene, in the order of tables.
@@ -41,8 +43,7 @@ pub(super) fn curve<'a>(
     };
     let same = |v: &&Verdict| v.scene == scene.name && v.norm == norm && v.variable == variable;
     let verdict = verdicts.iter().find(same);
-    if norm == V_TIME_MAX && direction == Direction::Space && verdict.is_none() {
-        // It measures nothing that h changes.
+    if verdict.is_none() && !is_drawn(norm, direction) {
         return None;
     }
     let points = match verdict {
@@ -56,6 +57,7 @@ pub(super) fn curve<'a>(
     if used.len() + left_out.len() < 2 {
         return None;
     }
+    let fixed = points.first().and_then(|point| fixed_level(point, records, direction));
     let floor = points.iter().filter(drawable).map(|p| (direction.step(p), p.floor));
     Some(sorted(Curve {
         norm,
@@ -63,11 +65,39 @@ pub(super) fn curve<'a>(
         left_out: left_out.into_iter().map(pair).collect(),
         floor: floor.filter(|(_, floor)| *floor > 0.0 && floor.is_finite()).collect(),
         verdict,
+        fixed,
     }))
+}
+
+/// Whether a norm is drawn though no verdict is passed on it. The distance of the locked sets is
+/// the length of Γ3 as long as one of them is empty: a flat line far above all others. The time
+/// error is nothing that h changes.
+fn is_drawn(norm: &str, direction: Direction) -> bool {
+    norm != CONTACT_SET_MAX && (norm != V_TIME_MAX || direction == Direction::Time)
+}
+
+/// Whether the records carry the distance of the locked sets and the picture leaves it out.
+pub(super) fn leaves_out_contact_set(records: &[CaseRecord], curves: &[Curve<'_>]) -> bool {
+    let drawn = curves.iter().any(|curve| curve.norm == CONTACT_SET_MAX);
+    !drawn && records.iter().any(|record| record.norm(CONTACT_SET_MAX).is_some())
 }
 
 fn uses(verdict: &Verdict, point: &Point) -> bool {
     verdict.points_used.iter().any(|used| same_step(used.h, point.h) && used.k == point.k)
+}
+
+/// The level in the other direction of the case that a point belongs to.
+fn fixed_level(point: &Point, records: &[CaseRecord], direction: Direction) -> Option<u32> {
+    let record = case_of(records, point.h, point.k)?;
+    match direction {
+        Direction::Space => Some(record.steps),
+        Direction::Time => record.n,
+    }
+}
+
+fn case_of(records: &[CaseRecord], h: f64, k: f64) -> Option<&CaseRecord> {
+    let here = |record: &&CaseRecord| same_step(record.h.unwrap_or(f64::NAN), h) && record.k == k;
+    records.iter().find(here)
 }
 
 /// Equal, or both absent: an abstract scene has no h.
@@ -78,10 +108,7 @@ fn same_step(a: f64, b: f64) -> bool {
 /// The points of a verdict, with their floors from the records.
 fn judged_points(verdict: &Verdict, records: &[CaseRecord]) -> Vec<Point> {
     let floor = |h: f64, k: f64| {
-        let case = records
-            .iter()
-            .find(|record| same_step(record.h.unwrap_or(f64::NAN), h) && record.k == k);
-        case.and_then(|record| record.norm(&verdict.norm)?.floor).unwrap_or(0.0)
+        case_of(records, h, k).and_then(|record| record.norm(&verdict.norm)?.floor).unwrap_or(0.0)
     };
     let used = verdict.points_used.iter().map(|p| (p.h, p.k, p.error));
     let left_out = verdict.points_left_out.iter().map(|p| (p.h, p.k, p.error));

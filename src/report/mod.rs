@@ -124,8 +124,8 @@ fn write_figures(
 ) -> Result<Vec<Figure>, ReportError> {
     let along = |direction| convergence_svg(scene, records, verdicts, direction);
     let drawn = [
-        ("h", "error against h, at the finest time step", along(Direction::Space)?),
-        ("k", "error against k, on the finest mesh", along(Direction::Time)?),
+        ("h", "error against h, at the number N of time steps named", along(Direction::Space)?),
+        ("k", "error against k, on the mesh n named", along(Direction::Time)?),
         ("hk", "error against k, one curve an h", surface_svg(scene, records)?),
     ];
     let mut figures = Vec::new();

@@ -40,9 +40,6 @@ fn words_and_letters_are_there() {
     }
     // A threshold without a place has its words alone.
     assert!(svg.contains("no bound") && !svg.contains("d: no bound"));
-    if let Some(dir) = std::env::var_os("GRONWALL_KEEP") {
-        std::fs::write(std::path::Path::new(&dir).join("chart.svg"), svg).unwrap();
-    }
 }
 
 #[test]
@@ -145,9 +142,6 @@ fn triangles_stand_clear_of_every_line() {
     let [fine, coarse] = [(0.5f64.powi(8), 0.7), (0.5f64.powi(7), 0.7)]
         .map(|(k, below)| frame.place((k, below * k * k)));
     assert!(hits(&chart, &frame, [fine, (coarse.0, fine.1), coarse]) > 0);
-    if let Some(dir) = std::env::var_os("GRONWALL_KEEP") {
-        std::fs::write(std::path::Path::new(&dir).join("packed.svg"), svg(&chart)).unwrap();
-    }
 }
 
 #[test]
