@@ -138,7 +138,8 @@ impl What {
             .flat_map(|plan| judge_scene(&plan.setup.scene, &records, &plan.keys()))
             .collect();
         let summaries = plans.iter().map(|plan| scene_summary(&plan.setup.scene)).collect();
-        Ok(Swept { records, verdicts, summaries, provenance: Provenance::new(&plans).json() })
+        let provenance = Provenance::new(plans.iter().map(|plan| &plan.setup.scene)).json();
+        Ok(Swept { records, verdicts, summaries, provenance })
     }
 
     fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {

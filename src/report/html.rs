@@ -18,6 +18,8 @@ figure{margin:1rem 0}figure svg{max-width:100%;height:auto;background:#fff}\
 
 /// A picture with its caption.
 pub(super) struct Figure {
+    /// Its name in the directory of the report.
+    pub(super) file: String,
     pub(super) caption: String,
     pub(super) svg: String,
 }
@@ -80,7 +82,7 @@ fn row(verdict: &Verdict) -> String {
 fn section(scene: &SceneSummary, figures: &[Figure]) -> String {
     let figures: String = figures
         .iter()
-        .map(|Figure { caption, svg }| {
+        .map(|Figure { caption, svg, .. }| {
             let caption = escaped(caption);
             format!("<figure>\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n")
         })

@@ -17,6 +17,7 @@ mod palette;
 mod ruler;
 mod slope;
 mod surface;
+mod written;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -29,11 +30,13 @@ pub use junit::write_junit;
 pub use ruler::Scale;
 pub use slope::Slope;
 pub use surface::surface_svg;
+pub use written::remove_earlier;
 
 use crate::fit::Direction;
-use crate::record::{CaseRecord, RecordError, replace_file, write_sorted};
+use crate::record::{CaseRecord, RecordError, write_sorted};
 use crate::verdict::{DocumentError, Verdict, write_json};
 use html::{Figure, page};
+use written::write_listed;
 
 /// What a report says of a scene beside its numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -61,6 +64,14 @@ pub enum ReportError {
     /// `verdict.json` could not be written.
     #[error(transparent)]
     Document(#[from] DocumentError),
+    /// The list of files that an earlier report wrote is not one.
+    #[error("{}: {reason}; delete this list, and the pictures that you have no use for", path.display())]
+    List {
+        /// The list.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// A picture could not be drawn.
     #[error("drawing: {what}")]
     Drawing {
@@ -92,7 +103,8 @@ impl ReportError {
 }
 
 /// Writes cases.csv, verdict.json, index.html and the pictures `SCENE-h.svg`, `SCENE-k.svg` and
-/// `SCENE-hk.svg` into `dir`, which is made if it is not there.
+/// `SCENE-hk.svg` into `dir`, which is made if it is not there. The page and pictures of an earlier
+/// report that this one has no use for are removed; files of others stay.
 ///
 /// # Errors
 /// [`ReportError`]; files written before stay.
@@ -107,16 +119,17 @@ pub fn write_all(
     fs::create_dir_all(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
     write_sorted(&dir.join("cases.csv"), records)?;
     write_json(&dir.join("verdict.json"), provenance, verdicts, records)?;
-    let mut figures = Vec::new();
-    for (scene, stem) in scenes.iter().zip(stems) {
-        figures.push(write_figures(dir, scene, &stem, records, verdicts)?);
-    }
+    let drawn =
+        scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
+    let figures: Vec<Vec<Figure>> = drawn.collect::<Result<_, _>>()?;
     let html = page(scenes, &figures, records, verdicts, provenance);
-    write_text(&dir.join("index.html"), &html)
+    let pictures = figures.iter().flatten().map(|figure| (figure.file.clone(), &*figure.svg));
+    let files: Vec<(String, &str)> = pictures.chain([("index.html".to_owned(), &*html)]).collect();
+    write_listed(dir, &files)
 }
 
-fn write_figures(
-    dir: &Path,
+/// The pictures of a scene, as far as there is something to draw.
+fn figures(
     scene: &SceneSummary,
     stem: &str,
     records: &[CaseRecord],
@@ -128,34 +141,12 @@ fn write_figures(
         ("k", "error against k, on the mesh n named", along(Direction::Time)?),
         ("hk", "error against k, one curve an h", surface_svg(scene, records)?),
     ];
-    let mut figures = Vec::new();
-    for (suffix, caption, svg) in drawn {
-        let path = dir.join(format!("{stem}-{suffix}.svg"));
-        match svg {
-            Some(svg) => {
-                write_text(&path, &svg)?;
-                let caption = format!("{}: {caption}.", scene.name);
-                figures.push(Figure { caption, svg });
-            }
-            None => remove_stale(&path)?,
-        }
-    }
-    Ok(figures)
-}
-
-/// A picture of an earlier run would be taken for one of this.
-fn remove_stale(path: &Path) -> Result<(), ReportError> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != io::ErrorKind::NotFound => {
-            Err(ReportError::Io { path: path.to_owned(), source })
-        }
-        _ => Ok(()),
-    }
-}
-
-fn write_text(path: &Path, text: &str) -> Result<(), ReportError> {
-    replace_file(path, text.as_bytes())
-        .map_err(|source| ReportError::Io { path: path.to_owned(), source })
+    let figure = |(suffix, caption, svg): (&str, &str, Option<String>)| {
+        let (file, caption) =
+            (format!("{stem}-{suffix}.svg"), format!("{}: {caption}.", scene.name));
+        svg.map(|svg| Figure { file, caption, svg })
+    };
+    Ok(drawn.into_iter().filter_map(figure).collect())
 }
 
 /// File names of the scenes: letters, digits, dot, dash and underscore.
