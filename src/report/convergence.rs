@@ -1,11 +1,13 @@
 //! Error against h, and against k: one curve a norm, with what was predicted and fitted.
 
+use std::collections::BTreeMap;
+
 use super::chart::{Axis, Chart, Datum, Key, Part, Series};
-use super::curve::{Curve, curve, leaves_out_contact_set, norms};
+use super::curve::{Curve, curve, norms};
 use super::ruler::Scale;
 use super::{ReportError, SceneSummary};
 use crate::fit::Direction;
-use crate::record::{CONTACT_SET_MAX, CaseRecord, norm_label};
+use crate::record::{CaseRecord, norm_label};
 use crate::verdict::{Verdict, cell_texts};
 
 /// The picture of one scene in one direction; none if no norm has two points there.
@@ -20,30 +22,32 @@ pub fn convergence_svg(
 ) -> Result<Option<String>, ReportError> {
     let records: Vec<CaseRecord> =
         records.iter().filter(|record| record.scene == scene.name).cloned().collect();
-    let curves: Vec<Curve<'_>> = norms(&records)
+    let (curves, not_drawn): (Vec<Curve<'_>>, Vec<Curve<'_>>) = norms(&records)
         .into_iter()
         .filter_map(|norm| curve(scene, &records, verdicts, norm, direction))
-        .collect();
-    let level = |fixed: Option<u32>| match (fixed, direction) {
-        (Some(steps), Direction::Space) => format!("N = {steps}"),
-        (Some(n), Direction::Time) => format!("n = {n}"),
-        (None, _) => String::new(),
+        .partition(Curve::is_drawn);
+    let level = |fixed: u32| match direction {
+        Direction::Space => format!("N = {fixed}"),
+        Direction::Time => format!("n = {fixed}"),
     };
-    let first = curves.first().and_then(|curve| curve.fixed);
-    // Curves from different cases each say from which; else the axis says it for all.
-    let common = curves.iter().all(|curve| curve.fixed == first);
+    // Curves need not come from the same cases: the axis names the most frequent level, curves of
+    // another name their own.
+    let usual = most_frequent(curves.iter().filter_map(|curve| curve.fixed));
+    let others = curves.iter().any(|curve| curve.fixed != usual);
     let mut step = step_name(&records, direction).to_owned();
-    if let Some(common) = first.filter(|_| common) {
-        step = format!("{step}, {}", level(Some(common)));
+    if let Some(usual) = usual {
+        let rest = if others { " where not named" } else { "" };
+        step = format!("{step}, {}{rest}", level(usual));
     }
     let x = Axis::new(step, Scale::Steps);
     let y = Axis::new("error in the norm named", Scale::Log);
     let mut chart = Chart::new(&scene.name, &scene.question, x, y);
-    chart.series =
-        curves.iter().map(|curve| series(curve, &level(curve.fixed.filter(|_| !common)))).collect();
+    let named = |curve: &Curve<'_>| curve.fixed.filter(|own| Some(*own) != usual).map(level);
+    chart.series = curves.iter().map(|curve| series(curve, named(curve))).collect();
     chart.keys = keys(&chart.series);
-    if leaves_out_contact_set(&records, &curves) {
-        chart.note = format!("{}: in cases.csv", norm_label(CONTACT_SET_MAX));
+    let names: Vec<&str> = not_drawn.iter().map(|curve| norm_label(curve.norm)).collect();
+    if !names.is_empty() {
+        chart.note = format!("not drawn, in cases.csv: {}", names.join("; "));
     }
     chart.svg()
 }
@@ -64,7 +68,13 @@ fn step_name(records: &[CaseRecord], direction: Direction) -> &'static str {
     }
 }
 
-fn series(curve: &Curve<'_>, level: &str) -> Series {
+fn most_frequent(levels: impl Iterator<Item = u32>) -> Option<u32> {
+    let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+    levels.for_each(|level| *counts.entry(level).or_default() += 1);
+    counts.into_iter().max_by_key(|(_, count)| *count).map(|(level, _)| level)
+}
+
+fn series(curve: &Curve<'_>, level: Option<String>) -> Series {
     let fitted = fitted(curve);
     let mut parts = match &fitted {
         Some(fit) => fit.to_vec(),
@@ -78,7 +88,7 @@ fn series(curve: &Curve<'_>, level: &str) -> Series {
         let [_, _, _, _, observed, decision, _] = cell_texts(verdict);
         format!("{observed} {decision}")
     });
-    series.detail = [Some(level.to_owned()), judged].map(Option::unwrap_or_default).join("\n");
+    series.detail = [level, judged].into_iter().flatten().collect::<Vec<_>>().join("\n");
     series.slope = curve.slope();
     series
 }

@@ -1,6 +1,7 @@
 //! The points of one norm in one direction, with what a verdict says of them.
 
 use super::SceneSummary;
+use super::chart::Datum;
 use super::slope::Slope;
 use crate::fit::{Direction, Point};
 use crate::record::{CONTACT_SET_MAX, CaseRecord, V_TIME_MAX, norm_rank};
@@ -13,9 +14,9 @@ const FLOOR_RANGE: f64 = 1e-3;
 /// One norm in the picture: abscissa and error.
 pub(super) struct Curve<'a> {
     pub(super) norm: &'a str,
-    pub(super) used: Vec<(f64, f64)>,
-    pub(super) left_out: Vec<(f64, f64)>,
-    pub(super) floor: Vec<(f64, f64)>,
+    pub(super) used: Vec<Datum>,
+    pub(super) left_out: Vec<Datum>,
+    pub(super) floor: Vec<Datum>,
     pub(super) verdict: Option<&'a Verdict>,
     /// n of a curve along k, N of one along h.
     pub(super) fixed: Option<u32>,
@@ -43,7 +44,8 @@ pub(super) fn curve<'a>(
     };
     let same = |v: &&Verdict| v.scene == scene.name && v.norm == norm && v.variable == variable;
     let verdict = verdicts.iter().find(same);
-    if verdict.is_none() && !is_drawn(norm, direction) {
+    if norm == V_TIME_MAX && direction == Direction::Space && verdict.is_none() {
+        // It measures nothing that h changes.
         return None;
     }
     let points = match verdict {
@@ -67,19 +69,6 @@ pub(super) fn curve<'a>(
         verdict,
         fixed,
     }))
-}
-
-/// Whether a norm is drawn though no verdict is passed on it. The distance of the locked sets is
-/// the length of Γ3 as long as one of them is empty: a flat line far above all others. The time
-/// error is nothing that h changes.
-fn is_drawn(norm: &str, direction: Direction) -> bool {
-    norm != CONTACT_SET_MAX && (norm != V_TIME_MAX || direction == Direction::Time)
-}
-
-/// Whether the records carry the distance of the locked sets and the picture leaves it out.
-pub(super) fn leaves_out_contact_set(records: &[CaseRecord], curves: &[Curve<'_>]) -> bool {
-    let drawn = curves.iter().any(|curve| curve.norm == CONTACT_SET_MAX);
-    !drawn && records.iter().any(|record| record.norm(CONTACT_SET_MAX).is_some())
 }
 
 fn uses(verdict: &Verdict, point: &Point) -> bool {
@@ -123,12 +112,24 @@ fn sorted(mut curve: Curve<'_>) -> Curve<'_> {
 }
 
 impl Curve<'_> {
-    pub(super) fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+    /// Whether the picture shows it. Without a verdict, two kinds of curves are left to the table:
+    /// they would flatten all others. The distance of the locked sets is the length of Γ3 as long
+    /// as one of them is empty, and an error within its floor is none.
+    pub(super) fn is_drawn(&self) -> bool {
+        let above_floor = |(step, error): &Datum| {
+            let floor = self.floor.iter().find(|point| point.0 == *step);
+            floor.is_none_or(|point| *error > point.1)
+        };
+        let readable = self.norm != CONTACT_SET_MAX && self.points().any(|p| above_floor(&p));
+        self.verdict.is_some() || readable
+    }
+
+    pub(super) fn points(&self) -> impl Iterator<Item = Datum> {
         self.used.iter().chain(&self.left_out).copied()
     }
 
     /// The floors, if they are in sight of the errors.
-    pub(super) fn visible_floor(&self) -> &[(f64, f64)] {
+    pub(super) fn visible_floor(&self) -> &[Datum] {
         let lowest = self.points().map(|point| point.1).fold(f64::INFINITY, f64::min);
         let visible = self.floor.iter().all(|(_, floor)| *floor >= FLOOR_RANGE * lowest);
         if visible { &self.floor } else { &[] }

@@ -10,7 +10,8 @@ const STYLE: &str = "\
 body{font:16px/1.5 system-ui,sans-serif;max-width:68rem;margin:2rem auto;padding:0 1rem}\
 table{border-collapse:collapse;width:100%;font-size:.92rem}\
 th,td{text-align:left;vertical-align:top;padding:.3rem .6rem;border-bottom:1px solid #8886}\
-td:nth-child(5){white-space:pre-line}\
+td:nth-child(-n+2){white-space:nowrap}td:nth-child(5){white-space:pre}\
+dt{font-weight:600}dd{margin-left:2rem;overflow-wrap:anywhere}\
 .scroll{overflow-x:auto}\
 .pass{color:#00734f}.miss{color:#b34700;font-weight:600}\
 figure{margin:1rem 0}figure svg{max-width:100%;height:auto;background:#fff}\
@@ -96,13 +97,17 @@ fn provenance_list(provenance: &serde_json::Value) -> String {
         return String::new();
     };
     let text = |value: &serde_json::Value| value.as_str().map_or(value.to_string(), str::to_owned);
-    let rows: String = entries
-        .iter()
-        .map(|(key, value)| {
-            format!("<tr><th>{}</th><td>{}</td></tr>\n", escaped(key), escaped(&text(value)))
-        })
-        .collect();
-    format!("<h2>Provenance</h2>\n<table>\n{rows}</table>\n")
+    // Scenes with their hashes come one below the other.
+    let lines = |value: &serde_json::Value| match value.as_object() {
+        Some(inner) => inner.iter().map(|(key, value)| format!("{key} {}", text(value))).collect(),
+        None => vec![text(value)],
+    };
+    let entry = |(key, value): (&String, &serde_json::Value)| {
+        let lines = lines(value).iter().map(|line| escaped(line)).collect::<Vec<_>>();
+        format!("<dt>{}</dt><dd>{}</dd>\n", escaped(key), lines.join("<br>"))
+    };
+    let rows: String = entries.iter().map(entry).collect();
+    format!("<h2>Provenance</h2>\n<dl>\n{rows}</dl>\n")
 }
 
 fn escaped(text: &str) -> String {
