@@ -109,6 +109,22 @@ fn tables_of_anybody_are_judged() {
     assert_eq!(fit(&first, &["--p", "1", "--q", "2"]), 1, "no k to judge");
 }
 
+#[test]
+fn a_fit_is_plain_to_read() {
+    let folder = Folder::new("plain");
+    let printed = |rows: &str, aim: &[&str]| {
+        let table = folder.file("table.csv", &format!("h,error\n{rows}\n"));
+        let text = stdout(&sweep(&[&["fit", &table], aim].concat()));
+        assert!(text.lines().all(|line| line == line.trim_end()), "trailing blanks: {text:?}");
+        text
+    };
+    let three = "0.2,0.6\n0.1,0.3\n0.05,0.15";
+    assert!(!printed(three, &[]).contains("predicted"));
+    assert!(printed(three, &["--p", "1"]).contains("predicted 1: pass, 1 lies in"));
+    let one = printed("0.2,0.6", &["--p", "1"]);
+    assert!(one.contains("unresolved, 1 point, an order needs"), "{one}");
+}
+
 /// NaN or missing is a failure: the other rows must not pass for the table.
 #[test]
 fn a_table_with_a_hole_does_not_pass() {

@@ -1,7 +1,7 @@
 //! A page that needs nothing but itself: the verdicts, the pictures, links to the data.
 
 use super::SceneSummary;
-use crate::record::{CaseRecord, Status};
+use crate::record::{CaseRecord, Status, counted};
 use crate::verdict::{Verdict, cell_texts, exit_code};
 
 /// Plain and light; dark where the reader's system is. Pictures keep their white paper.
@@ -53,9 +53,9 @@ fn summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
         records.iter().filter(|record| matches!(record.status, Status::Failed { .. })).count();
     let code = exit_code(records, verdicts);
     format!(
-        "{met} of {} verdicts as expected; {} cases, {failed} of them failed. Exit code {code}.",
-        verdicts.len(),
-        records.len()
+        "{met} of {} as expected; {}, {failed} of them failed. Exit code {code}.",
+        counted(verdicts.len(), "verdict"),
+        counted(records.len(), "case")
     )
 }
 

@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use super::{Provenance, ResumeError, resume, run_case};
 use crate::norms::ReferenceRun;
-use crate::record::{CaseRecord, Journal, RecordError, Status};
+use crate::record::{CaseRecord, Journal, RecordError, Status, counted};
 use crate::report::{ReportError, remove_earlier};
 use crate::scene::Norm;
 use crate::setup::{MeshData, reference_run};
@@ -29,7 +29,7 @@ pub enum SweepError {
     #[error(transparent)]
     Report(#[from] ReportError),
     /// The threads could not be started.
-    #[error("starting {jobs} threads: {reason}")]
+    #[error("starting {}: {reason}", counted(*jobs, "thread"))]
     Threads { jobs: usize, reason: String },
 }
 
