@@ -1,6 +1,6 @@
 //! Source: the contracts of the command line (exit codes, JSON keys, files); others rely on them.
 //! Goal: 0 only where all verdicts pass, 1 where one fails or is unresolved, 2 where it could not judge; every table
-//!   has its JSON, `report` rebuilds what `run` wrote, and the help says what the main job is.
+//!   has its JSON, and the help says what the main job is.
 //! Data: affine and steady (small, judged), edited copies of shipped scenes, tables by hand.
 
 mod program;
@@ -107,6 +107,22 @@ fn tables_of_anybody_are_judged() {
     assert_eq!(fit(&first, &[]), 0);
     assert_eq!(fit(&first[..2], &["--p", "1"]), 1, "two points are unresolved");
     assert_eq!(fit(&first, &["--p", "1", "--q", "2"]), 1, "no k to judge");
+}
+
+#[test]
+fn a_fit_is_plain_to_read() {
+    let folder = Folder::new("plain");
+    let printed = |rows: &str, aim: &[&str]| {
+        let table = folder.file("table.csv", &format!("h,error\n{rows}\n"));
+        let text = stdout(&sweep(&[&["fit", &table], aim].concat()));
+        assert!(text.lines().all(|line| line == line.trim_end()), "trailing blanks: {text:?}");
+        text
+    };
+    let three = "0.2,0.6\n0.1,0.3\n0.05,0.15";
+    assert!(!printed(three, &[]).contains("predicted"));
+    assert!(printed(three, &["--p", "1"]).contains("predicted 1: pass, 1 lies in"));
+    let one = printed("0.2,0.6", &["--p", "1"]);
+    assert!(one.contains("unresolved, 1 point, an order needs"), "{one}");
 }
 
 /// NaN or missing is a failure: the other rows must not pass for the table.
@@ -217,34 +233,6 @@ fn solve_has_its_keys() {
     // g = ∞ has no distance to it.
     let linear = json(&sweep(&["solve", "linear-punch", "--n", "4", "--steps", "4", "--json"]));
     assert!(linear["min_normal_gap"].is_null() && linear["max_normal_displacement"].is_number());
-}
-
-#[test]
-fn report_rebuilds_what_run_wrote() {
-    let folder = Folder::new("report");
-    run(&folder, "steady", &["--n", "8,16,32"]);
-    let files = ["verdict.json", "cases.csv", "index.html", "steady-h.svg"];
-    let read = |file: &str| std::fs::read(folder.at("out").join(file)).expect("a file");
-    let before = files.map(read);
-    for file in ["verdict.json", "index.html", "steady-h.svg"] {
-        std::fs::remove_file(folder.at("out").join(file)).expect("removed");
-    }
-    let output = sweep(&["report", &folder.argument("out")]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    for (file, before) in files.iter().zip(before) {
-        assert!(read(file) == before, "{file} differs");
-    }
-}
-
-/// Records are judged by the text they were made with, or not at all.
-#[test]
-fn report_refuses_records_of_another_text() {
-    let folder = Folder::new("other-text");
-    let second = folder.file("steady.toml", &edited(&text("steady"), "order = 1.0", "order = 2.0"));
-    let (exit, document) = run(&folder, &second, &["--n", "8,16,32"]);
-    assert_eq!((exit, decisions(&document)), (1, vec!["fail"]));
-    let output = sweep(&["report", &folder.argument("out")]);
-    assert_eq!(code(&output), 2, "judged by the shipped scene of that name:\n{}", stdout(&output));
 }
 
 /// `--resume` with other cases keeps what is there, or refuses and touches nothing.

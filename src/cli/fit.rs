@@ -8,6 +8,7 @@ use super::{CliError, print_json, print_text};
 use crate::fit::{
     Correction, Direction, OrderInterval, Point, local_slopes, order_interval, samples, screen,
 };
+use crate::record::counted;
 use crate::verdict::{Aim, Decision, compare};
 
 /// `sweep fit`.
@@ -104,21 +105,21 @@ impl Row {
     }
 
     fn text(&self) -> String {
+        let verdict = self.decision.zip(self.predicted).map(|(decision, order)| {
+            format!("predicted {order}: {}, {}", decision.name(), self.reason)
+        });
         let Some((slopes, found)) = &self.fitted else {
-            return format!("{}: {}", self.name, self.reason);
+            return format!("{}: {}", self.name, verdict.unwrap_or_else(|| self.reason.clone()));
         };
         let slopes: Vec<String> = slopes.iter().map(|slope| format!("{slope:.3}")).collect();
-        let verdict = self.decision.map_or(String::new(), |decision| {
-            format!("; predicted {}: {}", self.predicted.unwrap_or(f64::NAN), decision.name())
-        });
+        let verdict = verdict.map_or(String::new(), |verdict| format!("; {verdict}"));
         format!(
-            "{}: order {:.3} in [{:.3}, {:.3}], constant {:.4e}{verdict} {}\n   local orders {}",
+            "{}: order {:.3} in [{:.3}, {:.3}], constant {:.4e}{verdict}\n   local orders {}",
             self.name,
             found.law.order,
             found.interval.lo,
             found.interval.hi,
             found.law.constant,
-            self.reason,
             slopes.join(" ")
         )
     }
@@ -154,7 +155,10 @@ fn read(path: &std::path::Path) -> Result<Vec<Point>, CliError> {
         let line = record.position().map_or(0, csv::Position::line);
         if record.len() != header.len() {
             let (own, wanted) = (record.len(), header.len());
-            return Err(fail(format!("line {line}: {own} fields, the header has {wanted}")));
+            return Err(fail(format!(
+                "line {line}: {}, the header has {wanted}",
+                counted(own, "field")
+            )));
         }
         let number = |at: Option<usize>, absent: f64| -> Result<f64, CliError> {
             let Some(text) = at.and_then(|at| record.get(at)).filter(|text| !text.is_empty())

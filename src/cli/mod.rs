@@ -27,15 +27,9 @@ const COULD_NOT_JUDGE: u8 = 2;
 #[derive(Parser)]
 #[command(name = "sweep", version)]
 struct Arguments {
-    /// Folder of the scenes.
-    #[arg(
-        long = "scenes",
-        id = "folder",
-        value_name = "FOLDER",
-        global = true,
-        default_value = "manufactured"
-    )]
-    scenes: PathBuf,
+    /// Folder of the scenes [default: manufactured]
+    #[arg(long = "scenes", id = "folder", value_name = "FOLDER", global = true)]
+    scenes: Option<PathBuf>,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -83,7 +77,7 @@ enum CliError {
 /// Parses the arguments and runs the command.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let scenes = Scenes { folder: arguments.scenes };
+    let scenes = Scenes::new(arguments.scenes);
     let command = arguments.command.unwrap_or(Command::Run(run::Run::main_job()));
     let outcome = match command {
         Command::Run(run) => run.execute(&scenes),
@@ -107,9 +101,16 @@ pub fn main() -> ExitCode {
 /// Where scenes come from.
 struct Scenes {
     folder: PathBuf,
+    /// The command line names the folder.
+    named: bool,
 }
 
 impl Scenes {
+    fn new(folder: Option<PathBuf>) -> Self {
+        let named = folder.is_some();
+        Self { folder: folder.unwrap_or_else(|| PathBuf::from("manufactured")), named }
+    }
+
     /// A scene by name or path, ready to compute.
     fn subject(&self, name: &str) -> Result<Subject, CliError> {
         Ok(Subject::new(self.scene(name)?)?)

@@ -6,7 +6,7 @@ use std::sync::PoisonError;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::record::{CaseRecord, Status};
+use crate::record::{CaseRecord, Status, counted};
 use crate::sweep::Progress;
 
 /// Progress for a person or a log.
@@ -49,8 +49,8 @@ impl Progress for Display {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             }
-            None if done > 0 => eprintln!("{total} cases, {done} already recorded"),
-            None => eprintln!("{total} cases"),
+            None if done > 0 => eprintln!("{}, {done} already recorded", counted(total, "case")),
+            None => eprintln!("{}", counted(total, "case")),
         }
     }
 

@@ -7,10 +7,12 @@ use clap::Args;
 use super::{CliError, Scenes, print_text};
 use crate::record::Key;
 use crate::report::write_all;
-use crate::sweep::{Overrides, Provenance, ScenePlan, judge_scene, scene_summary};
+use crate::scene::Scene;
+use crate::sweep::{Provenance, judge_scene, scene_summary};
 use crate::verdict::{exit_code, read_failures, render_table, restore_reasons};
 
-/// `sweep report`.
+/// `sweep report`. Scenes are judged by the text that DIR keeps of them, unless --scenes names a
+/// folder.
 #[derive(Args)]
 pub struct Report {
     /// Directory with cases.csv
@@ -30,31 +32,56 @@ impl Report {
         let mut names: Vec<String> = records.iter().map(|record| record.scene.clone()).collect();
         names.sort();
         names.dedup();
-        let (mut verdicts, mut summaries, mut plans) = (Vec::new(), Vec::new(), Vec::new());
         let known = Provenance::read(&self.dir)
             .map_err(|(path, reason)| CliError::Other(format!("{}: {reason}", path.display())))?;
-        for scene in scenes.select(&names)? {
-            let made_with = known.as_ref().and_then(|known| known.scenes.get(&scene.name));
-            if made_with.is_some_and(|hash| *hash != scene.source.hash) {
-                let message = format!(
-                    "the records in {} were made with another text of this scene",
-                    self.dir.display()
-                );
-                let hint = "name the folder of that text with --scenes, or run the scene again";
-                return Err(scene.error("scene.name", message, hint).into());
-            }
+        let of_records: Vec<Scene> = names
+            .iter()
+            .map(|name| self.scene(name, known.as_ref(), scenes))
+            .collect::<Result<_, _>>()?;
+        let (mut verdicts, mut summaries) = (Vec::new(), Vec::new());
+        for scene in &of_records {
             // The cases of the directory are the ones to judge, and those of the scene's own grid
             // must be among them only if the directory was made with that grid.
             let keys: Vec<Key> =
                 records.iter().filter(|r| r.scene == scene.name).map(|r| r.key()).collect();
-            verdicts.extend(judge_scene(&scene, &records, &keys));
-            summaries.push(scene_summary(&scene));
-            plans.push(ScenePlan::new(crate::setup::Subject::new(scene)?, &Overrides::default()));
+            verdicts.extend(judge_scene(scene, &records, &keys));
+            summaries.push(scene_summary(scene));
         }
-        let provenance = Provenance::new(&plans).json();
+        let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
         write_all(&self.dir, &summaries, &records, &verdicts, &provenance)?;
         print_text(&render_table(&verdicts));
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
         Ok(exit_code(&records, &verdicts))
+    }
+
+    /// The scene by the text that is kept with the records; by the folder of scenes if that is
+    /// named, or if no text is kept.
+    fn scene(
+        &self,
+        name: &str,
+        known: Option<&Provenance>,
+        scenes: &Scenes,
+    ) -> Result<Scene, CliError> {
+        if let (Some(known), false) = (known, scenes.named)
+            && let Some(scene) = known.scene(&self.dir, name)?
+        {
+            return Ok(scene);
+        }
+        let scene = scenes.scene(name)?;
+        let made_with = known.and_then(|known| known.scenes.get(name));
+        if made_with.is_some_and(|hash| *hash != scene.source.hash) {
+            let message = format!(
+                "the records in {} were made with another text of this scene",
+                self.dir.display()
+            );
+            let hint = match known.is_some_and(|known| known.texts.contains_key(name)) {
+                true => {
+                    "without --scenes they are judged by their own text, which is kept with them"
+                }
+                false => "name the folder of that text with --scenes, or run the scene again",
+            };
+            return Err(scene.error("scene.name", message, hint).into());
+        }
+        Ok(scene)
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, Scenes, print_json, print_text};
-use crate::record::CaseRecord;
+use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all, write_junit};
 use crate::setup::Subject;
 use crate::sweep::{Overrides, Provenance, ScenePlan, judge_scene, run_sweep, scene_summary};
@@ -138,7 +138,8 @@ impl What {
             .flat_map(|plan| judge_scene(plan.scene(), &records, &plan.keys()))
             .collect();
         let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
-        Ok(Swept { records, verdicts, summaries, provenance: Provenance::new(&plans).json() })
+        let provenance = Provenance::new(plans.iter().map(|plan| plan.scene())).json();
+        Ok(Swept { records, verdicts, summaries, provenance })
     }
 
     fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {
@@ -183,10 +184,10 @@ impl Swept {
         let as_expected = self.verdicts.iter().filter(|verdict| verdict.as_expected()).count();
         let failed = failures(&self.records);
         print_text(&format!(
-            "{} cases, {} failed; {as_expected} of {} verdicts as expected",
-            self.records.len(),
+            "{}, {} failed; {as_expected} of {} as expected",
+            counted(self.records.len(), "case"),
             failed.len(),
-            self.verdicts.len()
+            counted(self.verdicts.len(), "verdict")
         ));
         Ok(())
     }

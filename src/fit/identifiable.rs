@@ -1,6 +1,7 @@
 //! Whether a grid of cases determines an order in h and one in k.
 
 use super::{Direction, JointFit, Point};
+use crate::record::counted;
 
 /// Levels needed in each direction: two give an order, the third its uncertainty.
 const LEVELS: usize = 3;
@@ -55,7 +56,10 @@ fn check_levels(points: &[Point], parameters: usize, needed: usize) -> Result<()
         let found = levels(points, direction).len();
         if found < needed {
             return Err(NotIdentifiable::new(
-                format!("{found} levels of {name} above the floor, {needed} are needed"),
+                format!(
+                    "{} of {name} above the floor, {needed} are needed",
+                    counted(found, "level")
+                ),
                 format!("run {} more of {name}", needed - found),
             ));
         }
@@ -68,7 +72,7 @@ fn check_levels(points: &[Point], parameters: usize, needed: usize) -> Result<()
     }
     if points.len() <= parameters {
         return Err(NotIdentifiable::new(
-            format!("{} points for {parameters} parameters", points.len()),
+            format!("{} for {parameters} parameters", counted(points.len(), "point")),
             "run the grid, every n with every number of steps",
         ));
     }

@@ -15,6 +15,7 @@ mod model;
 mod power_law;
 mod screen;
 
+use crate::record::counted;
 pub use hull::{Correction, OrderInterval, order_interval};
 pub use identifiable::NotIdentifiable;
 pub use interval::Interval;
@@ -62,7 +63,7 @@ impl Direction {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FitError {
     /// Too few points for a slope and its interval.
-    #[error("{found} points, an order needs {needed}")]
+    #[error("{}, an order needs {needed}", counted(*found, "point"))]
     TooFew {
         /// Points given.
         found: usize,
@@ -76,7 +77,7 @@ pub enum FitError {
         step: f64,
     },
     /// The least-squares problem has no unique solution.
-    #[error("the fit of {points} points is singular")]
+    #[error("the fit of {} is singular", counted(*points, "point"))]
     Singular {
         /// Points given.
         points: usize,

@@ -4,6 +4,7 @@
 //! one error for each norm, and in `cases.csv` one row for each of them.
 
 mod atomic;
+mod counted;
 mod journal;
 mod norm;
 mod row;
@@ -12,6 +13,7 @@ use std::io;
 use std::path::PathBuf;
 
 pub use atomic::replace_file;
+pub use counted::counted;
 pub use journal::{Journal, read, write_sorted};
 pub use norm::{
     CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX, TRACE_L2_MAX, V_MAX,
@@ -151,7 +153,7 @@ pub enum RecordError {
         found: String,
     },
     /// A line in the middle of the file has the wrong number of fields.
-    #[error("{}:{line}: {found} fields, a row has {}", path.display(), COLUMNS.len())]
+    #[error("{}:{line}: {}, a row has {}", path.display(), counted(*found, "field"), COLUMNS.len())]
     Fields {
         /// The file.
         path: PathBuf,

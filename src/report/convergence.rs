@@ -1,17 +1,14 @@
 //! Error against h, and against k: one curve a norm, with what was predicted and fitted.
 
-use super::ReportError;
-use super::SceneSummary;
-use super::canvas::{Anchor, Canvas};
+use std::collections::BTreeMap;
+
+use super::chart::{Axis, Chart, Datum, Key, Part, Series};
 use super::curve::{Curve, curve, norms};
-use super::frame::{Frame, Title};
-use super::legend::{Legend, Sample};
-use super::palette::{INK, colour};
+use super::ruler::Scale;
+use super::{ReportError, SceneSummary};
 use crate::fit::Direction;
 use crate::record::{CaseRecord, norm_label};
 use crate::verdict::{Verdict, cell_texts};
-
-const FLOOR_DASHES: (f64, f64) = (8.0, 10.0);
 
 /// The picture of one scene in one direction; none if no norm has two points there.
 ///
@@ -25,29 +22,34 @@ pub fn convergence_svg(
 ) -> Result<Option<String>, ReportError> {
     let records: Vec<CaseRecord> =
         records.iter().filter(|record| record.scene == scene.name).cloned().collect();
-    let curves: Vec<Curve<'_>> = norms(&records)
+    let (curves, not_drawn): (Vec<Curve<'_>>, Vec<Curve<'_>>) = norms(&records)
         .into_iter()
         .filter_map(|norm| curve(scene, &records, verdicts, norm, direction))
-        .collect();
-    let Some(frame) = Frame::new(&extent(&curves)) else {
-        return Ok(None);
+        .partition(Curve::is_drawn);
+    let level = |fixed: u32| match direction {
+        Direction::Space => format!("N = {fixed}"),
+        Direction::Time => format!("n = {fixed}"),
     };
-    let title = Title {
-        scene: &scene.name,
-        question: &scene.question,
-        x_label: step_name(&records, direction),
-        y_label: "error in the norm named",
-    };
-    let mut svg = String::new();
-    let canvas = Canvas::new(&mut svg)?;
-    frame.draw(&canvas, &title)?;
-    for (index, curve) in curves.iter().enumerate() {
-        draw_fit(&canvas, &frame, curve, index)?;
-        draw_points(&canvas, &frame, curve, index)?;
+    // Curves need not come from the same cases: the axis names the most frequent level, curves of
+    // another name their own.
+    let usual = most_frequent(curves.iter().filter_map(|curve| curve.fixed));
+    let others = curves.iter().any(|curve| curve.fixed != usual);
+    let mut step = step_name(&records, direction).to_owned();
+    if let Some(usual) = usual {
+        let rest = if others { " where not named" } else { "" };
+        step = format!("{step}, {}{rest}", level(usual));
     }
-    draw_legend(&canvas, &curves)?;
-    canvas.finish()?;
-    Ok(Some(svg))
+    let x = Axis::new(step, Scale::Steps);
+    let y = Axis::new("error in the norm named", Scale::Log);
+    let mut chart = Chart::new(&scene.name, &scene.question, x, y);
+    let named = |curve: &Curve<'_>| curve.fixed.filter(|own| Some(*own) != usual).map(level);
+    chart.series = curves.iter().map(|curve| series(curve, named(curve))).collect();
+    chart.keys = keys(&chart.series);
+    let names: Vec<&str> = not_drawn.iter().map(|curve| norm_label(curve.norm)).collect();
+    if !names.is_empty() {
+        chart.note = format!("not drawn, in cases.csv: {}", names.join("; "));
+    }
+    chart.svg()
 }
 
 /// What the abscissa is, with its convention.
@@ -66,87 +68,56 @@ fn step_name(records: &[CaseRecord], direction: Direction) -> &'static str {
     }
 }
 
-fn extent(curves: &[Curve<'_>]) -> Vec<(f64, f64)> {
-    let all = curves.iter().flat_map(|curve| {
-        let triangle = curve.triangle().into_iter().flatten();
-        curve.points().chain(curve.visible_floor().iter().copied()).chain(triangle)
-    });
-    all.collect()
+fn most_frequent(levels: impl Iterator<Item = u32>) -> Option<u32> {
+    let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+    levels.for_each(|level| *counts.entry(level).or_default() += 1);
+    counts.into_iter().max_by_key(|(_, count)| *count).map(|(level, _)| level)
 }
 
-fn draw_points(
-    canvas: &Canvas<'_>,
-    frame: &Frame,
-    curve: &Curve<'_>,
-    index: usize,
-) -> Result<(), ReportError> {
-    let place = |(x, y): &(f64, f64)| frame.place(*x, *y);
-    let path: Vec<_> = curve.used.iter().map(place).collect();
-    if curve.verdict.and_then(|verdict| verdict.interval).is_none() {
-        canvas.line(&path, colour(index), 4)?;
-    }
-    for point in path {
-        canvas.marker(point, index, colour(index), false)?;
-    }
-    for point in &curve.left_out {
-        canvas.marker(place(point), index, colour(index), true)?;
-    }
-    let floor: Vec<_> = curve.visible_floor().iter().map(place).collect();
-    canvas.dashed(&floor, colour(index), FLOOR_DASHES)?;
-    let Some([fine, corner, coarse]) = curve.triangle() else {
-        return Ok(());
+fn series(curve: &Curve<'_>, level: Option<String>) -> Series {
+    let fitted = fitted(curve);
+    let mut parts = match &fitted {
+        Some(fit) => fit.to_vec(),
+        None => vec![Part::Line(curve.used.clone())],
     };
-    canvas.line(&[fine, corner, coarse, fine].map(|point| place(&point)), INK, 3)?;
-    let order = curve.verdict.map_or_else(String::new, |verdict| cell_texts(verdict)[3].clone());
-    let (x, y) = place(&(corner.0, (corner.1 * coarse.1).sqrt()));
-    canvas.text(&order, (x + 12.0, y), Anchor::Left)
+    parts.push(Part::Points(curve.used.clone()));
+    let rest = [Part::Hollow(curve.left_out.clone()), Part::Dashed(curve.visible_floor().to_vec())];
+    parts.extend(rest.into_iter().filter(|part| !part.points().is_empty()));
+    let mut series = Series::new(norm_label(curve.norm), parts);
+    let judged = curve.verdict.map(|verdict| {
+        let [_, _, _, _, observed, decision, _] = cell_texts(verdict);
+        format!("{observed} {decision}")
+    });
+    series.detail = [level, judged].into_iter().flatten().collect::<Vec<_>>().join("\n");
+    series.slope = curve.slope();
+    series
 }
 
 /// The fitted line through the centre of the points, and the lines of the interval's ends.
-fn draw_fit(
-    canvas: &Canvas<'_>,
-    frame: &Frame,
-    curve: &Curve<'_>,
-    index: usize,
-) -> Result<(), ReportError> {
-    let fitted = curve.verdict.and_then(|verdict| verdict.observed.zip(verdict.interval));
-    let ends = curve.used.first().zip(curve.used.last());
-    let (Some((order, [lo, hi])), Some((first, last))) = (fitted, ends) else {
-        return Ok(());
-    };
+fn fitted(curve: &Curve<'_>) -> Option<[Part; 3]> {
+    let (order, [lo, hi]) = curve.verdict.and_then(|v| v.observed.zip(v.interval))?;
+    let (a, b) = (curve.used.first()?.0, curve.used.last()?.0);
     let count = curve.used.len() as f64;
-    let mean = |f: fn(&(f64, f64)) -> f64| curve.used.iter().map(f).sum::<f64>() / count;
+    let mean = |f: fn(&Datum) -> f64| curve.used.iter().map(f).sum::<f64>() / count;
     let (x, y) = (mean(|point| point.0.ln()), mean(|point| point.1.ln()));
-    let at = |step: f64, slope: f64| frame.place(step, (y + slope * (step.ln() - x)).exp());
-    let centre = frame.place(x.exp(), y.exp());
-    let (a, b) = (first.0, last.0);
-    for corners in [[at(a, lo), centre, at(a, hi)], [at(b, lo), centre, at(b, hi)]] {
-        canvas.fill(&corners, colour(index), 0.22)?;
-    }
-    canvas.line(&[at(a, order), at(b, order)], colour(index), 4)
+    let at = |step: f64, slope: f64| (step, (y + slope * (step.ln() - x)).exp());
+    let centre = (x.exp(), y.exp());
+    let band = |end: f64| Part::Band(vec![at(end, lo), centre, at(end, hi)]);
+    Some([band(a), band(b), Part::Line(vec![at(a, order), at(b, order)])])
 }
 
-fn draw_legend(canvas: &Canvas<'_>, curves: &[Curve<'_>]) -> Result<(), ReportError> {
-    let mut legend = Legend::new(canvas);
-    for (index, curve) in curves.iter().enumerate() {
-        legend.entry(Sample::Curve(index), colour(index), norm_label(curve.norm))?;
-        if let Some(verdict) = curve.verdict {
-            let [_, _, _, _, observed, decision, _] = cell_texts(verdict);
-            legend.entry(Sample::Text, INK, &format!("{observed} {decision}"))?;
-        }
-        legend.space();
+/// What the signs mean that occur.
+fn keys(series: &[Series]) -> Vec<Key> {
+    let occurs = |part: fn(&Part) -> bool| series.iter().flat_map(|s| &s.parts).any(part);
+    let mut keys = Vec::new();
+    if occurs(|part| matches!(part, Part::Band(_))) {
+        keys.push(Key::Band("fitted line, its interval".into()));
     }
-    if curves.iter().any(|curve| curve.verdict.is_some_and(|verdict| verdict.interval.is_some())) {
-        legend.entry(Sample::Band, INK, "fitted line, its interval")?;
+    if occurs(|part| matches!(part, Part::Hollow(_))) {
+        keys.push(Key::Hollow("left out".into()));
     }
-    if curves.iter().any(|curve| curve.triangle().is_some()) {
-        legend.entry(Sample::Text, INK, "triangle: predicted order")?;
+    if occurs(|part| matches!(part, Part::Dashed(_))) {
+        keys.push(Key::Dashed("floor of the solver".into()));
     }
-    if curves.iter().any(|curve| !curve.left_out.is_empty()) {
-        legend.entry(Sample::Hollow, INK, "left out")?;
-    }
-    if curves.iter().any(|curve| !curve.visible_floor().is_empty()) {
-        legend.entry(Sample::Dashed(FLOOR_DASHES), INK, "floor of the solver")?;
-    }
-    Ok(())
+    keys
 }

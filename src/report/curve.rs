@@ -1,24 +1,25 @@
 //! The points of one norm in one direction, with what a verdict says of them.
 
 use super::SceneSummary;
+use super::chart::Datum;
+use super::slope::Slope;
 use crate::fit::{Direction, Point};
-use crate::record::{CaseRecord, V_TIME_MAX, norm_rank};
-use crate::verdict::{Variable, Verdict, line_points};
+use crate::record::{CONTACT_SET_MAX, CaseRecord, V_TIME_MAX, norm_rank};
+use crate::verdict::{Variable, Verdict, cell_texts, line_points};
 
 /// A floor is drawn if it is within three decades of the smallest error: further down it
 /// would only flatten the picture.
 const FLOOR_RANGE: f64 = 1e-3;
 
-/// Distance of the slope triangle below its curve, as a factor.
-const TRIANGLE_BELOW: f64 = 0.55;
-
 /// One norm in the picture: abscissa and error.
 pub(super) struct Curve<'a> {
     pub(super) norm: &'a str,
-    pub(super) used: Vec<(f64, f64)>,
-    pub(super) left_out: Vec<(f64, f64)>,
-    pub(super) floor: Vec<(f64, f64)>,
+    pub(super) used: Vec<Datum>,
+    pub(super) left_out: Vec<Datum>,
+    pub(super) floor: Vec<Datum>,
     pub(super) verdict: Option<&'a Verdict>,
+    /// n of a curve along k, N of one along h.
+    pub(super) fixed: Option<u32>,
 }
 
 /// The norms of a scene, in the order of tables.
@@ -58,6 +59,7 @@ pub(super) fn curve<'a>(
     if used.len() + left_out.len() < 2 {
         return None;
     }
+    let fixed = points.first().and_then(|point| fixed_level(point, records, direction));
     let floor = points.iter().filter(drawable).map(|p| (direction.step(p), p.floor));
     Some(sorted(Curve {
         norm,
@@ -65,11 +67,26 @@ pub(super) fn curve<'a>(
         left_out: left_out.into_iter().map(pair).collect(),
         floor: floor.filter(|(_, floor)| *floor > 0.0 && floor.is_finite()).collect(),
         verdict,
+        fixed,
     }))
 }
 
 fn uses(verdict: &Verdict, point: &Point) -> bool {
     verdict.points_used.iter().any(|used| same_step(used.h, point.h) && used.k == point.k)
+}
+
+/// The level in the other direction of the case that a point belongs to.
+fn fixed_level(point: &Point, records: &[CaseRecord], direction: Direction) -> Option<u32> {
+    let record = case_of(records, point.h, point.k)?;
+    match direction {
+        Direction::Space => Some(record.steps),
+        Direction::Time => record.n,
+    }
+}
+
+fn case_of(records: &[CaseRecord], h: f64, k: f64) -> Option<&CaseRecord> {
+    let here = |record: &&CaseRecord| same_step(record.h.unwrap_or(f64::NAN), h) && record.k == k;
+    records.iter().find(here)
 }
 
 /// Equal, or both absent: an abstract scene has no h.
@@ -80,10 +97,7 @@ fn same_step(a: f64, b: f64) -> bool {
 /// The points of a verdict, with their floors from the records.
 fn judged_points(verdict: &Verdict, records: &[CaseRecord]) -> Vec<Point> {
     let floor = |h: f64, k: f64| {
-        let case = records
-            .iter()
-            .find(|record| same_step(record.h.unwrap_or(f64::NAN), h) && record.k == k);
-        case.and_then(|record| record.norm(&verdict.norm)?.floor).unwrap_or(0.0)
+        case_of(records, h, k).and_then(|record| record.norm(&verdict.norm)?.floor).unwrap_or(0.0)
     };
     let used = verdict.points_used.iter().map(|p| (p.h, p.k, p.error));
     let left_out = verdict.points_left_out.iter().map(|p| (p.h, p.k, p.error));
@@ -98,27 +112,33 @@ fn sorted(mut curve: Curve<'_>) -> Curve<'_> {
 }
 
 impl Curve<'_> {
-    pub(super) fn points(&self) -> impl Iterator<Item = (f64, f64)> {
+    /// Whether the picture shows it. Without a verdict, two kinds of curves are left to the table:
+    /// they would flatten all others. The distance of the locked sets is the length of Γ3 as long
+    /// as one of them is empty, and an error within its floor is none.
+    pub(super) fn is_drawn(&self) -> bool {
+        let above_floor = |(step, error): &Datum| {
+            let floor = self.floor.iter().find(|point| point.0 == *step);
+            floor.is_none_or(|point| *error > point.1)
+        };
+        let readable = self.norm != CONTACT_SET_MAX && self.points().any(|p| above_floor(&p));
+        self.verdict.is_some() || readable
+    }
+
+    pub(super) fn points(&self) -> impl Iterator<Item = Datum> {
         self.used.iter().chain(&self.left_out).copied()
     }
 
     /// The floors, if they are in sight of the errors.
-    pub(super) fn visible_floor(&self) -> &[(f64, f64)] {
+    pub(super) fn visible_floor(&self) -> &[Datum] {
         let lowest = self.points().map(|point| point.1).fold(f64::INFINITY, f64::min);
         let visible = self.floor.iter().all(|(_, floor)| *floor >= FLOOR_RANGE * lowest);
         if visible { &self.floor } else { &[] }
     }
 
-    /// Corners of the triangle of the predicted order below the two finest points that serve:
-    /// finer end, corner, and coarser end, with the slope in between.
-    pub(super) fn triangle(&self) -> Option<[(f64, f64); 3]> {
-        let order = self.verdict?.predicted;
-        let [fine, coarse, ..] = self.used[..] else {
-            return None;
-        };
-        let high = TRIANGLE_BELOW * coarse.1.min(fine.1 * (coarse.0 / fine.0).powf(order));
-        let low = high * (fine.0 / coarse.0).powf(order);
-        let drawable = low > 0.0 && low.is_finite();
-        drawable.then_some([(fine.0, low), (coarse.0, low), (coarse.0, high)])
+    /// The predicted order, between the points that serve.
+    pub(super) fn slope(&self) -> Option<Slope> {
+        let verdict = self.verdict?;
+        let label = cell_texts(verdict)[3].clone();
+        Some(Slope { order: verdict.predicted, label, along: self.used.clone() })
     }
 }

@@ -1,7 +1,7 @@
 //! A page that needs nothing but itself: the verdicts, the pictures, links to the data.
 
 use super::SceneSummary;
-use crate::record::{CaseRecord, Status};
+use crate::record::{CaseRecord, Status, counted};
 use crate::verdict::{Verdict, cell_texts, exit_code};
 
 /// Plain and light; dark where the reader's system is. Pictures keep their white paper.
@@ -10,7 +10,8 @@ const STYLE: &str = "\
 body{font:16px/1.5 system-ui,sans-serif;max-width:68rem;margin:2rem auto;padding:0 1rem}\
 table{border-collapse:collapse;width:100%;font-size:.92rem}\
 th,td{text-align:left;vertical-align:top;padding:.3rem .6rem;border-bottom:1px solid #8886}\
-td:nth-child(5){white-space:pre-line}\
+td:nth-child(-n+2){white-space:nowrap}td:nth-child(5){white-space:pre}\
+dt{font-weight:600}dd{margin-left:2rem;overflow-wrap:anywhere}\
 .scroll{overflow-x:auto}\
 .pass{color:#00734f}.miss{color:#b34700;font-weight:600}\
 figure{margin:1rem 0}figure svg{max-width:100%;height:auto;background:#fff}\
@@ -18,6 +19,8 @@ figure{margin:1rem 0}figure svg{max-width:100%;height:auto;background:#fff}\
 
 /// A picture with its caption.
 pub(super) struct Figure {
+    /// Its name in the directory of the report.
+    pub(super) file: String,
     pub(super) caption: String,
     pub(super) svg: String,
 }
@@ -50,9 +53,9 @@ fn summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
         records.iter().filter(|record| matches!(record.status, Status::Failed { .. })).count();
     let code = exit_code(records, verdicts);
     format!(
-        "{met} of {} verdicts as expected; {} cases, {failed} of them failed. Exit code {code}.",
-        verdicts.len(),
-        records.len()
+        "{met} of {} as expected; {}, {failed} of them failed. Exit code {code}.",
+        counted(verdicts.len(), "verdict"),
+        counted(records.len(), "case")
     )
 }
 
@@ -80,7 +83,7 @@ fn row(verdict: &Verdict) -> String {
 fn section(scene: &SceneSummary, figures: &[Figure]) -> String {
     let figures: String = figures
         .iter()
-        .map(|Figure { caption, svg }| {
+        .map(|Figure { caption, svg, .. }| {
             let caption = escaped(caption);
             format!("<figure>\n{svg}\n<figcaption>{caption}</figcaption>\n</figure>\n")
         })
@@ -94,13 +97,17 @@ fn provenance_list(provenance: &serde_json::Value) -> String {
         return String::new();
     };
     let text = |value: &serde_json::Value| value.as_str().map_or(value.to_string(), str::to_owned);
-    let rows: String = entries
-        .iter()
-        .map(|(key, value)| {
-            format!("<tr><th>{}</th><td>{}</td></tr>\n", escaped(key), escaped(&text(value)))
-        })
-        .collect();
-    format!("<h2>Provenance</h2>\n<table>\n{rows}</table>\n")
+    // Scenes with their hashes come one below the other.
+    let lines = |value: &serde_json::Value| match value.as_object() {
+        Some(inner) => inner.iter().map(|(key, value)| format!("{key} {}", text(value))).collect(),
+        None => vec![text(value)],
+    };
+    let entry = |(key, value): (&String, &serde_json::Value)| {
+        let lines = lines(value).iter().map(|line| escaped(line)).collect::<Vec<_>>();
+        format!("<dt>{}</dt><dd>{}</dd>\n", escaped(key), lines.join("<br>"))
+    };
+    let rows: String = entries.iter().map(entry).collect();
+    format!("<h2>Provenance</h2>\n<dl>\n{rows}</dl>\n")
 }
 
 fn escaped(text: &str) -> String {

@@ -9,12 +9,22 @@ use super::frame::{LINE, RIGHT, TOP};
 /// Characters of plain text in the width of the legend.
 const LEGEND_CHARACTERS: usize = 28;
 
+/// How a line is drawn: in one stroke, or in strokes and gaps of these lengths.
+#[derive(Clone, Copy)]
+pub(super) enum Stroke {
+    Full,
+    Broken((f64, f64)),
+}
+
 /// How a legend shows what it names.
 #[derive(Clone, Copy)]
 pub(super) enum Sample {
-    Curve(usize),
+    /// A line, a marker of this shape, or both.
+    Series {
+        stroke: Option<Stroke>,
+        shape: Option<usize>,
+    },
     Hollow,
-    Dashed((f64, f64)),
     Band,
     Text,
 }
@@ -30,7 +40,7 @@ impl<'a, 'b> Legend<'a, 'b> {
         Self { canvas, y: TOP + 22.0 }
     }
 
-    /// One entry: a sample, and its words in at most four lines. What does not fit the picture
+    /// One entry: a sample, and its words in at most six lines. What does not fit the picture
     /// is left to the table.
     pub(super) fn entry(
         &mut self,
@@ -38,18 +48,23 @@ impl<'a, 'b> Legend<'a, 'b> {
         colour: RGBColor,
         words: &str,
     ) -> Result<(), ReportError> {
-        let (left, middle, right) = (RIGHT + 30.0, RIGHT + 62.0, RIGHT + 94.0);
+        let (left, middle, right) = (RIGHT + 50.0, RIGHT + 82.0, RIGHT + 114.0);
         if self.y > f64::from(SIZE.1) - LINE {
             return Ok(());
         }
         let line = [(left, self.y), (right, self.y)];
         match sample {
-            Sample::Curve(shape) => {
-                self.canvas.line(&line, colour, 4)?;
-                self.canvas.marker((middle, self.y), shape, colour, false)?;
+            Sample::Series { stroke, shape } => {
+                match stroke {
+                    Some(Stroke::Full) => self.canvas.line(&line, colour, 4)?,
+                    Some(Stroke::Broken(pattern)) => self.canvas.dashed(&line, colour, pattern)?,
+                    None => {}
+                }
+                if let Some(shape) = shape {
+                    self.canvas.marker((middle, self.y), shape, colour, false)?;
+                }
             }
             Sample::Hollow => self.canvas.marker((middle, self.y), 0, colour, true)?,
-            Sample::Dashed(pattern) => self.canvas.dashed(&line, colour, pattern)?,
             Sample::Band => {
                 let (top, bottom) = (self.y - 12.0, self.y + 12.0);
                 let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
@@ -57,7 +72,7 @@ impl<'a, 'b> Legend<'a, 'b> {
             }
             Sample::Text => {}
         }
-        for text in wrapped(words, LEGEND_CHARACTERS, 4) {
+        for text in wrapped(words, LEGEND_CHARACTERS, 6) {
             self.canvas.text(&text, (right + 18.0, self.y), Anchor::Left)?;
             self.y += LINE;
         }

@@ -1,30 +1,42 @@
 //! Records and verdicts as files: the table of cases, `verdict.json`, pictures, a page, JUnit.
 //!
-//! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes.
+//! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes. A picture
+//! is a [`Chart`]: series over two axes, with lines at values of either axis.
 
 mod canvas;
+mod chart;
 mod convergence;
 mod curve;
 mod frame;
 mod html;
 mod junit;
 mod legend;
+mod marks;
+mod number;
 mod palette;
+mod ruler;
+mod slope;
 mod surface;
+mod written;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
 pub use junit::write_junit;
+pub use ruler::Scale;
+pub use slope::Slope;
 pub use surface::surface_svg;
+pub use written::remove_earlier;
 
 use crate::fit::Direction;
-use crate::record::{CaseRecord, RecordError, replace_file, write_sorted};
+use crate::record::{CaseRecord, RecordError, write_sorted};
 use crate::verdict::{DocumentError, Verdict, write_json};
 use html::{Figure, page};
+use written::write_listed;
 
 /// What a report says of a scene beside its numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -52,6 +64,14 @@ pub enum ReportError {
     /// `verdict.json` could not be written.
     #[error(transparent)]
     Document(#[from] DocumentError),
+    /// The list of files that an earlier report wrote is not one.
+    #[error("{}: {reason}; delete this list, and the pictures that you have no use for", path.display())]
+    List {
+        /// The list.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
     /// A picture could not be drawn.
     #[error("drawing: {what}")]
     Drawing {
@@ -83,7 +103,8 @@ impl ReportError {
 }
 
 /// Writes cases.csv, verdict.json, index.html and the pictures `SCENE-h.svg`, `SCENE-k.svg` and
-/// `SCENE-hk.svg` into `dir`, which is made if it is not there.
+/// `SCENE-hk.svg` into `dir`, which is made if it is not there. The page and pictures of an earlier
+/// report that this one has no use for are removed; files of others stay.
 ///
 /// # Errors
 /// [`ReportError`]; files written before stay.
@@ -98,16 +119,17 @@ pub fn write_all(
     fs::create_dir_all(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
     write_sorted(&dir.join("cases.csv"), records)?;
     write_json(&dir.join("verdict.json"), provenance, verdicts, records)?;
-    let mut figures = Vec::new();
-    for (scene, stem) in scenes.iter().zip(stems) {
-        figures.push(write_figures(dir, scene, &stem, records, verdicts)?);
-    }
+    let drawn =
+        scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
+    let figures: Vec<Vec<Figure>> = drawn.collect::<Result<_, _>>()?;
     let html = page(scenes, &figures, records, verdicts, provenance);
-    write_text(&dir.join("index.html"), &html)
+    let pictures = figures.iter().flatten().map(|figure| (figure.file.clone(), &*figure.svg));
+    let files: Vec<(String, &str)> = pictures.chain([("index.html".to_owned(), &*html)]).collect();
+    write_listed(dir, &files)
 }
 
-fn write_figures(
-    dir: &Path,
+/// The pictures of a scene, as far as there is something to draw.
+fn figures(
     scene: &SceneSummary,
     stem: &str,
     records: &[CaseRecord],
@@ -115,38 +137,16 @@ fn write_figures(
 ) -> Result<Vec<Figure>, ReportError> {
     let along = |direction| convergence_svg(scene, records, verdicts, direction);
     let drawn = [
-        ("h", "error against h, at the finest time step", along(Direction::Space)?),
-        ("k", "error against k, on the finest mesh", along(Direction::Time)?),
+        ("h", "error against h, at the number N of time steps named", along(Direction::Space)?),
+        ("k", "error against k, on the mesh n named", along(Direction::Time)?),
         ("hk", "error against k, one curve an h", surface_svg(scene, records)?),
     ];
-    let mut figures = Vec::new();
-    for (suffix, caption, svg) in drawn {
-        let path = dir.join(format!("{stem}-{suffix}.svg"));
-        match svg {
-            Some(svg) => {
-                write_text(&path, &svg)?;
-                let caption = format!("{}: {caption}.", scene.name);
-                figures.push(Figure { caption, svg });
-            }
-            None => remove_stale(&path)?,
-        }
-    }
-    Ok(figures)
-}
-
-/// A picture of an earlier run would be taken for one of this.
-fn remove_stale(path: &Path) -> Result<(), ReportError> {
-    match fs::remove_file(path) {
-        Err(source) if source.kind() != io::ErrorKind::NotFound => {
-            Err(ReportError::Io { path: path.to_owned(), source })
-        }
-        _ => Ok(()),
-    }
-}
-
-fn write_text(path: &Path, text: &str) -> Result<(), ReportError> {
-    replace_file(path, text.as_bytes())
-        .map_err(|source| ReportError::Io { path: path.to_owned(), source })
+    let figure = |(suffix, caption, svg): (&str, &str, Option<String>)| {
+        let (file, caption) =
+            (format!("{stem}-{suffix}.svg"), format!("{}: {caption}.", scene.name));
+        svg.map(|svg| Figure { file, caption, svg })
+    };
+    Ok(drawn.into_iter().filter_map(figure).collect())
 }
 
 /// File names of the scenes: letters, digits, dot, dash and underscore.

@@ -1,17 +1,12 @@
 //! The error over h and k: against k, one curve an h, with the fitted joint model.
 
-use super::ReportError;
-use super::SceneSummary;
-use super::canvas::Canvas;
+use super::chart::{Axis, Chart, Datum, Key, Part, Series};
 use super::curve::norms;
-use super::frame::{Frame, Title, step_label};
-use super::legend::{Legend, Sample};
-use super::palette::{INK, colour};
+use super::number::step_label;
+use super::ruler::Scale;
+use super::{ReportError, SceneSummary};
 use crate::fit::{JointFit, Point, joint_fits, screen};
 use crate::record::{CaseRecord, norm_label};
-
-/// Strokes of the model, shorter than their gaps: dots.
-const DOTS: (f64, f64) = (4.0, 9.0);
 
 /// Intervals of the model's curve: more would not be seen.
 const MODEL_PIECES: i32 = 48;
@@ -31,43 +26,39 @@ pub fn surface_svg(
         return Ok(None);
     };
     let points: Vec<Point> = curves.iter().flatten().copied().collect();
-    let data: Vec<(f64, f64)> = points.iter().map(|point| (point.k, point.error)).collect();
-    let Some(frame) = Frame::new(&data) else {
-        return Ok(None);
-    };
-    let fitted = joint_fits(&points, false);
-    let title = Title {
-        scene: &scene.name,
-        question: &scene.question,
-        x_label: "time step k = T/N",
-        y_label: norm_label(norm),
-    };
-    let mut svg = String::new();
-    let canvas = Canvas::new(&mut svg)?;
-    frame.draw(&canvas, &title)?;
-    draw_curves(&canvas, &frame, &curves, fitted.as_ref().ok().map(|fits| &fits.best))?;
-    draw_legend(&canvas, &curves, fitted.map(|fits| fits.best).map_err(|error| error.to_string()))?;
-    canvas.finish()?;
-    Ok(Some(svg))
+    let x = Axis::new("time step k = T/N", Scale::Steps);
+    let y = Axis::new(norm_label(norm), Scale::Log);
+    let mut chart = Chart::new(&scene.name, &scene.question, x, y);
+    chart.series = curves.iter().map(|curve| series(curve)).collect();
+    match joint_fits(&points, false) {
+        Ok(fits) => chart.series.push(model(&fits.best, &curves)),
+        Err(reason) => chart.note = reason.to_string(),
+    }
+    if chart.series.iter().flat_map(|s| &s.parts).any(|part| matches!(part, Part::Hollow(_))) {
+        chart.keys.push(Key::Hollow("below floor".into()));
+    }
+    chart.svg()
 }
 
-fn draw_curves(
-    canvas: &Canvas<'_>,
-    frame: &Frame,
-    curves: &[Vec<Point>],
-    model: Option<&JointFit>,
-) -> Result<(), ReportError> {
-    for (index, curve) in curves.iter().enumerate() {
-        let path: Vec<_> = curve.iter().map(|point| frame.place(point.k, point.error)).collect();
-        canvas.line(&path, colour(index), 3)?;
-        if let Some(model) = model {
-            canvas.dashed(&model_path(frame, model, curve), INK, DOTS)?;
-        }
-        for (place, point) in path.into_iter().zip(curve) {
-            canvas.marker(place, index, colour(index), screen(point).is_err())?;
-        }
+/// The points of one h, those below the floor hollow.
+fn series(curve: &[Point]) -> Series {
+    let line = |points: &[&Point]| points.iter().map(|p| (p.k, p.error)).collect::<Vec<Datum>>();
+    let all: Vec<&Point> = curve.iter().collect();
+    let (good, lost): (Vec<&Point>, Vec<&Point>) = curve.iter().partition(|p| screen(p).is_ok());
+    let mut parts = vec![Part::Line(line(&all)), Part::Points(line(&good))];
+    if !lost.is_empty() {
+        parts.push(Part::Hollow(line(&lost)));
     }
-    Ok(())
+    let h = curve.first().map_or(f64::NAN, |point| point.h);
+    Series::new(format!("h = {}", step_label(h)), parts)
+}
+
+/// The model on the curve of every h.
+fn model(fit: &JointFit, curves: &[Vec<Point>]) -> Series {
+    let (p, q) = (fit.order_h.value, fit.order_k.value);
+    let words = format!("model {}: p = {p:.2} in h, q = {q:.2} in k", fit.model.name());
+    let parts = curves.iter().map(|curve| Part::Dotted(model_path(fit, curve))).collect();
+    Series { grey: true, ..Series::new(words, parts) }
 }
 
 /// The points that can be drawn, one curve an h from coarse to fine, along falling k.
@@ -87,36 +78,12 @@ fn is_grid(curves: &[Vec<Point>]) -> bool {
     curves.len() >= 2 && curves.iter().any(|curve| curve.len() >= 2)
 }
 
-fn model_path(frame: &Frame, model: &JointFit, curve: &[Point]) -> Vec<(f64, f64)> {
+fn model_path(model: &JointFit, curve: &[Point]) -> Vec<Datum> {
     let (Some(first), Some(last)) = (curve.first(), curve.last()) else {
         return Vec::new();
     };
     (0..=MODEL_PIECES)
         .map(|i| first.k * (last.k / first.k).powf(f64::from(i) / f64::from(MODEL_PIECES)))
-        .map(|k| frame.place(k, model.error(first.h, k)))
+        .map(|k| (k, model.error(first.h, k)))
         .collect()
-}
-
-fn draw_legend(
-    canvas: &Canvas<'_>,
-    curves: &[Vec<Point>],
-    model: Result<JointFit, String>,
-) -> Result<(), ReportError> {
-    let mut legend = Legend::new(canvas);
-    for (index, point) in curves.iter().filter_map(|curve| curve.first()).enumerate() {
-        let words = format!("h = {}", step_label(point.h));
-        legend.entry(Sample::Curve(index), colour(index), &words)?;
-    }
-    if curves.iter().flatten().any(|point| screen(point).is_err()) {
-        legend.entry(Sample::Hollow, INK, "below floor")?;
-    }
-    legend.space();
-    match model {
-        Ok(fit) => {
-            let (p, q) = (fit.order_h.value, fit.order_k.value);
-            let words = format!("model {}: p = {p:.2} in h, q = {q:.2} in k", fit.model.name());
-            legend.entry(Sample::Dashed(DOTS), INK, &words)
-        }
-        Err(reason) => legend.entry(Sample::Text, INK, &reason),
-    }
 }

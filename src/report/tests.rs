@@ -122,6 +122,75 @@ fn nothing_to_draw_draws_nothing() {
     assert!(surface_svg(&scene, &records).unwrap().is_none());
 }
 
+/// The picture of one scene in one direction.
+fn picture(records: &[CaseRecord], verdicts: &[Verdict], direction: Direction) -> String {
+    let scene = SceneSummary { name: "s".into(), question: String::new() };
+    convergence_svg(&scene, records, verdicts, direction).unwrap().unwrap()
+}
+
+/// The distance of the locked sets, a flat line, is left to the table unless it is judged.
+#[test]
+fn the_contact_set_is_named_where_it_is_not_drawn() {
+    let mut records = example("s");
+    let without = picture(&records, &[], Direction::Space);
+    assert!(!without.contains("locked sets"));
+    for record in &mut records {
+        let (norm, error, floor) = ("contact_set_max".into(), Some(1.0), Some(0.0));
+        record.errors.push(NormError { norm, error, floor });
+    }
+    let circles = |svg: &str| svg.matches("<polygon").count() + svg.matches("<circle").count();
+    let unjudged = picture(&records, &[], Direction::Space);
+    assert!(unjudged.contains("locked sets") && unjudged.contains("cases.csv"));
+    assert_eq!(circles(&unjudged), circles(&without), "no marker more");
+    let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
+    let prediction = Prediction {
+        norm: "contact_set_max".into(),
+        variable: Variable::H,
+        order: 1.0,
+        order_k: None,
+        at_least: false,
+        exact: false,
+        why: "nothing".into(),
+        window_n: None,
+        window_steps: None,
+    };
+    let verdict = judge("s", &records, &keys, &prediction, Expect::Pass);
+    let judged = picture(&records, &[verdict], Direction::Space);
+    assert!(judged.contains("locked sets") && !judged.contains("cases.csv"));
+    assert!(circles(&judged) > circles(&without));
+}
+
+/// Rounding is no error: a curve at 1e-17 would flatten all others.
+#[test]
+fn errors_within_their_floor_are_named_where_they_are_not_drawn() {
+    let mut records = example("s");
+    let before = picture(&records, &[], Direction::Space);
+    assert!(before.contains("u_hν") && !before.contains("not drawn"));
+    for entry in records.iter_mut().flat_map(|record| &mut record.errors) {
+        if entry.norm == "trace_L2_max" {
+            (entry.error, entry.floor) = (Some(3e-17), Some(5e-17));
+        }
+    }
+    let after = picture(&records, &[], Direction::Space);
+    assert!(after.contains("not drawn, in cases.csv:") && !after.contains("10⁻¹⁶"));
+}
+
+/// Curves of one picture say from which mesh they are, each of its own where they differ.
+#[test]
+fn curves_name_their_mesh() {
+    let mut records = example("s");
+    let same = picture(&records, &[], Direction::Time);
+    assert_eq!(same.matches("n = 128").count(), 1, "once, at the axis");
+    assert_eq!(picture(&records, &[], Direction::Space).matches("N = 128").count(), 1);
+    // The time error is measured on one coarse mesh alone.
+    for record in records.iter_mut().filter(|record| record.n != Some(32)) {
+        record.errors.retain(|entry| entry.norm != "V_time_max");
+    }
+    let mixed = picture(&records, &[], Direction::Time);
+    assert_eq!((mixed.matches("n = 32").count(), mixed.matches("n = 128").count()), (1, 1));
+    assert!(mixed.contains("n = 128 where not named"));
+}
+
 #[test]
 fn two_scenes_do_not_share_a_file() {
     let scene = |name: &str| SceneSummary { name: name.into(), question: String::new() };

@@ -1,12 +1,12 @@
-//! Where records come from: program, machine, scenes with the hashes of their texts.
+//! Where records come from: program, machine, scenes with their texts and the hashes of these.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::ScenePlan;
 use crate::record::replace_file;
+use crate::scene::{Scene, SceneError, Source};
 
 /// What a directory of records was made with. No dates: equal runs give equal files.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,28 +17,49 @@ pub struct Provenance {
     pub platform: String,
     /// Hash of each scene's text.
     pub scenes: BTreeMap<String, String>,
+    /// Each scene's text: the records can be judged by it wherever its file is.
+    #[serde(default)]
+    pub texts: BTreeMap<String, String>,
 }
 
 /// Name of the file in the output directory.
 pub const FILE: &str = "provenance.json";
 
 impl Provenance {
-    /// The provenance of a run of `plans`.
-    pub fn new(plans: &[ScenePlan]) -> Self {
+    /// The provenance of records of these scenes.
+    pub fn new<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Self {
+        let named = scenes.map(|scene| (scene.name.clone(), &scene.source));
+        let sources: BTreeMap<String, &Source> = named.collect();
+        let each = |value: fn(&Source) -> &String| {
+            sources.iter().map(|(name, source)| (name.clone(), value(source).clone())).collect()
+        };
         Self {
             version: env!("CARGO_PKG_VERSION").to_string(),
             platform: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
-            scenes: plans
-                .iter()
-                .map(|plan| {
-                    let scene = plan.scene();
-                    (scene.name.clone(), scene.source.hash.clone())
-                })
-                .collect(),
+            scenes: each(|source| &source.hash),
+            texts: each(|source| &source.text),
         }
     }
 
-    /// As JSON, for `verdict.json`.
+    /// The scene that the records in `dir` were made with; `None` if its text is not kept there.
+    ///
+    /// # Errors
+    /// The text is at fault, or not the one that its hash was taken of.
+    pub fn scene(&self, dir: &Path, name: &str) -> Result<Option<Scene>, SceneError> {
+        let Some(text) = self.texts.get(name) else {
+            return Ok(None);
+        };
+        let path = format!("{} ({name})", dir.join(FILE).display());
+        let scene = Scene::from_source(Source::from_text(path, text.as_str()))?;
+        if scene.name != name || self.scenes.get(name) != Some(&scene.source.hash) {
+            let message = "the text kept here is not the one that the records were made with";
+            let hint = "run the scene again, or name the folder of its text with --scenes";
+            return Err(scene.error("scene.name", message, hint));
+        }
+        Ok(Some(scene))
+    }
+
+    /// As JSON, for `verdict.json`: without the texts.
     pub fn json(&self) -> serde_json::Value {
         serde_json::json!({
             "program": "gronwall",

@@ -32,7 +32,7 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Vec<CaseRecord>, Resume
     let known = Provenance::read(dir)
         .map_err(|(path, reason)| ResumeError::Provenance { path, reason })?
         .ok_or_else(|| different("records without provenance.json".into()))?;
-    let own = Provenance::new(plans);
+    let own = Provenance::new(plans.iter().map(|plan| plan.scene()));
     if known.version != own.version {
         return Err(different(format!(
             "the records are of version {}, this is {}",

@@ -8,7 +8,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use super::{Provenance, ResumeError, resume, run_abstract_case, run_contact_case};
 use crate::norms::ReferenceRun;
-use crate::record::{CaseRecord, Journal, RecordError, Status};
+use crate::record::{CaseRecord, Journal, RecordError, Status, counted};
+use crate::report::{ReportError, remove_earlier};
 use crate::scene::Norm;
 use crate::setup::{MeshData, Setup, Subject, reference_run};
 
@@ -24,8 +25,11 @@ pub enum SweepError {
     /// The directory cannot be made or written.
     #[error("{}: {reason}", path.display())]
     Directory { path: PathBuf, reason: String },
+    /// What an earlier report left cannot be removed.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// The threads could not be started.
-    #[error("starting {jobs} threads: {reason}")]
+    #[error("starting {}: {reason}", counted(*jobs, "thread"))]
     Threads { jobs: usize, reason: String },
 }
 
@@ -108,12 +112,15 @@ fn prepare(plans: &[ScenePlan], out: &Path, known: &[CaseRecord]) -> Result<Jour
     let refused = |(path, reason)| SweepError::Directory { path, reason };
     std::fs::create_dir_all(out).map_err(|error| refused((out.to_owned(), error.to_string())))?;
     let table = out.join("cases.csv");
-    // Killed at any point, the directory must hold no table without its provenance, and no old
-    // table beside a new one: the old table goes first, the new one comes last.
-    if known.is_empty() && table.exists() {
-        std::fs::remove_file(&table).map_err(|e| refused((table.clone(), e.to_string())))?;
+    // Killed at any point, the directory must hold no table without its provenance, and nothing of
+    // an old table beside a new one: page, pictures, verdicts and the old table go first, the new
+    // one comes last.
+    remove_earlier(out)?;
+    let old = [Some(out.join("verdict.json")), known.is_empty().then(|| table.clone())];
+    for path in old.into_iter().flatten().filter(|path| path.exists()) {
+        std::fs::remove_file(&path).map_err(|e| refused((path, e.to_string())))?;
     }
-    Provenance::new(plans).write(out).map_err(refused)?;
+    Provenance::new(plans.iter().map(|plan| plan.scene())).write(out).map_err(refused)?;
     crate::record::write_sorted(&table, known)?;
     Ok(Journal::open(&table)?)
 }

@@ -1,0 +1,303 @@
+//! A picture of series over two axes: what every picture of a report is made of.
+
+use super::ReportError;
+use super::canvas::{Canvas, Place};
+use super::frame::Frame;
+use super::legend::{Legend, Sample, Stroke};
+use super::marks::{draw_marks, mark_entries};
+use super::palette::{INK, colour};
+use super::ruler::Scale;
+use super::slope::{self, Slope};
+use plotters::style::RGBColor;
+
+/// A point of the data: x and y.
+pub type Datum = (f64, f64);
+
+/// An axis: what it measures (with its unit, if it has one), and how it is divided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// The words beside it.
+    pub label: String,
+    /// How it is divided.
+    pub scale: Scale,
+}
+
+/// A part of a series. A point without a place (not finite, or not positive on a logarithmic
+/// axis) is not drawn, and a line is interrupted there.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Part {
+    /// A line through the points.
+    Line(Vec<Datum>),
+    /// A line of strokes.
+    Dashed(Vec<Datum>),
+    /// A line of dots.
+    Dotted(Vec<Datum>),
+    /// A marker a point.
+    Points(Vec<Datum>),
+    /// A hollow marker a point: what is shown and does not count.
+    Hollow(Vec<Datum>),
+    /// A light area with these corners.
+    Band(Vec<Datum>),
+}
+
+/// What belongs to one name: one colour, one shape of markers, one entry of the legend.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Series {
+    /// Its words in the legend; without any it has no entry.
+    pub name: String,
+    /// More lines of words below its name.
+    pub detail: String,
+    /// What is drawn.
+    pub parts: Vec<Part>,
+    /// In grey, where it belongs to all other series; else in the next colour.
+    pub grey: bool,
+    /// A triangle of the predicted order near it, if both axes are logarithmic.
+    pub slope: Option<Slope>,
+}
+
+/// A line across the picture at a value of one axis, drawn with a letter at its end. A value
+/// without a place (a threshold that is infinite) has its words in the legend and no line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// The value.
+    pub at: f64,
+    /// Its words in the legend.
+    pub label: String,
+}
+
+/// What a sign of the picture means, where no series says it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Key {
+    /// Of an area.
+    Band(String),
+    /// Of hollow markers.
+    Hollow(String),
+    /// Of dashed lines.
+    Dashed(String),
+}
+
+/// A picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Chart {
+    /// Its first line, in bold.
+    pub title: String,
+    /// One or two lines below.
+    pub question: String,
+    /// The axis below.
+    pub x: Axis,
+    /// The axis at the left.
+    pub y: Axis,
+    /// What is drawn; the legend keeps this order.
+    pub series: Vec<Series>,
+    /// Lines at values of x.
+    pub verticals: Vec<Mark>,
+    /// Lines at values of y.
+    pub horizontals: Vec<Mark>,
+    /// What signs mean.
+    pub keys: Vec<Key>,
+    /// Words at the end of the legend.
+    pub note: String,
+}
+
+impl Axis {
+    /// An axis.
+    pub fn new(label: impl Into<String>, scale: Scale) -> Self {
+        Self { label: label.into(), scale }
+    }
+}
+
+impl Series {
+    /// A series of these parts.
+    pub fn new(name: impl Into<String>, parts: Vec<Part>) -> Self {
+        Self { name: name.into(), detail: String::new(), parts, grey: false, slope: None }
+    }
+
+    fn sample(&self, shape: usize) -> Sample {
+        let marker = self.parts.iter().any(Part::has_markers);
+        let stroke = self.parts.iter().find_map(|part| match part {
+            Part::Line(_) => Some(Stroke::Full),
+            Part::Dashed(_) => Some(Stroke::Broken(DASHES)),
+            Part::Dotted(_) => Some(Stroke::Broken(DOTS)),
+            Part::Points(_) | Part::Hollow(_) | Part::Band(_) => None,
+        });
+        Sample::Series { stroke, shape: marker.then_some(shape) }
+    }
+}
+
+/// Strokes and gaps of dashed lines, and of dotted ones: shorter than their gaps.
+const DASHES: (f64, f64) = (14.0, 10.0);
+const DOTS: (f64, f64) = (4.0, 9.0);
+
+/// How often the axis is lengthened downwards by a decade to make room for the triangles.
+const LONGER: i32 = 3;
+
+impl Part {
+    pub(super) fn points(&self) -> &[Datum] {
+        match self {
+            Part::Line(points)
+            | Part::Dashed(points)
+            | Part::Dotted(points)
+            | Part::Points(points)
+            | Part::Hollow(points)
+            | Part::Band(points) => points,
+        }
+    }
+
+    pub(super) fn has_markers(&self) -> bool {
+        matches!(self, Part::Points(_) | Part::Hollow(_))
+    }
+
+    /// Areas lie below lines, lines below markers.
+    fn layer(&self) -> usize {
+        match self {
+            Part::Band(_) => 0,
+            Part::Line(_) | Part::Dashed(_) | Part::Dotted(_) => 1,
+            Part::Points(_) | Part::Hollow(_) => 2,
+        }
+    }
+}
+
+impl Chart {
+    /// A chart without series.
+    pub fn new(title: &str, question: &str, x: Axis, y: Axis) -> Self {
+        Self {
+            title: title.to_owned(),
+            question: question.to_owned(),
+            x,
+            y,
+            series: Vec::new(),
+            verticals: Vec::new(),
+            horizontals: Vec::new(),
+            keys: Vec::new(),
+            note: String::new(),
+        }
+    }
+
+    /// The picture as SVG; none if no point has a place.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
+    pub fn svg(&self) -> Result<Option<String>, ReportError> {
+        let Some((frame, slopes)) = self.arranged() else {
+            return Ok(None);
+        };
+        let mut svg = String::new();
+        let canvas = Canvas::new(&mut svg)?;
+        frame.draw(&canvas, self)?;
+        draw_marks(&canvas, &frame, self)?;
+        for layer in 0..3 {
+            for (series, (ink, shape)) in self.series.iter().zip(self.inks()) {
+                for part in series.parts.iter().filter(|part| part.layer() == layer) {
+                    self.draw_part(&canvas, &frame, part, ink, shape)?;
+                }
+            }
+        }
+        for placed in &slopes {
+            placed.draw(&canvas, self.inks()[placed.series].0)?;
+        }
+        self.draw_legend(&canvas, !slopes.is_empty())?;
+        canvas.finish()?;
+        Ok(Some(svg))
+    }
+
+    /// The axes, long enough that every triangle finds a place; if it does not, it is left out.
+    fn arranged(&self) -> Option<(Frame, Vec<slope::Placed>)> {
+        let mut frame = Frame::new(self, &[])?;
+        let wanted = self.series.iter().filter(|series| series.slope.is_some()).count();
+        let mut slopes = slope::place(self, &frame);
+        let heights = self.series.iter().flat_map(|s| &s.parts).flat_map(|p| p.points());
+        let lowest = heights.map(|p| p.1).filter(|y| self.y.scale.holds(*y));
+        let lowest = lowest.fold(f64::INFINITY, f64::min);
+        for decades in 1..=LONGER {
+            if slopes.len() == wanted {
+                break;
+            }
+            let longer = Frame::new(self, &[lowest * 10f64.powi(-decades)])?;
+            let found = slope::place(self, &longer);
+            if found.len() > slopes.len() {
+                (frame, slopes) = (longer, found);
+            }
+        }
+        Some((frame, slopes))
+    }
+
+    /// Colour and shape of each series.
+    fn inks(&self) -> Vec<(RGBColor, usize)> {
+        let mut next = 0;
+        let ink = |series: &Series| {
+            if series.grey {
+                return (INK, 0);
+            }
+            next += 1;
+            (colour(next - 1), next - 1)
+        };
+        self.series.iter().map(ink).collect()
+    }
+
+    /// The places of a part, cut where a point has none.
+    pub(super) fn runs(&self, frame: &Frame, part: &Part) -> Vec<Vec<Place>> {
+        let holds = |p: &Datum| self.x.scale.holds(p.0) && self.y.scale.holds(p.1);
+        let pieces = part.points().split(|point| !holds(point));
+        pieces
+            .filter(|piece| !piece.is_empty())
+            .map(|piece| piece.iter().map(|point| frame.place(*point)).collect())
+            .collect()
+    }
+
+    fn draw_part(
+        &self,
+        canvas: &Canvas<'_>,
+        frame: &Frame,
+        part: &Part,
+        ink: RGBColor,
+        shape: usize,
+    ) -> Result<(), ReportError> {
+        for run in self.runs(frame, part) {
+            match part {
+                Part::Line(_) => canvas.line(&run, ink, 4)?,
+                Part::Dashed(_) => canvas.dashed(&run, ink, DASHES)?,
+                Part::Dotted(_) => canvas.dashed(&run, ink, DOTS)?,
+                Part::Band(_) => canvas.fill(&run, ink, 0.22)?,
+                Part::Points(_) | Part::Hollow(_) => {
+                    let hollow = matches!(part, Part::Hollow(_));
+                    run.into_iter().try_for_each(|at| canvas.marker(at, shape, ink, hollow))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_legend(&self, canvas: &Canvas<'_>, triangles: bool) -> Result<(), ReportError> {
+        let mut legend = Legend::new(canvas);
+        for (series, (ink, shape)) in self.series.iter().zip(self.inks()) {
+            if !series.name.is_empty() {
+                legend.entry(series.sample(shape), ink, &series.name)?;
+                for words in series.detail.lines() {
+                    legend.entry(Sample::Text, INK, words)?;
+                }
+                legend.space();
+            }
+        }
+        for (sample, words) in mark_entries(self) {
+            legend.entry(sample, INK, &words)?;
+        }
+        for key in &self.keys {
+            let (sample, words) = match key {
+                Key::Band(words) => (Sample::Band, words),
+                Key::Hollow(words) => (Sample::Hollow, words),
+                Key::Dashed(words) => {
+                    (Sample::Series { stroke: Some(Stroke::Broken(DASHES)), shape: None }, words)
+                }
+            };
+            legend.entry(sample, INK, words)?;
+        }
+        if triangles {
+            legend.entry(Sample::Text, INK, "triangle: predicted order")?;
+        }
+        legend.space();
+        legend.entry(Sample::Text, INK, &self.note)
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,225 @@
+//! One axis: where a value stands on it, and its ticks.
+
+use super::number::{decimal, power, step_label, with_decimals};
+
+/// How an axis is divided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Scale {
+    /// Equal steps of 1, 2 or 5 times a power of ten.
+    Linear,
+    /// Logarithmic, ticks at powers of ten, and at 2 and 5 where there is room.
+    Log,
+    /// Logarithmic, ticks at the values of the data: step sizes, written 1/n where they are.
+    Steps,
+}
+
+/// A tick; one without a label is a short stroke, one with a label has a line of the grid.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Tick {
+    pub(super) at: f64,
+    pub(super) label: Option<String>,
+}
+
+/// An axis of a given length on the canvas.
+#[derive(Debug)]
+pub(super) struct Ruler {
+    scale: Scale,
+    /// The ends, logarithms to base ten on a logarithmic axis.
+    ends: [f64; 2],
+    pub(super) ticks: Vec<Tick>,
+}
+
+/// Length of an axis and the distance that its labels need, in units of the canvas.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Room {
+    pub(super) length: f64,
+    pub(super) label: f64,
+}
+
+/// Share of the range that is left free at either end.
+const MARGIN: f64 = 0.03;
+
+/// Ticks within a decade.
+const DIGITS: [i64; 3] = [1, 2, 5];
+
+impl Scale {
+    /// Whether a value has a place.
+    pub(super) fn holds(self, value: f64) -> bool {
+        value.is_finite() && (self == Scale::Linear || value > 0.0)
+    }
+
+    fn measure(self, value: f64) -> f64 {
+        if self == Scale::Linear { value } else { value.log10() }
+    }
+}
+
+impl Ruler {
+    /// The axis that shows all of `data`, and `marks` beside it, as far as they have a place;
+    /// none without data.
+    pub(super) fn new(scale: Scale, data: &[f64], marks: &[f64], room: Room) -> Option<Self> {
+        let mut levels: Vec<f64> = data.iter().copied().filter(|v| scale.holds(*v)).collect();
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        levels.first()?;
+        let all = levels.iter().chain(marks.iter().filter(|v| scale.holds(**v)));
+        let measured = all.map(|v| scale.measure(*v));
+        let range =
+            measured.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], v| [lo.min(v), hi.max(v)]);
+        let (ends, mut ticks) = match scale {
+            Scale::Linear => linear(range, room),
+            Scale::Log => logarithmic(range, room),
+            Scale::Steps => steps(range, &levels, room),
+        };
+        ticks.retain(|tick| scale.holds(tick.at));
+        Some(Self { scale, ends, ticks })
+    }
+
+    /// Share of the axis below a value; outside of 0 to 1 beyond the ends.
+    pub(super) fn share(&self, value: f64) -> f64 {
+        (self.scale.measure(value) - self.ends[0]) / (self.ends[1] - self.ends[0])
+    }
+
+    /// Share of the axis that a decade takes; none on a linear one.
+    pub(super) fn decade(&self) -> Option<f64> {
+        (self.scale != Scale::Linear).then(|| 1.0 / (self.ends[1] - self.ends[0]))
+    }
+}
+
+fn linear([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
+    // A single value stands in the middle of an axis as wide as itself.
+    let half = if hi > lo { 0.0 } else { 0.5 * lo.abs().max(f64::MIN_POSITIVE) };
+    let (lo, hi) = (lo - half, hi + half);
+    let most = (room.length / room.label).floor().max(2.0);
+    let digits = |exponent: i32| DIGITS.map(|digit| digit as f64 * 10f64.powi(exponent));
+    let exponent = ((hi - lo) / most).log10().floor() as i32;
+    let sizes = digits(exponent).into_iter().chain(digits(exponent + 1));
+    let step = sizes.into_iter().find(|size| (hi - lo) / size <= most).unwrap_or(hi - lo);
+    let (first, last) = ((lo / step + 1e-9).floor(), (hi / step - 1e-9).ceil());
+    let margin = MARGIN * step * (last - first);
+    // 10 of them at most: sizes grow by 2.5 at most from one to the next.
+    let ticks = (0..=(last - first) as i64).map(|i| {
+        let at = step * (first + i as f64);
+        Tick { at, label: Some(with_decimals(at, step)) }
+    });
+    ([step * first - margin, step * last + margin], ticks.collect())
+}
+
+fn steps([lo, hi]: [f64; 2], levels: &[f64], room: Room) -> ([f64; 2], Vec<Tick>) {
+    let margin = (0.08 * (hi - lo)).max(0.08);
+    let ends = [lo - margin, hi + margin];
+    let place = |level: f64| room.length * (level.log10() - ends[0]) / (ends[1] - ends[0]);
+    let mut free_from = f64::NEG_INFINITY;
+    let ticks = levels.iter().map(|&at| {
+        let free = place(at) >= free_from;
+        if free {
+            free_from = place(at) + room.label;
+        }
+        Tick { at, label: free.then(|| step_label(at)) }
+    });
+    let ticks = ticks.collect();
+    (ends, ticks)
+}
+
+/// The i-th tick of the sequence …, 0.5, 1, 2, 5, 10, …, 1 being the 0-th: digit and exponent.
+fn member(i: i64) -> (i64, i64) {
+    (DIGITS[i.rem_euclid(3) as usize], i.div_euclid(3))
+}
+
+fn measured((digit, exponent): (i64, i64)) -> f64 {
+    (digit as f64).log10() + exponent as f64
+}
+
+/// The number nearest to it; zero or infinite beyond the range of doubles, where no tick is drawn.
+fn value((digit, exponent): (i64, i64)) -> f64 {
+    format!("{digit}e{exponent}").parse().unwrap_or(f64::NAN)
+}
+
+fn logarithmic([lo, hi]: [f64; 2], room: Room) -> ([f64; 2], Vec<Tick>) {
+    let margin = (MARGIN * (hi - lo)).max(MARGIN);
+    // The sequence has three members a decade, at most 0.4 decades apart.
+    let mut first = (3.0 * (lo - margin)).floor() as i64 + 1;
+    while measured(member(first)) > lo - margin {
+        first -= 1;
+    }
+    let mut last = (3.0 * (hi + margin)).ceil() as i64 - 1;
+    while measured(member(last)) < hi + margin {
+        last += 1;
+    }
+    let ends = [measured(member(first)), measured(member(last))];
+    let decade = room.length / (ends[1] - ends[0]);
+    if decade * 2f64.log10() >= room.label {
+        let ticks = (first..=last).map(|i| {
+            let (digit, exponent) = member(i);
+            let label = Some(decimal(digit, exponent));
+            Tick { at: value((digit, exponent)), label }
+        });
+        let strokes = strokes(first, last, |digit| !DIGITS.contains(&digit));
+        return (ends, ticks.chain(strokes).collect());
+    }
+    let (low, high) = ((first + 2).div_euclid(3), last.div_euclid(3));
+    let every = (room.label / decade).ceil().max(1.0) as i64;
+    let ticks = (low..=high).filter(|exponent| (exponent - low) % every == 0);
+    let ticks = ticks.map(|e| Tick { at: value((1, e)), label: Some(power(e)) });
+    let strokes = (every == 1).then(|| strokes(first, last, |digit| digit > 1));
+    (ends, ticks.chain(strokes.into_iter().flatten()).collect())
+}
+
+/// The digits of all decades from the first to the last member that a rule keeps, without labels.
+fn strokes(first: i64, last: i64, keep: impl Fn(i64) -> bool) -> impl Iterator<Item = Tick> {
+    let decades = first.div_euclid(3)..=last.div_euclid(3);
+    let ends = [measured(member(first)), measured(member(last))];
+    let all = decades.flat_map(|exponent| (1..10).map(move |digit| (digit, exponent)));
+    all.filter(move |(digit, _)| keep(*digit))
+        .filter(move |tick| (ends[0]..=ends[1]).contains(&measured(*tick)))
+        .map(|tick| Tick { at: value(tick), label: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROOM: Room = Room { length: 800.0, label: 80.0 };
+
+    fn labels(scale: Scale, data: &[f64]) -> Vec<String> {
+        let ruler = Ruler::new(scale, data, &[], ROOM).unwrap();
+        assert!(data.iter().all(|v| (0.0..=1.0).contains(&ruler.share(*v))), "{ruler:?}");
+        let mut ticks = ruler.ticks;
+        assert!(ticks.iter().all(|tick| tick.at.is_finite()), "{ticks:?}");
+        ticks.sort_by(|a, b| a.at.total_cmp(&b.at));
+        ticks.into_iter().filter_map(|tick| tick.label).collect()
+    }
+
+    #[test]
+    fn a_wide_range_has_decades_a_narrow_one_digits() {
+        assert_eq!(labels(Scale::Log, &[3e-6, 2e-2]), ["10⁻⁵", "10⁻⁴", "10⁻³", "10⁻²"]);
+        assert_eq!(labels(Scale::Log, &[0.03, 0.15]), ["0.02", "0.05", "0.1", "0.2"]);
+        assert_eq!(labels(Scale::Log, &[1.0]), ["0.5", "1", "2"]);
+        // Every label stands clear of the next: no more than ten on 800 units.
+        assert!(labels(Scale::Log, &[1e-30, 1.0]).len() <= 10);
+        assert!(labels(Scale::Log, &[f64::MIN_POSITIVE, f64::MAX]).len() >= 2);
+    }
+
+    #[test]
+    fn linear_ticks_are_round() {
+        assert_eq!(labels(Scale::Linear, &[0.0, 1.0]).first().unwrap(), "0.0");
+        assert_eq!(labels(Scale::Linear, &[0.0, 0.71]).last().unwrap(), "0.8");
+        assert_eq!(labels(Scale::Linear, &[-3.0, 12.0]).first().unwrap(), "-4");
+        assert!(labels(Scale::Linear, &[2.0]).len() >= 2);
+        assert!(labels(Scale::Linear, &[0.0]).len() >= 2);
+    }
+
+    #[test]
+    fn steps_are_the_levels_and_thin_out() {
+        assert_eq!(labels(Scale::Steps, &[0.25, 0.125]), ["1/8", "1/4"]);
+        let many: Vec<f64> = (1..100).map(|n| 1.0 / f64::from(n)).collect();
+        assert!(labels(Scale::Steps, &many).len() <= 10);
+    }
+
+    #[test]
+    fn what_has_no_place_makes_no_axis() {
+        assert!(Ruler::new(Scale::Log, &[0.0, -1.0, f64::NAN], &[1.0], ROOM).is_none());
+        assert!(Ruler::new(Scale::Linear, &[f64::INFINITY], &[], ROOM).is_none());
+        let marked = Ruler::new(Scale::Steps, &[0.5], &[2.0, f64::INFINITY], ROOM).unwrap();
+        assert!(marked.share(2.0) < 1.0 && marked.ticks.len() == 1);
+    }
+}

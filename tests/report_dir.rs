@@ -1,0 +1,122 @@
+//! Source: the contract of a directory of records: `report` rebuilds what `run` wrote, from the directory alone, and a
+//!   directory that is used again holds nothing of the run before.
+//! Goal: the same bytes although the scene's file is gone; another text of the scene is refused; pictures of earlier
+//!   scenes go, files of others stay.
+//! Data: steady and affine on small grids, given by name and by path.
+
+mod program;
+mod shipped;
+
+use program::{Folder, code, stderr, stdout, sweep};
+use shipped::{edited, text};
+
+const STEADY: [&str; 2] = ["--n", "8,16,32"];
+const AFFINE: [&str; 4] = ["--n", "4", "--steps", "4,8,16"];
+
+/// Runs scenes into `out` of the folder; the exit code.
+#[track_caller]
+fn run(folder: &Folder, command: &str, scenes: &[&str], grid: &[&str]) -> i32 {
+    let out = folder.argument("out");
+    let output = sweep(&[&[command], scenes, &["--out", &out], grid].concat());
+    assert_ne!(code(&output), 2, "{}", stderr(&output));
+    code(&output)
+}
+
+/// `report` on the folder gives the same bytes again, also where the files are gone.
+#[track_caller]
+fn rebuilds(folder: &Folder, exit: i32) {
+    let files = ["verdict.json", "cases.csv", "index.html", "steady-h.svg"];
+    let read = |file: &str| std::fs::read(folder.at("out").join(file)).expect("a file");
+    let before = files.map(read);
+    for file in ["verdict.json", "index.html", "steady-h.svg"] {
+        std::fs::remove_file(folder.at("out").join(file)).expect("removed");
+    }
+    let output = sweep(&["report", &folder.argument("out")]);
+    assert_eq!(code(&output), exit, "{}", stderr(&output));
+    for (file, before) in files.iter().zip(before) {
+        assert!(read(file) == before, "{file} differs");
+    }
+}
+
+/// Names in the directory of records, sorted.
+fn names(folder: &Folder) -> Vec<String> {
+    let entries = std::fs::read_dir(folder.at("out")).expect("a directory");
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn report_rebuilds_what_run_wrote() {
+    let folder = Folder::new("report");
+    assert_eq!(run(&folder, "run", &["steady"], &STEADY), 0);
+    rebuilds(&folder, 0);
+}
+
+/// The text is kept with the records: neither the file nor the shipped scene of that name counts.
+#[test]
+fn report_needs_no_file_of_the_scene() {
+    let folder = Folder::new("by-path");
+    let second = edited(&text("steady"), "order = 1.0", "order = 2.0");
+    let path = folder.file("mine.toml", &second);
+    assert_eq!(run(&folder, "run", &[&path], &STEADY), 1, "order 2 fails");
+    std::fs::remove_file(&path).expect("removed");
+    rebuilds(&folder, 1);
+    for file in names(&folder) {
+        let bytes = std::fs::read(folder.at("out").join(&file)).expect("a file");
+        let text = String::from_utf8(bytes).expect("text");
+        assert!(!text.contains(&path), "{file} holds a path of this machine");
+    }
+}
+
+/// Records are judged by the text they were made with, or not at all.
+#[test]
+fn report_refuses_records_of_another_text() {
+    let folder = Folder::new("other-text");
+    let second = edited(&text("steady"), "order = 1.0", "order = 2.0");
+    let path = folder.file("steady.toml", &second);
+    run(&folder, "run", &[&path], &STEADY);
+    let out = folder.argument("out");
+    let shipped = sweep(&["report", &out, "--scenes", "manufactured"]);
+    assert_eq!(code(&shipped), 2, "judged by the shipped scene:\n{}", stdout(&shipped));
+    assert!(stderr(&shipped).contains("another text"), "{}", stderr(&shipped));
+    let own = sweep(&["report", &out, "--scenes", &folder.argument("")]);
+    assert_eq!(code(&own), 1, "{}", stderr(&own));
+    // A kept text that was edited is not the one of the records.
+    let kept = folder.at("out/provenance.json");
+    let provenance = std::fs::read_to_string(&kept).expect("provenance");
+    let torn = edited(&provenance, "order = 2.0", "order = 1.0");
+    std::fs::write(&kept, &torn).expect("written");
+    let output = sweep(&["report", &out]);
+    assert_eq!(code(&output), 2, "{}", stdout(&output));
+    assert!(stderr(&output).contains("not the one that the records"), "{}", stderr(&output));
+}
+
+#[test]
+fn pictures_of_scenes_that_left_go_and_foreign_files_stay() {
+    let folder = Folder::new("stale");
+    run(&folder, "run", &["affine", "steady"], &["--n", "4,8", "--steps", "4,8"]);
+    assert!(names(&folder).contains(&"steady-h.svg".to_owned()), "{:?}", names(&folder));
+    // A file of somebody else that is called like a picture of a scene of the first run.
+    folder.file("out/steady-mine.svg", "mine");
+    folder.file("out/affine-h.svg.bak", "mine");
+    run(&folder, "run", &["affine"], &AFFINE);
+    let expected = [
+        "affine-h.svg.bak",
+        "affine-k.svg",
+        "cases.csv",
+        "files.json",
+        "index.html",
+        "provenance.json",
+        "steady-mine.svg",
+        "verdict.json",
+    ];
+    assert_eq!(names(&folder), expected);
+    // `gate` writes no page: that of the run before would show other records.
+    run(&folder, "gate", &["affine"], &AFFINE);
+    let left =
+        ["affine-h.svg.bak", "cases.csv", "provenance.json", "steady-mine.svg", "verdict.json"];
+    assert_eq!(names(&folder), left);
+}
