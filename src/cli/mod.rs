@@ -3,6 +3,7 @@
 mod check;
 mod explain;
 mod fit;
+mod interrupt;
 mod list;
 mod progress;
 mod report;
