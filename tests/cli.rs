@@ -195,14 +195,19 @@ fn list_explain_and_check_have_their_json() {
         keys(scene, &["name", "question", "terms", "truth", "predicts", "long", "judge"]);
     }
     let plan = json(&sweep(&["explain", "affine", "--json"]));
-    keys(&plan, &["scene", "terms", "truth", "algorithm", "history", "cases"]);
+    keys(&plan, &["scene", "terms", "truth", "algorithm", "history", "reference", "cases"]);
     let cases = plan["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5);
     for case in cases {
-        keys(case, &["n", "steps", "dofs", "history_bytes", "norms"]);
+        let predicted = ["seconds_predicted", "memory_bytes_predicted"];
+        keys(case, &[&["n", "steps", "dofs", "history_bytes", "norms"][..], &predicted].concat());
+        assert!(predicted.iter().all(|key| case[key].as_f64().is_some_and(|value| value > 0.0)));
         // 4 × 4 squares, 25 vertices, 5 of them clamped, two unknowns each.
         assert_eq!(case["dofs"], 40);
     }
+    let punch = json(&sweep(&["explain", "punch", "--json"]));
+    keys(&punch["reference"], &["n", "steps", "seconds_predicted", "memory_bytes_predicted"]);
+    assert!(plan["reference"].is_null());
     let check = json(&sweep(&["check", "affine", "--json"]));
     keys(&check, &["scene", "findings"]);
     let findings = check["findings"].as_array().expect("findings");

@@ -190,6 +190,7 @@ fn validate_abstract(
         Some(sweep) => Some(Sweep::in_time(&reading, &sweep.steps)?),
         None => None,
     };
+    is_judged_by_something(&reading, file.scene.judge, &predicts)?;
     let formulas = reading.formulas;
     let body = Body::Abstract(body);
     let content = Content { source, spans, time, body, predicts, sweep, formulas };

@@ -1,6 +1,7 @@
 //! Refinement sweeps: which cases, in which order, on how many threads, and what is kept.
 
 mod case;
+mod cost;
 mod judging;
 mod plan;
 mod provenance;
@@ -8,6 +9,7 @@ mod resume;
 mod run;
 
 pub use case::run_case;
+pub use cost::{Cost, Kind, PlanCost, predict};
 pub use judging::{judge_scene, scene_summary};
 pub use plan::{CasePlan, Overrides, ScenePlan};
 pub use provenance::Provenance;
