@@ -57,6 +57,8 @@ fn malformed() -> Vec<Malformed> {
     let [uniform, slope] =
         ["grid = { kind = \"uniform\" }\n", "slope_before = 0.0, slope_after = 0.0"];
     let time = format!("[time]\nhorizon = 1.0\n{uniform}");
+    let predicts =
+        "[[predicts]]\nnorm = \"V_max\"\nvariable = \"h\"\norder = 1.0\nwhy = \"(5.26)\"\n";
     let steep = "points = [[0.0, 0.0], [0.04, 0.08], [0.05, -0.02]]";
     vec![
         make(
@@ -138,6 +140,13 @@ fn malformed() -> Vec<Malformed> {
             &[("\"b*(1 - y)\"", "\"b*(1 - 0.9*y)\"")],
             "u = [",
             &["clamped side"],
+        ),
+        make(
+            "judged-by-nothing",
+            "steady",
+            &[(predicts, "")],
+            "[scene]",
+            &["predicts nothing", "add [[predicts]]", "judge = false"],
         ),
         make(
             "no-number",

@@ -71,6 +71,40 @@ fn unresolved_is_one() {
     assert_eq!((exit, decisions(&document)), (1, vec!["unresolved"]), "{document}");
 }
 
+/// No verdict is no verdict: a run says so, a gate cannot judge.
+#[test]
+fn scenes_without_judgement_are_measured_and_never_gated() {
+    let folder = Folder::new("unjudged");
+    let small = text("punch").replace("n = [8, 16, 32]", "n = [4, 8]");
+    let small =
+        edited(&small, "reference = { n = 128, steps = 64 }", "reference = { n = 16, steps = 8 }");
+    let small = edited(&small, "steps = [8, 16, 32]", "steps = [4]");
+    let scene = folder.file("punch.toml", &small);
+    let out = folder.argument("out");
+    let output = sweep(&["run", &scene, "--out", &out]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let said = stdout(&output);
+    assert!(said.contains("nothing was judged") && said.contains("2 cases, 0 failed\n"), "{said}");
+    assert!(!said.contains("verdict ") && !said.contains("as expected"), "{said}");
+    let page = std::fs::read_to_string(folder.at("out/index.html")).expect("a page");
+    assert!(page.contains("nothing was judged") && !page.contains("of 0 verdicts"));
+    let rebuilt = sweep(&["report", &out, "--scenes", &folder.argument("")]);
+    assert_eq!(code(&rebuilt), 0, "{}", stderr(&rebuilt));
+    assert!(stdout(&rebuilt).contains("nothing was judged"));
+    // A gate refuses before it computes anything.
+    let gated = folder.argument("gated");
+    let output = sweep(&["gate", &scene, "--out", &gated]);
+    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
+    let message = stderr(&output);
+    assert!(message.contains("nothing to judge") && message.contains("punch"), "{message}");
+    assert!(!folder.at("gated").exists());
+    // One judged scene is something to judge.
+    let judged = folder.file("affine.toml", &text("affine"));
+    let mixed = ["gate", &scene, &judged, "--n", "4", "--steps", "4,8", "--out", &gated];
+    let output = sweep(&mixed);
+    assert_eq!(code(&output), 1, "unresolved, but judged: {}", stderr(&output));
+}
+
 #[test]
 fn a_solver_that_gives_up_is_two() {
     let folder = Folder::new("gives-up");
@@ -177,14 +211,19 @@ fn list_explain_and_check_have_their_json() {
         keys(scene, &["name", "question", "terms", "truth", "predicts", "long", "judge"]);
     }
     let plan = json(&sweep(&["explain", "affine", "--json"]));
-    keys(&plan, &["scene", "terms", "truth", "algorithm", "history", "cases"]);
+    keys(&plan, &["scene", "terms", "truth", "algorithm", "history", "reference", "cases"]);
     let cases = plan["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5);
     for case in cases {
-        keys(case, &["n", "steps", "dofs", "history_bytes", "norms"]);
+        let predicted = ["seconds_predicted", "memory_bytes_predicted"];
+        keys(case, &[&["n", "steps", "dofs", "history_bytes", "norms"][..], &predicted].concat());
+        assert!(predicted.iter().all(|key| case[key].as_f64().is_some_and(|value| value > 0.0)));
         // 4 × 4 squares, 25 vertices, 5 of them clamped, two unknowns each.
         assert_eq!(case["dofs"], 40);
     }
+    let punch = json(&sweep(&["explain", "punch", "--json"]));
+    keys(&punch["reference"], &["n", "steps", "seconds_predicted", "memory_bytes_predicted"]);
+    assert!(plan["reference"].is_null());
     let check = json(&sweep(&["check", "affine", "--json"]));
     keys(&check, &["scene", "findings"]);
     let findings = check["findings"].as_array().expect("findings");

@@ -42,11 +42,29 @@ const ONLY: [(&str, &[&str]); 3] = [
 /// The manufactured side evaluates σ, ζ and histories by itself.
 const INDEPENDENT: (&str, [&str; 3]) = ("manufactured", ["law", "history", "vhi"]);
 
+/// Of modules that both sides use, the manufactured side may take these items alone: none of them is a law, an assembly
+/// or an integral of the problem (`src/manufactured/mod.rs` gives the reasons).
+const SHARED: [(&str, &[&str]); 2] = [
+    ("contact", &["Discretization", "LoadError"]),
+    (
+        "norms",
+        &[
+            "CellConstants",
+            "FACET_SAMPLES",
+            "Moments",
+            "Piecewise",
+            "facet_sample",
+            "is_locked",
+            "linear_projection",
+        ],
+    ),
+];
+
 const LONGEST: usize = 400;
 
-/// Modules of this crate that a text names: after `crate::`, after the `super::` that leave `module` (a file at
+/// Paths into this crate that a text names: after `crate::`, after the `super::` that leave `module` (a file at
 /// `depth` below src/, its module file counting as its folder), and inside braces after either.
-fn named(text: &str, depth: usize) -> Vec<String> {
+fn paths(text: &str, depth: usize) -> Vec<String> {
     let mut found = Vec::new();
     let outward = "super::".repeat(depth);
     for line in without_comments(text) {
@@ -56,39 +74,60 @@ fn named(text: &str, depth: usize) -> Vec<String> {
                 if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
                     continue;
                 }
-                found.extend(heads(&line[at + prefix.len()..]));
+                found.extend(members(&line[at + prefix.len()..]));
             }
         }
     }
+    found
+}
+
+/// Modules of this crate that a text names.
+fn named(text: &str, depth: usize) -> Vec<String> {
+    let mut found: Vec<String> = paths(text, depth).iter().map(|path| first(path)).collect();
     found.sort();
     found.dedup();
     found
 }
 
-/// First names of a path: `a::b` has a, `{a::b, c}` has a and c.
-fn heads(path: &str) -> Vec<String> {
-    let name = |text: &str| -> String {
-        text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+/// Items of a module that a text names; the module itself and all of it are `*`.
+fn items(module: &str, text: &str, depth: usize) -> Vec<String> {
+    let within = |path: &String| {
+        let rest = path.strip_prefix(module)?;
+        (first(path) == module).then(|| match rest.strip_prefix("::") {
+            Some(rest) => members(rest).iter().map(|item| first(item)).collect(),
+            None => vec![String::new()],
+        })
     };
-    let Some(list) = path.strip_prefix('{') else { return vec![name(path)] };
-    let (mut heads, mut nested, mut start) = (Vec::new(), 0, 0);
+    let names: Vec<String> = paths(text, depth).iter().filter_map(within).flatten().collect();
+    names.into_iter().map(|name| if name.is_empty() { "*".into() } else { name }).collect()
+}
+
+/// The first name of a path.
+fn first(path: &str) -> String {
+    path.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+}
+
+/// Members of a path: `a::b …` has itself, `{a::b, c}` has a::b and c.
+fn members(path: &str) -> Vec<String> {
+    let Some(list) = path.strip_prefix('{') else { return vec![path.to_owned()] };
+    let (mut members, mut nested, mut start) = (Vec::new(), 0, 0);
     for (at, c) in list.char_indices() {
         match c {
             '{' => nested += 1,
             '}' if nested == 0 => {
-                heads.push(name(list[start..at].trim()));
+                members.push(list[start..at].trim().to_owned());
                 break;
             }
             '}' => nested -= 1,
             ',' if nested == 0 => {
-                heads.push(name(list[start..at].trim()));
+                members.push(list[start..at].trim().to_owned());
                 start = at + 1;
             }
             _ => {}
         }
     }
-    heads.retain(|head| !head.is_empty());
-    heads
+    members.retain(|member| !member.is_empty());
+    members
 }
 
 /// Statements of a text on one line each (an import may run over several), comments left out.
@@ -111,6 +150,13 @@ fn violations(own: &str, text: &str, depth: usize) -> Vec<String> {
         }
         if own == INDEPENDENT.0 && INDEPENDENT.1.contains(&name.as_str()) {
             wrong.push(format!("{own} must not share {name} with the solver"));
+        }
+    }
+    for (module, allowed) in SHARED.iter().filter(|_| own == INDEPENDENT.0) {
+        for item in items(module, text, depth) {
+            if !allowed.contains(&item.as_str()) {
+                wrong.push(format!("{own} must not share {module}::{item} with the solver"));
+            }
         }
     }
     wrong
@@ -186,7 +232,15 @@ fn violations_are_caught() {
     assert!(caught("report", "use crate::scene::Scene;", 2));
     assert!(caught("manufactured", "let w = crate::history::Trapezoid;", 2));
     assert!(caught("manufactured", "use crate::{formula::Node, law::Isotropic};", 2));
+    assert!(caught("manufactured", "use crate::contact::{Discretization, stress_force};", 2));
+    assert!(caught("manufactured", "use crate::{formula::Node, contact::{LoadError, Model}};", 2));
+    assert!(caught("manufactured", "let f = crate::contact::stress_force::<2, 3>(g, n);", 2));
+    assert!(caught("manufactured", "use crate::contact;", 2));
+    assert!(caught("manufactured", "use crate::contact::*;", 2));
+    assert!(caught("manufactured", "use super::super::norms::{Moments, step_errors};", 2));
     // And nothing else is.
+    assert!(!caught("manufactured", "use crate::contact::{Discretization, LoadError};", 2));
+    assert!(!caught("manufactured", "use crate::{norms::{Moments, is_locked}, mesh::Mesh};", 2));
     assert!(!caught("contact", "use crate::{law::{Isotropic, Potential}, vhi::Newton};", 2));
     assert!(!caught("law", "use super::vhi_like::Newton; // crate::vhi", 2));
     assert!(!caught("history", "use super::super::law::MemoryKernel;", 2));

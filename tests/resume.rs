@@ -1,6 +1,6 @@
 //! Source: the contract of `sweep run`: an interrupted sweep loses nothing, `--resume` skips what is there.
-//! Goal: killed at several moments and resumed, the records are those of an uninterrupted run; a torn last line is
-//!   cut; records of another text of the scene are refused.
+//! Goal: killed or interrupted at several moments and resumed, the records are those of an uninterrupted run; Ctrl-C
+//!   says how to go on; a torn last line is cut; records of another text of the scene are refused.
 //! Data: pure-mild and signorini on small grids, 16 cases.
 
 mod program;
@@ -91,6 +91,57 @@ fn a_killed_sweep_resumes_to_the_same_records() {
         assert_eq!(timeless(&table), expected, "killed after {rows:?} rows");
     }
     assert!(interrupted >= 3, "{interrupted} of 5 kills came before the end");
+}
+
+/// Runs until `cases.csv` has at least `rows` lines, then sends SIGINT as Ctrl-C does. Exit code and stderr.
+#[cfg(unix)]
+fn interrupt_after(arguments: &[&str], table: &Path, rows: usize) -> (Option<i32>, String) {
+    let mut child =
+        command(arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("a process");
+    let limit = Instant::now() + Duration::from_secs(300);
+    while lines(table) < rows && child.try_wait().expect("a status").is_none() {
+        assert!(Instant::now() < limit, "no {rows} rows in five minutes");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let signal =
+        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(signal.expect("kill runs").success());
+    let output = child.wait_with_output().expect("a status");
+    (output.status.code(), stderr(&output))
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sweep_says_how_to_go_on_and_does() {
+    let folder = Folder::new("interrupted");
+    let scenes = scenes(&folder);
+    let whole = folder.argument("whole");
+    finish(&arguments(&scenes, &whole));
+    let expected = timeless(&folder.at("whole/cases.csv"));
+    for (moment, rows) in [2, expected.len() / 2].into_iter().enumerate() {
+        // A space in the path: what is printed must still be one command.
+        let name = format!("cut {moment}");
+        let (out, table) = (folder.argument(&name), folder.at(&name).join("cases.csv"));
+        let (code, said) = interrupt_after(&arguments(&scenes, &out), &table, rows);
+        assert_eq!(code, Some(130), "{said}");
+        assert!(said.contains("interrupted") && said.contains(&out), "{said}");
+        let kept = lines(&table).saturating_sub(1);
+        assert!(kept + 1 >= rows && kept + 1 < expected.len(), "{kept} rows at the end");
+        // The command that it prints is run as it stands.
+        let told = said.lines().find_map(|line| line.strip_prefix("go on with: sweep "));
+        let told = told.unwrap_or_else(|| panic!("no way on in: {said}"));
+        let shell = format!("\"$SWEEP\" {told}");
+        let resumed = std::process::Command::new("sh")
+            .args(["-c", &shell])
+            .env("SWEEP", env!("CARGO_BIN_EXE_sweep"))
+            .current_dir(env!("CARGO_MANIFEST_DIR"))
+            .output()
+            .expect("a shell");
+        // Too few points for verdicts: unresolved.
+        assert_eq!(program::code(&resumed), 1, "{told}\n{}", stderr(&resumed));
+        assert!(recorded(&stderr(&resumed)) >= kept / 6, "{kept} rows were there");
+        assert_eq!(timeless(&table), expected, "interrupted after {rows} rows");
+    }
 }
 
 #[test]

@@ -5,12 +5,12 @@ use clap::Args;
 use super::list::{terms, truth};
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
 use crate::setup::{Setup, Subject};
-use crate::sweep::{Overrides, ScenePlan};
+use crate::sweep::{Cost, Overrides, ScenePlan, predict};
 
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, algorithm, history, cases (n, steps, dofs, history_bytes, norms)."
+    after_help = "JSON keys with --json: scene, terms, truth, algorithm, history, reference (n, steps, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone)."
 )]
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -27,20 +27,31 @@ impl Explain {
             return abstract_problem::explain(&plan, self.json);
         };
         let (algorithm, history) = (algorithm(setup), history(setup));
+        let costs = predict(setup, &plan)?;
         let cases: Vec<_> = plan
             .cases
             .iter()
-            .map(|case| {
-                let dofs = case.n.map_or(0, |n| unknowns(setup, n));
+            .zip(&costs.cases)
+            .map(|(case, cost)| {
                 serde_json::json!({
                     "n": case.n,
                     "steps": case.steps,
-                    "dofs": dofs,
-                    "history_bytes": history_vectors(setup, case.steps) * dofs * 8,
+                    "dofs": cost.dofs,
+                    "history_bytes": setup.history_vectors(case.steps) * cost.dofs * 8,
                     "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
+                    "seconds_predicted": cost.seconds,
+                    "memory_bytes_predicted": cost.memory_bytes.round() as u64,
                 })
             })
             .collect();
+        let reference = plan.reference.zip(costs.reference).map(|(reference, cost)| {
+            serde_json::json!({
+                "n": reference.n,
+                "steps": reference.steps,
+                "seconds_predicted": cost.seconds,
+                "memory_bytes_predicted": cost.memory_bytes.round() as u64,
+            })
+        });
         if self.json {
             print_json(&serde_json::json!({
                 "scene": setup.scene.name,
@@ -48,6 +59,7 @@ impl Explain {
                 "truth": truth(&setup.scene),
                 "algorithm": algorithm,
                 "history": history,
+                "reference": reference,
                 "cases": cases,
             }))?;
             return Ok(0);
@@ -57,14 +69,35 @@ impl Explain {
         print_text(&format!("truth      {}", truth(&setup.scene)));
         print_text(&format!("algorithm  {algorithm}"));
         print_text(&format!("history    {history}"));
-        for case in &cases {
+        if let (Some(reference), Some(cost)) = (&reference, &costs.reference) {
+            let run = format!("n = {}, N = {}", reference["n"], reference["steps"]);
+            print_text(&format!("reference  {run}: {}", predicted(cost)));
+        }
+        for (case, cost) in cases.iter().zip(&costs.cases) {
             print_text(&format!(
-                "case       n = {}, N = {}: {} unknowns, {} bytes of history",
-                case["n"], case["steps"], case["dofs"], case["history_bytes"]
+                "case       n = {}, N = {}: {} unknowns, {} bytes of history; {}",
+                case["n"],
+                case["steps"],
+                cost.dofs,
+                case["history_bytes"],
+                predicted(cost)
             ));
         }
+        let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
+        print_text(&format!(
+            "in all     about {} of CPU time, good to a factor of about 3",
+            duration(sum)
+        ));
         Ok(0)
     }
+}
+
+fn predicted(cost: &Cost) -> String {
+    format!("about {} of CPU time, {:.0} MB", duration(cost.seconds), cost.memory_bytes / 1e6)
+}
+
+fn duration(seconds: f64) -> String {
+    if seconds < 1.0 { format!("{:.1} ms", 1e3 * seconds) } else { format!("{seconds:.1} s") }
 }
 
 fn algorithm(setup: &Setup) -> &'static str {
@@ -88,17 +121,4 @@ fn history(setup: &Setup) -> String {
             None => "direct trapezoidal sum, O(n) at step n".into(),
         },
     }
-}
-
-/// Vectors of unknowns held for the history after N steps.
-fn history_vectors(setup: &Setup, steps: u32) -> usize {
-    match &setup.body.material.memory {
-        None => 0,
-        Some(memory) => memory.exponentials.as_ref().map_or(steps as usize + 1, |t| t.len() + 1),
-    }
-}
-
-/// Unknowns of the rectangle: two a vertex that is not clamped (by counting sides).
-fn unknowns(setup: &Setup, n: u32) -> usize {
-    setup.space(n).map_or(0, |space| space.dofs())
 }

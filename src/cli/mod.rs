@@ -4,6 +4,7 @@ mod abstract_problem;
 mod check;
 mod explain;
 mod fit;
+mod interrupt;
 mod list;
 mod progress;
 mod report;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::interrupt::{on_interrupt, quoted};
 use super::{CliError, Scenes, print_json, print_text};
 use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all, write_junit};
@@ -81,7 +82,7 @@ impl Run {
     }
 
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let swept = self.what.sweep(scenes, self.resume)?;
+        let swept = self.what.sweep(scenes, self.what.plans(scenes)?, self.resume)?;
         write_all(
             &self.what.out,
             &swept.summaries,
@@ -99,7 +100,15 @@ impl Run {
 
 impl Gate {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let swept = self.what.sweep(scenes, false)?;
+        let plans = self.what.plans(scenes)?;
+        if !plans.iter().any(|plan| plan.scene().judge) {
+            let names: Vec<_> = plans.iter().map(|plan| &*plan.scene().name).collect();
+            return Err(CliError::Other(format!(
+                "nothing to judge: judge = false in {}; name a judged scene, or use sweep run",
+                names.join(", ")
+            )));
+        }
+        let swept = self.what.sweep(scenes, plans, false)?;
         let document = |path: &std::path::Path| {
             crate::verdict::write_json(path, &swept.provenance, &swept.verdicts, &swept.records)
                 .map_err(|error| CliError::Other(error.to_string()))
@@ -125,12 +134,17 @@ struct Swept {
 }
 
 impl What {
-    fn sweep(&self, scenes: &Scenes, resume: bool) -> Result<Swept, CliError> {
-        let plans = self.plans(scenes)?;
+    fn sweep(
+        &self,
+        scenes: &Scenes,
+        plans: Vec<ScenePlan>,
+        resume: bool,
+    ) -> Result<Swept, CliError> {
         let jobs = match self.jobs {
             Some(jobs) => usize::from(jobs),
             None => std::thread::available_parallelism().map_or(1, usize::from),
         };
+        on_interrupt(&self.out, &self.resuming(scenes))?;
         let progress = super::progress::Display::new();
         let records = run_sweep(&plans, &self.out, jobs, resume, &progress)?;
         let verdicts = plans
@@ -140,6 +154,25 @@ impl What {
         let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
         let provenance = Provenance::new(plans.iter().map(|plan| plan.scene())).json();
         Ok(Swept { records, verdicts, summaries, provenance })
+    }
+
+    /// The command that goes on with this sweep.
+    fn resuming(&self, scenes: &Scenes) -> String {
+        let list = |list: &[u32]| list.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
+        let options = [
+            ("--scenes", Some(scenes.folder.display().to_string())),
+            ("--n", self.n.as_deref().map(list)),
+            ("--steps", self.steps.as_deref().map(list)),
+            ("--jobs", self.jobs.map(|jobs| jobs.to_string())),
+            ("--out", Some(self.out.display().to_string())),
+        ];
+        let given = options.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        let mut words: Vec<String> = vec!["sweep".into(), "run".into()];
+        words.extend(self.scenes.iter().map(|scene| quoted(scene)));
+        words.extend(given.flat_map(|(name, value)| [name.to_owned(), quoted(&value)]));
+        words.extend(self.all.then(|| "--all".into()));
+        words.push("--resume".into());
+        words.join(" ")
     }
 
     fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {
@@ -181,14 +214,15 @@ impl Swept {
             return print_json(&document);
         }
         print_text(&render_table(&self.verdicts));
-        let as_expected = self.verdicts.iter().filter(|verdict| verdict.as_expected()).count();
-        let failed = failures(&self.records);
-        print_text(&format!(
-            "{}, {} failed; {as_expected} of {} as expected",
-            counted(self.records.len(), "case"),
-            failed.len(),
-            counted(self.verdicts.len(), "verdict")
-        ));
+        let failed = failures(&self.records).len();
+        let judged = if self.verdicts.is_empty() {
+            String::new()
+        } else {
+            let met = self.verdicts.iter().filter(|verdict| verdict.as_expected()).count();
+            format!("; {met} of {} as expected", counted(self.verdicts.len(), "verdict"))
+        };
+        let cases = counted(self.records.len(), "case");
+        print_text(&format!("{cases}, {failed} failed{judged}"));
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
@@ -113,6 +113,25 @@ impl Analysis {
         self.symbolic.len_val()
     }
 
+    /// Multiplications of one factorization: Σ over columns of the square of their length.
+    pub fn multiplications(&self) -> f64 {
+        let columns = |begin: usize, end: usize, below: usize| -> f64 {
+            (0..end - begin).map(|j| ((end - begin - j + below) as f64).powi(2)).sum()
+        };
+        match self.symbolic.raw() {
+            SymbolicCholeskyRaw::Supernodal(raw) => (0..raw.n_supernodes())
+                .map(|s| {
+                    let rows = raw.col_ptr_for_row_idx();
+                    let [begin, end] = [raw.supernode_begin()[s], raw.supernode_end()[s]];
+                    columns(begin as usize, end as usize, (rows[s + 1] - rows[s]) as usize)
+                })
+                .sum(),
+            SymbolicCholeskyRaw::Simplicial(raw) => {
+                raw.col_ptr().windows(2).map(|c| f64::from(c[1] - c[0]).powi(2)).sum()
+            }
+        }
+    }
+
     /// An empty factor of this pattern.
     pub fn factor<T: Real>(&self) -> Factor<T> {
         Factor { values: vec![T::ZERO; self.symbolic.len_val()] }
@@ -210,6 +229,21 @@ mod tests {
         pattern.multiply(&values, &x[60..], right);
         analysis.solve(&factor, &mut b, &mut workspace);
         assert!(b.iter().zip(&x).all(|(p, q)| (p - q).abs() < 1e-14));
+    }
+
+    /// A band matrix of half width 4 in its natural order: columns of length 5, shorter at the end.
+    #[test]
+    fn multiplications_of_a_band_matrix() {
+        let (pattern, ..) = laplacian();
+        let natural: Vec<u32> = (0..60).collect();
+        let analysis = Analysis::new(&pattern, &natural).unwrap();
+        // Blocks of two couple to the next two nodes: column j reaches row 2⌊j/2⌋ + 5.
+        let length = |j: usize| (2 * (j / 2) + 6).min(60) - j;
+        let exact: f64 = (0..60).map(|j| (length(j) as f64).powi(2)).sum();
+        let found = analysis.multiplications();
+        // Supernodes store zeros, at most those of the full triangle.
+        let full: f64 = (1..=60).map(|length| f64::from(length).powi(2)).sum();
+        assert!(found >= exact && found <= full, "{found} {exact} {full}");
     }
 
     #[test]

@@ -2,14 +2,16 @@
 //! strain, memory, ζ and stress are those of the interpolant, constant on each cell, and
 //! ∫_{Γ3} c v_ν takes the vertex rule. The error is the time error alone.
 
+use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::constitutive::{self, Tensor};
 use super::exact::Exact;
+use super::nodal_force::{add_stress, length};
 use super::running_integral::RunningIntegral;
 use super::sign_changes::sign_changes;
 use super::truth::{ByTime, Truth};
-use crate::contact::{Discretization, LoadError, stress_force};
+use crate::contact::{Discretization, LoadError};
 use crate::formula::{Bound, Node, Point, Program};
 use crate::norms::{FACET_SAMPLES, Moments, facet_sample, is_locked};
 
@@ -18,7 +20,10 @@ const WATCHES: usize = 64;
 
 /// [u_ν, ξ + λ, g, …] at points of the trace with one normal.
 struct SidePoints {
+    normal: [f64; 2],
     members: Vec<usize>,
+    /// ∫ φ over the side, of each member.
+    weights: Vec<f64>,
     bound: Mutex<Bound>,
 }
 
@@ -142,8 +147,7 @@ impl InterpolatedOnMesh {
     fn contact_state(&self, t: f64) -> Vec<[f64; 3]> {
         let mut state = vec![[0.0; 3]; self.space.trace.points.len()];
         for side in &self.boundary {
-            let mut out = vec![Vec::new(); 5];
-            side.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+            let out = side.evaluate(t);
             for (p, &i) in side.members.iter().enumerate() {
                 state[i] = [out[0][p], out[1][p], out[2][p]];
             }
@@ -154,17 +158,23 @@ impl InterpolatedOnMesh {
     fn compute_load(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let (u, memory) = self.nodal_values(t)?;
         let kappa = self.kappa(t)?;
-        let mut force = vec![0.0; self.space.nodes.len()];
-        for c in 0..self.space.mesh.cell_count() {
-            let stress = mandel(&self.stress(&u, &memory, kappa, c));
-            let stress = stress.map(|s| s * self.space.geometry.measure[c]);
-            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
-            stress_force::<2, 3>(gradients, nodes, &stress, &mut force);
+        let space = &self.space;
+        let mut force = vec![0.0; space.nodes.len()];
+        for c in 0..space.mesh.cell_count() {
+            let stress = self.stress(&u, &memory, kappa, c);
+            add_stress(&space.mesh, c, space.cell_nodes(c), &stress, &mut force);
         }
-        for (point, state) in self.space.trace.points.iter().zip(self.contact_state(t)) {
-            force[point.component as usize] += point.sign * point.weight * state[1];
+        for side in &self.boundary {
+            let pressure = &side.evaluate(t)[1];
+            for ((&i, weight), pressure) in side.members.iter().zip(&side.weights).zip(pressure) {
+                let vertex = space.trace.points[i].vertex;
+                let node = space.nodes.of_vertex[vertex as usize] as usize;
+                for (j, component) in side.normal.iter().enumerate() {
+                    force[2 * node + j] += weight * pressure * component;
+                }
+            }
         }
-        force.truncate(self.space.dofs());
+        force.truncate(space.dofs());
         Ok(force)
     }
 
@@ -200,6 +210,14 @@ impl InterpolatedOnMesh {
     }
 }
 
+impl SidePoints {
+    fn evaluate(&self, t: f64) -> Vec<Vec<f64>> {
+        let mut out = vec![Vec::new(); 5];
+        self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        out
+    }
+}
+
 impl Truth for InterpolatedOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
         self.loads.get_or(t, || self.compute_load(t))
@@ -232,8 +250,21 @@ fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
         .map(|(side, members)| {
             let points: Vec<[f64; 3]> =
                 members.iter().map(|&i| mesh.point(&[trace.points[i].vertex], &[1.0])).collect();
-            let formulas = exact.boundary(&mesh.side_normal[2 * side..2 * side + 2]);
-            SidePoints { members, bound: Mutex::new(formulas.program.bind(&points)) }
+            let normal = [mesh.side_normal[2 * side], mesh.side_normal[2 * side + 1]];
+            let formulas = exact.boundary(&normal);
+            let mut of_vertex = HashMap::new();
+            for facet in mesh.facets_on(&[side as u32]) {
+                for &vertex in mesh.facet(facet) {
+                    *of_vertex.entry(vertex).or_insert(0.0) += 0.5 * length(mesh, facet);
+                }
+            }
+            let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
+            SidePoints {
+                normal,
+                weights,
+                bound: Mutex::new(formulas.program.bind(&points)),
+                members,
+            }
         })
         .collect()
 }

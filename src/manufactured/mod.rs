@@ -1,7 +1,16 @@
 //! Exact solutions from formulas: fields, loads, contact state, and their verification.
 //!
 //! Independence: the stress here is computed from full tensors by [`constitutive`], at the accuracy
-//! of formulas and adaptive quadrature. Nothing is taken from `law`, `history` or the solver.
+//! of formulas and adaptive quadrature, and turned into nodal forces by [`nodal_force`]. Nothing is
+//! taken from `law`, `history` or `vhi`. What both sides share carries no law and no integral of the
+//! problem, and `tests/house.rs` holds the list:
+//! - of `contact`: `Discretization`, for the mesh, the node numbers of a load vector, cell areas and the
+//!   order of the facets of Γ3 (a wrong one moves forces to wrong nodes, which no formula repeats);
+//!   `LoadError`, a message;
+//! - of `norms`: what errors are measured against, [`crate::norms::Moments`] and how it is filled. Both
+//!   sides of an error must mean the same quantity there, by definition;
+//! - `formula`, `mesh`, and the points and weights of `space::quadrature`, which have tests of their own
+//!   against values from outside.
 
 mod accumulated;
 mod check;
@@ -10,6 +19,7 @@ mod double_exponential;
 mod exact;
 mod finite_exact;
 mod interpolated;
+pub mod nodal_force;
 mod on_mesh;
 mod reduction;
 mod running_integral;

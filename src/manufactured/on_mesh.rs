@@ -5,10 +5,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::constitutive::{self, Tensor};
 use super::exact::{Exact, LoadForm};
+use super::nodal_force::{add_stress, length};
 use super::reduction::{add_cell, project};
 use super::symbolic::components;
 use super::truth::{ByTime, Truth};
-use crate::contact::{Discretization, LoadError, stress_force};
+use crate::contact::{Discretization, LoadError};
 use crate::formula::Bound;
 use crate::norms::{FACET_SAMPLES, Moments, Piecewise, facet_sample, is_locked};
 use crate::space::quadrature::{Rule, edge, triangle_degree_4, triangle_degree_6};
@@ -130,18 +131,17 @@ impl ExactOnMesh {
         let mut force = vec![0.0; space.nodes.len()];
         let count = self.load_points.rule.weights.len();
         for c in 0..space.mesh.cell_count() {
-            let mut mean = [0.0; 3];
+            let mut mean = [[0.0; 2]; 2];
             for (q, weight) in self.load_points.rule.weights.iter().enumerate() {
                 let (strain, memory) = self.tensors(&values, count * c + q);
                 let stress =
                     constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
-                for (target, value) in mean.iter_mut().zip(mandel(&stress)) {
-                    *target += weight * value;
+                for (target, row) in mean.iter_mut().zip(&stress) {
+                    target[0] += weight * row[0];
+                    target[1] += weight * row[1];
                 }
             }
-            let stress = mean.map(|s| s * space.geometry.measure[c]);
-            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-            stress_force::<2, 3>(gradients, nodes, &stress, &mut force);
+            add_stress(&space.mesh, c, space.cell_nodes(c), &mean, &mut force);
         }
         self.add_contact_pressure(t, &mut force)?;
         force.truncate(space.dofs());
@@ -153,14 +153,17 @@ impl ExactOnMesh {
         for group in &self.contact {
             let values = group.contact_values(&group.points, t)?;
             let count = group.points.rule.weights.len();
-            for (index, &f) in group.facets.iter().enumerate() {
-                let members = self.space.trace.facet(f);
+            for (index, &facet) in group.mesh_facets.iter().enumerate() {
+                let measure = length(&self.space.mesh, facet);
                 for (q, weight) in group.points.rule.weights.iter().enumerate() {
-                    let pressure = values[1][count * index + q];
-                    for (&i, shape) in members.iter().zip(&group.points.rule.points[q]) {
-                        let point = self.space.trace.points[i as usize];
-                        force[point.component as usize] +=
-                            weight * self.space.trace.measure[f] * pressure * point.sign * shape;
+                    let pressure = weight * measure * values[1][count * index + q];
+                    for (&vertex, shape) in
+                        self.space.mesh.facet(facet).iter().zip(&group.points.rule.points[q])
+                    {
+                        let node = self.space.nodes.of_vertex[vertex as usize] as usize;
+                        for i in 0..2 {
+                            force[2 * node + i] += pressure * group.normal[i] * shape;
+                        }
                     }
                 }
             }
@@ -205,14 +208,14 @@ impl ExactOnMesh {
         let values = self.interior(&group.strains, t)?;
         let kappa = self.exact.kappa(t);
         let rule = &group.strains.rule;
-        for (index, corners) in group.vertices(&self.space).enumerate() {
-            let measure = length(&self.space, &corners);
+        for (index, &facet) in group.mesh_facets.iter().enumerate() {
+            let measure = length(&self.space.mesh, facet);
             for (q, weight) in rule.weights.iter().enumerate() {
                 let p = rule.weights.len() * index + q;
                 let (strain, memory) = self.tensors(&values, p);
                 let stress =
                     constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
-                for (&vertex, shape) in corners.iter().zip(&rule.points[q]) {
+                for (&vertex, shape) in self.space.mesh.facet(facet).iter().zip(&rule.points[q]) {
                     let node = self.space.nodes.of_vertex[vertex as usize] as usize;
                     for (i, row) in stress.iter().enumerate() {
                         let traction = row[0] * group.normal[0] + row[1] * group.normal[1];
@@ -314,14 +317,6 @@ impl FacetGroup {
         finite(&values[..2], &points.points, t, &["u_ν", "ξ + λ"])?;
         Ok(values)
     }
-
-    /// Vertices of the facets.
-    fn vertices<'a>(&'a self, space: &'a Discretization) -> impl Iterator<Item = [u32; 2]> + 'a {
-        self.mesh_facets.iter().map(|&f| {
-            let facet = space.mesh.facet(f);
-            [facet[0], facet[1]]
-        })
-    }
 }
 
 /// Groups mesh facets by side, hence by normal.
@@ -365,11 +360,6 @@ fn facet_groups(exact: &Exact, space: &Discretization, mesh_facets: &[u32]) -> V
         });
     }
     groups
-}
-
-fn length(space: &Discretization, corners: &[u32; 2]) -> f64 {
-    let (p, q) = (space.mesh.vertex(corners[0]), space.mesh.vertex(corners[1]));
-    ((p[0] - q[0]).powi(2) + (p[1] - q[1]).powi(2)).sqrt()
 }
 
 fn mandel(tensor: &Tensor<2>) -> [f64; 3] {

@@ -2,7 +2,7 @@
 
 use super::SceneSummary;
 use crate::record::{CaseRecord, Status, counted};
-use crate::verdict::{Verdict, cell_texts, exit_code};
+use crate::verdict::{NOTHING_JUDGED, Verdict, cell_texts, exit_code};
 
 /// Plain and light; dark where the reader's system is. Pictures keep their white paper.
 const STYLE: &str = "\
@@ -52,14 +52,18 @@ fn summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
     let failed =
         records.iter().filter(|record| matches!(record.status, Status::Failed { .. })).count();
     let code = exit_code(records, verdicts);
-    format!(
-        "{met} of {} as expected; {}, {failed} of them failed. Exit code {code}.",
-        counted(verdicts.len(), "verdict"),
-        counted(records.len(), "case")
-    )
+    let judged = match verdicts.len() {
+        0 => escaped(NOTHING_JUDGED),
+        count => format!("{met} of {} as expected", counted(count, "verdict")),
+    };
+    let cases = counted(records.len(), "case");
+    format!("{judged}; {cases}, {failed} of them failed. Exit code {code}.")
 }
 
 fn table(verdicts: &[Verdict]) -> String {
+    if verdicts.is_empty() {
+        return String::new();
+    }
     let heads = ["scene", "norm", "in", "predicted", "observed", "verdict", "why", "reason"];
     let head: String = heads.iter().map(|head| format!("<th>{head}</th>")).collect();
     let rows: String = verdicts.iter().map(row).collect();

@@ -164,6 +164,7 @@ fn validate_contact(
     let predicts = predictions(&reading, &file.predicts, contact.is_some())?;
     let sweep = Sweep::validate(&reading, file.sweep.as_ref(), &domain, contact.is_some())?;
     has_truth(&reading, file.scene.judge, &data, sweep.as_ref())?;
+    is_judged_by_something(&reading, file.scene.judge, &predicts)?;
     let formulas = reading.formulas;
     let body = Body::Contact(ContactScene { domain, material, contact, data });
     let content = Content { source, spans, time, body, predicts, sweep, formulas };
@@ -189,6 +190,7 @@ fn validate_abstract(
         Some(sweep) => Some(Sweep::in_time(&reading, &sweep.steps)?),
         None => None,
     };
+    is_judged_by_something(&reading, file.scene.judge, &predicts)?;
     let formulas = reading.formulas;
     let body = Body::Abstract(body);
     let content = Content { source, spans, time, body, predicts, sweep, formulas };
@@ -240,6 +242,21 @@ fn predictions(
         .enumerate()
         .map(|(index, one)| Prediction::validate(reading, index, one, has_contact))
         .collect()
+}
+
+/// A judged scene that predicts nothing would be green whatever it measures.
+fn is_judged_by_something(
+    reading: &Reading,
+    judge: bool,
+    predicts: &[Prediction],
+) -> Result<(), SceneError> {
+    if !judge || !predicts.is_empty() {
+        return Ok(());
+    }
+    let message = "the scene is judged and predicts nothing: there is no order to judge";
+    let hint =
+        "add [[predicts]] with norm, variable, order and why, or say judge = false in [scene]";
+    Err(reading.error("scene.judge", message, hint))
 }
 
 /// A scene without an exact solution needs a reference run, unless it is neither judged nor swept.

@@ -111,6 +111,16 @@ impl Setup {
         time_grid(&self.scene.time, steps)
     }
 
+    /// Vectors of unknowns held for the history after N steps.
+    pub fn history_vectors(&self, steps: u32) -> usize {
+        match &self.body.material.memory {
+            None => 0,
+            Some(memory) => {
+                memory.exponentials.as_ref().map_or(steps as usize + 1, |terms| terms.len() + 1)
+            }
+        }
+    }
+
     /// μ of the projection, 0 without.
     pub fn projection_mu(&self) -> f64 {
         self.body.material.projection.as_ref().map_or(0.0, |projection| projection.mu)

@@ -2,6 +2,7 @@
 
 mod abstract_case;
 mod case;
+mod cost;
 mod judging;
 mod plan;
 mod provenance;
@@ -10,6 +11,7 @@ mod run;
 
 pub use abstract_case::run_abstract_case;
 pub use case::run_contact_case;
+pub use cost::{Cost, Kind, PlanCost, predict};
 pub use judging::{judge_scene, scene_summary};
 pub use plan::{CasePlan, Overrides, ScenePlan};
 pub use provenance::Provenance;

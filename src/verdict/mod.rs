@@ -18,7 +18,7 @@ pub use compare::{Aim, compare};
 pub use document::{DocumentError, Failure, failures, read_failures, restore_reasons, write_json};
 pub use judge::judge;
 pub use selection::line_points;
-pub use table::{cell_texts, render_table};
+pub use table::{NOTHING_JUDGED, cell_texts, render_table};
 
 /// What is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -8,9 +8,16 @@ use super::{Decision, Verdict};
 /// Width of the text in characters.
 const WIDTH: usize = 100;
 
+/// What stands in place of an empty table.
+pub const NOTHING_JUDGED: &str =
+    "nothing was judged: every scene here says judge = false and is measured only";
+
 /// The table of verdicts: scene, norm, in, predicted, observed, verdict, why; and below it the
-/// reason of every verdict that is not a plain pass.
+/// reason of every verdict that is not a plain pass. Without verdicts: [`NOTHING_JUDGED`].
 pub fn render_table(verdicts: &[Verdict]) -> String {
+    if verdicts.is_empty() {
+        return NOTHING_JUDGED.into();
+    }
     let mut table = Table::new();
     table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
     table.set_width(WIDTH as u16).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));

@@ -1,8 +1,8 @@
 //! Contact state on Γ3: signs, complementarity, which states occur, and whether h3 vanishes.
 
 use super::{Finding, SideOfRectangle, Status};
-use crate::manufactured::Exact;
 use crate::manufactured::constitutive::stress;
+use crate::manufactured::{ContactFormulas, Exact};
 use crate::norms::is_locked;
 
 /// Samples along a side and in time.
@@ -10,6 +10,12 @@ const ALONG: usize = 200;
 const TIMES: usize = 40;
 /// |h3| below this share of the largest stress on Γ3 is rounding of the formulas.
 const PURE: f64 = 1e-9;
+
+/// States of a point of Γ3, as indices.
+const OPEN: usize = 0;
+const COMPLIANT: usize = 1;
+const GRAZING: usize = 2;
+const LOCKED: usize = 3;
 
 #[derive(Default)]
 struct Extremes {
@@ -46,11 +52,8 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
     let status = if complementarity <= 1e-9 * scale { Status::Verified } else { Status::Failed };
     let text = format!("largest lambda (g - u_nu) is {complementarity:.2e}");
     findings.push(Finding::new("complementarity", status, complementarity, text));
-    let share = |count: usize| 100.0 * count as f64 / extremes.samples.max(1) as f64;
-    let [open, compliant, grazing, locked] = extremes.states.map(share);
-    let text = format!(
-        "of Gamma3 x [0,T]: open {open:.0} %, compliant {compliant:.0} %, grazing {grazing:.0} %, locked {locked:.0} %"
-    );
+    let locked = extremes.share(LOCKED);
+    let text = extremes.states_in_words(exact.data.contact.as_ref());
     findings.push(Finding::new("contact states", Status::Fact, locked, text));
     let relative = sourced / scale;
     let text = if relative <= PURE {
@@ -64,6 +67,7 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
 
 fn sample(exact: &Exact, side: &SideOfRectangle, extremes: &mut Extremes) {
     let formulas = exact.boundary(&side.normal);
+    let has_law = exact.data.contact.as_ref().is_some_and(|contact| contact.law.is_some());
     let points: Vec<[f64; 3]> =
         (0..=ALONG).map(|i| side.point(exact.data.size, i as f64 / ALONG as f64)).collect();
     let (mut bound, mut inside) = (formulas.program.bind(&points), exact.interior.bind(&points));
@@ -82,7 +86,7 @@ fn sample(exact: &Exact, side: &SideOfRectangle, extremes: &mut Extremes) {
             };
             let memory = if exact.memory.is_empty() { [[0.0; 2]; 2] } else { tensor(5) };
             let sigma = stress(&exact.data.material, &tensor(2), &memory, kappa);
-            extremes.add(u_nu, pressure, gap, lambda);
+            extremes.add(u_nu, pressure, gap, lambda, has_law);
             let normal = side.normal;
             let traction = sigma.map(|row| row[0] * normal[0] + row[1] * normal[1]);
             let h3 = [traction[0] + pressure * normal[0], traction[1] + pressure * normal[1]];
@@ -93,7 +97,7 @@ fn sample(exact: &Exact, side: &SideOfRectangle, extremes: &mut Extremes) {
 }
 
 impl Extremes {
-    fn add(&mut self, u_nu: f64, pressure: f64, gap: f64, lambda: f64) {
+    fn add(&mut self, u_nu: f64, pressure: f64, gap: f64, lambda: f64, has_law: bool) {
         self.samples += 1;
         self.tension = self.tension.min(lambda);
         self.pressure = self.pressure.max(pressure);
@@ -103,10 +107,78 @@ impl Extremes {
             self.complementarity = self.complementarity.max((lambda * (gap - u_nu)).abs());
         }
         let state = match (locked, lambda > 0.0) {
-            (true, true) => 3,
-            (true, false) => 2,
-            _ => usize::from(u_nu > 0.0),
+            (true, true) => LOCKED,
+            (true, false) => GRAZING,
+            // Without a law there is nothing to be compressed before the gap is closed.
+            _ if has_law && u_nu > 0.0 => COMPLIANT,
+            _ => OPEN,
         };
         self.states[state] += 1;
+    }
+
+    /// Per cent of the samples in a state.
+    fn share(&self, state: usize) -> f64 {
+        100.0 * self.states[state] as f64 / self.samples.max(1) as f64
+    }
+
+    /// The states that the scene can have: compliant takes a law, grazing and locked take a gap.
+    fn states_in_words(&self, contact: Option<&ContactFormulas>) -> String {
+        let has_law = contact.is_some_and(|contact| contact.law.is_some());
+        let has_gap = contact.is_some_and(|contact| contact.gap.is_some());
+        let possible: &[(usize, &str)] = match (has_law, has_gap) {
+            (true, true) => &[
+                (OPEN, "open"),
+                (COMPLIANT, "compliant"),
+                (GRAZING, "grazing"),
+                (LOCKED, "locked"),
+            ],
+            (true, false) => &[(OPEN, "open"), (COMPLIANT, "compliant")],
+            (false, true) => &[(OPEN, "open"), (GRAZING, "grazing"), (LOCKED, "locked")],
+            (false, false) => return "no law and no gap: Gamma3 is free".into(),
+        };
+        let shares: Vec<String> = possible
+            .iter()
+            .map(|&(state, name)| format!("{name} {:.0} %", self.share(state)))
+            .collect();
+        let absent = match (has_law, has_gap) {
+            (false, _) => " (no law)",
+            (_, false) => " (no gap)",
+            _ => "",
+        };
+        format!("of Gamma3 x [0,T]: {}{absent}", shares.join(", "))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::Graph;
+    use crate::manufactured::LawNumbers;
+
+    /// The words for samples at u_ν = 0.05 below a gap, one open, one touching, one pressed.
+    fn words(has_law: bool, has_gap: bool) -> String {
+        let law = LawNumbers { points: vec![[0.0, 0.0]], slope_before: 0.0, slope_after: 1.0 };
+        let contact = ContactFormulas {
+            law: has_law.then_some(law),
+            gap: has_gap.then(|| Graph::new().constant(0.1)),
+            ..ContactFormulas::default()
+        };
+        let mut extremes = Extremes::default();
+        let gap = if has_gap { 0.1 } else { f64::INFINITY };
+        for (u_nu, lambda) in [(-0.1, 0.0), (0.05, 0.0), (0.1, 0.0), (0.1, 1.0)] {
+            extremes.add(u_nu, lambda, gap, lambda, has_law);
+        }
+        extremes.states_in_words(Some(&contact))
+    }
+
+    #[test]
+    fn states_are_named_only_where_law_or_gap_make_them() {
+        let on = "of Gamma3 x [0,T]: ";
+        let all = format!("{on}open 25 %, compliant 25 %, grazing 25 %, locked 25 %");
+        assert_eq!(words(true, true), all);
+        let gap_alone = format!("{on}open 50 %, grazing 25 %, locked 25 % (no law)");
+        assert_eq!(words(false, true), gap_alone);
+        assert_eq!(words(true, false), format!("{on}open 25 %, compliant 75 % (no gap)"));
+        assert_eq!(words(false, false), "no law and no gap: Gamma3 is free");
     }
 }

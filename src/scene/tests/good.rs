@@ -77,6 +77,11 @@ a = "0.08*t*(2 - t)"
 [sweep]
 n = [4]
 steps = [4, 8]
+[[predicts]]
+norm = "V_max"
+variable = "k"
+order = 2.0
+why = "(5.26)"
 "#;
 
 /// The fault that is found in a text.

@@ -1,0 +1,259 @@
+//! What a case costs before it is run: CPU seconds and memory from the symbolic factorization, the number of levels
+//! and the kind of scene.
+//!
+//! The iterations of a level grow with n k, the cells that a front passes in a step. Rates are seconds of one core (an
+//! x86-64 server, release build): each is `seconds_*` of `cases.csv` over the work in question, in one run of all
+//! shipped scenes with `--jobs 1`. Predicted over measured `seconds_total` of that run is 0.49 to 1.65 (92 cases, 0.1 ms
+//! to 5.3 s); on grids that had no part in the rates it is 0.7 to 1.4 of the
+//! CPU time of a process that runs one case (9 cases, 0.6 s to 5.7 s). Another machine moves all of them
+//! together. Predicted over measured memory, the peak resident size of a process that runs a single case, is 0.81 to
+//! 1.31 (9 cases, 26 to 297 MiB).
+
+use std::collections::{HashMap, HashSet};
+
+use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
+use crate::contact::Discretization;
+use crate::formula::Variable;
+use crate::scene::{Data, Norm};
+use crate::setup::{Setup, SetupError};
+
+/// How a level of a scene is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// One factor for all levels; loads that separate are solved once.
+    LinearMultiple,
+    /// One factor for all levels, one solve a level.
+    Linear,
+    /// Active set without projection.
+    Contact,
+    /// Active set and projection.
+    Projection,
+}
+
+impl Kind {
+    /// The kind of a scene.
+    pub fn of(setup: &Setup) -> Self {
+        let model = &setup.model;
+        let multiple = model.memory.is_none() || model.memory_multiple().is_some();
+        match (model.is_linear(), model.projection.is_none()) {
+            (true, _) if multiple => Self::LinearMultiple,
+            (true, _) => Self::Linear,
+            (false, true) => Self::Contact,
+            (false, false) => Self::Projection,
+        }
+    }
+
+    /// Newton iterations and factorizations a level, for cells = n k.
+    fn work(self, cells: f64, steps: f64) -> [f64; 2] {
+        match self {
+            Self::LinearMultiple | Self::Linear => [1.0, 1.0 / (steps + 1.0)],
+            Self::Contact => [2.0 * cells.powf(0.35), 0.95 * cells.powf(0.4)].map(|w| w.max(0.1)),
+            Self::Projection => [4.3 * cells.powf(0.18), (1.9 * cells.powf(0.22)).max(1.0)],
+        }
+    }
+
+    /// Seconds a cell and iteration in residuals and tangents.
+    fn assembly(self) -> f64 {
+        match self {
+            Self::LinearMultiple | Self::Linear => 2e-9,
+            Self::Contact => 15e-9,
+            Self::Projection => 58e-9,
+        }
+    }
+
+    /// Seconds an entry of the factor and iteration: one direct solve, or two to three with GMRES.
+    fn solve(self) -> f64 {
+        match self {
+            Self::LinearMultiple => 0.15e-9,
+            Self::Linear => 1.2e-9,
+            Self::Contact | Self::Projection => 2.2e-9,
+        }
+    }
+}
+
+/// Seconds of a factorization an entry of the factor and a multiplication.
+const FACTOR: [f64; 2] = [2.8e-9, 1.5e-11];
+/// Seconds a cell and iteration in vectors, and a cell and level in KKT residual and errors.
+const VECTORS: f64 = 50e-9;
+const MEASURING: f64 = 50e-9;
+/// Seconds a cell and time in formulas at 6 points for a load, at 12 points for the moments of the truth.
+const LOAD: f64 = 0.7e-6;
+const MOMENTS: f64 = 1.5e-6;
+/// Seconds for ζ of the exact solution, once a scene whose κ depends on it: adaptive quadrature in time and space.
+const ZETA: f64 = 0.3;
+/// Seconds a time where u lives in V^h: ζ by adaptive quadrature, on small meshes.
+const INTERPOLATED: f64 = 1e-4;
+/// Seconds a cell of the reference mesh and time in moments of a reference run.
+const REFERENCE: f64 = 43e-9;
+
+/// Bytes of the program itself with its report.
+const PROGRAM: f64 = 16e6;
+/// Bytes a cell in stored values of formulas: 18 points with some 24 values of 8 bytes.
+const FORMULAS: f64 = 18.0 * 24.0 * 8.0;
+/// Numbers a cell of the moments at one time: means of ε and σ, u at three corners.
+const MOMENT_NUMBERS: f64 = 12.0;
+/// From this order on factors are kept in single precision, see `linalg`.
+const SINGLE_FROM: usize = 4000;
+
+/// The prediction for one case or reference run.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Unknowns.
+    pub dofs: usize,
+    /// Newton iterations over all levels, without finer runs for the time error.
+    pub iterations: f64,
+    /// Factorizations, likewise.
+    pub factorizations: f64,
+    /// CPU seconds, in a sweep that runs the cases of a mesh longest first: loads and moments of a time are computed
+    /// once a mesh, and belong to the case that needs them first.
+    pub seconds: f64,
+    /// Peak memory of a process that runs this case alone, with its reference run if it has one. In a sweep the cases
+    /// of a mesh share mesh and truth, and the meshes of a scene are held together.
+    pub memory_bytes: f64,
+}
+
+/// The costs of a plan.
+pub struct PlanCost {
+    /// One a case, in the plan's order.
+    pub cases: Vec<Cost>,
+    /// The reference run.
+    pub reference: Option<Cost>,
+}
+
+/// Predicts all cases of `plan`, the plan of `setup`; analyses each of its meshes once, solves nothing.
+///
+/// # Errors
+/// [`SetupError::Mesh`].
+pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> {
+    let mut spaces = HashMap::new();
+    let own = plan.cases.iter().map(|case| mesh_of(case));
+    let numbers = own.chain(plan.reference.map(|r| r.n as u32));
+    for n in numbers {
+        if let std::collections::hash_map::Entry::Vacant(entry) = spaces.entry(n) {
+            entry.insert(setup.space(n)?);
+        }
+    }
+    let reference = plan.reference.map(|reference| {
+        let (n, steps) = (reference.n as u32, reference.steps as u32);
+        let space = &spaces[&n];
+        let run = march(setup, space, n, steps);
+        let kept = f64::from(plan.kept_steps().min(steps)) + 1.0;
+        // u and σ of the levels that cases look at.
+        let levels = 8.0 * kept * (space.dofs() + 3 * space.mesh.cell_count()) as f64;
+        Cost { memory_bytes: PROGRAM + run.memory_bytes + levels, ..run }
+    });
+    let per_time = truth(setup, plan, &spaces);
+    let mut order: Vec<usize> = (0..plan.cases.len()).collect();
+    let finest = |c: usize| {
+        let timed = plan.cases[c].norms.contains(&Norm::VTimeMax);
+        plan.cases[c].steps * if timed { 1 + TIME_REFERENCE } else { 1 }
+    };
+    order.sort_by_key(|&c| std::cmp::Reverse(finest(c)));
+    let mut cases: Vec<Option<Cost>> = vec![None; plan.cases.len()];
+    let mut known: HashMap<u32, [HashSet<u64>; 2]> = HashMap::new();
+    for c in order {
+        let case = &plan.cases[c];
+        let n = mesh_of(case);
+        let space = &spaces[&n];
+        let mut cost = march(setup, space, n, case.steps);
+        let mut loads = times(setup, case.steps);
+        let moments = loads.clone();
+        if case.norms.contains(&Norm::VTimeMax) {
+            let finer = TIME_REFERENCE * case.steps;
+            cost.seconds += march(setup, space, n, finer).seconds;
+            loads.extend(times(setup, finer));
+        }
+        let [load, moment, formulas] = per_time(n);
+        let numbers = MOMENT_NUMBERS * space.mesh.cell_count() as f64 + space.dofs() as f64;
+        cost.memory_bytes += PROGRAM + formulas + 8.0 * numbers * moments.len() as f64;
+        cost.memory_bytes += reference.map_or(0.0, |run| run.memory_bytes - PROGRAM);
+        let [known_loads, known_moments] = known.entry(n).or_default();
+        let fresh = |set: &mut HashSet<u64>, times: HashSet<u64>| {
+            times.into_iter().filter(|&t| set.insert(t)).count() as f64
+        };
+        cost.seconds += load * fresh(known_loads, loads) + moment * fresh(known_moments, moments);
+        cases[c] = Some(cost);
+    }
+    let longest = |&(c, _): &(usize, &mut Option<Cost>)| {
+        u64::from(mesh_of(&plan.cases[c])).pow(3) * u64::from(finest(c) + 1)
+    };
+    if let Some((_, Some(cost))) = cases.iter_mut().enumerate().max_by_key(longest) {
+        cost.seconds += zeta(setup);
+    }
+    Ok(PlanCost { cases: cases.into_iter().flatten().collect(), reference })
+}
+
+/// n of a case of a body, which always has one.
+fn mesh_of(case: &CasePlan) -> u32 {
+    case.n.unwrap_or_default()
+}
+
+/// Times of a grid, as bits: what is computed once a time is shared by equal numbers alone.
+fn times(setup: &Setup, steps: u32) -> HashSet<u64> {
+    let grid = setup.grid(steps);
+    (0..=grid.steps()).map(|n| grid.time(n).to_bits()).collect()
+}
+
+/// Seconds a time for the load and for the moments of the truth on the mesh n, and bytes held by formulas.
+fn truth<'a>(
+    setup: &'a Setup,
+    plan: &'a ScenePlan,
+    spaces: &'a HashMap<u32, std::sync::Arc<Discretization>>,
+) -> impl Fn(u32) -> [f64; 3] + 'a {
+    move |n| {
+        let cells = |n: u32| spaces[&n].mesh.cell_count() as f64;
+        match &setup.body.data {
+            Data::Exact { interpolated: true, .. } => [INTERPOLATED, 0.0, 0.0],
+            Data::Exact { .. } => [LOAD * cells(n), MOMENTS * cells(n), FORMULAS * cells(n)],
+            Data::Loads { .. } => {
+                let moments = plan.reference.map_or(0.0, |r| REFERENCE * cells(r.n as u32));
+                [0.0, moments, 0.0]
+            }
+        }
+    }
+}
+
+/// Seconds for ζ of the exact solution.
+fn zeta(setup: &Setup) -> f64 {
+    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    let needed = setup.exact.as_ref().filter(|_| !interpolated).is_some_and(|exact| {
+        let depends = |kappa| exact.data.graph.depends_on(kappa, Variable::Zeta);
+        // Without a front the strain norm is smooth, and its integral costs next to nothing.
+        let has_fronts = !exact.data.graph.guards(&exact.data.u).is_empty();
+        has_fronts && exact.data.kappa.is_some_and(depends)
+    });
+    if needed { ZETA } else { 0.0 }
+}
+
+/// One march without its truth.
+fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
+    let kind = Kind::of(setup);
+    let levels = f64::from(steps) + 1.0;
+    let crossed = f64::from(n) * setup.scene.time.horizon / f64::from(steps);
+    let [iterations, factorizations] = kind.work(crossed, f64::from(steps)).map(|w| w * levels);
+    let (cells, dofs) = (space.mesh.cell_count() as f64, space.dofs());
+    let entries = space.analysis.factor_entries() as f64;
+    let factor = FACTOR[0] * entries + FACTOR[1] * space.analysis.multiplications();
+    let vectors = match kind {
+        Kind::LinearMultiple | Kind::Linear => 0.0,
+        Kind::Contact | Kind::Projection => VECTORS,
+    };
+    let per_iteration = (kind.assembly() + vectors) * cells + kind.solve() * entries;
+    let single = dofs >= SINGLE_FROM && matches!(kind, Kind::Contact | Kind::Projection);
+    let history = setup.history_vectors(steps) * dofs * 8;
+    // Factor and scratch of half its size; five matrices with their index; some thirty vectors.
+    let memory_bytes = 1.5 * entries * if single { 4.0 } else { 8.0 }
+        + 52.0 * space.pattern.entries() as f64
+        + 240.0 * dofs as f64
+        + history as f64;
+    Cost {
+        dofs,
+        iterations,
+        factorizations,
+        seconds: iterations * per_iteration + factorizations * factor + MEASURING * cells * levels,
+        memory_bytes,
+    }
+}
+
+#[cfg(test)]
+mod tests;

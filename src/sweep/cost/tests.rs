@@ -1,0 +1,83 @@
+//! The counters behind a prediction against those of real cases: clocks are not compared in a test.
+
+use super::*;
+use crate::scene::Scene;
+use crate::setup::MeshData;
+use crate::setup::Subject;
+use crate::sweep::{Overrides, run_contact_case};
+
+fn plan(scene: &str, n: u32, steps: &[u32]) -> ScenePlan {
+    let path = format!("{}/manufactured/{scene}.toml", env!("CARGO_MANIFEST_DIR"));
+    let scene = Scene::read(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
+    let subject = Subject::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    ScenePlan::new(subject, &Overrides { n: Some(vec![n]), steps: Some(steps.to_vec()) })
+}
+
+fn setup(plan: &ScenePlan) -> &Setup {
+    match &plan.subject {
+        Subject::Contact(setup) => setup,
+        Subject::Abstract(_) => panic!("no body"),
+    }
+}
+
+fn costs(plan: &ScenePlan) -> PlanCost {
+    predict(setup(plan), plan).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Largest factor between predicted and counted iterations and factorizations.
+fn off(scene: &str, n: u32, steps: u32, kind: Option<Kind>) -> f64 {
+    let plan = plan(scene, n, &[steps]);
+    let data = MeshData::new(setup(&plan), n, None).unwrap_or_else(|error| panic!("{error}"));
+    let record = run_contact_case(setup(&plan), &data, &plan.cases[0]);
+    assert!(record.converged());
+    let mut predicted = [costs(&plan).cases[0].iterations, costs(&plan).cases[0].factorizations];
+    if let Some(kind) = kind {
+        let crossed = f64::from(n) * plan.scene().time.horizon / f64::from(steps);
+        predicted = kind.work(crossed, f64::from(steps)).map(|w| w * (f64::from(steps) + 1.0));
+    }
+    let counted = [record.newton_iterations, record.factorizations].map(|count| count as f64);
+    let factor = |(p, c): (&f64, f64)| (p / c).max(c / p);
+    predicted.iter().zip(counted).map(factor).fold(1.0, f64::max)
+}
+
+#[test]
+fn predicted_work_is_the_work_of_real_cases() {
+    // A factor 2 of either is what a prediction within a factor 3 in seconds can bear.
+    for (scene, n, steps) in [
+        ("pure-mild", 16, 4),
+        ("pure-mild", 16, 32),
+        ("in-space", 16, 64),
+        ("affine", 4, 16),
+        ("compliance", 32, 16),
+        ("signorini", 16, 16),
+        ("viscoelastic", 8, 16),
+    ] {
+        let factor = off(scene, n, steps, None);
+        assert!(factor <= 2.0, "{scene} n = {n} N = {steps}: {factor}");
+    }
+    // The law of another kind of scene is not within it.
+    assert!(off("pure-mild", 16, 32, Some(Kind::Contact)) > 2.0);
+    assert!(off("pure-mild", 16, 32, Some(Kind::Linear)) > 2.0);
+}
+
+#[test]
+fn what_is_shared_is_paid_once() {
+    let [alone, together] =
+        [&[4][..], &[4, 16][..]].map(|steps| costs(&plan("pure-mild", 16, steps)));
+    // All times of N = 4 are times of N = 16, which runs first.
+    let (first, shared) = (alone.cases[0], together.cases[0]);
+    let truth = 5.0 * (LOAD + MOMENTS) * 512.0 + ZETA;
+    assert!((first.seconds - shared.seconds - truth).abs() < 1e-12);
+    assert_eq!(first.memory_bytes, shared.memory_bytes);
+    assert!(together.cases[1].memory_bytes > shared.memory_bytes);
+    assert_eq!((first.dofs, together.reference), (544, None));
+}
+
+#[test]
+fn a_reference_run_costs_more_than_the_cases_it_serves() {
+    let plan = plan("elastic-punch", 8, &[8, 16]);
+    let cost = costs(&plan);
+    let reference = cost.reference.expect("a reference run");
+    assert!(cost.cases.iter().all(|case| case.seconds < reference.seconds));
+    assert!(cost.cases.iter().all(|case| case.memory_bytes > reference.memory_bytes));
+}
