@@ -126,7 +126,7 @@ pub struct PlanCost {
 /// [`SetupError::Mesh`].
 pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> {
     let mut spaces = HashMap::new();
-    let own = plan.cases.iter().map(|case| mesh_of(case));
+    let own = plan.cases.iter().map(mesh_of);
     let numbers = own.chain(plan.reference.map(|r| r.n as u32));
     for n in numbers {
         if let std::collections::hash_map::Entry::Vacant(entry) = spaces.entry(n) {
