@@ -1,0 +1,245 @@
+//! Source: Problem 9 and Theorems 6, 7 in R^m; exact solutions of the abstract scenes and closed forms by hand.
+//! Goal: tangent, histories, solvers and orders of the problem without a mesh, each shown to fail on a seeded defect.
+//! Data: manufactured/abstract-*.toml, and small scenes written here.
+
+use gronwall::finite::{FiniteEvolution, FiniteLoad, FiniteModel, FiniteView, march};
+use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
+use gronwall::linalg::signed_unit;
+use gronwall::scene::{Scene, Source};
+use gronwall::setup::{AbstractLoad, AbstractSetup};
+use gronwall::vhi::{FixedPoint, HistoryInequality, Newton, StepInequality, StepSolver, StepState};
+use nalgebra::DVector;
+
+fn shipped(name: &str) -> AbstractSetup {
+    let path = format!("{}/manufactured/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let scene = Scene::read(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
+    AbstractSetup::new(scene).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn written(body: &str) -> Result<AbstractSetup, String> {
+    let text = format!(
+        "[scene]\nname = \"small\"\nkind = \"abstract\"\nquestion = \"?\"\n{body}\n[[predicts]]\nnorm = \"V_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"Theorem 7\"\n"
+    );
+    let scene = Scene::from_source(Source::from_text("small.toml", text));
+    AbstractSetup::new(scene.map_err(|e| e.to_string())?).map_err(|e| e.to_string())
+}
+
+/// max_n ‖u(t_n) - u_n‖_X.
+fn error<S: StepSolver>(setup: &AbstractSetup, model: &FiniteModel, steps: u32, solver: &S) -> f64 {
+    let mut largest = 0f64;
+    let mut observe = |view: &FiniteView<'_>| {
+        let exact = DVector::from_column_slice(&setup.state(view.t).u);
+        let own = model.norm(&(exact - view.u));
+        assert!(!own.is_nan());
+        largest = largest.max(own);
+    };
+    march(model, &setup.grid(steps), &mut AbstractLoad(setup), solver, &mut observe)
+        .unwrap_or_else(|error| panic!("N = {steps}: {error}"));
+    largest
+}
+
+/// Slope of a straight line through (log k, log e).
+fn order(points: &[(f64, f64)]) -> f64 {
+    let count = points.len() as f64;
+    let logs: Vec<(f64, f64)> = points.iter().map(|(k, e)| (k.ln(), e.ln())).collect();
+    let mean_x = logs.iter().map(|p| p.0).sum::<f64>() / count;
+    let mean_y = logs.iter().map(|p| p.1).sum::<f64>() / count;
+    let top: f64 = logs.iter().map(|p| (p.0 - mean_x) * (p.1 - mean_y)).sum();
+    let bottom: f64 = logs.iter().map(|p| (p.0 - mean_x).powi(2)).sum();
+    top / bottom
+}
+
+fn observed(setup: &AbstractSetup, model: &FiniteModel, steps: &[u32]) -> f64 {
+    let points: Vec<(f64, f64)> = steps
+        .iter()
+        .map(|&n| (setup.grid(n).largest_step(), error(setup, model, n, &Newton::default())))
+        .collect();
+    order(&points)
+}
+
+/// From N = 64 over six halvings.
+const LADDER: [u32; 7] = [64, 128, 256, 512, 1024, 2048, 4096];
+
+#[test]
+fn smooth_problems_have_order_two_on_every_grid() {
+    for name in ["abstract-smooth", "abstract-graded"] {
+        let setup = shipped(name);
+        let own = observed(&setup, &setup.model, &LADDER);
+        assert!((own - 2.0).abs() <= 0.01, "{name}: {own}");
+    }
+    // Each grid draws its own steps: the constant changes from N to N.
+    let setup = shipped("abstract-random");
+    let own = observed(&setup, &setup.model, &LADDER);
+    assert!((own - 2.0).abs() <= 0.05, "abstract-random: {own}");
+}
+
+#[test]
+fn contact_events_keep_order_two_in_the_mean() {
+    let setup = shipped("abstract-contact");
+    let own = observed(&setup, &setup.model, &LADDER);
+    assert!((own - 2.0).abs() <= 0.1, "{own}");
+}
+
+/// The last slot takes a whole step: order 1.
+struct WholeLastStep;
+impl TimeRule for WholeLastStep {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        let whole = if j == n && n > 0 { 0.5 * grid.step(n) } else { 0.0 };
+        Trapezoid.weight(grid, n, j) + whole
+    }
+}
+
+#[test]
+fn a_wrong_weight_costs_an_order() {
+    let mut setup = shipped("abstract-smooth");
+    setup.model.time_rule = Box::new(WholeLastStep);
+    let own = observed(&setup, &setup.model, &LADDER[..4]);
+    assert!((own - 1.0).abs() < 0.05, "{own}");
+}
+
+#[test]
+fn a_wrong_kernel_does_not_converge() {
+    let mut setup = shipped("abstract-smooth");
+    setup.model.kernels[1].matrix *= 1.01;
+    let own = observed(&setup, &setup.model, &LADDER[..4]);
+    assert!(own.abs() < 0.1, "{own}");
+}
+
+/// ∫_0^t e^{-(t-s)} sin s ds = (sin t - cos t + e^{-t})/2, and a square root at either end.
+#[test]
+fn histories_have_their_closed_forms() {
+    let setup = written(
+        "dimension = 2\n[time]\nhorizon = 2.0\n[operator]\nmatrix = [[3.0, 0.0], [0.0, 3.0]]\n[history]\nkernels = [{ q = \"exp(-(t - s))\", matrix = [[1.0, 0.0], [0.0, 0.0]] }, { q = \"sqrt(t - s)\", matrix = [[0.0, 0.0], [0.0, 1.0]] }]\n[exact]\nu = [\"sin(t)\", \"sqrt(t)\"]\n[sweep]\nsteps = [4]",
+    )
+    .unwrap_or_else(|error| panic!("{error}"));
+    for t in [0.0, 1e-3, 0.7, 2.0] {
+        let history = &setup.state(t).history;
+        let first = 0.5 * (t.sin() - t.cos() + (-t).exp());
+        // B(3/2, 3/2) = π/8.
+        let second = std::f64::consts::PI / 8.0 * t * t;
+        // Sums of a few hundred terms of size up to t.
+        assert!((history[0] - first).abs() < 1e-14, "{t}: {} {first}", history[0]);
+        assert!((history[1] - second).abs() < 1e-13, "{t}: {} {second}", history[1]);
+    }
+}
+
+/// A load that is not asked for.
+struct NoLoad(usize);
+impl FiniteLoad for NoLoad {
+    fn at(&mut self, _: f64) -> Result<DVector<f64>, gronwall::finite::FiniteError> {
+        Ok(DVector::zeros(self.0))
+    }
+}
+
+/// ‖J⁻¹(F(w + s d) - F(w - s d))/2s - d‖/‖d‖ in the level after two committed ones.
+fn mismatch(model: &FiniteModel, seen: &FiniteModel) -> f64 {
+    let grid = TimeGrid::graded(1.0, 4, 1.5);
+    let m = model.dimension();
+    let (mut load, mut other) = (NoLoad(m), NoLoad(m));
+    let mut problem = FiniteEvolution::new(model, &grid, &mut load).expect("coordinates");
+    let mut tangent = FiniteEvolution::new(seen, &grid, &mut other).expect("coordinates");
+    let (mut seed, step, mut worst) = (5, 1e-5, 0f64);
+    let mut draw = |scale: f64| -> Vec<f64> {
+        (0..m).map(|_| scale * signed_unit(&mut seed)).collect()
+    };
+    for _ in 0..2 {
+        let u = StepState { u: draw(0.5), pressure: Vec::new() };
+        for one in [&mut problem, &mut tangent] {
+            one.open().expect("a level");
+            one.commit(&u);
+        }
+    }
+    problem.open().expect("a level");
+    tangent.open().expect("a level");
+    let slots = problem.graph().coordinates.len();
+    for _ in 0..5 {
+        let (w, d) = (draw(0.5), draw(1.0));
+        let mut force = |sign: f64| {
+            let at: Vec<f64> = w.iter().zip(&d).map(|(w, d)| w + sign * step * d).collect();
+            let mut out = vec![0.0; m];
+            problem.residual(&at, &mut out);
+            out
+        };
+        let (plus, minus) = (force(1.0), force(-1.0));
+        let mut x: Vec<f64> =
+            plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * step)).collect();
+        tangent.residual(&w, &mut vec![0.0; m]);
+        tangent.linearize(&vec![0.0; slots], &vec![None; slots]).expect("regular");
+        tangent.solve(&mut x, 0.0).expect("regular");
+        let off: f64 = x.iter().zip(&d).map(|(x, d)| (x - d).powi(2)).sum();
+        worst = worst.max(off.sqrt() / DVector::from_vec(d).norm());
+    }
+    worst
+}
+
+#[test]
+fn the_tangent_agrees_with_differences() {
+    // Central differences with 1e-5: truncation 1e-10, rounding 1e-11.
+    for name in ["abstract-smooth", "abstract-contact"] {
+        let setup = shipped(name);
+        let own = mismatch(&setup.model, &setup.model);
+        assert!(own < 1e-8, "{name}: {own}");
+        // A tangent that forgets the last slot of the history is seen.
+        let mut forgetful = shipped(name);
+        forgetful.model.kernels.clear();
+        assert!(mismatch(&setup.model, &forgetful.model) > 1e-3, "{name}");
+    }
+}
+
+#[test]
+fn the_fixed_point_finds_the_same_solution() {
+    for name in ["abstract-smooth", "abstract-contact"] {
+        let setup = shipped(name);
+        let newton = error(&setup, &setup.model, 32, &Newton::default());
+        let fixed = error(&setup, &setup.model, 32, &FixedPoint::default());
+        // Both solve to rounding; the error is the same number to what 1e-13 of u leaves of it.
+        assert!((newton - fixed).abs() < 1e-11, "{name}: {newton} {fixed}");
+    }
+}
+
+/// A rigid-plastic law, ∂j(0) = [0, 1]: the selection is a true unknown of the inclusion.
+const STUCK: &str = "dimension = 1\n[time]\nhorizon = 1.0\n[operator]\nmatrix = [[2.0]]\n[history]\nkernels = [{ q = \"-0.5*exp(-(t - s))\" }]\n[[trace]]\nfunctional = [1.0]\nlaw = { kind = \"piecewise-linear\", points = [[0.0, 0.0], [0.0, 1.0]], slope_before = 0.0, slope_after = -0.2 }\n[exact]\nu = [\"max(0, t - 0.5)\"]\nselection = [\"if(t < 0.5, 2*t, 1 - 0.2*(t - 0.5))\"]\n[sweep]\nsteps = [4]";
+
+#[test]
+fn set_valued_laws_are_solved_as_inclusions() {
+    let setup = written(STUCK).unwrap_or_else(|error| panic!("{error}"));
+    let mut pressures = Vec::new();
+    let mut observe = |view: &FiniteView<'_>| pressures.push((view.t, view.u[0], view.pressure[0]));
+    march(
+        &setup.model,
+        &setup.grid(20),
+        &mut AbstractLoad(&setup),
+        &Newton::default(),
+        &mut observe,
+    )
+    .unwrap_or_else(|error| panic!("{error}"));
+    for (t, u, xi) in pressures.into_iter().filter(|(t, _, _)| *t < 0.49) {
+        assert_eq!(u, 0.0, "{t}");
+        assert!((xi - 2.0 * t).abs() < 1e-14, "{t}: {xi}");
+    }
+}
+
+#[test]
+fn what_is_no_solution_is_refused_with_its_place() {
+    for (from, to, said) in [
+        ("1 - 0.2*(t - 0.5))", "1.4)", "is not in"),
+        ("slope_after = -0.2", "slope_after = -2.5", "(2.9)"),
+        ("matrix = [[2.0]]", "matrix = [[2.0, 1.0]]", "no vector of 1"),
+        ("functional = [1.0]", "functional = [0.0]", "zero"),
+        ("functional = [1.0]", "functional = [1.0]\nupper = 0.2", "leaves"),
+        ("functional = [1.0]", "functional = [1.0]\nupper = 0.2\nlower = 0.3", "lower < upper"),
+        ("-0.5*exp(-(t - s))", "-0.5/(t - s)^2", "history"),
+        ("u = [\"max(0, t - 0.5)\"]", "u = [\"x\"]", "not allowed"),
+        ("dimension = 1", "dimension = 0", "no dimension"),
+        ("kind = \"abstract\"", "kind = \"abstrct\"", "did you mean"),
+    ] {
+        let text = format!("[scene]\nname = \"small\"\nkind = \"abstract\"\nquestion = \"?\"\n{STUCK}\n[[predicts]]\nnorm = \"V_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"-\"\n");
+        assert_eq!(text.matches(from).count(), 1, "{from}");
+        let scene = Scene::from_source(Source::from_text("small.toml", text.replace(from, to)));
+        let outcome = scene
+            .map_err(|error| error.to_string())
+            .and_then(|scene| AbstractSetup::new(scene).map_err(|error| error.to_string()));
+        let Err(message) = outcome else { panic!("accepted: {to}") };
+        assert!(message.contains(said) && message.contains("small.toml:"), "{to}: {message}");
+    }
+}
