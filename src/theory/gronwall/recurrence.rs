@@ -180,6 +180,15 @@ impl KernelNorms {
             Self::Pairs(rows) => rows[n][j],
         }
     }
+
+    /// The largest κ(n, j) with n ≤ `last`; NaN if one is.
+    pub fn maximum(&self, last: usize) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Lags(values) => values[..=last].iter().fold(0.0, |m, v| larger(m, *v)),
+            Self::Pairs(rows) => rows[..=last].iter().flatten().fold(0.0, |m, v| larger(m, *v)),
+        }
+    }
 }
 
 /// The maximum; NaN if one of them is.

@@ -66,7 +66,8 @@ fn closed_forms_are_attained_by_constant_truncation_and_bound_the_rest() {
             ];
             for (lower, upper) in pairs {
                 let (lower, upper) = (lower.unwrap(), upper.unwrap());
-                assert!(lower.iter().zip(&upper).all(|(a, b)| a <= b));
+                // Equal where s has its maximum so far at n = 0 or 1: rounding decides there.
+                assert!(lower.iter().zip(&upper).all(|(a, b)| *a <= b * (1.0 + 1e-14)));
             }
         }
     }
