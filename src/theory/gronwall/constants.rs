@@ -4,7 +4,7 @@
 use super::GronwallError;
 use super::recurrence::{HistoryPart, KernelNorms};
 use crate::history::TimeGrid;
-use crate::scene::{self, Scene};
+use crate::scene;
 use crate::setup::{Setup, constants};
 
 /// Constants of one scene. Where they bound a measured difference, each is the value itself or an
@@ -42,7 +42,7 @@ impl GronwallConstants {
         if m0.is_nan() || m0 <= 0.0 {
             return Err(GronwallError::Smallness { scene: name(), m0 });
         }
-        let yielding = yielding(setup, scene);
+        let yielding = yielding(setup);
         if !yielding.is_finite() {
             return Err(GronwallError::NotLipschitz { scene: name() });
         }
@@ -94,9 +94,9 @@ impl GronwallConstants {
     }
 }
 
-fn yielding(setup: &Setup, scene: &Scene) -> f64 {
-    let lipschitz = scene.material.projection.as_ref().map_or(0.0, |own| own.lipschitz);
-    let area: f64 = scene.domain.size.iter().product();
+fn yielding(setup: &Setup) -> f64 {
+    let lipschitz = setup.body.material.projection.as_ref().map_or(0.0, |own| own.lipschitz);
+    let area: f64 = setup.body.domain.size.iter().product();
     let mu = setup.projection_mu();
     if mu == 0.0 || lipschitz == 0.0 { 0.0 } else { mu * lipschitz * area.sqrt() }
 }

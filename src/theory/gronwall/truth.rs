@@ -106,7 +106,7 @@ impl TemporalTruth {
 
 fn exact_level(setup: &Setup, exact: &InterpolatedOnMesh, t: f64) -> Result<Level, LoadError> {
     let (u, memory) = exact.displacements(t)?;
-    let zeta = match &setup.scene.material.projection {
+    let zeta = match &setup.body.material.projection {
         Some(_) => exact.zeta(t)?,
         None => f64::NAN,
     };
