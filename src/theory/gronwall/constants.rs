@@ -57,6 +57,21 @@ impl GronwallConstants {
         Ok(Self { m0, trace_bound, beta, yielding, memory, memory_tensor })
     }
 
+    /// ‖S‖ of the parts that the scene has: 1 for ζ plus sup ‖ℬ‖. The paper's ‖R‖‖q‖.
+    pub fn lipschitz(&self) -> f64 {
+        f64::from(u8::from(self.has_zeta())) + self.memory
+    }
+
+    /// C1 = β_φ/m0.
+    pub fn c1(&self) -> f64 {
+        self.beta / self.m0
+    }
+
+    /// C2 = β_φ ‖S‖/m0.
+    pub fn c2(&self) -> f64 {
+        self.c1() * self.lipschitz()
+    }
+
     /// True if ζ is a part of the history.
     pub fn has_zeta(&self) -> bool {
         self.yielding > 0.0

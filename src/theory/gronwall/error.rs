@@ -37,6 +37,9 @@ pub enum GronwallError {
     /// A horizon that is no multiple of the step.
     #[error("horizon {horizon} is no multiple of the step k = {k}: choose multiples")]
     Horizon { horizon: f64, k: f64 },
+    /// Horizons are beginnings of one run, which holds on a uniform grid.
+    #[error("scene `{scene}`: horizons at a fixed step need a uniform grid; leave --horizons out")]
+    NotUniform { scene: String },
     /// A load or an exact field failed.
     #[error(transparent)]
     Load(#[from] LoadError),

@@ -52,6 +52,24 @@ impl Estimate {
         self.c1() * self.lipschitz()
     }
 
+    /// The same up to t_last, with the suprema of the kernels over [0, t_last]: a shorter horizon on
+    /// the same grid.
+    pub fn up_to(&self, last: usize) -> Self {
+        let kept = |values: &[f64]| values[..=last].to_vec();
+        let part = |part: &HistoryPart| {
+            let supremum = part.norms.maximum(last);
+            HistoryPart { supremum, ..part.clone() }
+        };
+        Self {
+            grid: self.grid.up_to(last),
+            error: kept(&self.error),
+            weighted_source: kept(&self.weighted_source),
+            source: kept(&self.source),
+            parts: self.parts.iter().map(part).collect(),
+            ..*self
+        }
+    }
+
     /// The bounds, each above the one before.
     ///
     /// # Errors
