@@ -25,6 +25,7 @@ pub struct HorizonRow {
     pub primed: f64,
     pub closed: f64,
     /// Of the printed sum; absent where C2 k ≥ 1.
+    pub printed: Option<f64>,
     pub printed_closed: Option<f64>,
     /// C2 on [0, T].
     pub c2: f64,
@@ -90,6 +91,7 @@ pub fn horizons(
             weighted: maximum(&envelopes.weighted),
             primed: maximum(&envelopes.primed),
             closed: maximum(&envelopes.closed),
+            printed: envelopes.printed.as_deref().map(maximum),
             printed_closed: envelopes.printed_closed.as_deref().map(maximum),
             c2: estimate.c2(),
             growth: before

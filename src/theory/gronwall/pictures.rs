@@ -55,11 +55,11 @@ impl Study {
         let data = |values: &[f64]| -> Vec<Datum> {
             times.iter().copied().zip(values.iter().copied()).skip(1).collect()
         };
-        let line = |name: &str, values: &[f64]| Series::new(name, vec![Part::Line(data(values))]);
-        chart.series.push(line("measured error e_n", &estimate.error));
         for (name, values) in bounds(envelopes) {
-            chart.series.push(line(name, values));
+            chart.series.push(Series::new(name, vec![stroke(name, data(values))]));
         }
+        let measured = Part::Dashed(data(&estimate.error));
+        chart.series.push(Series { grey: true, ..Series::new(MEASURED, vec![measured]) });
         chart
     }
 
@@ -83,7 +83,7 @@ impl Study {
                 .zip(ratios)
                 .map(|(t, ratio)| (*t, ratio.unwrap_or(f64::NAN)))
                 .collect();
-            chart.series.push(Series::new(name, vec![Part::Line(data)]));
+            chart.series.push(Series::new(name, vec![stroke(name, data)]));
         }
         chart
     }
@@ -129,8 +129,11 @@ impl Study {
             Axis::new("maximum over [0, T], norm in V", Scale::Log),
         );
         chart.series = horizon_curves(horizons, |_| 1.0);
-        let error = horizons.rows.iter().map(|row| (row.horizon, row.error));
-        chart.series.insert(0, curve("measured error", error.collect()));
+        let rows = horizons.rows.iter();
+        let error: Vec<Datum> = rows.map(|row| (row.horizon, row.error)).collect();
+        // Above the bounds: where one is attained, both are seen.
+        let parts = vec![Part::Dashed(error.clone()), Part::Hollow(error)];
+        chart.series.push(Series { grey: true, ..Series::new(MEASURED, parts) });
         chart
     }
 
@@ -150,8 +153,15 @@ impl Study {
 }
 
 fn curve(name: &str, data: Vec<Datum>) -> Series {
-    Series::new(name, vec![Part::Line(data.clone()), Part::Points(data)])
+    Series::new(name, vec![stroke(name, data.clone()), Part::Points(data)])
 }
+
+/// The bounds of the printed sum are dashed: for small k they cover the others.
+fn stroke(name: &str, data: Vec<Datum>) -> Part {
+    if [PRINTED, PRINTED_CLOSED].contains(&name) { Part::Dashed(data) } else { Part::Line(data) }
+}
+
+const MEASURED: &str = "measured error";
 
 const WEIGHTED: &str = "weighted envelope";
 const PRIMED: &str = "envelope, halved ends";
@@ -179,6 +189,7 @@ fn horizon_curves(horizons: &Horizons, divisor: fn(f64) -> f64) -> Vec<Series> {
         curve(WEIGHTED, data(|row| Some(row.weighted))),
         curve(PRIMED, data(|row| Some(row.primed))),
         curve(CLOSED, data(|row| Some(row.closed))),
+        curve(PRINTED, data(|row| row.printed)),
         curve(PRINTED_CLOSED, data(|row| row.printed_closed)),
     ]
 }
