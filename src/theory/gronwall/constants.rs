@@ -21,8 +21,8 @@ pub struct GronwallConstants {
     pub yielding: f64,
     /// Largest |eigenvalue| of ℬ₀ on S^d, times sup |b| over [0, T]; zero without memory.
     pub memory: f64,
-    /// The largest |eigenvalue| alone.
-    memory_tensor: f64,
+    /// The largest |eigenvalue| alone (a stress).
+    pub memory_tensor: f64,
 }
 
 impl GronwallConstants {
