@@ -54,6 +54,16 @@ fn the_chain_of_a_scene_holds() {
 }
 
 #[test]
+fn abstract_scenes_have_the_same_study() {
+    let output = sweep(&["gronwall", "abstract-random", "--steps", "16,32", "--json"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let document = json(&output);
+    assert_eq!(document["n"], serde_json::Value::Null);
+    assert_eq!(document["grids"].as_array().map(Vec::len), Some(2));
+    assert!(document["constants"]["q_norm"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
 fn the_printed_sum_needs_more_than_the_halved_one() {
     // C2 = 1/4: at k = 4 the printed sum has C2 k = 1, the halved one 1/2.
     let output = sweep(&["gronwall", "long-growing", "--steps", "1"]);
@@ -71,7 +81,9 @@ fn the_printed_sum_needs_more_than_the_halved_one() {
 
 #[test]
 fn what_cannot_be_judged_is_two() {
-    let cases: [(&[&str], &str); 3] = [
+    let cases: [(&[&str], &str); 5] = [
+        (&["abstract-smooth", "--n", "8"], "leave --n away"),
+        (&["abstract-graded", "--steps", "16", "--horizons", "1"], "uniform grid"),
         (&["steady"], "has no history"),
         (&["affine", "--steps", "8", "--horizons", "0.3"], "no multiple of the step"),
         (&["no-such-scene"], "no scene is called"),

@@ -7,21 +7,21 @@ use clap::Args;
 use super::{CliError, Scenes, print_json, print_text};
 use crate::record::replace_file;
 use crate::scene::Scene;
-use crate::setup::Setup;
+use crate::setup::Subject;
 use crate::theory::gronwall::{HorizonRow, Plan, StudiedGrid, Study, maximum};
 
 /// `sweep gronwall`.
 #[derive(Args)]
 #[command(
-    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is checked at every n of every run; exit code 1 names the first n at which a link fails.\n\nJSON keys with --json: scene, n, truth, constants (m0, c_j_squared_bound, beta_phi, yielding, memory_norm, lipschitz, C1, C2), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, of_maxima, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, printed, printed_closed, c2, growth), perturbations (shape, size, steps, load, difference, growth, weighted, primed, least_effectivity), violations (part, link, n, t, left, right), verdict.\n\nFiles with --out: gronwall.csv (every level of every run), gronwall-*.svg."
+    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is checked at every n of every run; exit code 1 names the first n at which a link fails.\n\nJSON keys with --json: scene, n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, of_maxima, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, printed, printed_closed, c2, growth), perturbations (shape, size, steps, load, difference, growth, weighted, primed, least_effectivity), violations (part, link, n, t, left, right), verdict.\n\nFiles with --out: gronwall.csv (every level of every run), gronwall-*.svg."
 )]
 pub struct Gronwall {
     /// Name of a scene, or path of a TOML file
     scene: String,
-    /// Cells per unit length, h = 1/n [default: the first of the scene's list]
+    /// Cells per unit length, h = 1/n; abstract scenes have none [default: the first of the scene's list]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=4096))]
     n: Option<u32>,
-    /// Numbers N of time steps, k = T/N [default: the scene's list]
+    /// Numbers N of time steps, k = T/N [default: the scene's list up to 1024]
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<Vec<u32>>,
     /// Horizons T at the step of the largest N, multiples of it
@@ -35,12 +35,17 @@ pub struct Gronwall {
     out: Option<PathBuf>,
 }
 
+/// Of the scene's own list, no more steps than this: the weighted envelope takes O(N²).
+const MOST_STEPS: u32 = 1024;
+
 impl Gronwall {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
         let plan = self.plan(&scene)?;
-        scene.check_cells(plan.n)?;
-        let study = Study::run(&Setup::new(scene)?, plan).map_err(other)?;
+        if let Some(n) = plan.n.filter(|_| scene.as_contact().is_some()) {
+            scene.check_cells(n)?;
+        }
+        let study = Study::run(&Subject::new(scene)?, plan).map_err(other)?;
         if let Some(dir) = &self.out {
             write(dir, &study)?;
         }
@@ -56,9 +61,14 @@ impl Gronwall {
         let sweep = scene.sweep.as_ref();
         let own = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<u32>>();
         let n = self.n.or_else(|| sweep.and_then(|sweep| own(&sweep.n).first().copied()));
-        let steps = self.steps.clone().or_else(|| sweep.map(|sweep| own(&sweep.steps)));
-        let (Some(n), Some(mut steps)) = (n, steps) else {
-            return Err(other("the scene has no [sweep]: give --n and --steps"));
+        let listed = |list: &[usize]| {
+            let mut list = own(list);
+            list.retain(|&steps| steps <= MOST_STEPS);
+            list
+        };
+        let steps = self.steps.clone().or_else(|| sweep.map(|sweep| listed(&sweep.steps)));
+        let Some(mut steps) = steps.filter(|steps| !steps.is_empty()) else {
+            return Err(other("no numbers of steps: give --steps 16,32,64"));
         };
         steps.sort_unstable();
         steps.dedup();
@@ -81,18 +91,16 @@ fn write(dir: &Path, study: &Study) -> Result<(), CliError> {
 
 fn print(study: &Study) {
     let c = &study.constants;
-    print_text(&format!("{}, n = {}; truth: {}", study.scene, study.plan.n, study.truth));
-    let proved =
-        c.trace_bound.map_or(String::new(), |bound| format!(" (c_j^2 <= {bound}, proved)"));
+    let mesh = study.plan.n.map_or_else(String::new, |n| format!(", n = {n}"));
+    print_text(&format!("{}{mesh}; truth: {}", study.scene, study.truth));
+    let details = c.details.iter().map(|(name, value)| format!(", {name} = {value:.6}"));
     print_text(&format!(
-        "m0 = {:.6}{proved}, beta_phi = {:.6}, mu L_kappa sqrt|Omega| = {:.6}, |B| = {:.6}, |S| = {:.6}",
+        "m0 = {:.6}, beta_phi = {:.6}{}",
         c.m0,
         c.beta,
-        c.yielding,
-        c.memory,
-        c.lipschitz()
+        details.collect::<String>()
     ));
-    print_text(&format!("C1 = {:.6}, C2 = {:.6}", c.c1(), c.c2()));
+    print_text(&format!("C1 = {:.6}, C2 = {:.6}, lipschitz = {:.6}", c.c1(), c.c2(), c.lipschitz));
     print_text("\nbound / error at t = T:");
     print_text(&format!(
         "{:>6} {:>10} {:>11} {:>11} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",

@@ -9,7 +9,7 @@ use crate::setup::{Setup, constants};
 
 /// Constants of one scene. Where they bound a measured difference, each is the value itself or an
 /// upper bound, except L_κ and sup ‖ℬ‖, which are sampled (exactly for affine κ and monotone kernels).
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GronwallConstants {
     /// m0 = m_𝒜 - α_ν C, C a proved upper bound of c_j² (a stress).
     pub m0: f64,
@@ -25,6 +25,31 @@ pub struct GronwallConstants {
     pub memory_tensor: f64,
 }
 
+/// The constants of (3.24) of any scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// m0.
+    pub m0: f64,
+    /// β_φ.
+    pub beta: f64,
+    /// ‖R‖‖q‖, or the Lipschitz constant of S.
+    pub lipschitz: f64,
+    /// What they are made of, by name.
+    pub details: Vec<(&'static str, f64)>,
+}
+
+impl Summary {
+    /// C1 = β_φ/m0.
+    pub fn c1(&self) -> f64 {
+        self.beta / self.m0
+    }
+
+    /// C2 = β_φ ‖S‖/m0.
+    pub fn c2(&self) -> f64 {
+        self.c1() * self.lipschitz
+    }
+}
+
 impl GronwallConstants {
     /// The constants of `setup`.
     ///
@@ -34,6 +59,9 @@ impl GronwallConstants {
         let found = constants(setup)?;
         let scene = &setup.scene;
         let name = || scene.name.clone();
+        if scene.time.rule != scene::TimeRule::Trapezoid {
+            return Err(GronwallError::NotTrapezoidal { scene: name() });
+        }
         let trace_bound = (found.alpha_nu > 0.0).then_some(found.c_j_squared_bound).flatten();
         if found.alpha_nu > 0.0 && trace_bound.is_none() {
             return Err(GronwallError::NoTraceBound { scene: name() });
@@ -57,19 +85,12 @@ impl GronwallConstants {
         Ok(Self { m0, trace_bound, beta, yielding, memory, memory_tensor })
     }
 
-    /// ‖S‖ of the parts that the scene has: 1 for ζ plus sup ‖ℬ‖. The paper's ‖R‖‖q‖.
-    pub fn lipschitz(&self) -> f64 {
-        f64::from(u8::from(self.has_zeta())) + self.memory
-    }
-
-    /// C1 = β_φ/m0.
-    pub fn c1(&self) -> f64 {
-        self.beta / self.m0
-    }
-
-    /// C2 = β_φ ‖S‖/m0.
-    pub fn c2(&self) -> f64 {
-        self.c1() * self.lipschitz()
+    /// As every scene states them. ‖S‖ is that of the parts the scene has: 1 for ζ, plus sup ‖ℬ‖.
+    pub fn summary(&self) -> Summary {
+        let mut details = vec![("yielding", self.yielding), ("memory_norm", self.memory)];
+        details.extend(self.trace_bound.map(|bound| ("c_j_squared_bound", bound)));
+        let lipschitz = f64::from(u8::from(self.has_zeta())) + self.memory;
+        Summary { m0: self.m0, beta: self.beta, lipschitz, details }
     }
 
     /// True if ζ is a part of the history.

@@ -34,16 +34,17 @@ impl Study {
 
     fn constants_json(&self) -> Value {
         let c = &self.constants;
-        json!({
+        let mut value = json!({
             "m0": c.m0,
-            "c_j_squared_bound": c.trace_bound,
             "beta_phi": c.beta,
-            "yielding": c.yielding,
-            "memory_norm": c.memory,
-            "lipschitz": c.lipschitz(),
+            "lipschitz": c.lipschitz,
             "C1": c.c1(),
             "C2": c.c2(),
-        })
+        });
+        for (name, number) in &c.details {
+            value[*name] = json!(number);
+        }
+        value
     }
 
     /// Every level of every run: `gronwall.csv`.

@@ -2,6 +2,7 @@
 
 use super::recurrence::StepTooLarge;
 use crate::contact::{CaseError, LoadError};
+use crate::finite::FiniteError;
 use crate::linalg::FactorError;
 use crate::setup::SetupError;
 
@@ -20,9 +21,17 @@ pub enum GronwallError {
     NoTraceBound { scene: String },
     /// (2.9) fails with the proved bound.
     #[error(
-        "scene `{scene}`: m0 = {m0:.6} with the proved bound of c_j^2 is not positive; flatten the falling branch of the law"
+        "scene `{scene}`: m0 = {m0:.6} is not positive with an upper bound of c_j^2; flatten the falling branch of the law"
     )]
     Smallness { scene: String, m0: f64 },
+    /// Another rule in time.
+    #[error(
+        "scene `{scene}`: (3.24) is written for the trapezoidal rule; leave the rule in [time] out"
+    )]
+    NotTrapezoidal { scene: String },
+    /// A body without a mesh, or a mesh without a body.
+    #[error("{reason}")]
+    Mesh { reason: &'static str },
     /// L_κ is infinite.
     #[error("scene `{scene}`: kappa is not Lipschitz, so (3.24) has no constant C2")]
     NotLipschitz { scene: String },
@@ -46,6 +55,12 @@ pub enum GronwallError {
     /// A run failed.
     #[error("{steps} steps: {source}")]
     Case { steps: u32, source: CaseError },
+    /// A run in ℝ^m failed.
+    #[error("{steps} steps: {source}")]
+    FiniteCase { steps: u32, source: FiniteError },
+    /// The inner product of an abstract scene has no inverse.
+    #[error("the inner product is singular")]
+    InnerProduct,
     /// The strain stiffness could not be factorized.
     #[error("the dual norm: {0}")]
     Dual(#[from] FactorError),

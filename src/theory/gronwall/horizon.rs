@@ -1,13 +1,12 @@
 //! Error and bounds over the horizon T at a fixed step k: is the error uniform in T, or does it grow
 //! like e^{C2 T}? The theory is on R₊ with constants for each [0, T].
 
-use super::constants::GronwallConstants;
 use super::estimate::{Envelopes, Estimate, maximum};
+use super::in_time::prepare;
 use super::measure::TemporalRun;
-use super::truth::TemporalTruth;
 use super::{GronwallError, Violation};
 use crate::scene;
-use crate::setup::{MeshData, Setup};
+use crate::setup::Subject;
 
 /// Error and bounds on [0, T].
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -55,13 +54,14 @@ pub struct Horizons {
 /// # Errors
 /// A horizon that is no multiple of k; those of the run.
 pub fn horizons(
-    setup: &Setup,
-    n: u32,
+    subject: &Subject,
+    n: Option<u32>,
     k: f64,
     horizons: &[f64],
 ) -> Result<Horizons, GronwallError> {
-    if setup.scene.time.grid != scene::TimeGrid::Uniform {
-        return Err(GronwallError::NotUniform { scene: setup.scene.name.clone() });
+    let scene = subject.scene();
+    if scene.time.grid != scene::TimeGrid::Uniform {
+        return Err(GronwallError::NotUniform { scene: scene.name.clone() });
     }
     let mut sorted = horizons.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -69,11 +69,13 @@ pub fn horizons(
     let steps: Vec<u32> =
         sorted.iter().map(|&horizon| whole_steps(horizon, k)).collect::<Result<_, _>>()?;
     let (longest, last) = (sorted[sorted.len() - 1], steps[steps.len() - 1]);
-    let longer = extended(setup, longest)?;
-    let data = MeshData::new(&longer, n, None)?;
-    let constants = GronwallConstants::new(&longer)?;
-    let truth = TemporalTruth::new(&longer, &data, &[last])?;
-    let run = TemporalRun::measure(&longer, &longer.model, &data, &truth, &constants, last)?;
+    // Formulas are defined for all t; what validation samples over the horizon (exact contact state,
+    // constants) is sampled again.
+    let mut longer = scene.clone();
+    longer.time.horizon = longest;
+    let longer = Subject::new(longer)?;
+    let in_time = prepare(&longer, n, &[last])?;
+    let run = in_time.measure(last)?;
     let mut rows: Vec<HorizonRow> = Vec::new();
     let mut violations = Vec::new();
     for (&horizon, &steps) in sorted.iter().zip(&steps) {
@@ -101,7 +103,7 @@ pub fn horizons(
     }
     let envelopes =
         run.estimate.envelopes().map_err(|source| GronwallError::Step { steps: last, source })?;
-    Ok(Horizons { envelopes, k, truth: truth.label(), run, rows, violations })
+    Ok(Horizons { envelopes, k, truth: in_time.truth(), run, rows, violations })
 }
 
 fn resolved(estimate: &Estimate, error: f64) -> bool {
@@ -114,12 +116,4 @@ fn whole_steps(horizon: f64, k: f64) -> Result<u32, GronwallError> {
     let fits =
         whole >= 1.0 && whole <= f64::from(u32::MAX) && (steps - whole).abs() <= 1e-9 * whole;
     if fits { Ok(whole as u32) } else { Err(GronwallError::Horizon { horizon, k }) }
-}
-
-/// The scene on [0, T] with another T. Formulas are defined for all t; what validation samples over
-/// the horizon (exact contact state, constants) is sampled again.
-fn extended(setup: &Setup, horizon: f64) -> Result<Setup, GronwallError> {
-    let mut scene = setup.scene.clone();
-    scene.time.horizon = horizon;
-    Ok(Setup::new(scene)?)
 }

@@ -19,9 +19,10 @@ use crate::vhi::Newton;
 pub struct TemporalRun {
     /// N.
     pub steps: u32,
-    /// |∫_0^{t_n} ‖ε(u)‖ - Σ' ‖ε(u_j)‖|; zero where ζ is no part of the history.
+    /// |∫_0^{t_n} ‖ε(u)‖ - Σ' ‖ε(u_j)‖|; zero where ζ is no part of the history, as in abstract scenes.
     pub truncation_zeta: Vec<f64>,
-    /// ‖∫_0^{t_n} ℬ(t_n - s) ε(u) - Σ' ℬ(t_n - t_j) ε(u_j)‖_ℋ (a stress times √|Ω|); zero without memory.
+    /// ‖∫_0^{t_n} ℬ(t_n - s) ε(u) - Σ' ℬ(t_n - t_j) ε(u_j)‖_ℋ (a stress times √|Ω|), zero without memory;
+    /// ‖S_n u - S_n^k u‖_{X*} of an abstract scene.
     pub truncation_memory: Vec<f64>,
     /// The data of the bounds.
     pub estimate: Estimate,

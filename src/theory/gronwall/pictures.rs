@@ -36,20 +36,24 @@ impl Study {
         Ok(drawn)
     }
 
+    fn mesh(&self) -> String {
+        self.plan.n.map_or_else(String::new, |n| format!(", n = {n}"))
+    }
+
     fn chart(&self, question: &str, x: Axis, y: Axis) -> Chart {
         Chart::new(&format!("{}: Gronwall", self.scene), question, x, y)
     }
 
     fn over_time(&self, estimate: &Estimate, envelopes: &Envelopes) -> Chart {
         let question = format!(
-            "Error in time and its bounds on [0, T], N = {}, n = {}. Each bound lies above the one before.",
+            "Error in time and its bounds on [0, T], N = {}{}. Each bound lies above the one before.",
             estimate.grid.steps(),
-            self.plan.n
+            self.mesh()
         );
         let mut chart = self.chart(
             &question,
             Axis::new("time t_n", Scale::Linear),
-            Axis::new("norm in V (strain)", Scale::Log),
+            Axis::new("norm of the error", Scale::Log),
         );
         let times = estimate.grid.times();
         let data = |values: &[f64]| -> Vec<Datum> {
@@ -65,9 +69,9 @@ impl Study {
 
     fn ratios_over_time(&self, estimate: &Estimate, envelopes: &Envelopes) -> Chart {
         let question = format!(
-            "How far are the bounds above the measured error, N = {}, n = {}? 1 means attained.",
+            "How far are the bounds above the measured error on [0, T], N = {}{}? 1 means attained.",
             estimate.grid.steps(),
-            self.plan.n
+            self.mesh()
         );
         let mut chart = self.chart(
             &question,
@@ -90,8 +94,8 @@ impl Study {
 
     fn ratios_over_step(&self) -> Chart {
         let question = format!(
-            "How far are the bounds above the measured error at t = T, n = {}? 1 means attained.",
-            self.plan.n
+            "How far are the bounds above the measured error at t = T{}? 1 means attained.",
+            self.mesh()
         );
         let mut chart = self.chart(
             &question,
@@ -126,7 +130,7 @@ impl Study {
         let mut chart = self.chart(
             &question,
             Axis::new("horizon T", Scale::Log),
-            Axis::new("maximum over [0, T], norm in V", Scale::Log),
+            Axis::new("maximum over [0, T]", Scale::Log),
         );
         chart.series = horizon_curves(horizons, |_| 1.0);
         let rows = horizons.rows.iter();

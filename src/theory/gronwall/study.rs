@@ -1,19 +1,19 @@
 //! The study of a scene: grids, horizons and perturbations, with every link of the chain checked.
 
 use super::GronwallError;
-use super::constants::GronwallConstants;
+use super::constants::Summary;
 use super::estimate::{Envelopes, Violation, effectivities, maximum};
 use super::horizon::{Horizons, horizons};
+use super::in_time::prepare;
 use super::measure::TemporalRun;
 use super::stability::{Perturbation, perturbations};
-use super::truth::TemporalTruth;
-use crate::setup::{MeshData, Setup};
+use crate::setup::Subject;
 
 /// What is asked of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Mesh cells a unit length.
-    pub n: u32,
+    /// Mesh cells a unit length; none for abstract scenes.
+    pub n: Option<u32>,
     /// Numbers N of steps.
     pub steps: Vec<u32>,
     /// Horizons T, at the step of the largest N; none if empty.
@@ -32,7 +32,7 @@ pub struct Study {
     pub scene: String,
     pub question: String,
     pub plan: Plan,
-    pub constants: GronwallConstants,
+    pub constants: Summary,
     /// Where the truth of the error comes from.
     pub truth: String,
     pub grids: Vec<StudiedGrid>,
@@ -68,33 +68,32 @@ impl Study {
     ///
     /// # Errors
     /// [`GronwallError`].
-    pub fn run(setup: &Setup, plan: Plan) -> Result<Self, GronwallError> {
-        let constants = GronwallConstants::new(setup)?;
-        let data = MeshData::new(setup, plan.n, None)?;
-        let truth = TemporalTruth::new(setup, &data, &plan.steps)?;
+    pub fn run(subject: &Subject, plan: Plan) -> Result<Self, GronwallError> {
+        let scene = subject.scene();
+        let in_time = prepare(subject, plan.n, &plan.steps)?;
         let mut grids = Vec::new();
         for &steps in &plan.steps {
-            let run = TemporalRun::measure(setup, &setup.model, &data, &truth, &constants, steps)?;
+            let run = in_time.measure(steps)?;
             let envelopes =
                 run.estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
             let violations = envelopes.violations(&run.estimate);
             grids.push(StudiedGrid { run, envelopes, violations });
         }
         let finest = plan.steps.iter().copied().max().unwrap_or(1);
-        let perturbations = perturbations(setup, &data, &constants, finest)?;
+        let perturbations = perturbations(&*in_time, finest)?;
         let horizons = match plan.horizons[..] {
             [] => None,
             _ => {
-                let k = setup.scene.time.horizon / f64::from(finest);
-                Some(horizons(setup, plan.n, k, &plan.horizons)?)
+                let k = scene.time.horizon / f64::from(finest);
+                Some(horizons(subject, plan.n, k, &plan.horizons)?)
             }
         };
         Ok(Self {
-            scene: setup.scene.name.clone(),
-            question: setup.scene.question.clone(),
+            scene: scene.name.clone(),
+            question: scene.question.clone(),
+            constants: in_time.constants(),
+            truth: in_time.truth(),
             plan,
-            constants,
-            truth: truth.label(),
             grids,
             horizons,
             perturbations,
