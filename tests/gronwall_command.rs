@@ -53,6 +53,26 @@ fn the_chain_of_a_scene_holds() {
     }
 }
 
+/// L_κ is sampled every 0.05 in ζ and towards 0. A yield limit that rises with slope 4 between two samples has L_κ = 4,
+/// and is taken for one with 0.05: the error passes the envelope there.
+#[test]
+fn a_constant_that_sampling_missed_is_one() {
+    let folder = Folder::new("gronwall-violated");
+    let steep = "0.10 + 0.05*zeta + 4*max(0, min(zeta - 0.055, 0.025))";
+    let scene = folder.file("affine.toml", &edited(&text("affine"), "0.10 + 0.05*zeta", steep));
+    let output = sweep(&["gronwall", &scene, "--steps", "128"]);
+    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    let table = stdout(&output);
+    assert!(table.contains("VIOLATED N = 128: e <= weighted envelope at n = "), "{table}");
+    let document = json(&sweep(&["gronwall", &scene, "--steps", "128", "--json"]));
+    let violation = &document["violations"][0];
+    assert_eq!((&document["verdict"], &violation["part"]), (&"fail".into(), &"N = 128".into()));
+    assert!(violation["left"].as_f64() > violation["right"].as_f64() && violation["n"].is_u64());
+    // ζ passes the steep piece at t = 0.4 to 0.6.
+    let t = violation["t"].as_f64().expect("a time");
+    assert!((0.3..0.7).contains(&t), "{t}");
+}
+
 #[test]
 fn abstract_scenes_have_the_same_study() {
     let output = sweep(&["gronwall", "abstract-random", "--steps", "16,32", "--json"]);

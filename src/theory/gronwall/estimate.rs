@@ -52,8 +52,8 @@ impl Estimate {
         self.c1() * self.lipschitz()
     }
 
-    /// The same up to t_last, with the suprema of the kernels over [0, t_last]: a shorter horizon on
-    /// the same grid.
+    /// The same up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
+    /// horizon.
     pub fn up_to(&self, last: usize) -> Self {
         let kept = |values: &[f64]| values[..=last].to_vec();
         let part = |part: &HistoryPart| {
