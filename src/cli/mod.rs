@@ -4,6 +4,7 @@ mod abstract_problem;
 mod check;
 mod explain;
 mod fit;
+mod gronwall;
 mod interrupt;
 mod list;
 mod progress;
@@ -49,6 +50,8 @@ enum Command {
     Explain(explain::Explain),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
+    /// Put Gronwall's inequality over runs: truncation errors, envelopes, horizons, perturbations
+    Gronwall(gronwall::Gronwall),
     /// Fit orders to a table with columns h, k, error
     Fit(fit::Fit),
     /// Rebuild every output from the records in a directory, without solving
@@ -87,6 +90,7 @@ pub fn main() -> ExitCode {
         Command::Check(check) => check.execute(&scenes),
         Command::Explain(explain) => explain.execute(&scenes),
         Command::Solve(solve) => solve.execute(&scenes),
+        Command::Gronwall(gronwall) => gronwall.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Report(report) => report.execute(&scenes),
     };
