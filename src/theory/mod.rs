@@ -1,0 +1,3 @@
+//! The theory, executable: every constant, bound and inequality of the paper as something that runs.
+
+pub mod bound;
