@@ -10,7 +10,7 @@ use crate::finite::march;
 use crate::manufactured::{Finding, Status};
 use crate::setup::{AbstractLoad, AbstractSetup};
 use crate::sweep::ScenePlan;
-use crate::vhi::Newton;
+use crate::vhi::StepSolver;
 
 /// The hypotheses of the abstract theory with their constants.
 pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
@@ -78,7 +78,12 @@ pub fn explain(plan: &ScenePlan, json: bool) -> Result<u8, CliError> {
 }
 
 /// One case: u and its history at t = T, the largest error over the steps.
-pub fn solve(setup: &AbstractSetup, steps: u32, json: bool) -> Result<u8, CliError> {
+pub fn solve(
+    setup: &AbstractSetup,
+    steps: u32,
+    solver: &impl StepSolver,
+    json: bool,
+) -> Result<u8, CliError> {
     let start = Instant::now();
     let (mut last, mut largest) = (None, 0f64);
     let mut observe = |view: &crate::finite::FiniteView<'_>| {
@@ -88,7 +93,7 @@ pub fn solve(setup: &AbstractSetup, steps: u32, json: bool) -> Result<u8, CliErr
         last = Some((view.u.clone(), view.history.clone(), view.pressure.to_vec()));
     };
     let load = &mut AbstractLoad(setup);
-    let info = march(&setup.model, &setup.grid(steps), load, &Newton::default(), &mut observe)
+    let info = march(&setup.model, &setup.grid(steps), load, solver, &mut observe)
         .map_err(|e| CliError::Other(format!("{} steps = {steps}: {e}", setup.scene.name)))?;
     let Some((u, history, pressure)) = last else {
         return Err(CliError::Other("the run ended before its last step".into()));

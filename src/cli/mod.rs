@@ -1,6 +1,7 @@
 //! The command line: one file a command, results on stdout, progress and errors on stderr.
 
 mod abstract_problem;
+mod bound;
 mod check;
 mod explain;
 mod fit;
@@ -50,6 +51,8 @@ enum Command {
     Explain(explain::Explain),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
+    /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
+    Bound(bound::BoundCommand),
     /// Put Gronwall's inequality over runs: truncation errors, envelopes, horizons, perturbations
     Gronwall(gronwall::Gronwall),
     /// Fit orders to a table with columns h, k, error
@@ -90,6 +93,7 @@ pub fn main() -> ExitCode {
         Command::Check(check) => check.execute(&scenes),
         Command::Explain(explain) => explain.execute(&scenes),
         Command::Solve(solve) => solve.execute(&scenes),
+        Command::Bound(bound) => bound.execute(&scenes),
         Command::Gronwall(gronwall) => gronwall.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Report(report) => report.execute(&scenes),

@@ -11,8 +11,10 @@ mod linear;
 mod load;
 mod march;
 mod model;
+mod open_level;
 mod problem;
 mod trace;
+mod trace_constant;
 
 pub use assembly::{isotropic_stiffness, stress_force};
 pub use discretization::Discretization;
@@ -23,5 +25,7 @@ pub use linear::strain_norm;
 pub use load::{Load, LoadError};
 pub use march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, march};
 pub use model::{Boundary, BoundaryRule, MemoryTerm, Model};
+pub use open_level::OpenLevel;
 pub use problem::{ContactProblem, LastSlot};
 pub use trace::{ContactTrace, TracePoint, facet_measure};
+pub use trace_constant::{TraceMass, trace_constant};

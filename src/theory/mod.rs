@@ -1,3 +1,4 @@
-//! The theory, executable: bounds and inequalities of the paper, evaluated on runs.
+//! The theory, executable: every constant, bound and inequality of the paper as something that runs.
 
+pub mod bound;
 pub mod gronwall;

@@ -70,7 +70,7 @@ impl GronwallConstants {
         if m0.is_nan() || m0 <= 0.0 {
             return Err(GronwallError::Smallness { scene: name(), m0 });
         }
-        let yielding = yielding(setup);
+        let yielding = found.yielding;
         if !yielding.is_finite() {
             return Err(GronwallError::NotLipschitz { scene: name() });
         }
@@ -81,7 +81,7 @@ impl GronwallConstants {
         if yielding == 0.0 && memory_tensor == 0.0 {
             return Err(GronwallError::NoHistory { scene: name() });
         }
-        let (beta, memory) = (found.beta_phi, found.memory_norm);
+        let (beta, memory) = (found.beta_phi, found.memory.operator);
         Ok(Self { m0, trace_bound, beta, yielding, memory, memory_tensor })
     }
 
@@ -128,11 +128,4 @@ impl GronwallConstants {
         }
         parts
     }
-}
-
-fn yielding(setup: &Setup) -> f64 {
-    let lipschitz = setup.body.material.projection.as_ref().map_or(0.0, |own| own.lipschitz);
-    let area: f64 = setup.body.domain.size.iter().product();
-    let mu = setup.projection_mu();
-    if mu == 0.0 || lipschitz == 0.0 { 0.0 } else { mu * lipschitz * area.sqrt() }
 }
