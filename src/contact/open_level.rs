@@ -7,9 +7,7 @@ use crate::history::TimeGrid;
 use crate::law::{Isotropic, Projection};
 use crate::linalg::{Factor, FactorError, Workspace, axpy, dot};
 use crate::space::strain_of;
-use crate::vhi::{
-    BoundaryGraph, FrozenDerivative, HistoryInequality, Piece, StepInequality, StepState,
-};
+use crate::vhi::{BoundaryGraph, FrozenDerivative, HistoryInequality, StepInequality, StepState};
 
 /// A run whose last slot may be given any weight, with DΛ of the level that is open.
 pub struct OpenLevel<'a, P> {
@@ -79,7 +77,7 @@ impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
         self.evolution.freeze(Some(eta));
         let mut force = vec![0.0; state.u.len()];
         self.evolution.residual(&state.u, &mut force);
-        let (slopes, prescribed) = pieces(self.evolution.graph(), state);
+        let (slopes, prescribed) = self.evolution.graph().pieces(state);
         self.evolution.linearize(&slopes, &prescribed)?;
         self.by_zeta = None;
         let size = self.evolution.norm(eta);
@@ -129,18 +127,6 @@ impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
     fn gram(&mut self, x: &[f64], out: &mut [f64]) {
         self.space.pattern.multiply(&self.gram, x, out);
     }
-}
-
-/// Slopes of the free graph coordinates, and increment 0 on the pinned ones.
-fn pieces(graph: &BoundaryGraph, state: &StepState) -> (Vec<f64>, Vec<Option<f64>>) {
-    let coordinate = |(i, pressure): (usize, &f64)| {
-        let (at, normal) = (&graph.coordinates[i], graph.normal(i, &state.u));
-        match graph.piece(i, normal + at.gamma * pressure) {
-            Piece::Pinned { .. } => (0.0, Some(0.0)),
-            Piece::Free => (at.weight * graph.value_and_slope(i, normal).1, None),
-        }
-    };
-    state.pressure.iter().enumerate().map(coordinate).unzip()
 }
 
 /// ∂/∂κ ∫ σ:ε(v) over all nodes.
