@@ -3,6 +3,7 @@
 //! Power iteration with all its iterates kept: Lanczos for self-adjoint maps, Arnoldi for others. The
 //! basis is orthogonalized twice against all of itself, so no spurious copies of an eigenvalue appear.
 
+use faer::Mat;
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::{FactorError, axpy, dot};
@@ -38,6 +39,12 @@ pub enum EigenError {
     /// A solve within the map failed.
     #[error(transparent)]
     Factor(#[from] FactorError),
+    /// The eigenvalues of a small projected matrix were not found.
+    #[error("the eigenvalues of a projected matrix of order {order} did not converge")]
+    NotConverged {
+        /// Its order.
+        order: usize,
+    },
     /// The iteration ran out.
     #[error(
         "an eigenvalue did not settle: {value} after {iterations} applications, still changing by {change:e}"
@@ -127,10 +134,11 @@ pub fn spectrum(map: &mut dyn LinearMap, start: &[f64]) -> Result<Spectrum, Eige
         if !invariant && !look(m) && m < LIMIT {
             continue;
         }
-        let projected =
-            DMatrix::from_fn(m, m, |i, j| basis.columns[j].get(i).copied().unwrap_or(0.0));
-        let values = projected.complex_eigenvalues();
-        let radius = values.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        let entry = |i: usize, j: usize| basis.columns[j].get(i).copied().unwrap_or(0.0);
+        let values = Mat::from_fn(m, m, entry)
+            .eigenvalues()
+            .map_err(|_| EigenError::NotConverged { order: m })?;
+        let radius = values.iter().map(|z| z.re.hypot(z.im)).fold(0.0, f64::max);
         let real = values.iter().filter(|z| z.im.abs() <= REAL * radius);
         let rightmost = real.map(|z| z.re).fold(f64::NEG_INFINITY, f64::max);
         let off = (radius - last.0).abs().max((rightmost - last.1).abs());
@@ -145,9 +153,14 @@ pub fn spectrum(map: &mut dyn LinearMap, start: &[f64]) -> Result<Spectrum, Eige
     }
 }
 
-/// Small projected matrices are looked at every second time, large ones every tenth.
+/// Small projected matrices are looked at every second time, larger ones each time they have grown by
+/// a quarter: their eigenvalues cost the cube of their order.
 fn look(m: usize) -> bool {
-    if m <= 20 { m.is_multiple_of(2) } else { m.is_multiple_of(10) }
+    let mut next = 20;
+    while next < m {
+        next += next / 4;
+    }
+    m == next || (m < 20 && m.is_multiple_of(2))
 }
 
 /// An orthonormal basis of the Krylov space with T in it.

@@ -5,7 +5,7 @@
 //! contract any more because of a positive eigenvalue; where the eigenvalues are negative, as for
 //! ℬ(0) ≥ 0, Λ stops converging and the step stays solvable.
 
-use super::factor::{contraction, eigenvalues, operator_norm};
+use super::factor::{eigenvalues, operator_norm};
 use super::ladder::BoundError;
 use super::threshold::{Crossing, crossing};
 use crate::vhi::{FrozenDerivative, Newton, Scratch, StepError, StepState};
@@ -30,6 +30,8 @@ pub enum Reason {
     Jump(f64),
     /// The tangent has become singular in between.
     Singular,
+    /// Nothing: it changes so fast with k that it was not followed further.
+    NotFollowed,
 }
 
 impl std::fmt::Display for Reason {
@@ -38,11 +40,15 @@ impl std::fmt::Display for Reason {
             Self::NoSolution(StepError::Factor { .. }) => {
                 write!(f, "the tangent is not positive definite beyond it")
             }
+            Self::NoSolution(StepError::NotConverged { .. }) => {
+                write!(f, "Newton's method finds no solution beyond it")
+            }
             Self::NoSolution(error) => write!(f, "{error}"),
             Self::Jump(size) => {
                 write!(f, "the solution ends; Newton's method jumps by {:.1} %", 100.0 * size)
             }
             Self::Singular => write!(f, "the tangent is singular"),
+            Self::NotFollowed => write!(f, "not followed further: it changes too fast with k"),
         }
     }
 }
@@ -61,11 +67,11 @@ pub struct Branch {
 /// Steps in k grow by at most this factor, and the solution may move by at most this share in one;
 /// else the step is halved.
 const LONGEST: f64 = 1.05;
-const LARGEST_MOVE: f64 = 0.1;
+const LARGEST_MOVE: f64 = 0.25;
 /// A relative step in k below which no continuation is an end.
-const SHORTEST: f64 = 1e-8;
-/// Steps after which the rest is not followed.
-const STEPS: usize = 2000;
+const SHORTEST: f64 = 1e-7;
+/// Steps after which the solution is not followed further.
+const STEPS: usize = 300;
 
 /// The tolerance of Newton's method shrinks with the tangent where that becomes singular, rounding does
 /// not: a residual that stalls at this multiple of it is a solution.
@@ -95,12 +101,17 @@ pub fn follow<L: FrozenDerivative>(
 ) -> Result<Branch, BoundError> {
     let first = solve(level, from, start)
         .map_err(|source| BoundError::Frozen { k: from, source })
-        .and_then(|state| measure(level, from, state))?;
+        .and_then(|state| measure(level, from, state, 0.0))?;
     let mut path = vec![first];
     let (mut ratio, mut loss) = (LONGEST, None);
-    while path.len() < STEPS {
+    loop {
         let here = path[path.len() - 1].clone();
         if here.k >= to {
+            break;
+        }
+        if path.len() >= STEPS {
+            let (bracket, rightmost) = ((here.k, to), here.rightmost);
+            loss = Some(Loss { bracket, rightmost, reason: Reason::NotFollowed });
             break;
         }
         let k = (here.k * ratio).min(to);
@@ -132,13 +143,22 @@ pub fn follow<L: FrozenDerivative>(
     let norm = reaches(|at| at.norm, |level, s| operator_norm(level, &s.u, s).map(|n| n.0))?;
     let radius = reaches(|at| at.radius, |level, s| eigenvalues(level, &s.u, s).map(|e| e.radius))?;
     // At a singular tangent DΛ has the eigenvalue one, so norm and radius reach it there at the latest.
-    let singular = loss.as_ref().filter(|loss| loss.rightmost > NEARLY_ONE).map(|l| l.bracket);
+    let singular = loss.as_ref().filter(|loss| loss.rightmost > NEARLY_ONE);
+    let singular = singular.map(|loss| (loss.bracket.0, loss.bracket.1.max(continued(&path))));
     let ended = |crossing: Option<Crossing>| match (crossing, singular) {
         (Some(Crossing::Beyond(_)), Some((low, high))) => Some(Crossing::Between(low, high)),
         _ => crossing,
     };
     let (norm, radius) = (ended(norm), ended(radius));
     Ok(Branch { norm, radius, loss })
+}
+
+/// Where the line through the last two largest eigenvalues reaches one: the k of a singular tangent
+/// that the solution approaches without reaching it, as in a linear scene.
+fn continued(path: &[At]) -> f64 {
+    let [.., a, b] = path else { return 0.0 };
+    let slope = (b.rightmost - a.rightmost) / (b.k - a.k);
+    if slope > 0.0 { b.k + (1.0 - b.rightmost) / slope } else { 0.0 }
 }
 
 /// A factor at a solution.
@@ -164,11 +184,20 @@ fn solve<L: FrozenDerivative>(
     }
 }
 
-fn measure<L: FrozenDerivative>(level: &mut L, k: f64, state: StepState) -> Result<At, BoundError> {
-    let found =
-        contraction(level, &state.u, &state).map_err(|source| BoundError::Factor { k, source })?;
-    let (norm, radius, rightmost) = (found.norm, found.radius, found.rightmost);
-    Ok(At { k, state, norm, radius, rightmost })
+/// The factors at a solution; a norm that was one or more before, `norm`, is not asked for again.
+fn measure<L: FrozenDerivative>(
+    level: &mut L,
+    k: f64,
+    state: StepState,
+    norm: f64,
+) -> Result<At, BoundError> {
+    let failed = |source| BoundError::Factor { k, source };
+    let spectrum = eigenvalues(level, &state.u, &state).map_err(failed)?;
+    let norm = match norm >= 1.0 {
+        true => norm,
+        false => operator_norm(level, &state.u, &state).map_err(failed)?.0,
+    };
+    Ok(At { k, state, norm, radius: spectrum.radius, rightmost: spectrum.rightmost })
 }
 
 /// The solution at k, if it continues that at `here`.
@@ -186,6 +215,6 @@ fn advance<L: FrozenDerivative>(
     if moved.is_nan() || moved > LARGEST_MOVE {
         return Ok(Err(Reason::Jump(moved)));
     }
-    let next = measure(level, k, state)?;
+    let next = measure(level, k, state, here.norm)?;
     Ok(if next.rightmost < 1.0 { Ok(next) } else { Err(Reason::Singular) })
 }

@@ -23,8 +23,8 @@ const NORM: f64 = 1e-9;
 const FINITE: f64 = 1e-5;
 /// Derivative against differences. A kink of Λ that a perturbation of 1e-6 crosses concerns few cells.
 const DERIVATIVE: f64 = 0.02;
-/// Thresholds are bracketed to 1e-9 relative.
-const THRESHOLD: f64 = 1e-6;
+/// Thresholds are bracketed to 1e-8 relative, a singular tangent is approached to 1e-6.
+const THRESHOLD: f64 = 5e-6;
 /// Below this bound of the factor Λ reaches 1e-13 within the iterations it is given.
 const SURE: f64 = 0.9;
 

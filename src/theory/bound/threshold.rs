@@ -30,7 +30,7 @@ impl Crossing {
 }
 
 /// Brackets are narrowed to this relative width.
-const WIDTH: f64 = 1e-9;
+const WIDTH: f64 = 1e-8;
 /// Evaluations within one bracket: bisection alone would need 30 from a factor of two.
 const EVALUATIONS: u32 = 60;
 
