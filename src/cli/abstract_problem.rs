@@ -8,6 +8,7 @@ use super::list::terms;
 use super::{CliError, print_json, print_text};
 use crate::finite::march;
 use crate::manufactured::{Finding, Status};
+use crate::scene::Scene;
 use crate::setup::{AbstractLoad, AbstractSetup};
 use crate::sweep::ScenePlan;
 use crate::vhi::StepSolver;
@@ -35,6 +36,13 @@ pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let sharpened = c.sharpened_step_bound;
     findings.push(fact("sharpened step bound", sharpened, "half weight of the last slot"));
     findings
+}
+
+/// Refuses an n for a problem without a mesh.
+pub fn no_mesh(scene: &Scene, n: Option<u32>) -> Result<(), CliError> {
+    let Some(n) = n else { return Ok(()) };
+    let message = format!("an abstract problem has no mesh, so no n = {n}");
+    Err(scene.error("scene.kind", message, "leave --n away").into())
 }
 
 /// The plan of an abstract scene.

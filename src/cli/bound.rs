@@ -6,6 +6,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::{CliError, Scenes, print_json, print_text};
+use crate::setup::Subject;
 use crate::theory::bound::Bound;
 use crate::theory::bound::ladder::{Outcome, Rung};
 use crate::theory::bound::threshold::Crossing;
@@ -18,9 +19,9 @@ use crate::theory::bound::threshold::Crossing;
 pub struct BoundCommand {
     /// Name of a scene, or path of a TOML file
     scene: String,
-    /// Cells per unit length of the mesh on which the factors are measured, h = 1/n
-    #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=128))]
-    n: u32,
+    /// Cells per unit length of the mesh on which the factors are measured, h = 1/n [default: 16]
+    #[arg(long, value_parser = clap::value_parser!(u32).range(2..=128))]
+    n: Option<u32>,
     /// Number N of time steps of the run whose worst level is studied [default: the scene's smallest]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<u32>,
@@ -32,14 +33,27 @@ pub struct BoundCommand {
     out: Option<PathBuf>,
 }
 
+/// The mesh of the factors, where none is named.
+const MESH: u32 = 16;
+
 impl BoundCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let setup = crate::setup::Setup::new(scenes.scene(&self.scene)?)?;
-        setup.scene.check_cells(self.n)?;
-        let own = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
+        let subject = scenes.subject(&self.scene)?;
+        let scene = subject.scene();
+        let own = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
         let steps = self.steps.unwrap_or(own.unwrap_or(8) as u32);
-        let bound = Bound::new(&setup, self.n, steps)
-            .map_err(|error| CliError::Other(format!("{}: {error}", setup.scene.name)))?;
+        let bound = match &subject {
+            Subject::Contact(setup) => {
+                let n = self.n.unwrap_or(MESH);
+                scene.check_cells(n)?;
+                Bound::new(setup, n, steps)
+            }
+            Subject::Abstract(setup) => {
+                super::abstract_problem::no_mesh(scene, self.n)?;
+                Bound::of_abstract(setup, steps)
+            }
+        }
+        .map_err(|error| CliError::Other(format!("{}: {error}", scene.name)))?;
         let document = document(&bound);
         if let Some(dir) = &self.out {
             write(dir, &bound, &document)?;
@@ -163,13 +177,16 @@ fn print(bound: &Bound) {
 fn print_ladder(bound: &Bound) {
     let (study, worst) = (&bound.study, &bound.study.worst);
     print_text(&format!(
-        "contraction factor of Lambda, n = {}, N = {}, at the level with the largest: {} (t = {:.4})",
-        bound.n, bound.steps, worst.level, worst.t
+        "contraction factor of Lambda, {}, at the level with the largest: {} (t = {:.4})",
+        bound.grids(),
+        worst.level,
+        worst.t
     ));
     for at in &study.meshes {
+        let mesh = at.mesh.map_or(String::new(), |n| n.to_string());
         print_text(&format!(
-            "  n = {:<4} k = {:.6}  |DLambda| = {:.10}  spectral radius = {:.10}  sharpened = {:.10}",
-            at.mesh, at.k, at.norm, at.radius, at.sharpened
+            "  n = {mesh:<4} k = {:.6}  |DLambda| = {:.10}  spectral radius = {:.10}  sharpened = {:.10}",
+            at.k, at.norm, at.radius, at.sharpened
         ));
     }
     print_text(&format!(

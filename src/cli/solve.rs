@@ -73,16 +73,13 @@ impl Solve {
         }
         match (subject, self.n) {
             (Subject::Contact(setup), Some(n)) => self.contact(&setup, n),
-            (Subject::Abstract(setup), None) => {
+            (Subject::Abstract(setup), n) => {
+                abstract_problem::no_mesh(&setup.scene, n)?;
                 abstract_problem::solve(&setup, self.steps, &self.solver, self.json)
             }
             (Subject::Contact(setup), None) => {
                 let hint = "give --n, the number of mesh cells per unit length";
                 Err(setup.scene.error("sweep.n", "a body needs a mesh", hint).into())
-            }
-            (Subject::Abstract(setup), Some(n)) => {
-                let message = format!("an abstract problem has no mesh, so no n = {n}");
-                Err(setup.scene.error("scene.kind", message, "leave --n away").into())
             }
         }
     }

@@ -173,6 +173,9 @@ pub enum BoundError {
     /// The run to the level failed.
     #[error("the run to the level: {0}")]
     Run(#[from] crate::contact::CaseError),
+    /// The same in ℝ^m.
+    #[error("the run to the level: {0}")]
+    Finite(#[from] crate::finite::FiniteError),
     /// A step of the run failed.
     #[error("the run to the level: {0}")]
     Step(#[from] crate::vhi::FailedStep),

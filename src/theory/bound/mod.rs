@@ -1,26 +1,28 @@
 //! The bound (3.4) on the step size, made measurable: constants, the contraction factor of Λ, and the
 //! step size at which the discrete problem itself loses its unique solution.
 //!
-//! `factor`, `threshold`, `branch`, `ladder`, `starts` and `gate` know no mesh: they ask for a
+//! `factor`, `threshold`, `branch`, `ladder`, `starts`, `run` and `gate` know no mesh: they ask for a
 //! [`crate::vhi::FrozenDerivative`] and for [`StepBounds`]. `contact`, `constants`, `linear` and
-//! `sampled` are about Problem 14.
+//! `sampled` are about Problem 14, `finite` about Problem 9 in ℝ^m.
 
 pub mod branch;
 pub mod constants;
 pub mod contact;
 pub mod factor;
+mod finite;
 pub mod gate;
 pub mod ladder;
 pub mod linear;
 mod picture;
+pub mod run;
 pub mod sampled;
 pub mod starts;
 pub mod threshold;
 
 use constants::{Constant, TraceConstants};
-use contact::Study;
 use gate::Violation;
 use ladder::BoundError;
+use run::Study;
 use sampled::Sampled;
 
 use crate::setup::Setup;
@@ -31,8 +33,8 @@ use crate::vhi::StepBounds;
 pub struct Bound {
     /// Name of the scene.
     pub scene: String,
-    /// Cells a unit length.
-    pub n: u32,
+    /// Cells a unit length; none without a mesh.
+    pub n: Option<u32>,
     /// N of the run.
     pub steps: u32,
     /// Every constant.
@@ -72,7 +74,7 @@ impl Bound {
         violations.extend(start_violations(&limits, &study));
         Ok(Self {
             scene: setup.scene.name.clone(),
-            n,
+            n: Some(n),
             steps,
             constants: constants::table(setup, &constants, traces.as_ref()),
             samples,
@@ -80,6 +82,12 @@ impl Bound {
             study,
             violations,
         })
+    }
+
+    /// The grids in words.
+    pub fn grids(&self) -> String {
+        let mesh = self.n.map_or(String::new(), |n| format!("n = {n}, "));
+        format!("{mesh}N = {}", self.steps)
     }
 
     /// Whether every inequality and every declared constant holds.

@@ -13,8 +13,9 @@ impl Bound {
     pub fn svg(&self) -> Result<Option<String>, ReportError> {
         let worst = &self.study.worst;
         let question = format!(
-            "Contraction factor of Λ for a last step of size k after the past of level {} (n = {}, N = {})",
-            worst.level, self.n, self.steps
+            "Contraction factor of Λ for a last step of size k after the past of level {} ({})",
+            worst.level,
+            self.grids()
         );
         let x = Axis::new("step size k (time)", Scale::Log);
         let y = Axis::new("contraction factor", Scale::Log);

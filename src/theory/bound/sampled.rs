@@ -31,7 +31,8 @@ const ROUNDING: f64 = 1e-10;
 const SAMPLES: u32 = 200;
 
 impl Sampled {
-    fn new(what: &str, declared: f64, needed: f64, samples: u32) -> Self {
+    /// The worst need of `samples` samples; NaN does not hold.
+    pub fn new(what: &str, declared: f64, needed: f64, samples: u32) -> Self {
         let holds = needed <= declared + ROUNDING * declared.abs().max(1.0);
         Self { what: what.into(), declared, needed, samples, holds }
     }
