@@ -74,6 +74,8 @@ fn the_chain_holds_on_every_scene_with_history() {
         ("affine", 4, true),
         ("affine-locked", 4, true),
         ("in-space", 16, true),
+        ("affine-graded", 4, true),
+        ("affine-random", 4, true),
         ("long-fading", 4, true),
         ("long-growing", 4, true),
         ("viscoelastic", 8, false),
