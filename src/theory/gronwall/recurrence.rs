@@ -165,9 +165,9 @@ impl HistoryPart {
 pub enum KernelNorms {
     /// The same number for all n and j.
     Constant(f64),
-    /// κ(n, j) = values[n - j]: a convolution on a uniform grid.
+    /// κ(n, j) = `values[n - j]`: a convolution on a uniform grid.
     Lags(Vec<f64>),
-    /// κ(n, j) = rows[n][j]: any kernel on any grid.
+    /// κ(n, j) = `rows[n][j]`: any kernel on any grid.
     Pairs(Vec<Vec<f64>>),
 }
 
