@@ -3,9 +3,8 @@
 use clap::Args;
 
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
-use crate::manufactured::{Finding, SideOfRectangle, Status, check};
-use crate::scene::{ContactScene, Side};
-use crate::setup::{Constants, Setup, Subject, constants};
+use crate::manufactured::{Finding, Status, check};
+use crate::setup::{Constants, Setup, Subject, constants, sides};
 
 /// `sweep check`.
 #[derive(Args)]
@@ -52,23 +51,6 @@ fn row(finding: &Finding) -> serde_json::Value {
         "value": finding.value,
         "text": finding.text,
     })
-}
-
-/// The sides of a scene's rectangle.
-fn sides(body: &ContactScene) -> Vec<SideOfRectangle> {
-    Side::ALL
-        .into_iter()
-        .map(|side| SideOfRectangle {
-            normal: match side {
-                Side::Left => [-1.0, 0.0],
-                Side::Right => [1.0, 0.0],
-                Side::Bottom => [0.0, -1.0],
-                Side::Top => [0.0, 1.0],
-            },
-            clamped: body.domain.clamped.contains(&side),
-            contact: body.domain.contact.contains(&side),
-        })
-        .collect()
 }
 
 /// The constants of the paper, with how each was obtained.

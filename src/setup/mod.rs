@@ -7,6 +7,7 @@ mod constants;
 mod formulas;
 mod given_load;
 mod mesh_data;
+mod regularity;
 mod subject;
 
 use std::sync::Arc;
@@ -18,6 +19,7 @@ pub use constants::{Constants, constants, trace_constant};
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
+pub use regularity::{abstract_regularity, sides};
 pub use subject::Subject;
 
 use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
