@@ -9,7 +9,7 @@ use super::{CliError, print_json, print_text};
 use crate::finite::march;
 use crate::manufactured::{Finding, Status};
 use crate::scene::Scene;
-use crate::setup::{AbstractLoad, AbstractSetup};
+use crate::setup::{AbstractLoad, AbstractSetup, abstract_regularity};
 use crate::sweep::ScenePlan;
 use crate::vhi::StepSolver;
 
@@ -35,6 +35,7 @@ pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     findings.push(fact("step bound (3.4)", c.step_bound, "k below this: one solution a step"));
     let sharpened = c.sharpened_step_bound;
     findings.push(fact("sharpened step bound", sharpened, "half weight of the last slot"));
+    findings.extend(abstract_regularity(&setup.scene, &setup.problem));
     findings
 }
 

@@ -5,6 +5,18 @@ use super::history::{HistoryPlan, Kernel};
 use super::quadrature::{GAUSS, ORDER};
 use super::tape::Source;
 
+/// Parts of a piece near the end, in y.
+const PARTS: u32 = 4;
+
+/// The Lagrange polynomials of the Gauss points at x.
+fn lagrange(x: f64) -> [f64; ORDER] {
+    let nodes = &GAUSS.abscissae;
+    std::array::from_fn(|i| {
+        let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
+        others.map(|(_, node)| (x - node) / (nodes[i] - node)).product()
+    })
+}
+
 /// The weights last asked for: most lanes ask for the same.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Weights {
@@ -17,13 +29,19 @@ pub(super) struct Weights {
 
 impl Weights {
     /// For each kernel k in turn the weights (b-a) w_i k(end - s_i) of a piece
-    /// (a, b), [`ORDER`] each.
+    /// (a, b), [`ORDER`] each; those of [`Self::near_end`] where a general
+    /// kernel may have a root at a lag of zero nearby.
     pub(super) fn of(&mut self, plan: &HistoryPlan, from: f64, to: f64, end: f64) -> &[f64] {
         let key = [from, to, end].map(f64::to_bits);
         if self.of != Some(key) {
             self.of = Some(key);
             self.weights.clear();
             for kernel in &plan.kernels {
+                if matches!(kernel, Kernel::General(..)) && end - to < to - from {
+                    let near = self.near_end(kernel, from, to, end);
+                    self.weights.extend(near);
+                    continue;
+                }
                 let mut lags = [0.0; ORDER];
                 for (lag, u) in lags.iter_mut().zip(&GAUSS.abscissae) {
                     *lag = end - (from + (to - from) * u);
@@ -34,6 +52,31 @@ impl Weights {
             }
         }
         &self.weights
+    }
+
+    /// Weights that integrate the polynomial through the values at the Gauss
+    /// points against the kernel: only the function has to be smooth.
+    ///
+    /// Lags are graded as y^4, which makes a power lag^a a polynomial for
+    /// a = 1/4, 1/2, 3/4; 1e-13 of the integral for other a > 0.
+    fn near_end(&mut self, kernel: &Kernel, from: f64, to: f64, end: f64) -> [f64; ORDER] {
+        let mut weights = [0.0; ORDER];
+        let (low, high) = ((end - to).max(0.0).powf(0.25), (end - from).max(0.0).powf(0.25));
+        let width = (high - low) / f64::from(PARTS);
+        for part in 0..PARTS {
+            let place = |u: f64| low + width * (f64::from(part) + u);
+            let lags = GAUSS.abscissae.map(|u| place(u).powi(4));
+            let mut kernels = lags;
+            self.apply(kernel, &mut kernels);
+            for (i, (u, w)) in GAUSS.abscissae.iter().zip(&GAUSS.weights).enumerate() {
+                let density = 4.0 * place(*u).powi(3) * width * w * kernels[i];
+                let share = (end - lags[i] - from) / (to - from);
+                for (weight, lagrange) in weights.iter_mut().zip(lagrange(share)) {
+                    *weight += density * lagrange;
+                }
+            }
+        }
+        weights
     }
 
     /// The factors exp(-c lag) of all kernels; 0 where a kernel is another.

@@ -28,7 +28,10 @@ mod symbolic;
 mod truth;
 
 pub use accumulated::AccumulatedStrain;
-pub use check::{Finding, SideOfRectangle, Status, check};
+pub use check::{
+    Finding, SideOfRectangle, Status, check, regularity_in_space, regularity_in_time,
+    second_difference,
+};
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };

@@ -24,14 +24,20 @@ pub enum Hypothesis {
     LipschitzKappa,
     /// (3.4): k below the step-size bound.
     StepSize,
+    /// q ∈ C² and u ∈ W^{2,∞}(0,T;X), of which Theorem 7 concludes (3.17); (5.15) for the body.
+    RegularInTime,
+    /// (5.25): u(t) ∈ H²(Ω), u_ν(t) ∈ H² on each side of Γ3.
+    RegularInSpace,
 }
 
 impl Hypothesis {
-    const ALL: [Hypothesis; 4] = [
+    const ALL: [Hypothesis; 6] = [
         Hypothesis::Smallness,
         Hypothesis::ConcaveGap,
         Hypothesis::LipschitzKappa,
         Hypothesis::StepSize,
+        Hypothesis::RegularInTime,
+        Hypothesis::RegularInSpace,
     ];
 
     /// The name that `violates` takes.
@@ -41,6 +47,8 @@ impl Hypothesis {
             Hypothesis::ConcaveGap => "concave_gap",
             Hypothesis::LipschitzKappa => "5.1",
             Hypothesis::StepSize => "3.4",
+            Hypothesis::RegularInTime => "3.17",
+            Hypothesis::RegularInSpace => "5.25",
         }
     }
 }

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use nalgebra::{DMatrix, DVector};
 
 use super::abstract_constants::{AbstractConstants, abstract_constants};
+use super::regularity::abstract_claims;
 use super::{SetupError, potential, time_grid, time_rule};
 use crate::finite::{ComponentLaw, FiniteError, FiniteKernel, FiniteLoad, FiniteModel, Functional};
 use crate::formula::{Graph, Node, Point, Program, Variable};
@@ -83,7 +84,7 @@ impl AbstractSetup {
             let t = self.scene.time.horizon * f64::from(n) / f64::from(TIMES);
             self.contact_state(t)?;
         }
-        Ok(())
+        abstract_claims(self)
     }
 
     fn contact_state(&self, t: f64) -> Result<(), SetupError> {

@@ -1,6 +1,7 @@
 //! What a scene must satisfy before anything is solved, beyond what its text shows: the exact
 //! solution meets its own conditions, and the smallness condition (2.9) holds.
 
+use super::regularity::contact_claims;
 use super::{Setup, SetupError, constants};
 use crate::formula::{Point, Program};
 use crate::manufactured::Exact;
@@ -12,7 +13,7 @@ const TIMES: u32 = 32;
 /// Rounding of formulas, relative to the size of the numbers compared.
 const ROUNDING: f64 = 1e-9;
 
-/// Checks exact data and (2.9).
+/// Checks exact data, (2.9), and that what the scene claims to violate is violated.
 ///
 /// # Errors
 /// The first violated condition, at the key of the scene that states it.
@@ -24,7 +25,7 @@ pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
             contact_state(setup, exact, side)?;
         }
     }
-    Ok(())
+    contact_claims(setup)
 }
 
 /// (2.9): α_ν c_j² < m_𝒜.

@@ -7,6 +7,7 @@ mod constants;
 mod formulas;
 mod given_load;
 mod mesh_data;
+mod regularity;
 mod step_size;
 mod subject;
 mod trace_family;
@@ -20,6 +21,7 @@ pub use constants::{Constants, MemoryNorms, constants, step_bounds, with_trace_c
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
+pub use regularity::{abstract_regularity, sides};
 pub use step_size::{StepRemark, check_step_sizes};
 pub use subject::Subject;
 pub use trace_family::{TraceFamily, trace_family};

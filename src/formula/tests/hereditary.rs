@@ -166,3 +166,25 @@ fn convolution() {
     let expected = node(&mut graph, &scope, "relax(0, sin(x*t)) - relax(2, sin(x*t))");
     assert_eq!(ours, expected);
 }
+
+/// ∫_0^t (t-s)^a s^m ds = B(a+1, m+1) t^{a+m+1}: the kernel has a root at a lag of zero, where t is
+/// on an edge of a panel, just after one and far from any.
+#[test]
+fn convolution_with_a_root_at_zero_lag() {
+    let mut graph = Graph::new();
+    for (power, beta) in [(0.5, [2.0 / 3.0, 4.0 / 15.0]), (0.3, [1.0 / 1.3, 1.0 / (1.3 * 2.3)])] {
+        for (text, m) in [("1 + 0*x", 0), ("t", 1)] {
+            let kernel = node(&mut graph, &everything(), &format!("t^{power}"));
+            let f = node(&mut graph, &everything(), text);
+            let past = graph.convolve(kernel, f);
+            let mut bound = Program::compile(&mut graph, &[past], 1.0).bind(&[[0.5; 3]]);
+            let mut out = vec![Vec::new()];
+            for t in [0.0, 1e-3, 1.0 / 64.0, 0.25, 0.25 + 1e-7, 0.3337, 1.0] {
+                bound.evaluate(t, 0.0, &mut out);
+                let exact = beta[m] * t.powf(power + 1.0 + m as f64);
+                // Without the weights near the end 1e-8.
+                assert_close(out[0][0], exact, 1e-12, &format!("{power} {text} at {t}"));
+            }
+        }
+    }
+}

@@ -4,6 +4,10 @@
 mod contact_state;
 mod loads;
 mod regularity;
+mod smoothness;
+
+pub use regularity::{regularity_in_space, regularity_in_time};
+pub use smoothness::second_difference;
 
 use super::Exact;
 

@@ -1,71 +1,53 @@
 //! The regularity that (5.26) asks for, measured by differences under refinement: a difference
 //! quotient that settles belongs to a bounded derivative, one that grows does not.
 
+use super::smoothness::{FINE, STRIDES, judge, largest, rounding, second_difference, worst};
 use super::{Finding, SideOfRectangle, Status, times};
 use crate::formula::{Point, Program};
 use crate::manufactured::Exact;
 
-/// Fine intervals along a line; quotients are taken over 8, 4, 2 and 1 of them.
-const FINE: usize = 768;
-const STRIDES: [usize; 4] = [8, 4, 2, 1];
-/// Lines across the direction of differences.
+/// Lines across the direction of differences in time.
 const LINES: usize = 12;
+/// Lines across the direction of differences in space, and the power by which they gather at the
+/// sides: singularities sit at corners and sides, and the nearest lines are 1e-5 away from these.
+const GRADED_LINES: usize = 16;
+const GRADING: i32 = 5;
 /// Points across the direction in which zones move, for the derivatives in time.
 const ACROSS_ZONES: usize = 96;
-/// A quotient that grows by more than this at the last halving is unbounded: a jump gives √2 in
-/// L² and 2 in L∞, a bounded derivative a factor near 1.
-const GROWS: f64 = 1.2;
-/// Rounding of a difference, in units of ε·max|f|: 4 for the weights 1, 2, 1 of a second difference,
-/// 2 for the Frobenius norm over ε_xx, ε_xy twice, ε_yy, and 8 for the formula behind each sample,
-/// whose operations cost half a unit each. Measured on fields linear in t: 0.1 to 2.
-const ROUNDING_UNITS: f64 = 64.0;
 
 pub(super) fn regularity(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
     let mut findings = time_derivatives(exact).to_vec();
-    findings.push(space_derivative(exact, Field::Strain, "u in H2(Omega) (5.25)"));
+    let [in_space, normal] = space_findings(exact, sides);
+    findings.extend(in_space);
     findings.push(space_derivative(exact, Field::Stress, "sigma in H1(Omega) (5.18)"));
-    if exact.data.contact.is_some() {
-        for side in sides.iter().filter(|side| side.contact) {
-            findings.push(normal_trace(exact, side));
-        }
-    }
+    findings.extend(normal);
     if exact.data.kernel.is_some() {
         findings.push(kernel(exact));
     }
     findings
 }
 
-/// What rounding of samples of size at most `largest` leaves in a quotient with the divisor δ or δ²,
-/// whose norm gives the constant 1 the value `one`.
-fn rounding(largest: f64, one: f64, divisor: f64) -> f64 {
-    ROUNDING_UNITS * f64::EPSILON * largest * one / divisor
+/// What Theorem 7 asks for: (5.15), and ℬ in C².
+pub fn regularity_in_time(exact: &Exact) -> Vec<Finding> {
+    let [second, _] = time_derivatives(exact);
+    let mut findings = vec![second];
+    if exact.data.kernel.is_some() {
+        findings.push(kernel(exact));
+    }
+    findings
 }
 
-/// Reads quotients over ever finer strides. The last one may hold `rounding`, which grows as the
-/// stride falls and says nothing about the field.
-fn judge(subject: &str, what: &str, quotients: &[f64], rounding: f64) -> Finding {
-    let last = quotients[quotients.len() - 1];
-    let before = quotients[quotients.len() - 2];
-    // Written so that a NaN is not bounded.
-    let bounded = last.is_finite() && last <= GROWS * before + rounding;
-    let text = if bounded && last <= rounding {
-        format!("{what} is zero to rounding: {last:.1e}, rounding is below {rounding:.1e}")
-    } else if bounded {
-        format!("{what} settles at {last:.3e}")
-    } else {
-        format!("{what} grows by {:.2} a halving: not bounded", last / before)
-    };
-    let status = if bounded { Status::Verified } else { Status::Weak };
-    Finding::new(subject, status, last, text)
+/// What (5.25) asks for.
+pub fn regularity_in_space(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
+    space_findings(exact, sides).concat()
 }
 
-/// The maximum of magnitudes; a NaN counts as infinite.
-fn worst(known: f64, value: f64) -> f64 {
-    if value.is_nan() { f64::INFINITY } else { known.max(value.abs()) }
-}
-
-fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
-    values.into_iter().fold(0.0, |known, value| worst(known, *value))
+fn space_findings(exact: &Exact, sides: &[SideOfRectangle]) -> [Vec<Finding>; 2] {
+    let contact = sides.iter().filter(|side| side.contact && exact.data.contact.is_some());
+    [
+        vec![space_derivative(exact, Field::Strain, "u in H2(Omega) (5.25)")],
+        contact.map(|side| normal_trace(exact, side)).collect(),
+    ]
 }
 
 /// sup_t ‖ε(u(t+δ) - 2u(t) + u(t-δ))‖/δ², and the norm in L²(Ω) of the pointwise variation
@@ -105,13 +87,11 @@ fn time_derivatives(exact: &Exact) -> [Finding; 2] {
         }
         variation[level] = bends.iter().map(|bend| area * bend * bend).sum::<f64>().sqrt();
     }
+    let (size, one) = (largest(history.iter().flatten()), (area * points.len() as f64).sqrt());
+    let second_rounding = rounding(size, one, step.powi(2));
+    let variation_rounding = rounding(size, one * count as f64, step);
     let what = "sup_t |eps(second time difference)|";
     let pointwise = "the pointwise variation of eps(u')";
-    let one = (area * points.len() as f64).sqrt();
-    let size = largest(history.iter().flatten());
-    let second_rounding = rounding(size, one, step.powi(2));
-    // One such difference, over δ instead of δ², at each of T/δ times.
-    let variation_rounding = second_rounding * exact.data.horizon;
     [
         judge("u in W2,inf(0,T;V) (5.15)", what, &second, second_rounding),
         judge("eps(u') in L2(Omega;BV)", pointwise, &variation, variation_rounding),
@@ -126,35 +106,28 @@ enum Field {
 
 /// ‖f(· + δe) - f‖/δ in L², in both directions, at three times.
 fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
-    let (mut quotients, mut floor) = ([0.0f64; 4], 0.0);
+    let (mut quotients, mut size) = ([0.0f64; 4], 0.0f64);
     for t in times(exact) {
         for direction in 0..2 {
-            let counts = if direction == 0 { [FINE, LINES] } else { [LINES, FINE] };
-            let points = grid(exact, counts[0], counts[1]);
+            let (points, weights) = gathered(exact, direction);
             let values = field_values(exact, field, &points, t);
-            let at = |along: usize, across: usize| {
-                if direction == 0 { along * counts[1] + across } else { across * counts[1] + along }
-            };
-            let area = cell_area(exact, points.len());
-            let step = exact.data.size[direction] / FINE as f64;
-            let one = (area * points.len() as f64).sqrt();
-            floor = worst(floor, rounding(largest(values.iter().flatten()), one, step));
             for (quotient, stride) in quotients.iter_mut().zip(STRIDES) {
-                let delta = step * stride as f64;
+                let delta = exact.data.size[direction] * stride as f64 / FINE as f64;
                 let mut sum = 0.0;
                 for component in &values {
-                    for along in 0..FINE - stride {
-                        for across in 0..LINES {
-                            let difference = component[at(along + stride, across)]
-                                - component[at(along, across)];
-                            sum += area * (difference / delta).powi(2);
-                        }
+                    size = worst(size, largest(component));
+                    for (line, weight) in component.chunks(FINE).zip(&weights) {
+                        let pairs = line.iter().zip(&line[stride..]);
+                        let squares = pairs.map(|(a, b)| ((b - a) / delta).powi(2));
+                        sum += weight * squares.sum::<f64>();
                     }
                 }
                 *quotient = worst(*quotient, sum.sqrt());
             }
         }
     }
+    let [width, height] = exact.data.size;
+    let floor = rounding(size, (width * height).sqrt(), width.min(height) / FINE as f64);
     judge(subject, "the difference quotient in L2", &quotients, floor)
 }
 
@@ -183,20 +156,22 @@ fn normal_trace(exact: &Exact, side: &SideOfRectangle) -> Finding {
         (0..=FINE).map(|i| side.point(size, i as f64 / FINE as f64)).collect();
     let mut bound = formulas.program.bind(&points);
     let mut out = vec![Vec::new(); 5];
-    let (mut quotients, mut floor) = ([0.0f64; 4], 0.0);
-    let step = side.length(size) / FINE as f64;
+    let (mut quotients, mut extent) = ([0.0f64; 4], 0.0f64);
     for t in times(exact) {
         bound.evaluate(t, 0.0, &mut out);
         let u_nu = &out[0];
-        floor = worst(floor, rounding(largest(u_nu), side.length(size).sqrt(), step.powi(2)));
+        extent = worst(extent, largest(u_nu));
         for (quotient, stride) in quotients.iter_mut().zip(STRIDES) {
-            let delta = step * stride as f64;
+            let delta = side.length(size) * stride as f64 / FINE as f64;
             let second =
                 |i: usize| (u_nu[i - stride] - 2.0 * u_nu[i] + u_nu[i + stride]) / delta.powi(2);
             let sum: f64 = (stride..=FINE - stride).map(|i| second(i).powi(2)).sum();
-            *quotient = worst(*quotient, (step * sum).sqrt());
+            let mean = side.length(size) / FINE as f64;
+            *quotient = worst(*quotient, (mean * sum).sqrt());
         }
     }
+    let length = side.length(size);
+    let floor = rounding(extent, length.sqrt(), (length / FINE as f64).powi(2));
     judge("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2", &quotients, floor)
 }
 
@@ -205,18 +180,30 @@ fn kernel(exact: &Exact) -> Finding {
     let Some(node) = exact.data.kernel else {
         return Finding::new("B in C2", Status::Fact, 0.0, "no memory".into());
     };
-    let step = exact.data.horizon / FINE as f64;
-    let values: Vec<f64> = (0..=FINE)
-        .map(|n| exact.data.graph.evaluate(node, &Point { t: step * n as f64, ..Point::default() }))
-        .collect();
-    let quotients = STRIDES.map(|stride| {
-        let delta = step * stride as f64;
-        let second =
-            |i: usize| (values[i - stride] - 2.0 * values[i] + values[i + stride]) / delta.powi(2);
-        (stride..=FINE - stride).map(|i| second(i).abs()).fold(0.0, worst)
-    });
-    let floor = rounding(largest(&values), 1.0, step.powi(2));
-    judge("B in C2[0,T]", "the second difference quotient of the kernel", &quotients, floor)
+    let value = |t: f64| exact.data.graph.evaluate(node, &Point { t, ..Point::default() });
+    second_difference("B in C2[0,T]", "the kernel", exact.data.horizon, value)
+}
+
+/// Points along lines in a direction, [`FINE`] midpoints a line, and the area that stands for each
+/// point of a line; the lines gather at the sides.
+fn gathered(exact: &Exact, direction: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
+    let size = exact.data.size;
+    let place = |i: usize| {
+        let x = 2.0 * i as f64 / GRADED_LINES as f64;
+        let half = |x: f64| 0.5 * x.powi(GRADING);
+        if x <= 1.0 { half(x) } else { 1.0 - half(2.0 - x) }
+    };
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for line in 0..GRADED_LINES {
+        let (from, to) = (place(line), place(line + 1));
+        weights.push((to - from) * size[0] * size[1] / FINE as f64);
+        points.extend((0..FINE).map(|i| {
+            let along = size[direction] * (i as f64 + 0.5) / FINE as f64;
+            let across = size[1 - direction] * 0.5 * (from + to);
+            if direction == 0 { [along, across, 0.0] } else { [across, along, 0.0] }
+        }));
+    }
+    (points, weights)
 }
 
 /// Midpoints of nx × ny equal cells of the rectangle.
