@@ -7,10 +7,12 @@ mod discretization;
 mod evolution;
 mod floor;
 mod kkt;
+mod kkt_compliance;
 mod linear;
 mod load;
 mod march;
 mod model;
+mod pieces;
 mod problem;
 mod trace;
 

@@ -172,6 +172,7 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
                 rule: match contact.quadrature {
                     ContactQuadrature::Vertex => BoundaryRule::Vertex,
                     ContactQuadrature::Gauss => BoundaryRule::Gauss,
+                    ContactQuadrature::Exact => BoundaryRule::Exact,
                 },
             },
         );
