@@ -16,6 +16,7 @@ mod accumulated;
 mod check;
 pub mod constitutive;
 mod double_exponential;
+mod edge_compliance;
 mod exact;
 mod finite_exact;
 mod interpolated;
@@ -29,10 +30,12 @@ mod truth;
 
 pub use accumulated::AccumulatedStrain;
 pub use check::{Finding, SideOfRectangle, Status, check};
+pub use edge_compliance::ComplianceRule;
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };
 pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;
+pub use sign_changes::sign_changes;
 pub use truth::Truth;

@@ -51,7 +51,7 @@ impl MeshData {
         let space = setup.space(n)?;
         let truth: Box<dyn Truth> = match (&setup.body.data, &setup.exact) {
             (Data::Exact { interpolated: true, .. }, Some(exact)) => {
-                Box::new(InterpolatedOnMesh::new(exact.clone(), space.clone()))
+                Box::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
             }
             (Data::Exact { form, .. }, Some(exact)) => {
                 let sides = side_numbers(&space, &setup.body.domain.traction);

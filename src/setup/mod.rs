@@ -27,7 +27,7 @@ use crate::law::{
 };
 use crate::linalg::FactorError;
 use crate::manufactured::{
-    ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
+    ComplianceRule, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };
 use crate::mesh::{Family, rectangle};
 use crate::scene::{
@@ -118,6 +118,20 @@ impl Setup {
             Some(memory) => {
                 memory.exponentials.as_ref().map_or(steps as usize + 1, |terms| terms.len() + 1)
             }
+        }
+    }
+
+    /// Where the compliance term is integrated; without contact the rule does not matter.
+    pub fn rule(&self) -> BoundaryRule {
+        self.model.boundary.as_ref().map_or(BoundaryRule::Vertex, |boundary| boundary.rule)
+    }
+
+    /// The same as the manufactured side names it.
+    pub fn compliance_rule(&self) -> ComplianceRule {
+        match self.rule() {
+            BoundaryRule::Vertex => ComplianceRule::Vertex,
+            BoundaryRule::Gauss => ComplianceRule::Gauss,
+            BoundaryRule::Exact => ComplianceRule::Exact,
         }
     }
 
