@@ -52,6 +52,7 @@
 //! | [`fit`], [`verdict`] | orders with intervals; predictions judged |
 //! | [`report`] | pictures, page, JUnit |
 //! | [`sweep`] | cases, threads, records, resume |
+//! | [`theory`] | the lines of the proofs as numbers |
 //! | [`cli`] | the commands |
 
 pub mod cli;
@@ -73,5 +74,6 @@ pub mod solution;
 pub mod space;
 pub mod sweep;
 pub mod tensor;
+pub mod theory;
 pub mod verdict;
 pub mod vhi;

@@ -29,6 +29,7 @@ const ORDER: [&str; 21] = [
     "verdict",
     "report",
     "sweep",
+    "theory",
     "cli",
 ];
 

@@ -1,0 +1,3 @@
+//! The theory as programs: every line of a proof that has two sides is computed on both.
+
+pub mod audit;
