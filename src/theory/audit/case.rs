@@ -118,13 +118,13 @@ impl<'a> Auditor<'a> {
     ) -> Result<Self, AuditError> {
         let missing = || AuditError::NoTruth { scene: setup.scene.name.clone() };
         let exact = setup.exact.as_ref().ok_or_else(missing)?;
-        let interpolated = matches!(setup.scene.data, Data::Exact { interpolated: true, .. });
+        let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
         let fields: Box<dyn Fields> = if interpolated {
             Box::new(InSpaceFields::new(exact, &data.space, setup.rule()))
         } else {
             Box::new(SmoothFields::new(setup, exact, &data.space))
         };
-        let contact = setup.scene.contact.as_ref();
+        let contact = setup.body.contact.as_ref();
         Ok(Self {
             setup,
             space: data.space.clone(),
@@ -153,7 +153,7 @@ impl<'a> Auditor<'a> {
         };
         let load = self.truth.load(view.t)?;
         let level = self.levels.next(&case, &mut *self.fields, view, &load)?;
-        let gap = self.setup.scene.contact.as_ref().and_then(|contact| contact.gap);
+        let gap = self.setup.body.contact.as_ref().and_then(|contact| contact.gap);
         for (i, line) in lines(&level, self.constants, gap.is_none()).iter().enumerate() {
             if i == self.rows.len() {
                 self.rows.push(Row::new(line));

@@ -37,7 +37,7 @@ impl AuditConstants {
     /// Those of [`constants`].
     pub fn new(setup: &Setup) -> Result<Self, SetupError> {
         let known = constants(setup)?;
-        let contact = setup.scene.contact.as_ref();
+        let contact = setup.body.contact.as_ref();
         let [c0, c1] = ClarkeLaw::new(contact.and_then(|contact| contact.law.as_ref())).growth();
         Ok(Self {
             m_a: known.m_a,
@@ -63,7 +63,7 @@ impl AuditConstants {
 /// |Γ3|.
 fn contact_length(setup: &Setup) -> f64 {
     use crate::scene::Side;
-    let domain = &setup.scene.domain;
+    let domain = &setup.body.domain;
     let length = |side: &Side| match side {
         Side::Bottom | Side::Top => domain.size[0],
         Side::Left | Side::Right => domain.size[1],

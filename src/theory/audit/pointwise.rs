@@ -30,7 +30,7 @@ pub struct Material {
 impl Material {
     /// The material of a scene.
     pub fn new(setup: &Setup) -> Self {
-        let material = &setup.scene.material;
+        let material = &setup.body.material;
         let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
         Self {
             elastic: [material.lambda, material.mu],

@@ -62,7 +62,7 @@ impl SmoothFields {
         }
         let vertices: Vec<[f64; 3]> =
             space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect();
-        let domain = &setup.scene.domain;
+        let domain = &setup.body.domain;
         let (traction, contact) =
             (side_numbers(space, &domain.traction), side_numbers(space, &domain.contact));
         Self {
