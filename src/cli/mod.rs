@@ -1,6 +1,7 @@
 //! The command line: one file a command, results on stdout, progress and errors on stderr.
 
 mod abstract_problem;
+mod audit;
 mod check;
 mod explain;
 mod fit;
@@ -47,6 +48,8 @@ enum Command {
     Check(check::Check),
     /// Say what a scene requires: terms, algorithms, sizes, predicted cost
     Explain(explain::Explain),
+    /// Check the proofs of Theorems 10 and 11 line by line on real runs
+    Audit(audit::Audit),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
     /// Fit orders to a table with columns h, k, error
@@ -86,6 +89,7 @@ pub fn main() -> ExitCode {
         Command::List(list) => list.execute(&scenes),
         Command::Check(check) => check.execute(&scenes),
         Command::Explain(explain) => explain.execute(&scenes),
+        Command::Audit(audit) => audit.execute(&scenes),
         Command::Solve(solve) => solve.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Report(report) => report.execute(&scenes),

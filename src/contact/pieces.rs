@@ -67,7 +67,7 @@ pub fn points(
             let argument = |x: f64| straight(normal, x) - shift(x);
             let count = values.len() - 1;
             let at = |i: usize| straight(normal, i as f64 / count as f64) - values[i];
-            let cuts = curved_cuts(&argument, at, kinks);
+            let cuts = curved_cuts(argument, at, kinks);
             fill(&cuts, POINTS_CURVED, argument, out);
         }
     }
@@ -106,7 +106,7 @@ fn curved_cuts(
                 ends.sort_by(f64::total_cmp);
             }
             for pair in ends.windows(2) {
-                cuts.extend(crossing(&offset, pair[0], pair[1]));
+                cuts.extend(crossing(offset, pair[0], pair[1]));
             }
         }
     }

@@ -72,6 +72,8 @@ pub struct Row {
     pub ratio: Option<f64>,
     /// Largest accuracy.
     pub accuracy: f64,
+    /// Largest rounding.
+    pub rounding: f64,
     /// The level at which it fails worst.
     pub violation: Option<Violation>,
 }
@@ -178,6 +180,7 @@ impl Row {
             right: 0.0,
             ratio: None,
             accuracy: 0.0,
+            rounding: 0.0,
             violation: None,
         }
     }
@@ -186,6 +189,7 @@ impl Row {
         self.left = larger(self.left, line.left.abs());
         self.right = larger(self.right, line.right.abs());
         self.accuracy = larger(self.accuracy, line.accuracy);
+        self.rounding = larger(self.rounding, line.rounding);
         let own = match line.relation {
             Relation::AtMost => line.ratio(),
             Relation::Equal => line

@@ -47,6 +47,9 @@ pub struct ContactSample {
     pub multiplier: f64,
 }
 
+/// Functions of places along a chain of edges: one list a function.
+pub type Along<'a> = dyn Fn(&[f64]) -> Vec<Vec<f64>> + 'a;
+
 /// A place along a chain of edges: the edge and ξ in [0, 1].
 pub fn edge_and_place(q: f64, edges: usize) -> (usize, f64) {
     let edge = (q.floor() as usize).min(edges.saturating_sub(1));
@@ -54,11 +57,8 @@ pub fn edge_and_place(q: f64, edges: usize) -> (usize, f64) {
 }
 
 /// Points (edge, ξ, weight; the weights of an edge sum to one) on a chain of edges cut where one of the
-/// `functions` (one list a function, by places along the chain) changes sign.
-pub fn cut_points(
-    edges: usize,
-    functions: &[&dyn Fn(&[f64]) -> Vec<Vec<f64>>],
-) -> Vec<(usize, f64, f64)> {
+/// `functions` changes sign.
+pub fn cut_points(edges: usize, functions: &[&Along<'_>]) -> Vec<(usize, f64, f64)> {
     let length = edges as f64;
     let mut cuts: Vec<f64> = (0..=edges).map(|e| e as f64).collect();
     for function in functions {

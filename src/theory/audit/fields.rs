@@ -4,6 +4,9 @@ use super::edges::EdgeSample;
 use super::strips::CellPoints;
 use crate::contact::LoadError;
 
+/// A symmetric plane tensor field in Mandel notation: xx, yy, √2 xy.
+pub type PlaneField = [Vec<f64>; 3];
+
 /// Values of the truth at points of cells.
 #[derive(Default)]
 pub struct CellValues {
@@ -12,9 +15,9 @@ pub struct CellValues {
     /// u_x, u_y.
     pub u: [Vec<f64>; 2],
     /// ε_xx, ε_yy, √2 ε_xy.
-    pub strain: [Vec<f64>; 3],
+    pub strain: PlaneField,
     /// H = ∫ b(t-s) ε(u(s)) ds likewise; empty without memory.
-    pub history: [Vec<f64>; 3],
+    pub history: PlaneField,
     /// f0 = -Div σ.
     pub force: [Vec<f64>; 2],
 }
@@ -88,13 +91,13 @@ pub struct Remembered {
     /// Areas.
     pub weights: Vec<f64>,
     /// ε in Mandel notation.
-    pub strain: [Vec<f64>; 3],
+    pub strain: PlaneField,
     /// H; empty without memory.
-    pub history: [Vec<f64>; 3],
+    pub history: PlaneField,
 }
 
 /// Reorders interior outputs [u, ε_xx, ε_xy, ε_yy, H_xx, H_xy, H_yy].
-pub fn sort_interior(mut out: Vec<Vec<f64>>) -> ([Vec<f64>; 2], [Vec<f64>; 3], [Vec<f64>; 3]) {
+pub fn sort_interior(mut out: Vec<Vec<f64>>) -> ([Vec<f64>; 2], PlaneField, PlaneField) {
     let mut take = |i: usize| out.get_mut(i).map(std::mem::take).unwrap_or_default();
     let root = |values: Vec<f64>| -> Vec<f64> {
         values.into_iter().map(|v| std::f64::consts::SQRT_2 * v).collect()

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place};
-use super::fields::{CellValues, Fields, Forces, Remembered, Volume};
+use super::fields::{CellValues, Fields, Forces, PlaneField, Remembered, Volume};
 use super::strips::CellPoints;
 use crate::contact::{BoundaryRule, Discretization, LoadError};
 use crate::formula::Point;
@@ -28,9 +28,9 @@ impl InSpaceFields {
     }
 
     /// (ε, H) a cell.
-    fn strains(&self, t: f64) -> Result<([Vec<f64>; 3], [Vec<f64>; 3]), LoadError> {
+    fn strains(&self, t: f64) -> Result<(PlaneField, PlaneField), LoadError> {
         let (u, memory) = self.truth.nodal_values(t)?;
-        let by_cell = |nodal: &[f64]| -> [Vec<f64>; 3] {
+        let by_cell = |nodal: &[f64]| -> PlaneField {
             let mut out = [Vec::new(), Vec::new(), Vec::new()];
             for c in 0..self.space.mesh.cell_count() {
                 let (gradients, nodes) =

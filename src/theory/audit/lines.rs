@@ -44,6 +44,8 @@ pub struct Line {
     pub right: f64,
     /// By how much it may fail: rounding and measured quadrature error.
     pub accuracy: f64,
+    /// Rounding alone, which is the accuracy of a side without a volume integral across kinks.
+    pub rounding: f64,
 }
 
 impl Line {
@@ -96,6 +98,7 @@ impl Sheet<'_> {
             left: left.value,
             right: right.value,
             accuracy: rounding + QUADRATURE * quadrature,
+            rounding,
         });
     }
 
@@ -140,8 +143,9 @@ impl Sheet<'_> {
         self.push(Relation::AtMost, says, [number(0.0), volume], error);
         let norm = contact.pressure.sqrt() + c.c0 + c.c1 * contact.arguments[0].sqrt();
         let says = ["(5.23)", "|E_n| <= (|xi + lambda| + c0 + c1 |u_nu|) delta"];
-        let left = Sum { value: volume.value.abs(), size: volume.size };
-        self.push(Relation::AtMost, says, [left, number(norm * contact.delta.sqrt())], error);
+        // The form on the contact side is the sharper number of the two.
+        let left = Sum { value: boundary.value.abs(), size: boundary.size };
+        self.at_most(says, left, norm * contact.delta.sqrt());
     }
 
     /// (4.3) and (4.6) with what they leave over, (4.9), (4.18), (4.20).
