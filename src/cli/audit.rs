@@ -1,5 +1,7 @@
 //! `sweep audit`: the proofs of Theorems 10 and 11 line by line, on real runs.
 
+mod ledger;
+
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
@@ -23,11 +25,17 @@ const WIDTH: u16 = 110;
 #[derive(Args)]
 #[command(
     after_help = "Runs use the paper's own boundary integral (5.14), rule exact, unless --rule says otherwise; laws with a jump keep the vertex rule. Columns: largest left and right of the finest run, worst left/right over all runs (of an identity: |left - right| over the larger side; - where both are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
-JSON keys with --json: scene, theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, power_h, power_k, holds), cases (n, steps, h, k, lines), violations. Files with --out: audit.csv, audit.json, SCENE-audit.svg. Exit code 1: a line is violated beyond its accuracy."
+JSON keys with --json: scene, theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, power_h, power_k, holds), cases (n, steps, h, k, lines), violations. Files with --out: audit.csv, audit.json, SCENE-audit.svg. \
+With --ledger: a list of claim, hypotheses, quantity, proved, observed, used, claimed, confirmed, scene, command; file ledger.json. \
+Exit code 1: a line is violated beyond its accuracy, or a claim is not confirmed."
 )]
 pub struct Audit {
     /// Name of a scene with an exact solution, or path of a TOML file
-    scene: String,
+    #[arg(required_unless_present = "ledger")]
+    scene: Option<String>,
+    /// What runs say of the paper's claims: sharp or slack, each with the command that shows it
+    #[arg(long, conflicts_with_all = ["scene", "n", "steps", "rule"])]
+    ledger: bool,
     /// Cells per unit length, h = 1/n, in place of the scene's list up to 64
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=512))]
     n: Option<Vec<u32>>,
@@ -55,7 +63,10 @@ enum Rule {
 
 impl Audit {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let mut setup = scenes.setup(&self.scene)?;
+        let Some(scene) = self.scene.as_ref().filter(|_| !self.ledger) else {
+            return ledger::execute(scenes, self.json, self.out.as_deref());
+        };
+        let mut setup = scenes.setup(scene)?;
         let (ns, steps) = self.grids(&setup)?;
         self.choose_rule(&mut setup)?;
         let audit = SceneAudit::new(&setup, &ns, &steps)
