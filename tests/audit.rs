@@ -30,6 +30,7 @@ use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{MemoryKernel, PiecewiseLinear, Projection, VonMises, YieldLimit};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::theory::audit::{AuditConstants, Auditor, Row, SceneAudit};
+use gronwall::theory::ledger::{LedgerError, ledger};
 use gronwall::vhi::Newton;
 use shipped::{edited, on_mesh, setup_of, text};
 
@@ -237,7 +238,8 @@ fn under(name: &str, change: impl Fn(&mut AuditConstants)) -> Vec<&'static str> 
 
 #[test]
 fn wrong_constants_are_caught() {
-    let cases: [(&str, &str, fn(&mut AuditConstants)); 9] = [
+    type Change = fn(&mut AuditConstants);
+    let cases: [(&str, &str, Change); 9] = [
         ("(4.7)", "pure-mild", |c| c.m_a = c.l_a),
         ("(4.17)", "pure-mild", |c| c.l_a = 1.0),
         ("(4.14)", "pure-mild", |c| c.alpha_phi = 0.0),
@@ -298,4 +300,21 @@ fn a_violation_is_spelt_out() {
     let table = String::from_utf8(audit.csv().expect("a table")).expect("text");
     assert_eq!(table.lines().count(), 1 + 16);
     assert!(table.lines().nth(1).is_some_and(|line| line.contains(",false,2,")));
+}
+
+/// The ledger is confirmed by its runs; a run with a violated line, or without a number, confirms nothing.
+#[test]
+fn the_ledger_is_confirmed_by_its_runs() {
+    let entries = ledger::<LedgerError>(|name| Ok(shipped::setup(name))).expect("audits");
+    assert!(entries.len() >= 8);
+    for entry in &entries {
+        assert!(entry.confirmed, "{entry:?}");
+        assert!(entry.command.starts_with("sweep audit "), "{entry:?}");
+    }
+    // A scene whose interpolants are exact has no power to fit: its entry cannot be confirmed.
+    let swapped = ledger::<LedgerError>(|name| {
+        Ok(shipped::setup(if name == "pure-concave-gap" { "affine" } else { name }))
+    });
+    let swapped = swapped.expect("audits");
+    assert!(swapped.iter().any(|entry| !entry.confirmed && entry.observed.is_none()));
 }

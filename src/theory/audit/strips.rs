@@ -3,10 +3,12 @@
 
 use crate::space::quadrature::gauss_legendre;
 
-/// Gauss points across a strip and along it. On cells of size 1/8 and smaller the first resolve
-/// sin(2πx) to rounding, the second polynomials of degree 9.
-const ACROSS: usize = 6;
-const ALONG: usize = 5;
+/// Gauss points across a strip and along it: on cells of width [`NARROW`] and less they resolve
+/// sin(2πx) and sin(πy) to rounding, on wider ones the larger numbers do.
+const ACROSS: [usize; 2] = [6, 12];
+const ALONG: [usize; 2] = [5, 8];
+/// A length, where the domain's is 1.
+const NARROW: f64 = 0.13;
 
 /// Points with their weights (areas) and cells.
 #[derive(Default, Clone)]
@@ -26,6 +28,7 @@ impl CellPoints {
         corners.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let [low, middle, high] = corners;
         let width = high[0] - low[0];
+        let wide = usize::from(width > NARROW);
         let mut places = vec![low[0], middle[0], high[0]];
         places.extend(cuts.iter().filter(|x| **x > low[0] && **x < high[0]));
         places.sort_by(f64::total_cmp);
@@ -38,13 +41,13 @@ impl CellPoints {
             let between = |a: [f64; 2], b: [f64; 2], x: f64| {
                 a[1] + (b[1] - a[1]) * ((x - a[0]) / (b[0] - a[0]))
             };
-            for (s, across) in gauss_legendre(ACROSS) {
+            for (s, across) in gauss_legendre(ACROSS[wide]) {
                 let x = centre + half * s;
                 let long = between(low, high, x);
                 let short =
                     if x < middle[0] { between(low, middle, x) } else { between(middle, high, x) };
                 let (mean, reach) = (0.5 * (long + short), 0.5 * (long - short).abs());
-                for (r, along) in gauss_legendre(ALONG) {
+                for (r, along) in gauss_legendre(ALONG[wide]) {
                     self.points.push([x, mean + reach * r, 0.0]);
                     self.weights.push(across * half * along * reach);
                     self.cells.push(c);
