@@ -139,9 +139,8 @@ fn mismatch(model: &FiniteModel, seen: &FiniteModel) -> f64 {
     let mut problem = FiniteEvolution::new(model, &grid, &mut load).expect("coordinates");
     let mut tangent = FiniteEvolution::new(seen, &grid, &mut other).expect("coordinates");
     let (mut seed, step, mut worst) = (5, 1e-5, 0f64);
-    let mut draw = |scale: f64| -> Vec<f64> {
-        (0..m).map(|_| scale * signed_unit(&mut seed)).collect()
-    };
+    let mut draw =
+        |scale: f64| -> Vec<f64> { (0..m).map(|_| scale * signed_unit(&mut seed)).collect() };
     for _ in 0..2 {
         let u = StepState { u: draw(0.5), pressure: Vec::new() };
         for one in [&mut problem, &mut tangent] {
@@ -233,7 +232,9 @@ fn what_is_no_solution_is_refused_with_its_place() {
         ("dimension = 1", "dimension = 0", "no dimension"),
         ("kind = \"abstract\"", "kind = \"abstrct\"", "did you mean"),
     ] {
-        let text = format!("[scene]\nname = \"small\"\nkind = \"abstract\"\nquestion = \"?\"\n{STUCK}\n[[predicts]]\nnorm = \"V_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"-\"\n");
+        let text = format!(
+            "[scene]\nname = \"small\"\nkind = \"abstract\"\nquestion = \"?\"\n{STUCK}\n[[predicts]]\nnorm = \"V_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"-\"\n"
+        );
         assert_eq!(text.matches(from).count(), 1, "{from}");
         let scene = Scene::from_source(Source::from_text("small.toml", text.replace(from, to)));
         let outcome = scene

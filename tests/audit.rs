@@ -20,6 +20,7 @@
 //! | c0 = -0.2, concave gap | (5.23) |
 //! | m_A = 1000 | (4.18) |
 //! | f0 of another material | (4.5) forms, (4.6) |
+//! | loads in V^h that balance another boundary rule | (4.6) |
 
 mod shipped;
 
@@ -265,6 +266,16 @@ fn a_body_force_of_another_material_is_caught() {
     setup.exact = setup_of(other).exact;
     let found = caught(&setup, &setup.model);
     assert!(["(4.5) forms", "(4.6)"].iter().all(|line| found.contains(line)), "{found:?}");
+}
+
+/// Loads of an exact solution in V^h that balance the vertex rule, under a scheme with the exact one.
+#[test]
+fn loads_of_another_boundary_rule_are_caught() {
+    let setup = exact_rule("in-space");
+    let constants = AuditConstants::new(&setup).expect("constants");
+    let data = on_mesh(&with_rule(shipped::setup("in-space"), BoundaryRule::Vertex), 8);
+    let found = violated(&audited(&setup, &setup.model, &data, &constants, |_| ()));
+    assert!(found.contains(&"(4.6)"), "{found:?}");
 }
 
 /// A line that is not a number never holds.

@@ -66,7 +66,7 @@ impl Audit {
         let Some(scene) = self.scene.as_ref().filter(|_| !self.ledger) else {
             return ledger::execute(scenes, self.json, self.out.as_deref());
         };
-        let mut setup = scenes.setup(scene)?;
+        let mut setup = Setup::new(scenes.scene(scene)?)?;
         let (ns, steps) = self.grids(&setup)?;
         self.choose_rule(&mut setup)?;
         let audit = SceneAudit::new(&setup, &ns, &steps)

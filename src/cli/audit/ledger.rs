@@ -4,6 +4,7 @@ use std::path::Path;
 
 use super::super::{CliError, Scenes, print_json, print_text};
 use crate::record::replace_file;
+use crate::setup::Setup;
 use crate::theory::ledger::{Entry, Finding, LedgerError, ledger};
 
 impl From<LedgerError> for CliError {
@@ -13,7 +14,8 @@ impl From<LedgerError> for CliError {
 }
 
 pub(super) fn execute(scenes: &Scenes, json: bool, out: Option<&Path>) -> Result<u8, CliError> {
-    let entries = ledger(|name| scenes.setup(name))?;
+    let entries =
+        ledger(|name| -> Result<Setup, CliError> { Ok(Setup::new(scenes.scene(name)?)?) })?;
     let other = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
     let document = serde_json::to_value(&entries).map_err(|error| other(&error))?;
     if let Some(dir) = out {

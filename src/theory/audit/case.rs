@@ -122,7 +122,7 @@ impl<'a> Auditor<'a> {
         let exact = setup.exact.as_ref().ok_or_else(missing)?;
         let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
         let fields: Box<dyn Fields> = if interpolated {
-            Box::new(InSpaceFields::new(exact, &data.space, setup.rule()))
+            Box::new(InSpaceFields::new(exact, &data.space, setup.compliance_rule()))
         } else {
             Box::new(SmoothFields::new(setup, exact, &data.space))
         };

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place};
 use super::fields::{CellValues, Fields, Forces, PlaneField, Remembered, Volume};
 use super::strips::CellPoints;
-use crate::contact::{BoundaryRule, Discretization, LoadError};
+use crate::contact::{Discretization, LoadError};
 use crate::formula::Point;
-use crate::manufactured::{Exact, InterpolatedOnMesh};
+use crate::manufactured::{ComplianceRule, Exact, InterpolatedOnMesh};
 use crate::space::quadrature::edge;
 use crate::space::strain_of;
 
@@ -17,12 +17,12 @@ pub struct InSpaceFields {
     exact: Arc<Exact>,
     truth: InterpolatedOnMesh,
     space: Arc<Discretization>,
-    rule: BoundaryRule,
+    rule: ComplianceRule,
 }
 
 impl InSpaceFields {
     /// The interpolant of `exact` on `space`, with the boundary rule of the scheme.
-    pub fn new(exact: &Arc<Exact>, space: &Arc<Discretization>, rule: BoundaryRule) -> Self {
+    pub fn new(exact: &Arc<Exact>, space: &Arc<Discretization>, rule: ComplianceRule) -> Self {
         let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), rule);
         Self { exact: exact.clone(), truth, space: space.clone(), rule }
     }
@@ -58,14 +58,14 @@ impl InSpaceFields {
             (0..edges).flat_map(|e| points.iter().map(move |&(x, w)| (e, x, w))).collect()
         };
         match self.rule {
-            BoundaryRule::Vertex => on_each(&[(0.0, 0.5), (1.0, 0.5)]),
-            BoundaryRule::Gauss => {
+            ComplianceRule::Vertex => on_each(&[(0.0, 0.5), (1.0, 0.5)]),
+            ComplianceRule::Gauss => {
                 let rule = edge(3);
                 let points: Vec<(f64, f64)> =
                     rule.points.iter().zip(&rule.weights).map(|(b, w)| (b[1], *w)).collect();
                 on_each(&points)
             }
-            BoundaryRule::Exact => {
+            ComplianceRule::Exact => {
                 let contact = self.exact.data.contact.as_ref();
                 let law = contact.and_then(|contact| contact.law.as_ref());
                 let kinks: Vec<f64> =
@@ -131,7 +131,7 @@ impl Fields for InSpaceFields {
             let between = |field: usize| (1.0 - x) * state[a][field] + x * state[b][field];
             let (normal, s) = (between(0), shift(e, x));
             let compliance = match (self.rule, law) {
-                (BoundaryRule::Vertex, _) => between(3),
+                (ComplianceRule::Vertex, _) => between(3),
                 (_, Some(law)) => law.pressure(normal - s),
                 (_, None) => 0.0,
             };
