@@ -52,7 +52,7 @@
 //! | [`fit`], [`verdict`] | orders with intervals; predictions judged |
 //! | [`report`] | pictures, page, JUnit |
 //! | [`sweep`] | cases, threads, records, resume |
-//! | [`theory`] | the lines of the proofs as numbers |
+//! | [`theory`] | the theorems' constants, bounds and inequalities as runs |
 //! | [`cli`] | the commands |
 
 pub mod cli;

@@ -8,9 +8,10 @@ use super::list::terms;
 use super::{CliError, print_json, print_text};
 use crate::finite::march;
 use crate::manufactured::{Finding, Status};
+use crate::scene::Scene;
 use crate::setup::{AbstractLoad, AbstractSetup};
 use crate::sweep::ScenePlan;
-use crate::vhi::Newton;
+use crate::vhi::StepSolver;
 
 /// The hypotheses of the abstract theory with their constants.
 pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
@@ -35,6 +36,13 @@ pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let sharpened = c.sharpened_step_bound;
     findings.push(fact("sharpened step bound", sharpened, "half weight of the last slot"));
     findings
+}
+
+/// Refuses an n for a problem without a mesh.
+pub fn no_mesh(scene: &Scene, n: Option<u32>) -> Result<(), CliError> {
+    let Some(n) = n else { return Ok(()) };
+    let message = format!("an abstract problem has no mesh, so no n = {n}");
+    Err(scene.error("scene.kind", message, "leave --n away").into())
 }
 
 /// The plan of an abstract scene.
@@ -78,7 +86,12 @@ pub fn explain(plan: &ScenePlan, json: bool) -> Result<u8, CliError> {
 }
 
 /// One case: u and its history at t = T, the largest error over the steps.
-pub fn solve(setup: &AbstractSetup, steps: u32, json: bool) -> Result<u8, CliError> {
+pub fn solve(
+    setup: &AbstractSetup,
+    steps: u32,
+    solver: &impl StepSolver,
+    json: bool,
+) -> Result<u8, CliError> {
     let start = Instant::now();
     let (mut last, mut largest) = (None, 0f64);
     let mut observe = |view: &crate::finite::FiniteView<'_>| {
@@ -88,7 +101,7 @@ pub fn solve(setup: &AbstractSetup, steps: u32, json: bool) -> Result<u8, CliErr
         last = Some((view.u.clone(), view.history.clone(), view.pressure.to_vec()));
     };
     let load = &mut AbstractLoad(setup);
-    let info = march(&setup.model, &setup.grid(steps), load, &Newton::default(), &mut observe)
+    let info = march(&setup.model, &setup.grid(steps), load, solver, &mut observe)
         .map_err(|e| CliError::Other(format!("{} steps = {steps}: {e}", setup.scene.name)))?;
     let Some((u, history, pressure)) = last else {
         return Err(CliError::Other("the run ended before its last step".into()));

@@ -93,12 +93,15 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let text = format!("m0 = {:.6} with the extrapolated c_j^2", c.m0);
     findings.push(Finding::new("m0 > 0 (2.9)", status, c.m0, text));
     findings.push(fact("beta_phi", c.beta_phi, "proved: max(mu L_kappa sqrt|Omega|, 1)"));
-    findings.push(fact("|B|", c.memory_norm, "operator norm, sampled over [0, T]"));
-    if let Some(projection) = &setup.body.material.projection {
-        findings.push(fact("L_kappa", projection.lipschitz, "sampled exact derivative"));
+    findings.push(fact("|B|", c.memory.operator, "operator norm, sampled over [0, T]"));
+    if setup.body.material.projection.is_some() {
+        findings.push(fact("L_kappa", c.lipschitz_kappa, "sampled exact derivative"));
     }
-    let sharpened = c.sharpened_step_bound;
-    findings.push(fact("step bound (3.4)", c.step_bound, "k below this: one solution a step"));
+    let bounds = c.step_bounds();
+    let (limit, sharpened) = (bounds.limit(), bounds.sharpened_limit());
+    findings.push(fact("step bound (3.4)", limit, "k below this: one solution a step"));
     findings.push(fact("sharpened step bound", sharpened, "half weight, terms apart"));
+    let solvable = bounds.solvable_limit();
+    findings.push(fact("solvable step bound", solvable, "k below this: each step monotone"));
     findings
 }

@@ -2,9 +2,11 @@
 
 mod abstract_problem;
 mod audit;
+mod bound;
 mod check;
 mod explain;
 mod fit;
+mod gronwall;
 mod interrupt;
 mod list;
 mod progress;
@@ -52,6 +54,10 @@ enum Command {
     Audit(audit::Audit),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
+    /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
+    Bound(bound::BoundCommand),
+    /// Put Gronwall's inequality over runs: truncation errors, envelopes, horizons, perturbations
+    Gronwall(gronwall::Gronwall),
     /// Fit orders to a table with columns h, k, error
     Fit(fit::Fit),
     /// Rebuild every output from the records in a directory, without solving
@@ -91,6 +97,8 @@ pub fn main() -> ExitCode {
         Command::Explain(explain) => explain.execute(&scenes),
         Command::Audit(audit) => audit.execute(&scenes),
         Command::Solve(solve) => solve.execute(&scenes),
+        Command::Bound(bound) => bound.execute(&scenes),
+        Command::Gronwall(gronwall) => gronwall.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Report(report) => report.execute(&scenes),
     };

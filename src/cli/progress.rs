@@ -7,7 +7,14 @@ use std::sync::PoisonError;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::record::{CaseRecord, Status, counted};
+use crate::setup::StepRemark;
 use crate::sweep::Progress;
+
+/// Says on stderr what (3.4) means for the step sizes of a scene.
+pub fn remark(scene: &str, remark: &StepRemark) {
+    let kind = if remark.warning { "warning" } else { "note" };
+    eprintln!("{kind}: {scene}: {}", remark.text);
+}
 
 /// Progress for a person or a log.
 pub struct Display {

@@ -152,7 +152,7 @@ impl What {
             .flat_map(|plan| judge_scene(plan.scene(), &records, &plan.keys()))
             .collect();
         let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
-        let provenance = Provenance::new(plans.iter().map(|plan| plan.scene())).json();
+        let provenance = Provenance::of_run(&plans).json();
         Ok(Swept { records, verdicts, summaries, provenance })
     }
 
@@ -190,6 +190,9 @@ impl What {
             if plan.cases.is_empty() {
                 let hint = "add [sweep] with n and steps, or give --n and --steps";
                 return Err(scene.error("scene.name", "the scene has no case to run", hint).into());
+            }
+            if let Some(remark) = plan.step_remark()? {
+                super::progress::remark(&plan.scene().name, &remark);
             }
             plans.push(plan);
         }

@@ -3,18 +3,20 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
 use crate::contact::{CaseInfo, march};
 use crate::setup::{MeshData, Setup, Subject, TruthLoad};
 use crate::solution::{FinalState, VtuSeries};
-use crate::vhi::Newton;
+use crate::vhi::{
+    FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState,
+};
 
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, normal_displacement, newton_iterations, kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, normal_displacement, newton_iterations, fixed_point_iterations (0 with Newton's method), kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
 )]
 pub struct Solve {
     /// Name of a scene, or path of a TOML file
@@ -25,6 +27,10 @@ pub struct Solve {
     /// Number N of time steps, k = T/N
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     steps: u32,
+    /// Method for a time level: Newton's, or the fixed-point iteration Λ of Theorem 6, which converges
+    /// only for small k
+    #[arg(long, value_enum, default_value_t = Solver::Newton)]
+    solver: Solver,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -33,21 +39,47 @@ pub struct Solve {
     vtu: Option<PathBuf>,
 }
 
+/// The solver of a time level.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Solver {
+    Newton,
+    FixedPoint,
+}
+
+impl StepSolver for Solver {
+    fn solve_level<P: HistoryInequality>(
+        &self,
+        problem: &mut P,
+        state: &mut StepState,
+        scratch: &mut Scratch,
+    ) -> Result<StepInfo, StepError> {
+        match self {
+            Self::Newton => Newton::default().solve_level(problem, state, scratch),
+            Self::FixedPoint => FixedPoint::default().solve_level(problem, state, scratch),
+        }
+    }
+
+    fn is_direct(&self) -> bool {
+        matches!(self, Self::Newton)
+    }
+}
+
 impl Solve {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        match (Subject::new(scene)?, self.n) {
+        let subject = Subject::new(scene)?;
+        if let Some(remark) = crate::setup::check_step_sizes(&subject, &[self.steps])? {
+            super::progress::remark(&subject.scene().name, &remark);
+        }
+        match (subject, self.n) {
             (Subject::Contact(setup), Some(n)) => self.contact(&setup, n),
-            (Subject::Abstract(setup), None) => {
-                abstract_problem::solve(&setup, self.steps, self.json)
+            (Subject::Abstract(setup), n) => {
+                abstract_problem::no_mesh(&setup.scene, n)?;
+                abstract_problem::solve(&setup, self.steps, &self.solver, self.json)
             }
             (Subject::Contact(setup), None) => {
                 let hint = "give --n, the number of mesh cells per unit length";
                 Err(setup.scene.error("sweep.n", "a body needs a mesh", hint).into())
-            }
-            (Subject::Abstract(setup), Some(n)) => {
-                let message = format!("an abstract problem has no mesh, so no n = {n}");
-                Err(setup.scene.error("scene.kind", message, "leave --n away").into())
             }
         }
     }
@@ -67,7 +99,7 @@ impl Solve {
             &setup.model,
             &setup.grid(self.steps),
             &mut TruthLoad(&*data.truth),
-            &Newton::default(),
+            &self.solver,
             &mut |view| {
                 let outcome =
                     series.as_mut().map(|series| series.write(&data.space, &setup.model, view));
@@ -105,6 +137,7 @@ impl Solve {
         let mut document = serde_json::to_value(state).map_err(other)?;
         if let Some(object) = document.as_object_mut() {
             object.insert("newton_iterations".into(), info.newton_iterations.into());
+            object.insert("fixed_point_iterations".into(), info.fixed_point_iterations.into());
             object.insert("factorizations".into(), info.work.linear.factorizations.into());
             object.insert("linear_solves".into(), info.work.linear.solves.into());
             object.insert("kkt_residual".into(), info.kkt_residual.into());

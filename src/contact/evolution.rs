@@ -100,6 +100,13 @@ impl<'a, P: Projection> Evolution<'a, P> {
         self.slot
     }
 
+    /// Changes the weights of the last slot of the open level: a last step of another size after the
+    /// same past.
+    pub fn set_last_slot(&mut self, slot: LastSlot) {
+        self.slot = slot;
+        self.begin_implicit();
+    }
+
     fn begin_implicit(&mut self) {
         let dofs = self.space.dofs();
         let past = self.memory.as_ref().filter(|_| self.committed > 0);

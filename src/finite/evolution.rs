@@ -18,7 +18,7 @@ pub struct FiniteEvolution<'a> {
     /// C.
     coordinates: DMatrix<f64>,
     /// Cᵀ G C, the inner product in w.
-    inner_product: DMatrix<f64>,
+    pub(super) inner_product: DMatrix<f64>,
     graph: BoundaryGraph,
     /// u_0, …, u_{n-1}.
     past: Vec<DVector<f64>>,
@@ -27,7 +27,9 @@ pub struct FiniteEvolution<'a> {
     /// R(Σ_{j<n} … + a_S), with the frozen last slot where there is one.
     y_past: DVector<f64>,
     /// R Σ_l W^l_nn Q_l, and whether F sees it.
-    last_slot: DMatrix<f64>,
+    pub(super) last_slot: DMatrix<f64>,
+    /// R Σ_l q_l(t_n, t_n) Q_l: the last slot for weight 1.
+    pub(super) now: DMatrix<f64>,
     implicit: bool,
     y_before: DVector<f64>,
     u: DVector<f64>,
@@ -35,6 +37,8 @@ pub struct FiniteEvolution<'a> {
     jacobian: DMatrix<f64>,
     factor: Option<LU<f64, Dyn, Dyn>>,
     prescribed: Vec<Option<f64>>,
+    /// DΛ at the state it was prepared for, in w.
+    pub(super) frozen: Option<DMatrix<f64>>,
 }
 
 impl<'a> FiniteEvolution<'a> {
@@ -74,6 +78,8 @@ impl<'a> FiniteEvolution<'a> {
             y_past: DVector::zeros(m),
             y_before: DVector::zeros(m),
             last_slot: DMatrix::zeros(m, m),
+            now: DMatrix::zeros(m, m),
+            frozen: None,
             implicit: true,
             u: DVector::zeros(m),
             jacobian: DMatrix::zeros(m, m),
@@ -93,6 +99,17 @@ impl<'a> FiniteEvolution<'a> {
     /// J⁻¹ rhs with the last factor, in w; nothing where no factor was needed yet.
     pub fn correction(&self, rhs: &[f64]) -> Option<DVector<f64>> {
         self.factor.as_ref()?.solve(&DVector::from_column_slice(rhs))
+    }
+
+    /// Cᵀ ∂N/∂y (last slot) C at the last evaluated u: how F depends on the last slot.
+    pub(super) fn force_by_history(&self) -> DMatrix<f64> {
+        let mut slope = self.last_slot.clone();
+        let y = self.history();
+        for (i, law) in self.model.force.iter().enumerate() {
+            let scale = law.by_y(y[i], self.u[i]);
+            slope.row_mut(i).iter_mut().for_each(|value| *value *= scale);
+        }
+        self.coordinates.tr_mul(&slope) * &self.coordinates
     }
 
     /// S_n u at the last evaluated u.
@@ -117,6 +134,8 @@ impl HistoryInequality for FiniteEvolution<'_> {
         self.load = self.source.at(self.grid.time(n))?;
         let mut sum = model.a_s.clone();
         self.last_slot.fill(0.0);
+        self.now.fill(0.0);
+        let t = self.grid.time(n);
         for term in &model.kernels {
             let weights = model.time_rule.kernel_row(&*term.kernel, self.grid, n);
             let mut past = DVector::zeros(model.dimension());
@@ -124,7 +143,9 @@ impl HistoryInequality for FiniteEvolution<'_> {
                 past.axpy(*weight, u, 1.0);
             }
             sum += &term.matrix * past;
-            self.last_slot += &model.r * &term.matrix * weights[n];
+            let operator = &model.r * &term.matrix;
+            self.last_slot += &operator * weights[n];
+            self.now += operator * term.kernel.at(t, t);
         }
         self.y_before = &model.r * sum;
         self.freeze(None);

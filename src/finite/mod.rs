@@ -1,6 +1,7 @@
 //! Problem 9 in X = ℝ^m: an instance of [`crate::vhi`] with no mesh and no error in space.
 
 mod evolution;
+mod frozen;
 mod march;
 mod model;
 

@@ -44,6 +44,11 @@ impl TimeGrid {
         (times.first() == Some(&0.0) && increasing).then_some(Self { times })
     }
 
+    /// The grid t_0, …, t_last.
+    pub fn up_to(&self, last: usize) -> Self {
+        Self { times: self.times[..=last].to_vec() }
+    }
+
     /// Number of steps N.
     pub fn steps(&self) -> usize {
         self.times.len() - 1

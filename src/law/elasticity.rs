@@ -43,6 +43,13 @@ impl Isotropic {
         (deviators.min(spheres), deviators.max(spheres))
     }
 
+    /// Σ |E_ijkl| over all d⁴ entries E_ijkl = λ δ_ij δ_kl + μ(δ_ik δ_jl + δ_il δ_jk).
+    pub fn entry_sum(&self, d: usize) -> f64 {
+        let (d, pairs) = (d as f64, (d * (d - 1)) as f64);
+        let normal = (self.lambda + 2.0 * self.mu).abs();
+        d * normal + pairs * (self.lambda.abs() + 2.0 * self.mu.abs())
+    }
+
     /// β with `self` = β·`other`, if there is one (to rounding).
     pub fn multiple_of(&self, other: &Isotropic) -> Option<f64> {
         let beta = self.mu / other.mu;
@@ -68,6 +75,21 @@ mod tests {
         }
         let plane = law.apply(&[1.0, 0.0, 0.0]);
         assert!((plane[0] - 2.7).abs() < 1e-15 && (plane[1] - 1.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_sum_over_entries_is_the_sum_over_entries() {
+        let law = Isotropic { lambda: -0.3, mu: 0.7 };
+        for d in [2, 3] {
+            let delta = |i: usize, j: usize| f64::from(u8::from(i == j));
+            let mut sum = 0.0;
+            for m in 0..d * d * d * d {
+                let (i, j, k, l) = (m % d, m / d % d, m / d / d % d, m / d / d / d);
+                let shear = delta(i, k) * delta(j, l) + delta(i, l) * delta(j, k);
+                sum += (law.lambda * delta(i, j) * delta(k, l) + law.mu * shear).abs();
+            }
+            assert!((law.entry_sum(d) - sum).abs() < 1e-14);
+        }
     }
 
     #[test]

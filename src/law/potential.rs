@@ -20,6 +20,10 @@ pub trait Potential: Send + Sync {
     /// α_ν of (2.8c) (a stiffness): the steepest descent slope.
     fn alpha(&self) -> f64;
 
+    /// (c0, c1) with |ξ| ≤ c0 + c1 |r| for all ξ ∈ ∂j_ν(r) (a pressure and a stiffness): c1 the least
+    /// possible, and c0 the least for it.
+    fn growth(&self) -> (f64, f64);
+
     /// True if ∂j_ν vanishes everywhere, so that nothing need be computed.
     fn is_absent(&self) -> bool {
         false
@@ -49,6 +53,10 @@ impl Potential for NoPotential {
 
     fn alpha(&self) -> f64 {
         0.0
+    }
+
+    fn growth(&self) -> (f64, f64) {
+        (0.0, 0.0)
     }
 
     fn is_absent(&self) -> bool {
@@ -171,6 +179,15 @@ impl Potential for PiecewiseLinear {
     fn alpha(&self) -> f64 {
         self.alpha
     }
+
+    /// |p| - c1 |r| does not grow beyond the outer points, so its maximum is at a point or at r = 0.
+    fn growth(&self) -> (f64, f64) {
+        let c1 = self.slope_before.abs().max(self.slope_after.abs());
+        let (lo, hi) = self.subdifferential(0.0);
+        let excess = self.points.iter().map(|(r, p)| p.abs() - c1 * r.abs());
+        let c0 = excess.chain([lo.abs(), hi.abs()]).fold(0.0, f64::max);
+        (c0, c1)
+    }
 }
 
 #[cfg(test)]
@@ -203,6 +220,22 @@ mod tests {
         assert!((layer.value_and_slope(0.5).0 - 0.9).abs() < 1e-15);
         let down = PiecewiseLinear::new(vec![(0.1, 1.0), (0.1, 0.5)], 0.0, 0.0);
         assert_eq!(down, Err(PotentialError::DownwardJump { at: 0.1, from: 1.0, to: 0.5 }));
+    }
+
+    #[test]
+    fn growth_holds_and_is_attained() {
+        let steep =
+            PiecewiseLinear::new(vec![(0.1, -1.0), (0.1, 0.5), (0.3, 2.0)], 3.0, 1.0).unwrap();
+        for law in [law(), steep] {
+            let (c0, c1) = law.growth();
+            let mut worst = f64::NEG_INFINITY;
+            for i in -4000..4000 {
+                let r = f64::from(i) * 1e-3;
+                let (lo, hi) = law.subdifferential(r);
+                worst = worst.max(lo.abs().max(hi.abs()) - c1 * r.abs());
+            }
+            assert!(worst <= c0 + 1e-12 && worst > c0 - 1e-9, "{worst} {c0} {c1}");
+        }
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod cholesky;
 mod dissection;
 mod gmres;
+mod krylov_eigen;
 mod pattern;
 mod random;
 mod sequence;
@@ -10,6 +11,7 @@ mod sequence;
 pub use cholesky::{Analysis, Factor, FactorError, Real, Workspace};
 pub use dissection::nested_dissection;
 pub use gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
+pub use krylov_eigen::{EigenError, Extreme, LinearMap, Spectrum, largest_eigenvalue, spectrum};
 pub use pattern::BlockPattern;
 pub use random::signed_unit;
 pub use sequence::{LinearWork, RankOne, SequenceSolver};

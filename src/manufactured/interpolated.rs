@@ -82,11 +82,11 @@ impl InterpolatedOnMesh {
         }
     }
 
-    /// u and H u as nodal vectors at time t.
+    /// u and ∫ b(t-s) u(s) ds as nodal vectors at time t; the second is empty without memory.
     ///
     /// # Errors
-    /// A formula that is not finite somewhere.
-    pub fn nodal_values(&self, t: f64) -> Result<(Vec<f64>, Vec<f64>), LoadError> {
+    /// A formula that is not finite at a vertex.
+    pub fn displacements(&self, t: f64) -> Result<(Vec<f64>, Vec<f64>), LoadError> {
         let outputs = if self.has_memory { 4 } else { 2 };
         let mut out = vec![Vec::new(); outputs];
         self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
@@ -128,7 +128,7 @@ impl InterpolatedOnMesh {
     }
 
     fn strain_norm(&self, t: f64) -> Result<f64, LoadError> {
-        let (u, _) = self.nodal_values(t)?;
+        let (u, _) = self.displacements(t)?;
         let mut sum = 0.0;
         for c in 0..self.space.mesh.cell_count() {
             let e = self.strain(&u, c);
@@ -141,7 +141,7 @@ impl InterpolatedOnMesh {
     /// ζ(t) = ∫ ‖ε(I_h u(s))‖ ds of the interpolant, cut at the events.
     ///
     /// # Errors
-    /// A formula that is not finite somewhere.
+    /// A formula that is not finite at a vertex.
     pub fn zeta(&self, t: f64) -> Result<f64, LoadError> {
         let events = |from: f64, to: f64| {
             self.events.iter().copied().filter(|&s| s > from && s < to).collect()
@@ -216,8 +216,13 @@ impl InterpolatedOnMesh {
         self.exact.data.graph.evaluate(shift, &Point { x, y, z, ..Point::default() })
     }
 
+    /// ξ + λ at the points of the trace.
+    pub fn pressures(&self, t: f64) -> Vec<f64> {
+        self.contact_state(t).into_iter().map(|at| at[1]).collect()
+    }
+
     fn compute_load(&self, t: f64) -> Result<Vec<f64>, LoadError> {
-        let (u, memory) = self.nodal_values(t)?;
+        let (u, memory) = self.displacements(t)?;
         let kappa = self.kappa(t)?;
         let space = &self.space;
         let mut force = vec![0.0; space.nodes.len()];
@@ -237,7 +242,7 @@ impl InterpolatedOnMesh {
     }
 
     fn compute_moments(&self, t: f64) -> Result<Moments, LoadError> {
-        let (u, memory) = self.nodal_values(t)?;
+        let (u, memory) = self.displacements(t)?;
         let kappa = self.kappa(t)?;
         let mut moments = Moments::default();
         for c in 0..self.space.mesh.cell_count() {

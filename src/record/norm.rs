@@ -39,6 +39,11 @@ pub fn norm_label(norm: &str) -> &str {
     NORMS.iter().find(|(name, _)| *name == norm).map_or(norm, |(_, label)| label)
 }
 
+/// The label in plots of records without a mesh: there the V norm is that of X.
+pub fn norm_label_in_time(norm: &str) -> &str {
+    if norm == V_MAX { "max ‖u−u_k‖ in X" } else { norm_label(norm) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -49,5 +54,7 @@ mod tests {
         assert_eq!(norm_rank("mine"), NORMS.len());
         assert_eq!(norm_label("mine"), "mine");
         assert_eq!(norm_label(L2_MAX), "max ‖u−u_h‖");
+        assert_ne!(norm_label_in_time(V_MAX), norm_label(V_MAX));
+        assert_eq!(norm_label_in_time("mine"), "mine");
     }
 }

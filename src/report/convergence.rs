@@ -7,7 +7,7 @@ use super::curve::{Curve, curve, norms};
 use super::ruler::Scale;
 use super::{ReportError, SceneSummary};
 use crate::fit::Direction;
-use crate::record::{CaseRecord, norm_label};
+use crate::record::{CaseRecord, norm_label, norm_label_in_time};
 use crate::verdict::{Verdict, cell_texts};
 
 /// The picture of one scene in one direction; none if no norm has two points there.
@@ -42,10 +42,15 @@ pub fn convergence_svg(
     let x = Axis::new(step, Scale::Steps);
     let y = Axis::new("error in the norm named", Scale::Log);
     let mut chart = Chart::new(&scene.name, &scene.question, x, y);
+    let label = |norm| match records.iter().any(|record| record.n.is_some()) {
+        true => norm_label(norm),
+        false => norm_label_in_time(norm),
+    };
     let named = |curve: &Curve<'_>| curve.fixed.filter(|own| Some(*own) != usual).map(level);
-    chart.series = curves.iter().map(|curve| series(curve, named(curve))).collect();
+    chart.series =
+        curves.iter().map(|curve| series(curve, label(curve.norm), named(curve))).collect();
     chart.keys = keys(&chart.series);
-    let names: Vec<&str> = not_drawn.iter().map(|curve| norm_label(curve.norm)).collect();
+    let names: Vec<&str> = not_drawn.iter().map(|curve| label(curve.norm)).collect();
     if !names.is_empty() {
         chart.note = format!("not drawn, in cases.csv: {}", names.join("; "));
     }
@@ -74,7 +79,7 @@ fn most_frequent(levels: impl Iterator<Item = u32>) -> Option<u32> {
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(level, _)| level)
 }
 
-fn series(curve: &Curve<'_>, level: Option<String>) -> Series {
+fn series(curve: &Curve<'_>, label: &str, level: Option<String>) -> Series {
     let fitted = fitted(curve);
     let mut parts = match &fitted {
         Some(fit) => fit.to_vec(),
@@ -83,7 +88,7 @@ fn series(curve: &Curve<'_>, level: Option<String>) -> Series {
     parts.push(Part::Points(curve.used.clone()));
     let rest = [Part::Hollow(curve.left_out.clone()), Part::Dashed(curve.visible_floor().to_vec())];
     parts.extend(rest.into_iter().filter(|part| !part.points().is_empty()));
-    let mut series = Series::new(norm_label(curve.norm), parts);
+    let mut series = Series::new(label, parts);
     let judged = curve.verdict.map(|verdict| {
         let [_, _, _, _, observed, decision, _] = cell_texts(verdict);
         format!("{observed} {decision}")

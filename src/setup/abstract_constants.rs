@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::SetupError;
 use crate::finite::{ComponentLaw, FiniteModel};
 use crate::scene::{AbstractScene, Law, Scene};
+use crate::vhi::StepBounds;
 
 /// Constants of (2.5)-(2.11) and the step-size bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +36,22 @@ pub struct AbstractConstants {
     pub step_bound: f64,
     /// The trapezoid's half weight: k < 2 m0/(β_φ‖R‖ max ‖q(t, t)‖).
     pub sharpened_step_bound: f64,
+}
+
+impl AbstractConstants {
+    /// The same as a bound on the step size. The last slot may act in any direction, so all of it
+    /// counts against the monotonicity of a step.
+    pub fn step_bounds(&self) -> StepBounds {
+        let (lipschitz, now) = (self.r_norm * self.q_norm, self.r_norm * self.q_norm_now);
+        StepBounds {
+            m0: self.m0,
+            beta_phi: self.beta_phi,
+            lipschitz,
+            paper_lipschitz: lipschitz,
+            last_slot: self.beta_phi * now,
+            destabilizing: self.beta_phi * now,
+        }
+    }
 }
 
 /// Samples of component laws, and of kernels in t and s.

@@ -1,12 +1,12 @@
-//! Constants of the contact problem (THEORY: section 3 of the paper's application), each with how
-//! it was obtained.
+//! Constants of the contact problem (section 5 of the paper) that its step size depends on.
 
+use super::trace_family::{TraceFamily, trace_family};
 use super::{Setup, SetupError};
-use crate::contact::Discretization;
+use crate::contact::TraceMass;
 use crate::formula::Point;
 use crate::law::Isotropic;
-use crate::linalg::{FactorError, dot};
 use crate::scene::Side;
+use crate::vhi::StepBounds;
 
 /// Constants that the step-size bound and the smallness condition need.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,14 +27,43 @@ pub struct Constants {
     pub c_j_squared_bound: Option<f64>,
     /// m0 = m_𝒜 - α_ν c_j² with the extrapolated c_j².
     pub m0: f64,
+    /// L_κ.
+    pub lipschitz_kappa: f64,
+    /// √|Ω|.
+    pub root_area: f64,
+    /// μ L_κ √|Ω|.
+    pub yielding: f64,
     /// β_φ = max(μ L_κ √|Ω|, 1).
     pub beta_phi: f64,
-    /// ‖ℬ‖ = max over [0, T] of the operator norm of ℬ(t) on S^d.
-    pub memory_norm: f64,
-    /// The step-size bound (3.4), k < m0/(β_φ (1 + ‖ℬ‖)).
-    pub step_bound: f64,
-    /// The sharpened bound 2 m0/(μ L_κ √|Ω| + ‖ℬ(0)‖).
-    pub sharpened_step_bound: f64,
+    /// ℬ(t) on [0, T].
+    pub memory: MemoryNorms,
+}
+
+/// Norms of the relaxation tensor.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MemoryNorms {
+    /// max over [0, T] of the operator norm of ℬ(t) on S^d.
+    pub operator: f64,
+    /// max over [0, T] of the sum of the moduli of all entries, the paper's norm of Q_∞.
+    pub entries: f64,
+    /// Operator norm of ℬ(0).
+    pub at_zero: f64,
+    /// Smallest eigenvalue of ℬ(0) on S^d, and the largest.
+    pub spectrum_at_zero: (f64, f64),
+}
+
+impl Constants {
+    /// The same as a bound on the step size.
+    pub fn step_bounds(&self) -> StepBounds {
+        StepBounds {
+            m0: self.m0,
+            beta_phi: self.beta_phi,
+            lipschitz: 1.0 + self.memory.operator,
+            paper_lipschitz: 1.0 + self.memory.entries,
+            last_slot: self.yielding + self.memory.at_zero,
+            destabilizing: self.yielding + (-self.memory.spectrum_at_zero.0).max(0.0),
+        }
+    }
 }
 
 /// Meshes on which c_j² is computed before extrapolation.
@@ -47,22 +76,36 @@ const KERNEL_SAMPLES: u32 = 512;
 /// # Errors
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
+    let domain = &setup.body.domain;
+    let c_j_squared =
+        if domain.contact.is_empty() { 0.0 } else { strain_trace_family(setup, &LEVELS)?.limit };
+    Ok(with_trace_constant(setup, c_j_squared))
+}
+
+/// The constants that decide on a step size: c_j² is computed only if the law falls somewhere.
+///
+/// # Errors
+/// A mesh whose stiffness matrix cannot be factorized.
+pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
+    let c_j_squared =
+        if alpha_nu(setup) == 0.0 { 0.0 } else { strain_trace_family(setup, &LEVELS)?.limit };
+    Ok(with_trace_constant(setup, c_j_squared).step_bounds())
+}
+
+/// The constants of a scene with a given c_j².
+pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
     let scene = &setup.scene;
     let material = &setup.body.material;
     let elastic = Isotropic { lambda: material.lambda, mu: material.mu };
     let (m_elastic, largest) = elastic.eigenvalues(scene.dimension);
     let mu = setup.projection_mu();
-    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
-    let alpha_nu = law.map_or(0.0, crate::scene::Law::alpha);
-    let c_j_squared =
-        if setup.body.domain.contact.is_empty() { 0.0 } else { trace_constant(setup)? };
-    let m0 = m_elastic - alpha_nu * c_j_squared;
-    let lipschitz = material.projection.as_ref().map_or(0.0, |projection| projection.lipschitz);
-    let area: f64 = setup.body.domain.size.iter().product();
-    let yielding = mu * lipschitz * area.sqrt();
-    let (memory_norm, memory_at_zero) = memory_norms(setup);
-    let beta_phi = yielding.max(1.0);
-    Ok(Constants {
+    let alpha_nu = alpha_nu(setup);
+    let lipschitz_kappa =
+        material.projection.as_ref().map_or(0.0, |projection| projection.lipschitz);
+    let root_area = setup.body.domain.size.iter().product::<f64>().sqrt();
+    // Without projection nothing depends on κ, whatever its slope.
+    let yielding = if mu == 0.0 { 0.0 } else { mu * lipschitz_kappa * root_area };
+    Constants {
         m_elastic,
         m_a: m_elastic + mu,
         l_a: largest + mu,
@@ -70,30 +113,46 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
         alpha_nu,
         c_j_squared,
         c_j_squared_bound: proved_bound(setup),
-        m0,
-        beta_phi,
-        memory_norm,
-        step_bound: m0 / (beta_phi * (1.0 + memory_norm)),
-        sharpened_step_bound: 2.0 * m0 / (yielding + memory_at_zero),
-    })
+        m0: m_elastic - alpha_nu * c_j_squared,
+        lipschitz_kappa,
+        root_area,
+        yielding,
+        beta_phi: yielding.max(1.0),
+        memory: memory_norms(setup),
+    }
 }
 
-/// max_t ‖ℬ(t)‖ and ‖ℬ(0)‖, operator norms on S^d.
-fn memory_norms(setup: &Setup) -> (f64, f64) {
+fn alpha_nu(setup: &Setup) -> f64 {
+    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    law.map_or(0.0, crate::scene::Law::alpha)
+}
+
+fn memory_norms(setup: &Setup) -> MemoryNorms {
     let scene = &setup.scene;
-    let Some(memory) = &setup.body.material.memory else { return (0.0, 0.0) };
+    let Some(memory) = &setup.body.material.memory else { return MemoryNorms::default() };
     let tensor = Isotropic { lambda: memory.lambda, mu: memory.mu };
     let (low, high) = tensor.eigenvalues(scene.dimension);
     let size = low.abs().max(high.abs());
-    let kernel =
-        |t: f64| scene.formulas.evaluate(memory.kernel, &Point { t, ..Point::default() }).abs();
+    let kernel = |t: f64| scene.formulas.evaluate(memory.kernel, &Point { t, ..Point::default() });
     let step = scene.time.horizon / f64::from(KERNEL_SAMPLES);
-    let largest = (0..=KERNEL_SAMPLES).map(|i| kernel(step * f64::from(i))).fold(0.0, f64::max);
-    (size * largest, size * kernel(0.0))
+    let largest =
+        (0..=KERNEL_SAMPLES).map(|i| kernel(step * f64::from(i)).abs()).fold(0.0, f64::max);
+    let at_zero = kernel(0.0);
+    let ends = (at_zero * low, at_zero * high);
+    MemoryNorms {
+        operator: size * largest,
+        entries: tensor.entry_sum(scene.dimension) * largest,
+        at_zero: size * at_zero.abs(),
+        spectrum_at_zero: (ends.0.min(ends.1), ends.0.max(ends.1)),
+    }
 }
 
 /// If Γ3 lies opposite to a clamped parallel side at distance H, then for v = 0 there
 /// |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
+///
+/// On the structured mesh the vertex rule obeys it too: ∂_y v_y is constant on the vertical edges,
+/// each triangle has one of them, and h times the sum over edges with the vertex weights is the
+/// integral over Ω.
 fn proved_bound(setup: &Setup) -> Option<f64> {
     let domain = &setup.body.domain;
     let [side] = domain.contact[..] else { return None };
@@ -106,69 +165,7 @@ fn proved_bound(setup: &Setup) -> Option<f64> {
     domain.clamped.contains(&opposite).then_some(distance)
 }
 
-/// c_j² = sup ‖v_ν‖²_{L²(Γ3)}/‖ε(v)‖², extrapolated (Aitken) from nested meshes on which the
-/// discrete values grow from below.
-///
-/// # Errors
-/// A mesh whose stiffness matrix cannot be factorized.
-pub fn trace_constant(setup: &Setup) -> Result<f64, SetupError> {
-    let mut values = Vec::new();
-    for n in LEVELS {
-        let space = setup.space(n)?;
-        let value = largest_trace_ratio(&space).map_err(|source| SetupError::Mesh { n, source })?;
-        values.push(value);
-    }
-    let (first, second) = (values[1] - values[0], values[2] - values[1]);
-    let shrinks = second.abs() < first.abs() && first != 0.0;
-    Ok(if shrinks { values[2] + second * second / (first - second) } else { values[2] })
-}
-
-/// Power iteration for K v = θ⁻¹ M v with the strain product K and the consistent trace mass M.
-fn largest_trace_ratio(space: &Discretization) -> Result<f64, FactorError> {
-    let identity = Isotropic { lambda: 0.0, mu: 0.5 };
-    let stiffness = space.stiffness(&identity);
-    let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
-    space.analysis.factorize(&space.pattern, &stiffness, &mut factor, &mut workspace)?;
-    let mut v = vec![0.0; space.nodes.len()];
-    for point in &space.trace.points {
-        v[point.component as usize] = point.sign;
-    }
-    v[space.dofs()..].fill(0.0);
-    let mut ratio = 0.0;
-    // The gap to the second eigenvalue is large: 1e-12 comes within some 30 rounds.
-    for _ in 0..200 {
-        let mut mass = trace_mass(space, &v);
-        let top = dot(&mass, &v);
-        mass.truncate(space.dofs());
-        space.analysis.solve(&factor, &mut mass, &mut workspace);
-        // x = K⁻¹Mv: the quotient (Mv·x)/(v·Mv) is the generalized Rayleigh quotient at v.
-        let next = dot(&trace_mass(space, &v)[..space.dofs()], &mass) / top;
-        let scale = mass.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        for (target, value) in v.iter_mut().zip(&mass) {
-            *target = value / scale;
-        }
-        if (next - ratio).abs() <= 1e-13 * next {
-            return Ok(next);
-        }
-        ratio = next;
-    }
-    Ok(ratio)
-}
-
-/// M v over all nodes: ∫_{Γ3} v_ν φ_ν with the consistent mass of linear facets.
-fn trace_mass(space: &Discretization, v: &[f64]) -> Vec<f64> {
-    let mut out = vec![0.0; v.len()];
-    let corners = space.trace.stride as f64;
-    for f in 0..space.trace.measure.len() {
-        let members = space.trace.facet(f);
-        let total: f64 = members.iter().map(|&i| space.trace.normal(i as usize, v)).sum();
-        for &i in members {
-            let point = space.trace.points[i as usize];
-            let own = space.trace.normal(i as usize, v);
-            out[point.component as usize] +=
-                point.sign * space.trace.measure[f] * (own + total) / (corners * (corners + 1.0));
-        }
-    }
-    out[space.dofs()..].fill(0.0);
-    out
+fn strain_trace_family(setup: &Setup, levels: &[u32]) -> Result<TraceFamily, SetupError> {
+    // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
+    trace_family(setup, &Isotropic { lambda: 0.0, mu: 0.5 }, TraceMass::Consistent, levels)
 }

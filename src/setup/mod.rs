@@ -7,25 +7,29 @@ mod constants;
 mod formulas;
 mod given_load;
 mod mesh_data;
+mod step_size;
 mod subject;
+mod trace_family;
 
 use std::sync::Arc;
 
 pub use abstract_constants::AbstractConstants;
 pub use abstract_setup::{AbstractLoad, AbstractSetup};
 pub use admissible::admissible;
-pub use constants::{Constants, constants, trace_constant};
+pub use constants::{Constants, MemoryNorms, constants, step_bounds, with_trace_constant};
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
+pub use step_size::{StepRemark, check_step_sizes};
 pub use subject::Subject;
+pub use trace_family::{TraceFamily, trace_family};
 
 use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
 use crate::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use crate::law::{
     ExponentialSum, Isotropic, MemoryKernel, NoPotential, PiecewiseLinear, Potential, VonMises,
 };
-use crate::linalg::FactorError;
+use crate::linalg::{EigenError, FactorError};
 use crate::manufactured::{
     ComplianceRule, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };
@@ -46,6 +50,9 @@ pub enum SetupError {
     /// A matrix of the mesh could not be factorized.
     #[error("mesh n = {n}: {source}")]
     Mesh { n: u32, source: FactorError },
+    /// A constant of the mesh could not be computed.
+    #[error("mesh n = {n}: {source}")]
+    Constant { n: u32, source: EigenError },
     /// A solve failed.
     #[error("reference run: {0}")]
     Reference(#[from] CaseError),

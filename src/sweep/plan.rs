@@ -2,7 +2,7 @@
 
 use crate::record::Key;
 use crate::scene::{Norm, Prediction, Reference, Scene};
-use crate::setup::Subject;
+use crate::setup::{SetupError, StepRemark, Subject, check_step_sizes};
 
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default)]
@@ -72,6 +72,15 @@ impl ScenePlan {
             .iter()
             .map(|case| Key { scene: scene.clone(), n: case.n, steps: case.steps })
             .collect()
+    }
+
+    /// What (3.4) says of the step sizes of the cases.
+    ///
+    /// # Errors
+    /// A step size that is refused.
+    pub fn step_remark(&self) -> Result<Option<StepRemark>, SetupError> {
+        let steps: Vec<u32> = self.cases.iter().map(|case| case.steps).collect();
+        check_step_sizes(&self.subject, &steps)
     }
 
     /// How often reference levels are kept so that all cases find theirs.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::ScenePlan;
 use crate::record::replace_file;
 use crate::scene::{Scene, SceneError, Source};
 
@@ -20,6 +21,9 @@ pub struct Provenance {
     /// Each scene's text: the records can be judged by it wherever its file is.
     #[serde(default)]
     pub texts: BTreeMap<String, String>,
+    /// What is to be known of a scene's step sizes, where (3.4) does not cover them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub step_sizes: BTreeMap<String, String>,
 }
 
 /// Name of the file in the output directory.
@@ -38,7 +42,18 @@ impl Provenance {
             platform: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
             scenes: each(|source| &source.hash),
             texts: each(|source| &source.text),
+            step_sizes: BTreeMap::new(),
         }
+    }
+
+    /// The provenance of a run of `plans`, with what (3.4) says of their step sizes.
+    pub fn of_run(plans: &[ScenePlan]) -> Self {
+        let remark = |plan: &ScenePlan| {
+            let remark = plan.step_remark().ok().flatten()?;
+            Some((plan.scene().name.clone(), remark.text))
+        };
+        let step_sizes = plans.iter().filter_map(remark).collect();
+        Self { step_sizes, ..Self::new(plans.iter().map(ScenePlan::scene)) }
     }
 
     /// The scene that the records in `dir` were made with; `None` if its text is not kept there.
@@ -61,12 +76,16 @@ impl Provenance {
 
     /// As JSON, for `verdict.json`: without the texts.
     pub fn json(&self) -> serde_json::Value {
-        serde_json::json!({
+        let mut document = serde_json::json!({
             "program": "gronwall",
             "version": self.version,
             "platform": self.platform,
             "scenes": self.scenes,
-        })
+        });
+        if !self.step_sizes.is_empty() {
+            document["step_sizes"] = serde_json::json!(self.step_sizes);
+        }
+        document
     }
 
     /// Reads the provenance of a directory; `None` if it has none.

@@ -120,7 +120,7 @@ fn prepare(plans: &[ScenePlan], out: &Path, known: &[CaseRecord]) -> Result<Jour
     for path in old.into_iter().flatten().filter(|path| path.exists()) {
         std::fs::remove_file(&path).map_err(|e| refused((path, e.to_string())))?;
     }
-    Provenance::new(plans.iter().map(|plan| plan.scene())).write(out).map_err(refused)?;
+    Provenance::of_run(plans).write(out).map_err(refused)?;
     crate::record::write_sorted(&table, known)?;
     Ok(Journal::open(&table)?)
 }

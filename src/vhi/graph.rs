@@ -6,6 +6,7 @@
 
 use std::sync::Arc;
 
+use super::StepState;
 use crate::law::Potential;
 
 /// The coordinate a graph sits on.
@@ -109,6 +110,18 @@ impl BoundaryGraph {
     pub fn normal(&self, i: usize, u: &[f64]) -> f64 {
         let at = &self.coordinates[i];
         at.sign * u[at.dof as usize]
+    }
+
+    /// Slopes of the free coordinates at a solution (a stiffness), and increment 0 on the pinned ones.
+    pub fn pieces(&self, solution: &StepState) -> (Vec<f64>, Vec<Option<f64>>) {
+        let coordinate = |(i, pressure): (usize, &f64)| {
+            let (at, normal) = (&self.coordinates[i], self.normal(i, &solution.u));
+            match self.piece(i, normal + at.gamma * pressure) {
+                Piece::Pinned { .. } => (0.0, Some(0.0)),
+                Piece::Free => (at.weight * self.value_and_slope(i, normal).1, None),
+            }
+        };
+        solution.pressure.iter().enumerate().map(coordinate).unzip()
     }
 
     /// Distance of (u_ν, c) from the graph, as a force: zero exactly on the graph.

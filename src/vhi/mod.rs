@@ -3,15 +3,19 @@
 //! here knows a mesh.
 
 mod fixed_point;
+mod frozen_derivative;
 mod graph;
 mod history_inequality;
 mod newton;
 mod step;
+mod step_bounds;
 mod stepper;
 
 pub use fixed_point::FixedPoint;
+pub use frozen_derivative::FrozenDerivative;
 pub use graph::{BoundaryGraph, Coordinate, Piece};
 pub use history_inequality::{FailedStep, HistoryInequality};
 pub use newton::{Newton, Scratch, StepError, StepInfo};
 pub use step::{StepInequality, StepState};
+pub use step_bounds::{StepBounds, StepPlace};
 pub use stepper::{StepSolver, Stepper};

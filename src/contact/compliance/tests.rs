@@ -120,6 +120,9 @@ impl Potential for Uncut {
     fn alpha(&self) -> f64 {
         self.0.alpha()
     }
+    fn growth(&self) -> (f64, f64) {
+        self.0.growth()
+    }
 }
 
 #[test]

@@ -4,13 +4,15 @@ use std::path::{Path, PathBuf};
 
 use crate::scene::{Data, Registry, Scene, SceneError, Source};
 
-const NAMES: [&str; 13] = [
+const NAMES: [&str; 15] = [
     "affine",
     "affine-locked",
     "compliance",
     "elastic-punch",
     "in-space",
     "linear-punch",
+    "memory-minus-identity",
+    "memory-plus-identity",
     "punch",
     "pure-mild",
     "pure-strong",

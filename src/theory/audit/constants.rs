@@ -50,7 +50,7 @@ impl AuditConstants {
             c0: c0 * contact_length(setup).sqrt(),
             c1,
             c_phi: 0.0,
-            history: 1.0 + known.memory_norm,
+            history: 1.0 + known.memory.operator,
         })
     }
 

@@ -29,7 +29,7 @@ impl InSpaceFields {
 
     /// (ε, H) a cell.
     fn strains(&self, t: f64) -> Result<(PlaneField, PlaneField), LoadError> {
-        let (u, memory) = self.truth.nodal_values(t)?;
+        let (u, memory) = self.truth.displacements(t)?;
         let by_cell = |nodal: &[f64]| -> PlaneField {
             let mut out = [Vec::new(), Vec::new(), Vec::new()];
             for c in 0..self.space.mesh.cell_count() {
@@ -157,7 +157,7 @@ impl Fields for InSpaceFields {
     }
 
     fn interpolant(&mut self, t: f64) -> Result<Vec<f64>, LoadError> {
-        Ok(self.truth.nodal_values(t)?.0)
+        Ok(self.truth.displacements(t)?.0)
     }
 
     fn zeta(&mut self, t: f64) -> Result<Option<f64>, LoadError> {

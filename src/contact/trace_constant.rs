@@ -1,0 +1,98 @@
+//! The constants of the normal trace on a mesh: sup ‖v_ν‖²_{L²(Γ3)}/(𝒞ε(v), ε(v)) over V^h.
+//!
+//! With 𝒞 = I it is c_j² of (2.4); with 𝒞 = 𝒜 it is the energy constant, which with α_ν decides by
+//! itself whether the elastic part of a step is monotone.
+
+use super::Discretization;
+use crate::law::Isotropic;
+use crate::linalg::{
+    EigenError, Extreme, Factor, FactorError, LinearMap, Workspace, largest_eigenvalue, signed_unit,
+};
+
+/// How ‖v_ν‖² is integrated over Γ3.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TraceMass {
+    /// Exactly: the mass matrix of linear facets.
+    Consistent,
+    /// By the vertex rule, as the solver integrates the compliance term; never smaller.
+    Lumped,
+}
+
+/// The largest quotient (a length, over a stress if 𝒞 is one), and the field that has it.
+///
+/// # Errors
+/// A stiffness matrix that cannot be factorized.
+pub fn trace_constant(
+    space: &Discretization,
+    tensor: &Isotropic,
+    mass: TraceMass,
+) -> Result<Extreme, EigenError> {
+    let stiffness = space.stiffness(tensor);
+    let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
+    space.analysis.factorize(&space.pattern, &stiffness, &mut factor, &mut workspace)?;
+    let nodal = vec![0.0; space.nodes.len()];
+    let mut map = Quotient { space, stiffness, factor, workspace, mass, nodal };
+    // A constant pressure and some of everything else: no symmetry of the mesh hides the maximum.
+    let (mut seed, mut load) = (1, vec![0.0; space.nodes.len()]);
+    for point in space.trace.points.iter().filter(|point| !point.clamped) {
+        load[point.component as usize] = point.sign * (1.0 + 0.1 * signed_unit(&mut seed));
+    }
+    let mut start = vec![0.0; space.dofs()];
+    map.apply(&load[..space.dofs()], &mut start)?;
+    if start.iter().all(|value| *value == 0.0) {
+        return Ok(Extreme { value: 0.0, vector: start, iterations: 0, residual: 0.0 });
+    }
+    largest_eigenvalue(&mut map, &start)
+}
+
+/// K⁻¹M in the inner product of K.
+struct Quotient<'a> {
+    space: &'a Discretization,
+    stiffness: Vec<f64>,
+    factor: Factor,
+    workspace: Workspace,
+    mass: TraceMass,
+    nodal: Vec<f64>,
+}
+
+impl LinearMap for Quotient<'_> {
+    fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
+        self.nodal[..x.len()].copy_from_slice(x);
+        let mut force = trace_mass(self.space, self.mass, &self.nodal);
+        force.truncate(out.len());
+        out.copy_from_slice(&force);
+        self.space.analysis.solve(&self.factor, out, &mut self.workspace);
+        Ok(())
+    }
+
+    fn gram(&mut self, x: &[f64], out: &mut [f64]) {
+        self.space.pattern.multiply(&self.stiffness, x, out);
+    }
+}
+
+/// M v over all nodes: ∫_{Γ3} v_ν φ_ν.
+fn trace_mass(space: &Discretization, mass: TraceMass, v: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; v.len()];
+    let trace = &space.trace;
+    match mass {
+        TraceMass::Lumped => {
+            for (i, point) in trace.points.iter().enumerate() {
+                out[point.component as usize] += point.sign * point.weight * trace.normal(i, v);
+            }
+        }
+        TraceMass::Consistent => {
+            let corners = trace.stride as f64;
+            for f in 0..trace.measure.len() {
+                let members = trace.facet(f);
+                let total: f64 = members.iter().map(|&i| trace.normal(i as usize, v)).sum();
+                for &i in members {
+                    let point = trace.points[i as usize];
+                    out[point.component as usize] +=
+                        point.sign * trace.measure[f] * (trace.normal(i as usize, v) + total)
+                            / (corners * (corners + 1.0));
+                }
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,60 @@
+//! The derivative of Λ in ℝ^m, as a matrix in the coordinates w.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::FiniteEvolution;
+use crate::linalg::FactorError;
+use crate::vhi::{FrozenDerivative, HistoryInequality, StepInequality, StepState};
+
+impl FrozenDerivative for FiniteEvolution<'_> {
+    fn set_step(&mut self, k: f64) {
+        self.last_slot = 0.5 * k * &self.now;
+    }
+
+    /// DΛ = -J⁻¹ Cᵀ ∂N/∂y (last slot) C, J the tangent of the frozen level with its pieces kept.
+    fn differentiate(&mut self, eta: &[f64], state: &StepState) -> Result<(), FactorError> {
+        self.freeze(Some(eta));
+        let m = self.dofs();
+        let mut force = vec![0.0; m];
+        self.residual(&state.u, &mut force);
+        let (slopes, prescribed) = self.graph().pieces(state);
+        self.linearize(&slopes, &prescribed)?;
+        let mut derivative = -self.force_by_history();
+        let mut column = vec![0.0; m];
+        for mut target in derivative.column_iter_mut() {
+            column.copy_from_slice(target.as_slice());
+            self.solve(&mut column, 0.0)?;
+            target.copy_from_slice(&column);
+        }
+        self.frozen = Some(derivative);
+        Ok(())
+    }
+
+    fn derivative(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
+        let product = self.prepared() * DVector::from_column_slice(x);
+        out.copy_from_slice(product.as_slice());
+        Ok(())
+    }
+
+    /// G⁻¹ (DΛ)ᵀ G x.
+    fn adjoint(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
+        let force = self.prepared().tr_mul(&(&self.inner_product * DVector::from_column_slice(x)));
+        let cholesky = self.inner_product.clone().cholesky();
+        let solution = cholesky.ok_or(FactorError::NotPositiveDefinite { dof: 0 })?.solve(&force);
+        out.copy_from_slice(solution.as_slice());
+        Ok(())
+    }
+
+    fn gram(&mut self, x: &[f64], out: &mut [f64]) {
+        let product = &self.inner_product * DVector::from_column_slice(x);
+        out.copy_from_slice(product.as_slice());
+    }
+}
+
+impl FiniteEvolution<'_> {
+    /// DΛ, zero before it was prepared.
+    fn prepared(&self) -> DMatrix<f64> {
+        let m = self.dofs();
+        self.frozen.clone().unwrap_or_else(|| DMatrix::zeros(m, m))
+    }
+}

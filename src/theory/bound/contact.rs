@@ -1,0 +1,79 @@
+//! The step-size study of a contact scene.
+
+use super::ladder::BoundError;
+use super::linear::linear_loss;
+use super::run::{self, AtLevel, AtWorst, Study};
+use crate::contact::{Evolution, OpenLevel};
+use crate::law::VonMises;
+use crate::setup::{MeshData, Setup, TruthLoad, YieldFormula};
+use crate::vhi::{StepBounds, StepState};
+
+/// An open level of a scene's run.
+pub type SceneLevel<'a> = OpenLevel<'a, Option<VonMises<YieldFormula>>>;
+
+/// Runs the scene on the mesh `n` with `steps` steps and studies its worst level.
+///
+/// # Errors
+/// [`BoundError`].
+pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<Study, BoundError> {
+    let levels = levels_of_run(setup, bounds, n, steps)?;
+    let worst = run::worst(&levels, steps)?;
+    let mut meshes = Vec::new();
+    for other in [n / 2, n, 2 * n] {
+        if other > 0 && setup.scene.check_cells(other).is_ok() {
+            let all = levels_of_run(setup, bounds, other, steps)?;
+            meshes.extend(all.get(worst.level - 1));
+        }
+    }
+    let data = MeshData::new(setup, n, None)?;
+    let linear = linear_loss(&data.space, &setup.model)?;
+    let exact = linear.map_or(f64::INFINITY, |loss| loss.mesh);
+    let AtWorst { starts, rungs, thresholds } =
+        at_level(setup, &data, steps, worst.level, |level, state| {
+            run::at_worst(level, state, bounds, exact)
+        })?;
+    Ok(Study { levels, worst, meshes, starts, rungs, thresholds, linear })
+}
+
+/// The factor at every level n ≥ 1 of a run.
+fn levels_of_run(
+    setup: &Setup,
+    bounds: &StepBounds,
+    n: u32,
+    steps: u32,
+) -> Result<Vec<AtLevel>, BoundError> {
+    let data = MeshData::new(setup, n, None)?;
+    on_run(setup, &data, steps, |level| run::all_levels(level, bounds, Some(n)))
+}
+
+/// Runs to level `number`, leaves it open, and shows it with its solution.
+///
+/// # Errors
+/// The run's, and those of `see`.
+pub fn at_level<T>(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    number: usize,
+    see: impl FnOnce(&mut SceneLevel<'_>, StepState) -> Result<T, BoundError>,
+) -> Result<T, BoundError> {
+    on_run(setup, data, steps, |level| {
+        let state = run::run_to(level, number)?;
+        see(level, state)
+    })
+}
+
+/// Shows a run before its first level.
+fn on_run<T>(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    see: impl FnOnce(&mut SceneLevel<'_>) -> Result<T, BoundError>,
+) -> Result<T, BoundError> {
+    let grid = setup.grid(steps);
+    let mut load = TruthLoad(&*data.truth);
+    let evolution = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    let mut level = OpenLevel::new(&data.space, &setup.model, evolution)
+        .map_err(|source| BoundError::Constant(source.into()))?;
+    see(&mut level)
+}

@@ -1,0 +1,137 @@
+//! e_n and g_n of a run: the error against a truth on the same mesh, and the truncation error of the
+//! trapezoidal rule on the truth, g_n = ‖S_n u - S_n^k u‖_Y = |ζ part| + ‖memory part‖_ℋ.
+
+use super::GronwallError;
+use super::constants::GronwallConstants;
+use super::estimate::Estimate;
+use super::truth::{Level, TemporalTruth, difference};
+use crate::contact::{Discretization, Model, march, strain_distance, strain_norm};
+use crate::history::{Memory, TimeGrid, TimeRule, Trapezoid};
+use crate::law::{Isotropic, Projection};
+use crate::linalg::axpy;
+use crate::setup::{MeshData, Setup, TruthLoad};
+use crate::space::strain_of;
+use crate::tensor::contract;
+use crate::vhi::Newton;
+
+/// One run in time with the truncation error of its grid.
+#[derive(Debug, Clone)]
+pub struct TemporalRun {
+    /// N.
+    pub steps: u32,
+    /// |∫_0^{t_n} ‖ε(u)‖ - Σ' ‖ε(u_j)‖|; zero where ζ is no part of the history, as in abstract scenes.
+    pub truncation_zeta: Vec<f64>,
+    /// ‖∫_0^{t_n} ℬ(t_n - s) ε(u) - Σ' ℬ(t_n - t_j) ε(u_j)‖_ℋ (a stress times √|Ω|), zero without memory;
+    /// ‖S_n u - S_n^k u‖_{X*} of an abstract scene.
+    pub truncation_memory: Vec<f64>,
+    /// The data of the bounds.
+    pub estimate: Estimate,
+}
+
+impl TemporalRun {
+    /// Runs `model`, which a test may have changed, under the loads of `setup`, and compares it with
+    /// the truth of `setup`. Truncation errors and constants are those of `setup`.
+    ///
+    /// # Errors
+    /// Those of the run and of the truth.
+    pub fn measure<P: Projection>(
+        setup: &Setup,
+        model: &Model<P>,
+        data: &MeshData,
+        truth: &TemporalTruth,
+        constants: &GronwallConstants,
+        steps: u32,
+    ) -> Result<Self, GronwallError> {
+        let grid = setup.grid(steps);
+        let levels = truth.levels(setup, steps)?;
+        let mut error = Vec::with_capacity(levels.len());
+        let info = march(
+            &data.space,
+            model,
+            &grid,
+            &mut TruthLoad(&*data.truth),
+            &Newton::default(),
+            &mut |view| {
+                error.push(strain_distance(&data.space, view.u, &levels[view.n].u));
+                Ok(())
+            },
+        )
+        .map_err(|source| GronwallError::Case { steps, source })?;
+        let size = levels.iter().map(|level| strain_norm(&data.space, &level.u));
+        let floor = info.floors.v + truth.accuracy() * size.fold(0.0, f64::max);
+        let truncation_zeta = match constants.has_zeta() {
+            true => truncation_of_zeta(&data.space, &grid, &levels),
+            false => vec![0.0; levels.len()],
+        };
+        let truncation_memory = truncation_of_memory(setup, &data.space, &grid, &levels);
+        let parts = constants.parts(setup, &grid);
+        let both = truncation_zeta.iter().zip(&truncation_memory);
+        let weighted_source = both.clone().map(|(z, b)| constants.yielding * z + b).collect();
+        let source = both.map(|(z, b)| constants.beta * (z + b)).collect();
+        let estimate = Estimate {
+            grid,
+            error,
+            weighted_source,
+            source,
+            m0: constants.m0,
+            beta: constants.beta,
+            parts,
+            floor,
+        };
+        Ok(Self { steps, truncation_zeta, truncation_memory, estimate })
+    }
+
+    /// g_n.
+    pub fn truncation(&self) -> Vec<f64> {
+        self.truncation_zeta.iter().zip(&self.truncation_memory).map(|(z, b)| z + b).collect()
+    }
+}
+
+fn truncation_of_zeta(space: &Discretization, grid: &TimeGrid, levels: &[Level]) -> Vec<f64> {
+    let (mut sum, mut before) = (0.0, 0.0);
+    let mut defect = |(n, level): (usize, &Level)| {
+        let norm = strain_norm(space, &level.u);
+        if n > 0 {
+            sum += 0.5 * grid.step(n) * (before + norm);
+        }
+        before = norm;
+        (level.zeta - sum).abs()
+    };
+    levels.iter().enumerate().map(&mut defect).collect()
+}
+
+fn truncation_of_memory(
+    setup: &Setup,
+    space: &Discretization,
+    grid: &TimeGrid,
+    levels: &[Level],
+) -> Vec<f64> {
+    let Some(term) = &setup.model.memory else { return vec![0.0; levels.len()] };
+    let (kernel, rule) = (&*term.kernel, &Trapezoid);
+    let length = space.nodes.len();
+    let mut history = Memory::new(kernel, rule, length);
+    let mut sum = vec![0.0; length];
+    let mut defect = |(n, level): (usize, &Level)| {
+        history.past(kernel, rule, grid, &mut sum);
+        history.commit(grid, &level.u);
+        axpy(rule.weight(grid, n, n) * kernel.value(0.0), &level.u, &mut sum);
+        stress_norm(space, &term.tensor, &difference(&level.memory, &sum))
+    };
+    levels.iter().enumerate().map(&mut defect).collect()
+}
+
+/// ‖ℬ₀ε(v)‖_ℋ of a nodal vector.
+fn stress_norm(space: &Discretization, tensor: &Isotropic, v: &[f64]) -> f64 {
+    fn sum<const S: usize>(space: &Discretization, tensor: &Isotropic, v: &[f64]) -> f64 {
+        let cell = |c| {
+            let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), v);
+            let stress = tensor.apply(&strain);
+            space.geometry.measure[c] * contract(&stress, &stress)
+        };
+        (0..space.mesh.cell_count()).map(cell).sum()
+    }
+    match space.mesh.dimension {
+        2 => sum::<3>(space, tensor, v).sqrt(),
+        _ => sum::<6>(space, tensor, v).sqrt(),
+    }
+}

@@ -1,0 +1,38 @@
+//! Gronwall's inequality of (3.24) on runs: truncation errors, envelopes, effectivities, horizons and
+//! the growth of perturbations.
+//!
+//! Only purely temporal errors are put under the envelopes: the truth is the exact u(t) of an abstract
+//! problem, an exact u(t) ∈ V^h, or a run on the same mesh.
+
+mod constants;
+mod contact_scene;
+mod document;
+mod error;
+mod estimate;
+mod finite_scene;
+mod horizon;
+mod in_time;
+mod measure;
+mod pictures;
+mod recurrence;
+mod stability;
+mod study;
+#[cfg(test)]
+mod tests;
+mod truth;
+
+pub use constants::{GronwallConstants, Summary};
+pub use contact_scene::{ContactInTime, DualNorm};
+pub use error::GronwallError;
+pub use estimate::{Envelopes, Estimate, Violation, effectivities, maximum};
+pub use finite_scene::FiniteInTime;
+pub use horizon::{HorizonRow, Horizons, horizons};
+pub use in_time::{InTime, prepare};
+pub use measure::TemporalRun;
+pub use recurrence::{
+    HistoryPart, KernelNorms, StepTooLarge, closed_limit, primed, primed_closed, unprimed,
+    unprimed_closed, weighted,
+};
+pub use stability::{Perturbation, SIZES, Shape, perturbations};
+pub use study::{Effectivity, Plan, StudiedGrid, Study};
+pub use truth::{Level, ReferenceLevels, TemporalTruth};

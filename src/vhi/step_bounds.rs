@@ -1,0 +1,138 @@
+//! Bounds on the step size of the scheme (3.3) from the constants of Problem 5.
+//!
+//! Λ: η ↦ u_η freezes the last slot of the history at η and solves. Its contraction factor is bounded
+//! by k β_φ‖R‖‖q‖/m0 (3.15). The trapezoidal rule gives that slot the weight k/2, not k, and a history
+//! of several parts enters with the sum of their own factors instead of a product of maxima, so the
+//! factor is also at most (k/2)·`last_slot`/m0.
+
+/// Constants of Problem 5 that bound its step size. Units: m0 a stress, the others a stress a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepBounds {
+    /// m0 = m_A - α_φ - α_j c_j² of (2.9).
+    pub m0: f64,
+    /// β_φ of (2.7b).
+    pub beta_phi: f64,
+    /// ‖R‖‖q‖, or the Lipschitz constant of S, with operator norms.
+    pub lipschitz: f64,
+    /// The same with the norms that the paper takes.
+    pub paper_lipschitz: f64,
+    /// Lipschitz constant of y ↦ φ(y,·,·) composed with the last slot of S, for weight 1.
+    pub last_slot: f64,
+    /// How much of the last slot, for weight 1, can act against the monotonicity of the step.
+    pub destabilizing: f64,
+}
+
+impl StepBounds {
+    /// The bound (3.15) of the contraction factor of Λ, with the norms of the paper.
+    pub fn paper_factor(&self, k: f64) -> f64 {
+        k * self.beta_phi * self.paper_lipschitz / self.m0
+    }
+
+    /// The bound (3.15) of the contraction factor of Λ, with operator norms.
+    pub fn factor(&self, k: f64) -> f64 {
+        k * self.beta_phi * self.lipschitz / self.m0
+    }
+
+    /// The sharpened bound of the contraction factor of Λ.
+    pub fn sharpened_factor(&self, k: f64) -> f64 {
+        0.5 * k * self.last_slot / self.m0
+    }
+
+    /// (3.4) with the norms of the paper: k below this.
+    pub fn paper_limit(&self) -> f64 {
+        limit(self.m0, self.beta_phi * self.paper_lipschitz)
+    }
+
+    /// (3.4) with operator norms.
+    pub fn limit(&self) -> f64 {
+        limit(self.m0, self.beta_phi * self.lipschitz)
+    }
+
+    /// The k below which Λ is a contraction by the sharpened bound.
+    pub fn sharpened_limit(&self) -> f64 {
+        limit(2.0 * self.m0, self.last_slot)
+    }
+
+    /// The k below which the step is a strongly monotone problem, hence has exactly one solution.
+    pub fn solvable_limit(&self) -> f64 {
+        limit(2.0 * self.m0, self.destabilizing)
+    }
+
+    /// Where a step size stands.
+    pub fn place(&self, k: f64) -> StepPlace {
+        if k < self.limit() {
+            StepPlace::WithinTheorem
+        } else if k < self.solvable_limit() {
+            StepPlace::Solvable
+        } else {
+            // NaN limits end here as well.
+            StepPlace::Unguaranteed
+        }
+    }
+}
+
+/// m0/size; no restriction where nothing depends on the last slot, none admissible if m0 ≤ 0.
+fn limit(m0: f64, size: f64) -> f64 {
+    if m0 <= 0.0 {
+        0.0
+    } else if size == 0.0 {
+        f64::INFINITY
+    } else {
+        m0 / size
+    }
+}
+
+/// What is known of a step size beforehand.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StepPlace {
+    /// k satisfies (3.4).
+    WithinTheorem,
+    /// k is beyond (3.4), and the step is still strongly monotone.
+    Solvable,
+    /// Nothing guarantees that the step has one solution.
+    Unguaranteed,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOUNDS: StepBounds = StepBounds {
+        m0: 2.0,
+        beta_phi: 1.0,
+        lipschitz: 2.0,
+        paper_lipschitz: 5.0,
+        last_slot: 1.0,
+        destabilizing: 0.5,
+    };
+
+    #[test]
+    fn factors_reach_one_at_the_limits() {
+        assert_eq!(BOUNDS.paper_factor(BOUNDS.paper_limit()), 1.0);
+        assert_eq!(BOUNDS.factor(BOUNDS.limit()), 1.0);
+        assert_eq!(BOUNDS.sharpened_factor(BOUNDS.sharpened_limit()), 1.0);
+        let limits = [
+            BOUNDS.paper_limit(),
+            BOUNDS.limit(),
+            BOUNDS.sharpened_limit(),
+            BOUNDS.solvable_limit(),
+        ];
+        assert_eq!(limits, [0.4, 1.0, 4.0, 8.0]);
+    }
+
+    #[test]
+    fn every_step_has_its_place() {
+        assert_eq!(BOUNDS.place(0.9), StepPlace::WithinTheorem);
+        assert_eq!(BOUNDS.place(1.0), StepPlace::Solvable);
+        assert_eq!(BOUNDS.place(8.0), StepPlace::Unguaranteed);
+        let free = StepBounds { destabilizing: 0.0, ..BOUNDS };
+        assert_eq!(free.place(1e9), StepPlace::Solvable);
+        // (2.9) violated: no step is covered, however small.
+        assert_eq!(StepBounds { m0: -0.1, ..BOUNDS }.place(1e-9), StepPlace::Unguaranteed);
+        assert_eq!(StepBounds { m0: f64::NAN, ..BOUNDS }.place(0.1), StepPlace::Unguaranteed);
+        assert_eq!(
+            StepBounds { last_slot: 0.0, destabilizing: 0.0, ..BOUNDS }.sharpened_limit(),
+            f64::INFINITY
+        );
+    }
+}
