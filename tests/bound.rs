@@ -12,10 +12,11 @@ use gronwall::law::{Isotropic, Potential};
 use gronwall::linalg::{FactorError, dot, signed_unit};
 use gronwall::setup::{MeshData, Setup, TruthLoad, constants, step_bounds};
 use gronwall::theory::bound::branch::Branch;
-use gronwall::theory::bound::contact::{Study, at_level, study};
+use gronwall::theory::bound::contact::{at_level, study};
 use gronwall::theory::bound::factor::{contraction, finite_factor};
 use gronwall::theory::bound::gate::violations;
 use gronwall::theory::bound::ladder::{BoundError, Ladder, Outcome, Rung};
+use gronwall::theory::bound::run::Study;
 use gronwall::theory::bound::threshold::Crossing;
 use gronwall::theory::bound::{Bound, sampled};
 use gronwall::vhi::{

@@ -33,7 +33,7 @@ impl Bound {
             Part::Hollow(norms(false)),
         ];
         if !norms(false).is_empty() {
-            chart.keys.push(Key::Hollow("the step has no solution: at the last one".into()));
+            chart.keys.push(Key::Hollow("no solution found: at the last one".into()));
         }
         chart.series = vec![
             Series::new("measured: ‖DΛ‖, worst direction", norm),
