@@ -361,6 +361,9 @@ impl<P: Potential> Potential for Understated<P> {
     fn jumps(&self) -> &[f64] {
         self.0.jumps()
     }
+    fn kinks(&self) -> &[f64] {
+        self.0.kinks()
+    }
     fn alpha(&self) -> f64 {
         0.98 * self.0.alpha()
     }

@@ -328,3 +328,49 @@ fn the_help_documents_the_json_keys() {
         assert!(help(&[command, "--help"]).contains(key), "{command} --help lacks {key}");
     }
 }
+
+#[test]
+fn audits_hold_and_say_what_they_checked() {
+    let folder = Folder::new("audit");
+    let grid = ["--n", "4,8", "--steps", "2,4"];
+    let out = folder.argument("out");
+    let output = sweep(&[&["audit", "compliance", "--json", "--out", &out], &grid[..]].concat());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let document = json(&output);
+    assert_eq!(
+        (document["holds"].as_bool(), document["rule"].as_str()),
+        (Some(true), Some("exact"))
+    );
+    assert_eq!(document["lines"].as_array().map(Vec::len), Some(16));
+    assert_eq!(document["cases"].as_array().map(Vec::len), Some(4));
+    for file in ["audit.csv", "audit.json", "compliance-audit.svg"] {
+        assert!(folder.at("out").join(file).exists(), "no {file}");
+    }
+    // d falls with order 1: the bound of E_A, which has e d in it, with order 2.
+    let line =
+        document["lines"].as_array().and_then(|all| all.iter().find(|l| l["line"] == "(4.17)"));
+    let power = line.and_then(|line| line["power_h"][1].as_f64()).expect("a power");
+    assert!((1.8..2.2).contains(&power), "{power}");
+    // The same for a reader.
+    let output = sweep(&[&["audit", "compliance"], &grid[..]].concat());
+    assert!(stdout(&output).contains("16 of 16 lines hold in all runs"), "{}", stdout(&output));
+}
+
+#[test]
+fn what_cannot_be_audited_is_two() {
+    let output = sweep(&["audit", "punch"]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("no exact solution"), "{}", stderr(&output));
+    let folder = Folder::new("audit-jump");
+    let law = "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
+    let jump = "points = [[-0.01, -0.01], [-0.01, 0.0], [0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
+    let scene = edited(&text("affine"), law, jump);
+    let scene = folder.file("jump.toml", &scene);
+    let output = sweep(&["audit", &scene, "--n", "4", "--steps", "2", "--rule", "exact"]);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    assert!(stderr(&output).contains("--rule vertex"), "{}", stderr(&output));
+    let output = sweep(&["audit", &scene, "--n", "4", "--steps", "2"]);
+    assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
+    assert!(stdout(&output).contains("boundary rule vertex"));
+    assert_eq!(code(&sweep(&["audit"])), 2);
+}

@@ -143,8 +143,8 @@ fn unilateral_contact_open_and_closed() {
     }
 }
 
-/// Full steps can alternate between the two sides of a jump or of a kink. Steps are halved after 8 iterations without
-/// a new best residual, and then need less than as many again.
+/// Full steps can alternate between the two sides of a kink. Steps are halved after 8 iterations without a new best
+/// residual, and then need less than as many again.
 const HALVED: u32 = 16;
 
 #[test]
@@ -152,12 +152,13 @@ fn a_jump_holds_the_solution_or_is_passed() {
     let jump = || law(&[(0.25, 0.0), (0.25, 1.0)]);
     let one = |load: f64| small(&[2.0], &[load], f64::INFINITY, 1.0, jump());
     // 2 u + 2 c = f, c ∈ [0, 1] at u = 1/4: inside for 1/2 ≤ f ≤ 5/2.
-    must_find(|| one(1.5), &[0.25], &[0.5], HALVED);
-    must_find(|| one(0.3), &[0.15], &[0.0], 3);
-    must_find(|| one(4.0), &[1.0], &[1.0], 3);
+    // A step that would cross the jump stops there, so that passing it takes one iteration more and nothing alternates.
+    must_find(|| one(1.5), &[0.25], &[0.5], 4);
+    must_find(|| one(0.3), &[0.15], &[0.0], 4);
+    must_find(|| one(4.0), &[1.0], &[1.0], 4);
     // The ends of the interval.
-    must_find(|| one(0.5), &[0.25], &[0.0], 3);
-    must_find(|| one(2.5), &[0.25], &[1.0], 3);
+    must_find(|| one(0.5), &[0.25], &[0.0], 4);
+    must_find(|| one(2.5), &[0.25], &[1.0], 4);
 }
 
 #[test]

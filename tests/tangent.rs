@@ -2,7 +2,7 @@
 //! Goal: the Jacobian that the solver factorizes is the derivative of its residual: J⁻¹(F(u + s d) - F(u - s d))/2s
 //!   must give back d, with yielding, ζ and compliance active; a tangent without one of its parts is caught.
 //! Mesh: 4 × 4 squares; state: an affine field times a wave, about half of the cells beyond κ, Γ3 on both branches.
-//! Data: punch, with the vertex and the Gauss rule of compliance, and with pinned vertices.
+//! Data: punch, with the vertex, the Gauss and the exact rule of compliance, and with pinned vertices.
 
 mod shipped;
 
@@ -138,7 +138,11 @@ fn the_state_yields_in_part_and_keeps_off_kinks() {
 
 #[test]
 fn the_jacobian_is_the_derivative() {
-    for (quadrature, rule) in [("vertex", BoundaryRule::Vertex), ("gauss", BoundaryRule::Gauss)] {
+    for (quadrature, rule) in [
+        ("vertex", BoundaryRule::Vertex),
+        ("gauss", BoundaryRule::Gauss),
+        ("exact", BoundaryRule::Exact),
+    ] {
         let setup = punch(quadrature);
         let boundary = setup.model.boundary.as_ref().expect("contact");
         assert_eq!(boundary.rule, rule);

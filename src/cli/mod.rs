@@ -1,6 +1,7 @@
 //! The command line: one file a command, results on stdout, progress and errors on stderr.
 
 mod abstract_problem;
+mod audit;
 mod bound;
 mod check;
 mod explain;
@@ -49,6 +50,8 @@ enum Command {
     Check(check::Check),
     /// Say what a scene requires: terms, algorithms, sizes, predicted cost
     Explain(explain::Explain),
+    /// Check the proofs of Theorems 10 and 11 line by line on real runs
+    Audit(audit::Audit),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
     /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
@@ -92,6 +95,7 @@ pub fn main() -> ExitCode {
         Command::List(list) => list.execute(&scenes),
         Command::Check(check) => check.execute(&scenes),
         Command::Explain(explain) => explain.execute(&scenes),
+        Command::Audit(audit) => audit.execute(&scenes),
         Command::Solve(solve) => solve.execute(&scenes),
         Command::Bound(bound) => bound.execute(&scenes),
         Command::Gronwall(gronwall) => gronwall.execute(&scenes),

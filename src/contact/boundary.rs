@@ -18,7 +18,7 @@ pub fn boundary_graph<P: Projection>(
     };
     let potential = match boundary.rule {
         BoundaryRule::Vertex => boundary.potential.clone(),
-        BoundaryRule::Gauss => none,
+        BoundaryRule::Gauss | BoundaryRule::Exact => none,
     };
     let coordinates = space
         .trace

@@ -1,87 +1,89 @@
-//! ∫_{Γ3} ∂j_ν(u_ν) v_ν at Gauss points of the facets.
+//! ∫_{Γ3} ∂j_ν(u_ν - s) v_ν by points on the facets: Gauss points, or Gauss points on the pieces of
+//! each edge between the kinks of ∂j_ν (the integral itself).
 
-use std::sync::Arc;
-
-use super::{Boundary, Discretization};
-use crate::law::Potential;
+use super::pieces::{EdgePoint, EdgeShift, points};
+use super::{Boundary, BoundaryRule, Discretization};
 use crate::linalg::BlockPattern;
 use crate::space::quadrature::{Rule, edge, triangle_degree_4};
 
-/// A quadrature point on Γ3.
-struct GaussPoint {
-    facet: usize,
-    /// Values of the shape functions of the facet.
-    shape: Vec<f64>,
+/// The compliance term over the facets of Γ3.
+pub struct FacetCompliance<'a> {
+    boundary: &'a Boundary,
+    facets: Vec<Facet>,
+    rule: PointRule,
+}
+
+/// Where the points of a facet lie.
+enum PointRule {
+    /// At fixed places, with the shift there (facet by facet): 3 points an edge, exact where
+    /// ∂j_ν(u_ν) v_ν is a polynomial of degree 5.
+    Gauss { rule: Rule, shift: Vec<f64> },
+    /// On the pieces of each edge between kinks.
+    Exact { kinks: Vec<f64>, shift: Vec<EdgeShift> },
+}
+
+/// A facet with the coordinates of its corners.
+struct Facet {
+    measure: f64,
+    corners: Vec<[f64; 3]>,
+    /// (component, sign, is an unknown) of the trace points.
+    members: Vec<(usize, f64, bool)>,
+}
+
+/// A point of a facet for the present u.
+struct FacetPoint {
+    shape: [f64; 3],
     weight: f64,
-    shift: f64,
+    argument: f64,
 }
 
-/// The compliance term by Gauss quadrature (3 points an edge: exact where ∂j_ν(u_ν) v_ν is a
-/// polynomial of degree 5).
-pub struct GaussCompliance {
-    potential: Arc<dyn Potential>,
-    points: Vec<GaussPoint>,
-    /// (component, sign, is an unknown) of the trace points of each facet.
-    facets: Vec<Vec<(usize, f64, bool)>>,
-}
-
-impl GaussCompliance {
-    /// The rule on all facets of Γ3.
-    pub fn new(space: &Discretization, boundary: &Boundary) -> Self {
-        let rule = facet_rule(space.mesh.dimension);
-        let (mut points, mut facets) = (Vec::new(), Vec::new());
-        for facet in 0..space.trace.measure.len() {
-            let members = space.trace.facet(facet);
-            let vertices: Vec<u32> =
-                members.iter().map(|&i| space.trace.points[i as usize].vertex).collect();
-            for (shape, weight) in rule.points.iter().zip(&rule.weights) {
-                points.push(GaussPoint {
-                    facet,
-                    shape: shape.clone(),
-                    weight: weight * space.trace.measure[facet],
-                    shift: (boundary.shift)(space.mesh.point(&vertices, shape)),
-                });
-            }
-            let member = |&i: &u32| {
-                let point = space.trace.points[i as usize];
-                (point.component as usize, point.sign, !point.clamped)
-            };
-            facets.push(members.iter().map(member).collect());
+impl<'a> FacetCompliance<'a> {
+    /// The rule of `boundary` on all facets of Γ3; `None` for the vertex rule or without law.
+    pub fn new(space: &Discretization, boundary: &'a Boundary) -> Option<Self> {
+        if boundary.potential.is_absent() {
+            return None;
         }
-        Self { potential: boundary.potential.clone(), points, facets }
-    }
-
-    fn at(&self, point: &GaussPoint, nodal: &[f64]) -> (f64, f64) {
-        let members = &self.facets[point.facet];
-        let normal: f64 = members
-            .iter()
-            .zip(&point.shape)
-            .map(|((component, sign, _), shape)| shape * sign * nodal[*component])
-            .sum();
-        self.potential.value_and_slope(normal - point.shift)
+        let facets: Vec<Facet> = (0..space.trace.measure.len()).map(|f| facet(space, f)).collect();
+        let rule = match boundary.rule {
+            BoundaryRule::Vertex => return None,
+            BoundaryRule::Gauss => {
+                let rule = facet_rule(space.mesh.dimension);
+                let shift = facets
+                    .iter()
+                    .flat_map(|facet| rule.points.iter().map(|b| (boundary.shift)(facet.at(b))))
+                    .collect();
+                PointRule::Gauss { rule, shift }
+            }
+            BoundaryRule::Exact => {
+                assert_eq!(space.mesh.dimension, 2, "the exact rule cuts edges");
+                let along = |facet: &Facet| EdgeShift::new(|x| (boundary.shift)(facet.on_edge(x)));
+                PointRule::Exact {
+                    kinks: boundary.potential.kinks().to_vec(),
+                    shift: facets.iter().map(along).collect(),
+                }
+            }
+        };
+        Some(Self { boundary, facets, rule })
     }
 
     /// Adds the force of the compliance term at the nodal vector `nodal`.
     pub fn add_force(&self, nodal: &[f64], out: &mut [f64]) {
-        for point in &self.points {
-            let pressure = self.at(point, nodal).0;
-            for ((component, sign, unknown), shape) in
-                self.facets[point.facet].iter().zip(&point.shape)
-            {
+        self.each_point(nodal, |facet, point| {
+            let pressure = self.boundary.potential.value_and_slope(point.argument).0;
+            for ((component, sign, unknown), shape) in facet.members.iter().zip(&point.shape) {
                 if *unknown {
                     out[*component] += point.weight * pressure * sign * shape;
                 }
             }
-        }
+        });
     }
 
     /// Adds its derivative to lower-triangle `values`.
     pub fn add_tangent(&self, nodal: &[f64], pattern: &BlockPattern, values: &mut [f64]) {
-        for point in &self.points {
-            let slope = self.at(point, nodal).1;
-            let members = &self.facets[point.facet];
-            for (a, &(i, sign_i, unknown_i)) in members.iter().enumerate() {
-                for (b, &(j, sign_j, unknown_j)) in members.iter().enumerate().take(a + 1) {
+        self.each_point(nodal, |facet, point| {
+            let slope = self.boundary.potential.value_and_slope(point.argument).1;
+            for (a, &(i, sign_i, unknown_i)) in facet.members.iter().enumerate() {
+                for (b, &(j, sign_j, unknown_j)) in facet.members.iter().enumerate().take(a + 1) {
                     if !(unknown_i && unknown_j) {
                         continue;
                     }
@@ -93,7 +95,63 @@ impl GaussCompliance {
                     }
                 }
             }
+        });
+    }
+
+    fn each_point(&self, nodal: &[f64], mut visit: impl FnMut(&Facet, &FacetPoint)) {
+        let mut on_edge: Vec<EdgePoint> = Vec::new();
+        for (f, facet) in self.facets.iter().enumerate() {
+            let normal = |&(component, sign, _): &(usize, f64, bool)| sign * nodal[component];
+            match &self.rule {
+                PointRule::Gauss { rule, shift } => {
+                    let count = rule.weights.len();
+                    for (q, (shape, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
+                        let values = facet.members.iter().map(normal);
+                        let value: f64 = values.zip(shape).map(|(u, s)| s * u).sum();
+                        let argument = value - shift[count * f + q];
+                        let mut own = [0.0; 3];
+                        own[..shape.len()].copy_from_slice(shape);
+                        let weight = weight * facet.measure;
+                        visit(facet, &FacetPoint { shape: own, weight, argument });
+                    }
+                }
+                PointRule::Exact { kinks, shift } => {
+                    let ends = [normal(&facet.members[0]), normal(&facet.members[1])];
+                    let formula = |x: f64| (self.boundary.shift)(facet.on_edge(x));
+                    points(ends, &shift[f], formula, kinks, &mut on_edge);
+                    for point in &on_edge {
+                        let shape = [1.0 - point.place, point.place, 0.0];
+                        let weight = point.weight * facet.measure;
+                        visit(facet, &FacetPoint { shape, weight, argument: point.argument });
+                    }
+                }
+            }
         }
+    }
+}
+
+impl Facet {
+    fn at(&self, barycentric: &[f64]) -> [f64; 3] {
+        let mut x = [0.0; 3];
+        for (corner, b) in self.corners.iter().zip(barycentric) {
+            for (value, c) in x.iter_mut().zip(corner) {
+                *value += b * c;
+            }
+        }
+        x
+    }
+
+    fn on_edge(&self, x: f64) -> [f64; 3] {
+        self.at(&[1.0 - x, x])
+    }
+}
+
+fn facet(space: &Discretization, f: usize) -> Facet {
+    let points = space.trace.facet(f).iter().map(|&i| space.trace.points[i as usize]);
+    Facet {
+        measure: space.trace.measure[f],
+        corners: points.clone().map(|p| space.mesh.point(&[p.vertex], &[1.0])).collect(),
+        members: points.map(|p| (p.component as usize, p.sign, !p.clamped)).collect(),
     }
 }
 
@@ -101,3 +159,6 @@ impl GaussCompliance {
 pub fn facet_rule(dimension: usize) -> Rule {
     if dimension == 2 { edge(3) } else { triangle_degree_4() }
 }
+
+#[cfg(test)]
+mod tests;

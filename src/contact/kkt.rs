@@ -2,7 +2,7 @@
 //! laws and multipliers only, without tangents, active sets or stored matrices.
 
 use super::assembly::stress_force;
-use super::compliance::facet_rule;
+use super::kkt_compliance::{add_exact, add_gauss};
 use super::march::StepView;
 use super::{BoundaryRule, Discretization, Model};
 use crate::law::Projection;
@@ -79,31 +79,14 @@ fn add_contact_forces<P: Projection>(
     for (i, point) in space.trace.points.iter().enumerate() {
         let pressure = match boundary.rule {
             BoundaryRule::Vertex => view.compliance[i] + view.multiplier[i],
-            BoundaryRule::Gauss => view.multiplier[i],
+            BoundaryRule::Gauss | BoundaryRule::Exact => view.multiplier[i],
         };
         balance[point.component as usize] += point.sign * point.weight * pressure;
     }
-    if boundary.rule == BoundaryRule::Gauss {
-        let rule = facet_rule(space.mesh.dimension);
-        for facet in 0..space.trace.measure.len() {
-            let members = space.trace.facet(facet);
-            let vertices: Vec<u32> =
-                members.iter().map(|&i| space.trace.points[i as usize].vertex).collect();
-            for (shape, weight) in rule.points.iter().zip(&rule.weights) {
-                let normal: f64 = members
-                    .iter()
-                    .zip(shape)
-                    .map(|(&i, s)| s * space.trace.normal(i as usize, view.u))
-                    .sum();
-                let r = normal - (boundary.shift)(space.mesh.point(&vertices, shape));
-                let pressure = boundary.potential.subdifferential(r).0;
-                for (&i, s) in members.iter().zip(shape) {
-                    let point = space.trace.points[i as usize];
-                    balance[point.component as usize] +=
-                        point.sign * weight * space.trace.measure[facet] * pressure * s;
-                }
-            }
-        }
+    match boundary.rule {
+        BoundaryRule::Vertex => {}
+        BoundaryRule::Gauss => add_gauss(space, boundary, view, balance),
+        BoundaryRule::Exact => add_exact(space, boundary, view, balance),
     }
 }
 

@@ -20,6 +20,9 @@ pub enum BoundaryRule {
     Vertex,
     /// At Gauss points of the facets; the constraint stays at the vertices.
     Gauss,
+    /// The integral itself, as in (5.14): edges cut where u_ν - s crosses a kink of ∂j_ν (plane
+    /// meshes); the constraint stays at the vertices.
+    Exact,
 }
 
 /// Contact data on Γ3.

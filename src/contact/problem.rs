@@ -1,6 +1,6 @@
 //! One time level of Problem 14 as a [`StepInequality`].
 //!
-//! F(u) = ∫ σ:ε(v) - F_n(v) [+ compliance at Gauss points], with
+//! F(u) = ∫ σ:ε(v) - F_n(v) [+ compliance on facets], with
 //! σ = (𝒜 + W ℬ₀) ε(u) + μ(ε - P_{κ(ζ)}ε), ζ = ζ_past + w‖ε(u)‖, with w = w_nn and W = w_nn b(0) the
 //! weights of the last slot ([`LastSlot`]); the memory of the past is part of the load. The Jacobian is K + a bᵀ: K sparse and symmetric, and
 //! a rank-one piece from ζ(u), a = w κ'(ζ) ∫ ∂σ/∂κ : ε(v), b = ∂‖ε(u)‖/∂u.
@@ -9,8 +9,8 @@ use std::time::Instant;
 
 use super::assembly::{cell_stiffness, stress_force};
 use super::boundary::boundary_graph;
-use super::compliance::GaussCompliance;
-use super::{BoundaryRule, Discretization, Model};
+use super::compliance::FacetCompliance;
+use super::{Discretization, Model};
 use crate::law::{Isotropic, Projection};
 use crate::linalg::{FactorError, LinearWork, RankOne, SequenceSolver, norm};
 use crate::space::strain_of;
@@ -43,7 +43,7 @@ pub struct ContactProblem<'a, P> {
     space: &'a Discretization,
     model: &'a Model<P>,
     graph: BoundaryGraph,
-    gauss: Option<GaussCompliance>,
+    compliance: Option<FacetCompliance<'a>>,
     /// Positions of the rows and columns of the graph coordinates in the tangent.
     couplings: Vec<Vec<(u32, u32)>>,
     /// Stiffness of 𝒜 and of ℬ₀.
@@ -80,12 +80,8 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             None => Vec::new(),
         };
         let graph = boundary_graph(space, model, &elastic);
-        let gauss = model
-            .boundary
-            .as_ref()
-            .filter(|boundary| boundary.rule == BoundaryRule::Gauss)
-            .filter(|boundary| !boundary.potential.is_absent())
-            .map(|boundary| GaussCompliance::new(space, boundary));
+        let compliance =
+            model.boundary.as_ref().and_then(|boundary| FacetCompliance::new(space, boundary));
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
         let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
         let needs_strains = model.projection.limit().is_some();
@@ -114,7 +110,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             space,
             model,
             graph,
-            gauss,
+            compliance,
             couplings,
         }
     }
@@ -327,8 +323,8 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
             2 => self.force::<2, 3>(out),
             _ => self.force::<3, 6>(out),
         }
-        if let Some(gauss) = &self.gauss {
-            gauss.add_force(&self.nodal, out);
+        if let Some(compliance) = &self.compliance {
+            compliance.add_force(&self.nodal, out);
         }
         for (target, load) in out.iter_mut().zip(&self.load) {
             *target -= load;
@@ -341,8 +337,8 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
         let start = Instant::now();
         let flags: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
         let now = (self.slot, slopes.to_vec(), flags);
-        // Without projection and Gauss compliance the tangent is known from slot, slopes, pins.
-        let constant = self.model.projection.limit().is_none() && self.gauss.is_none();
+        // Without projection and compliance on facets the tangent is known from slot, slopes, pins.
+        let constant = self.model.projection.limit().is_none() && self.compliance.is_none();
         let unchanged = constant && self.last.as_ref() == Some(&now);
         let mut tangent = self.solver.take_values();
         tangent.clone_from(&self.linear);
@@ -350,8 +346,8 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
             2 => self.projected_tangent::<2, 3>(&mut tangent),
             _ => self.projected_tangent::<3, 6>(&mut tangent),
         };
-        if let Some(gauss) = &self.gauss {
-            gauss.add_tangent(&self.nodal, &self.space.pattern, &mut tangent);
+        if let Some(compliance) = &self.compliance {
+            compliance.add_tangent(&self.nodal, &self.space.pattern, &mut tangent);
         }
         for (slope, at) in slopes.iter().zip(&self.graph.coordinates) {
             tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;

@@ -14,6 +14,9 @@ pub trait Potential: Send + Sync {
     /// Abscissae of the upward jumps, increasing.
     fn jumps(&self) -> &[f64];
 
+    /// Abscissae at which value or slope change, increasing: between them ∂j_ν is smooth.
+    fn kinks(&self) -> &[f64];
+
     /// α_ν of (2.8c) (a stiffness): the steepest descent slope.
     fn alpha(&self) -> f64;
 
@@ -41,6 +44,10 @@ impl Potential for NoPotential {
     }
 
     fn jumps(&self) -> &[f64] {
+        &[]
+    }
+
+    fn kinks(&self) -> &[f64] {
         &[]
     }
 
@@ -90,6 +97,7 @@ pub struct PiecewiseLinear {
     slope_before: f64,
     slope_after: f64,
     jumps: Vec<f64>,
+    kinks: Vec<f64>,
     alpha: f64,
 }
 
@@ -123,7 +131,9 @@ impl PiecewiseLinear {
             }
         }
         jumps.dedup();
-        Ok(Self { points, slope_before, slope_after, jumps, alpha: (-steepest).max(0.0) })
+        let mut kinks: Vec<f64> = points.iter().map(|point| point.0).collect();
+        kinks.dedup();
+        Ok(Self { kinks, points, slope_before, slope_after, jumps, alpha: (-steepest).max(0.0) })
     }
 
     /// Value and slope on the piece that ends at point `i` (0: before the first point).
@@ -160,6 +170,10 @@ impl Potential for PiecewiseLinear {
 
     fn jumps(&self) -> &[f64] {
         &self.jumps
+    }
+
+    fn kinks(&self) -> &[f64] {
+        &self.kinks
     }
 
     fn alpha(&self) -> f64 {

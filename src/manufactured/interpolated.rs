@@ -1,11 +1,12 @@
 //! Scenes whose exact u(t) is, on each mesh, the nodal interpolant of given formulas (u(t) ∈ V^h):
 //! strain, memory, ζ and stress are those of the interpolant, constant on each cell, and
-//! ∫_{Γ3} c v_ν takes the vertex rule. The error is the time error alone.
+//! ∫_{Γ3} c v_ν takes the boundary rule of the scheme. The error is the time error alone.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::constitutive::{self, Tensor};
+use super::edge_compliance::{ComplianceRule, edge_moments};
 use super::exact::Exact;
 use super::nodal_force::{add_stress, length};
 use super::running_integral::RunningIntegral;
@@ -22,6 +23,8 @@ const WATCHES: usize = 64;
 struct SidePoints {
     normal: [f64; 2],
     members: Vec<usize>,
+    /// Facets of the trace.
+    facets: Vec<usize>,
     /// ∫ φ over the side, of each member.
     weights: Vec<f64>,
     bound: Mutex<Bound>,
@@ -31,6 +34,8 @@ struct SidePoints {
 pub struct InterpolatedOnMesh {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
+    /// Where the scheme integrates ∂j_ν.
+    rule: ComplianceRule,
     /// [u_x, u_y, H u_x, H u_y] at the vertices in node order.
     bound: Mutex<Bound>,
     has_memory: bool,
@@ -46,7 +51,7 @@ pub struct InterpolatedOnMesh {
 
 impl InterpolatedOnMesh {
     /// Binds the nodal values of `exact` to the vertices of `space`.
-    pub fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
+    pub fn new(exact: Arc<Exact>, space: Arc<Discretization>, rule: ComplianceRule) -> Self {
         let mut graph = exact.data.graph.clone();
         let mut outputs: Vec<Node> = exact.data.u.clone();
         let has_memory = !exact.memory.is_empty();
@@ -73,6 +78,7 @@ impl InterpolatedOnMesh {
             moments: ByTime::default(),
             exact,
             space,
+            rule,
         }
     }
 
@@ -149,21 +155,70 @@ impl InterpolatedOnMesh {
         Ok(self.exact.data.graph.evaluate(kappa, &at))
     }
 
-    /// [u_ν, ξ + λ, g] at the points of the trace.
-    fn contact_state(&self, t: f64) -> Vec<[f64; 3]> {
-        let mut state = vec![[0.0; 3]; self.space.trace.points.len()];
+    /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
+    pub fn contact_state(&self, t: f64) -> Vec<[f64; 5]> {
+        let mut state = vec![[0.0; 5]; self.space.trace.points.len()];
         for side in &self.boundary {
             let out = side.evaluate(t);
             for (p, &i) in side.members.iter().enumerate() {
-                state[i] = [out[0][p], out[1][p], out[2][p]];
+                state[i] = [0, 1, 2, 3, 4].map(|field: usize| out[field][p]);
             }
         }
         state
     }
 
+    /// Adds ∫_{Γ3} c v_ν: λ at the vertices, where the constraint is, ξ by the rule.
+    fn add_contact_pressure(&self, t: f64, force: &mut [f64]) {
+        let contact = self.exact.data.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref());
+        let on_facets = law.filter(|_| self.rule != ComplianceRule::Vertex);
+        // Of [u_ν, ξ + λ, g, ξ, λ]: all of the pressure, or λ alone.
+        let field = if on_facets.is_some() { 4 } else { 1 };
+        for side in &self.boundary {
+            let values = side.evaluate(t);
+            for ((&i, weight), pressure) in
+                side.members.iter().zip(&side.weights).zip(&values[field])
+            {
+                self.add_normal_force(i, side.normal, weight * pressure, force);
+            }
+            let Some(law) = on_facets else { continue };
+            for &f in &side.facets {
+                let ends = [0, 1].map(|a| self.space.trace.facet(f)[a] as usize);
+                let normal = ends.map(|i| {
+                    let at = side.members.iter().position(|&member| member == i);
+                    at.map_or(f64::NAN, |at| values[0][at])
+                });
+                let vertices = ends.map(|i| self.space.trace.points[i].vertex);
+                let shift = |x: f64| self.shift(&vertices, x);
+                let moments = edge_moments(law, self.rule, normal, shift);
+                let size = length(&self.space.mesh, self.space.trace.mesh_facet[f] as usize);
+                for (i, moment) in ends.into_iter().zip(moments) {
+                    self.add_normal_force(i, side.normal, size * moment, force);
+                }
+            }
+        }
+    }
+
+    /// Adds a force along the outward normal at a point of the trace.
+    fn add_normal_force(&self, i: usize, normal: [f64; 2], size: f64, force: &mut [f64]) {
+        let vertex = self.space.trace.points[i].vertex;
+        let node = self.space.nodes.of_vertex[vertex as usize] as usize;
+        for (j, component) in normal.iter().enumerate() {
+            force[2 * node + j] += size * component;
+        }
+    }
+
+    /// s at a place of an edge.
+    fn shift(&self, vertices: &[u32], place: f64) -> f64 {
+        let contact = self.exact.data.contact.as_ref();
+        let Some(shift) = contact.and_then(|contact| contact.shift) else { return 0.0 };
+        let [x, y, z] = self.space.mesh.point(vertices, &[1.0 - place, place]);
+        self.exact.data.graph.evaluate(shift, &Point { x, y, z, ..Point::default() })
+    }
+
     /// ξ + λ at the points of the trace.
     pub fn pressures(&self, t: f64) -> Vec<f64> {
-        self.contact_state(t).into_iter().map(|[_, pressure, _]| pressure).collect()
+        self.contact_state(t).into_iter().map(|at| at[1]).collect()
     }
 
     fn compute_load(&self, t: f64) -> Result<Vec<f64>, LoadError> {
@@ -175,16 +230,7 @@ impl InterpolatedOnMesh {
             let stress = self.stress(&u, &memory, kappa, c);
             add_stress(&space.mesh, c, space.cell_nodes(c), &stress, &mut force);
         }
-        for side in &self.boundary {
-            let pressure = &side.evaluate(t)[1];
-            for ((&i, weight), pressure) in side.members.iter().zip(&side.weights).zip(pressure) {
-                let vertex = space.trace.points[i].vertex;
-                let node = space.nodes.of_vertex[vertex as usize] as usize;
-                for (j, component) in side.normal.iter().enumerate() {
-                    force[2 * node + j] += weight * pressure * component;
-                }
-            }
-        }
+        self.add_contact_pressure(t, &mut force);
         force.truncate(space.dofs());
         Ok(force)
     }
@@ -246,11 +292,14 @@ fn mandel(tensor: &Tensor<2>) -> [f64; 3] {
 /// The points of the trace, by side.
 fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
     let (mesh, trace) = (&space.mesh, &space.trace);
+    let facets_on = |side: usize| -> Vec<usize> {
+        let own = |f: &usize| mesh.facet_side[trace.mesh_facet[*f] as usize] as usize == side;
+        (0..trace.measure.len()).filter(own).collect()
+    };
     let on_side = |side: usize| -> Vec<usize> {
-        let facets = (0..trace.measure.len())
-            .filter(|&f| mesh.facet_side[trace.mesh_facet[f] as usize] as usize == side);
+        let facets = facets_on(side);
         let mut members: Vec<usize> =
-            facets.flat_map(|f| trace.facet(f)).map(|&i| i as usize).collect();
+            facets.iter().flat_map(|&f| trace.facet(f)).map(|&i| i as usize).collect();
         members.sort_unstable();
         members.dedup();
         members
@@ -272,6 +321,7 @@ fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
             let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
             SidePoints {
                 normal,
+                facets: facets_on(side),
                 weights,
                 bound: Mutex::new(formulas.program.bind(&points)),
                 members,

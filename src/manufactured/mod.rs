@@ -16,6 +16,7 @@ mod accumulated;
 mod check;
 pub mod constitutive;
 mod double_exponential;
+mod edge_compliance;
 mod exact;
 mod finite_exact;
 mod interpolated;
@@ -32,10 +33,12 @@ pub use check::{
     Finding, SideOfRectangle, Status, check, regularity_in_space, regularity_in_time,
     second_difference,
 };
+pub use edge_compliance::ComplianceRule;
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };
 pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;
+pub use sign_changes::sign_changes;
 pub use truth::Truth;

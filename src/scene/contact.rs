@@ -15,6 +15,8 @@ pub enum ContactQuadrature {
     /// Trapezoidal on each edge: the conditions decouple by vertex.
     Vertex,
     Gauss,
+    /// The integral itself, as in (5.14).
+    Exact,
 }
 
 /// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s).
@@ -74,19 +76,32 @@ impl Contact {
             Some(law) => Law::validate(reading, "contact.law", law)?,
             None => None,
         };
-        let quadrature = quadrature(reading, written.quadrature.as_deref().unwrap_or("vertex"))?;
+        let word = written.quadrature.as_deref().unwrap_or("vertex");
+        let quadrature = quadrature(reading, word, law.as_ref())?;
         Ok(Contact { gap, shift, law, quadrature })
     }
 }
 
-fn quadrature(reading: &Reading, word: &str) -> Result<ContactQuadrature, SceneError> {
-    if word == "exact" {
-        let message = "the quadrature `exact` is not available yet";
-        return Err(reading.error("contact.quadrature", message, "use \"vertex\" or \"gauss\""));
-    }
-    reading.choice(
+fn quadrature(
+    reading: &Reading,
+    word: &str,
+    law: Option<&Law>,
+) -> Result<ContactQuadrature, SceneError> {
+    let chosen = reading.choice(
         "contact.quadrature",
         word,
-        &[("vertex", ContactQuadrature::Vertex), ("gauss", ContactQuadrature::Gauss)],
-    )
+        &[
+            ("vertex", ContactQuadrature::Vertex),
+            ("gauss", ContactQuadrature::Gauss),
+            ("exact", ContactQuadrature::Exact),
+        ],
+    )?;
+    if chosen != ContactQuadrature::Vertex && law.is_some_and(Law::is_set_valued) {
+        let message = format!(
+            "the quadrature `{word}` and a law with a jump: where u_nu stays at the jump along an edge, the pressure is no number at its points"
+        );
+        let hint = "use quadrature = \"vertex\", which keeps one pressure a vertex, or replace the jump by a steep slope";
+        return Err(reading.error("contact.quadrature", message, hint));
+    }
+    Ok(chosen)
 }

@@ -50,9 +50,9 @@ impl MeshData {
     ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
         let truth: Box<dyn Truth> = match (&setup.body.data, &setup.exact) {
-            (Data::Exact { interpolated: true, .. }, Some(exact)) => {
-                Box::new(InterpolatedOnMesh::new(exact.clone(), space.clone()))
-            }
+            (Data::Exact { interpolated: true, .. }, Some(exact)) => Box::new(
+                InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()),
+            ),
             (Data::Exact { form, .. }, Some(exact)) => {
                 let sides = side_numbers(&space, &setup.body.domain.traction);
                 let form = super::load_form(*form);

@@ -33,7 +33,7 @@ use crate::law::{
 };
 use crate::linalg::{EigenError, FactorError};
 use crate::manufactured::{
-    ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
+    ComplianceRule, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };
 use crate::mesh::{Family, rectangle};
 use crate::scene::{
@@ -130,6 +130,20 @@ impl Setup {
         }
     }
 
+    /// Where the compliance term is integrated; without contact the rule does not matter.
+    pub fn rule(&self) -> BoundaryRule {
+        self.model.boundary.as_ref().map_or(BoundaryRule::Vertex, |boundary| boundary.rule)
+    }
+
+    /// The same as the manufactured side names it.
+    pub fn compliance_rule(&self) -> ComplianceRule {
+        match self.rule() {
+            BoundaryRule::Vertex => ComplianceRule::Vertex,
+            BoundaryRule::Gauss => ComplianceRule::Gauss,
+            BoundaryRule::Exact => ComplianceRule::Exact,
+        }
+    }
+
     /// μ of the projection, 0 without.
     pub fn projection_mu(&self) -> f64 {
         self.body.material.projection.as_ref().map_or(0.0, |projection| projection.mu)
@@ -181,6 +195,7 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
                 rule: match contact.quadrature {
                     ContactQuadrature::Vertex => BoundaryRule::Vertex,
                     ContactQuadrature::Gauss => BoundaryRule::Gauss,
+                    ContactQuadrature::Exact => BoundaryRule::Exact,
                 },
             },
         );

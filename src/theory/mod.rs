@@ -1,4 +1,6 @@
 //! The theory, executable: every constant, bound and inequality of the paper as something that runs.
 
+pub mod audit;
 pub mod bound;
 pub mod gronwall;
+pub mod ledger;

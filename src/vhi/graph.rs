@@ -81,6 +81,26 @@ impl BoundaryGraph {
         Piece::Free
     }
 
+    /// Number of jumps below the free piece that z selects.
+    pub fn jumps_below(&self, i: usize, z: f64) -> usize {
+        let (at, potential) = (&self.coordinates[i], self.potential(i));
+        let passed =
+            |jump: &f64| z > jump + at.shift + at.gamma * potential.subdifferential(*jump).1;
+        potential.jumps().partition_point(passed)
+    }
+
+    /// The first jump (as a value of u_ν) on the way from the free piece above `before` jumps to the
+    /// free piece that z selects; `None` if it is the same piece.
+    pub fn jump_across(&self, i: usize, before: usize, z: f64) -> Option<f64> {
+        let now = self.jumps_below(i, z);
+        let crossed = match now.cmp(&before) {
+            std::cmp::Ordering::Greater => before,
+            std::cmp::Ordering::Less => before - 1,
+            std::cmp::Ordering::Equal => return None,
+        };
+        Some(self.potential(i).jumps()[crossed] + self.coordinates[i].shift)
+    }
+
     /// Pressure and slope of a free coordinate.
     pub fn value_and_slope(&self, i: usize, normal: f64) -> (f64, f64) {
         self.potential(i).value_and_slope(normal - self.coordinates[i].shift)

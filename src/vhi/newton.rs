@@ -128,8 +128,17 @@ pub struct Scratch {
     prescribed: Vec<Option<f64>>,
 }
 
-/// The piece a coordinate is on: `None` before the first choice, then the pinned value or free.
-type PieceKey = Option<Option<f64>>;
+/// The piece a coordinate is on, `None` before the first choice.
+type PieceKey = Option<Chosen>;
+
+/// A chosen piece.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Chosen {
+    /// Between jumps, above so many of them.
+    Free(usize),
+    /// At a value.
+    Pinned(f64),
+}
 
 impl Scratch {
     /// Minus the unbalanced force of the last iterate.
@@ -153,13 +162,18 @@ impl Scratch {
         let mut changes = 0;
         for i in 0..graph.coordinates.len() {
             let z = graph.normal(i, &state.u) + graph.coordinates[i].gamma * state.pressure[i];
-            let key = match graph.piece(i, z) {
-                Piece::Free => None,
-                Piece::Pinned { value, .. } => Some(value),
+            let chosen = match (graph.piece(i, z), self.pieces[i]) {
+                (Piece::Pinned { value, .. }, _) => Chosen::Pinned(value),
+                // From one side of a jump to the other it would go back and forth for ever where
+                // the solution is at the jump: it stops there first.
+                (Piece::Free, Some(Chosen::Free(before))) => {
+                    graph.jump_across(i, before, z).map_or(Chosen::Free(before), Chosen::Pinned)
+                }
+                (Piece::Free, _) => Chosen::Free(graph.jumps_below(i, z)),
             };
-            if self.pieces[i] != Some(key) {
+            if self.pieces[i] != Some(chosen) {
                 changes += u32::from(self.pieces[i].is_some());
-                self.pieces[i] = Some(key);
+                self.pieces[i] = Some(chosen);
             }
         }
         changes
@@ -177,7 +191,7 @@ impl Scratch {
         for (i, at) in graph.coordinates.iter().enumerate() {
             let (dof, normal) = (at.dof as usize, graph.normal(i, &state.u));
             state.pressure[i] = match self.pieces[i] {
-                Some(Some(_)) => -at.sign * self.force[dof] / at.weight,
+                Some(Chosen::Pinned(_)) => -at.sign * self.force[dof] / at.weight,
                 _ => graph.value_and_slope(i, normal).0,
             };
             self.increment[dof] -= at.sign * at.weight * state.pressure[i];
@@ -197,7 +211,7 @@ impl Scratch {
         let graph = problem.graph();
         for (i, at) in graph.coordinates.iter().enumerate() {
             let (dof, normal) = (at.dof as usize, graph.normal(i, &state.u));
-            if let Some(Some(value)) = self.pieces[i] {
+            if let Some(Chosen::Pinned(value)) = self.pieces[i] {
                 self.slopes[i] = 0.0;
                 self.prescribed[i] = Some(at.sign * (value - normal));
             } else {
@@ -216,7 +230,7 @@ impl Scratch {
         if damping == 1.0 {
             // u + (g - u) rounds: put pinned coordinates on their value exactly.
             for (i, at) in graph.coordinates.iter().enumerate() {
-                if let Some(Some(value)) = self.pieces[i] {
+                if let Some(Chosen::Pinned(value)) = self.pieces[i] {
                     state.u[at.dof as usize] = at.sign * value;
                 }
             }

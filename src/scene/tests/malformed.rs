@@ -128,7 +128,9 @@ fn contact() {
         case("[0.04, 0.08]", "[0.04, 0.08, 1.0]", 28, 58, "not a point"),
         case("\"piecewise-linear\"", "\"linear\"", 28, 26, "takes no `points`"),
         case("\"piecewise-linear\"", "\"piecewise\"", 28, 16, "did you mean `piecewise-linear`?"),
-        case("quadrature = \"vertex\"", "quadrature = \"exact\"", 29, 14, "`exact` is not available yet"),
+        case("quadrature = \"vertex\"", "quadrature = \"exactly\"", 29, 14, "did you mean `exact`?"),
+        case("[0.04, 0.08], [0.10, 0.05]], slope_before = 0.0, slope_after = 0.0 }\nquadrature = \"vertex\"", "[0.0, 0.08]], slope_before = 0.0, slope_after = 0.0 }\nquadrature = \"exact\"", 29, 14, "use quadrature = \"vertex\""),
+        case("[0.04, 0.08], [0.10, 0.05]], slope_before = 0.0, slope_after = 0.0 }\nquadrature = \"vertex\"", "[0.0, 0.08]], slope_before = 0.0, slope_after = 0.0 }\nquadrature = \"gauss\"", 29, 14, "a law with a jump"),
         case("contact = [\"bottom\"]", "", 6, 1, "no condition on the side bottom"),
         case("traction = [\"left\", \"right\"]\ncontact = [\"bottom\"]", "traction = [\"left\", \"right\", \"bottom\"]", 25, 1, "[contact] without a contact side"),
     ]);

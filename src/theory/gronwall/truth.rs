@@ -60,7 +60,8 @@ impl TemporalTruth {
     /// Those of loads and runs; no number of steps.
     pub fn new(setup: &Setup, data: &MeshData, steps: &[u32]) -> Result<Self, GronwallError> {
         if let Some(exact) = &setup.exact {
-            let exact = InterpolatedOnMesh::new(exact.clone(), data.space.clone());
+            let rule = setup.compliance_rule();
+            let exact = InterpolatedOnMesh::new(exact.clone(), data.space.clone(), rule);
             if in_space(setup, data, &exact)? {
                 return Ok(Self::Exact(Box::new(exact)));
             }

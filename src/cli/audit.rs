@@ -1,0 +1,200 @@
+//! `sweep audit`: the proofs of Theorems 10 and 11 line by line, on real runs.
+
+mod ledger;
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{ContentArrangement, LineStyle, Table};
+
+use super::{CliError, Scenes, print_json, print_text};
+use crate::contact::BoundaryRule;
+use crate::record::replace_file;
+use crate::setup::Setup;
+use crate::theory::audit::{Relation, SceneAudit, Summary};
+
+/// Meshes of a scene's own list up to this n are audited unless --n names others: a level costs some
+/// 60 evaluations of the exact solution a cell.
+const FINEST: u32 = 64;
+
+/// Width of the table in characters.
+const WIDTH: u16 = 110;
+
+/// `sweep audit`.
+#[derive(Args)]
+#[command(
+    after_help = "Runs use the paper's own boundary integral (5.14), rule exact, unless --rule says otherwise; laws with a jump keep the vertex rule. Columns: largest left and right of the finest run, worst left/right over all runs (of an identity: |left - right| over the larger side; - where both are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
+JSON keys with --json: scene, theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, power_h, power_k, holds), cases (n, steps, h, k, lines), violations. Files with --out: audit.csv, audit.json, SCENE-audit.svg. \
+With --ledger: a list of claim, hypotheses, quantity, proved, observed, used, claimed, confirmed, scene, command; file ledger.json. \
+Exit code 1: a line is violated beyond its accuracy, or a claim is not confirmed."
+)]
+pub struct Audit {
+    /// Name of a scene with an exact solution, or path of a TOML file
+    #[arg(required_unless_present = "ledger")]
+    scene: Option<String>,
+    /// What runs say of the paper's claims: sharp or slack, each with the command that shows it
+    #[arg(long, conflicts_with_all = ["scene", "n", "steps", "rule"])]
+    ledger: bool,
+    /// Cells per unit length, h = 1/n, in place of the scene's list up to 64
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=512))]
+    n: Option<Vec<u32>>,
+    /// Numbers N of time steps, k = T/N, in place of the scene's list
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    steps: Option<Vec<u32>>,
+    /// Boundary rule of the runs
+    #[arg(long, value_enum)]
+    rule: Option<Rule>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Write audit.csv, audit.json and SCENE-audit.svg into this directory
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// A boundary rule by its word.
+#[derive(Clone, Copy, ValueEnum)]
+enum Rule {
+    Vertex,
+    Gauss,
+    Exact,
+}
+
+impl Audit {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let Some(scene) = self.scene.as_ref().filter(|_| !self.ledger) else {
+            return ledger::execute(scenes, self.json, self.out.as_deref());
+        };
+        let mut setup = Setup::new(scenes.scene(scene)?)?;
+        let (ns, steps) = self.grids(&setup)?;
+        self.choose_rule(&mut setup)?;
+        let audit = SceneAudit::new(&setup, &ns, &steps)
+            .map_err(|error| CliError::Other(error.to_string()))?;
+        if let Some(dir) = &self.out {
+            write(dir, &audit)?;
+        }
+        if self.json {
+            print_json(&audit.json())?;
+        } else {
+            print(&audit);
+        }
+        Ok(u8::from(!audit.holds()))
+    }
+
+    fn grids(&self, setup: &Setup) -> Result<(Vec<u32>, Vec<u32>), CliError> {
+        let scene = &setup.scene;
+        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
+        scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
+        let own = |list: fn(&crate::scene::Sweep) -> &Vec<usize>| -> Vec<u32> {
+            scene.sweep.as_ref().map_or(Vec::new(), |s| list(s).iter().map(|&v| v as u32).collect())
+        };
+        let ns = self.n.clone().unwrap_or_else(|| {
+            own(|sweep| &sweep.n).into_iter().filter(|n| *n <= FINEST).collect()
+        });
+        let steps = self.steps.clone().unwrap_or_else(|| own(|sweep| &sweep.steps));
+        if ns.is_empty() || steps.is_empty() {
+            let hint = "add [sweep] with n and steps, or give --n and --steps";
+            return Err(scene.error("scene.name", "the scene has no case to audit", hint).into());
+        }
+        Ok((ns, steps))
+    }
+
+    fn choose_rule(&self, setup: &mut Setup) -> Result<(), CliError> {
+        let Some(boundary) = &mut setup.model.boundary else { return Ok(()) };
+        let jumps = !boundary.potential.jumps().is_empty();
+        boundary.rule = match self.rule {
+            None if jumps => BoundaryRule::Vertex,
+            None | Some(Rule::Exact) => BoundaryRule::Exact,
+            Some(Rule::Gauss) => BoundaryRule::Gauss,
+            Some(Rule::Vertex) => BoundaryRule::Vertex,
+        };
+        if jumps && boundary.rule != BoundaryRule::Vertex {
+            let message = "the law has a jump, and --rule asks for facet integrals";
+            let hint = "leave --rule out, or say --rule vertex: one pressure a vertex";
+            return Err(setup.scene.error("contact.law", message, hint).into());
+        }
+        Ok(())
+    }
+}
+
+fn write(dir: &Path, audit: &SceneAudit) -> Result<(), CliError> {
+    let other = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
+    std::fs::create_dir_all(dir).map_err(|error| other(&error))?;
+    let store = |name: &str, bytes: &[u8]| {
+        replace_file(&dir.join(name), bytes).map_err(|error| other(&error))
+    };
+    store("audit.csv", &audit.csv().map_err(|error| other(&error))?)?;
+    let text = serde_json::to_string_pretty(&audit.json()).map_err(|error| other(&error))?;
+    store("audit.json", text.as_bytes())?;
+    if let Some(svg) = audit.svg()? {
+        store(&format!("{}-audit.svg", audit.scene), svg.as_bytes())?;
+    }
+    Ok(())
+}
+
+fn print(audit: &SceneAudit) {
+    let c = &audit.constants;
+    print_text(&format!(
+        "{}: {}, boundary rule {}, {} runs",
+        audit.scene,
+        audit.theorem(),
+        audit.rule_name(),
+        audit.cases.len()
+    ));
+    print_text(&format!(
+        "m_A = {}, L_A = {}, alpha_phi = {}, beta_phi = {}, alpha_j = {:.4}, c_j^2 = {:.4} ({}), c0 = {:.4}, c1 = {:.4}, |R||q| = {:.4}, m0 = {:.4}",
+        c.m_a,
+        c.l_a,
+        c.alpha_phi,
+        c.beta_phi,
+        c.alpha_j,
+        c.c_j_squared,
+        audit.c_j_source(),
+        c.c0,
+        c.c1,
+        c.history,
+        c.m0()
+    ));
+    let summaries = audit.summaries();
+    print_text(&table(&summaries));
+    for summary in &summaries {
+        print_text(&format!("{:<14} {}", summary.statement.name, summary.statement.says));
+    }
+    let violations = audit.violations();
+    for violation in &violations {
+        print_text(&format!("violated: {violation}"));
+    }
+    let held = summaries.iter().filter(|summary| summary.violation.is_none()).count();
+    print_text(&format!("{held} of {} lines hold in all runs", summaries.len()));
+}
+
+fn table(summaries: &[Summary]) -> String {
+    let mut table = Table::new();
+    table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
+    table.set_width(WIDTH).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table.set_header(["line", "left", "", "right", "ratio", "powers of h", "powers of k", "holds"]);
+    for summary in summaries {
+        let sign = if summary.relation == Relation::Equal { "=" } else { "≤" };
+        table.add_row([
+            summary.statement.name.to_owned(),
+            format!("{:.3e}", summary.left),
+            sign.to_owned(),
+            format!("{:.3e}", summary.right),
+            summary.ratio.map_or("-".to_owned(), ratio),
+            powers(summary.power_h),
+            powers(summary.power_k),
+            if summary.violation.is_none() { "holds" } else { "VIOLATED" }.to_owned(),
+        ]);
+    }
+    table.trim_fmt()
+}
+
+fn ratio(ratio: f64) -> String {
+    if (1e-3..1e3).contains(&ratio.abs()) { format!("{ratio:.4}") } else { format!("{ratio:.1e}") }
+}
+
+fn powers(powers: [Option<f64>; 2]) -> String {
+    let [left, right] = powers.map(|power| power.map_or("-".to_owned(), |p| format!("{p:.2}")));
+    format!("{left}, {right}")
+}

@@ -1,0 +1,170 @@
+//! Source: (5.14), whose boundary integral is exact.
+//! Goal: the exact rule is the integral, for affine, absent and curved shifts, and its tangent the
+//!   derivative; a rule that does not cut at kinks is caught; affine laws agree with Gauss points.
+//! Mesh: 3 × 3 squares, contact below, the left side clamped, so that one end of Γ3 is fixed.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::law::{PiecewiseLinear, Potential};
+use crate::mesh::{Family, rectangle};
+
+fn space() -> Discretization {
+    let mesh = rectangle([1.0, 1.0], 3, Family::Structured);
+    let (left, bottom) = (mesh.side("left").unwrap(), mesh.side("bottom").unwrap());
+    Discretization::new(mesh, &[left], &[bottom]).unwrap()
+}
+
+fn law() -> PiecewiseLinear {
+    let points = vec![(0.0, 0.0), (0.04, 0.08), (0.10, 0.05)];
+    PiecewiseLinear::new(points, 0.3, -0.2).unwrap()
+}
+
+type Shift = fn([f64; 3]) -> f64;
+
+/// Absent, affine, and curved so that u_ν - s crosses the first kink twice within an edge.
+const SHIFTS: [(&str, Shift); 3] = [
+    ("absent", |_| 0.0),
+    ("affine", |x| 0.03 - 0.02 * x[0]),
+    ("curved", |x| 0.05 * (9.0 * x[0]).sin()),
+];
+
+fn boundary(potential: Arc<dyn Potential>, shift: Shift, rule: BoundaryRule) -> Boundary {
+    Boundary { potential, gap: Box::new(|_| f64::INFINITY), shift: Box::new(shift), rule }
+}
+
+/// A nodal vector with u_ν = 0.16 x - 0.01 + a wave, and 0 at the clamped vertex.
+fn nodal(space: &Discretization) -> Vec<f64> {
+    let mut u = vec![0.0; space.nodes.len()];
+    for point in space.trace.points.iter().filter(|point| !point.clamped) {
+        let x = space.mesh.vertex(point.vertex)[0];
+        u[point.component as usize] = point.sign * (0.16 * x - 0.01 + 0.02 * (5.0 * x).cos());
+    }
+    u
+}
+
+fn force(space: &Discretization, boundary: &Boundary, u: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; u.len()];
+    FacetCompliance::new(space, boundary).unwrap().add_force(u, &mut out);
+    out
+}
+
+/// ∫ p(u_ν - s) φ by Simpson's rule on 2^16 intervals an edge: its error at the few intervals with a
+/// kink is 2^-32 of slope 2.5 and edges 1/3, hence below 1e-9.
+fn simpson(space: &Discretization, law: &dyn Potential, shift: Shift, u: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; u.len()];
+    let intervals = 1 << 16;
+    for f in 0..space.trace.measure.len() {
+        let ends = [0, 1].map(|a| space.trace.facet(f)[a] as usize);
+        let vertices = ends.map(|i| space.trace.points[i].vertex);
+        for i in 0..=2 * intervals {
+            let x = f64::from(i) / f64::from(2 * intervals);
+            let weight = match i {
+                i if i == 0 || i == 2 * intervals => 1.0,
+                i if i % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            let weight = weight / f64::from(6 * intervals) * space.trace.measure[f];
+            let shape = [1.0 - x, x];
+            let normal: f64 = (0..2).map(|a| shape[a] * space.trace.normal(ends[a], u)).sum();
+            let pressure =
+                law.subdifferential(normal - shift(space.mesh.point(&vertices, &shape))).0;
+            for a in 0..2 {
+                let point = space.trace.points[ends[a]];
+                if !point.clamped {
+                    out[point.component as usize] += weight * pressure * shape[a] * point.sign;
+                }
+            }
+        }
+    }
+    out
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn the_force_is_the_integral() {
+    let space = space();
+    let u = nodal(&space);
+    for (name, shift) in SHIFTS {
+        let exact = force(&space, &boundary(Arc::new(law()), shift, BoundaryRule::Exact), &u);
+        let off = distance(&exact, &simpson(&space, &law(), shift, &u));
+        assert!(off < 1e-9, "{name}: {off:e}");
+        // The same law without cuts, and Gauss points, are off by some 1e-4.
+        let gauss = force(&space, &boundary(Arc::new(law()), shift, BoundaryRule::Gauss), &u);
+        assert!(distance(&exact, &gauss) > 1e-6, "{name}");
+        let uncut: Arc<dyn Potential> = Arc::new(Uncut(law()));
+        let uncut = force(&space, &boundary(uncut, shift, BoundaryRule::Exact), &u);
+        assert!(distance(&exact, &uncut) > 1e-6, "{name}");
+    }
+}
+
+/// The seeded defect: a law that does not name its kinks, so that no edge is cut.
+struct Uncut(PiecewiseLinear);
+
+impl Potential for Uncut {
+    fn subdifferential(&self, r: f64) -> (f64, f64) {
+        self.0.subdifferential(r)
+    }
+    fn value_and_slope(&self, r: f64) -> (f64, f64) {
+        self.0.value_and_slope(r)
+    }
+    fn jumps(&self) -> &[f64] {
+        &[]
+    }
+    fn kinks(&self) -> &[f64] {
+        &[]
+    }
+    fn alpha(&self) -> f64 {
+        self.0.alpha()
+    }
+    fn growth(&self) -> (f64, f64) {
+        self.0.growth()
+    }
+}
+
+#[test]
+fn affine_laws_agree_with_gauss_points() {
+    let space = space();
+    let u = nodal(&space);
+    let affine = || Arc::new(PiecewiseLinear::new(vec![(0.0, 0.1)], 1.7, 1.7).unwrap());
+    for (name, shift) in &SHIFTS[..2] {
+        let [a, b] = [BoundaryRule::Exact, BoundaryRule::Gauss]
+            .map(|rule| force(&space, &boundary(affine(), *shift, rule), &u));
+        let size = a.iter().fold(0.0f64, |size, f| size.max(f.abs()));
+        // Both integrate quadratics exactly: fourteen digits.
+        assert!(distance(&a, &b) < 1e-14 * size, "{name}: {:e}", distance(&a, &b));
+    }
+}
+
+#[test]
+fn the_tangent_is_the_derivative() {
+    let space = space();
+    let u = nodal(&space);
+    let step = 1e-6;
+    for (name, shift) in SHIFTS {
+        let boundary = boundary(Arc::new(law()), shift, BoundaryRule::Exact);
+        let compliance = FacetCompliance::new(&space, &boundary).unwrap();
+        let mut tangent = vec![0.0; space.pattern.entries()];
+        compliance.add_tangent(&u, &space.pattern, &mut tangent);
+        let mut d = vec![0.0; u.len()];
+        for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| !p.clamped) {
+            d[point.component as usize] = point.sign * (1.0 + 0.5 * (i as f64).sin());
+        }
+        let moved = |sign: f64| -> Vec<f64> {
+            let u: Vec<f64> = u.iter().zip(&d).map(|(u, d)| u + sign * step * d).collect();
+            force(&space, &boundary, &u)
+        };
+        let (plus, minus) = (moved(1.0), moved(-1.0));
+        let mut product = vec![0.0; space.dofs()];
+        space.pattern.multiply(&tangent, &d[..space.dofs()], &mut product);
+        for (i, value) in product.iter().enumerate() {
+            let difference = (plus[i] - minus[i]) / (2.0 * step);
+            // The force is piecewise cubic in the step: truncation s² times slopes over u_ν' is
+            // 1e-11, rounding 1e-17/s = 1e-11.
+            assert!((difference - value).abs() < 1e-9, "{name} {i}: {difference} {value}");
+        }
+    }
+}

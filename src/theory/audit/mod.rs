@@ -1,0 +1,31 @@
+//! The proofs of Theorems 10 and 11 as a checklist: every line with both sides computed, at every t_n
+//! of real runs.
+//!
+//! u is known, u^{kh} is a run's, v^h is the nodal interpolant of u. A, φ, S and j⁰ are evaluated here,
+//! apart from the solver; of a run only u_j^{kh} and the multipliers are read. The load of the truth
+//! enters in strong form (f0 by differentiation), so that the two forms of E_n, over the body and on the
+//! contact side, are two computations. What a run's own quadrature (boundary rule, load vector) adds to
+//! (4.9) is a term of its own there, E_q.
+
+mod case;
+mod constants;
+mod contact;
+mod discrete;
+mod document;
+mod edges;
+mod fields;
+mod in_space;
+mod integrals;
+mod law;
+mod level;
+mod lines;
+mod pointwise;
+mod scene;
+mod sides;
+mod smooth;
+mod strips;
+
+pub use case::{AuditError, Auditor, CaseAudit, Row, Violation, audit_case};
+pub use constants::AuditConstants;
+pub use lines::{Line, Relation, Statement};
+pub use scene::{SceneAudit, Summary};
