@@ -23,7 +23,7 @@ mod shipped;
 use gronwall::contact::{MemoryTerm, Model};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{MemoryKernel, Projection, VonMises, YieldLimit};
-use gronwall::scene::Registry;
+use gronwall::scene::{Hypothesis, Registry};
 use gronwall::setup::{MeshData, Setup, Subject};
 use gronwall::theory::gronwall::{
     GronwallConstants, GronwallError, KernelNorms, TemporalRun, TemporalTruth, Violation, prepare,
@@ -111,9 +111,14 @@ fn no_shipped_scene_violates_the_chain() {
     for name in registry.names() {
         let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));
         let n = scene.sweep.as_ref().and_then(|sweep| sweep.n.first()).map(|&n| n as u32);
+        // Where m0 is 0 by construction and 1e-16 by rounding, the recurrence is what refuses.
+        let without_bound = scene.violates.contains(&Hypothesis::Smallness);
         let subject = Subject::new(scene).unwrap_or_else(|error| panic!("{error}"));
         let outcome = prepare(&subject, n, &[32]).and_then(|scene| scene.measure(32));
         match outcome {
+            Ok(run) if without_bound && run.estimate.envelopes().is_err() => {
+                refused.push(name.to_string());
+            }
             Ok(run) => {
                 assert_eq!(violations(&run), [], "{name}");
                 held.push(name.to_string());
