@@ -1,4 +1,4 @@
-//! Source: (3.21)-(3.24) and Theorem 7; THEORY.md, section 4.
+//! Source: (3.21)-(3.24) and Theorem 7; docs/GRONWALL.md.
 //! Goal: measured errors in time stay below the envelopes on every scene with history, at every n; a defect of the
 //!   solver, of the truncation error or of a constant breaks the chain exactly where the table says so.
 //! Mesh: n = 4 (affine displacements), 8, 16 (in-space). Data: shipped scenes, N = 128.

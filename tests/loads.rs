@@ -1,4 +1,4 @@
-//! Source: F(v) = ∫ σ:ε(v) + ∫ c v_ν (weak) against F(v) = ∫ f0·v + ∫ f2·v + ∫ h3·v (strong); THEORY.md, section 8.
+//! Source: F(v) = ∫ σ:ε(v) + ∫ c v_ν (weak) against F(v) = ∫ f0·v + ∫ f2·v + ∫ h3·v (strong); docs/THEORY.md, section 7.
 //! Goal: the two load vectors of a mesh agree, to rounding where σ is constant, to the quadrature of the jump of f0
 //!   across yield curve and zone edge elsewhere; the quadrature of the compliance term does not decide the V error.
 //! Mesh: n × n squares cut from lower left to upper right.

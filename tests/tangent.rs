@@ -1,4 +1,4 @@
-//! Source: the generalized derivative of the projection term and its rank-one part from ζ (THEORY.md, section 2).
+//! Source: the generalized derivative of the projection term and its rank-one part from ζ (docs/THEORY.md, section 3).
 //! Goal: the Jacobian that the solver factorizes is the derivative of its residual: J⁻¹(F(u + s d) - F(u - s d))/2s
 //!   must give back d, with yielding, ζ and compliance active; a tangent without one of its parts is caught.
 //! Mesh: 4 × 4 squares; state: an affine field times a wave, about half of the cells beyond κ, Γ3 on both branches.

@@ -1,4 +1,4 @@
-//! Constants of an abstract problem (THEORY: section 1), with respect to ‖·‖_X and its dual norm.
+//! Constants of an abstract problem (docs/THEORY.md, section 1), with respect to ‖·‖_X and its dual norm.
 //!
 //! Forces, and with them the values of S, are measured in X*: ‖y‖² = y·G⁻¹y.
 
