@@ -2,7 +2,7 @@
 //! Goal: tangent, histories, solvers and orders of the problem without a mesh, each shown to fail on a seeded defect.
 //! Data: manufactured/abstract-*.toml, and small scenes written here.
 
-use gronwall::finite::{FiniteEvolution, FiniteLoad, FiniteModel, FiniteView, march};
+use gronwall::finite::{FiniteError, FiniteEvolution, FiniteLoad, FiniteModel, FiniteView, march};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Scene, Source};
@@ -127,7 +127,7 @@ fn histories_have_their_closed_forms() {
 /// A load that is not asked for.
 struct NoLoad(usize);
 impl FiniteLoad for NoLoad {
-    fn at(&mut self, _: f64) -> Result<DVector<f64>, gronwall::finite::FiniteError> {
+    fn at(&mut self, _: f64) -> Result<DVector<f64>, FiniteError> {
         Ok(DVector::zeros(self.0))
     }
 }

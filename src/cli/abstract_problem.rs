@@ -6,10 +6,9 @@ use nalgebra::DVector;
 
 use super::list::terms;
 use super::{CliError, print_json, print_text};
-use crate::finite::march;
 use crate::manufactured::{Finding, Status};
 use crate::scene::Scene;
-use crate::setup::{AbstractLoad, AbstractSetup, abstract_regularity};
+use crate::setup::{AbstractSetup, abstract_regularity};
 use crate::sweep::ScenePlan;
 use crate::vhi::StepSolver;
 
@@ -32,8 +31,9 @@ pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
         fact("|R|", c.r_norm, "computed: norm on X*"),
         fact("|q|", c.q_norm, "sampled over 0 <= s <= t <= T: norm X -> X*"),
     ];
-    findings.push(fact("step bound (3.4)", c.step_bound, "k below this: one solution a step"));
-    let sharpened = c.sharpened_step_bound;
+    let bounds = c.step_bounds();
+    findings.push(fact("step bound (3.4)", bounds.limit(), "k below this: one solution a step"));
+    let sharpened = bounds.sharpened_limit();
     findings.push(fact("sharpened step bound", sharpened, "half weight of the last slot"));
     findings.extend(abstract_regularity(&setup.scene, &setup.problem));
     findings
@@ -94,27 +94,17 @@ pub fn solve(
     json: bool,
 ) -> Result<u8, CliError> {
     let start = Instant::now();
-    let (mut last, mut largest) = (None, 0f64);
-    let mut observe = |view: &crate::finite::FiniteView<'_>| {
-        let exact = DVector::from_column_slice(&setup.state(view.t).u);
-        let error = setup.model.norm(&(exact - view.u));
-        largest = if error.is_nan() { error } else { largest.max(error) };
-        last = Some((view.u.clone(), view.history.clone(), view.pressure.to_vec()));
-    };
-    let load = &mut AbstractLoad(setup);
-    let info = march(&setup.model, &setup.grid(steps), load, solver, &mut observe)
+    let run = setup
+        .run(steps, solver)
         .map_err(|e| CliError::Other(format!("{} steps = {steps}: {e}", setup.scene.name)))?;
-    let Some((u, history, pressure)) = last else {
-        return Err(CliError::Other("the run ended before its last step".into()));
-    };
     let document = serde_json::json!({
-        "u": u.as_slice(),
-        "history": history.as_slice(),
-        "pressure": pressure,
-        "norm": setup.model.norm(&u),
-        "V_max": largest,
-        "newton_iterations": info.newton_iterations,
-        "kkt_residual": info.kkt_residual,
+        "norm": setup.model.norm(&DVector::from_column_slice(&run.u)),
+        "u": run.u,
+        "history": run.history,
+        "pressure": run.pressure,
+        "V_max": run.error,
+        "newton_iterations": run.info.newton_iterations,
+        "kkt_residual": run.info.kkt_residual,
         "seconds": start.elapsed().as_secs_f64(),
         "dofs": setup.scene.dimension,
     });

@@ -6,8 +6,8 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
-use crate::contact::{CaseInfo, march};
-use crate::setup::{MeshData, Setup, Subject, TruthLoad};
+use crate::contact::{CaseInfo, StepView};
+use crate::setup::{MeshData, Setup, Subject};
 use crate::solution::{FinalState, VtuSeries};
 use crate::vhi::{
     FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState,
@@ -94,25 +94,18 @@ impl Solve {
         };
         let mut last = None;
         let mut write_error = None;
-        let info = march(
-            &data.space,
-            &setup.model,
-            &setup.grid(self.steps),
-            &mut TruthLoad(&*data.truth),
-            &self.solver,
-            &mut |view| {
-                let outcome =
-                    series.as_mut().map(|series| series.write(&data.space, &setup.model, view));
-                if let Some(Err(error)) = outcome {
-                    write_error.get_or_insert(error);
-                }
-                if view.n == self.steps as usize {
-                    last = Some(FinalState::new(&data.space, &setup.model, view));
-                }
-                Ok(())
-            },
-        )
-        .map_err(|error| {
+        let mut observe = |view: &StepView<'_>| {
+            let outcome =
+                series.as_mut().map(|series| series.write(&data.space, &setup.model, view));
+            if let Some(Err(error)) = outcome {
+                write_error.get_or_insert(error);
+            }
+            if view.n == self.steps as usize {
+                last = Some(FinalState::new(&data.space, &setup.model, view));
+            }
+            Ok(())
+        };
+        let info = data.march(setup, self.steps, &self.solver, &mut observe).map_err(|error| {
             other(format!("{} n = {} steps = {}: {error}", setup.scene.name, n, self.steps))
         })?;
         let seconds = start.elapsed().as_secs_f64();

@@ -28,8 +28,6 @@ pub struct FiniteEvolution<'a> {
     y_past: DVector<f64>,
     /// R Σ_l W^l_nn Q_l, and whether F sees it.
     pub(super) last_slot: DMatrix<f64>,
-    /// R Σ_l q_l(t_n, t_n) Q_l: the last slot for weight 1.
-    pub(super) now: DMatrix<f64>,
     implicit: bool,
     y_before: DVector<f64>,
     u: DVector<f64>,
@@ -37,8 +35,8 @@ pub struct FiniteEvolution<'a> {
     jacobian: DMatrix<f64>,
     factor: Option<LU<f64, Dyn, Dyn>>,
     prescribed: Vec<Option<f64>>,
-    /// DΛ at the state it was prepared for, in w.
-    pub(super) frozen: Option<DMatrix<f64>>,
+    /// DΛ and its adjoint in X at the state they were prepared for, in w.
+    pub(super) frozen: Option<[DMatrix<f64>; 2]>,
 }
 
 impl<'a> FiniteEvolution<'a> {
@@ -78,7 +76,6 @@ impl<'a> FiniteEvolution<'a> {
             y_past: DVector::zeros(m),
             y_before: DVector::zeros(m),
             last_slot: DMatrix::zeros(m, m),
-            now: DMatrix::zeros(m, m),
             frozen: None,
             implicit: true,
             u: DVector::zeros(m),
@@ -89,6 +86,15 @@ impl<'a> FiniteEvolution<'a> {
             grid,
             source,
         })
+    }
+
+    /// Gives the last slot of the open level the weight k/2: R Σ_l (k/2) q_l(t_n, t_n) Q_l.
+    pub(super) fn set_last_slot(&mut self, k: f64) {
+        let (model, t) = (self.model, self.grid.time(self.past.len()));
+        self.last_slot.fill(0.0);
+        for term in &model.kernels {
+            self.last_slot += 0.5 * k * term.kernel.at(t, t) * &model.r * &term.matrix;
+        }
     }
 
     /// u = C w.
@@ -134,8 +140,6 @@ impl HistoryInequality for FiniteEvolution<'_> {
         self.load = self.source.at(self.grid.time(n))?;
         let mut sum = model.a_s.clone();
         self.last_slot.fill(0.0);
-        self.now.fill(0.0);
-        let t = self.grid.time(n);
         for term in &model.kernels {
             let weights = model.time_rule.kernel_row(&*term.kernel, self.grid, n);
             let mut past = DVector::zeros(model.dimension());
@@ -143,9 +147,7 @@ impl HistoryInequality for FiniteEvolution<'_> {
                 past.axpy(*weight, u, 1.0);
             }
             sum += &term.matrix * past;
-            let operator = &model.r * &term.matrix;
-            self.last_slot += &operator * weights[n];
-            self.now += operator * term.kernel.at(t, t);
+            self.last_slot += &model.r * &term.matrix * weights[n];
         }
         self.y_before = &model.r * sum;
         self.freeze(None);

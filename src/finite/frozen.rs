@@ -8,7 +8,7 @@ use crate::vhi::{FrozenDerivative, HistoryInequality, StepInequality, StepState}
 
 impl FrozenDerivative for FiniteEvolution<'_> {
     fn set_step(&mut self, k: f64) {
-        self.last_slot = 0.5 * k * &self.now;
+        self.set_last_slot(k);
     }
 
     /// DΛ = -J⁻¹ Cᵀ ∂N/∂y (last slot) C, J the tangent of the frozen level with its pieces kept.
@@ -26,22 +26,22 @@ impl FrozenDerivative for FiniteEvolution<'_> {
             self.solve(&mut column, 0.0)?;
             target.copy_from_slice(&column);
         }
-        self.frozen = Some(derivative);
+        let cholesky = self.inner_product.clone().cholesky();
+        let adjoint = cholesky
+            .ok_or(FactorError::NotPositiveDefinite { dof: 0 })?
+            .solve(&derivative.tr_mul(&self.inner_product));
+        self.frozen = Some([derivative, adjoint]);
         Ok(())
     }
 
     fn derivative(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
-        let product = self.prepared() * DVector::from_column_slice(x);
-        out.copy_from_slice(product.as_slice());
+        apply(self.frozen.as_ref().map(|[derivative, _]| derivative), x, out);
         Ok(())
     }
 
     /// G⁻¹ (DΛ)ᵀ G x.
     fn adjoint(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
-        let force = self.prepared().tr_mul(&(&self.inner_product * DVector::from_column_slice(x)));
-        let cholesky = self.inner_product.clone().cholesky();
-        let solution = cholesky.ok_or(FactorError::NotPositiveDefinite { dof: 0 })?.solve(&force);
-        out.copy_from_slice(solution.as_slice());
+        apply(self.frozen.as_ref().map(|[_, adjoint]| adjoint), x, out);
         Ok(())
     }
 
@@ -51,10 +51,10 @@ impl FrozenDerivative for FiniteEvolution<'_> {
     }
 }
 
-impl FiniteEvolution<'_> {
-    /// DΛ, zero before it was prepared.
-    fn prepared(&self) -> DMatrix<f64> {
-        let m = self.dofs();
-        self.frozen.clone().unwrap_or_else(|| DMatrix::zeros(m, m))
+/// `out` ← matrix · x; zero before the matrix was prepared.
+fn apply(matrix: Option<&DMatrix<f64>>, x: &[f64], out: &mut [f64]) {
+    match matrix {
+        Some(matrix) => out.copy_from_slice((matrix * DVector::from_column_slice(x)).as_slice()),
+        None => out.fill(0.0),
     }
 }

@@ -9,7 +9,7 @@ use crate::finite::{ComponentLaw, FiniteModel};
 use crate::scene::{AbstractScene, Law, Scene};
 use crate::vhi::StepBounds;
 
-/// Constants of (2.5)-(2.11) and the step-size bounds.
+/// Constants of (2.5)-(2.11).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AbstractConstants {
     /// m_A, of strong monotonicity.
@@ -32,10 +32,6 @@ pub struct AbstractConstants {
     pub q_norm: f64,
     /// ‖q(t, t)‖, the largest over t, sampled.
     pub q_norm_now: f64,
-    /// (3.4): k < m0/(β_φ‖R‖‖q‖).
-    pub step_bound: f64,
-    /// The trapezoid's half weight: k < 2 m0/(β_φ‖R‖ max ‖q(t, t)‖).
-    pub sharpened_step_bound: f64,
 }
 
 impl AbstractConstants {
@@ -123,8 +119,6 @@ pub fn abstract_constants(
         r_norm,
         q_norm,
         q_norm_now,
-        step_bound: m0 / (beta_phi * r_norm * q_norm),
-        sharpened_step_bound: 2.0 * m0 / (beta_phi * r_norm * q_norm_now),
     })
 }
 

@@ -2,18 +2,23 @@
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
 use super::{SetupError, potential, time_grid, time_rule};
-use crate::finite::{ComponentLaw, FiniteError, FiniteKernel, FiniteLoad, FiniteModel, Functional};
+use crate::finite::{
+    ComponentLaw, FiniteError, FiniteInfo, FiniteKernel, FiniteLoad, FiniteModel, FiniteView,
+    Functional, march,
+};
 use crate::formula::{Graph, Node, Point, Program, Variable};
 use crate::history::TimeGrid;
 use crate::law::HistoryKernel;
 use crate::manufactured::{FiniteData, FiniteExact, FiniteState, FiniteTrace, LawNumbers};
 use crate::scene::{AbstractScene, Body, Hypothesis, Scene};
+use crate::vhi::StepSolver;
 
 /// An abstract scene with its model and exact solution.
 pub struct AbstractSetup {
@@ -66,6 +71,30 @@ impl AbstractSetup {
         }
         let state = Arc::new(self.exact.at(t));
         lock().entry(t.to_bits()).or_insert(state).clone()
+    }
+
+    /// Solves the scene with `steps` steps and measures it against the exact solution.
+    ///
+    /// # Errors
+    /// The solver's.
+    pub fn run<S: StepSolver>(&self, steps: u32, solver: &S) -> Result<AbstractRun, FiniteError> {
+        let mut run = AbstractRun::default();
+        let mut observe = |view: &FiniteView<'_>| {
+            let begin = Instant::now();
+            let exact = DVector::from_column_slice(&self.state(view.t).u);
+            run.seconds_truth += begin.elapsed().as_secs_f64();
+            let error = self.model.norm(&(exact - view.u));
+            // A NaN stays: no later error is larger.
+            if !run.error.is_nan() && (error.is_nan() || error > run.error) {
+                run.error = error;
+            }
+            run.u = view.u.as_slice().to_vec();
+            run.history = view.history.as_slice().to_vec();
+            run.pressure = view.pressure.to_vec();
+        };
+        let grid = self.grid(steps);
+        let info = march(&self.model, &grid, &mut AbstractLoad(self), solver, &mut observe)?;
+        Ok(AbstractRun { info, ..run })
     }
 
     /// l ≤ a·u ≤ g, λ on the bound alone and of its sign, ξ ∈ ∂j(a·u); m0 > 0.
@@ -126,6 +155,23 @@ impl AbstractSetup {
 const TIMES: u32 = 64;
 /// Rounding of formulas, relative to the size of the numbers compared.
 const ROUNDING: f64 = 1e-9;
+
+/// What a run of an abstract scene gave.
+#[derive(Debug, Clone, Default)]
+pub struct AbstractRun {
+    /// Counters and floor.
+    pub info: FiniteInfo,
+    /// max_n ‖u(t_n) - u_n^k‖_X.
+    pub error: f64,
+    /// u_N.
+    pub u: Vec<f64>,
+    /// S_N^k u.
+    pub history: Vec<f64>,
+    /// ξ_i + λ_i at t_N, one a functional.
+    pub pressure: Vec<f64>,
+    /// Seconds in exact states.
+    pub seconds_truth: f64,
+}
 
 /// f(t) of the exact solution.
 pub struct AbstractLoad<'a>(pub &'a AbstractSetup);

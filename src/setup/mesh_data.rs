@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
-use crate::contact::{CaseError, Discretization, Load, LoadError, march};
+use crate::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
 use crate::manufactured::{ExactOnMesh, InterpolatedOnMesh, Truth};
 use crate::norms::{ReferenceRun, Trajectory};
 use crate::scene::{Data, Side};
-use crate::vhi::Newton;
+use crate::vhi::{Newton, StepSolver};
 
 /// A scene on one mesh.
 pub struct MeshData {
@@ -70,6 +70,21 @@ impl MeshData {
         Ok(Self { space, truth, trajectories: Mutex::default() })
     }
 
+    /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`.
+    ///
+    /// # Errors
+    /// The solver's.
+    pub fn march<S: StepSolver>(
+        &self,
+        setup: &Setup,
+        steps: u32,
+        solver: &S,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        let mut load = TruthLoad(&*self.truth);
+        march(&self.space, &setup.model, &setup.grid(steps), &mut load, solver, observe)
+    }
+
     /// Displacements of a run with `run_steps` steps at the times of the grid with `kept` steps;
     /// solved once and shared.
     ///
@@ -87,20 +102,13 @@ impl MeshData {
         }
         let every = (run_steps / kept.max(1)).max(1) as usize;
         let mut trajectory = Trajectory::default();
-        march(
-            &self.space,
-            &setup.model,
-            &setup.grid(run_steps),
-            &mut TruthLoad(&*self.truth),
-            &Newton::default(),
-            &mut |view| {
-                if view.n % every == 0 {
-                    trajectory.times.push(view.t);
-                    trajectory.displacements.push(view.u.to_vec());
-                }
-                Ok(())
-            },
-        )?;
+        self.march(setup, run_steps, &Newton::default(), &mut |view| {
+            if view.n % every == 0 {
+                trajectory.times.push(view.t);
+                trajectory.displacements.push(view.u.to_vec());
+            }
+            Ok(())
+        })?;
         let trajectory = Arc::new(trajectory);
         Ok(lock().entry((run_steps, kept)).or_insert(trajectory).clone())
     }
@@ -123,18 +131,11 @@ pub fn reference_run(
 ) -> Result<ReferenceRun, SetupError> {
     let data = MeshData::new(setup, n, None)?;
     let mut run = ReferenceRun::new(data.space.clone());
-    march(
-        &data.space,
-        &setup.model,
-        &setup.grid(steps),
-        &mut TruthLoad(&*data.truth),
-        &Newton::default(),
-        &mut |view| {
-            if view.n % keep_every as usize == 0 {
-                run.keep(&setup.model, view);
-            }
-            Ok(())
-        },
-    )?;
+    data.march(setup, steps, &Newton::default(), &mut |view| {
+        if view.n % keep_every as usize == 0 {
+            run.keep(&setup.model, view);
+        }
+        Ok(())
+    })?;
     Ok(run)
 }

@@ -15,7 +15,7 @@ mod trace_family;
 use std::sync::Arc;
 
 pub use abstract_constants::AbstractConstants;
-pub use abstract_setup::{AbstractLoad, AbstractSetup};
+pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
 pub use admissible::admissible;
 pub use constants::{Constants, MemoryNorms, constants, step_bounds, with_trace_constant};
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};

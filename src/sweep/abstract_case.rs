@@ -2,37 +2,21 @@
 
 use std::time::Instant;
 
-use nalgebra::DVector;
-
 use super::plan::CasePlan;
-use crate::finite::march;
 use crate::record::{CaseRecord, NormError, Status};
 use crate::scene::Norm;
-use crate::setup::{AbstractLoad, AbstractSetup};
+use crate::setup::AbstractSetup;
 use crate::vhi::Newton;
 
 /// Runs a case; a failure is recorded with its reason, and never carries an error.
 pub fn run_abstract_case(setup: &AbstractSetup, case: &CasePlan) -> CaseRecord {
     let start = Instant::now();
     let grid = setup.grid(case.steps);
-    let (mut largest, mut seconds_load) = (0f64, 0.0);
-    let outcome =
-        march(&setup.model, &grid, &mut AbstractLoad(setup), &Newton::default(), &mut |view| {
-            let begin = Instant::now();
-            let exact = DVector::from_column_slice(&setup.state(view.t).u);
-            seconds_load += begin.elapsed().as_secs_f64();
-            let error = setup.model.norm(&(exact - view.u));
-            // A NaN stays.
-            if error.is_nan() || error > largest {
-                largest = error;
-            }
-        });
-    let info = outcome.as_ref().copied().unwrap_or_default();
-    let converged = outcome.is_ok();
-    let status = match outcome {
-        Ok(_) => Status::Converged,
-        Err(error) => Status::Failed { reason: error.to_string() },
+    let (run, status) = match setup.run(case.steps, &Newton::default()) {
+        Ok(run) => (Some(run), Status::Converged),
+        Err(error) => (None, Status::Failed { reason: error.to_string() }),
     };
+    let info = run.as_ref().map_or_else(Default::default, |run| run.info);
     CaseRecord {
         scene: setup.scene.name.clone(),
         dimension: setup.scene.dimension as u32,
@@ -46,7 +30,7 @@ pub fn run_abstract_case(setup: &AbstractSetup, case: &CasePlan) -> CaseRecord {
         newton_iterations: info.newton_iterations.into(),
         active_set_changes: info.active_set_changes.into(),
         factorizations: info.newton_iterations.into(),
-        seconds_load,
+        seconds_load: run.as_ref().map_or(0.0, |run| run.seconds_truth),
         seconds_assemble: 0.0,
         seconds_factor: 0.0,
         seconds_solve: 0.0,
@@ -54,8 +38,8 @@ pub fn run_abstract_case(setup: &AbstractSetup, case: &CasePlan) -> CaseRecord {
         peak_history_bytes: info.peak_history_bytes as u64,
         errors: vec![NormError {
             norm: Norm::VMax.name().to_string(),
-            error: converged.then_some(largest),
-            floor: converged.then_some(info.floor),
+            error: run.as_ref().map(|run| run.error),
+            floor: run.as_ref().map(|run| run.info.floor),
         }],
     }
 }

@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use super::plan::{CasePlan, TIME_REFERENCE};
-use crate::contact::{CaseError, CaseInfo, LoadError, StepView, march, strain_distance};
+use crate::contact::{CaseError, CaseInfo, LoadError, StepView, strain_distance};
 use crate::norms::{ElasticProjection, Trajectory, step_errors};
 use crate::record::{CaseRecord, NormError, Status};
 use crate::scene::Norm;
-use crate::setup::{MeshData, Setup, TruthLoad};
+use crate::setup::{MeshData, Setup};
 use crate::vhi::Newton;
 
 /// Runs a case; a failure is recorded with its reason, and never carries an error.
@@ -83,9 +83,7 @@ fn measure(
         }
         Ok(())
     };
-    let mut load = TruthLoad(&*data.truth);
-    let grid = setup.grid(case.steps);
-    march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), &mut observe)
+    data.march(setup, case.steps, &Newton::default(), &mut observe)
 }
 
 /// ‖ε(u_n - u_ref(t_n))‖ against the run with more steps on the same mesh.

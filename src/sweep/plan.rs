@@ -89,7 +89,8 @@ impl ScenePlan {
     }
 }
 
-fn lowest_common_multiple(a: u32, b: u32) -> u32 {
+/// The fewest steps of a grid that has the times of both.
+pub fn lowest_common_multiple(a: u32, b: u32) -> u32 {
     let (mut x, mut y) = (a, b);
     while y > 0 {
         (x, y) = (y, x % y);

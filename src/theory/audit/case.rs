@@ -10,11 +10,11 @@ use super::level::{Case, Levels};
 use super::lines::{Line, Relation, Statement, lines};
 use super::pointwise::Material;
 use super::smooth::SmoothFields;
-use crate::contact::{CaseError, Discretization, LoadError, StepView, march};
+use crate::contact::{CaseError, Discretization, LoadError, StepView};
 use crate::history::TimeGrid;
 use crate::manufactured::Truth;
 use crate::scene::Data;
-use crate::setup::{MeshData, Setup, SetupError, TruthLoad};
+use crate::setup::{MeshData, Setup, SetupError};
 use crate::vhi::Newton;
 
 /// Why a scene cannot be audited.
@@ -233,9 +233,8 @@ pub fn audit_case(
 ) -> Result<CaseAudit, AuditError> {
     let mut auditor = Auditor::new(setup, data, steps, constants)?;
     let grid = setup.grid(steps);
-    let mut load = TruthLoad(&*data.truth);
     let mut observe = |view: &StepView<'_>| auditor.observe(view).map_err(CaseError::from);
-    march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), &mut observe)
+    data.march(setup, steps, &Newton::default(), &mut observe)
         .map_err(|source| AuditError::Run { n: data.space.mesh.n, steps, source })?;
     Ok(CaseAudit {
         n: data.space.mesh.n,

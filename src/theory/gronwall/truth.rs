@@ -3,11 +3,12 @@
 //! (3.21) asks of it.
 
 use super::GronwallError;
-use crate::contact::{Load, LoadError, StepView, kkt_residual, march, strain_distance};
+use crate::contact::{Load, LoadError, StepView, kkt_residual, strain_distance};
 use crate::history::TimeGrid;
 use crate::linalg::axpy;
 use crate::manufactured::InterpolatedOnMesh;
 use crate::setup::{MeshData, Setup, TruthLoad};
+use crate::sweep::lowest_common_multiple;
 use crate::vhi::Newton;
 
 /// Steps of the reference, in multiples of the least common multiple of the steps that are judged.
@@ -205,30 +206,15 @@ fn kept(
     stride: u32,
 ) -> Result<Vec<Level>, GronwallError> {
     let mut levels = Vec::new();
-    march(
-        &data.space,
-        &setup.model,
-        &setup.grid(steps),
-        &mut TruthLoad(&*data.truth),
-        &Newton::default(),
-        &mut |view| {
-            if view.n % stride as usize == 0 {
-                let memory = view.history.map_or_else(Vec::new, <[f64]>::to_vec);
-                levels.push(Level { t: view.t, u: view.u.to_vec(), memory, zeta: view.zeta });
-            }
-            Ok(())
-        },
-    )
+    data.march(setup, steps, &Newton::default(), &mut |view| {
+        if view.n % stride as usize == 0 {
+            let memory = view.history.map_or_else(Vec::new, <[f64]>::to_vec);
+            levels.push(Level { t: view.t, u: view.u.to_vec(), memory, zeta: view.zeta });
+        }
+        Ok(())
+    })
     .map_err(|source| GronwallError::Case { steps, source })?;
     Ok(levels)
-}
-
-fn lowest_common_multiple(a: u32, b: u32) -> u32 {
-    let (mut x, mut y) = (a, b);
-    while y > 0 {
-        (x, y) = (y, x % y);
-    }
-    a / x.max(1) * b
 }
 
 /// a - b.
