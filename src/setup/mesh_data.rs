@@ -8,7 +8,7 @@ use crate::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Obser
 use crate::manufactured::{ExactOnMesh, InterpolatedOnMesh, Truth};
 use crate::norms::{ReferenceRun, Trajectory};
 use crate::scene::{Data, Side};
-use crate::vhi::{Newton, StepSolver};
+use crate::vhi::StepSolver;
 
 /// A scene on one mesh.
 pub struct MeshData {
@@ -102,7 +102,7 @@ impl MeshData {
         }
         let every = (run_steps / kept.max(1)).max(1) as usize;
         let mut trajectory = Trajectory::default();
-        self.march(setup, run_steps, &Newton::default(), &mut |view| {
+        setup.scheme.march(setup, self, run_steps, &mut |view| {
             if view.n % every == 0 {
                 trajectory.times.push(view.t);
                 trajectory.displacements.push(view.u.to_vec());
@@ -131,7 +131,7 @@ pub fn reference_run(
 ) -> Result<ReferenceRun, SetupError> {
     let data = MeshData::new(setup, n, None)?;
     let mut run = ReferenceRun::new(data.space.clone());
-    data.march(setup, steps, &Newton::default(), &mut |view| {
+    setup.scheme.march(setup, &data, steps, &mut |view| {
         if view.n % keep_every as usize == 0 {
             run.keep(&setup.model, view);
         }

@@ -8,6 +8,7 @@ mod formulas;
 mod given_load;
 mod mesh_data;
 mod regularity;
+mod scheme;
 mod step_size;
 mod subject;
 mod trace_family;
@@ -22,6 +23,7 @@ pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
+pub use scheme::{NewtonMarch, Scheme};
 pub use step_size::{StepRemark, check_step_sizes};
 pub use subject::Subject;
 pub use trace_family::{TraceFamily, trace_family};
@@ -73,6 +75,8 @@ pub struct Setup {
     pub model: SceneModel,
     /// Its exact solution, if it has one.
     pub exact: Option<Arc<Exact>>,
+    /// The solver that is measured; [`NewtonMarch`] unless another takes its place.
+    pub scheme: Arc<dyn Scheme>,
 }
 
 impl Setup {
@@ -90,7 +94,7 @@ impl Setup {
         let body = body.clone();
         let model = model(&scene, &body);
         let exact = exact(&scene, &body).map(Arc::new);
-        let setup = Self { scene, body, model, exact };
+        let setup = Self { scene, body, model, exact, scheme: Arc::new(NewtonMarch) };
         admissible(&setup)?;
         Ok(setup)
     }

@@ -8,7 +8,6 @@ use crate::norms::{ElasticProjection, Trajectory, step_errors};
 use crate::record::{CaseRecord, NormError, Status};
 use crate::scene::Norm;
 use crate::setup::{MeshData, Setup};
-use crate::vhi::Newton;
 
 /// Runs a case; a failure is recorded with its reason, and never carries an error.
 pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
@@ -83,7 +82,7 @@ fn measure(
         }
         Ok(())
     };
-    data.march(setup, case.steps, &Newton::default(), &mut observe)
+    setup.scheme.march(setup, data, case.steps, &mut observe)
 }
 
 /// ‖ε(u_n - u_ref(t_n))‖ against the run with more steps on the same mesh.
