@@ -264,7 +264,7 @@ fn dense(space: &gronwall::contact::Discretization, tensor: &Isotropic, lumped: 
             .trace
             .facet(f)
             .iter()
-            .map(|&i| space.trace.points[i as usize].component as usize)
+            .map(|&i| space.trace.points[i as usize].unknown as usize)
             .collect();
         for (a, &i) in ends.iter().enumerate() {
             for (b, &j) in ends.iter().enumerate() {

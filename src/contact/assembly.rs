@@ -1,6 +1,6 @@
 //! Cell integrals: Bᵀσ, BᵀCB and their scatter.
 
-use super::Discretization;
+use super::{Discretization, Frames};
 use crate::law::Isotropic;
 
 /// The columns of B on a cell: the Mandel strain of each unit displacement, (d+1)·d of them.
@@ -84,9 +84,11 @@ pub fn stress_force<const D: usize, const S: usize>(
     }
 }
 
-/// Adds the stiffness matrix of an isotropic tensor to lower-triangle `values`.
+/// Adds the stiffness matrix of an isotropic tensor on the unknowns of `frames` to lower-triangle
+/// `values`.
 pub fn isotropic_stiffness<const D: usize, const S: usize>(
     space: &Discretization,
+    frames: &Frames,
     law: &Isotropic,
     values: &mut [f64],
 ) {
@@ -97,6 +99,7 @@ pub fn isotropic_stiffness<const D: usize, const S: usize>(
         let measure = space.geometry.measure[c];
         let gradients = space.geometry.gradients(c);
         cell_stiffness::<D, S>(gradients, &matrix, measure, &mut local[..order * order]);
+        frames.rotate_cell(space.cell_nodes(c), &mut local[..order * order]);
         space.pattern.scatter::<D>(c, space.cell_nodes(c), &local[..order * order], values);
     }
 }

@@ -27,9 +27,9 @@ pub fn boundary_graph<P: Projection>(
         .filter(|point| !point.clamped)
         .map(|point| {
             let x = space.mesh.point(&[point.vertex], &[1.0]);
-            let stiffness = elastic[space.pattern.diagonal(point.component as usize)];
+            let stiffness = elastic[space.pattern.diagonal(point.unknown as usize)];
             Coordinate {
-                dof: point.component,
+                dof: point.unknown,
                 sign: point.sign,
                 weight: point.weight,
                 gap: (boundary.gap)(x),

@@ -26,7 +26,7 @@ enum PointRule {
 struct Facet {
     measure: f64,
     corners: Vec<[f64; 3]>,
-    /// (component, sign, is an unknown) of the trace points.
+    /// (unknown, sign, is free) of the trace points.
     members: Vec<(usize, f64, bool)>,
 }
 
@@ -66,7 +66,7 @@ impl<'a> FacetCompliance<'a> {
         Some(Self { boundary, facets, rule })
     }
 
-    /// Adds the force of the compliance term at the nodal vector `nodal`.
+    /// Adds the force of the compliance term at the unknowns `nodal`, padded to all nodes.
     pub fn add_force(&self, nodal: &[f64], out: &mut [f64]) {
         self.each_point(nodal, |facet, point| {
             let pressure = self.boundary.potential.value_and_slope(point.argument).0;
@@ -151,7 +151,7 @@ fn facet(space: &Discretization, f: usize) -> Facet {
     Facet {
         measure: space.trace.measure[f],
         corners: points.clone().map(|p| space.mesh.point(&[p.vertex], &[1.0])).collect(),
-        members: points.map(|p| (p.component as usize, p.sign, !p.clamped)).collect(),
+        members: points.map(|p| (p.unknown as usize, p.sign, !p.clamped)).collect(),
     }
 }
 

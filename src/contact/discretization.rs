@@ -5,7 +5,7 @@ use crate::linalg::{Analysis, BlockPattern, FactorError, nested_dissection};
 use crate::mesh::Mesh;
 use crate::space::{Geometry, Nodes};
 
-use super::{ContactTrace, isotropic_stiffness};
+use super::{ContactTrace, Frames, isotropic_stiffness};
 
 /// V^h on one mesh: nodes, geometry, matrix pattern with its analysis, the trace on Γ3.
 #[derive(Debug)]
@@ -22,6 +22,8 @@ pub struct Discretization {
     pub analysis: Analysis,
     /// Γ3.
     pub trace: ContactTrace,
+    /// Unknowns of the vertices of Γ3 whose normals are no axes.
+    pub frames: Frames,
 }
 
 impl Discretization {
@@ -36,8 +38,8 @@ impl Discretization {
         let coordinates: Vec<f64> =
             nodes.vertex[..nodes.free].iter().flat_map(|&v| mesh.vertex(v).to_vec()).collect();
         let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates))?;
-        let trace = ContactTrace::new(&mesh, &nodes, contact);
-        Ok(Self { mesh, nodes, geometry, pattern, analysis, trace })
+        let (trace, frames) = ContactTrace::new(&mesh, &nodes, contact);
+        Ok(Self { mesh, nodes, geometry, pattern, analysis, trace, frames })
     }
 
     /// Number of unknowns.
@@ -52,12 +54,21 @@ impl Discretization {
         &self.nodes.cells[stride * c..stride * (c + 1)]
     }
 
-    /// Lower-triangle values of the stiffness matrix of an isotropic tensor.
+    /// Lower-triangle values of the stiffness matrix of an isotropic tensor, in Cartesian components.
     pub fn stiffness(&self, law: &Isotropic) -> Vec<f64> {
+        self.stiffness_in(law, &Frames::default())
+    }
+
+    /// The same on the unknowns of the contact problem.
+    pub fn stiffness_of_unknowns(&self, law: &Isotropic) -> Vec<f64> {
+        self.stiffness_in(law, &self.frames)
+    }
+
+    fn stiffness_in(&self, law: &Isotropic, frames: &Frames) -> Vec<f64> {
         let mut values = vec![0.0; self.pattern.entries()];
         match self.mesh.dimension {
-            2 => isotropic_stiffness::<2, 3>(self, law, &mut values),
-            _ => isotropic_stiffness::<3, 6>(self, law, &mut values),
+            2 => isotropic_stiffness::<2, 3>(self, frames, law, &mut values),
+            _ => isotropic_stiffness::<3, 6>(self, frames, law, &mut values),
         }
         values
     }

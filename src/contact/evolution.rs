@@ -1,6 +1,7 @@
 //! Problem 14 over a time grid as a [`HistoryInequality`]: one [`ContactProblem`] level after
 //! another, with the histories of ℬ and ζ.
 
+use std::borrow::Cow;
 use std::time::Instant;
 
 use super::problem::LastSlot;
@@ -23,13 +24,13 @@ pub struct Evolution<'a, P> {
     committed: usize,
     slot: LastSlot,
     past_zeta: f64,
-    /// F_n.
+    /// F_n, Cartesian.
     load: Vec<f64>,
-    /// Σ_{j<n} W_nj u_j while a level is open, Σ'_{j≤n} W_nj u_j after its commit, as a nodal vector.
+    /// Σ_{j<n} W_nj u_j while a level is open, Σ'_{j≤n} W_nj u_j after its commit, of
+    /// unknowns padded to all nodes.
     history: Vec<f64>,
-    /// The same with a frozen last slot, and the frozen state as a nodal vector.
+    /// The same with a frozen last slot.
     frozen_history: Vec<f64>,
-    nodal: Vec<f64>,
     zeta: f64,
     /// Seconds in loads.
     pub seconds_load: f64,
@@ -59,7 +60,6 @@ impl<'a, P: Projection> Evolution<'a, P> {
             load: vec![0.0; space.dofs()],
             history: vec![0.0; remembered],
             frozen_history: Vec::new(),
-            nodal: Vec::new(),
             zeta: 0.0,
             seconds_load: 0.0,
             peak_history_bytes: 0,
@@ -86,8 +86,21 @@ impl<'a, P: Projection> Evolution<'a, P> {
     }
 
     /// Σ'_{j≤n} W_nj u_j of the last committed level as a nodal vector, where there is memory.
-    pub fn history(&self) -> Option<&[f64]> {
-        self.memory.as_ref().map(|_| self.history.as_slice())
+    pub fn history(&self) -> Option<Cow<'_, [f64]>> {
+        self.memory.as_ref()?;
+        Some(if self.space.frames.is_empty() {
+            Cow::Borrowed(&self.history)
+        } else {
+            Cow::Owned(self.nodal(&self.history))
+        })
+    }
+
+    /// A vector of unknowns as displacements of all nodes.
+    pub fn nodal(&self, unknowns: &[f64]) -> Vec<f64> {
+        let mut nodal = unknowns.to_vec();
+        nodal.resize(self.space.nodes.len(), 0.0);
+        self.space.frames.to_cartesian(&mut nodal);
+        nodal
     }
 
     /// ζ_n of the last committed level.
@@ -142,9 +155,7 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
     fn freeze(&mut self, eta: Option<&[f64]>) {
         let Some(eta) = eta else { return self.begin_implicit() };
         let dofs = self.space.dofs();
-        self.nodal.resize(self.space.nodes.len(), 0.0);
-        self.nodal[..dofs].copy_from_slice(eta);
-        let zeta = self.past_zeta + self.slot.zeta * strain_norm(self.space, &self.nodal);
+        let zeta = self.past_zeta + self.slot.zeta * self.norm(eta);
         let past = self.memory.as_ref().map(|_| {
             self.frozen_history.resize(dofs, 0.0);
             self.frozen_history.copy_from_slice(&self.history[..dofs]);
@@ -169,9 +180,7 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
 
     /// ‖ε(v)‖.
     fn norm(&self, v: &[f64]) -> f64 {
-        let mut nodal = v.to_vec();
-        nodal.resize(self.space.nodes.len(), 0.0);
-        strain_norm(self.space, &nodal)
+        strain_norm(self.space, &self.nodal(v))
     }
 }
 

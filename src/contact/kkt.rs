@@ -5,7 +5,7 @@ use super::assembly::stress_force;
 use super::kkt_compliance::{add_exact, add_gauss};
 use super::march::StepView;
 use super::{BoundaryRule, Discretization, Model};
-use crate::law::Projection;
+use crate::law::{Projection, graph_distance};
 use crate::space::strain_of;
 
 /// Largest violation of the discrete KKT system at one time level, relative to the largest nodal
@@ -45,7 +45,8 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
     for (force, load) in balance.iter_mut().zip(load) {
         *force -= load;
     }
-    let mut worst = largest(&balance[..space.dofs()]);
+    let unbalanced = largest(&balance[..space.dofs()]);
+    let mut worst = 0.0f64;
     if let Some(boundary) = &model.boundary {
         for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| !p.clamped) {
             let x = space.mesh.point(&[point.vertex], &[1.0]);
@@ -59,13 +60,15 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
                 worst = worst.max((lambda * point.weight).min((gap - normal) * stiffness));
             }
             if boundary.rule == BoundaryRule::Vertex {
-                let (lo, hi) = boundary.potential.subdifferential(normal - (boundary.shift)(x));
-                let xi = view.compliance[i];
-                worst = worst.max((lo - xi).max(xi - hi) * point.weight);
+                let place = [normal - (boundary.shift)(x), view.compliance[i]];
+                let potential = &*boundary.potential;
+                worst = worst.max(graph_distance(potential, place, point.weight, stiffness));
             }
         }
         scale = scale.max(f64::MIN_POSITIVE);
     }
+    // A maximum of floats forgets a NaN; every unknown and pressure is part of the balance.
+    let worst = if unbalanced.is_nan() { unbalanced } else { worst.max(unbalanced) };
     if scale > 0.0 { worst / scale } else { worst }
 }
 
@@ -81,7 +84,7 @@ fn add_contact_forces<P: Projection>(
             BoundaryRule::Vertex => view.compliance[i] + view.multiplier[i],
             BoundaryRule::Gauss | BoundaryRule::Exact => view.multiplier[i],
         };
-        balance[point.component as usize] += point.sign * point.weight * pressure;
+        space.trace.add_normal(i, point.weight * pressure, balance);
     }
     match boundary.rule {
         BoundaryRule::Vertex => {}

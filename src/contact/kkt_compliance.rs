@@ -95,9 +95,8 @@ fn add_points(
         let r = argument(space, boundary, view, facet, shape);
         let pressure = boundary.potential.subdifferential(r).0;
         for (&i, s) in space.trace.facet(facet).iter().zip(shape) {
-            let point = space.trace.points[i as usize];
-            balance[point.component as usize] +=
-                point.sign * weight * space.trace.measure[facet] * pressure * s;
+            let value = weight * space.trace.measure[facet] * pressure * s;
+            space.trace.add_normal(i as usize, value, balance);
         }
     }
 }

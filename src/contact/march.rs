@@ -4,7 +4,7 @@ use super::problem::Work;
 use super::{Discretization, Evolution, Floors, Load, LoadError, Model, kkt_residual, linear};
 use crate::history::TimeGrid;
 use crate::law::Projection;
-use crate::vhi::{FailedStep, StepInequality, StepSolver, Stepper};
+use crate::vhi::{FailedStep, Piece, StepInequality, StepSolver, Stepper};
 
 /// The solution at one time level, as an observer sees it.
 pub struct StepView<'a> {
@@ -154,6 +154,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
         delta[..unbalanced.len()].copy_from_slice(unbalanced);
         let problem = self.evolution.problem_mut();
         problem.solve_with_last_factor(&mut delta[..self.space.dofs()]);
+        self.space.frames.to_cartesian(&mut delta);
         let largest = self.model.elasticity.eigenvalues(self.space.mesh.dimension).1;
         let residual = self.last_residual;
         self.info.floors = Floors::new(self.space, &delta, &self.nodal, residual, largest);
@@ -166,13 +167,15 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
     fn show(&mut self, n: usize, t: f64, observe: &mut Observer<'_>) -> Result<(), CaseError> {
         let state = &self.stepper.state;
         self.nodal[..state.u.len()].copy_from_slice(&state.u);
+        self.space.frames.to_cartesian(&mut self.nodal);
         self.split_pressures();
         let zeta = self.evolution.zeta();
+        let history = self.evolution.history();
         let view = StepView {
             n,
             t,
             u: &self.nodal,
-            history: self.evolution.history(),
+            history: history.as_deref(),
             zeta,
             kappa: self.model.projection.limit().map_or(f64::INFINITY, |l| l.value(zeta)),
             strain_norm: self.evolution.problem().strain_norm(),
@@ -187,26 +190,28 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
         observe(&view)
     }
 
-    /// c = ξ + λ: ξ ∈ ∂j_ν(u_ν) takes what the interval allows, λ the rest.
+    /// c = ξ + λ: at the bound ξ is the least element of ∂j_ν(g) and λ the rest, elsewhere ξ is all.
     fn split_pressures(&mut self) {
         let Some(boundary) = &self.model.boundary else { return };
-        let graph = self.evolution.graph();
+        let (graph, state) = (self.evolution.graph(), &self.stepper.state);
         let mut next = 0;
         for (i, point) in self.space.trace.points.iter().enumerate() {
             if point.clamped {
                 continue;
             }
-            let pressure = self.stepper.state.pressure[next];
+            let pressure = state.pressure[next];
             let at = &graph.coordinates[next];
+            let normal = graph.normal(next, &state.u);
+            let piece = graph.piece(next, normal + at.gamma * pressure);
             next += 1;
-            let normal = self.space.trace.normal(i, &self.nodal);
-            let (lo, hi) = boundary.potential.subdifferential(normal - at.shift);
-            let vertex_rule = boundary.rule == super::BoundaryRule::Vertex;
-            if vertex_rule {
-                self.compliance[i] = if normal >= at.gap { lo } else { pressure.clamp(lo, hi) };
+            if boundary.rule == super::BoundaryRule::Vertex {
+                self.compliance[i] = match piece {
+                    Piece::Pinned { value, lo, .. } if value == at.gap => lo,
+                    _ => pressure,
+                };
                 self.multiplier[i] = pressure - self.compliance[i];
             } else {
-                self.compliance[i] = lo;
+                self.compliance[i] = boundary.potential.subdifferential(normal - at.shift).0;
                 self.multiplier[i] = pressure;
             }
         }

@@ -38,14 +38,14 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
         model: &'a Model<P>,
         evolution: Evolution<'a, P>,
     ) -> Result<Self, FactorError> {
-        let gram = space.stiffness(&Isotropic { lambda: 0.0, mu: 0.5 });
+        let gram = space.stiffness_of_unknowns(&Isotropic { lambda: 0.0, mu: 0.5 });
         let (mut gram_factor, mut workspace) =
             (space.analysis.factor(), space.analysis.workspace(1));
         space.analysis.factorize(&space.pattern, &gram, &mut gram_factor, &mut workspace)?;
         let memory = model.memory.as_ref();
         Ok(Self {
             slot: LastSlot::default(),
-            memory: memory.map_or(Vec::new(), |term| space.stiffness(&term.tensor)),
+            memory: memory.map_or(Vec::new(), |term| space.stiffness_of_unknowns(&term.tensor)),
             gram,
             gram_factor,
             workspace,
@@ -86,9 +86,9 @@ impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
         {
             // The frozen level has ζ_past + w‖ε(η)‖ as its ζ.
             let zeta = self.evolution.problem().zeta();
-            let mut nodal = vec![0.0; self.space.nodes.len()];
-            nodal[..eta.len()].copy_from_slice(&state.u);
+            let nodal = self.evolution.nodal(&state.u);
             let mut by_zeta = force_by_limit(self.space, self.model, &nodal, limit.value(zeta));
+            self.space.frames.force_on_unknowns(&mut by_zeta);
             by_zeta.truncate(eta.len());
             let slope = limit.slope(zeta);
             by_zeta.iter_mut().for_each(|value| *value *= slope);

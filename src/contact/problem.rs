@@ -57,8 +57,9 @@ pub struct ContactProblem<'a, P> {
     last: Option<(LastSlot, Vec<f64>, Vec<bool>)>,
     /// Load minus memory of the past.
     load: Vec<f64>,
-    /// u as a nodal vector, and forces on all nodes.
-    nodal: Vec<f64>,
+    /// The unknowns padded to all nodes; the displacements, where they differ; forces on all nodes.
+    unknowns: Vec<f64>,
+    cartesian: Vec<f64>,
     nodal_force: Vec<f64>,
     strains: Vec<f64>,
     past_zeta: f64,
@@ -74,9 +75,9 @@ pub struct ContactProblem<'a, P> {
 impl<'a, P: Projection> ContactProblem<'a, P> {
     /// The problem of `model` on `space`, before the first time level.
     pub fn new(space: &'a Discretization, model: &'a Model<P>) -> Self {
-        let elastic = space.stiffness(&model.elasticity);
+        let elastic = space.stiffness_of_unknowns(&model.elasticity);
         let memory = match &model.memory {
-            Some(term) => space.stiffness(&term.tensor),
+            Some(term) => space.stiffness_of_unknowns(&term.tensor),
             None => Vec::new(),
         };
         let graph = boundary_graph(space, model, &elastic);
@@ -94,7 +95,8 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             elastic,
             memory,
             load: vec![0.0; space.dofs()],
-            nodal: vec![0.0; space.nodes.len()],
+            unknowns: vec![0.0; space.nodes.len()],
+            cartesian: vec![0.0; if space.frames.is_empty() { 0 } else { space.nodes.len() }],
             nodal_force: vec![0.0; space.nodes.len()],
             strains: if needs_strains {
                 vec![0.0; tensor * space.mesh.cell_count()]
@@ -115,11 +117,12 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         }
     }
 
-    /// Opens a time level: weights of the last slot, the sum ζ_past, the load F_n, and the history
-    /// vector Σ_{j<n} w_nj b(t_n - t_j) u_j where there is memory.
+    /// Opens a time level: weights of the last slot, the sum ζ_past, the load F_n (Cartesian), and the
+    /// history vector Σ_{j<n} w_nj b(t_n - t_j) u_j (of unknowns) where there is memory.
     pub fn begin(&mut self, slot: LastSlot, past_zeta: f64, load: &[f64], past: Option<&[f64]>) {
         let start = Instant::now();
         self.load.copy_from_slice(load);
+        self.space.frames.force_on_unknowns(&mut self.load);
         if let Some(past) = past {
             let force = &mut self.nodal_force[..past.len()];
             self.space.pattern.multiply(&self.memory, past, force);
@@ -182,7 +185,13 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
                 self.projected_force::<D, S>(kappa);
             }
         }
+        self.space.frames.force_on_unknowns(&mut self.nodal_force);
         out.copy_from_slice(&self.nodal_force[..out.len()]);
+    }
+
+    /// The displacements as a nodal vector.
+    fn displacements(&self) -> &[f64] {
+        if self.space.frames.is_empty() { &self.unknowns } else { &self.cartesian }
     }
 
     fn linear_force<const D: usize, const S: usize>(&mut self) {
@@ -190,7 +199,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         for c in 0..self.space.mesh.cell_count() {
             let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
             let measure = self.space.geometry.measure[c];
-            let strain = strain_of::<S>(gradients, nodes, &self.nodal);
+            let strain = strain_of::<S>(gradients, nodes, self.displacements());
             sum += measure * contract(&strain, &strain);
             let stress = self.linear_law.apply(&strain).map(|s| measure * s);
             stress_force::<D, S>(gradients, nodes, &stress, &mut self.nodal_force);
@@ -202,7 +211,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         let mut sum = 0.0;
         for c in 0..self.space.mesh.cell_count() {
             let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
-            let strain = strain_of::<S>(gradients, nodes, &self.nodal);
+            let strain = strain_of::<S>(gradients, nodes, self.displacements());
             self.strains[S * c..S * (c + 1)].copy_from_slice(&strain);
             sum += self.space.geometry.measure[c] * contract(&strain, &strain);
         }
@@ -252,6 +261,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             if let Some(response) = self.model.projection.response(&strain, kappa) {
                 let local = &mut local[..order * order];
                 cell_stiffness::<D, S>(gradients, &response.tangent, measure, local);
+                self.space.frames.rotate_cell(nodes, local);
                 self.space.pattern.scatter::<D>(c, nodes, local, tangent);
                 if coupled {
                     let scale = self.slot.zeta * slope * measure;
@@ -265,6 +275,8 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             }
         }
         coupled.then(|| {
+            self.space.frames.force_on_unknowns(&mut a);
+            self.space.frames.force_on_unknowns(&mut b);
             a.truncate(self.space.dofs());
             b.truncate(self.space.dofs());
             RankOne { a, b }
@@ -318,13 +330,17 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
 
     fn residual(&mut self, u: &[f64], out: &mut [f64]) {
         let start = Instant::now();
-        self.nodal[..u.len()].copy_from_slice(u);
+        self.unknowns[..u.len()].copy_from_slice(u);
+        if !self.space.frames.is_empty() {
+            self.cartesian.copy_from_slice(&self.unknowns);
+            self.space.frames.to_cartesian(&mut self.cartesian);
+        }
         match self.space.mesh.dimension {
             2 => self.force::<2, 3>(out),
             _ => self.force::<3, 6>(out),
         }
         if let Some(compliance) = &self.compliance {
-            compliance.add_force(&self.nodal, out);
+            compliance.add_force(&self.unknowns, out);
         }
         for (target, load) in out.iter_mut().zip(&self.load) {
             *target -= load;
@@ -347,7 +363,7 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
             _ => self.projected_tangent::<3, 6>(&mut tangent),
         };
         if let Some(compliance) = &self.compliance {
-            compliance.add_tangent(&self.nodal, &self.space.pattern, &mut tangent);
+            compliance.add_tangent(&self.unknowns, &self.space.pattern, &mut tangent);
         }
         for (slope, at) in slopes.iter().zip(&self.graph.coordinates) {
             tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;

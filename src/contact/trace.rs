@@ -1,5 +1,8 @@
 //! The normal trace on Γ3: vertices with their normal, lumped weights, and facets.
 
+use std::collections::BTreeMap;
+
+use super::Frames;
 use crate::mesh::Mesh;
 use crate::space::Nodes;
 
@@ -8,9 +11,13 @@ use crate::space::Nodes;
 pub struct TracePoint {
     /// The vertex of the mesh.
     pub vertex: u32,
-    /// Position of the normal component in a nodal vector.
-    pub component: u32,
-    /// u_ν = sign · component (normals along an axis).
+    /// Its node.
+    pub node: u32,
+    /// ν, padded with zeros to three numbers.
+    pub normal: [f64; 3],
+    /// The unknown that carries u_ν = sign · unknown ([`Frames`] where ν is no axis).
+    pub unknown: u32,
+    /// The sign in u_ν.
     pub sign: f64,
     /// Lumped weight ∫_{Γ3} φ (a length or an area).
     pub weight: f64,
@@ -33,28 +40,26 @@ pub struct ContactTrace {
     pub stride: usize,
 }
 
+/// Normals that differ by less are one direction: rounding of vertex positions over a facet.
+const SAME_NORMAL: f64 = 1e-12;
+
 impl ContactTrace {
-    /// The trace on `sides` of `mesh`.
-    pub fn new(mesh: &Mesh, nodes: &Nodes, sides: &[u32]) -> Self {
+    /// The trace on `sides` of `mesh`, and the unknowns of the vertices whose normals are no axes.
+    pub fn new(mesh: &Mesh, nodes: &Nodes, sides: &[u32]) -> (Self, Frames) {
         let d = mesh.dimension;
         let mut trace = Self { stride: d, ..Self::default() };
-        let mut index = std::collections::BTreeMap::new();
+        let mut known: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for f in mesh.facets_on(sides) {
             let side = mesh.facet_side[f] as usize;
-            let normal = &mesh.side_normal[d * side..d * (side + 1)];
-            let axis = (0..d).max_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()));
-            let axis = axis.unwrap_or(0);
+            let mut normal = [0.0; 3];
+            normal[..d].copy_from_slice(&mesh.side_normal[d * side..d * (side + 1)]);
             let measure = facet_measure(mesh, f);
             for &vertex in mesh.facet(f) {
-                let at = *index.entry((vertex, axis)).or_insert_with(|| {
-                    let node = nodes.of_vertex[vertex as usize];
-                    trace.points.push(TracePoint {
-                        vertex,
-                        component: d as u32 * node + axis as u32,
-                        sign: normal[axis].signum(),
-                        weight: 0.0,
-                        clamped: node as usize >= nodes.free,
-                    });
+                let here = known.entry(vertex).or_default();
+                let same = |&at: &usize| distance(&trace.points[at].normal, &normal) < SAME_NORMAL;
+                let at = here.iter().copied().find(same).unwrap_or_else(|| {
+                    trace.points.push(TracePoint::new(vertex, normal, nodes));
+                    here.push(trace.points.len() - 1);
                     trace.points.len() - 1
                 });
                 trace.points[at].weight += measure / d as f64;
@@ -63,7 +68,38 @@ impl ContactTrace {
             trace.mesh_facet.push(f as u32);
             trace.measure.push(measure);
         }
-        trace
+        let frames = trace.choose_unknowns(d, nodes, &known);
+        (trace, frames)
+    }
+
+    /// A vertex whose normals are all axes keeps its Cartesian unknowns, another gets a frame.
+    fn choose_unknowns(
+        &mut self,
+        d: usize,
+        nodes: &Nodes,
+        known: &BTreeMap<u32, Vec<usize>>,
+    ) -> Frames {
+        let mut frames = Frames::new(d);
+        for members in known.values() {
+            if members.iter().all(|&at| axis_of(&self.points[at].normal).is_some()) {
+                for &at in members {
+                    let axis = axis_of(&self.points[at].normal).unwrap_or(0);
+                    self.points[at].unknown = (d * self.points[at].node as usize + axis) as u32;
+                    self.points[at].sign = self.points[at].normal[axis];
+                }
+                continue;
+            }
+            let normals: Vec<[f64; 3]> = members.iter().map(|&at| self.points[at].normal).collect();
+            let first = self.points[members[0]];
+            if !first.clamped {
+                frames.insert(first.node as usize, nodes.vertex.len(), &normals);
+            }
+            for (i, &at) in members.iter().enumerate() {
+                self.points[at].unknown = (d * first.node as usize + i.min(d - 1)) as u32;
+                self.points[at].sign = 1.0;
+            }
+        }
+        frames
     }
 
     /// The points of facet f.
@@ -73,8 +109,35 @@ impl ContactTrace {
 
     /// u_ν at point i of the nodal vector u.
     pub fn normal(&self, i: usize, u: &[f64]) -> f64 {
-        self.points[i].sign * u[self.points[i].component as usize]
+        let point = &self.points[i];
+        let own = &u[self.stride * point.node as usize..];
+        point.normal[..self.stride].iter().zip(own).map(|(n, u)| n * u).sum()
     }
+
+    /// Adds the normal force `value` at point i to forces by nodes.
+    pub fn add_normal(&self, i: usize, value: f64, force: &mut [f64]) {
+        let point = &self.points[i];
+        let own = &mut force[self.stride * point.node as usize..];
+        own.iter_mut().zip(&point.normal[..self.stride]).for_each(|(f, n)| *f += value * n);
+    }
+}
+
+impl TracePoint {
+    fn new(vertex: u32, normal: [f64; 3], nodes: &Nodes) -> Self {
+        let node = nodes.of_vertex[vertex as usize];
+        let clamped = node as usize >= nodes.free;
+        Self { vertex, node, normal, unknown: 0, sign: 1.0, weight: 0.0, clamped }
+    }
+}
+
+/// The axis that a normal lies on exactly.
+fn axis_of(normal: &[f64; 3]) -> Option<usize> {
+    let axis = (0..3).find(|&i| normal[i].abs() == 1.0)?;
+    (0..3).all(|i| i == axis || normal[i] == 0.0).then_some(axis)
+}
+
+fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Length of an edge or area of a triangle.

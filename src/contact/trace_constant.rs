@@ -34,8 +34,8 @@ pub fn trace_constant(
     let mut map = Quotient { space, stiffness, factor, workspace, mass, nodal };
     // A constant pressure and some of everything else: no symmetry of the mesh hides the maximum.
     let (mut seed, mut load) = (1, vec![0.0; space.nodes.len()]);
-    for point in space.trace.points.iter().filter(|point| !point.clamped) {
-        load[point.component as usize] = point.sign * (1.0 + 0.1 * signed_unit(&mut seed));
+    for (i, _) in space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped) {
+        space.trace.add_normal(i, 1.0 + 0.1 * signed_unit(&mut seed), &mut load);
     }
     let mut start = vec![0.0; space.dofs()];
     map.apply(&load[..space.dofs()], &mut start)?;
@@ -77,7 +77,7 @@ fn trace_mass(space: &Discretization, mass: TraceMass, v: &[f64]) -> Vec<f64> {
     match mass {
         TraceMass::Lumped => {
             for (i, point) in trace.points.iter().enumerate() {
-                out[point.component as usize] += point.sign * point.weight * trace.normal(i, v);
+                trace.add_normal(i, point.weight * trace.normal(i, v), &mut out);
             }
         }
         TraceMass::Consistent => {
@@ -86,10 +86,9 @@ fn trace_mass(space: &Discretization, mass: TraceMass, v: &[f64]) -> Vec<f64> {
                 let members = trace.facet(f);
                 let total: f64 = members.iter().map(|&i| trace.normal(i as usize, v)).sum();
                 for &i in members {
-                    let point = trace.points[i as usize];
-                    out[point.component as usize] +=
-                        point.sign * trace.measure[f] * (trace.normal(i as usize, v) + total)
-                            / (corners * (corners + 1.0));
+                    let value = trace.measure[f] * (trace.normal(i as usize, v) + total)
+                        / (corners * (corners + 1.0));
+                    trace.add_normal(i as usize, value, &mut out);
                 }
             }
         }

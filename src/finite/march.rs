@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use super::{FiniteEvolution, FiniteModel};
 use crate::history::TimeGrid;
+use crate::law::graph_distance;
 use crate::vhi::{FailedStep, HistoryInequality, StepInequality, StepSolver, Stepper};
 
 /// Why a case has no result.
@@ -116,17 +117,21 @@ fn residual(evolution: &mut FiniteEvolution<'_>, w: &[f64], pressure: &[f64]) ->
     for (i, at) in graph.coordinates.iter().enumerate() {
         balance[at.dof as usize] += at.weight * pressure[i];
         let value = graph.normal(i, w);
-        let (lo, hi) = graph.potentials[i].subdifferential(value);
+        let potential = &*graph.potentials[i];
         let stiffness = at.weight / at.gamma;
+        let missed = graph_distance(potential, [value, pressure[i]], at.weight, stiffness);
         // Pressure beyond the law's needs a bound: the smaller of it and the distance to the bound,
         // as the force that the stiffness answers it with, is what is violated.
-        let above = (at.weight * (pressure[i] - hi)).min((at.gap - value).abs() * stiffness);
-        let below = (at.weight * (lo - pressure[i])).min((value - at.floor).abs() * stiffness);
-        worst = worst.max(above).max(below);
+        let above = pressure[i] > potential.subdifferential(value).1;
+        let bound = if above { at.gap } else { at.floor };
+        worst = worst.max(missed.min((bound - value).abs() * stiffness));
         let outside = (value - at.gap).max(at.floor - value).max(0.0);
         worst = worst.max(outside * stiffness);
     }
-    let worst = balance.iter().fold(worst, |worst, force| worst.max(force.abs()));
+    // A maximum of floats forgets a NaN; every unknown and pressure is part of the balance.
+    let larger = |worst: f64, f: &f64| if f.is_nan() { f64::NAN } else { worst.max(f.abs()) };
+    let unbalanced = balance.iter().fold(0.0, larger);
+    let worst = if unbalanced.is_nan() { unbalanced } else { worst.max(unbalanced) };
     let scale = evolution.force_scale(w);
     if scale > 0.0 { worst / scale } else { worst }
 }

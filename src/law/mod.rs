@@ -9,5 +9,5 @@ mod projection;
 
 pub use elasticity::Isotropic;
 pub use kernel::{Convolution, ExponentialSum, HistoryKernel, MemoryKernel};
-pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError};
+pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError, graph_distance};
 pub use projection::{NoProjection, Projection, Response, VonMises, YieldLimit};

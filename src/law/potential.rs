@@ -30,6 +30,23 @@ pub trait Potential: Send + Sync {
     }
 }
 
+/// Distance of (r, ξ) from the graph of ∂j_ν as a force: what `stiffness` answers to a displacement
+/// error, `weight` to a pressure error, whichever is larger, at the nearest of the points (r, ·) and of
+/// the jumps. Rounding that puts r beside a jump counts as that much displacement, not as the jump.
+pub fn graph_distance(
+    potential: &dyn Potential,
+    [r, xi]: [f64; 2],
+    weight: f64,
+    stiffness: f64,
+) -> f64 {
+    let missed = |at: f64| {
+        let (lo, hi) = potential.subdifferential(at);
+        (lo - xi).max(xi - hi).max(0.0) * weight
+    };
+    let jumps = potential.jumps().iter();
+    jumps.map(|&at| missed(at).max((r - at).abs() * stiffness)).fold(missed(r), f64::min)
+}
+
 /// j_ν ≡ 0.
 #[derive(Debug, Clone, Copy)]
 pub struct NoPotential;
@@ -220,6 +237,19 @@ mod tests {
         assert!((layer.value_and_slope(0.5).0 - 0.9).abs() < 1e-15);
         let down = PiecewiseLinear::new(vec![(0.1, 1.0), (0.1, 0.5)], 0.0, 0.0);
         assert_eq!(down, Err(PotentialError::DownwardJump { at: 0.1, from: 1.0, to: 0.5 }));
+    }
+
+    #[test]
+    fn distance_from_the_graph_is_small_beside_a_jump_and_large_away_from_it() {
+        let layer = PiecewiseLinear::new(vec![(0.1, 0.0), (0.1, 1.0)], 0.0, -0.2).unwrap();
+        let distance = |r: f64, xi: f64| graph_distance(&layer, [r, xi], 2.0, 10.0);
+        for r in [0.1 - 1e-15, 0.1, 0.1 + 1e-15] {
+            assert!([0.0, 0.5, 1.0].iter().all(|&xi| distance(r, xi) < 2e-14));
+            assert!((distance(r, 1.2) - 0.4).abs() < 1e-13 && distance(r, -0.1) > 0.19);
+        }
+        assert!((distance(0.11, 0.5) - 0.1).abs() < 1e-13);
+        assert!((distance(0.0, 0.3) - 0.6).abs() < 1e-13);
+        assert!((distance(1.0, 0.82)).abs() < 1e-15);
     }
 
     #[test]

@@ -101,9 +101,19 @@ impl BoundaryGraph {
         Some(self.potential(i).jumps()[crossed] + self.coordinates[i].shift)
     }
 
-    /// Pressure and slope of a free coordinate.
-    pub fn value_and_slope(&self, i: usize, normal: f64) -> (f64, f64) {
-        self.potential(i).value_and_slope(normal - self.coordinates[i].shift)
+    /// Pressure and slope of a free coordinate above `below` jumps. An argument that rounding has put
+    /// on or beyond the next jump is taken back: the branch is chosen by z, not by r.
+    pub fn value_and_slope(&self, i: usize, below: usize, normal: f64) -> (f64, f64) {
+        let potential = self.potential(i);
+        let jumps = potential.jumps();
+        let mut r = normal - self.coordinates[i].shift;
+        if let Some(last) = below.checked_sub(1).and_then(|last| jumps.get(last)) {
+            r = r.max(last.next_up());
+        }
+        if let Some(next) = jumps.get(below) {
+            r = r.min(next.next_down());
+        }
+        potential.value_and_slope(r)
     }
 
     /// u_ν of coordinate i.
@@ -116,9 +126,13 @@ impl BoundaryGraph {
     pub fn pieces(&self, solution: &StepState) -> (Vec<f64>, Vec<Option<f64>>) {
         let coordinate = |(i, pressure): (usize, &f64)| {
             let (at, normal) = (&self.coordinates[i], self.normal(i, &solution.u));
-            match self.piece(i, normal + at.gamma * pressure) {
+            let z = normal + at.gamma * pressure;
+            match self.piece(i, z) {
                 Piece::Pinned { .. } => (0.0, Some(0.0)),
-                Piece::Free => (at.weight * self.value_and_slope(i, normal).1, None),
+                Piece::Free => {
+                    let slope = self.value_and_slope(i, self.jumps_below(i, z), normal).1;
+                    (at.weight * slope, None)
+                }
             }
         };
         solution.pressure.iter().enumerate().map(coordinate).unzip()
@@ -130,9 +144,13 @@ impl BoundaryGraph {
     /// bound over γ; continuous in both.
     pub fn defect(&self, i: usize, normal: f64, pressure: f64) -> f64 {
         let at = &self.coordinates[i];
-        match self.piece(i, normal + at.gamma * pressure) {
+        let z = normal + at.gamma * pressure;
+        match self.piece(i, z) {
             Piece::Pinned { value, .. } => at.weight * (normal - value).abs() / at.gamma,
-            Piece::Free => at.weight * (pressure - self.value_and_slope(i, normal).0).abs(),
+            Piece::Free => {
+                let value = self.value_and_slope(i, self.jumps_below(i, z), normal).0;
+                at.weight * (pressure - value).abs()
+            }
         }
     }
 }
@@ -168,12 +186,26 @@ mod tests {
         assert_eq!(graph.piece(0, -0.2), Piece::Free);
         let jump = Piece::Pinned { value: 0.1, lo: 0.0, hi: 1.0 };
         assert_eq!(graph.piece(0, 0.1 + gamma * 0.4), jump);
-        let (pressure, _) = graph.value_and_slope(0, 0.3);
+        let (pressure, _) = graph.value_and_slope(0, 1, 0.3);
         assert_eq!(graph.piece(0, 0.3 + gamma * pressure), Piece::Free);
         let floor = Piece::Pinned { value: -0.4, lo: f64::NEG_INFINITY, hi: 0.0 };
         assert_eq!(graph.piece(0, -0.4 - gamma * 0.5), floor);
         let bound = Piece::Pinned { value: 0.6, lo: 0.8, hi: f64::INFINITY };
         assert_eq!(graph.piece(0, 0.6 + gamma * 2.0), bound);
+    }
+
+    /// Rounding at the ends of the jump: the value of the chosen branch, not of the other one.
+    #[test]
+    fn a_free_coordinate_stays_on_its_branch() {
+        let graph = graph();
+        for normal in [0.1f64.next_down(), 0.1, 0.1f64.next_up()] {
+            assert_eq!(graph.value_and_slope(0, 0, normal).0, 0.0);
+            // The slope -0.4 over a few units of rounding.
+            assert!((graph.value_and_slope(0, 1, normal).0 - 1.0).abs() < 1e-15);
+            for pressure in [0.0, 1.0] {
+                assert!(graph.defect(0, normal, pressure) < 1e-15, "{normal} {pressure}");
+            }
+        }
     }
 
     #[test]

@@ -191,8 +191,8 @@ impl Scratch {
         for (i, at) in graph.coordinates.iter().enumerate() {
             let (dof, normal) = (at.dof as usize, graph.normal(i, &state.u));
             state.pressure[i] = match self.pieces[i] {
-                Some(Chosen::Pinned(_)) => -at.sign * self.force[dof] / at.weight,
-                _ => graph.value_and_slope(i, normal).0,
+                Some(Chosen::Free(below)) => graph.value_and_slope(i, below, normal).0,
+                _ => -at.sign * self.force[dof] / at.weight,
             };
             self.increment[dof] -= at.sign * at.weight * state.pressure[i];
             sum += graph.defect(i, normal, state.pressure[i]).powi(2);
@@ -211,15 +211,15 @@ impl Scratch {
         let graph = problem.graph();
         for (i, at) in graph.coordinates.iter().enumerate() {
             let (dof, normal) = (at.dof as usize, graph.normal(i, &state.u));
-            if let Some(Chosen::Pinned(value)) = self.pieces[i] {
-                self.slopes[i] = 0.0;
-                self.prescribed[i] = Some(at.sign * (value - normal));
-            } else {
-                let (pressure, slope) = graph.value_and_slope(i, normal);
-                self.slopes[i] = at.weight * slope;
-                self.prescribed[i] = None;
-                self.increment[dof] = -self.force[dof] - at.sign * at.weight * pressure;
-            }
+            (self.slopes[i], self.prescribed[i]) = match self.pieces[i] {
+                Some(Chosen::Free(below)) => {
+                    let (pressure, slope) = graph.value_and_slope(i, below, normal);
+                    self.increment[dof] = -self.force[dof] - at.sign * at.weight * pressure;
+                    (at.weight * slope, None)
+                }
+                Some(Chosen::Pinned(value)) => (0.0, Some(at.sign * (value - normal))),
+                None => (0.0, Some(0.0)),
+            };
         }
         problem.linearize(&self.slopes, &self.prescribed)?;
         problem.solve(&mut self.increment, forcing)?;

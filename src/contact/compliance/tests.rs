@@ -38,7 +38,7 @@ fn nodal(space: &Discretization) -> Vec<f64> {
     let mut u = vec![0.0; space.nodes.len()];
     for point in space.trace.points.iter().filter(|point| !point.clamped) {
         let x = space.mesh.vertex(point.vertex)[0];
-        u[point.component as usize] = point.sign * (0.16 * x - 0.01 + 0.02 * (5.0 * x).cos());
+        u[point.unknown as usize] = point.sign * (0.16 * x - 0.01 + 0.02 * (5.0 * x).cos());
     }
     u
 }
@@ -72,7 +72,7 @@ fn simpson(space: &Discretization, law: &dyn Potential, shift: Shift, u: &[f64])
             for a in 0..2 {
                 let point = space.trace.points[ends[a]];
                 if !point.clamped {
-                    out[point.component as usize] += weight * pressure * shape[a] * point.sign;
+                    out[point.unknown as usize] += weight * pressure * shape[a] * point.sign;
                 }
             }
         }
@@ -151,7 +151,7 @@ fn the_tangent_is_the_derivative() {
         compliance.add_tangent(&u, &space.pattern, &mut tangent);
         let mut d = vec![0.0; u.len()];
         for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| !p.clamped) {
-            d[point.component as usize] = point.sign * (1.0 + 0.5 * (i as f64).sin());
+            d[point.unknown as usize] = point.sign * (1.0 + 0.5 * (i as f64).sin());
         }
         let moved = |sign: f64| -> Vec<f64> {
             let u: Vec<f64> = u.iter().zip(&d).map(|(u, d)| u + sign * step * d).collect();

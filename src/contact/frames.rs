@@ -1,0 +1,217 @@
+//! Unknowns at the vertices of Γ3 whose normals are no axes.
+//!
+//! A constraint u_ν ≤ g sits on one unknown, so at such a vertex the unknowns are w = N u: the rows of
+//! N are the normals of the sides that meet there, completed by unit vectors across them. With
+//! B = N⁻¹, displacements are u = B w, forces Bᵀf, matrices BᵀKB. Elsewhere w = u, and a scene whose
+//! normals are axes has no frame and pays nothing.
+
+use nalgebra::DMatrix;
+
+/// A vertex with unknowns of its own.
+#[derive(Debug, Clone, PartialEq)]
+struct Frame {
+    node: usize,
+    /// N.
+    normals: DMatrix<f64>,
+    /// B = N⁻¹.
+    basis: DMatrix<f64>,
+}
+
+/// All of them, on one mesh.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Frames {
+    dimension: usize,
+    frames: Vec<Frame>,
+    /// Position in `frames` by node, `NONE` without; empty if there is no frame.
+    of_node: Vec<u32>,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// Two normals closer to dependence than this leave no room between them: a needle of 1e-6 rad.
+const DEPENDENT: f64 = 1e-6;
+
+impl Frames {
+    /// No frames yet, for `nodes` nodes of `dimension` components.
+    pub fn new(dimension: usize) -> Self {
+        Self { dimension, ..Self::default() }
+    }
+
+    /// Gives a node unknowns along `normals` (unit vectors, at most d of them), of which the first
+    /// become its first components. Normals that depend on each other are a broken invariant of the
+    /// mesh: two sides that meet at an angle have different normals.
+    pub fn insert(&mut self, node: usize, nodes: usize, normals: &[[f64; 3]]) {
+        let d = self.dimension;
+        let mut rows: Vec<Vec<f64>> = normals.iter().map(|normal| normal[..d].to_vec()).collect();
+        // Complete by the axes that are furthest from what is there, made orthogonal to it.
+        while rows.len() < d {
+            let across = |axis: usize| {
+                let mut v = vec![0.0; d];
+                v[axis] = 1.0;
+                for row in orthonormal(&rows) {
+                    let along: f64 = row.iter().zip(&v).map(|(a, b)| a * b).sum();
+                    v.iter_mut().zip(&row).for_each(|(v, r)| *v -= along * r);
+                }
+                v
+            };
+            let length = |v: &Vec<f64>| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let candidates = (0..d).map(across);
+            let Some(best) = candidates.max_by(|a, b| length(a).total_cmp(&length(b))) else {
+                break;
+            };
+            let scale = length(&best);
+            rows.push(best.iter().map(|v| v / scale).collect());
+        }
+        let normals = DMatrix::from_fn(d, d, |i, j| rows[i][j]);
+        assert!(normals.determinant().abs() > DEPENDENT, "dependent normals at node {node}");
+        let basis = normals.clone().try_inverse().expect("independent rows");
+        self.of_node.resize(nodes, NONE);
+        self.of_node[node] = self.frames.len() as u32;
+        self.frames.push(Frame { node, normals, basis });
+    }
+
+    /// True if all unknowns are Cartesian components.
+    pub fn is_empty(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// u = B w of a vector by nodes, in place.
+    pub fn to_cartesian(&self, vector: &mut [f64]) {
+        self.each(vector, |frame, own| &frame.basis * own);
+    }
+
+    /// w = N u of a vector by nodes, in place.
+    pub fn to_unknowns(&self, vector: &mut [f64]) {
+        self.each(vector, |frame, own| &frame.normals * own);
+    }
+
+    /// Bᵀf of forces by nodes, in place.
+    pub fn force_on_unknowns(&self, force: &mut [f64]) {
+        self.each(force, |frame, own| frame.basis.tr_mul(&own));
+    }
+
+    fn each(
+        &self,
+        vector: &mut [f64],
+        map: impl Fn(&Frame, nalgebra::DVector<f64>) -> nalgebra::DVector<f64>,
+    ) {
+        let d = self.dimension;
+        for frame in &self.frames {
+            let own = &mut vector[d * frame.node..d * (frame.node + 1)];
+            let image = map(frame, nalgebra::DVector::from_column_slice(own));
+            own.copy_from_slice(image.as_slice());
+        }
+    }
+
+    /// BᵀKB of the matrix of a cell, row-major over its `nodes`, in place.
+    #[inline]
+    pub fn rotate_cell(&self, nodes: &[u32], local: &mut [f64]) {
+        if self.frames.is_empty() {
+            return;
+        }
+        for (a, &node) in nodes.iter().enumerate() {
+            let at = self.of_node.get(node as usize).copied().unwrap_or(NONE);
+            if at != NONE {
+                self.rotate_node(&self.frames[at as usize].basis, a, nodes.len(), local);
+            }
+        }
+    }
+
+    fn rotate_node(&self, basis: &DMatrix<f64>, a: usize, corners: usize, local: &mut [f64]) {
+        let d = self.dimension;
+        let order = d * corners;
+        let mut own = [0.0; 3];
+        for row in 0..order {
+            for (j, value) in own.iter_mut().enumerate().take(d) {
+                *value = (0..d).map(|i| local[order * row + d * a + i] * basis[(i, j)]).sum();
+            }
+            local[order * row + d * a..order * row + d * (a + 1)].copy_from_slice(&own[..d]);
+        }
+        for column in 0..order {
+            for (j, value) in own.iter_mut().enumerate().take(d) {
+                *value = (0..d).map(|i| local[order * (d * a + i) + column] * basis[(i, j)]).sum();
+            }
+            for (j, value) in own.iter().enumerate().take(d) {
+                local[order * (d * a + j) + column] = *value;
+            }
+        }
+    }
+}
+
+/// Gram-Schmidt.
+fn orthonormal(rows: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut out: Vec<Vec<f64>> = Vec::new();
+    for row in rows {
+        let mut v = row.clone();
+        for known in &out {
+            let along: f64 = known.iter().zip(&v).map(|(a, b)| a * b).sum();
+            v.iter_mut().zip(known).for_each(|(v, k)| *v -= along * k);
+        }
+        let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        out.push(v.iter().map(|x| x / length).collect());
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frames(normals: &[[f64; 3]], d: usize) -> Frames {
+        let mut frames = Frames::new(d);
+        frames.insert(1, 3, normals);
+        frames
+    }
+
+    #[test]
+    fn first_components_are_the_normal_displacements_and_work_is_kept() {
+        let s = 0.5f64.sqrt();
+        for (normals, d) in [
+            (vec![[0.6, -0.8, 0.0]], 2),
+            (vec![[0.6, -0.8, 0.0], [-s, -s, 0.0]], 2),
+            (vec![[0.0, 0.6, 0.8]], 3),
+            (vec![[1.0, 0.0, 0.0], [0.0, 0.6, 0.8]], 3),
+        ] {
+            let frames = frames(&normals, d);
+            let u: Vec<f64> = (0..3 * d).map(|i| (i as f64 + 0.3).sin()).collect();
+            let f: Vec<f64> = (0..3 * d).map(|i| (i as f64 + 0.7).cos()).collect();
+            let (mut w, mut g) = (u.clone(), f.clone());
+            frames.to_unknowns(&mut w);
+            frames.force_on_unknowns(&mut g);
+            for (i, normal) in normals.iter().enumerate() {
+                let along: f64 = (0..d).map(|j| normal[j] * u[d + j]).sum();
+                assert!((w[d + i] - along).abs() < 1e-14);
+            }
+            assert_eq!((&w[..d], &w[2 * d..]), (&u[..d], &u[2 * d..]));
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            // Rounding of sums of nine products, through an inverse of condition below 10.
+            assert!((dot(&w, &g) - dot(&u, &f)).abs() < 1e-13);
+            frames.to_cartesian(&mut w);
+            assert!(w.iter().zip(&u).all(|(a, b)| (a - b).abs() < 1e-14));
+        }
+    }
+
+    #[test]
+    fn the_matrix_of_a_cell_turns_with_its_unknowns() {
+        let frames = frames(&[[0.6, -0.8, 0.0]], 2);
+        let matrix =
+            DMatrix::from_fn(6, 6, |i, j| ((i + 1) * (j + 1)) as f64 + (i as f64 - j as f64).cos());
+        let nodes = [2, 1, 0];
+        let mut local: Vec<f64> = matrix.transpose().as_slice().to_vec();
+        frames.rotate_cell(&nodes, &mut local);
+        let w: Vec<f64> = (0..6).map(|i| (i as f64 * 1.3).sin()).collect();
+        let quadratic = |values: &dyn Fn(usize, usize) -> f64, v: &[f64]| -> f64 {
+            (0..6)
+                .flat_map(|i| (0..6).map(move |j| (i, j)))
+                .map(|(i, j)| v[i] * values(i, j) * v[j])
+                .sum()
+        };
+        // By nodes, then by the corners of the cell.
+        let mut u: Vec<f64> = (0..3).rev().flat_map(|a| [w[2 * a], w[2 * a + 1]]).collect();
+        frames.to_cartesian(&mut u);
+        let u: Vec<f64> = (0..3).rev().flat_map(|a| [u[2 * a], u[2 * a + 1]]).collect();
+        let turned = quadratic(&|i, j| local[6 * i + j], &w);
+        let plain = quadratic(&|i, j| matrix[(i, j)], &u);
+        assert!((turned - plain).abs() < 1e-12 * plain.abs());
+    }
+}
