@@ -161,6 +161,32 @@ fn a_jump_holds_the_solution_or_is_passed() {
     must_find(|| one(2.5), &[0.25], &[1.0], 4);
 }
 
+/// States at the very ends of a jump, in numbers that round: the residual decides between two branches by its last digit.
+#[test]
+fn ends_of_a_jump_are_found_in_numbers_that_round() {
+    let mut seed = 7;
+    for case in 0..500 {
+        let mut random = || signed_unit(&mut seed);
+        let (a, b, c) = (2.0 + random(), 0.7 * random(), 2.0 + random());
+        let (at, shift, height) = (0.3 * random(), 0.3 * random(), 0.5 + 0.4 * random());
+        let jump = law(&[(at, 0.0), (at, height)]);
+        let ends = [random() > 0.0, random() > 0.0].map(|top| if top { height } else { 0.0 });
+        let (u, matrix) = (at + shift, [a, b, b, c]);
+        let load = [0, 1].map(|i| (matrix[2 * i] + matrix[2 * i + 1]) * u + WEIGHT * ends[i]);
+        let mut problem = small(&matrix, &load, f64::INFINITY, 1.0, jump);
+        problem.graph.coordinates.iter_mut().for_each(|at| at.shift = shift);
+        for start in [0.0, -3.0, u, 5.0] {
+            let (state, iterations) = solve_from(&mut problem, start)
+                .unwrap_or_else(|error| panic!("{case}, from {start}: {error}"));
+            for i in 0..2 {
+                // The smallest eigenvalue of the matrix is 0.3 or more.
+                assert!((state.u[i] - u).abs() < 10.0 * EXACT && iterations <= HALVED, "{case}");
+                assert!((state.pressure[i] - ends[i]).abs() < 10.0 * EXACT, "{case}");
+            }
+        }
+    }
+}
+
 #[test]
 fn nonmonotone_laws_have_their_one_solution() {
     // Up to 1 at 1/2, down with slope -1/2 to 3/4 at 1, flat beyond; 2 u + 2 p(u) = f is monotone as 2 > 2·½.
