@@ -2,8 +2,10 @@
 //!
 //! Storage is flat and of any dimension d: cell c has vertices `cells[c(d+1)..(c+1)(d+1)]`.
 
+mod cuboid;
 mod rectangle;
 
+pub use cuboid::cuboid;
 pub use rectangle::{Family, rectangle};
 
 /// A conforming simplex mesh of a polygonal or polyhedral domain.
