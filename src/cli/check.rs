@@ -5,7 +5,7 @@ use clap::Args;
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
 use crate::manufactured::{Finding, Status, check};
 use crate::scene::Hypothesis;
-use crate::setup::{Constants, Setup, Subject, constants, sides};
+use crate::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
 
 /// `sweep check`.
 #[derive(Args)]
@@ -79,7 +79,9 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         fact("alpha_nu", c.alpha_nu, "proved: steepest descent of the law"),
     ];
     if c.c_j_squared > 0.0 {
-        findings.push(fact("c_j^2", c.c_j_squared, "extrapolated from n = 8, 16, 32; no bound"));
+        let levels: Vec<String> = trace_levels(setup).iter().map(u32::to_string).collect();
+        let how = format!("extrapolated from n = {}; no bound", levels.join(", "));
+        findings.push(fact("c_j^2", c.c_j_squared, &how));
     }
     if let Some(bound) = c.c_j_squared_bound {
         findings.push(fact("c_j^2, upper bound", bound, "proved: distance to the clamped side"));

@@ -77,7 +77,7 @@ impl Contact {
             None => None,
         };
         let word = written.quadrature.as_deref().unwrap_or("vertex");
-        let quadrature = quadrature(reading, word, law.as_ref())?;
+        let quadrature = quadrature(reading, word, law.as_ref(), domain)?;
         Ok(Contact { gap, shift, law, quadrature })
     }
 }
@@ -86,6 +86,7 @@ fn quadrature(
     reading: &Reading,
     word: &str,
     law: Option<&Law>,
+    domain: &Domain,
 ) -> Result<ContactQuadrature, SceneError> {
     let chosen = reading.choice(
         "contact.quadrature",
@@ -101,6 +102,11 @@ fn quadrature(
             "the quadrature `{word}` and a law with a jump: where u_nu stays at the jump along an edge, the pressure is no number at its points"
         );
         let hint = "use quadrature = \"vertex\", which keeps one pressure a vertex, or replace the jump by a steep slope";
+        return Err(reading.error("contact.quadrature", message, hint));
+    }
+    if chosen == ContactQuadrature::Exact && domain.size.len() == 3 {
+        let message = "the quadrature `exact` cuts edges; a contact side in space has faces";
+        let hint = "use quadrature = \"vertex\" or \"gauss\"";
         return Err(reading.error("contact.quadrature", message, hint));
     }
     Ok(chosen)

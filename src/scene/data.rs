@@ -5,10 +5,13 @@ use crate::formula::{Node, Point, Variable};
 use super::contact::Contact;
 use super::definitions::definitions;
 use super::diagnostic::SceneError;
-use super::domain::{Domain, Side};
+use super::domain::{Domain, Side, place};
 use super::reading::{Reading, evenly};
 use super::time::Time;
 use super::written;
+
+/// The space variables in order.
+pub(super) const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 
 /// Intervals of each side and of [0, T] at whose ends loads are evaluated.
 const SAMPLES: u32 = 8;
@@ -54,6 +57,11 @@ impl Data {
         contact: Option<&Contact>,
     ) -> Result<Data, SceneError> {
         match (&file.exact, &file.loads) {
+            (Some(_), None) if domain.size.len() == 3 => {
+                let message = "an exact solution in dimension 3 is not available yet";
+                let hint = "give [loads], and solve the scene with sweep solve";
+                Err(reading.error("exact", message, hint))
+            }
             (Some(exact), None) => exact_solution(reading, exact, domain.size.len(), contact),
             (None, Some(loads)) => given_loads(reading, loads, domain, time),
             (Some(_), Some(_)) => {
@@ -115,17 +123,19 @@ fn given_loads(
     domain: &Domain,
     time: &Time,
 ) -> Result<Data, SceneError> {
-    let scope = reading.scope(&[Variable::X, Variable::Y, Variable::T]);
     let dimension = domain.size.len();
+    let mut variables = AXES[..dimension].to_vec();
+    variables.push(Variable::T);
+    let scope = reading.scope(&variables);
     let body = reading.vector("loads.body", &written.body, dimension, &scope)?;
     let inside = grid(domain, time);
-    finite(reading, "loads.body", &body, &inside)?;
+    finite(reading, "loads.body", &body, &inside, domain)?;
     let mut traction = Vec::new();
     for (name, formulas) in &written.traction {
         let key = format!("loads.traction.{name}");
         let side = traction_side(reading, &key, name, domain)?;
         let nodes = reading.vector(&key, formulas, dimension, &scope)?;
-        finite(reading, &key, &nodes, &along(side, domain, time))?;
+        finite(reading, &key, &nodes, &along(side, domain, time), domain)?;
         traction.push((side, nodes));
     }
     Ok(Data::Loads { body, traction })
@@ -137,7 +147,7 @@ fn traction_side(
     name: &str,
     domain: &Domain,
 ) -> Result<Side, SceneError> {
-    let side = Side::parse(reading, key, name)?;
+    let side = Side::parse(reading, key, name, domain.size.len())?;
     if domain.traction.contains(&side) {
         return Ok(side);
     }
@@ -150,11 +160,20 @@ fn traction_side(
 }
 
 /// Refuses a load that is infinite or undefined at a sample.
-fn finite(reading: &Reading, key: &str, load: &[Node], points: &[Point]) -> Result<(), SceneError> {
+fn finite(
+    reading: &Reading,
+    key: &str,
+    load: &[Node],
+    points: &[Point],
+    domain: &Domain,
+) -> Result<(), SceneError> {
     for (index, node) in load.iter().enumerate() {
         if let Some((point, value)) = reading.first_not_finite(*node, points.iter().copied()) {
-            let message =
-                format!("the load is {value} at x = {}, y = {}, t = {}", point.x, point.y, point.t);
+            let message = format!(
+                "the load is {value} at {}, t = {}",
+                place(&point, domain.size.len()),
+                point.t
+            );
             return Err(reading.error(
                 &format!("{key}.{index}"),
                 message,
@@ -166,18 +185,17 @@ fn finite(reading: &Reading, key: &str, load: &[Node], points: &[Point]) -> Resu
 }
 
 fn grid(domain: &Domain, time: &Time) -> Vec<Point> {
-    let rows = evenly(0.0, domain.size[1], SAMPLES);
-    let places = rows.flat_map(|y| evenly(0.0, domain.size[0], SAMPLES).map(move |x| [x, y]));
-    at_all_times(places, time)
+    at_all_times(&domain.points(SAMPLES), time)
 }
 
 fn along(side: Side, domain: &Domain, time: &Time) -> Vec<Point> {
-    at_all_times(evenly(0.0, 1.0, SAMPLES).map(|s| side.point(&domain.size, s)), time)
+    at_all_times(&side.points(&domain.size, SAMPLES), time)
 }
 
-fn at_all_times(places: impl Iterator<Item = [f64; 2]>, time: &Time) -> Vec<Point> {
+fn at_all_times(places: &[[f64; 3]], time: &Time) -> Vec<Point> {
     let times = evenly(0.0, time.horizon, SAMPLES);
     places
-        .flat_map(|[x, y]| times.clone().map(move |t| Point { x, y, t, ..Point::default() }))
+        .iter()
+        .flat_map(|&[x, y, z]| times.clone().map(move |t| Point { x, y, z, t, zeta: 0.0 }))
         .collect()
 }

@@ -1,21 +1,37 @@
-//! `[domain]`: the rectangle, its sides, and the mesh family.
+//! `[domain]`: the rectangle or box, its sides, and the mesh family.
+
+use crate::formula::Point;
 
 use super::diagnostic::SceneError;
-use super::reading::Reading;
+use super::reading::{Reading, evenly};
 use super::written;
 
-/// A side of the rectangle; outward normals (-1,0), (1,0), (0,-1), (0,1).
+/// A side of the rectangle or box.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Side {
+    /// x = 0.
     Left,
+    /// x = size\[0\].
     Right,
+    /// y = 0.
     Bottom,
+    /// y = size\[1\].
     Top,
+    /// z = 0, of a box.
+    Front,
+    /// z = size\[2\], of a box.
+    Back,
 }
 
 impl Side {
-    /// The four sides.
-    pub const ALL: [Side; 4] = [Side::Left, Side::Right, Side::Bottom, Side::Top];
+    /// All sides; those of a rectangle come first.
+    pub const ALL: [Side; 6] =
+        [Side::Left, Side::Right, Side::Bottom, Side::Top, Side::Front, Side::Back];
+
+    /// The 2 d sides in dimension d.
+    pub fn of(dimension: usize) -> &'static [Side] {
+        &Self::ALL[..2 * dimension.min(3)]
+    }
 
     /// The name in scene files.
     pub fn name(self) -> &'static str {
@@ -24,22 +40,77 @@ impl Side {
             Side::Right => "right",
             Side::Bottom => "bottom",
             Side::Top => "top",
+            Side::Front => "front",
+            Side::Back => "back",
         }
     }
 
-    pub(super) fn parse(reading: &Reading, key: &str, word: &str) -> Result<Side, SceneError> {
-        reading.choice(key, word, &Side::ALL.map(|side| (side.name(), side)))
+    /// The axis of its normal.
+    pub fn axis(self) -> usize {
+        self as usize / 2
     }
 
-    /// The point of the side at the fraction s ∈ [0, 1], from left to right or from bottom to top.
-    pub(super) fn point(self, size: &[f64], s: f64) -> [f64; 2] {
-        match self {
-            Side::Left => [0.0, s * size[1]],
-            Side::Right => [size[0], s * size[1]],
-            Side::Bottom => [s * size[0], 0.0],
-            Side::Top => [s * size[0], size[1]],
-        }
+    /// True if the outward normal points along the axis, false if against it.
+    pub fn is_far(self) -> bool {
+        self as usize % 2 == 1
     }
+
+    /// The parallel side.
+    pub fn opposite(self) -> Side {
+        Self::ALL[self as usize ^ 1]
+    }
+
+    /// The outward normal, padded with zeros.
+    pub fn normal(self) -> [f64; 3] {
+        let mut normal = [0.0; 3];
+        normal[self.axis()] = if self.is_far() { 1.0 } else { -1.0 };
+        normal
+    }
+
+    pub(super) fn parse(
+        reading: &Reading,
+        key: &str,
+        word: &str,
+        dimension: usize,
+    ) -> Result<Side, SceneError> {
+        let known: Vec<_> = Side::of(dimension).iter().map(|side| (side.name(), *side)).collect();
+        reading.choice(key, word, &known)
+    }
+
+    /// Points of the side of a domain of this `size`: a grid with `intervals` steps along each of the
+    /// other axes, from small to large coordinates.
+    pub fn points(self, size: &[f64], intervals: u32) -> Vec<[f64; 3]> {
+        let mut points = vec![[0.0; 3]];
+        for (axis, &length) in size.iter().enumerate() {
+            let places: Vec<f64> = match axis == self.axis() {
+                true if self.is_far() => vec![length],
+                true => vec![0.0],
+                false => evenly(0.0, length, intervals).collect(),
+            };
+            points = combined(&points, axis, &places);
+        }
+        points
+    }
+}
+
+/// Where a point is, in words.
+pub(super) fn place(point: &Point, dimension: usize) -> String {
+    let named = [("x", point.x), ("y", point.y), ("z", point.z)];
+    let parts: Vec<String> =
+        named[..dimension].iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    parts.join(", ")
+}
+
+/// Each point with each place along an axis; the new axis varies slowest.
+fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
+    let with = |place: f64| {
+        points.iter().map(move |point| {
+            let mut point = *point;
+            point[axis] = place;
+            point
+        })
+    };
+    places.iter().flat_map(|&place| with(place)).collect()
 }
 
 /// How the domain is cut into simplices.
@@ -51,7 +122,7 @@ pub enum MeshFamily {
     Perturbed { amplitude: f64, seed: u64 },
 }
 
-/// The rectangle (0, size\[0\]) × (0, size\[1\]); each side is in exactly one of the three lists.
+/// The rectangle or box of the product of (0, size\[i\]); each side is in exactly one of the three lists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Domain {
     /// One length a dimension, positive.
@@ -71,12 +142,13 @@ impl Domain {
         written: &written::Domain,
         dimension: usize,
     ) -> Result<Domain, SceneError> {
-        reading.choice("domain.shape", &written.shape, &[("rectangle", ())])?;
+        let shape = if dimension == 3 { "box" } else { "rectangle" };
+        reading.choice("domain.shape", &written.shape, &[(shape, ())])?;
         let domain = Domain {
             size: size(reading, &written.size, dimension)?,
-            clamped: sides(reading, "domain.clamped", &written.clamped)?,
-            traction: sides(reading, "domain.traction", &written.traction)?,
-            contact: sides(reading, "domain.contact", &written.contact)?,
+            clamped: sides(reading, "domain.clamped", &written.clamped, dimension)?,
+            traction: sides(reading, "domain.traction", &written.traction, dimension)?,
+            contact: sides(reading, "domain.contact", &written.contact, dimension)?,
             mesh: mesh(reading, written.mesh.as_ref())?,
         };
         domain.each_side_once(reading)?;
@@ -92,10 +164,19 @@ impl Domain {
         Ok(domain)
     }
 
+    /// Points of the domain: a grid with `intervals` steps along each axis, ends included.
+    pub fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
+        let axes = self.size.iter().enumerate();
+        axes.fold(vec![[0.0; 3]], |points, (axis, &length)| {
+            let places: Vec<f64> = evenly(0.0, length, intervals).collect();
+            combined(&points, axis, &places)
+        })
+    }
+
     fn each_side_once(&self, reading: &Reading) -> Result<(), SceneError> {
         let lists =
             [("clamped", &self.clamped), ("traction", &self.traction), ("contact", &self.contact)];
-        let mut owner: [Option<&str>; 4] = [None; 4];
+        let mut owner: [Option<&str>; 6] = [None; 6];
         for (list, sides) in lists {
             for (index, side) in sides.iter().enumerate() {
                 if let Some(first) = owner[*side as usize].replace(list) {
@@ -108,8 +189,9 @@ impl Domain {
                 }
             }
         }
-        let is_free = |side: &Side| owner[*side as usize].is_none();
-        let free: Vec<&str> = Side::ALL.into_iter().filter(is_free).map(Side::name).collect();
+        let is_free = |side: &&Side| owner[**side as usize].is_none();
+        let all = Side::of(self.size.len()).iter();
+        let free: Vec<&str> = all.filter(is_free).map(|side| side.name()).collect();
         if free.is_empty() {
             return Ok(());
         }
@@ -144,12 +226,16 @@ fn size(reading: &Reading, size: &[f64], dimension: usize) -> Result<Vec<f64>, S
         .collect()
 }
 
-fn sides(reading: &Reading, key: &str, words: &[String]) -> Result<Vec<Side>, SceneError> {
-    words
-        .iter()
-        .enumerate()
-        .map(|(index, word)| Side::parse(reading, &format!("{key}.{index}"), word))
-        .collect()
+fn sides(
+    reading: &Reading,
+    key: &str,
+    words: &[String],
+    dimension: usize,
+) -> Result<Vec<Side>, SceneError> {
+    let parse = |(index, word): (usize, &String)| {
+        Side::parse(reading, &format!("{key}.{index}"), word, dimension)
+    };
+    words.iter().enumerate().map(parse).collect()
 }
 
 fn mesh(reading: &Reading, written: Option<&written::Mesh>) -> Result<MeshFamily, SceneError> {

@@ -1,34 +1,39 @@
 //! The gap g and the shift s: finite, and g concave on each contact side.
 
-use crate::formula::{Node, Point, Variable};
+use crate::formula::{Node, Point};
 
+use super::data::AXES;
 use super::diagnostic::SceneError;
-use super::domain::{Domain, Side};
+use super::domain::{Domain, Side, place};
 use super::heading::Hypothesis;
-use super::reading::{Reading, evenly, last};
+use super::reading::{Reading, last};
 use super::written::Formula;
 
 /// Intervals of a side at whose ends the gap is examined.
 const SAMPLES: u32 = 256;
+/// The same along each axis of a face of a box.
+const SAMPLES_OF_A_FACE: u32 = 32;
 /// Second differences below this part of the gap's size are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// A formula in x and y that is finite on the contact sides.
+/// A formula in x, y (and z) that is finite on the contact sides.
 pub(super) fn finite_on_contact(
     reading: &mut Reading,
     key: &str,
     formula: &Formula,
     domain: &Domain,
 ) -> Result<Node, SceneError> {
-    let scope = reading.scope(&[Variable::X, Variable::Y]);
+    let dimension = domain.size.len();
+    let scope = reading.scope(&AXES[..dimension]);
     let node = reading.formula(key, formula, &scope)?;
     for side in &domain.contact {
-        if let Some((point, value)) = reading.first_not_finite(node, points(*side, domain)) {
+        if let Some((point, value)) =
+            reading.first_not_finite(node, points(*side, domain, samples(domain)))
+        {
             let message = format!(
-                "`{}` is {value} at ({}, {}) on the side {}",
+                "`{}` is {value} at {} on the side {}",
                 last(key),
-                point.x,
-                point.y,
+                place(&point, dimension),
                 side.name()
             );
             return Err(reading.error(key, message, "it must be finite on every contact side; for no constraint at all write gap = \"inf\""));
@@ -60,10 +65,9 @@ fn concave(reading: &mut Reading, gap: Node, domain: &Domain) -> Result<(), Scen
             continue;
         };
         let message = format!(
-            "the gap is not concave on the side {}: second derivative {bend:.4} at ({}, {})",
+            "the gap is not concave on the side {}: second derivative {bend:.4} at {}",
             side.name(),
-            point.x,
-            point.y
+            place(&point, domain.size.len())
         );
         let hint = "U^h ⊂ U needs a concave gap; to run it on purpose, write violates = [\"concave_gap\"] in [scene]";
         return Err(reading.error("contact.gap", message, hint));
@@ -79,34 +83,74 @@ fn steepest_bend(
     side: Side,
     domain: &Domain,
 ) -> Option<(Point, f64)> {
-    let curvature = second_derivative(reading, gap, side);
-    let points: Vec<Point> = points(side, domain).collect();
-    let spacing = (points[1].x - points[0].x) + (points[1].y - points[0].y);
-    let value = |node: Node, point: &Point| reading.formulas.evaluate(node, point);
-    let values: Vec<f64> = points.iter().map(|point| value(gap, point)).collect();
+    let along: Vec<usize> = (0..domain.size.len()).filter(|&axis| axis != side.axis()).collect();
+    let intervals = samples(domain);
+    let points: Vec<Point> = points(side, domain, intervals).collect();
+    let value = |reading: &Reading, node: Node, at: &Point| reading.formulas.evaluate(node, at);
+    let values: Vec<f64> = points.iter().map(|point| value(reading, gap, point)).collect();
     let size = values.iter().fold(f64::MIN_POSITIVE, |size, value| size.max(value.abs()));
-    let exact = points.iter().map(|point| (*point, value(curvature, point)));
-    let second_difference = |g: &[f64]| (g[0] - 2.0 * g[1] + g[2]) / (spacing * spacing);
-    let differences =
-        points[1..].iter().zip(values.windows(3)).map(|(point, g)| (*point, second_difference(g)));
-    let upward =
-        exact.chain(differences).filter(|(_, bend)| bend * spacing * spacing > ROUNDING * size);
+    let lengths: Vec<f64> =
+        along.iter().map(|&axis| domain.size[axis] / f64::from(intervals)).collect();
+    let spacing = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+    let bends = Bends::new(reading, gap, &along);
+    let mut found: Vec<(Point, f64)> =
+        points.iter().map(|at| (*at, bends.largest(|node| value(reading, node, at)))).collect();
+    // Neighbours on both sides of a sample, along the axes and across a face.
+    let row = intervals as isize + 1;
+    let steps: &[(isize, isize)] =
+        if along.len() == 1 { &[(1, 0)] } else { &[(1, 0), (0, 1), (1, 1), (1, -1)] };
+    for (at, point) in points.iter().enumerate() {
+        let (i, j) = (at as isize % row, at as isize / row);
+        let rows = points.len() as isize / row;
+        for &(p, q) in steps {
+            let inside = |i: isize, j: isize| (0..row).contains(&i) && (0..rows).contains(&j);
+            if inside(i - p, j - q) && inside(i + p, j + q) {
+                let shift = q * row + p;
+                let [before, after] =
+                    [-shift, shift].map(|shift| values[(at as isize + shift) as usize]);
+                let across = lengths.get(1).copied().unwrap_or(0.0);
+                let squared = (p as f64 * lengths[0]).powi(2) + (q as f64 * across).powi(2);
+                found.push((*point, (before - 2.0 * values[at] + after) / squared));
+            }
+        }
+    }
+    let upward = found.into_iter().filter(|(_, bend)| bend * spacing * spacing > ROUNDING * size);
     upward.reduce(|steepest, next| if next.1 > 1.001 * steepest.1 { next } else { steepest })
 }
 
-/// The second derivative along a side.
-fn second_derivative(reading: &mut Reading, gap: Node, side: Side) -> Node {
-    let along = match side {
-        Side::Left | Side::Right => Variable::Y,
-        Side::Bottom | Side::Top => Variable::X,
-    };
-    let slope = reading.formulas.derivative(gap, along);
-    reading.formulas.derivative(slope, along)
+/// The second derivatives along a side.
+struct Bends {
+    first: Node,
+    /// g_ab and g_bb on a face of a box.
+    others: Option<[Node; 2]>,
 }
 
-fn points(side: Side, domain: &Domain) -> impl Iterator<Item = Point> {
-    evenly(0.0, 1.0, SAMPLES).map(move |s| {
-        let [x, y] = side.point(&domain.size, s);
-        Point { x, y, ..Point::default() }
-    })
+impl Bends {
+    fn new(reading: &mut Reading, gap: Node, along: &[usize]) -> Self {
+        let mut second = |a: usize, b: usize| {
+            let slope = reading.formulas.derivative(gap, AXES[a]);
+            reading.formulas.derivative(slope, AXES[b])
+        };
+        let first = second(along[0], along[0]);
+        let others = along.get(1).map(|&b| [second(along[0], b), second(b, b)]);
+        Self { first, others }
+    }
+
+    /// The largest second derivative over all directions: the larger eigenvalue.
+    fn largest(&self, value: impl Fn(Node) -> f64) -> f64 {
+        let first = value(self.first);
+        let Some([mixed, second]) = self.others.map(|nodes| nodes.map(&value)) else {
+            return first;
+        };
+        0.5 * (first + second) + (0.5 * (first - second)).hypot(mixed)
+    }
+}
+
+fn samples(domain: &Domain) -> u32 {
+    if domain.size.len() == 2 { SAMPLES } else { SAMPLES_OF_A_FACE }
+}
+
+fn points(side: Side, domain: &Domain, intervals: u32) -> impl Iterator<Item = Point> {
+    let place = |[x, y, z]: [f64; 3]| Point { x, y, z, ..Point::default() };
+    side.points(&domain.size, intervals).into_iter().map(place)
 }

@@ -122,15 +122,11 @@ fn dimension(reading: &Reading, dimension: i64, kind: Kind) -> Result<usize, Sce
             format!("X = R^m with m from 1 to {MOST}: matrices are dense"),
         )),
         2 => Ok(2),
-        3 => Err(reading.error(
-            "scene.dimension",
-            "dimension 3 is not available yet",
-            "write dimension = 2 (plane strain)",
-        )),
+        3 => Ok(3),
         _ => Err(reading.error(
             "scene.dimension",
             format!("dimension {dimension} has no contact problem"),
-            "write dimension = 2 (plane strain)",
+            "write dimension = 2 (plane strain) or 3",
         )),
     }
 }

@@ -50,24 +50,8 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
     Err(scene.error("contact.law", message, hint).into())
 }
 
-fn side_point(setup: &Setup, side: Side, i: u32) -> [f64; 2] {
-    let size = &setup.body.domain.size;
-    let s = f64::from(i) / f64::from(ALONG);
-    match side {
-        Side::Left => [0.0, s * size[1]],
-        Side::Right => [size[0], s * size[1]],
-        Side::Bottom => [s * size[0], 0.0],
-        Side::Top => [s * size[0], size[1]],
-    }
-}
-
 fn side_points(setup: &Setup, side: Side) -> Vec<[f64; 3]> {
-    (0..=ALONG)
-        .map(|i| {
-            let [x, y] = side_point(setup, side, i);
-            [x, y, 0.0]
-        })
-        .collect()
+    side.points(&setup.body.domain.size, ALONG)
 }
 
 /// Calls `visit` with place, time and the values of all outputs at every sample.
@@ -130,13 +114,7 @@ fn interior(setup: &Setup) -> Vec<[f64; 3]> {
 
 /// u_ν ≤ g, λ ≥ 0, λ(g - u_ν) = 0, ξ ∈ ∂j_ν(u_ν) on a side of Γ3.
 fn contact_state(setup: &Setup, exact: &Exact, side: Side) -> Result<(), SetupError> {
-    let normal = match side {
-        Side::Left => [-1.0, 0.0],
-        Side::Right => [1.0, 0.0],
-        Side::Bottom => [0.0, -1.0],
-        Side::Top => [0.0, 1.0],
-    };
-    let formulas = exact.boundary(&normal);
+    let formulas = exact.boundary(&side.normal()[..setup.scene.dimension]);
     let (points, horizon) = (side_points(setup, side), setup.scene.time.horizon);
     visit(&formulas.program, 5, &points, horizon, |at, values| {
         let &[u_nu, _, gap, xi, lambda] = values else { return Ok(()) };

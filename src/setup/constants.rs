@@ -5,7 +5,6 @@ use super::{Setup, SetupError};
 use crate::contact::TraceMass;
 use crate::formula::Point;
 use crate::law::Isotropic;
-use crate::scene::Side;
 use crate::vhi::StepBounds;
 
 /// Constants that the step-size bound and the smallness condition need.
@@ -68,6 +67,8 @@ impl Constants {
 
 /// Meshes on which c_j² is computed before extrapolation.
 const LEVELS: [u32; 3] = [8, 16, 32];
+/// The same in space, where the cost of a level is that of a plane one four times as fine.
+const LEVELS_IN_SPACE: [u32; 3] = [2, 4, 8];
 /// Samples of the kernel on [0, T].
 const KERNEL_SAMPLES: u32 = 512;
 
@@ -77,8 +78,11 @@ const KERNEL_SAMPLES: u32 = 512;
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
     let domain = &setup.body.domain;
-    let c_j_squared =
-        if domain.contact.is_empty() { 0.0 } else { strain_trace_family(setup, &LEVELS)?.limit };
+    let c_j_squared = if domain.contact.is_empty() {
+        0.0
+    } else {
+        strain_trace_family(setup, trace_levels(setup))?.limit
+    };
     Ok(with_trace_constant(setup, c_j_squared))
 }
 
@@ -87,8 +91,11 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
 /// # Errors
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
-    let c_j_squared =
-        if alpha_nu(setup) == 0.0 { 0.0 } else { strain_trace_family(setup, &LEVELS)?.limit };
+    let c_j_squared = if alpha_nu(setup) == 0.0 {
+        0.0
+    } else {
+        strain_trace_family(setup, trace_levels(setup))?.limit
+    };
     Ok(with_trace_constant(setup, c_j_squared).step_bounds())
 }
 
@@ -151,18 +158,17 @@ fn memory_norms(setup: &Setup) -> MemoryNorms {
 /// |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
 ///
 /// On the structured mesh the vertex rule obeys it too: ∂_y v_y is constant on the vertical edges,
-/// each triangle has one of them, and h times the sum over edges with the vertex weights is the
+/// each triangle has one of them (a tetrahedron as well), and h times the sum over edges with the vertex weights is the
 /// integral over Ω.
 fn proved_bound(setup: &Setup) -> Option<f64> {
     let domain = &setup.body.domain;
     let [side] = domain.contact[..] else { return None };
-    let (opposite, distance) = match side {
-        Side::Bottom => (Side::Top, domain.size[1]),
-        Side::Top => (Side::Bottom, domain.size[1]),
-        Side::Left => (Side::Right, domain.size[0]),
-        Side::Right => (Side::Left, domain.size[0]),
-    };
-    domain.clamped.contains(&opposite).then_some(distance)
+    domain.clamped.contains(&side.opposite()).then(|| domain.size[side.axis()])
+}
+
+/// The meshes of the extrapolated c_j².
+pub fn trace_levels(setup: &Setup) -> &'static [u32] {
+    if setup.scene.dimension == 2 { &LEVELS } else { &LEVELS_IN_SPACE }
 }
 
 fn strain_trace_family(setup: &Setup, levels: &[u32]) -> Result<TraceFamily, SetupError> {

@@ -8,7 +8,7 @@ use crate::formula::{Graph, Node, Point, Program};
 use crate::manufactured::Truth;
 use crate::norms::{Moments, ReferenceRun};
 use crate::scene::Side;
-use crate::space::quadrature::{edge, triangle_degree_4};
+use crate::space::quadrature::{edge, tetrahedron_degree_5, triangle_degree_4, triangle_degree_6};
 
 /// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.
 ///
@@ -127,16 +127,19 @@ impl Term {
     /// Adds the integral at time t to a nodal vector.
     fn add_to(&self, t: f64, space: &Discretization, force: &mut [f64]) {
         let mesh = &space.mesh;
+        let plane = mesh.dimension == 2;
         let (rule, simplices): (_, Vec<(&[u32], f64)>) = match self.part {
             Part::Body => {
                 let cells = 0..mesh.cell_count();
                 let sized = cells.map(|c| (mesh.cell(c), space.geometry.measure[c]));
-                (triangle_degree_4(), sized.collect())
+                let rule = if plane { triangle_degree_4() } else { tetrahedron_degree_5() };
+                (rule, sized.collect())
             }
             Part::Side(side) => {
                 let sides = [side];
                 let sized = mesh.facets_on(&sides).map(|f| (mesh.facet(f), facet_measure(mesh, f)));
-                (edge(4), sized.collect())
+                let rule = if plane { edge(4) } else { triangle_degree_6() };
+                (rule, sized.collect())
             }
         };
         let points: Vec<[f64; 3]> = simplices

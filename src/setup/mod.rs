@@ -18,7 +18,9 @@ use std::sync::Arc;
 pub use abstract_constants::AbstractConstants;
 pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
 pub use admissible::admissible;
-pub use constants::{Constants, MemoryNorms, constants, step_bounds, with_trace_constant};
+pub use constants::{
+    Constants, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
+};
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
@@ -37,7 +39,7 @@ use crate::linalg::{EigenError, FactorError};
 use crate::manufactured::{
     ComplianceRule, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
 };
-use crate::mesh::{Family, rectangle};
+use crate::mesh::{Family, cuboid, rectangle};
 use crate::scene::{
     self, Body, ContactQuadrature, ContactScene, Data, MeshFamily, Scene, SceneError, Side,
 };
@@ -109,7 +111,10 @@ impl Setup {
             MeshFamily::Structured => Family::Structured,
             MeshFamily::Perturbed { amplitude, seed } => Family::Perturbed { amplitude, seed },
         };
-        let mesh = rectangle([domain.size[0], domain.size[1]], n, family);
+        let mesh = match domain.size[..] {
+            [a, b, c] => cuboid([a, b, c], n, family),
+            _ => rectangle([domain.size[0], domain.size[1]], n, family),
+        };
         let numbers = |sides: &[Side]| -> Vec<u32> {
             sides.iter().filter_map(|side| mesh.side(side.name())).collect()
         };

@@ -9,15 +9,11 @@ use crate::scene::{AbstractScene, ContactScene, Hypothesis, Scene, Side};
 
 /// The sides of a scene's rectangle.
 pub fn sides(body: &ContactScene) -> Vec<SideOfRectangle> {
-    Side::ALL
-        .into_iter()
+    Side::of(2)
+        .iter()
+        .copied()
         .map(|side| SideOfRectangle {
-            normal: match side {
-                Side::Left => [-1.0, 0.0],
-                Side::Right => [1.0, 0.0],
-                Side::Bottom => [0.0, -1.0],
-                Side::Top => [0.0, 1.0],
-            },
+            normal: [side.normal()[0], side.normal()[1]],
             clamped: body.domain.clamped.contains(&side),
             contact: body.domain.contact.contains(&side),
         })

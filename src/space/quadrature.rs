@@ -61,6 +61,33 @@ fn triangle(orbits: &[Orbit]) -> Rule {
     Rule { points, weights }
 }
 
+/// Tetrahedron rule of 14 points, exact for degree 5: the rule of the loads.
+///
+/// Source: the rule of this symmetry with positive weights, N. J. Walkington, Quadrature on simplices of
+/// arbitrary dimension (2000).
+pub fn tetrahedron_degree_5() -> Rule {
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for (weight, a) in [
+        (0.112_687_925_718_015_85, 0.310_885_919_263_300_6),
+        (0.073_493_043_116_361_95, 0.092_735_250_310_891_23),
+    ] {
+        for corner in 0..4 {
+            let mut point = vec![a; 4];
+            point[corner] = 1.0 - 3.0 * a;
+            points.push(point);
+            weights.push(weight);
+        }
+    }
+    let (weight, a) = (0.042_546_020_777_081_466, 0.045_503_704_125_649_65);
+    for (p, q) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
+        let mut point = vec![0.5 - a; 4];
+        (point[p], point[q]) = (a, a);
+        points.push(point);
+        weights.push(weight);
+    }
+    Rule { points, weights }
+}
+
 /// Gauss-Legendre rule with `count` points on an edge, exact for degree 2·count - 1.
 pub fn edge(count: usize) -> Rule {
     let (mut points, mut weights) = (Vec::new(), Vec::new());
@@ -109,6 +136,27 @@ mod tests {
             .zip(&rule.weights)
             .map(|(p, w)| w * p[1].powi(i as i32) * p[2].powi(j as i32))
             .sum()
+    }
+
+    /// ∫ of x^i y^j z^l over the reference tetrahedron, divided by its volume: 6 i! j! l! / (i+j+l+3)!.
+    #[test]
+    fn the_tetrahedron_rule_has_exactly_its_degree() {
+        let factorial = |m: i32| (1..=m).map(f64::from).product::<f64>();
+        let rule = tetrahedron_degree_5();
+        let off = |i: i32, j: i32, l: i32| {
+            let power = |p: &Vec<f64>| p[1].powi(i) * p[2].powi(j) * p[3].powi(l);
+            let sum: f64 = rule.points.iter().zip(&rule.weights).map(|(p, w)| w * power(p)).sum();
+            (sum - 6.0 * factorial(i) * factorial(j) * factorial(l) / factorial(i + j + l + 3))
+                .abs()
+        };
+        for i in 0..=5 {
+            for j in 0..=5 - i {
+                // Points and weights are given to 16 digits.
+                assert!((0..=5 - i - j).all(|l| off(i, j, l) < 1e-15), "{i} {j}");
+            }
+        }
+        assert!(off(6, 0, 0) > 1e-5);
+        assert!(rule.weights.iter().all(|weight| *weight > 0.0));
     }
 
     #[test]

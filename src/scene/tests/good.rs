@@ -46,6 +46,32 @@ order = 1.0
 why = "(5.26)"
 "#;
 
+/// A good scene in space; cases count its lines.
+pub(super) const BOX: &str = r#"[scene]
+name = "box"
+question = "Is this text refused where it should be?"
+dimension = 3
+judge = false
+[domain]
+shape = "box"
+size = [1.0, 0.5, 1.0]
+clamped = ["top"]
+traction = ["left", "right", "front", "back"]
+contact = ["bottom"]
+[time]
+horizon = 1.0
+grid = { kind = "uniform" }
+[material]
+lambda = 1.0
+mu_L = 1.0
+[contact]
+gap = "0.10 - 0.01*(x + z)^2"
+quadrature = "vertex"
+[loads]
+body = ["0", "-3*t*x*z", "0"]
+traction = { front = ["0", "0", "x*t"] }
+"#;
+
 /// A good scene with an exact solution; cases count its lines.
 pub(super) const EXACT: &str = r#"[scene]
 name = "exact"

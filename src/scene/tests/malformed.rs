@@ -2,7 +2,7 @@
 //!
 //! Each case edits one place of a good text and names the line and column (from 1) and a phrase.
 
-use super::good::{EXACT, LOADED, refused};
+use super::good::{BOX, EXACT, LOADED, refused};
 use crate::scene::{Scene, Source};
 
 /// One edit of a good text, and the message that it must give.
@@ -73,7 +73,8 @@ fn keys_and_types() {
 #[rustfmt::skip]
 fn heading_and_domain() {
     check(LOADED, &[
-        case("dimension = 2", "dimension = 3", 4, 13, "dimension 3 is not available yet"),
+        case("dimension = 2", "dimension = 4", 4, 13, "dimension 4 has no contact problem"),
+        case("dimension = 2", "dimension = 3", 7, 9, "unknown value `rectangle` of `shape`"),
         case("name = \"block\"", "name = \"a block\"", 2, 8, "cannot name a scene"),
         case("judge = true", "expect = \"fails\"", 5, 10, "did you mean `fail`?"),
         case("judge = true", "violates = [\"2.8\"]", 5, 13, "known: 2.9, concave_gap, 5.1, 3.4, 3.17, 5.25"),
@@ -116,13 +117,33 @@ fn time_and_material() {
 
 #[test]
 #[rustfmt::skip]
+fn in_space() {
+    assert!(Scene::from_source(Source::from_text("box.toml", BOX)).is_ok());
+    check(BOX, &[
+        case("\"box\"\nsize", "\"rectangle\"\nsize", 7, 9, "unknown value `rectangle` of `shape`"),
+        case("[1.0, 0.5, 1.0]", "[1.0, 0.5]", 8, 8, "2 entries in dimension 3"),
+        case(", \"back\"]", "]", 6, 1, "no condition on the side back"),
+        // Saddles bend upward along one diagonal, kinks across one line.
+        case("- 0.01*(x + z)^2", "+ 0.2*x*z", 19, 7, "second derivative 0.2"),
+        case("- 0.01*(x + z)^2", "+ 0.1*abs(x - z)", 19, 7, "not concave on the side bottom"),
+        case("- 0.01*(x + z)^2", "/ z", 19, 7, "`gap` is inf at x = 0, y = 0, z = 0"),
+        case("\"vertex\"", "\"exact\"", 20, 14, "cuts edges"),
+        case(", \"0\"]\ntraction", "]\ntraction", 22, 8, "2 components in dimension 3"),
+        case("x*z\"", "x/z\"", 22, 14, "at x = 0, y = 0, z = 0, t = 0"),
+        case("[loads]\nbody", "[exact]\nu", 21, 2, "an exact solution in dimension 3 is not available yet"),
+        case("[loads]", "[sweep]\nn = [2]\nsteps = [2]\nreference = { n = 4, steps = 4 }\n[loads]", 24, 13, "not available yet"),
+    ]);
+}
+
+#[test]
+#[rustfmt::skip]
 fn contact() {
     check(LOADED, &[
         case("gap = \"0.10\"", "gap = \"0.1 + 0.2*x^2\"", 27, 7, "not concave on the side bottom: second derivative 0.4"),
         case("gap = \"0.10\"", "gap = \"0.1 + 0.2*abs(x - 0.5)\"", 27, 7, "violates = [\"concave_gap\"]"),
-        case("gap = \"0.10\"", "gap = \"0.1/x\"", 27, 7, "`gap` is inf at (0, 0)"),
+        case("gap = \"0.10\"", "gap = \"0.1/x\"", 27, 7, "`gap` is inf at x = 0, y = 0"),
         case("gap = \"0.10\"", "gap = \"0.1*t\"", 27, 12, "`t` is not allowed here"),
-        case("gap = \"0.10\"", "shift = \"log(x)\"", 27, 9, "`shift` is -inf at (0, 0)"),
+        case("gap = \"0.10\"", "shift = \"log(x)\"", 27, 9, "`shift` is -inf at x = 0, y = 0"),
         case("[0.04, 0.08]", "[0.0, -0.1]", 28, 58, "(2.8c) then fails for every alpha"),
         case("[0.04, 0.08]", "[-0.04, 0.08]", 28, 58, "must be sorted"),
         case("[0.04, 0.08]", "[0.04, 0.08, 1.0]", 28, 58, "not a point"),

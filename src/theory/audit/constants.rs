@@ -62,11 +62,10 @@ impl AuditConstants {
 
 /// |Γ3|.
 fn contact_length(setup: &Setup) -> f64 {
-    use crate::scene::Side;
     let domain = &setup.body.domain;
-    let length = |side: &Side| match side {
-        Side::Bottom | Side::Top => domain.size[0],
-        Side::Left | Side::Right => domain.size[1],
+    let axes = 0..domain.size.len();
+    let area = |normal: usize| -> f64 {
+        axes.clone().filter(|&axis| axis != normal).map(|axis| domain.size[axis]).product()
     };
-    domain.contact.iter().map(length).sum()
+    domain.contact.iter().map(|side| area(side.axis())).sum()
 }

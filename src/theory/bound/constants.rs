@@ -61,7 +61,9 @@ pub struct TraceConstants {
 }
 
 /// The meshes on which trace constants are computed.
-pub const LEVELS: [u32; 6] = [8, 16, 32, 64, 128, 256];
+const LEVELS: [u32; 6] = [8, 16, 32, 64, 128, 256];
+/// The same in space, up to 15,000 unknowns.
+const LEVELS_IN_SPACE: [u32; 4] = [2, 4, 8, 16];
 
 impl TraceConstants {
     /// The families of a scene; none without contact sides.
@@ -73,7 +75,8 @@ impl TraceConstants {
             return Ok(None);
         }
         let fits = |n: &u32| setup.scene.check_cells(*n).is_ok();
-        let levels: Vec<u32> = LEVELS.into_iter().filter(fits).collect();
+        let levels = if setup.scene.dimension == 2 { &LEVELS[..] } else { &LEVELS_IN_SPACE };
+        let levels: Vec<u32> = levels.iter().copied().filter(fits).collect();
         let strain = Isotropic { lambda: 0.0, mu: 0.5 };
         let family = |tensor: &Isotropic, mass| trace_family(setup, tensor, mass, &levels);
         let both = |tensor: &Isotropic| {
