@@ -55,7 +55,7 @@ fn forces<P: Projection>(problem: &mut ContactProblem<'_, P>, u: &[f64]) -> Vec<
     problem.residual(u, &mut out);
     let graph = problem.graph();
     for (i, at) in graph.coordinates.iter().enumerate() {
-        let pressure = graph.value_and_slope(i, graph.normal(i, u)).0;
+        let pressure = graph.value_and_slope(i, 0, graph.normal(i, u)).0;
         out[at.dof as usize] += at.sign * at.weight * pressure;
     }
     out
@@ -85,7 +85,7 @@ fn mismatch<P: Projection>(space: &Discretization, model: &Model<P>, pin: bool, 
             let graph = problem.graph();
             let (mut slopes, mut prescribed) = (Vec::new(), Vec::new());
             for (i, at) in graph.coordinates.iter().enumerate() {
-                let slope = at.weight * graph.value_and_slope(i, graph.normal(i, u)).1;
+                let slope = at.weight * graph.value_and_slope(i, 0, graph.normal(i, u)).1;
                 let pinned = pin && i % 2 == 0;
                 slopes.push(if pinned { 0.0 } else { slope });
                 prescribed.push(pinned.then(|| d[at.dof as usize]));
