@@ -105,8 +105,7 @@ fn assemblies_differ(scene: &str, distort: impl Fn([f64; 3]) -> [f64; 3]) -> f64
         let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
         stress_force::<2, 3>(gradients, nodes, &stress, &mut force);
     }
-    let on_contact =
-        |dof: usize| space.trace.points.iter().any(|p| p.component / 2 == dof as u32 / 2);
+    let on_contact = |dof: usize| space.trace.points.iter().any(|p| p.node == dof as u32 / 2);
     let size = load.iter().fold(0f64, |size, f| size.max(f.abs()));
     let inner = (0..load.len()).filter(|&dof| !on_contact(dof));
     inner.map(|dof| (load[dof] - force[dof]).abs() / size).fold(0.0, f64::max)
