@@ -187,6 +187,10 @@ impl What {
             scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
             let plan = ScenePlan::new(Subject::new(scene)?, &overrides);
             let scene = plan.scene();
+            if plan.cases.is_empty() && !named {
+                // A scene without a grid is there for `sweep solve`.
+                continue;
+            }
             if plan.cases.is_empty() {
                 let hint = "add [sweep] with n and steps, or give --n and --steps";
                 return Err(scene.error("scene.name", "the scene has no case to run", hint).into());
