@@ -73,7 +73,7 @@ pub fn order_interval(
     };
     let law = power_law(samples)?;
     let student = law.interval.ok_or(too_few)?;
-    let windows = Interval::of(window_slopes(samples)?).ok_or(too_few)?;
+    let windows = windows(samples)?;
     let drift = Interval::around(last, 2.0 * (last - previous).abs());
     let curvature = match samples.len() {
         0..=WINDOW => None,
@@ -86,12 +86,33 @@ pub fn order_interval(
     Ok(OrderInterval { law, interval, student, windows, drift, curvature })
 }
 
-/// Slopes over every contiguous window of at least three points.
-fn window_slopes(samples: &[Sample]) -> Result<Vec<f64>, FitError> {
-    (WINDOW..=samples.len())
-        .flat_map(|length| samples.windows(length))
-        .map(|window| power_law(window).map(|law| law.order))
-        .collect()
+/// Hull of the slopes over every contiguous window of at least three points. The sums of a
+/// window go on from those of the shorter one with the same first point, so that all n²/2 of
+/// them cost O(n²), and are relative to that point, so that nothing cancels.
+fn windows(samples: &[Sample]) -> Result<Interval, FitError> {
+    let logs: Vec<(f64, f64)> =
+        samples.iter().map(|sample| (sample.step.ln(), sample.error.ln())).collect();
+    let mut hull: Option<Interval> = None;
+    for (start, origin) in logs.iter().enumerate() {
+        let [mut x_sum, mut y_sum, mut xx_sum, mut xy_sum] = [0.0; 4];
+        for (length, (x, y)) in (1..).zip(&logs[start..]) {
+            let (x, y) = (x - origin.0, y - origin.1);
+            x_sum += x;
+            y_sum += y;
+            xx_sum += x * x;
+            xy_sum += x * y;
+            if length >= WINDOW {
+                let count = length as f64;
+                let slope = (count * xy_sum - x_sum * y_sum) / (count * xx_sum - x_sum * x_sum);
+                if !slope.is_finite() {
+                    return Err(FitError::Singular { points: length });
+                }
+                let slope = Interval { lo: slope, hi: slope };
+                hull = Some(hull.map_or(slope, |hull| hull.hull(slope)));
+            }
+        }
+    }
+    hull.ok_or(FitError::TooFew { found: samples.len(), needed: WINDOW })
 }
 
 #[cfg(test)]

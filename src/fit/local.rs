@@ -1,6 +1,8 @@
 //! Orders and constants of neighbouring grids.
 
-use super::{Interval, Sample, student_quantile};
+use nalgebra::{DMatrix, DVector};
+
+use super::{Interval, Sample, linear_fit, student_quantile};
 
 /// Local slopes p_i = ln(e_i / e_{i+1}) / ln(s_i / s_{i+1}), with the true ratio of the steps
 /// and with sign: divergence is negative.
@@ -11,9 +13,15 @@ pub fn local_slopes(samples: &[Sample]) -> Vec<f64> {
         .collect()
 }
 
+/// Points from which the next term of the expansion is fitted beside a constant: two degrees
+/// of freedom, Student's factor 4.3; one would have 12.7.
+const CURVED: usize = 4;
+
 /// The constant C = e / s^p under a given order p: its value on the finest grid, and the hull
-/// of the Student interval of the mean of log C (noise) with the last value times or over the
-/// square of its last change (drift). Needs two samples.
+/// of the Student interval of the mean of log C (noise), the last value times or over the
+/// square of its last change (drift), and, from four points on, the Student interval of c in
+/// log C = c + D s (the limit s → 0, with the next term of the expansion fitted). Needs two
+/// samples.
 pub fn constant_under(order: f64, samples: &[Sample]) -> Option<(f64, Interval)> {
     let logs: Vec<f64> =
         samples.iter().map(|sample| sample.error.ln() - order * sample.step.ln()).collect();
@@ -25,7 +33,22 @@ pub fn constant_under(order: f64, samples: &[Sample]) -> Option<(f64, Interval)>
     let variance = logs.iter().map(|log| (log - mean).powi(2)).sum::<f64>() / (count - 1.0);
     let radius = student_quantile(logs.len() - 1)? * (variance / count).sqrt();
     let drift = Interval::around(last, 2.0 * (last - previous).abs());
-    Some((last.exp(), drift.hull(Interval::around(mean, radius)).exp()))
+    let hull = drift.hull(Interval::around(mean, radius));
+    let hull = limit(&logs, samples).map_or(hull, |part| hull.hull(part));
+    Some((last.exp(), hull.exp()))
+}
+
+/// Student interval of c in log C = c + D s.
+fn limit(logs: &[f64], samples: &[Sample]) -> Option<Interval> {
+    if samples.len() < CURVED {
+        return None;
+    }
+    let coarsest = samples.iter().map(|sample| sample.step).fold(0.0, f64::max);
+    let design = DMatrix::from_fn(samples.len(), 2, |row, column| match column {
+        0 => 1.0,
+        _ => samples[row].step / coarsest,
+    });
+    linear_fit(design, &DVector::from_column_slice(logs))?.interval(0)
 }
 
 #[cfg(test)]
