@@ -1,6 +1,7 @@
 //! Whether a grid of cases determines an order in h and one in k.
 
-use super::{Direction, JointFit, Point};
+use super::log_table::Shape;
+use super::{Direction, JointFit, Point, SAME_LEVEL};
 use crate::record::counted;
 
 /// Levels needed in each direction: two give an order, the third its uncertainty.
@@ -17,9 +18,6 @@ const SMALLEST_SHARE: f64 = 0.1;
 /// Bound of the scaled condition: beyond it, a bias of 1 in 1000 of the errors moves an order
 /// by its own size.
 const LARGEST_CONDITION: f64 = 1e3;
-
-/// Two steps are one level if they differ by rounding only.
-const SAME_LEVEL: f64 = 1e-9;
 
 /// The points do not determine both orders; what to run instead.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -44,6 +42,12 @@ impl NotIdentifiable {
 /// Levels, number of points and independence of h and k.
 pub(super) fn check_grid(points: &[Point], parameters: usize) -> Result<(), NotIdentifiable> {
     check_levels(points, parameters, LEVELS)
+}
+
+/// The grid without its coarsest level: of a fit with given orders two levels are enough.
+pub(super) fn check_clip(points: &[Point], shape: Shape) -> Result<(), NotIdentifiable> {
+    let needed = if shape.orders.is_some() { 2 } else { LEVELS };
+    check_levels(points, shape.parameters(), needed)
 }
 
 /// The same where the next term of each expansion is fitted as well: one level more.

@@ -4,6 +4,7 @@
 //! the logarithmic line, so the Student interval alone misses the truth. The interval of an
 //! order is therefore a hull of four parts, see [`order_interval`].
 
+mod grid_fit;
 mod hull;
 mod identifiable;
 mod interval;
@@ -11,6 +12,7 @@ mod joint;
 mod least_squares;
 mod levenberg_marquardt;
 mod local;
+mod log_table;
 mod model;
 mod power_law;
 mod screen;
@@ -25,6 +27,9 @@ pub use local::{constant_under, local_slopes};
 pub use model::Model;
 pub use power_law::{PowerLaw, power_law};
 pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen};
+
+/// Two steps are one level if they differ by rounding only: tables carry 1/3 as 0.333333333.
+const SAME_LEVEL: f64 = 1e-9;
 
 /// One entry of an error table. A missing error is NaN, an unmeasured floor is 0, and a step
 /// that the table does not have is NaN.

@@ -1,6 +1,6 @@
 //! Which points of a table may carry an order.
 
-use super::{Direction, FitError, Point};
+use super::{Direction, FitError, Point, SAME_LEVEL};
 
 /// A point counts if its error is above so many floors: the floor then moves log e by less
 /// than 1/20, and a slope over one halving by less than 0.07.
@@ -81,7 +81,8 @@ pub fn samples(points: &[Point], direction: Direction) -> Result<Vec<Sample>, Fi
         .filter(|sample| sample.step.is_finite() && sample.step > 0.0)
         .collect();
     samples.sort_by(|a, b| b.step.total_cmp(&a.step));
-    match samples.windows(2).find(|pair| pair[0].step == pair[1].step) {
+    let repeated = |pair: &&[Sample]| pair[1].step >= pair[0].step * (1.0 - SAME_LEVEL);
+    match samples.windows(2).find(repeated) {
         Some(pair) => Err(FitError::RepeatedStep { step: pair[0].step }),
         None => Ok(samples),
     }

@@ -104,7 +104,6 @@ fn judge_line(
             return Finding::without_order(Decision::Unresolved, reason);
         }
     };
-    let order = prediction.order;
     let (decision, mut reason) = decide(&found, prediction, &next());
     if let Some(note) = other_term(&cases.points(&prediction.norm), selection, direction) {
         reason = format!("{reason}; {note}");
@@ -118,7 +117,7 @@ fn judge_line(
             drift: pair(found.drift),
             curvature: found.curvature.map(pair),
         }),
-        constants: constants(&samples, order, direction),
+        constants: constants(&samples, prediction, direction),
         decision,
         reason,
     }
@@ -149,14 +148,15 @@ fn correction(prediction: &Prediction, direction: Direction) -> Correction {
 
 fn constants(
     samples: &[Sample],
-    order: f64,
+    prediction: &Prediction,
     direction: Direction,
 ) -> BTreeMap<&'static str, Constant> {
     let name = match direction {
         Direction::Space => "C_h",
         Direction::Time => "C_k",
     };
-    let fitted = constant_under(order, samples)
+    let order = prediction.order;
+    let fitted = constant_under(order, samples, correction(prediction, direction))
         .map(|(value, interval)| (name, Constant { value, interval: pair(interval), order }));
     fitted.into_iter().collect()
 }
