@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::levenberg_marquardt::{Minimum, minimise};
+use super::levenberg_marquardt::minimise;
 use super::log_table::{LogTable, Shape};
 use super::{Estimate, Interval, Model, Point, student_quantile};
 
@@ -63,7 +63,7 @@ impl GridFit {
         let minimum = minimise(start, |x| table.residuals(model, shape, x))?;
         let freedom = table.rows.len().checked_sub(minimum.x.len())?;
         let quantile = student_quantile(freedom)?;
-        let deviations = deviations(&minimum, freedom)?;
+        let deviations = minimum.deviations(freedom)?;
         Some(Self {
             model,
             shape,
@@ -128,14 +128,6 @@ fn starts(table: &LogTable, shape: Shape) -> Vec<DVector<f64>> {
         Some(_) => vec![start(&[])],
         None => STARTS.iter().map(|(p, q)| start(&[*p, *q])).collect(),
     }
-}
-
-/// Roots of the diagonal of s² (JᵀJ)⁻¹.
-fn deviations(minimum: &Minimum, freedom: usize) -> Option<DVector<f64>> {
-    let variance = minimum.residuals.norm_squared() / freedom as f64;
-    let inverse = minimum.jacobian.tr_mul(&minimum.jacobian).try_inverse()?;
-    let squares = inverse.diagonal() * variance;
-    squares.iter().all(|x| x.is_finite() && *x >= 0.0).then(|| squares.map(f64::sqrt))
 }
 
 fn condition(jacobian: &DMatrix<f64>) -> f64 {

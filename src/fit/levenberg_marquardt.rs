@@ -1,4 +1,8 @@
 //! Nonlinear least squares of a few parameters.
+//!
+//! Written here because the published crates for it (levenberg-marquardt, varpro) are bound to
+//! an older nalgebra, which would bring a second linear algebra, or give no Jacobian at the
+//! minimum, which the covariance of the parameters is made from.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -17,6 +21,17 @@ pub(super) struct Minimum {
     pub(super) x: DVector<f64>,
     pub(super) residuals: DVector<f64>,
     pub(super) jacobian: DMatrix<f64>,
+}
+
+impl Minimum {
+    /// Standard errors of x: roots of the diagonal of s² (JᵀJ)⁻¹, s² = ‖r‖² / freedom. None if
+    /// the parameters are dependent.
+    pub(super) fn deviations(&self, freedom: usize) -> Option<DVector<f64>> {
+        let variance = self.residuals.norm_squared() / freedom as f64;
+        let inverse = self.jacobian.tr_mul(&self.jacobian).try_inverse()?;
+        let squares = inverse.diagonal() * variance;
+        squares.iter().all(|x| x.is_finite() && *x >= 0.0).then(|| squares.map(f64::sqrt))
+    }
 }
 
 /// Levenberg-Marquardt with Marquardt's scaling: (JᵀJ + μ diag JᵀJ) δ = −Jᵀr, μ divided by 3
