@@ -1,7 +1,7 @@
 //! Whether a grid of cases determines an order in h and one in k.
 
 use super::log_table::Shape;
-use super::{Direction, JointFit, Point, SAME_LEVEL};
+use super::{Direction, JointFit, Point, same_level};
 use crate::record::counted;
 
 /// Levels needed in each direction: two give an order, the third its uncertainty.
@@ -27,11 +27,14 @@ pub struct NotIdentifiable {
     pub reason: String,
     /// The cases to run.
     pub suggestion: String,
+    /// The direction whose term is too small a part of the errors to be seen, if that is why: a
+    /// line of cases in it shows the other term.
+    pub hidden: Option<Direction>,
 }
 
 impl NotIdentifiable {
     fn new(reason: impl Into<String>, suggestion: impl Into<String>) -> Self {
-        Self { reason: reason.into(), suggestion: suggestion.into() }
+        Self { reason: reason.into(), suggestion: suggestion.into(), hidden: None }
     }
 
     pub(super) fn no_minimum() -> Self {
@@ -89,15 +92,16 @@ pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIde
         points.iter().map(|point| fit.weights(point.h, point.k)[term]).fold(0.0, f64::max)
     };
     let hints = [
-        ("space", "run fewer cells n, or more steps"),
-        ("time", "run fewer steps, or more cells n, or judge k on V_time_max"),
+        ("space", "run fewer cells n, or more steps", Direction::Space),
+        ("time", "run fewer steps, or more cells n, or judge k on V_time_max", Direction::Time),
     ];
-    for (term, (name, suggestion)) in hints.into_iter().enumerate() {
+    for (term, (name, suggestion, direction)) in hints.into_iter().enumerate() {
         let share = largest(term);
         if share < SMALLEST_SHARE {
             let percent = 100.0 * share;
             let reason = format!("the {name} term is at most {percent:.1} % of the error");
-            return Err(NotIdentifiable::new(reason, suggestion));
+            let hidden = Some(direction);
+            return Err(NotIdentifiable { hidden, ..NotIdentifiable::new(reason, suggestion) });
         }
     }
     // A condition that is no number fails as well.
@@ -112,7 +116,7 @@ pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIde
 pub(super) fn clipped(points: &[Point]) -> [Vec<Point>; 2] {
     [Direction::Space, Direction::Time].map(|direction| {
         let coarsest = levels(points, direction).first().copied().unwrap_or(f64::INFINITY);
-        let finer = |point: &&Point| direction.step(point) < coarsest * (1.0 - SAME_LEVEL);
+        let finer = |point: &&Point| !same_level(direction.step(point), coarsest);
         points.iter().filter(finer).copied().collect()
     })
 }
@@ -121,7 +125,7 @@ pub(super) fn clipped(points: &[Point]) -> [Vec<Point>; 2] {
 fn levels(points: &[Point], direction: Direction) -> Vec<f64> {
     let mut steps: Vec<f64> = points.iter().map(|point| direction.step(point)).collect();
     steps.sort_by(|a, b| b.total_cmp(a));
-    steps.dedup_by(|finer, coarser| *finer >= *coarser * (1.0 - SAME_LEVEL));
+    steps.dedup_by(|finer, coarser| same_level(*finer, *coarser));
     steps
 }
 

@@ -9,6 +9,10 @@ use super::{FitError, Interval, Model, NotIdentifiable, Point, screen};
 /// it: the ratio 4 of their squares is below the 95 % quantile of F up to 6 and 6 degrees.
 const COMPARABLE: f64 = 2.0;
 
+/// To see an order q = 2 within 0.1 under an order 1, the other term must stay below this
+/// share: a local slope is the error-weighted mean of the orders present.
+pub const LARGEST_OTHER_SHARE: f64 = 0.053;
+
 /// A fitted number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {

@@ -1,6 +1,6 @@
 //! Tables refined along a path k = c h^s: one order, and what it says of two.
 
-use super::{Point, SAME_LEVEL, Sample, power_law};
+use super::{Point, Sample, power_law, same_level};
 
 /// k may leave c h^s by this share: numbers of steps are whole, and N = √n seldom is. Such a
 /// change of k moves the order along the path by less than q · 0.02 / log 2 over a halving.
@@ -42,9 +42,10 @@ pub fn path(points: &[Point]) -> Option<Path> {
     let mut samples: Vec<Sample> =
         both.map(|point| Sample { step: point.h, error: point.k }).collect();
     samples.sort_by(|a, b| b.step.total_cmp(&a.step));
+    // Both steps have to fall along it.
     let repeated = |pair: &[Sample]| {
-        let same = |coarse: f64, fine: f64| fine >= coarse * (1.0 - SAME_LEVEL);
-        same(pair[0].step, pair[1].step) || same(pair[0].error, pair[1].error)
+        let falls = |coarse: f64, fine: f64| fine < coarse && !same_level(coarse, fine);
+        !falls(pair[0].step, pair[1].step) || !falls(pair[0].error, pair[1].error)
     };
     if samples.len() < POINTS || samples.windows(2).any(repeated) {
         return None;

@@ -1,6 +1,6 @@
 //! Which points of a table may carry an order.
 
-use super::{Direction, FitError, Point, SAME_LEVEL};
+use super::{Direction, FitError, Point, ValueSample, same_level};
 
 /// A point counts if its error is above so many floors: the floor then moves log e by less
 /// than 1/20, and a slope over one halving by less than 0.07.
@@ -81,11 +81,36 @@ pub fn samples(points: &[Point], direction: Direction) -> Result<Vec<Sample>, Fi
         .filter(|sample| sample.step.is_finite() && sample.step > 0.0)
         .collect();
     samples.sort_by(|a, b| b.step.total_cmp(&a.step));
-    let repeated = |pair: &&[Sample]| pair[1].step >= pair[0].step * (1.0 - SAME_LEVEL);
-    match samples.windows(2).find(repeated) {
-        Some(pair) => Err(FitError::RepeatedStep { step: pair[0].step }),
-        None => Ok(samples),
+    distinct(samples.iter().map(|sample| sample.step))?;
+    Ok(samples)
+}
+
+/// The values of a functional in direction of refinement, where a table has them in place of
+/// errors; what is not finite is left out.
+///
+/// # Errors
+/// [`FitError::RepeatedStep`] if two of them have one step.
+pub fn value_samples(points: &[Point], direction: Direction) -> Result<Vec<ValueSample>, FitError> {
+    let mut samples: Vec<ValueSample> = points
+        .iter()
+        .map(|point| ValueSample { step: direction.step(point), value: point.error })
+        .filter(|sample| sample.value.is_finite() && sample.step.is_finite() && sample.step > 0.0)
+        .collect();
+    samples.sort_by(|a, b| b.step.total_cmp(&a.step));
+    distinct(samples.iter().map(|sample| sample.step))?;
+    Ok(samples)
+}
+
+/// Whether falling steps are distinct beyond rounding.
+fn distinct(steps: impl Iterator<Item = f64>) -> Result<(), FitError> {
+    let mut previous = f64::INFINITY;
+    for step in steps {
+        if same_level(previous, step) {
+            return Err(FitError::RepeatedStep { step });
+        }
+        previous = step;
     }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -8,14 +8,10 @@ use super::next::next_case;
 use super::selection::{Cases, Selection};
 use super::{Constant, Decision, Expect, IntervalParts, Prediction, Variable, Verdict};
 use crate::fit::{
-    Correction, Direction, Interval, OrderInterval, Point, Sample, constant_under, joint_fits,
-    order_interval, samples,
+    Correction, Direction, Interval, LARGEST_OTHER_SHARE, OrderInterval, Point, Sample,
+    constant_under, joint_fits, order_interval, samples,
 };
 use crate::record::{CaseRecord, Key};
-
-/// To see an order q = 2 within 0.1 under an order 1, the other term must stay below this
-/// share: a local slope is the error-weighted mean of the orders present.
-const LARGEST_OTHER_SHARE: f64 = 0.053;
 
 /// What the data say about a prediction, before it is a verdict.
 pub(super) struct Finding {
