@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::identifiable::check_bends;
 use super::levenberg_marquardt::minimise;
 use super::log_table::{LogTable, Shape};
 use super::{Estimate, Interval, Model, Point, student_quantile};
@@ -52,6 +53,13 @@ impl GridFit {
         let start = constants.into_iter().chain(fitted.into_iter().flatten()).chain(floor);
         let start = start.chain(std::iter::repeat(0.0)).take(shape.parameters()).collect();
         Self::from_start(&table, self.model, shape, DVector::from_vec(start))
+    }
+
+    /// The fit with the next term of each expansion, where there are levels enough for it.
+    pub(super) fn bent(&self, points: &[Point]) -> Option<Self> {
+        let shape = Shape { bends: true, ..self.shape };
+        check_bends(points, shape.parameters()).ok()?;
+        self.again(points, shape)
     }
 
     fn from_start(

@@ -1,7 +1,7 @@
 //! Both orders from a grid of meshes and time steps.
 
 use super::grid_fit::GridFit;
-use super::identifiable::{check_bends, check_clip, check_grid, check_terms, clipped};
+use super::identifiable::{check_clip, check_grid, check_terms, clipped};
 use super::log_table::Shape;
 use super::{FitError, Interval, Model, NotIdentifiable, Point, screen};
 
@@ -97,8 +97,13 @@ pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotId
     Ok(JointFits { best: fit, other: others.first().map(|fit| joint_fit(fit, fit.estimates())) })
 }
 
-/// The constants C_h and C_k under given orders (p, q), each with an interval that is made like
-/// that of an order in [`JointFits::best`].
+/// The constants C_h and C_k under given orders (p, q), each with its interval.
+///
+/// From four levels on they are those of the fit with the next term of each expansion: without
+/// it C_h carries the bias D h of the table. The interval is then the hull of the Student
+/// interval, of the constant ± half of its change by the next terms, and of the other model's
+/// where its residual is comparable. With fewer levels it is made
+/// like that of an order in [`JointFits::best`].
 ///
 /// # Errors
 /// [`FitError::TooFew`] for fewer than three points, [`FitError::Singular`] without a minimum.
@@ -119,7 +124,16 @@ pub fn fit_constants(
         Model::Sum => fit(Model::RootSumSquare),
         Model::RootSumSquare => fit(Model::Sum),
     };
-    let logs = widened(&full, rival.as_slice(), &usable);
+    let bent = full.bent(&usable);
+    let logs = match &bent {
+        None => widened(&full, rival.as_slice(), &usable),
+        Some(bent) => {
+            let rival = rival.and_then(|rival| rival.bent(&usable));
+            let comparable =
+                rival.filter(|rival| rival.residual_norm <= COMPARABLE * bent.residual_norm);
+            extrapolated(full.estimates(), bent.estimates(), comparable.map(|r| r.estimates()))
+        }
+    };
     Ok(logs.map(|log| Estimate { value: log.value.exp(), interval: log.interval.exp() }))
 }
 
@@ -154,10 +168,7 @@ fn widened(full: &GridFit, rivals: &[GridFit], points: &[Point]) -> [Estimate; 2
         let clip = clip.estimates();
         parts.push([0, 1].map(|i| drift(own[i], clip[i])));
     }
-    let bent = Shape { bends: true, ..full.shape };
-    if check_bends(points, bent.parameters()).is_ok()
-        && let Some(bent) = full.again(points, bent)
-    {
+    if let Some(bent) = full.bent(points) {
         let bent = bent.estimates();
         parts.push([0, 1].map(|i| corrected(own[i], bent[i])));
     }
@@ -167,6 +178,19 @@ fn widened(full: &GridFit, rivals: &[GridFit], points: &[Point]) -> [Estimate; 2
     [0, 1].map(|i| {
         let interval = parts.iter().fold(own[i].interval, |hull, part| hull.hull(part[i]));
         Estimate { interval, ..own[i] }
+    })
+}
+
+/// The bent estimates with the other readings of the table.
+fn extrapolated(
+    full: [Estimate; 2],
+    bent: [Estimate; 2],
+    rival: Option<[Estimate; 2]>,
+) -> [Estimate; 2] {
+    [0, 1].map(|i| {
+        let interval = corrected(full[i], bent[i]);
+        let interval = rival.map_or(interval, |rival| interval.hull(rival[i].interval));
+        Estimate { interval, ..bent[i] }
     })
 }
 
