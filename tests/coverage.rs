@@ -9,6 +9,7 @@ use gronwall::fit::{
     Correction, Interval, Model, OrderInterval, Point, Sample, Triple, ValueSample, constant_under,
     eca_hoekstra, fit_constants, joint_fits, local_slopes, order_interval, value_order,
 };
+use gronwall::verdict::{Aim, Decision, compare};
 
 const TABLES: usize = 1000;
 const WANTED: f64 = 0.95;
@@ -171,6 +172,35 @@ fn orders_are_covered() {
     }
     // Five halvings at 1 % of noise are enough for a verdict (half-width 0.15).
     assert!(space[4].median < 0.15 && time[4].median < 0.15);
+}
+
+/// What the intervals are for: a right prediction is never refuted and mostly confirmed, one that is
+/// higher by a half is never confirmed and mostly refuted.
+#[test]
+fn verdicts_have_power() {
+    println!("\n| levels | noise | right: pass, fail | higher by 1/2: pass, fail |");
+    for levels in LEVELS {
+        for noise in NOISES {
+            let mut counts = [[0usize; 2]; 2];
+            for (law, samples) in tables(halvings, Correction::Linear, levels, noise) {
+                let found = order_interval(&samples, Correction::Linear).expect("an interval");
+                for (counts, order) in counts.iter_mut().zip([law.order, law.order + 0.5]) {
+                    let aim = Aim { order, at_least: false, exact: false };
+                    match compare(found.interval, aim).0 {
+                        Decision::Pass => counts[0] += 1,
+                        Decision::Fail => counts[1] += 1,
+                        Decision::Unresolved => {}
+                    }
+                }
+            }
+            let [right, wrong] = counts;
+            println!("| {levels} | {noise} | {right:?} | {wrong:?} |");
+            assert!(right[1] <= TABLES / 200 && wrong[0] == 0, "{levels} {noise}: {counts:?}");
+            if noise == 0.0 {
+                assert!(right[0] > TABLES * 8 / 10 && wrong[1] > TABLES * 9 / 10, "{counts:?}");
+            }
+        }
+    }
 }
 
 /// No part of the hull would do alone: each, and the hull without the last one, misses the

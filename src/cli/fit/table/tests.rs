@@ -39,7 +39,7 @@ fn the_longest_line_is_taken_and_the_finest_of_several() {
         read[0].line(direction).iter().map(|point| point.error).collect()
     };
     assert_eq!(errors(Direction::Space), [3.0, 4.0]);
-    assert_eq!(errors(Direction::Time), [5.0, 1.0, 3.0]);
+    assert_eq!(errors(Direction::Time), [1.0, 3.0, 5.0]);
     let rounded = "h,k,error\n0.5,0.3333333333,1\n0.25,0.33333333334,2\n0.125,0.33333333333,3\n";
     assert_eq!(groups("rounded", rounded).unwrap()[0].line(Direction::Space).len(), 3);
     let single = groups("single", "H, Error\n0.5,1\n0.25,2\n").unwrap();
