@@ -368,14 +368,14 @@ fn a_floor_of_the_grid_is_found() {
         &file(&grid(&levels, &levels, |h, k| 1e-3 + 0.3 * h + 4.0 * k * k), 0.0),
     );
     let text = stdout(&sweep(&["fit", &table]));
-    assert!(text.contains("with a floor term (needed): sum"), "{text}");
+    assert!(text.contains("with a floor term (better): sum"), "{text}");
     assert!(text.contains("floor 1.00e-3"), "{text}");
     let plain = folder.file(
         "table.csv",
         &file(&grid(&levels, &levels, |h, k| shaken(h * k, 0.01) * (0.3 * h + 4.0 * k * k)), 0.0),
     );
     let text = stdout(&sweep(&["fit", &plain]));
-    assert!(text.contains("(not needed)"), "{text}");
+    assert!(text.contains("(no better)"), "{text}");
 }
 
 /// A term of 0.1 % of the error cannot be seen, whatever its order: no verdict, and the cure.

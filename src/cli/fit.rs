@@ -147,9 +147,15 @@ fn step_name(direction: Direction) -> &'static str {
     }
 }
 
-/// `1.234 0.987`.
+/// Local orders that are printed; --json has all of them.
+const PRINTED: usize = 12;
+
+/// `1.234 0.987`, the last ones of many.
 fn orders_text(orders: &[f64]) -> String {
-    orders.iter().map(|order| format!("{order:.3}")).collect::<Vec<_>>().join(" ")
+    let last = &orders[orders.len().saturating_sub(PRINTED)..];
+    let dots = (last.len() < orders.len()).then(|| "…".to_owned());
+    let texts = last.iter().map(|order| format!("{order:.3}"));
+    dots.into_iter().chain(texts).collect::<Vec<_>>().join(" ")
 }
 
 /// The entries of a JSON object.

@@ -92,7 +92,7 @@ pub fn order_interval(
 /// What is left of the drift of local slopes, in units of its last change. Under
 /// log e = c + p log s + D s^r the local slope is p + r D m with m the logarithmic mean of s^r at
 /// its two ends, so that p lies m / (m' − m) last changes beyond the last slope, m' belonging to
-/// the slope before. Halvings have 1 for r = 1; the steps 3, 2, 1.5 have 2.
+/// the slope before. Halvings have 1 for r = 1; the steps 3, 2, 1.5 have 2.4.
 fn reach(samples: &[Sample], correction: Correction) -> f64 {
     let mean = |coarse: &Sample, fine: &Sample| {
         let power = |sample: &Sample| sample.step.powi(correction.power());

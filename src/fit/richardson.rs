@@ -18,9 +18,8 @@ const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Orders are sought in ± this: beyond it r^p has no digits left to compare, even for r = 1.3.
 const LARGEST_ORDER: f64 = 50.0;
 
-/// A limit that lies a thousand last changes away is none: a logarithm looks like that, up to
-/// rounding.
-const FURTHEST_LIMIT: f64 = 1e3;
+/// Smaller orders are zero up to rounding: a logarithm looks like that, and it has no limit.
+const SMALLEST_ORDER: f64 = 1e-6;
 
 /// What three values φ₃, φ₂, φ₁ on steps h₃ > h₂ > h₁ say, with φᵢ = φ₀ + α hᵢ^p.
 ///
@@ -46,7 +45,7 @@ pub enum Triple {
         /// J. Fluids Eng. 123, 2001, 793).
         half_range: f64,
     },
-    /// Differences of one sign that do not fall: p ≤ 0, or so small that no limit is in sight.
+    /// Differences of one sign that do not fall: p ≤ 0 up to rounding.
     Diverging {
         /// The order, −∞ if the first difference is zero.
         order: f64,
@@ -75,11 +74,10 @@ impl Triple {
         }
         let refinements = [(coarse.step / middle.step).ln(), (middle.step / fine.step).ln()];
         let order = order(ratio, refinements);
-        let growth = (order * refinements[1]).exp_m1();
-        if growth * FURTHEST_LIMIT <= 1.0 {
+        if order <= SMALLEST_ORDER {
             return Self::Diverging { order };
         }
-        let correction = -last / growth;
+        let correction = -last / (order * refinements[1]).exp_m1();
         let limit = fine.value + correction;
         Self::Converging { order, limit, gci: SAFETY * correction.abs() }
     }
@@ -167,6 +165,19 @@ mod tests {
         let jump = triple([0.4, 0.2, 0.1], |h| if h < 0.15 { 1.0 } else { 0.0 });
         assert_eq!(jump, Triple::Diverging { order: f64::NEG_INFINITY });
         assert_eq!(jump.order(), None);
+    }
+
+    /// Steps in the ratio 1.0003, as in a table of ten thousand: the limit is far in units of
+    /// the last difference, and there all the same.
+    #[test]
+    fn close_steps_converge_as_well() {
+        let found = triple([0.1, 0.1 / 1.0003, 0.1 / 1.0006], |h| 2.0 + h);
+        // Nine digits are lost in the second differences, seven are left.
+        assert!(
+            matches!(found, Triple::Converging { order, limit, .. }
+            if (order - 1.0).abs() < 1e-4 && (limit - 2.0).abs() < 1e-4),
+            "{found:?}"
+        );
     }
 
     #[test]

@@ -91,15 +91,16 @@ fn text(
     lines.join("\n")
 }
 
-/// What a floor term adds, and whether it is one: F of one more parameter at 95 % is the square
-/// of Student's quantile.
+/// What a floor term changes, and whether the residual falls by more than chance: F of one more
+/// parameter at 95 % is the square of Student's quantile. Bends of the error terms make it fall
+/// as well, so that a better fit is a hint at a floor and no proof of one.
 fn floor_line(plain: &JointFit, with: &JointFit, points: usize) -> Option<String> {
     let floor = with.floor?;
     let freedom = points.checked_sub(5)?;
     let (before, after) = (plain.residual_norm.powi(2), with.residual_norm.powi(2));
     let gain = (before - after) * freedom as f64;
-    let needed = gain > student_quantile(freedom)?.powi(2) * after;
-    let word = if needed { "needed" } else { "not needed" };
+    let better = gain > student_quantile(freedom)?.powi(2) * after;
+    let word = if better { "better" } else { "no better" };
     Some(format!(
         "   with a floor term ({word}): {}, order {:.3} in h, {:.3} in k, floor {floor:.2e}, residual {:.1e}",
         with.model.name(),
