@@ -150,3 +150,60 @@ fn condition(jacobian: &DMatrix<f64>) -> f64 {
     let values = scaled.singular_values();
     values.max() / values.min()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scouts_are_few_and_lie_everywhere() {
+        let point = |i: usize| Point { h: i as f64, k: 1.0, error: 1.0, floor: 0.0 };
+        let small: Vec<Point> = (0..128).map(point).collect();
+        assert_eq!(scouts(&small), small);
+        let large: Vec<Point> = (0..10_000).map(point).collect();
+        let mut places: Vec<f64> = scouts(&large).iter().map(|point| point.h).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        assert_eq!(places.len(), 64);
+        // Multiples of the golden ratio leave gaps of at most 2.618/64 of the whole.
+        let widest = places.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        assert!(places[0] < 420.0 && places[63] > 9580.0 && widest < 420.0, "{widest}");
+    }
+
+    /// Columns (3, 0) and (1, 1): lengths 3 and √2, cosine 1/√2, condition ((√2 + 1)/(√2 − 1))^½.
+    #[test]
+    fn the_condition_is_that_of_unit_columns() {
+        let root = 2f64.sqrt();
+        let jacobian = DMatrix::from_row_slice(2, 2, &[3.0, 1.0, 0.0, 1.0]);
+        let expected = ((root + 1.0) / (root - 1.0)).sqrt();
+        // A few roundings.
+        assert!((condition(&jacobian) - expected).abs() < 1e-14);
+        assert_eq!(condition(&DMatrix::zeros(2, 2)), f64::INFINITY);
+    }
+
+    /// On 400 points the scouts start and the whole table decides: a fit from elsewhere agrees.
+    #[test]
+    fn large_tables_have_the_minimum_of_all_their_points() {
+        let step = |i: i32| 0.125 * 0.8f64.powi(i);
+        let shake = |i: i32, j: i32| 1.0 + 0.01 * f64::from((7 * i + 3 * j) % 5 - 2);
+        let points: Vec<Point> = (0..20)
+            .flat_map(|i| (0..20).map(move |j| (i, j)))
+            .map(|(i, j)| {
+                let (h, k) = (step(i), step(j));
+                Point { h, k, error: (0.3 * h + 4.0 * k * k) * shake(i, j), floor: 0.0 }
+            })
+            .collect();
+        let shape = Shape { orders: None, floor: false, bends: false };
+        let found = GridFit::of(&points, Model::Sum, shape).unwrap();
+        let table = LogTable::new(&points);
+        let start = DVector::from_vec(vec![-3.0, -3.0, 1.1, 1.9]);
+        let other = GridFit::from_start(&table, Model::Sum, shape, start).unwrap();
+        // The minimisation stops at steps of 1e-10.
+        for (a, b) in found.estimates().into_iter().zip(other.estimates()) {
+            assert!((a.value - b.value).abs() < 1e-7 && a.interval.contains(b.value));
+            assert!((a.interval.half_width() - b.interval.half_width()).abs() < 1e-7);
+        }
+        assert_eq!(found.residual_norm.to_bits() >> 20, other.residual_norm.to_bits() >> 20);
+        assert!(found.floor().is_none());
+    }
+}

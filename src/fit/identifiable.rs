@@ -137,3 +137,101 @@ fn correlation(points: &[Point]) -> f64 {
     let spread = mean(&|p| (p.h.ln() - h).powi(2)) * mean(&|p| (p.k.ln() - k).powi(2));
     mixed / spread.sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{Estimate, Interval, Model};
+
+    fn on(pairs: &[(f64, f64)]) -> Vec<Point> {
+        pairs.iter().map(|&(h, k)| Point { h, k, error: 1.0, floor: 0.0 }).collect()
+    }
+
+    /// Three levels of each, five points that are no path: the least a fit of four parameters takes.
+    const FIVE: [(f64, f64); 5] =
+        [(0.5, 0.5), (0.25, 0.5), (0.125, 0.5), (0.5, 0.25), (0.5, 0.125)];
+
+    #[test]
+    fn three_levels_and_a_spare_point_are_enough() {
+        assert_eq!(check_grid(&on(&FIVE), 4), Ok(()));
+        let refused = check_grid(&on(&FIVE), 5).unwrap_err();
+        assert_eq!(refused.reason, "5 points for 5 parameters");
+        let two = check_grid(&on(&FIVE[..4]), 3).unwrap_err();
+        assert_eq!(
+            (two.reason.as_str(), two.suggestion.as_str()),
+            ("2 levels of k above the floor, 3 are needed", "run 1 more of k")
+        );
+        let bends = check_bends(&on(&FIVE), 4).unwrap_err();
+        assert_eq!(bends.reason, "3 levels of h above the floor, 4 are needed");
+        let given = Shape { orders: Some((1.0, 2.0)), floor: false, bends: false };
+        assert_eq!(check_clip(&on(&FIVE[..4]), given), Ok(()));
+        assert!(check_clip(&on(&FIVE[..4]), Shape { orders: None, ..given }).is_err());
+        assert_eq!(two.hidden, None);
+    }
+
+    /// (log h, log k) = (0, 0), (1, 0), (0, 1), (1, 1): independent; (0, 0), (1, 1), (2, 1): covariance
+    /// 1/3, variances 2/3 and 2/9, correlation √3/2.
+    #[test]
+    fn correlations_by_hand() {
+        let logs = |pairs: &[(f64, f64)]| -> Vec<Point> {
+            on(&pairs.iter().map(|(h, k)| (h.exp(), k.exp())).collect::<Vec<_>>())
+        };
+        let square = logs(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]);
+        // A few roundings of numbers of size 1.
+        assert!(correlation(&square).abs() < 1e-15);
+        let bent = logs(&[(0.0, 0.0), (1.0, 1.0), (2.0, 1.0)]);
+        assert!((correlation(&bent) - 0.75f64.sqrt()).abs() < 1e-15);
+        let falling = logs(&[(0.0, 3.0), (1.0, 2.0), (2.0, 1.0), (3.0, 0.0), (1.0, 2.0)]);
+        assert!((correlation(&falling) + 1.0).abs() < 1e-15);
+        let refused = check_grid(&falling, 2).unwrap_err();
+        assert!(refused.reason.contains("refined together"), "{refused}");
+    }
+
+    #[test]
+    fn clips_lose_their_coarsest_level_alone() {
+        let mut points = on(&FIVE);
+        // The coarsest h once more, off by a rounding.
+        points.push(Point { h: 0.5 * (1.0 - 1e-15), ..points[4] });
+        let [without_h, without_k] = clipped(&points);
+        assert_eq!(without_h, points[1..3]);
+        assert_eq!(without_k, points[3..]);
+        assert_eq!(clipped(&[]), [vec![], vec![]]);
+        assert_eq!(levels(&points, Direction::Space), [0.5, 0.25, 0.125]);
+    }
+
+    fn fit(constant_h: f64, constant_k: f64, condition: f64) -> JointFit {
+        let interval = Interval { lo: 1.0, hi: 1.0 };
+        let order = Estimate { value: 1.0, interval };
+        JointFit {
+            model: Model::Sum,
+            order_h: order,
+            order_k: order,
+            student: [interval; 2],
+            constant_h,
+            constant_k,
+            floor: None,
+            residual_norm: 0.0,
+            condition,
+        }
+    }
+
+    /// At h = k = 1 the shares are those of the constants.
+    #[test]
+    fn a_term_counts_from_a_tenth_of_the_error_on() {
+        let here = on(&[(1.0, 1.0)]);
+        assert_eq!(check_terms(&fit(1.0, 8.9, 1e3), &here), Ok(()));
+        let space = check_terms(&fit(1.0, 9.1, 1.0), &here).unwrap_err();
+        assert!(space.reason.contains("the space term is at most 9.9 %"), "{space}");
+        assert_eq!(space.hidden, Some(Direction::Space));
+        let time = check_terms(&fit(9.1, 1.0, 1.0), &here).unwrap_err();
+        assert!(time.reason.contains("the time term"), "{time}");
+        assert_eq!(time.hidden, Some(Direction::Time));
+        // It may be small elsewhere: the largest share counts.
+        let two = on(&[(1.0, 1.0), (1.0, 1e-6)]);
+        assert_eq!(check_terms(&fit(1.0, 1.0, 1.0), &two), Ok(()));
+        for condition in [1.1e3, f64::INFINITY, f64::NAN] {
+            let refused = check_terms(&fit(1.0, 1.0, condition), &here).unwrap_err();
+            assert!(refused.reason.contains("condition"), "{refused}");
+        }
+    }
+}

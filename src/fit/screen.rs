@@ -135,6 +135,23 @@ mod tests {
     }
 
     #[test]
+    fn values_may_have_any_sign() {
+        let at = |h: f64, error: f64| Point { h, ..point(error, f64::NAN) };
+        let points =
+            [at(0.1, -1.0), at(0.4, 0.0), at(0.2, f64::NAN), at(f64::NAN, 1.0), at(0.0, 1.0)];
+        let values = value_samples(&points, Direction::Space).unwrap();
+        let plain: Vec<(f64, f64)> = values.iter().map(|v| (v.step, v.value)).collect();
+        assert_eq!(plain, [(0.4, 0.0), (0.1, -1.0)]);
+        let twice = [at(0.1, 1.0), at(0.1 * (1.0 + 1e-12), 2.0)];
+        assert!(matches!(
+            value_samples(&twice, Direction::Space),
+            Err(FitError::RepeatedStep { .. })
+        ));
+        let close = [at(0.1, 1.0), at(0.1 * (1.0 + 1e-6), 2.0)];
+        assert_eq!(value_samples(&close, Direction::Space).unwrap().len(), 2);
+    }
+
+    #[test]
     fn samples_are_sorted_and_steps_distinct() {
         let a = Point { h: 0.25, ..point(1.0, 0.0) };
         let sorted = samples(&[a, point(2.0, 0.0)], Direction::Space).unwrap();

@@ -167,6 +167,32 @@ mod tests {
         assert!(found.triples.lo > 1.0 && found.interval.contains(1.0), "{found:?}");
     }
 
+    /// Orders of triples 2, 1 and 3 by construction of the differences: 64, 16, 8, 1.
+    #[test]
+    fn triples_and_drift_by_hand() {
+        let phi = [89.0, 25.0, 9.0, 1.0, 0.0];
+        let samples: Vec<ValueSample> =
+            (0..5).map(|i| ValueSample { step: 0.5f64.powi(i), value: phi[i as usize] }).collect();
+        let found = value_order(&samples).unwrap().unwrap();
+        // Roundings of logarithms.
+        assert!((found.triples.lo - 1.0).abs() < 1e-12 && (found.triples.hi - 3.0).abs() < 1e-12);
+        assert!((found.drift.lo + 1.0).abs() < 1e-12 && (found.drift.hi - 7.0).abs() < 1e-12);
+        assert!(found.interval.lo <= -1.0 && found.interval.hi >= 7.0);
+        assert!(found.student.contains(found.order));
+    }
+
+    /// Steps 0.4, 0.3, 0.25, 0.2: outer steps 0.4, 0.25 and 0.3, 0.2.
+    #[test]
+    fn the_reach_follows_the_steps() {
+        let mean = |a: f64, b: f64| (a - b) / (a / b).ln();
+        let samples = values(&[0.4, 0.3, 0.25, 0.2], |h| h);
+        let expected = mean(0.3, 0.2) / (mean(0.4, 0.25) - mean(0.3, 0.2));
+        assert!((reach(&samples) - expected).abs() < 1e-12 && expected > 2.0);
+        let halved = values(&[0.8, 0.4, 0.2, 0.1], |h| h);
+        assert!((reach(&halved) - 1.0).abs() < 1e-14);
+        assert_eq!(reach(&halved[..3]), 0.0);
+    }
+
     #[test]
     fn what_has_no_order_has_none() {
         let signs = values(&[0.4, 0.2, 0.1, 0.05, 0.02], |h| if h == 0.2 { 1.0 } else { h });
