@@ -8,8 +8,10 @@ use gronwall::contact::march;
 use gronwall::fit::{Correction, Direction, Point, order_interval, samples};
 use gronwall::history::{Memory, TimeGrid, Trapezoid};
 use gronwall::law::ExponentialSum;
+use gronwall::record::{CaseRecord, L2_MAX, NormError, STRESS_L2_MAX, Status, V_MAX, V_TIME_MAX};
 use gronwall::scene::Scene;
 use gronwall::setup::{MeshData, Setup, TruthLoad};
+use gronwall::verdict::{Expect, Prediction, Variable, judge};
 use gronwall::vhi::Newton;
 
 fn setup(name: &str) -> Setup {
@@ -106,5 +108,60 @@ fn fit(c: &mut Criterion) {
     });
 }
 
-criterion_group!(parts, tape, cases, linear_algebra, history, fit);
+/// Three predictions judged on one scene of 2,500 cases in 4 norms: 10,000 rows of `cases.csv`.
+fn judging(c: &mut Criterion) {
+    let norms = [V_MAX, L2_MAX, STRESS_L2_MAX, V_TIME_MAX];
+    let case = |n: u32, steps: u32| {
+        let (h, k) = (1.0 / f64::from(n), 1.0 / f64::from(steps));
+        let error = 0.3 * h * (1.0 + h) + 4.0 * k * k;
+        let entry =
+            |norm: &str| NormError { norm: norm.into(), error: Some(error), floor: Some(1e-14) };
+        CaseRecord {
+            scene: "grid".into(),
+            dimension: 2,
+            n: Some(n),
+            steps,
+            h: Some(h),
+            k,
+            dofs: 1,
+            elements: 1,
+            status: Status::Converged,
+            newton_iterations: 1,
+            active_set_changes: 0,
+            factorizations: 1,
+            seconds_load: 0.0,
+            seconds_assemble: 0.0,
+            seconds_factor: 0.0,
+            seconds_solve: 0.0,
+            seconds_total: 0.0,
+            peak_history_bytes: 0,
+            errors: norms.map(entry).to_vec(),
+        }
+    };
+    let levels = || (0..50).map(|i| (8.0 * 1.1f64.powi(i)).round() as u32 + i as u32);
+    let records: Vec<CaseRecord> =
+        levels().flat_map(|n| levels().map(move |s| (n, s))).map(|(n, s)| case(n, s)).collect();
+    let keys: Vec<_> = records.iter().map(CaseRecord::key).collect();
+    let predictions = [(Variable::H, 1.0), (Variable::K, 2.0), (Variable::Joint, 1.0)].map(
+        |(variable, order)| Prediction {
+            norm: V_MAX.into(),
+            variable,
+            order,
+            order_k: Some(2.0),
+            at_least: false,
+            exact: false,
+            why: "(5.26)".into(),
+            window_n: None,
+            window_steps: None,
+        },
+    );
+    c.bench_function("judging: 3 predictions from 10,000 rows", |b| {
+        b.iter(|| {
+            let verdict = |p: &Prediction| judge("grid", &records, &keys, p, Expect::Pass);
+            predictions.iter().map(verdict).collect::<Vec<_>>()
+        });
+    });
+}
+
+criterion_group!(parts, tape, cases, linear_algebra, history, fit, judging);
 criterion_main!(parts);

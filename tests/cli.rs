@@ -188,9 +188,14 @@ fn a_fit_says_nothing_of_absent_columns() {
             "observed",
             "interval",
             "constant",
+            "constant_interval",
             "predicted",
             "verdict",
             "reason",
+            "points_used",
+            "points_left_out",
+            "scene",
+            "norm",
         ],
     );
 }

@@ -1,20 +1,36 @@
 //! `sweep fit`: orders and verdict for anybody's table.
 
+mod grid;
+mod line;
+mod path;
+mod table;
+mod values;
+
 use std::path::PathBuf;
 
 use clap::Args;
 
+use self::table::{Group, Quantity};
 use super::{CliError, print_json, print_text};
-use crate::fit::{
-    Correction, Direction, OrderInterval, Point, local_slopes, order_interval, samples, screen,
-};
-use crate::record::counted;
-use crate::verdict::{Aim, Decision, compare};
+use crate::fit::{Direction, joint_fits, path};
+use crate::verdict::Decision;
 
 /// `sweep fit`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: one object a direction with variable, local_slopes, observed, interval, constant, predicted, verdict, reason."
+    after_help = "Columns: h, k (one of them may be missing), error or value, and optionally floor, \
+norm, scene, status; others are ignored. Rows with the same scene and norm are one table: `cases.csv` of \
+a sweep is such a file. A column value in place of error is a functional without an exact value: the \
+extrapolated value, its order, the grid convergence index and the Eça-Hoekstra uncertainty are printed.\n\n\
+JSON keys with --json: one object a table and direction, with scene, norm, variable (h, k, joint, path), \
+predicted, observed, interval, verdict, reason, and
+  h, k of errors: local_slopes, constant, constant_interval, points_used, points_left_out
+  joint: predicted_k, observed_k, interval_k, models, better, constants
+  path (k = c h^s): exponent, path_constant, local_slopes, predicted_k
+  h, k of values: behaviour, finest, extrapolated, order_of_last_three, gci, half_range, eca_hoekstra, points_used
+
+Exit codes: 0 without --p and --q, or if all verdicts pass; 1 if one fails or is unresolved; 2 if the table \
+cannot be read."
 )]
 pub struct Fit {
     /// Table with columns h, k, error (one of h, k may be missing) and optionally floor
@@ -30,152 +46,122 @@ pub struct Fit {
     json: bool,
 }
 
+/// What is said of one table in one direction.
+struct Part {
+    text: String,
+    json: serde_json::Map<String, serde_json::Value>,
+    /// The verdict, where an order is predicted.
+    decision: Option<Decision>,
+}
+
+/// The orders that are predicted.
+#[derive(Debug, Clone, Copy)]
+struct Predicted {
+    p: Option<f64>,
+    q: Option<f64>,
+}
+
 impl Fit {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let points = read(&self.file)?;
-        let mut rows = Vec::new();
+        let groups = table::read(&self.file)?;
+        let predicted = Predicted { p: self.p, q: self.q };
         let mut all_pass = true;
-        for (direction, name, predicted) in
-            [(Direction::Space, "h", self.p), (Direction::Time, "k", self.q)]
-        {
-            let line = finest_line(&points, direction);
-            let steps = || line.iter().map(|p| direction.step(p)).filter(|step| step.is_finite());
-            let refined = steps().any(|step| Some(step) != steps().next());
-            if !refined && predicted.is_none() {
-                continue;
+        let mut objects = Vec::new();
+        let mut texts = Vec::new();
+        for group in &groups {
+            let parts = parts(group, predicted);
+            all_pass &= parts.iter().all(|part| part.decision.is_none_or(|d| d == Decision::Pass));
+            texts.extend(group.heading().filter(|_| !parts.is_empty()));
+            for mut part in parts {
+                part.json.insert("scene".into(), group.scene.clone().into());
+                part.json.insert("norm".into(), group.norm.clone().into());
+                objects.push(serde_json::Value::Object(part.json));
+                texts.push(part.text);
             }
-            let correction = match direction {
-                Direction::Time if predicted == Some(2.0) => Correction::Quadratic,
-                _ => Correction::Linear,
-            };
-            let fitted = samples(&line, direction).and_then(|s| {
-                order_interval(&s, correction).map(|found| (local_slopes(&s), found))
-            });
-            // A broken row is a failure of the table, as a missing case is one of a sweep.
-            let broken = line.iter().filter_map(|p| screen(p).err()).find(|why| why.is_broken());
-            let (decision, reason) = match (&fitted, predicted) {
-                (_, Some(_)) if broken.is_some() => {
-                    (Some(Decision::Fail), broken.map_or(String::new(), |why| why.to_string()))
-                }
-                (Ok((_, found)), Some(order)) => {
-                    let aim = Aim { order, at_least: false, exact: false };
-                    let (decision, reason) = compare(found.interval, aim);
-                    (Some(decision), reason)
-                }
-                (Ok(_), None) => (None, String::new()),
-                (Err(error), _) => (predicted.map(|_| Decision::Unresolved), error.to_string()),
-            };
-            all_pass &= decision.is_none_or(|decision| decision == Decision::Pass);
-            rows.push(Row { name, predicted, fitted: fitted.ok(), decision, reason });
         }
-        if rows.is_empty() {
+        if objects.is_empty() {
             let hint = "neither h nor k takes two values: nothing to fit";
             return Err(CliError::Other(format!("{}: {hint}", self.file.display())));
         }
         if self.json {
-            print_json(&rows.iter().map(Row::json).collect())?;
+            print_json(&objects.into())?;
         } else {
-            rows.iter().for_each(|row| print_text(&row.text()));
+            texts.iter().for_each(|text| print_text(text));
         }
         Ok(u8::from(!all_pass))
     }
 }
 
-struct Row {
-    name: &'static str,
-    predicted: Option<f64>,
-    fitted: Option<(Vec<f64>, OrderInterval)>,
-    decision: Option<Decision>,
-    reason: String,
+/// All that one table says.
+fn parts(group: &Group, predicted: Predicted) -> Vec<Part> {
+    let points = group.points();
+    if group.quantity == Quantity::Value {
+        return [(Direction::Space, predicted.p), (Direction::Time, predicted.q)]
+            .into_iter()
+            .filter_map(|(direction, order)| values::part(group, direction, order))
+            .collect();
+    }
+    if let Some(found) = path(&points) {
+        return vec![path::part(group, found, predicted)];
+    }
+    let both = group.refined(Direction::Space) && group.refined(Direction::Time);
+    let joint = both.then(|| joint_fits(&points, false));
+    let lines = [(Direction::Space, predicted.p), (Direction::Time, predicted.q)]
+        .into_iter()
+        .filter_map(|(direction, order)| line::part(group, direction, order, joint.as_ref()));
+    let lines: Vec<Part> = lines.collect();
+    let grid = joint.map(|joint| grid::part(group, &joint, predicted));
+    lines.into_iter().chain(grid).collect()
 }
 
-impl Row {
-    fn json(&self) -> serde_json::Value {
-        let found = self.fitted.as_ref();
-        serde_json::json!({
-            "variable": self.name,
-            "local_slopes": found.map(|(slopes, _)| slopes.clone()),
-            "observed": found.map(|(_, found)| found.law.order),
-            "interval": found.map(|(_, found)| [found.interval.lo, found.interval.hi]),
-            "constant": found.map(|(_, found)| found.law.constant),
-            "predicted": self.predicted,
-            "verdict": self.decision.map(Decision::name),
-            "reason": self.reason,
-        })
-    }
-
-    fn text(&self) -> String {
-        let verdict = self.decision.zip(self.predicted).map(|(decision, order)| {
-            format!("predicted {order}: {}, {}", decision.name(), self.reason)
-        });
-        let Some((slopes, found)) = &self.fitted else {
-            return format!("{}: {}", self.name, verdict.unwrap_or_else(|| self.reason.clone()));
-        };
-        let slopes: Vec<String> = slopes.iter().map(|slope| format!("{slope:.3}")).collect();
-        let verdict = verdict.map_or(String::new(), |verdict| format!("; {verdict}"));
-        format!(
-            "{}: order {:.3} in [{:.3}, {:.3}], constant {:.4e}{verdict}\n   local orders {}",
-            self.name,
-            found.law.order,
-            found.interval.lo,
-            found.interval.hi,
-            found.law.constant,
-            slopes.join(" ")
-        )
-    }
+/// The verdict of a table with gaps: as in a sweep, a case that is missing is a failure.
+fn gap_verdict(group: &Group) -> Option<(Decision, String)> {
+    group.gaps_in_words().map(|gaps| (Decision::Fail, gaps))
 }
 
-/// The points with the finest step of the other direction.
-fn finest_line(points: &[Point], direction: Direction) -> Vec<Point> {
-    let other = |p: &Point| match direction {
-        Direction::Space => p.k,
-        Direction::Time => p.h,
-    };
-    let finest = points.iter().map(other).fold(f64::INFINITY, f64::min);
-    points.iter().filter(|p| other(p).is_nan() || other(p) == finest).copied().collect()
-}
-
-fn read(path: &std::path::Path) -> Result<Vec<Point>, CliError> {
-    let fail = |what: String| CliError::Other(format!("{}: {what}", path.display()));
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .flexible(true)
-        .from_path(path)
-        .map_err(|error| fail(error.to_string()))?;
-    let header = reader.headers().map_err(|error| fail(error.to_string()))?.clone();
-    let column = |name: &str| header.iter().position(|own| own.eq_ignore_ascii_case(name));
-    let (h, k, floor) = (column("h"), column("k"), column("floor"));
-    let error = column("error").ok_or_else(|| fail("line 1: no column `error`".into()))?;
-    if h.is_none() && k.is_none() {
-        return Err(fail("line 1: no column `h` and no column `k`".into()));
-    }
-    let mut points = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| fail(error.to_string()))?;
-        let line = record.position().map_or(0, csv::Position::line);
-        if record.len() != header.len() {
-            let (own, wanted) = (record.len(), header.len());
-            return Err(fail(format!(
-                "line {line}: {}, the header has {wanted}",
-                counted(own, "field")
-            )));
+/// `; predicted 1: pass, 1 lies in …` for the end of a line of text.
+fn verdict_text(predicted: Option<String>, verdict: Option<&(Decision, String)>) -> String {
+    match (predicted, verdict) {
+        (Some(order), Some((decision, reason))) => {
+            format!("predicted {order}: {}, {reason}", decision.name())
         }
-        let number = |at: Option<usize>, absent: f64| -> Result<f64, CliError> {
-            let Some(text) = at.and_then(|at| record.get(at)).filter(|text| !text.is_empty())
-            else {
-                return Ok(absent);
-            };
-            text.parse().map_err(|_| fail(format!("line {line}: `{text}` is not a number")))
-        };
-        points.push(Point {
-            h: number(h, f64::NAN)?,
-            k: number(k, f64::NAN)?,
-            error: number(Some(error), f64::NAN)?,
-            floor: number(floor, 0.0)?,
-        });
+        (_, Some((_, reason))) => reason.clone(),
+        _ => String::new(),
     }
-    if points.is_empty() {
-        return Err(fail("no rows below the header".into()));
+}
+
+/// The step of one more level, in the ratio of the last two.
+fn next_step(name: &str, steps: &[f64]) -> String {
+    match steps {
+        [.., previous, last] => format!("run {name} = {:.4}", last * last / previous),
+        [only] => format!("run {name} = {:.4} and {name} = {:.4}", only / 2.0, only / 4.0),
+        [] => format!("run three values of {name}"),
     }
-    Ok(points)
+}
+
+/// Name of the step in tables.
+fn step_name(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Space => "h",
+        Direction::Time => "k",
+    }
+}
+
+/// Local orders that are printed; --json has all of them.
+const PRINTED: usize = 12;
+
+/// `1.234 0.987`, the last ones of many.
+fn orders_text(orders: &[f64]) -> String {
+    let last = &orders[orders.len().saturating_sub(PRINTED)..];
+    let dots = (last.len() < orders.len()).then(|| "…".to_owned());
+    let texts = last.iter().map(|order| format!("{order:.3}"));
+    dots.into_iter().chain(texts).collect::<Vec<_>>().join(" ")
+}
+
+/// The entries of a JSON object.
+fn map(object: serde_json::Value) -> serde_json::Map<String, serde_json::Value> {
+    match object {
+        serde_json::Value::Object(map) => map,
+        _ => serde_json::Map::new(),
+    }
 }

@@ -60,6 +60,9 @@ mod tests {
         assert_eq!(hull, Interval { lo: -1.0, hi: 2.0 });
         assert_eq!(hull.half_width(), 1.5);
         assert!(hull.contains(2.0) && !hull.contains(2.1));
+        assert!(hull.contains(-1.0) && !hull.contains(-1.1));
+        let exp = Interval { lo: 0.0, hi: 1.0 }.exp();
+        assert_eq!(exp, Interval { lo: 1.0, hi: std::f64::consts::E });
         assert!(Interval::of([]).is_none());
         assert_eq!(Interval::around(1.0, 0.5).to_string(), "[0.500, 1.500]");
     }

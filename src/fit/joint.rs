@@ -1,19 +1,17 @@
 //! Both orders from a grid of meshes and time steps.
 
-use nalgebra::{DMatrix, DVector};
-
-use super::identifiable::{check_bends, check_grid, check_terms, clipped};
-use super::levenberg_marquardt::{Minimum, minimise};
-use super::model::{Extra, LogTable};
-use super::{FitError, Interval, Model, NotIdentifiable, Point, screen, student_quantile};
-
-/// Orders to start from; each pair is tried and the best minimum kept.
-const STARTS: [(f64, f64); 6] =
-    [(1.0, 2.0), (1.0, 1.0), (0.5, 2.0), (2.0, 2.0), (2.0, 1.0), (0.5, 1.0)];
+use super::grid_fit::GridFit;
+use super::identifiable::{check_clip, check_grid, check_terms, clipped};
+use super::log_table::Shape;
+use super::{FitError, Interval, Model, NotIdentifiable, Point, screen};
 
 /// A model whose residual is at most so many times that of the better one is not refuted by
 /// it: the ratio 4 of their squares is below the 95 % quantile of F up to 6 and 6 degrees.
 const COMPARABLE: f64 = 2.0;
+
+/// To see an order q = 2 within 0.1 under an order 1, the other term must stay below this
+/// share: a local slope is the error-weighted mean of the orders present.
+pub const LARGEST_OTHER_SHARE: f64 = 0.053;
 
 /// A fitted number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +31,8 @@ pub struct JointFit {
     pub order_h: Estimate,
     /// Order q in k with its Student interval.
     pub order_k: Estimate,
+    /// The Student intervals of p and q alone.
+    pub student: [Interval; 2],
     /// C_h.
     pub constant_h: f64,
     /// C_k.
@@ -70,7 +70,7 @@ pub struct JointFits {
     /// The model with the smaller residual; its intervals are the hull of its Student
     /// intervals, the order p' of the grid without its coarsest h (or k) ± 2 |p' − p|, from
     /// four levels on the Student intervals with the next term of each expansion fitted as well,
-    /// and the other model's orders where its residual is comparable.
+    /// and the other model's Student intervals where its residual is comparable.
     pub best: JointFit,
     /// The other model, with Student intervals alone; none if its fit did not end.
     pub other: Option<JointFit>,
@@ -82,21 +82,28 @@ pub struct JointFits {
 /// [`NotIdentifiable`] if the points do not determine both orders.
 pub fn joint_fits(points: &[Point], with_floor: bool) -> Result<JointFits, NotIdentifiable> {
     let usable = usable(points);
-    let extra = Extra { floor: with_floor, bends: false };
-    check_grid(&usable, extra.parameters())?;
-    let mut fits: Vec<JointFit> = [Model::Sum, Model::RootSumSquare]
+    let shape = Shape { orders: None, floor: with_floor, bends: false };
+    check_grid(&usable, shape.parameters())?;
+    let mut fits: Vec<GridFit> = [Model::Sum, Model::RootSumSquare]
         .into_iter()
-        .filter_map(|model| fit_model(&usable, model, extra))
+        .filter_map(|model| GridFit::of(&usable, model, shape))
         .collect();
     fits.sort_by(|a, b| a.residual_norm.total_cmp(&b.residual_norm));
-    let mut fits = fits.into_iter();
-    let best = fits.next().ok_or_else(NotIdentifiable::no_minimum)?;
-    let other = fits.next();
-    check_terms(&best, &usable)?;
-    Ok(JointFits { best: widened(best, other.as_ref(), &usable), other })
+    let [best, others @ ..] = &fits[..] else {
+        return Err(NotIdentifiable::no_minimum());
+    };
+    let fit = joint_fit(best, widened(best, others, &usable));
+    check_terms(&fit, &usable)?;
+    Ok(JointFits { best: fit, other: others.first().map(|fit| joint_fit(fit, fit.estimates())) })
 }
 
-/// The constants C_h and C_k under given orders (p, q), each with its 95 % Student interval.
+/// The constants C_h and C_k under given orders (p, q), each with its interval.
+///
+/// From four levels on they are those of the fit with the next term of each expansion: without
+/// it C_h carries the bias D h of the table. The interval is then the hull of the Student
+/// interval, of the constant ± half of its change by the next terms, and of the other model's
+/// where its residual is comparable. With fewer levels it is made
+/// like that of an order in [`JointFits::best`].
 ///
 /// # Errors
 /// [`FitError::TooFew`] for fewer than three points, [`FitError::Singular`] without a minimum.
@@ -107,25 +114,27 @@ pub fn fit_constants(
 ) -> Result<[Estimate; 2], FitError> {
     let usable = usable(points);
     let found = usable.len();
-    let freedom = found.checked_sub(3).ok_or(FitError::TooFew { found, needed: 3 })? + 1;
-    let table = LogTable::new(&usable);
-    let start = DVector::from_element(2, half_level(&table));
-    let singular = FitError::Singular { points: found };
-    let minimum = minimise(start, |x| {
-        let full = DVector::from_vec(vec![x[0], x[1], orders.0, orders.1]);
-        let (residuals, jacobian) =
-            table.residuals(model, Extra { floor: false, bends: false }, &full);
-        (residuals, jacobian.columns(0, 2).into_owned())
-    })
-    .ok_or(singular)?;
-    let deviations = deviations(&minimum, freedom).ok_or(singular)?;
-    let quantile = student_quantile(freedom).ok_or(singular)?;
-    let constant = |i: usize, order: f64| {
-        let log = minimum.x[i] - order * table.centre[i];
-        let interval = Interval::around(log, quantile * deviations[i]).exp();
-        Estimate { value: log.exp(), interval }
+    let shape = Shape { orders: Some(orders), floor: false, bends: false };
+    if found <= shape.parameters() {
+        return Err(FitError::TooFew { found, needed: shape.parameters() + 1 });
+    }
+    let fit = |model| GridFit::of(&usable, model, shape);
+    let full = fit(model).ok_or(FitError::Singular { points: found })?;
+    let rival = match model {
+        Model::Sum => fit(Model::RootSumSquare),
+        Model::RootSumSquare => fit(Model::Sum),
     };
-    Ok([constant(0, orders.0), constant(1, orders.1)])
+    let bent = full.bent(&usable);
+    let logs = match &bent {
+        None => widened(&full, rival.as_slice(), &usable),
+        Some(bent) => {
+            let rival = rival.and_then(|rival| rival.bent(&usable));
+            let comparable =
+                rival.filter(|rival| rival.residual_norm <= COMPARABLE * bent.residual_norm);
+            extrapolated(full.estimates(), bent.estimates(), comparable.map(|r| r.estimates()))
+        }
+    };
+    Ok(logs.map(|log| Estimate { value: log.value.exp(), interval: log.interval.exp() }))
 }
 
 fn usable(points: &[Point]) -> Vec<Point> {
@@ -134,92 +143,55 @@ fn usable(points: &[Point]) -> Vec<Point> {
     points.iter().filter(serves).copied().collect()
 }
 
-/// Half of the mean error, as a logarithm: where both constants start.
-fn half_level(table: &LogTable) -> f64 {
-    let count = table.rows.len().max(1) as f64;
-    table.rows.iter().map(|row| row.error).sum::<f64>() / count - std::f64::consts::LN_2
+fn joint_fit(fit: &GridFit, [order_h, order_k]: [Estimate; 2]) -> JointFit {
+    let [constant_h, constant_k] = fit.log_constants().map(f64::exp);
+    JointFit {
+        model: fit.model,
+        order_h,
+        order_k,
+        student: fit.estimates().map(|order| order.interval),
+        constant_h,
+        constant_k,
+        floor: fit.floor(),
+        residual_norm: fit.residual_norm,
+        condition: fit.condition,
+    }
 }
 
-fn fit_model(points: &[Point], model: Model, extra: Extra) -> Option<JointFit> {
-    let table = LogTable::new(points);
-    let level = half_level(&table);
-    let lowest = table.rows.iter().map(|row| row.error).fold(f64::INFINITY, f64::min);
-    let minimum = STARTS
-        .into_iter()
-        .filter_map(|(p, q)| {
-            let floor = extra.floor.then_some(lowest - 1.0);
-            let start = [level, level, p, q].into_iter().chain(floor);
-            let start = start.chain(std::iter::repeat(0.0)).take(extra.parameters());
-            let start = DVector::from_vec(start.collect());
-            minimise(start, |x| table.residuals(model, extra, x))
-        })
-        .min_by(|a, b| a.residuals.norm().total_cmp(&b.residuals.norm()))?;
-    let freedom = points.len().checked_sub(minimum.x.len())?;
-    let deviations = deviations(&minimum, freedom)?;
-    let quantile = student_quantile(freedom)?;
-    let order = |i: usize| Estimate {
-        value: minimum.x[i],
-        interval: Interval::around(minimum.x[i], quantile * deviations[i]),
-    };
-    let x = &minimum.x;
-    Some(JointFit {
-        model,
-        order_h: order(2),
-        order_k: order(3),
-        constant_h: (x[0] - x[2] * table.centre[0]).exp(),
-        constant_k: (x[1] - x[3] * table.centre[1]).exp(),
-        floor: extra.floor.then(|| x[4].exp()),
-        residual_norm: minimum.residuals.norm(),
-        condition: condition(&minimum.jacobian),
+/// The estimates of a fit, their intervals widened by the choice of grid, by the next terms of
+/// the expansions and by the choice of model.
+fn widened(full: &GridFit, rivals: &[GridFit], points: &[Point]) -> [Estimate; 2] {
+    let own = full.estimates();
+    let mut parts: Vec<[Interval; 2]> = Vec::new();
+    let clips = clipped(points).into_iter().filter(|clip| check_clip(clip, full.shape).is_ok());
+    for clip in clips.filter_map(|clip| full.again(&clip, full.shape)) {
+        let clip = clip.estimates();
+        parts.push([0, 1].map(|i| drift(own[i], clip[i])));
+    }
+    if let Some(bent) = full.bent(points) {
+        let bent = bent.estimates();
+        parts.push([0, 1].map(|i| corrected(own[i], bent[i])));
+    }
+    for rival in rivals.iter().filter(|o| o.residual_norm <= COMPARABLE * full.residual_norm) {
+        parts.push(rival.estimates().map(|rival| rival.interval));
+    }
+    [0, 1].map(|i| {
+        let interval = parts.iter().fold(own[i].interval, |hull, part| hull.hull(part[i]));
+        Estimate { interval, ..own[i] }
     })
 }
 
-/// Roots of the diagonal of s² (JᵀJ)⁻¹.
-fn deviations(minimum: &Minimum, freedom: usize) -> Option<DVector<f64>> {
-    let variance = minimum.residuals.norm_squared() / freedom as f64;
-    let inverse = minimum.jacobian.tr_mul(&minimum.jacobian).try_inverse()?;
-    let squares = inverse.diagonal() * variance;
-    squares.iter().all(|x| x.is_finite() && *x >= 0.0).then(|| squares.map(f64::sqrt))
-}
-
-fn condition(jacobian: &DMatrix<f64>) -> f64 {
-    let mut scaled = jacobian.clone();
-    for mut column in scaled.column_iter_mut() {
-        let length = column.norm();
-        if length == 0.0 {
-            return f64::INFINITY;
-        }
-        column /= length;
-    }
-    let values = scaled.singular_values();
-    values.max() / values.min()
-}
-
-/// The fit with its intervals widened by the choice of grid and of model.
-fn widened(mut fit: JointFit, other: Option<&JointFit>, points: &[Point]) -> JointFit {
-    let full = fit.clone();
-    let extra = Extra { floor: full.floor.is_some(), bends: false };
-    let clips = clipped(points).into_iter().filter(|clip| check_grid(clip, 4).is_ok());
-    for clip in clips.filter_map(|clip| fit_model(&clip, full.model, extra)) {
-        widen(&mut fit.order_h, drift(full.order_h, clip.order_h));
-        widen(&mut fit.order_k, drift(full.order_k, clip.order_k));
-    }
-    let bent = Extra { bends: true, ..extra };
-    if check_bends(points, bent.parameters()).is_ok()
-        && let Some(bent) = fit_model(points, full.model, bent)
-    {
-        widen(&mut fit.order_h, corrected(full.order_h, bent.order_h));
-        widen(&mut fit.order_k, corrected(full.order_k, bent.order_k));
-    }
-    if let Some(rival) = other.filter(|o| o.residual_norm <= COMPARABLE * full.residual_norm) {
-        widen(&mut fit.order_h, Interval::around(rival.order_h.value, 0.0));
-        widen(&mut fit.order_k, Interval::around(rival.order_k.value, 0.0));
-    }
-    fit
-}
-
-fn widen(order: &mut Estimate, part: Interval) {
-    order.interval = order.interval.hull(part);
+/// The bent estimates with the other readings of the table.
+fn extrapolated(
+    full: [Estimate; 2],
+    bent: [Estimate; 2],
+    rival: Option<[Estimate; 2]>,
+) -> [Estimate; 2] {
+    [0, 1].map(|i| {
+        let interval = corrected(full[i], bent[i]);
+        let interval = rival.map_or(interval, |rival| interval.hull(rival[i].interval));
+        Estimate { interval, ..bent[i] }
+    })
 }
 
 /// The Student interval with the next terms of the expansions, and the order ± half of the

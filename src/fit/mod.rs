@@ -4,6 +4,8 @@
 //! the logarithmic line, so the Student interval alone misses the truth. The interval of an
 //! order is therefore a hull of four parts, see [`order_interval`].
 
+mod eca_hoekstra;
+mod grid_fit;
 mod hull;
 mod identifiable;
 mod interval;
@@ -11,20 +13,36 @@ mod joint;
 mod least_squares;
 mod levenberg_marquardt;
 mod local;
+mod log_table;
 mod model;
+mod path;
 mod power_law;
+mod richardson;
 mod screen;
+mod value_order;
 
 use crate::record::counted;
+pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
 pub use hull::{Correction, OrderInterval, order_interval};
 pub use identifiable::NotIdentifiable;
 pub use interval::Interval;
-pub use joint::{Estimate, JointFit, JointFits, fit_constants, joint_fits};
+pub use joint::{Estimate, JointFit, JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};
 pub use least_squares::{LinearFit, linear_fit, student_quantile};
 pub use local::{constant_under, local_slopes};
 pub use model::Model;
+pub use path::{Path, path};
 pub use power_law::{PowerLaw, power_law};
-pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen};
+pub use richardson::{Triple, ValueSample};
+pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen, value_samples};
+pub use value_order::{ValueOrder, value_order};
+
+/// Two steps are one level if they differ by rounding only: tables carry 1/3 as 0.333333333.
+const SAME_LEVEL: f64 = 1e-9;
+
+/// Whether two positive steps are one up to rounding.
+pub fn same_level(a: f64, b: f64) -> bool {
+    a.min(b) >= a.max(b) * (1.0 - SAME_LEVEL)
+}
 
 /// One entry of an error table. A missing error is NaN, an unmeasured floor is 0, and a step
 /// that the table does not have is NaN.

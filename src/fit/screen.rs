@@ -1,6 +1,6 @@
 //! Which points of a table may carry an order.
 
-use super::{Direction, FitError, Point};
+use super::{Direction, FitError, Point, ValueSample, same_level};
 
 /// A point counts if its error is above so many floors: the floor then moves log e by less
 /// than 1/20, and a slope over one halving by less than 0.07.
@@ -81,10 +81,36 @@ pub fn samples(points: &[Point], direction: Direction) -> Result<Vec<Sample>, Fi
         .filter(|sample| sample.step.is_finite() && sample.step > 0.0)
         .collect();
     samples.sort_by(|a, b| b.step.total_cmp(&a.step));
-    match samples.windows(2).find(|pair| pair[0].step == pair[1].step) {
-        Some(pair) => Err(FitError::RepeatedStep { step: pair[0].step }),
-        None => Ok(samples),
+    distinct(samples.iter().map(|sample| sample.step))?;
+    Ok(samples)
+}
+
+/// The values of a functional in direction of refinement, where a table has them in place of
+/// errors; what is not finite is left out.
+///
+/// # Errors
+/// [`FitError::RepeatedStep`] if two of them have one step.
+pub fn value_samples(points: &[Point], direction: Direction) -> Result<Vec<ValueSample>, FitError> {
+    let mut samples: Vec<ValueSample> = points
+        .iter()
+        .map(|point| ValueSample { step: direction.step(point), value: point.error })
+        .filter(|sample| sample.value.is_finite() && sample.step.is_finite() && sample.step > 0.0)
+        .collect();
+    samples.sort_by(|a, b| b.step.total_cmp(&a.step));
+    distinct(samples.iter().map(|sample| sample.step))?;
+    Ok(samples)
+}
+
+/// Whether falling steps are distinct beyond rounding.
+fn distinct(steps: impl Iterator<Item = f64>) -> Result<(), FitError> {
+    let mut previous = f64::INFINITY;
+    for step in steps {
+        if same_level(previous, step) {
+            return Err(FitError::RepeatedStep { step });
+        }
+        previous = step;
     }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -106,6 +132,23 @@ mod tests {
         }
         assert!(screen(&point(1.0, f64::NAN)).unwrap_err().is_broken());
         assert!(!Exclusion::Zero.is_broken());
+    }
+
+    #[test]
+    fn values_may_have_any_sign() {
+        let at = |h: f64, error: f64| Point { h, ..point(error, f64::NAN) };
+        let points =
+            [at(0.1, -1.0), at(0.4, 0.0), at(0.2, f64::NAN), at(f64::NAN, 1.0), at(0.0, 1.0)];
+        let values = value_samples(&points, Direction::Space).unwrap();
+        let plain: Vec<(f64, f64)> = values.iter().map(|v| (v.step, v.value)).collect();
+        assert_eq!(plain, [(0.4, 0.0), (0.1, -1.0)]);
+        let twice = [at(0.1, 1.0), at(0.1 * (1.0 + 1e-12), 2.0)];
+        assert!(matches!(
+            value_samples(&twice, Direction::Space),
+            Err(FitError::RepeatedStep { .. })
+        ));
+        let close = [at(0.1, 1.0), at(0.1 * (1.0 + 1e-6), 2.0)];
+        assert_eq!(value_samples(&close, Direction::Space).unwrap().len(), 2);
     }
 
     #[test]

@@ -8,14 +8,10 @@ use super::next::next_case;
 use super::selection::{Cases, Selection};
 use super::{Constant, Decision, Expect, IntervalParts, Prediction, Variable, Verdict};
 use crate::fit::{
-    Correction, Direction, Interval, OrderInterval, Point, Sample, constant_under, joint_fits,
-    order_interval, samples,
+    Correction, Direction, Interval, LARGEST_OTHER_SHARE, OrderInterval, Point, Sample,
+    constant_under, joint_fits, order_interval, samples,
 };
 use crate::record::{CaseRecord, Key};
-
-/// To see an order q = 2 within 0.1 under an order 1, the other term must stay below this
-/// share: a local slope is the error-weighted mean of the orders present.
-const LARGEST_OTHER_SHARE: f64 = 0.053;
 
 /// What the data say about a prediction, before it is a verdict.
 pub(super) struct Finding {
@@ -104,7 +100,6 @@ fn judge_line(
             return Finding::without_order(Decision::Unresolved, reason);
         }
     };
-    let order = prediction.order;
     let (decision, mut reason) = decide(&found, prediction, &next());
     if let Some(note) = other_term(&cases.points(&prediction.norm), selection, direction) {
         reason = format!("{reason}; {note}");
@@ -118,7 +113,7 @@ fn judge_line(
             drift: pair(found.drift),
             curvature: found.curvature.map(pair),
         }),
-        constants: constants(&samples, order, direction),
+        constants: constants(&samples, prediction, direction),
         decision,
         reason,
     }
@@ -149,14 +144,15 @@ fn correction(prediction: &Prediction, direction: Direction) -> Correction {
 
 fn constants(
     samples: &[Sample],
-    order: f64,
+    prediction: &Prediction,
     direction: Direction,
 ) -> BTreeMap<&'static str, Constant> {
     let name = match direction {
         Direction::Space => "C_h",
         Direction::Time => "C_k",
     };
-    let fitted = constant_under(order, samples)
+    let order = prediction.order;
+    let fitted = constant_under(order, samples, correction(prediction, direction))
         .map(|(value, interval)| (name, Constant { value, interval: pair(interval), order }));
     fitted.into_iter().collect()
 }

@@ -96,7 +96,7 @@ impl<'a> Cases<'a> {
 
     /// The keys a prediction rests on. A mesh or time grid counts if one of its cases carries
     /// the norm: then all of them have to.
-    fn line(&self, prediction: &Prediction) -> Vec<&Key> {
+    fn line(&self, prediction: &Prediction) -> BTreeSet<&Key> {
         let keys = || self.cases.keys();
         match prediction.variable {
             Variable::H => {

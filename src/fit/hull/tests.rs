@@ -1,4 +1,4 @@
-//! Intervals on laws whose order is known, one by one and by simulation.
+//! Intervals on laws whose order is known; tests/coverage.rs simulates them.
 
 use super::*;
 
@@ -48,53 +48,61 @@ fn fewer_than_three_points_have_no_interval() {
     assert!(order_interval(&[], Correction::Linear).is_err());
 }
 
-/// A linear congruential generator (Knuth's MMIX constants), uniform on [0, 1).
-struct Lcg(u64);
-
-impl Lcg {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.uniform()).cos()
+/// Slopes of 3, 2, 1.5 drift on: the last change, times 2, is half of the way that is left.
+#[test]
+fn the_drift_reaches_further_on_small_ratios() {
+    let samples: Vec<Sample> =
+        [0.3, 0.2, 0.15].map(|step: f64| Sample { step, error: step * (1.0 + 0.1 * step) }).into();
+    let found = order_interval(&samples, Correction::Linear).unwrap();
+    let slopes = local_slopes(&samples);
+    let change = slopes[1] - slopes[0];
+    let factor = found.drift.half_width() / change.abs();
+    let mean = |a: f64, b: f64| (a - b) / (a / b).ln();
+    let expected = 2.0 * mean(0.2, 0.15) / (mean(0.3, 0.2) - mean(0.2, 0.15));
+    // Roundings of a change of 1 in 100.
+    assert!((factor - expected).abs() < 1e-10 && factor > 4.0, "{factor} {expected}");
+    assert!(found.interval.contains(1.0));
+    // Halvings have the factor 2, also in even powers, where less is left.
+    for correction in [Correction::Linear, Correction::Quadratic] {
+        let samples = refined(2.0, 3, |h| h * (1.0 + 0.1 * h));
+        let found = order_interval(&samples, correction).unwrap();
+        let slopes = local_slopes(&samples);
+        let factor = found.drift.half_width() / (slopes[1] - slopes[0]).abs();
+        assert!((factor - 2.0).abs() < 1e-10, "{correction:?} {factor}");
     }
 }
 
-/// Coverage and median half-width over 1,000 tables e = C s^p (1 + D s^r)(1 + noise).
-fn simulate(levels: i32, noise: f64, correction: Correction) -> (f64, f64) {
-    let mut random = Lcg(20 + levels as u64);
-    let mut widths = Vec::new();
-    let mut covered = 0;
-    for _ in 0..1000 {
-        let order = 0.5 + 2.0 * random.uniform();
-        let constant = (4.0 * random.uniform() - 2.0).exp();
-        let bend = 8.0 * random.uniform() - 4.0;
-        let samples: Vec<Sample> = refined(2.0, levels, |step| {
-            constant * step.powf(order) * (1.0 + bend * step.powi(correction.power()))
-        })
-        .into_iter()
-        .map(|exact| Sample { error: exact.error * (noise * random.normal()).exp(), ..exact })
-        .collect();
-        let found = order_interval(&samples, correction).unwrap();
-        covered += usize::from(found.interval.contains(order));
-        widths.push(found.interval.half_width());
-    }
-    widths.sort_by(f64::total_cmp);
-    (covered as f64 / 1000.0, widths[500])
+/// Windows by hand: errors 1, 2, 16, 4 on halved steps, slopes over three points are half of the
+/// sum of two neighbours; over four (3 a + 4 b + 3 c)/10.
+#[test]
+fn windows_are_all_contiguous_runs_of_three_and_more() {
+    let errors = [1.0, 2.0, 16.0, 4.0];
+    let samples: Vec<Sample> =
+        (0..4).map(|i| Sample { step: 0.5f64.powi(i), error: errors[i as usize] }).collect();
+    let found = order_interval(&samples, Correction::Linear).unwrap();
+    // Local slopes −1, −3, 2: windows −2, −1/2 and −0.9.
+    assert!((found.windows.lo + 2.0).abs() < 1e-14 && (found.windows.hi + 0.5).abs() < 1e-14);
+    assert!((found.law.order + 0.9).abs() < 1e-14);
+    assert!((found.drift.lo + 8.0).abs() < 1e-12 && (found.drift.hi - 12.0).abs() < 1e-12);
+    assert_eq!(found.widest_part(), "curvature");
+    let three = order_interval(&samples[..3], Correction::Linear).unwrap();
+    assert!(three.curvature.is_none());
 }
 
 #[test]
-fn simulated_coverage_is_at_least_95_percent() {
-    for correction in [Correction::Linear, Correction::Quadratic] {
-        for levels in [4, 5, 6] {
-            for noise in [0.0, 0.01, 0.02] {
-                let (coverage, median) = simulate(levels, noise, correction);
-                println!("{correction:?} {levels} levels, noise {noise}: {coverage} {median:.4}");
-                assert!(coverage >= 0.95, "{levels} levels, noise {noise}: {coverage}");
-            }
-        }
-    }
+fn the_widest_part_is_named() {
+    let [narrow, wide] = [0.1, 1.0].map(|radius| Interval::around(1.0, radius));
+    let samples = refined(2.0, 4, |h| h);
+    let base = order_interval(&samples, Correction::Linear).unwrap();
+    let parts = |student, windows, drift, curvature| {
+        OrderInterval { student, windows, drift, curvature: Some(curvature), ..base.clone() }
+            .widest_part()
+    };
+    assert_eq!(parts(wide, narrow, narrow, narrow), "scatter");
+    assert_eq!(parts(narrow, wide, narrow, narrow), "windows");
+    assert_eq!(parts(narrow, narrow, wide, narrow), "drift");
+    assert_eq!(parts(narrow, narrow, narrow, wide), "curvature");
+    // One-sided parts count by their far end, to either side.
+    let below = Interval { lo: -1.0, hi: 1.0 };
+    assert_eq!(parts(narrow, below, narrow, narrow), "windows");
 }

@@ -64,32 +64,62 @@ fn what_cannot_be_identified_says_why() {
     assert!(joint_fits(&grid(4, |_, _| 0.0), false).is_err());
 }
 
-/// E = C_h h (1 + D h) and C_k k² (1 + D' k²) in both forms, |D|, |D'| ≤ 4, noise of 1 %.
+fn estimate(value: f64, radius: f64) -> Estimate {
+    Estimate { value, interval: Interval::around(value, radius) }
+}
+
+/// Full order 1: a clip at 1.25 reaches to 1.25 ± 0.5, bends at 1.25 to 1.25 ± 0.125.
 #[test]
-fn simulated_coverage_of_the_grid() {
-    let mut state = 2024u64;
-    // Knuth's MMIX generator, uniform on [0, 1).
-    let mut uniform = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64
-    };
-    for m in [1.0, 2.0] {
-        let mut covered = [0, 0];
-        for _ in 0..100 {
-            let [c, d, c_k, d_k] = [1.0, 8.0, 8.0, 8.0].map(|scale| scale * uniform());
-            let mut points = grid(4, |h, k| {
-                let space = (0.2 + c) * h * (1.0 + (d - 4.0) * h);
-                let time = (2.0 + c_k) * k * k * (1.0 + (d_k - 4.0) * k * k);
-                (space.powf(m) + time.powf(m)).powf(1.0 / m)
-            });
-            // Uniform noise of standard deviation 1 %.
-            points.iter_mut().for_each(|p| p.error *= 1.0 + 0.0346 * (uniform() - 0.5));
-            let best = joint_fits(&points, false).unwrap().best;
-            covered[0] += usize::from(best.order_h.interval.contains(1.0));
-            covered[1] += usize::from(best.order_k.interval.contains(2.0));
-        }
-        println!("m = {m}: {covered:?} of 100");
-        // 95 % less two standard deviations of 100 draws.
-        assert!(covered.iter().all(|count| *count >= 90), "{m} {covered:?}");
+fn parts_reach_by_the_change_they_make() {
+    let full = estimate(1.0, 0.01);
+    assert_eq!(drift(full, estimate(1.25, 0.0)), Interval { lo: 0.75, hi: 1.75 });
+    assert_eq!(drift(full, estimate(0.75, 9.0)), Interval { lo: 0.25, hi: 1.25 });
+    assert_eq!(corrected(full, estimate(1.25, 0.0)), Interval { lo: 1.125, hi: 1.375 });
+    assert_eq!(corrected(full, estimate(1.25, 0.5)), Interval { lo: 0.75, hi: 1.75 });
+    let [space, time] = extrapolated(
+        [full, full],
+        [estimate(1.25, 0.0), estimate(1.0, 0.25)],
+        Some([estimate(2.0, 0.5), estimate(1.0, 0.0)]),
+    );
+    assert_eq!(space, Estimate { value: 1.25, interval: Interval { lo: 1.125, hi: 2.5 } });
+    assert_eq!(time, Estimate { value: 1.0, interval: Interval { lo: 0.75, hi: 1.25 } });
+}
+
+/// A fit is the function it was fitted with, and its weights are the shares of the terms.
+#[test]
+fn a_fit_evaluates_its_model() {
+    let fits = joint_fits(&grid(5, |h, k| 1e-3 + 0.3 * h + 4.0 * k * k), true).unwrap();
+    let (h, k) = (0.05, 0.02);
+    let [space, time] = [0.3 * h, 4.0 * k * k];
+    let error = 1e-3 + space + time;
+    // The digits of a floor that is a tenth of the smallest error.
+    assert!((fits.best.error(h, k) / error - 1.0).abs() < 1e-5);
+    let weights = fits.best.weights(h, k);
+    assert!((weights[0] - space / error).abs() < 1e-5);
+    assert!((weights[1] - time / error).abs() < 1e-5);
+}
+
+/// Points without a step or an error take no part, and the orders are those of the rest.
+#[test]
+fn broken_points_take_no_part() {
+    let mut points = grid(3, |h, k| 0.3 * h + 4.0 * k * k);
+    for broken in [(0.0, 0.5), (0.5, f64::NAN), (-1.0, 0.5), (0.5, f64::INFINITY)] {
+        points.push(Point { h: broken.0, k: broken.1, error: 1.0, floor: 0.0 });
     }
+    points.push(Point { h: 0.3, k: 0.3, error: f64::NAN, floor: 0.0 });
+    let best = joint_fits(&points, false).unwrap().best;
+    assert!((best.order_h.value - 1.0).abs() < 1e-8 && (best.order_k.value - 2.0).abs() < 1e-8);
+}
+
+/// With the next terms fitted C_h is free of the bias D h: 3 % here without, at D = 2.
+#[test]
+fn constants_of_a_grid_are_extrapolated() {
+    let points = grid(4, |h, k| 0.3 * h * (1.0 + 2.0 * h) + 4.0 * k * k);
+    let [space, time] = fit_constants(&points, Model::Sum, (1.0, 2.0)).unwrap();
+    assert!((space.value / 0.3 - 1.0).abs() < 0.02, "{space:?}");
+    assert!((time.value / 4.0 - 1.0).abs() < 0.02, "{time:?}");
+    assert!(space.interval.contains(0.3) && time.interval.contains(4.0));
+    let three = fit_constants(&grid(3, |h, k| h + k), Model::Sum, (1.0, 2.0)).unwrap();
+    assert!(three[0].value > 0.0 && three[0].interval.contains(three[0].value));
+    assert!(fit_constants(&points[..2], Model::Sum, (1.0, 2.0)).is_err());
 }

@@ -1,0 +1,214 @@
+//! Uncertainty of a functional from four grids and more, by least squares.
+//!
+//! L. Eça, M. Hoekstra, "A procedure for the estimation of the numerical uncertainty of CFD
+//! calculations based on grid refinement studies", J. Comput. Phys. 262 (2014) 104-130. The
+//! expansions, their choice and the factors of safety are those of the procedure for methods of
+//! nominal order two, which P1 elements are in L² functionals and the trapezoidal rule is.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::ValueSample;
+
+/// Grids that the procedure needs.
+const GRIDS: usize = 4;
+
+/// Orders between which the power expansion is kept, and the end of those trusted fully.
+const TRUSTED: [f64; 2] = [0.5, 2.0];
+const TRUSTED_WITH_MARGIN: f64 = 2.1;
+
+/// The factors of safety of the procedure.
+const SAFE: f64 = 1.25;
+const DOUBTFUL: f64 = 3.0;
+
+/// Orders among which the power expansion is sought: an optimum at either end is none.
+const ORDERS: [f64; 2] = [-4.0, 8.0];
+const ORDER_STEP: f64 = 0.05;
+
+/// The error expansions φ − φ₀ among which the procedure chooses.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Expansion {
+    /// α h^p with the observed p.
+    Power(f64),
+    /// α h.
+    First,
+    /// α h².
+    Second,
+    /// α₁ h + α₂ h².
+    Mixed,
+}
+
+/// What the procedure says of the finest grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EcaHoekstra {
+    /// The expansion that was chosen.
+    pub expansion: Expansion,
+    /// Whether the grids were weighted with 1/h.
+    pub weighted: bool,
+    /// φ₀ of that expansion.
+    pub limit: f64,
+    /// Order of the power expansion, also where another was chosen; none without an optimum.
+    pub observed_order: Option<f64>,
+    /// Standard deviation σ of the fit.
+    pub deviation: f64,
+    /// Data range Δφ = (max φ − min φ)/(n − 1), with which σ is compared.
+    pub data_range: f64,
+    /// Factor of safety, 1.25 or 3.
+    pub safety: f64,
+    /// Uncertainty of the value on the finest grid, in units of the value.
+    pub uncertainty: f64,
+}
+
+/// One least-squares fit of φ = φ₀ + error.
+#[derive(Debug, Clone, Copy)]
+struct ExpansionFit {
+    expansion: Expansion,
+    weighted: bool,
+    limit: f64,
+    deviation: f64,
+    /// Of the finest grid: the error of the expansion, and the distance of value and fit.
+    error: f64,
+    distance: f64,
+}
+
+/// The procedure on values in direction of refinement; none for fewer than four.
+pub fn eca_hoekstra(samples: &[ValueSample]) -> Option<EcaHoekstra> {
+    if samples.len() < GRIDS {
+        return None;
+    }
+    let powers = [false, true].map(|weighted| power_fit(samples, weighted));
+    let observed = smallest(powers.into_iter().flatten());
+    let order = observed.and_then(|fit| match fit.expansion {
+        Expansion::Power(order) => Some(order),
+        _ => None,
+    });
+    let fit = match (observed, order) {
+        (Some(fit), Some(p)) if (TRUSTED[0]..=TRUSTED[1]).contains(&p) => fit,
+        (_, Some(p)) if p > TRUSTED[1] => chosen(samples, &[Expansion::First, Expansion::Second])?,
+        _ => chosen(samples, &[Expansion::First, Expansion::Second, Expansion::Mixed])?,
+    };
+    let data_range = data_range(samples);
+    let steady = fit.deviation < data_range;
+    let trusted = order.is_some_and(|p| (TRUSTED[0]..TRUSTED_WITH_MARGIN).contains(&p));
+    let safety = if trusted && steady { SAFE } else { DOUBTFUL };
+    let uncertainty = if steady {
+        safety * fit.error.abs() + fit.deviation + fit.distance
+    } else {
+        DOUBTFUL * fit.deviation / data_range * (fit.error.abs() + fit.deviation + fit.distance)
+    };
+    // Values that are all one have no range, no deviation and no error.
+    let uncertainty = if data_range == 0.0 { 0.0 } else { uncertainty };
+    Some(EcaHoekstra {
+        expansion: fit.expansion,
+        weighted: fit.weighted,
+        limit: fit.limit,
+        observed_order: order,
+        deviation: fit.deviation,
+        data_range,
+        safety,
+        uncertainty,
+    })
+}
+
+fn data_range(samples: &[ValueSample]) -> f64 {
+    let values = || samples.iter().map(|sample| sample.value);
+    let hi = values().fold(f64::NEG_INFINITY, f64::max);
+    let lo = values().fold(f64::INFINITY, f64::min);
+    (hi - lo) / (samples.len() - 1) as f64
+}
+
+/// The fit with the smallest deviation among the expansions, weighted and not.
+fn chosen(samples: &[ValueSample], expansions: &[Expansion]) -> Option<ExpansionFit> {
+    let fits = expansions.iter().flat_map(|expansion| {
+        [false, true].map(|weighted| expansion_fit(samples, *expansion, weighted))
+    });
+    smallest(fits.flatten())
+}
+
+fn smallest(fits: impl Iterator<Item = ExpansionFit>) -> Option<ExpansionFit> {
+    fits.min_by(|a, b| a.deviation.total_cmp(&b.deviation))
+}
+
+/// The power expansion with the p of least deviation: a scan, then golden section; none if the
+/// optimum lies at an end of the scan.
+fn power_fit(samples: &[ValueSample], weighted: bool) -> Option<ExpansionFit> {
+    let fit = |p: f64| expansion_fit(samples, Expansion::Power(p), weighted);
+    let deviation = |p: f64| fit(p).map_or(f64::INFINITY, |fit| fit.deviation);
+    let count = ((ORDERS[1] - ORDERS[0]) / ORDER_STEP).round() as usize;
+    let place = |i: usize| ORDERS[0] + ORDER_STEP * i as f64;
+    let best = (0..=count).min_by(|a, b| deviation(place(*a)).total_cmp(&deviation(place(*b))))?;
+    if best == 0 || best == count {
+        return None;
+    }
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let (mut lo, mut hi) = (place(best - 1), place(best + 1));
+    // 0.618^60: the interval 0.1 shrinks below the rounding of p.
+    for _ in 0..60 {
+        let (left, right) = (hi - golden * (hi - lo), lo + golden * (hi - lo));
+        if deviation(left) < deviation(right) { hi = right } else { lo = left }
+    }
+    fit(0.5 * (lo + hi))
+}
+
+/// Linear least squares of φ on 1 and the terms of the expansion, weights 1 or 1/h.
+fn expansion_fit(
+    samples: &[ValueSample],
+    expansion: Expansion,
+    weighted: bool,
+) -> Option<ExpansionFit> {
+    let finest = samples.last()?;
+    // Steps in units of the finest: the terms are then 1 there, and the constant is φ₀ + α.
+    let terms = |step: f64| -> Vec<f64> {
+        let s = step / finest.step;
+        match expansion {
+            Expansion::Power(p) => vec![power_term(p, s)],
+            Expansion::First => vec![s - 1.0],
+            Expansion::Second => vec![s * s - 1.0],
+            Expansion::Mixed => vec![s - 1.0, s * s - 1.0],
+        }
+    };
+    let columns = 1 + terms(finest.step).len();
+    // Parameters: φ₀, the coefficients, and the order where it is sought.
+    let parameters = columns + usize::from(matches!(expansion, Expansion::Power(_)));
+    let freedom = samples.len().checked_sub(parameters).filter(|freedom| *freedom > 0)?;
+    let inverse_sum: f64 = samples.iter().map(|sample| 1.0 / sample.step).sum();
+    let count = samples.len() as f64;
+    let weight = |sample: &ValueSample| {
+        if weighted { count / (sample.step * inverse_sum) } else { 1.0 }
+    };
+    let rows: Vec<Vec<f64>> = samples.iter().map(|sample| terms(sample.step)).collect();
+    let design = DMatrix::from_fn(samples.len(), columns, |i, j| {
+        let root = weight(&samples[i]).sqrt();
+        if j == 0 { root } else { root * rows[i][j - 1] }
+    });
+    // Relative to the finest value: nothing of φ's own size is lost in the differences.
+    let values = DVector::from_fn(samples.len(), |i, _| {
+        weight(&samples[i]).sqrt() * (samples[i].value - finest.value)
+    });
+    let (q, r) = design.clone().qr().unpack();
+    let coefficients = r.solve_upper_triangular(&(q.transpose() * &values))?;
+    let residuals = &values - design * &coefficients;
+    // The limit s → 0 of the terms.
+    let error = match expansion {
+        Expansion::Power(p) => -coefficients[1] * power_term(p, 0.0),
+        _ => coefficients.rows(1, columns - 1).sum(),
+    };
+    let at_finest = coefficients[0];
+    let fit = ExpansionFit {
+        expansion,
+        weighted,
+        limit: finest.value + at_finest - error,
+        deviation: (residuals.norm_squared() / freedom as f64).sqrt(),
+        error,
+        distance: at_finest.abs(),
+    };
+    fit.deviation.is_finite().then_some(fit)
+}
+
+/// (s^p − 1)/p, the logarithm for p = 0: with a constant beside it the same as s^p, and never
+/// close to the constant itself.
+fn power_term(p: f64, s: f64) -> f64 {
+    if p == 0.0 { s.ln() } else { (p * s.ln()).exp_m1() / p }
+}
+
+#[cfg(test)]
+mod tests;

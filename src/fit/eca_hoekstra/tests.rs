@@ -1,0 +1,104 @@
+//! The procedure on values whose limit is known.
+
+use super::*;
+
+fn values(steps: &[f64], value: impl Fn(f64) -> f64) -> Vec<ValueSample> {
+    steps.iter().map(|&step| ValueSample { step, value: value(step) }).collect()
+}
+
+const STEPS: [f64; 5] = [0.4, 0.25, 0.2, 0.1, 0.08];
+
+/// Golden section on σ, which is zero at the minimum with a corner: p to 1e-9, limits to 1e-8.
+#[test]
+fn an_exact_power_gives_its_limit_and_the_small_factor() {
+    for order in [0.6, 1.0, 1.7, 2.0 - 1e-6] {
+        let found = eca_hoekstra(&values(&STEPS, |h| 3.0 + 2.0 * h.powf(order))).unwrap();
+        let Expansion::Power(p) = found.expansion else { panic!("{found:?}") };
+        assert!((p - order).abs() < 1e-7, "{found:?}");
+        assert!((found.limit - 3.0).abs() < 1e-7 && found.safety == 1.25, "{found:?}");
+        let error = 2.0 * 0.08f64.powf(order);
+        assert!((found.uncertainty - 1.25 * error).abs() < 1e-6, "{found:?}");
+        let range = (2.0 * 0.4f64.powf(order) - error) / 4.0;
+        assert!((found.data_range - range).abs() < 1e-14);
+    }
+}
+
+/// p = 3 is too good to be believed: the second-order term is fitted, the factor is 3.
+#[test]
+fn orders_beyond_two_fall_back_to_two() {
+    let samples = values(&STEPS, |h| 3.0 - h.powi(3));
+    let found = eca_hoekstra(&samples).unwrap();
+    assert_eq!((found.expansion, found.safety), (Expansion::Second, 3.0));
+    assert!((found.observed_order.unwrap() - 3.0).abs() < 1e-7);
+    assert!(found.uncertainty > (samples[4].value - 3.0).abs(), "{found:?}");
+}
+
+/// p just above 2 keeps the factor 1.25 up to 2.1, with the second-order term.
+#[test]
+fn the_factor_has_its_margin() {
+    for (order, safety) in [(2.05, 1.25), (2.15, 3.0), (0.55, 1.25), (0.45, 3.0)] {
+        let found = eca_hoekstra(&values(&STEPS, |h| 1.0 + h.powf(order))).unwrap();
+        assert_eq!(found.safety, safety, "{order}: {found:?}");
+        assert_eq!(matches!(found.expansion, Expansion::Power(_)), (0.5..=2.0).contains(&order));
+    }
+}
+
+/// Below one half all three expansions compete; h + h² takes a root best.
+#[test]
+fn slow_values_take_the_mixed_expansion() {
+    let samples = values(&STEPS, |h| 1.0 + h.powf(0.3));
+    let found = eca_hoekstra(&samples).unwrap();
+    assert_eq!((found.expansion, found.safety), (Expansion::Mixed, 3.0));
+    assert!((found.observed_order.unwrap() - 0.3).abs() < 1e-6);
+}
+
+/// A line by hand: φ = 0, 1, 2, 1 on h = 4, 3, 2, 1 has p without optimum; the linear fit has
+/// slope −0.4, value 1.6 at h = 1, residuals (−0.4, 0.2, 0.8, −0.6): σ² = 1.2/2.
+#[test]
+fn a_linear_fit_by_hand() {
+    let samples: Vec<ValueSample> = [(4.0, 0.0), (3.0, 1.0), (2.0, 2.0), (1.0, 1.0)]
+        .map(|(step, value)| ValueSample { step, value })
+        .to_vec();
+    let fit = expansion_fit(&samples, Expansion::First, false).unwrap();
+    // A few roundings of numbers of size 4.
+    assert!((fit.deviation - 0.6f64.sqrt()).abs() < 1e-14, "{fit:?}");
+    assert!((fit.error + 0.4).abs() < 1e-14 && (fit.limit - 2.0).abs() < 1e-14, "{fit:?}");
+    assert!((fit.distance - 0.6).abs() < 1e-14);
+}
+
+/// Weighted by 1/h, normalised to mean 1: on h = 2, 1, 1/2, 1/4 the weights are 4 (½, 1, 2, 4)/7.5.
+/// Values 0, 0, 0, 1 and the term h: normal equations by hand.
+#[test]
+fn weights_are_the_inverse_steps() {
+    let steps = [2.0, 1.0, 0.5, 0.25];
+    let samples = values(&steps, |h| f64::from(u8::from(h == 0.25)));
+    let fit = expansion_fit(&samples, Expansion::First, true).unwrap();
+    let weights = steps.map(|h| 4.0 / (7.5 * h));
+    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+        steps.iter().zip(&weights).map(|(h, w)| w * f(*h, f64::from(u8::from(*h == 0.25)))).sum()
+    };
+    let (s, sh, shh) = (sum(&|_, _| 1.0), sum(&|h, _| h), sum(&|h, _| h * h));
+    let (sv, shv) = (sum(&|_, v| v), sum(&|h, v| h * v));
+    let slope = (s * shv - sh * sv) / (s * shh - sh * sh);
+    let limit = (sv - slope * sh) / s;
+    let squares = sum(&|h, v| (limit + slope * h - v).powi(2));
+    assert!((s - 4.0).abs() < 1e-14 && (fit.limit - limit).abs() < 1e-13, "{fit:?}");
+    assert!((fit.error - slope * 0.25).abs() < 1e-13);
+    assert!((fit.deviation - (squares / 2.0).sqrt()).abs() < 1e-13);
+}
+
+/// Scatter larger than the data range: the other formula of the uncertainty.
+#[test]
+fn scatter_is_not_believed() {
+    let samples = values(&[0.4, 0.3, 0.2, 0.1], |h| if h == 0.3 || h == 0.1 { 1.0 } else { -1.0 });
+    let found = eca_hoekstra(&samples).unwrap();
+    assert!(found.deviation > found.data_range && found.safety == 3.0, "{found:?}");
+    assert!(found.uncertainty > 2.0, "{found:?}");
+}
+
+#[test]
+fn three_grids_and_constant_values() {
+    assert_eq!(eca_hoekstra(&values(&STEPS[..3], |h| h)), None);
+    let still = eca_hoekstra(&values(&STEPS, |_| 5.0)).unwrap();
+    assert_eq!((still.limit, still.uncertainty, still.data_range), (5.0, 0.0, 0.0));
+}

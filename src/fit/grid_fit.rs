@@ -1,0 +1,209 @@
+//! One error model fitted to a grid of meshes and time steps.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::identifiable::check_bends;
+use super::levenberg_marquardt::minimise;
+use super::log_table::{LogTable, Shape};
+use super::{Estimate, Interval, Model, Point, student_quantile};
+
+/// Orders to start from; each pair is tried and the best minimum kept.
+const STARTS: [(f64, f64); 6] =
+    [(1.0, 2.0), (1.0, 1.0), (0.5, 2.0), (2.0, 2.0), (2.0, 1.0), (0.5, 1.0)];
+
+/// The starts are compared on so many points of a larger table: which valley is the deepest
+/// shows on them, and the rest of the table only moves its bottom.
+const SCOUTS: usize = 64;
+
+/// The minimum of one model, with what its Student intervals need.
+#[derive(Debug, Clone)]
+pub(super) struct GridFit {
+    pub(super) model: Model,
+    pub(super) shape: Shape,
+    /// ‖log E − log e‖, Euclidean over the points.
+    pub(super) residual_norm: f64,
+    /// Condition of the Jacobian with columns scaled to length 1.
+    pub(super) condition: f64,
+    x: DVector<f64>,
+    centre: [f64; 2],
+    deviations: DVector<f64>,
+    quantile: f64,
+}
+
+impl GridFit {
+    /// The deepest of the minima that the starts lead to.
+    pub(super) fn of(points: &[Point], model: Model, shape: Shape) -> Option<Self> {
+        let scouts = scouts(points);
+        let table = LogTable::new(&scouts);
+        let best = starts(&table, shape)
+            .into_iter()
+            .filter_map(|start| Self::from_start(&table, model, shape, start))
+            .min_by(|a, b| a.residual_norm.total_cmp(&b.residual_norm))?;
+        if scouts.len() == points.len() { Some(best) } else { best.again(points, shape) }
+    }
+
+    /// The fit of other points, or with other parameters, from this minimum.
+    pub(super) fn again(&self, points: &[Point], shape: Shape) -> Option<Self> {
+        let table = LogTable::new(points);
+        let orders = self.shape.orders_of(&self.x);
+        let [space, time] = self.log_constants();
+        let constants = [space + orders.0 * table.centre[0], time + orders.1 * table.centre[1]];
+        let fitted = shape.orders.is_none().then_some([orders.0, orders.1]);
+        let floor = shape.floor.then(|| self.x[self.shape.floor_at()]);
+        let start = constants.into_iter().chain(fitted.into_iter().flatten()).chain(floor);
+        let start = start.chain(std::iter::repeat(0.0)).take(shape.parameters()).collect();
+        Self::from_start(&table, self.model, shape, DVector::from_vec(start))
+    }
+
+    /// The fit with the next term of each expansion, where there are levels enough for it.
+    pub(super) fn bent(&self, points: &[Point]) -> Option<Self> {
+        let shape = Shape { bends: true, ..self.shape };
+        check_bends(points, shape.parameters()).ok()?;
+        self.again(points, shape)
+    }
+
+    fn from_start(
+        table: &LogTable,
+        model: Model,
+        shape: Shape,
+        start: DVector<f64>,
+    ) -> Option<Self> {
+        let minimum = minimise(start, |x| table.residuals(model, shape, x))?;
+        let freedom = table.rows.len().checked_sub(minimum.x.len())?;
+        let quantile = student_quantile(freedom)?;
+        let deviations = minimum.deviations(freedom)?;
+        Some(Self {
+            model,
+            shape,
+            residual_norm: minimum.residuals.norm(),
+            condition: condition(&minimum.jacobian),
+            x: minimum.x,
+            centre: table.centre,
+            deviations,
+            quantile,
+        })
+    }
+
+    /// Both orders where they are fitted, both log C where the orders are given; with their
+    /// Student intervals.
+    pub(super) fn estimates(&self) -> [Estimate; 2] {
+        let (first, values) = match self.shape.orders {
+            None => (2, [self.x[2], self.x[3]]),
+            Some(_) => (0, self.log_constants()),
+        };
+        [0, 1].map(|i| {
+            let radius = self.quantile * self.deviations[first + i];
+            Estimate { value: values[i], interval: Interval::around(values[i], radius) }
+        })
+    }
+
+    /// log C_h and log C_k.
+    pub(super) fn log_constants(&self) -> [f64; 2] {
+        let (p, q) = self.shape.orders_of(&self.x);
+        [self.x[0] - p * self.centre[0], self.x[1] - q * self.centre[1]]
+    }
+
+    /// F, if it was fitted.
+    pub(super) fn floor(&self) -> Option<f64> {
+        self.shape.floor.then(|| self.x[self.shape.floor_at()].exp())
+    }
+}
+
+/// Points spread over the table: those at the fractions of the multiples of the golden ratio,
+/// which fall into no rhythm with its rows.
+fn scouts(points: &[Point]) -> Vec<Point> {
+    if points.len() <= 2 * SCOUTS {
+        return points.to_vec();
+    }
+    let golden = 0.5 * (5f64.sqrt() - 1.0);
+    let place = |i: usize| (golden * i as f64).fract() * points.len() as f64;
+    (0..SCOUTS).map(|i| points[place(i) as usize]).collect()
+}
+
+/// Both constants at half of the mean error, a floor below the smallest error.
+fn starts(table: &LogTable, shape: Shape) -> Vec<DVector<f64>> {
+    let count = table.rows.len().max(1) as f64;
+    let mean = table.rows.iter().map(|row| row.error).sum::<f64>() / count;
+    let level = mean - std::f64::consts::LN_2;
+    let lowest = table.rows.iter().map(|row| row.error).fold(f64::INFINITY, f64::min);
+    let start = |orders: &[f64]| {
+        let floor = shape.floor.then_some(lowest - 1.0);
+        let values = [level, level].into_iter().chain(orders.iter().copied()).chain(floor);
+        let values = values.chain(std::iter::repeat(0.0)).take(shape.parameters());
+        DVector::from_vec(values.collect())
+    };
+    match shape.orders {
+        Some(_) => vec![start(&[])],
+        None => STARTS.iter().map(|(p, q)| start(&[*p, *q])).collect(),
+    }
+}
+
+fn condition(jacobian: &DMatrix<f64>) -> f64 {
+    let mut scaled = jacobian.clone();
+    for mut column in scaled.column_iter_mut() {
+        let length = column.norm();
+        if length == 0.0 {
+            return f64::INFINITY;
+        }
+        column /= length;
+    }
+    let values = scaled.singular_values();
+    values.max() / values.min()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scouts_are_few_and_lie_everywhere() {
+        let point = |i: usize| Point { h: i as f64, k: 1.0, error: 1.0, floor: 0.0 };
+        let small: Vec<Point> = (0..128).map(point).collect();
+        assert_eq!(scouts(&small), small);
+        let large: Vec<Point> = (0..10_000).map(point).collect();
+        let mut places: Vec<f64> = scouts(&large).iter().map(|point| point.h).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        assert_eq!(places.len(), 64);
+        // Multiples of the golden ratio leave gaps of at most 2.618/64 of the whole.
+        let widest = places.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+        assert!(places[0] < 420.0 && places[63] > 9580.0 && widest < 420.0, "{widest}");
+    }
+
+    /// Columns (3, 0) and (1, 1): lengths 3 and √2, cosine 1/√2, condition ((√2 + 1)/(√2 − 1))^½.
+    #[test]
+    fn the_condition_is_that_of_unit_columns() {
+        let root = 2f64.sqrt();
+        let jacobian = DMatrix::from_row_slice(2, 2, &[3.0, 1.0, 0.0, 1.0]);
+        let expected = ((root + 1.0) / (root - 1.0)).sqrt();
+        // A few roundings.
+        assert!((condition(&jacobian) - expected).abs() < 1e-14);
+        assert_eq!(condition(&DMatrix::zeros(2, 2)), f64::INFINITY);
+    }
+
+    /// On 400 points the scouts start and the whole table decides: a fit from elsewhere agrees.
+    #[test]
+    fn large_tables_have_the_minimum_of_all_their_points() {
+        let step = |i: i32| 0.125 * 0.8f64.powi(i);
+        let shake = |i: i32, j: i32| 1.0 + 0.01 * f64::from((7 * i + 3 * j) % 5 - 2);
+        let points: Vec<Point> = (0..20)
+            .flat_map(|i| (0..20).map(move |j| (i, j)))
+            .map(|(i, j)| {
+                let (h, k) = (step(i), step(j));
+                Point { h, k, error: (0.3 * h + 4.0 * k * k) * shake(i, j), floor: 0.0 }
+            })
+            .collect();
+        let shape = Shape { orders: None, floor: false, bends: false };
+        let found = GridFit::of(&points, Model::Sum, shape).unwrap();
+        let table = LogTable::new(&points);
+        let start = DVector::from_vec(vec![-3.0, -3.0, 1.1, 1.9]);
+        let other = GridFit::from_start(&table, Model::Sum, shape, start).unwrap();
+        // The minimisation stops at steps of 1e-10.
+        for (a, b) in found.estimates().into_iter().zip(other.estimates()) {
+            assert!((a.value - b.value).abs() < 1e-7 && a.interval.contains(b.value));
+            assert!((a.interval.half_width() - b.interval.half_width()).abs() < 1e-7);
+        }
+        assert_eq!(found.residual_norm.to_bits() >> 20, other.residual_norm.to_bits() >> 20);
+        assert!(found.floor().is_none());
+    }
+}
