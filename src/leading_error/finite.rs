@@ -95,8 +95,7 @@ impl<'a> Linearised<'a> {
             })
             .collect();
         let mut by = |f: Node, variable| graph.derivative(f, variable);
-        let nonlinear =
-            problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();
+        let nonlinear = problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();
         let force = problem
             .force
             .iter()

@@ -29,7 +29,13 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
             return Answer::Slope((high - low) / (to - from));
         }
     }
-    Answer::Slope(if r <= first[0] { law.slope_before } else if r > last[0] { law.slope_after } else { 0.0 })
+    Answer::Slope(if r <= first[0] {
+        law.slope_before
+    } else if r > last[0] {
+        law.slope_after
+    } else {
+        0.0
+    })
 }
 
 /// Rounding of a formula that is to stay at a jump.

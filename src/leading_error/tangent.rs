@@ -18,8 +18,7 @@ pub(super) fn isotropic(lambda: f64, mu: f64, tensor: &Mandel) -> Mandel {
 /// Dσ/Dε at a strain: 𝒜 + μ[(1 - κ/‖e‖) I_dev + κ e⊗e/‖e‖³] beyond ‖e‖ = ‖ε^D‖ = κ.
 pub(super) fn by_strain(material: &MaterialNumbers, strain: &Mandel, kappa: f64) -> [Mandel; 3] {
     let unit = |i: usize| [0, 1, 2].map(|j| f64::from(u8::from(i == j)));
-    let mut tangent =
-        [0, 1, 2].map(|i| isotropic(material.lambda, material.mu_l, &unit(i)));
+    let mut tangent = [0, 1, 2].map(|i| isotropic(material.lambda, material.mu_l, &unit(i)));
     let Some((mu, direction, length)) = beyond(material, strain, kappa) else { return tangent };
     for i in 0..3 {
         for j in 0..3 {
@@ -69,8 +68,12 @@ mod tests {
     /// Central differences of the stress itself, inside the ball and beyond it.
     #[test]
     fn derivatives_agree_with_differences_of_the_stress() {
-        let material =
-            MaterialNumbers { lambda: 0.7, mu_l: 1.3, memory: Some((0.25, 0.4)), projection: Some(0.9) };
+        let material = MaterialNumbers {
+            lambda: 0.7,
+            mu_l: 1.3,
+            memory: Some((0.25, 0.4)),
+            projection: Some(0.9),
+        };
         let strain = [0.11, -0.06, 0.08];
         for kappa in [0.05, 0.1, 0.5] {
             let tangent = by_strain(&material, &strain, kappa);
