@@ -247,8 +247,7 @@ impl InSpace {
         analysis.solve(&factor, &mut sides, &mut workspace);
         let (error, answer) = sides.split_at(dofs);
         let denominator = 1.0 + dot(&row[..dofs], answer);
-        // Written so that a NaN is refused.
-        if !(denominator.abs() > VANISHING) {
+        if denominator.is_nan() || denominator.abs() <= VANISHING {
             return Err(NoConstant::Singular { t });
         }
         let factor = dot(&row[..dofs], error) / denominator;

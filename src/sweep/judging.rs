@@ -1,6 +1,6 @@
 //! From a scene's predictions to verdicts on records.
 
-use super::plan::TIME_REFERENCE;
+use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::leading_error::{Case, Measured, leading_errors};
 use crate::record::{CaseRecord, Key};
 use crate::report::SceneSummary;
@@ -57,8 +57,41 @@ pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstan
     judged.map(one).collect()
 }
 
+/// What is known beforehand of the constants of a scene, on the cases of a plan: before anything is solved.
+pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
+    let scene = plan.scene();
+    let one = |written: &Prediction| {
+        let prediction = prediction(scene, written);
+        let inside = |window: Option<[u32; 2]>, value: u32| {
+            window.is_none_or(|[first, last]| (first..=last).contains(&value))
+        };
+        let serves = |case: &&CasePlan| {
+            case.norms.contains(&written.norm)
+                && inside(prediction.window_steps, case.steps)
+                && case.n.is_none_or(|n| inside(prediction.window_n, n))
+        };
+        let cases: Vec<&CasePlan> = plan.cases.iter().filter(serves).collect();
+        let steps = cases.iter().map(|case| case.steps).max();
+        let finest = cases.iter().filter_map(|case| case.n).max();
+        let on_line = |case: &&&CasePlan| match written.variable {
+            Direction::H => Some(case.steps) == steps,
+            Direction::K => case.n == finest,
+            Direction::Joint => true,
+        };
+        let case = |case: &&CasePlan| Case { n: case.n, steps: case.steps };
+        let cases: Vec<Case> = cases.iter().filter(on_line).map(case).collect();
+        ForeseenConstant {
+            scene: scene.name.clone(),
+            norm: prediction.norm,
+            variable: prediction.variable,
+            foreseen: foreseen(&plan.subject, written, &cases),
+        }
+    };
+    scene.predicts.iter().map(one).collect()
+}
+
 /// What is known beforehand of the constant of one prediction on the given cases.
-pub fn foreseen(subject: &Subject, written: &Prediction, cases: &[Case]) -> Foreseen {
+fn foreseen(subject: &Subject, written: &Prediction, cases: &[Case]) -> Foreseen {
     let measured = Measured {
         norm: written.norm,
         variable: written.variable,

@@ -112,9 +112,11 @@ fn compare_with(
     let Some(Comparison { constant, decision, sentence }) = compared else { return };
     finding.constants.insert(name, constant);
     finding.reason = format!("{}; {sentence}", finding.reason);
-    if decision == Decision::Fail {
-        finding.decision = Decision::Fail;
-    }
+    finding.decision = match (finding.decision, decision) {
+        (Decision::Fail, _) | (_, Decision::Fail) => Decision::Fail,
+        (Decision::Pass, Decision::Pass) => Decision::Pass,
+        _ => Decision::Unresolved,
+    };
 }
 
 /// Gaps that are named before the rest is counted.

@@ -56,9 +56,24 @@ fn a_sound_scheme_passes() {
     let first = compared(&used, &line(|k| 5.0 * k * k));
     assert_eq!(first.decision, Decision::Pass, "{}", first.sentence);
     assert!((first.constant.predicted.expect("a constant") - 5.0).abs() < 1e-12);
-    // The next term is allowed for on coarse grids as well: 3 k² is 19 % at N = 4.
-    let coarse = &used[..2];
-    assert_eq!(compared(coarse, &line(|k| 5.0 * k * k)).decision, Decision::Pass);
+}
+
+/// 1 + 3 k² is 1.012 at N = 16 and 1.047 at N = 8: above 1 %, and falling.
+#[test]
+fn a_ratio_that_drifts_towards_one_is_open() {
+    let used = cases(1.0, |k| 5.0 * k * k * (1.0 + 3.0 * k * k));
+    let found = compared(&used[..2], &line(|k| 5.0 * k * k));
+    assert_eq!(found.decision, Decision::Unresolved, "{}", found.sentence);
+    assert!(found.sentence.contains("more steps"), "{}", found.sentence);
+}
+
+/// An order that is wrong makes ratios that drift away.
+#[test]
+fn a_ratio_that_drifts_away_fails() {
+    for power in [0.0, 1.0, 1.5, 3.0, 4.0] {
+        let found = compared(&cases(1.0, |k| 5.0 * k.powf(power)), &line(|k| 5.0 * k * k));
+        assert_eq!(found.decision, Decision::Fail, "{}", found.sentence);
+    }
 }
 
 #[test]
