@@ -4,6 +4,7 @@ mod abstract_problem;
 mod audit;
 mod bound;
 mod check;
+mod constants;
 mod explain;
 mod fit;
 mod gronwall;
