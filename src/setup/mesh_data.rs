@@ -8,6 +8,7 @@ use crate::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Obser
 use crate::manufactured::{ExactOnMesh, InterpolatedOnMesh, Truth};
 use crate::norms::{ReferenceRun, Trajectory};
 use crate::scene::{Data, Side};
+use crate::space::quadrature::TruthRules;
 use crate::vhi::StepSolver;
 
 /// A scene on one mesh.
@@ -48,6 +49,19 @@ impl MeshData {
         n: u32,
         reference: Option<Arc<ReferenceRun>>,
     ) -> Result<Self, SetupError> {
+        Self::with_rules(setup, n, reference, &TruthRules::default())
+    }
+
+    /// The same with loads and moments by other rules.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`].
+    pub fn with_rules(
+        setup: &Setup,
+        n: u32,
+        reference: Option<Arc<ReferenceRun>>,
+        rules: &TruthRules,
+    ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
         let truth: Box<dyn Truth> = match (&setup.body.data, &setup.exact) {
             (Data::Exact { interpolated: true, .. }, Some(exact)) => Box::new(
@@ -56,11 +70,11 @@ impl MeshData {
             (Data::Exact { form, .. }, Some(exact)) => {
                 let sides = side_numbers(&space, &setup.body.domain.traction);
                 let form = super::load_form(*form);
-                Box::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides))
+                Box::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules))
             }
             (Data::Loads { body, traction }, _) => {
                 let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);
-                let load = GivenLoad::new(graph, horizon, body, traction, &space);
+                let load = GivenLoad::new(graph, horizon, body, traction, &space, rules);
                 Box::new(ReferenceTruth::new(space.clone(), load, reference))
             }
             (Data::Exact { .. }, None) => {

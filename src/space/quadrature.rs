@@ -12,8 +12,39 @@ pub struct Rule {
     pub weights: Vec<f64>,
 }
 
-/// A symmetric orbit of triangle points: (a, a, 1-2a) or (a, b, 1-a-b).
+/// The rules by which loads and moments of a truth are integrated.
+#[derive(Debug, Clone)]
+pub struct TruthRules {
+    /// Loads in the cells.
+    pub load: Rule,
+    /// Moments of the exact fields in the cells.
+    pub error: Rule,
+    /// Loads and moments of an exact solution on the sides.
+    pub side: Rule,
+    /// Tractions given as formulas.
+    pub traction: Rule,
+}
+
+impl Default for TruthRules {
+    /// Degrees 4 and 6 in the cells; 6 Gauss points on the sides, degree 11, beyond the 3 of the
+    /// compliance rule, and 4 for tractions.
+    fn default() -> Self {
+        let (load, error) = (triangle_degree_4(), triangle_degree_6());
+        Self { load, error, side: edge(6), traction: edge(4) }
+    }
+}
+
+impl TruthRules {
+    /// The next rule of each: what the default leaves out shows in the difference.
+    pub fn stronger() -> Self {
+        let (load, error) = (triangle_degree_6(), triangle_degree_8());
+        Self { load, error, side: edge(8), traction: edge(6) }
+    }
+}
+
+/// A symmetric orbit of triangle points: the centre, (a, a, 1-2a) or (a, b, 1-a-b).
 enum Orbit {
+    Centre { weight: f64 },
     Three { weight: f64, a: f64 },
     Six { weight: f64, a: f64, b: f64 },
 }
@@ -39,10 +70,26 @@ pub fn triangle_degree_6() -> Rule {
     ])
 }
 
+/// Triangle rule of 16 points, exact for degree 8: what the rule of the errors is compared with.
+pub fn triangle_degree_8() -> Rule {
+    triangle(&[
+        Orbit::Centre { weight: 0.144_315_607_677_787_17 },
+        Orbit::Three { weight: 0.095_091_634_267_284_62, a: 0.459_292_588_292_723_15 },
+        Orbit::Three { weight: 0.103_217_370_534_718_24, a: 0.170_569_307_751_760_21 },
+        Orbit::Three { weight: 0.032_458_497_623_198_08, a: 0.050_547_228_317_030_975 },
+        Orbit::Six {
+            weight: 0.027_230_314_174_434_994,
+            a: 0.263_112_829_634_638_1,
+            b: 0.008_394_777_409_957_605,
+        },
+    ])
+}
+
 fn triangle(orbits: &[Orbit]) -> Rule {
     let (mut points, mut weights) = (Vec::new(), Vec::new());
     for orbit in orbits {
         let (weight, images) = match *orbit {
+            Orbit::Centre { weight } => (weight, vec![[1.0 / 3.0; 3]]),
             Orbit::Three { weight, a } => {
                 let c = 1.0 - 2.0 * a;
                 (weight, vec![[a, a, c], [a, c, a], [c, a, a]])
@@ -113,7 +160,8 @@ mod tests {
 
     #[test]
     fn triangle_rules_have_exactly_their_degree() {
-        for (rule, degree) in [(triangle_degree_4(), 4), (triangle_degree_6(), 6)] {
+        let rules = [(triangle_degree_4(), 4), (triangle_degree_6(), 6), (triangle_degree_8(), 8)];
+        for (rule, degree) in rules {
             for total in 0..=degree {
                 for i in 0..=total {
                     let error = integrate(&rule, i, total - i) - triangle_moment(i, total - i);

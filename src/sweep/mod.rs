@@ -3,6 +3,7 @@
 mod abstract_case;
 mod case;
 mod cost;
+mod floors;
 mod judging;
 mod plan;
 mod provenance;
@@ -12,6 +13,7 @@ mod run;
 pub use abstract_case::run_abstract_case;
 pub use case::run_contact_case;
 pub use cost::{Cost, Kind, PlanCost, predict};
+pub use floors::{FloorPart, FloorRow, abstract_floors, contact_floors, direct_history};
 pub use judging::{judge_scene, scene_summary};
 pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple};
 pub use provenance::Provenance;
