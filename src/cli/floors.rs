@@ -16,7 +16,7 @@ use crate::sweep::{
 /// `sweep floors`.
 #[derive(Args)]
 #[command(
-    after_help = "A floor is measured by doing one thing better that is not the discretisation: solver (residual to 1/100 of the tolerance, or to rounding), history (direct sum in place of the recursion), load and error quadrature (the next rule), reference (a run with 16 N steps; for reference scenes a reference of half the cells and steps, its floor estimated likewise). Cases are the finest n with the fewest steps and the coarsest n with the most, unless --n and --steps name them.\n\nJSON keys with --json, one object a row: scene, n (null without mesh), steps, norm, part, error, measured, estimated (what the floor column of cases.csv holds for it; null if nothing), ratio (estimated over measured). --out writes the same to floors.json."
+    after_help = "A floor is measured by doing one thing better that is not the discretisation: solver (residual to 1/100 of the tolerance, or to rounding), history (direct sum in place of the recursion), load and error quadrature (the next rule), reference (a run with 16 N steps; for reference scenes a reference of half the cells and steps, its floor estimated likewise). Cases are the finest n with the fewest steps and the coarsest n with the most, unless --n and --steps name them.\n\nJSON keys with --json, one object a row: scene, n (null without mesh), steps, norm, part, error, measured, estimated (what the floor column of cases.csv holds for it), ratio (estimated over measured, null if nothing was measured). --out writes the same to floors.json."
 )]
 pub struct FloorsCommand {
     /// Name of a scene, or path of a TOML file
@@ -120,7 +120,7 @@ fn document(scene: &str, measured: &[Measured]) -> serde_json::Value {
             "error": row.error,
             "measured": row.measured,
             "estimated": row.estimated,
-            "ratio": row.estimated.map(|estimated| estimated / row.measured),
+            "ratio": row.estimated / row.measured,
         })
     })
     .collect()
@@ -133,16 +133,16 @@ fn table(measured: &[Measured]) -> String {
     table.set_header(["n", "N", "norm", "part", "error", "measured", "estimated", "ratio"]);
     for case in measured {
         for row in &case.rows {
-            let text = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.1e}"));
+            let text = |value: f64| format!("{value:.1e}");
             table.add_row([
                 case.n.map_or("-".into(), |n| n.to_string()),
                 case.steps.to_string(),
                 row.norm.name().into(),
                 row.part.name().into(),
-                text(Some(row.error)),
-                text(Some(row.measured)),
+                text(row.error),
+                text(row.measured),
                 text(row.estimated),
-                text(row.estimated.map(|estimated| estimated / row.measured)),
+                text(row.estimated / row.measured),
             ]);
         }
     }

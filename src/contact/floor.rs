@@ -1,5 +1,5 @@
-//! The floor of a case: what the unresolved residual of the last step and rounding contribute to
-//! each error norm.
+//! The floor of a case: what the unresolved residual of a step and rounding contribute to each error
+//! norm. An upper estimate; `sweep floors` measures what it stands for.
 
 use super::{Discretization, Model, StepView, linear::strain_norm};
 use crate::law::Projection;
@@ -20,28 +20,49 @@ pub struct Floors {
     pub pressure: f64,
 }
 
+/// The residual with which a level was accepted, and the tolerance it had to meet (forces).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Accepted {
+    pub(super) residual: f64,
+    pub(super) tolerance: f64,
+}
+
+impl Accepted {
+    /// What the tolerance would have allowed, as a multiple of the residual. A computed residual far
+    /// below it is rounding that cancels: the level is known no better than the tolerance says.
+    fn scale(self) -> f64 {
+        let scale = self.tolerance / self.residual;
+        if scale.is_finite() && scale > 1.0 { scale } else { 1.0 }
+    }
+}
+
 impl Floors {
     /// Floors from the correction `delta` that one more linear solve would make (a nodal vector),
-    /// the solution `u`, the residual norm that was accepted, and the stiffest modulus `largest`.
-    pub fn new(
+    /// scaled from the residual that was accepted to its tolerance; the solution `u`; the stiffest
+    /// modulus `largest`.
+    pub(super) fn new(
         space: &Discretization,
         delta: &[f64],
         u: &[f64],
-        residual: f64,
+        accepted: Accepted,
         largest: f64,
     ) -> Self {
+        let scale = accepted.scale();
         let size = u.iter().fold(0.0f64, |size, value| size.max(value.abs()));
         // Strains are differences of nodal values over h: they round to ε‖u‖/h.
         let rounding = f64::EPSILON * size * f64::from(space.mesh.n);
-        let v = strain_norm(space, delta) + rounding;
+        let v = scale * strain_norm(space, delta) + rounding;
         let lightest =
             space.trace.points.iter().map(|point| point.weight).fold(f64::INFINITY, f64::min);
         Self {
             v,
-            l2: l2_norm(space, delta) + f64::EPSILON * size,
+            l2: scale * l2_norm(space, delta) + f64::EPSILON * size,
             stress: largest * v,
-            trace: trace_norm(space, delta) + f64::EPSILON * size,
-            pressure: if lightest.is_finite() { residual / lightest.sqrt() } else { 0.0 },
+            trace: scale * trace_norm(space, delta) + f64::EPSILON * size,
+            pressure: match lightest.is_finite() {
+                true => accepted.residual.max(accepted.tolerance) / lightest.sqrt(),
+                false => 0.0,
+            },
         }
     }
 }

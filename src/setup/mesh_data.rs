@@ -1,10 +1,12 @@
 //! What all cases on one mesh share: space, truth, reference trajectories, the A-projection.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::quadrature_floor::{TIMES, quadrature_floors};
 use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
-use crate::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
+use crate::contact::{CaseError, CaseInfo, Discretization, Floors, Load, LoadError, Observer, march};
+use crate::law::Isotropic;
 use crate::manufactured::{ExactOnMesh, InterpolatedOnMesh, Truth};
 use crate::norms::{ReferenceRun, Trajectory};
 use crate::scene::{Data, Side};
@@ -19,6 +21,7 @@ pub struct MeshData {
     pub truth: Box<dyn Truth>,
     /// Displacements of runs with more steps, by (steps of the run, steps kept).
     trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
+    quadrature: OnceLock<Result<Floors, LoadError>>,
 }
 
 /// The load of a truth as the solver wants it.
@@ -63,25 +66,37 @@ impl MeshData {
         rules: &TruthRules,
     ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
-        let truth: Box<dyn Truth> = match (&setup.body.data, &setup.exact) {
-            (Data::Exact { interpolated: true, .. }, Some(exact)) => Box::new(
-                InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()),
-            ),
-            (Data::Exact { form, .. }, Some(exact)) => {
-                let sides = side_numbers(&space, &setup.body.domain.traction);
-                let form = super::load_form(*form);
-                Box::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules))
+        let truth = truth(setup, &space, reference, rules)?;
+        let (trajectories, quadrature) = (Mutex::default(), OnceLock::new());
+        Ok(Self { space, truth, trajectories, quadrature })
+    }
+
+    /// What the quadrature of the loads contributes to the errors on this mesh: nothing where u lives
+    /// in V^h. Computed once, from the scene alone: a truth put in its place has no say in it.
+    ///
+    /// # Errors
+    /// A load that is not finite.
+    pub fn quadrature_floors(&self, setup: &Setup) -> Result<Floors, LoadError> {
+        let known = self.quadrature.get_or_init(|| {
+            if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+                return Ok(Floors::default());
             }
-            (Data::Loads { body, traction }, _) => {
-                let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);
-                let load = GivenLoad::new(graph, horizon, body, traction, &space, rules);
-                Box::new(ReferenceTruth::new(space.clone(), load, reference))
-            }
-            (Data::Exact { .. }, None) => {
-                return Err(SetupError::NoTruth { scene: setup.scene.name.clone() });
-            }
-        };
-        Ok(Self { space, truth, trajectories: Mutex::default() })
+            let by = |rules: TruthRules| {
+                truth(setup, &self.space, None, &rules)
+                    .map_err(|error| LoadError::Reference { reason: error.to_string() })
+            };
+            let (own, stronger) = (by(TruthRules::default())?, by(TruthRules::stronger())?);
+            let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
+            let times = steps.map_or(TIMES, |&steps| TIMES.min(steps as u32));
+            let at = |i: u32| setup.scene.time.horizon * f64::from(i) / f64::from(times);
+            let loads: Vec<_> = (1..=times)
+                .map(|i| Ok([own.load(at(i))?, stronger.load(at(i))?]))
+                .collect::<Result<_, LoadError>>()?;
+            let material = &setup.body.material;
+            let elasticity = Isotropic { lambda: material.lambda, mu: material.mu };
+            quadrature_floors(&self.space, &loads, elasticity, setup.projection_mu())
+        });
+        known.clone()
     }
 
     /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`.
@@ -126,6 +141,33 @@ impl MeshData {
         let trajectory = Arc::new(trajectory);
         Ok(lock().entry((run_steps, kept)).or_insert(trajectory).clone())
     }
+}
+
+/// Loads and exact fields of a scene on a mesh, by the given rules.
+fn truth(
+    setup: &Setup,
+    space: &Arc<Discretization>,
+    reference: Option<Arc<ReferenceRun>>,
+    rules: &TruthRules,
+) -> Result<Box<dyn Truth>, SetupError> {
+    Ok(match (&setup.body.data, &setup.exact) {
+        (Data::Exact { interpolated: true, .. }, Some(exact)) => Box::new(
+            InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()),
+        ),
+        (Data::Exact { form, .. }, Some(exact)) => {
+            let sides = side_numbers(space, &setup.body.domain.traction);
+            let form = super::load_form(*form);
+            Box::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules))
+        }
+        (Data::Loads { body, traction }, _) => {
+            let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);
+            let load = GivenLoad::new(graph, horizon, body, traction, space, rules);
+            Box::new(ReferenceTruth::new(space.clone(), load, reference))
+        }
+        (Data::Exact { .. }, None) => {
+            return Err(SetupError::NoTruth { scene: setup.scene.name.clone() });
+        }
+    })
 }
 
 /// Numbers of sides in the mesh of a space.

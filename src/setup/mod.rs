@@ -7,6 +7,7 @@ mod constants;
 mod formulas;
 mod given_load;
 mod mesh_data;
+mod quadrature_floor;
 mod regularity;
 mod scheme;
 mod step_size;

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::plan::{CasePlan, TIME_REFERENCE};
-use crate::contact::{CaseError, CaseInfo, LoadError, StepView, strain_distance};
+use crate::contact::{CaseError, CaseInfo, Floors, LoadError, StepView, strain_distance};
 use crate::norms::{ElasticProjection, Trajectory, step_errors};
 use crate::record::{CaseRecord, NormError, Status};
 use crate::scene::{Norm, Reference};
@@ -15,10 +15,14 @@ pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> Case
     let mut maxima = Maxima::new(case);
     let outcome = measure(setup, data, case, &mut maxima);
     let grid = setup.grid(case.steps);
-    let info = outcome.as_ref().copied().unwrap_or_default();
-    let sweep = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_none());
-    let reference = sweep.and_then(|sweep| sweep.reference);
-    let share = reference.zip(case.n).map_or(0.0, |(r, n)| reference_share(r, n, case.steps));
+    let (info, quadrature) = outcome.as_ref().copied().unwrap_or_default();
+    let floors = CaseFloors {
+        solver: info.floors,
+        quadrature,
+        share: scene_reference(setup)
+            .zip(case.n)
+            .map_or(0.0, |(reference, n)| reference_share(reference, n, case.steps)),
+    };
     let status = match &outcome {
         Ok(_) => Status::Converged,
         Err(error) => Status::Failed { reason: error.to_string() },
@@ -32,7 +36,7 @@ pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> Case
         k: grid.largest_step(),
         dofs: data.space.dofs() as u64,
         elements: data.space.mesh.cell_count() as u64,
-        errors: maxima.errors(status == Status::Converged, &info, share),
+        errors: maxima.errors(status == Status::Converged, &floors),
         status,
         newton_iterations: info.newton_iterations.into(),
         active_set_changes: info.active_set_changes.into(),
@@ -51,7 +55,7 @@ fn measure(
     data: &MeshData,
     case: &CasePlan,
     maxima: &mut Maxima,
-) -> Result<CaseInfo, CaseError> {
+) -> Result<(CaseInfo, Floors), CaseError> {
     let wants = |norm| case.norms.contains(&norm);
     let finer = match wants(Norm::VTimeMax) {
         true => Some(data.trajectory(setup, TIME_REFERENCE * case.steps, case.steps)?),
@@ -85,7 +89,8 @@ fn measure(
         }
         Ok(())
     };
-    setup.scheme.march(setup, data, case.steps, &mut observe)
+    let info = setup.scheme.march(setup, data, case.steps, &mut observe)?;
+    Ok((info, data.quadrature_floors(setup)?))
 }
 
 /// ‖ε(u_n - u_ref(t_n))‖ against the run with more steps on the same mesh.
@@ -116,31 +121,49 @@ impl Maxima {
         }
     }
 
-    fn errors(&self, converged: bool, info: &CaseInfo, share: f64) -> Vec<NormError> {
+    fn errors(&self, converged: bool, floors: &CaseFloors) -> Vec<NormError> {
         self.values
             .iter()
             .map(|&(norm, error)| NormError {
                 norm: norm.name().to_string(),
                 error: error.filter(|_| converged),
-                floor: error.filter(|_| converged).map(|error| floor(norm, error, info, share)),
+                floor: error.filter(|_| converged).map(|error| floors.of(norm, error)),
             })
             .collect()
     }
 }
 
-/// What is not the discretisation in an error: the solver's part, and that of the reference.
-fn floor(norm: Norm, error: f64, info: &CaseInfo, share: f64) -> f64 {
-    let floors = &info.floors;
-    match norm {
-        // Two runs on one mesh, each with its own floor; no finer mesh is involved.
-        Norm::VTimeMax => 2.0 * floors.v + time_reference_floor(error),
-        Norm::VMax | Norm::VProjectionMax => floors.v + share * error,
-        Norm::L2Max => floors.l2 + share * error,
-        Norm::StressL2Max => floors.stress + share * error,
-        Norm::TraceL2Max => floors.trace + share * error,
-        Norm::PressureL2Max => floors.pressure + share * error,
-        Norm::ContactSetMax => 0.0,
+/// What is not the discretisation in the errors of a case.
+struct CaseFloors {
+    /// Of the accepted residuals and of rounding.
+    solver: Floors,
+    /// Of the load quadrature.
+    quadrature: Floors,
+    /// The share of an error that the reference run may take away.
+    share: f64,
+}
+
+impl CaseFloors {
+    fn of(&self, norm: Norm, error: f64) -> f64 {
+        let of = |part: fn(&Floors) -> f64| part(&self.solver) + part(&self.quadrature);
+        let own = match norm {
+            // Two runs on one mesh under the same loads: no quadrature, and no finer mesh.
+            Norm::VTimeMax => return 2.0 * self.solver.v + time_reference_floor(error),
+            Norm::ContactSetMax => return 0.0,
+            Norm::VMax | Norm::VProjectionMax => of(|floors| floors.v),
+            Norm::L2Max => of(|floors| floors.l2),
+            Norm::StressL2Max => of(|floors| floors.stress),
+            Norm::TraceL2Max => of(|floors| floors.trace),
+            Norm::PressureL2Max => of(|floors| floors.pressure),
+        };
+        own + self.share * error
     }
+}
+
+/// The reference run of a scene without exact solution.
+pub(super) fn scene_reference(setup: &Setup) -> Option<Reference> {
+    let sweep = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_none());
+    sweep.and_then(|sweep| sweep.reference)
 }
 
 /// The error of the run with 8N steps in an error against it: 1/64 of the time error of the case at

@@ -15,7 +15,7 @@ use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::contact::Discretization;
 use crate::formula::Variable;
 use crate::scene::{Data, Norm};
-use crate::setup::{Setup, SetupError};
+use crate::setup::{AbstractSetup, Setup, SetupError};
 
 /// How a level of a scene is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,6 +83,8 @@ const MOMENTS: f64 = 1.5e-6;
 const ZETA: f64 = 0.3;
 /// Seconds a time where u lives in V^h: ζ by adaptive quadrature, on small meshes.
 const INTERPOLATED: f64 = 1e-4;
+/// Seconds a level of an abstract scene, and a pair of levels and kernel in its direct sums.
+const ABSTRACT: [f64; 2] = [2e-4, 5e-8];
 /// Seconds a cell of the reference mesh and time in moments of a reference run.
 const REFERENCE: f64 = 43e-9;
 
@@ -181,6 +183,13 @@ pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> 
         cost.seconds += zeta(setup);
     }
     Ok(PlanCost { cases: cases.into_iter().flatten().collect(), reference })
+}
+
+/// Predicted CPU seconds of a case of an abstract scene: N exact states and solves, and direct sums
+/// over N²/2 levels.
+pub fn predict_abstract(setup: &AbstractSetup, steps: u32) -> f64 {
+    let levels = f64::from(steps) + 1.0;
+    ABSTRACT[0] * levels + ABSTRACT[1] * levels * levels * setup.problem.kernels.len() as f64
 }
 
 /// n of a case of a body, which always has one.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use super::case::{reference_share, time_reference_floor};
+use super::case::{reference_share, scene_reference, time_reference_floor};
 use super::plan::TIME_REFERENCE;
 use crate::contact::{
     CaseError, CaseInfo, Floors, LevelFields, LoadError, MemoryTerm, strain_distance,
@@ -58,8 +58,9 @@ pub struct FloorRow {
     pub error: f64,
     /// What was measured.
     pub measured: f64,
-    /// What the floor of the case holds for this part; none where it has no entry of its own.
-    pub estimated: Option<f64>,
+    /// What the floor of the case holds for this part. Solver and history share theirs, and so do
+    /// the two quadratures.
+    pub estimated: f64,
 }
 
 /// The norms whose floors are distances of two discrete solutions or of two errors.
@@ -114,8 +115,7 @@ pub fn contact_floors(
     steps: u32,
     norms: &[Norm],
 ) -> Result<Vec<FloorRow>, SetupError> {
-    let sweep = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_none());
-    let reference = sweep.and_then(|sweep| sweep.reference);
+    let reference = scene_reference(setup);
     let run = |reference: Reference| {
         let every = (reference.steps as u32 / steps).max(1);
         reference_run(setup, reference.n as u32, reference.steps as u32, every).map(Arc::new)
@@ -126,13 +126,15 @@ pub fn contact_floors(
     let measured = measure_errors(setup, &data, &stronger, steps)?;
     let polished = levels(setup, &data, steps)?;
     let apart = |other: &[LevelFields]| distance(&data, &polished, other);
+    let solver = measured.info.floors;
+    let quadrature = data.quadrature_floors(setup).map_err(CaseError::from)?;
     let mut parts = vec![
-        (FloorPart::Solver, apart(&measured.levels), Some(measured.info.floors)),
-        (FloorPart::Load, apart(&levels(setup, &stronger, steps)?), None),
-        (FloorPart::Error, measured.moved, None),
+        (FloorPart::Solver, apart(&measured.levels), solver),
+        (FloorPart::Load, apart(&levels(setup, &stronger, steps)?), quadrature),
+        (FloorPart::Error, measured.moved, quadrature),
     ];
     if let Some(direct) = direct {
-        parts.insert(1, (FloorPart::History, apart(&levels(direct, &data, steps)?), None));
+        parts.insert(1, (FloorPart::History, apart(&levels(direct, &data, steps)?), solver));
     }
     if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
         // Nothing is integrated: the fields are those of V^h.
@@ -142,7 +144,7 @@ pub fn contact_floors(
         let coarser = MeshData::new(setup, n, Some(run(half)?))?;
         let errors = measure_errors(setup, &coarser, &coarser, steps)?.errors;
         let share = reference_share(half, n, steps);
-        parts.push((FloorPart::Reference, errors.minus(measured.errors), Some(errors.times(share))));
+        parts.push((FloorPart::Reference, errors.minus(measured.errors), errors.times(share)));
     }
     let mut rows: Vec<FloorRow> = parts
         .iter()
@@ -153,7 +155,7 @@ pub fn contact_floors(
                 part: *part,
                 error: of(&measured.errors, norm),
                 measured: of(measured_floors, norm),
-                estimated: estimated.as_ref().map(|floors| of(floors, norm)),
+                estimated: of(estimated, norm),
             })
         })
         .collect();
@@ -232,7 +234,7 @@ fn time_reference(
     let error = own.fold(0.0, f64::max);
     let pairs = finer.displacements.iter().zip(&finest.displacements);
     let measured = pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
-    let estimated = Some(time_reference_floor(error));
+    let estimated = time_reference_floor(error);
     Ok(FloorRow { norm: Norm::VTimeMax, part: FloorPart::Reference, error, measured, estimated })
 }
 
@@ -246,7 +248,7 @@ pub fn abstract_floors(setup: &AbstractSetup, steps: u32) -> Result<Vec<FloorRow
     let apart = own.iter().zip(&polished).map(|(a, b)| setup.model.norm(&(a - b)));
     let measured = apart.fold(0.0, f64::max);
     let (norm, part) = (Norm::VMax, FloorPart::Solver);
-    Ok(vec![FloorRow { norm, part, error, measured, estimated: Some(estimated) }])
+    Ok(vec![FloorRow { norm, part, error, measured, estimated }])
 }
 
 fn abstract_levels<S: StepSolver>(

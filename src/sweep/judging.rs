@@ -35,6 +35,7 @@ fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
             Direction::H => Variable::H,
             Direction::K => Variable::K,
             Direction::Joint => Variable::Joint,
+            Direction::Path => Variable::Path,
         },
         order: written.order,
         order_k: written.order_k,

@@ -17,6 +17,7 @@ use crate::record::{CaseRecord, Status};
 pub use compare::{Aim, compare};
 pub use document::{DocumentError, Failure, failures, read_failures, restore_reasons, write_json};
 pub use judge::judge;
+pub use next::NextCase;
 pub use selection::line_points;
 pub use table::{NOTHING_JUDGED, cell_texts, render_table};
 
@@ -30,6 +31,8 @@ pub enum Variable {
     K,
     /// Both: order p in h and q in k from the whole grid.
     Joint,
+    /// h along a path of cases on which k follows it: the order in h of the whole error.
+    Path,
 }
 
 impl Variable {
@@ -39,6 +42,7 @@ impl Variable {
             Self::H => "h",
             Self::K => "k",
             Self::Joint => "joint",
+            Self::Path => "path",
         }
     }
 }
@@ -203,6 +207,9 @@ pub struct Verdict {
     pub decision: Decision,
     /// Why, in one sentence.
     pub reason: String,
+    /// The cases that would help an unresolved verdict.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub next: Vec<NextCase>,
     /// Every expected case is there, converged, with a finite error. Without, the verdict is
     /// `fail` and meets no expectation.
     pub complete: bool,
