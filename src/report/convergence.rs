@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::chart::{Axis, Chart, Datum, Key, Part, Series};
-use super::curve::{Curve, curve, norms};
+use super::curve::{Curve, curve, is_path, norms};
 use super::ruler::Scale;
 use super::{ReportError, SceneSummary};
 use crate::fit::Direction;
@@ -46,7 +46,10 @@ pub fn convergence_svg(
         true => norm_label(norm),
         false => norm_label_in_time(norm),
     };
-    let named = |curve: &Curve<'_>| curve.fixed.filter(|own| Some(*own) != usual).map(level);
+    let named = |curve: &Curve<'_>| match curve.verdict.is_some_and(is_path) {
+        true => Some("N grows with n".to_owned()),
+        false => curve.fixed.filter(|own| Some(*own) != usual).map(level),
+    };
     chart.series =
         curves.iter().map(|curve| series(curve, label(curve.norm), named(curve))).collect();
     chart.keys = keys(&chart.series);
@@ -122,7 +125,7 @@ fn keys(series: &[Series]) -> Vec<Key> {
         keys.push(Key::Hollow("left out".into()));
     }
     if occurs(|part| matches!(part, Part::Dashed(_))) {
-        keys.push(Key::Dashed("floor of the solver".into()));
+        keys.push(Key::Dashed("floor of the error".into()));
     }
     keys
 }

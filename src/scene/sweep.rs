@@ -2,7 +2,7 @@
 
 use super::diagnostic::SceneError;
 use super::domain::Domain;
-use super::prediction::Norm;
+use super::prediction::{Direction, Norm, Prediction};
 use super::reading::Reading;
 use super::validated::{Body, Scene};
 use super::written;
@@ -205,8 +205,22 @@ impl Scene {
     /// Checks grids that come from outside the file (the command line) as the file's own are.
     ///
     /// # Errors
-    /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
+    /// As [`Self::check_cases`]; any grid for a scene that runs along a path.
     pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
+        let path = self.sweep.as_ref().is_some_and(|sweep| sweep.pairs.is_some());
+        if path && !(n.is_empty() && steps.is_empty()) {
+            let message = "the scene runs along a path of pairs, not on a grid";
+            let hint = "leave --n and --steps away, or change the pairs";
+            return Err(self.error("sweep.pairs", message, hint));
+        }
+        self.check_cases(n, steps)
+    }
+
+    /// Checks numbers of cells and steps that the file does not list.
+    ///
+    /// # Errors
+    /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
+    pub fn check_cases(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         n.iter().try_for_each(|&n| self.check_cells(n))?;
         let Some(reference) = self.sweep.as_ref().and_then(|sweep| sweep.reference) else {
             return Ok(());
@@ -221,6 +235,22 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// A path serves predictions along it, and a grid all others.
+pub(super) fn serves(
+    reading: &Reading,
+    sweep: Option<&Sweep>,
+    predicts: &[Prediction],
+) -> Result<(), SceneError> {
+    let path = sweep.is_some_and(|sweep| sweep.pairs.is_some());
+    let odd = predicts.iter().position(|p| (p.variable == Direction::Path) != path);
+    let (Some(index), Some(_)) = (odd, sweep) else { return Ok(()) };
+    let (message, hint) = match path {
+        true => ("the pairs of a sweep hold h and k together", "write variable = \"path\""),
+        false => ("a path needs pairs", "write pairs = [[8, 4], [16, 6], [32, 8]] under [sweep]"),
+    };
+    Err(reading.error(&format!("predicts.{index}.variable"), message, hint))
 }
 
 fn multiple(

@@ -77,7 +77,7 @@ pub fn extend(
         };
         let new: Vec<NextCase> =
             verdict.next.iter().copied().filter(|case| !has(case, plan)).collect();
-        if new.is_empty() {
+        if verdict.next.is_empty() {
             leave(format!("no case would help: {}", verdict.reason));
             continue;
         }
@@ -87,7 +87,7 @@ pub fn extend(
         }
         for case in new {
             let ns: Vec<u32> = case.n.into_iter().collect();
-            if let Err(error) = plan.scene().check_grid(&ns, &[case.steps]) {
+            if let Err(error) = plan.scene().check_cases(&ns, &[case.steps]) {
                 let place = words(&case);
                 let hint = error.to_string();
                 let hint = hint.lines().next().unwrap_or_default().to_owned();
