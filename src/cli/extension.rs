@@ -18,7 +18,7 @@ pub fn extended(
             Step::Add { scene, case, seconds, why } => {
                 added = true;
                 let case = words(&case);
-                eprintln!("extend: {scene}: adds {case}, about {seconds:.1} s of CPU time; {why}");
+                eprintln!("extend: {scene}: adds {case}, about {seconds:.2} s of CPU time; {why}");
             }
             Step::Leave { scene, why } => eprintln!("extend: {scene}: {why}"),
         }

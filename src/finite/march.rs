@@ -68,6 +68,9 @@ pub struct FiniteInfo {
 /// A relative residual above this is a failure: solves end at 16 units of rounding of the forces.
 const ALLOWED: f64 = 1e-12;
 
+/// History adds up the rounding of all levels, the correction is that of one.
+const SAFETY: f64 = 4.0;
+
 /// Solves all steps and shows each to `observe`.
 ///
 /// # Errors
@@ -103,7 +106,7 @@ pub fn march<S: StepSolver>(
             let one_more = evolution.correction(stepper.scratch.unbalanced());
             let own = one_more.map_or(0.0, |w| evolution.norm(w.as_slice()));
             // A residual far below its tolerance is rounding that cancels.
-            let allowed = (step.tolerance / step.residual).max(1.0);
+            let allowed = SAFETY * (step.tolerance / step.residual).max(1.0);
             correction = correction.max(allowed * own);
         }
         let pressure = &stepper.state.pressure;

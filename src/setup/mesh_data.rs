@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::quadrature_floor::{TIMES, quadrature_floors};
+use super::quadrature_floor::{QUADRATURE_TIMES, quadrature_floors};
 use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
 use crate::contact::{CaseError, CaseInfo, Discretization, Floors, Load, LoadError, Observer, march};
 use crate::law::Isotropic;
@@ -21,6 +21,7 @@ pub struct MeshData {
     pub truth: Box<dyn Truth>,
     /// Displacements of runs with more steps, by (steps of the run, steps kept).
     trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
+    stronger: OnceLock<Result<Box<dyn Truth>, LoadError>>,
     quadrature: OnceLock<Result<Floors, LoadError>>,
 }
 
@@ -67,8 +68,23 @@ impl MeshData {
     ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
         let truth = truth(setup, &space, reference, rules)?;
-        let (trajectories, quadrature) = (Mutex::default(), OnceLock::new());
-        Ok(Self { space, truth, trajectories, quadrature })
+        let (stronger, quadrature) = (OnceLock::new(), OnceLock::new());
+        Ok(Self { space, truth, trajectories: Mutex::default(), stronger, quadrature })
+    }
+
+    /// The truth by the next rules, where anything is integrated; from the scene alone.
+    ///
+    /// # Errors
+    /// What the truth itself could not be made for.
+    pub fn stronger(&self, setup: &Setup) -> Result<Option<&dyn Truth>, LoadError> {
+        if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+            return Ok(None);
+        }
+        let known = self.stronger.get_or_init(|| {
+            truth(setup, &self.space, None, &TruthRules::stronger())
+                .map_err(|error| LoadError::Reference { reason: error.to_string() })
+        });
+        known.as_deref().map(Some).map_err(Clone::clone)
     }
 
     /// What the quadrature of the loads contributes to the errors on this mesh: nothing where u lives
@@ -77,17 +93,12 @@ impl MeshData {
     /// # Errors
     /// A load that is not finite.
     pub fn quadrature_floors(&self, setup: &Setup) -> Result<Floors, LoadError> {
+        let Some(stronger) = self.stronger(setup)? else { return Ok(Floors::default()) };
         let known = self.quadrature.get_or_init(|| {
-            if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
-                return Ok(Floors::default());
-            }
-            let by = |rules: TruthRules| {
-                truth(setup, &self.space, None, &rules)
-                    .map_err(|error| LoadError::Reference { reason: error.to_string() })
-            };
-            let (own, stronger) = (by(TruthRules::default())?, by(TruthRules::stronger())?);
+            let own = truth(setup, &self.space, None, &TruthRules::default())
+                .map_err(|error| LoadError::Reference { reason: error.to_string() })?;
             let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
-            let times = steps.map_or(TIMES, |&steps| TIMES.min(steps as u32));
+            let times = steps.map_or(QUADRATURE_TIMES, |&s| QUADRATURE_TIMES.min(s as u32));
             let at = |i: u32| setup.scene.time.horizon * f64::from(i) / f64::from(times);
             let loads: Vec<_> = (1..=times)
                 .map(|i| Ok([own.load(at(i))?, stronger.load(at(i))?]))

@@ -23,6 +23,7 @@ pub use constants::{Constants, MemoryNorms, constants, step_bounds, with_trace_c
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
+pub use quadrature_floor::QUADRATURE_TIMES;
 pub use regularity::{abstract_regularity, sides};
 pub use scheme::{NewtonMarch, Scheme};
 pub use step_size::{StepRemark, check_step_sizes};

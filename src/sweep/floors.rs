@@ -6,14 +6,16 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use super::case::{reference_share, scene_reference, time_reference_floor};
+use super::case::{
+    ERROR_RULE, as_floors, compares_rules, reference_share, scene_reference, time_reference_floor,
+};
 use super::plan::TIME_REFERENCE;
 use crate::contact::{
     CaseError, CaseInfo, Floors, LevelFields, LoadError, MemoryTerm, strain_distance,
 };
 use crate::finite::{FiniteError, march};
 use crate::law::MemoryKernel;
-use crate::norms::{StepErrors, step_errors};
+use crate::norms::step_errors;
 use crate::scene::{Data, Norm, Reference};
 use crate::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, SetupError, reference_run};
 use crate::space::quadrature::TruthRules;
@@ -58,8 +60,8 @@ pub struct FloorRow {
     pub error: f64,
     /// What was measured.
     pub measured: f64,
-    /// What the floor of the case holds for this part. Solver and history share theirs, and so do
-    /// the two quadratures.
+    /// What the floor of the case holds for this part, rounding included. Solver and history share
+    /// theirs.
     pub estimated: f64,
 }
 
@@ -76,11 +78,6 @@ fn of(floors: &Floors, norm: Norm) -> f64 {
         Norm::StressL2Max => floors.stress,
         Norm::ContactSetMax => 0.0,
     }
-}
-
-fn as_floors(errors: &StepErrors) -> Floors {
-    let StepErrors { v, l2, stress, trace, pressure, .. } = *errors;
-    Floors { v, l2, stress, trace, pressure }
 }
 
 /// A scene whose history is summed directly at every step.
@@ -127,11 +124,14 @@ pub fn contact_floors(
     let polished = levels(setup, &data, steps)?;
     let apart = |other: &[LevelFields]| distance(&data, &polished, other);
     let solver = measured.info.floors;
-    let quadrature = data.quadrature_floors(setup).map_err(CaseError::from)?;
+    // What the marches that are compared round is in every part.
+    let load = data.quadrature_floors(setup).map_err(CaseError::from)?.plus(solver);
+    let rule = measured.at_times.times(ERROR_RULE).plus(solver);
+    let reloaded = measure_errors(setup, &stronger, &data, steps)?;
     let mut parts = vec![
         (FloorPart::Solver, apart(&measured.levels), solver),
-        (FloorPart::Load, apart(&levels(setup, &stronger, steps)?), quadrature),
-        (FloorPart::Error, measured.moved, quadrature),
+        (FloorPart::Load, reloaded.by_other.minus(measured.errors), load),
+        (FloorPart::Error, measured.moved, rule),
     ];
     if let Some(direct) = direct {
         parts.insert(1, (FloorPart::History, apart(&levels(direct, &data, steps)?), solver));
@@ -178,8 +178,12 @@ fn halved(reference: Reference, n: u32, steps: u32) -> Option<Reference> {
 /// The scheme under test, and its errors by the rules of `data` and by those of `stronger`.
 struct Measured {
     levels: Vec<LevelFields>,
+    /// Largest errors, by the rule of each.
     errors: Floors,
+    by_other: Floors,
+    /// Largest difference of the two, over all levels and over those that a sweep compares.
     moved: Floors,
+    at_times: Floors,
     info: CaseInfo,
 }
 
@@ -190,7 +194,7 @@ fn measure_errors(
     steps: u32,
 ) -> Result<Measured, CaseError> {
     let mut levels = Vec::new();
-    let (mut errors, mut moved) = (Floors::default(), Floors::default());
+    let [mut errors, mut by_other, mut moved, mut at_times] = [Floors::default(); 4];
     let info = setup.scheme.march(setup, data, steps, &mut |view| {
         let by = |data: &MeshData| -> Result<Floors, LoadError> {
             let moments = data.truth.moments(view.t)?;
@@ -198,11 +202,15 @@ fn measure_errors(
         };
         let (own, other) = (by(data)?, by(stronger)?);
         errors = errors.max(own);
+        by_other = by_other.max(other);
         moved = moved.max(own.minus(other));
+        if compares_rules(setup, view.n, steps) {
+            at_times = at_times.max(own.minus(other));
+        }
         levels.push(LevelFields::of(&data.space, &setup.model, view));
         Ok(())
     })?;
-    Ok(Measured { levels, errors, moved, info })
+    Ok(Measured { levels, errors, by_other, moved, at_times, info })
 }
 
 /// The levels of a polished march.
