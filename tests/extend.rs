@@ -34,7 +34,10 @@ fn a_short_grid_is_lengthened_until_the_order_is_decided() {
     let extended = sweep(&["run", &scene, "--out", &out, "--extend"]);
     assert_eq!(code(&extended), 0, "{}{}", stdout(&extended), stderr(&extended));
     let said = stderr(&extended);
-    assert!(said.contains("extend: viscoelastic: adds n = ") && said.contains("V_max in h"), "{said}");
+    assert!(
+        said.contains("extend: viscoelastic: adds n = ") && said.contains("V_max in h"),
+        "{said}"
+    );
     let closed = document(&folder, "out/verdict.json");
     assert_eq!(closed["verdicts"][0]["verdict"], "pass", "{closed:#}");
     assert!(closed["verdicts"][0].get("next").is_none(), "a passed verdict asks for nothing");
@@ -73,7 +76,10 @@ fn an_interval_that_is_too_wide_is_narrowed() {
     let verdict = &document(&folder, "out/verdict.json")["verdicts"][0];
     let ends = verdict["interval"].as_array().expect("an interval");
     let width = ends[1].as_f64().expect("an end") - ends[0].as_f64().expect("an end");
-    assert!(width <= 0.3 && verdict["points_used"].as_array().map(Vec::len) == Some(4), "{verdict}");
+    assert!(
+        width <= 0.3 && verdict["points_used"].as_array().map(Vec::len) == Some(4),
+        "{verdict}"
+    );
 }
 
 /// Without the recorded cases the table would be refused: what --resume restores is needed.
@@ -110,7 +116,11 @@ fn a_budget_is_kept_and_said() {
         let output = sweep(&["run", &scene, "--out", &out, "--extend", &budget]);
         assert_eq!(code(&output), 2, "{wrong}");
     }
-    assert_eq!(code(&sweep(&["run", &scene, "--out", &out, "--budget", "1"])), 2, "without --extend");
+    assert_eq!(
+        code(&sweep(&["run", &scene, "--out", &out, "--budget", "1"])),
+        2,
+        "without --extend"
+    );
 }
 
 /// An elastic block whose displacement is in V^h: every error is rounding.

@@ -192,7 +192,10 @@ fn the_command_prints_what_was_measured_beside_its_estimate() {
         let [measured, estimated] =
             ["measured", "estimated"].map(|key| row[key].as_f64().expect("a number"));
         assert!(0.0 < measured && measured < estimated && estimated < 1e-11, "{row}");
-        assert_eq!((&row["scene"], &row["n"], &row["steps"]), (&"affine".into(), &4.into(), &4.into()));
+        assert_eq!(
+            (&row["scene"], &row["n"], &row["steps"]),
+            (&"affine".into(), &4.into(), &4.into())
+        );
     }
     let kept = std::fs::read_to_string(folder.at("out/floors.json")).expect("the file");
     let kept: serde_json::Value = serde_json::from_str(&kept).expect("JSON");

@@ -192,7 +192,9 @@ fn an_extension_keeps_to_verdicts_rounds_and_budget() {
     plans[0].add(before(1));
     let cost = |plans: &mut [ScenePlan], budget| extend(plans, &[asks(96)], budget).expect("costs");
     assert!(matches!(cost(&mut plans, 0.01)[..], [Step::Leave { .. }]) && added(&plans).len() == 1);
-    assert!(matches!(cost(&mut plans, 60.0)[..], [Step::Add { .. }]) && plans[0].added[1].round == 2);
+    assert!(
+        matches!(cost(&mut plans, 60.0)[..], [Step::Add { .. }]) && plans[0].added[1].round == 2
+    );
     let mut plans = [plan()];
     plans[0].add(before(3));
     assert!(matches!(cost(&mut plans, 60.0)[..], [Step::Leave { .. }]) && added(&plans).len() == 1);
@@ -252,7 +254,8 @@ fn a_gate_annotates_and_appends_to_the_summary() {
     };
     assert!(!gate(&[], &[]).contains("::error"), "nothing outside Actions");
     let order = 1 + short[..short.find("order = 1.0").expect("an order")].matches('\n').count();
-    let wanted = format!("viscoelastic.toml,line={order},title=viscoelastic%3A V_max in h%3A unresolved::");
+    let wanted =
+        format!("viscoelastic.toml,line={order},title=viscoelastic%3A V_max in h%3A unresolved::");
     for (arguments, variables) in [
         (&["--github"][..], &[("GITHUB_STEP_SUMMARY", summary.as_str())][..]),
         (&[], &[("GITHUB_ACTIONS", "true")]),

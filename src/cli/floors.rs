@@ -79,11 +79,7 @@ impl FloorsCommand {
         Ok(0)
     }
 
-    fn measure(
-        &self,
-        plan: &ScenePlan,
-        direct: Option<&Setup>,
-    ) -> Result<Vec<Measured>, CliError> {
+    fn measure(&self, plan: &ScenePlan, direct: Option<&Setup>) -> Result<Vec<Measured>, CliError> {
         let failed = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
         let named = self.n.is_some() || self.steps.is_some();
         let largest = plan.cases.iter().max_by_key(|case| (case.n, std::cmp::Reverse(case.steps)));

@@ -132,9 +132,8 @@ impl LevelFields {
 
     /// The distance of two solutions of one level in every norm.
     pub fn distance(&self, other: &Self, space: &Discretization) -> Floors {
-        let minus = |a: &[f64], b: &[f64]| -> Vec<f64> {
-            a.iter().zip(b).map(|(a, b)| a - b).collect()
-        };
+        let minus =
+            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
         let u = minus(&self.u, &other.u);
         let stress = minus(&self.stress, &other.stress);
         let numbers = stress.len() / space.mesh.cell_count().max(1);

@@ -152,7 +152,8 @@ impl Response {
             *target = force - *target;
         }
         // What the tolerance of Newton's method would be: this solve meets it without being asked.
-        let diagonal = (0..space.dofs()).map(|i| stiffness[space.pattern.diagonal(i)] * combined[i]);
+        let diagonal =
+            (0..space.dofs()).map(|i| stiffness[space.pattern.diagonal(i)] * combined[i]);
         let scale = diagonal.map(|f| f * f).sum::<f64>().sqrt() + crate::linalg::norm(force);
         let tolerance = Newton::default().rounding_units * f64::EPSILON * scale;
         let accepted = Accepted { residual: crate::linalg::norm(&delta), tolerance };

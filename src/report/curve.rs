@@ -62,7 +62,8 @@ pub(super) fn curve<'a>(
         return None;
     }
     let path = verdict.is_some_and(is_path);
-    let fixed = points.first().filter(|_| !path).and_then(|point| fixed_level(point, records, direction));
+    let fixed =
+        points.first().filter(|_| !path).and_then(|point| fixed_level(point, records, direction));
     let floor = points.iter().filter(drawable).map(|p| (direction.step(p), p.floor));
     Some(sorted(Curve {
         norm,

@@ -3,10 +3,9 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::quadrature_floor::{QUADRATURE_TIMES, quadrature_floors};
+use super::rule_check::{RuleCheck, rule_check};
 use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
-use crate::contact::{CaseError, CaseInfo, Discretization, Floors, Load, LoadError, Observer, march};
-use crate::law::Isotropic;
+use crate::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
 use crate::manufactured::{ExactOnMesh, InterpolatedOnMesh, Truth};
 use crate::norms::{ReferenceRun, Trajectory};
 use crate::scene::{Data, Side};
@@ -21,8 +20,7 @@ pub struct MeshData {
     pub truth: Box<dyn Truth>,
     /// Displacements of runs with more steps, by (steps of the run, steps kept).
     trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
-    stronger: OnceLock<Result<Box<dyn Truth>, LoadError>>,
-    quadrature: OnceLock<Result<Floors, LoadError>>,
+    rule_check: OnceLock<Result<RuleCheck, LoadError>>,
 }
 
 /// The load of a truth as the solver wants it.
@@ -68,46 +66,27 @@ impl MeshData {
     ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
         let truth = truth(setup, &space, reference, rules)?;
-        let (stronger, quadrature) = (OnceLock::new(), OnceLock::new());
-        Ok(Self { space, truth, trajectories: Mutex::default(), stronger, quadrature })
+        let (trajectories, rule_check) = (Mutex::default(), OnceLock::new());
+        Ok(Self { space, truth, trajectories, rule_check })
     }
 
-    /// The truth by the next rules, where anything is integrated; from the scene alone.
-    ///
-    /// # Errors
-    /// What the truth itself could not be made for.
-    pub fn stronger(&self, setup: &Setup) -> Result<Option<&dyn Truth>, LoadError> {
-        if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
-            return Ok(None);
-        }
-        let known = self.stronger.get_or_init(|| {
-            truth(setup, &self.space, None, &TruthRules::stronger())
-                .map_err(|error| LoadError::Reference { reason: error.to_string() })
-        });
-        known.as_deref().map(Some).map_err(Clone::clone)
-    }
-
-    /// What the quadrature of the loads contributes to the errors on this mesh: nothing where u lives
-    /// in V^h. Computed once, from the scene alone: a truth put in its place has no say in it.
+    /// What the next rules say of loads and errors on this mesh: nothing where u lives in V^h. Computed
+    /// once, from the scene alone: a truth put in its place has no say in it.
     ///
     /// # Errors
     /// A load that is not finite.
-    pub fn quadrature_floors(&self, setup: &Setup) -> Result<Floors, LoadError> {
-        let Some(stronger) = self.stronger(setup)? else { return Ok(Floors::default()) };
-        let known = self.quadrature.get_or_init(|| {
-            let own = truth(setup, &self.space, None, &TruthRules::default())
-                .map_err(|error| LoadError::Reference { reason: error.to_string() })?;
-            let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
-            let times = steps.map_or(QUADRATURE_TIMES, |&s| QUADRATURE_TIMES.min(s as u32));
-            let at = |i: u32| setup.scene.time.horizon * f64::from(i) / f64::from(times);
-            let loads: Vec<_> = (1..=times)
-                .map(|i| Ok([own.load(at(i))?, stronger.load(at(i))?]))
-                .collect::<Result<_, LoadError>>()?;
-            let material = &setup.body.material;
-            let elasticity = Isotropic { lambda: material.lambda, mu: material.mu };
-            quadrature_floors(&self.space, &loads, elasticity, setup.projection_mu())
+    pub fn rule_check(&self, setup: &Setup) -> Result<&RuleCheck, LoadError> {
+        let known = self.rule_check.get_or_init(|| {
+            if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+                return Ok(RuleCheck::default());
+            }
+            let by = |rules: TruthRules| {
+                truth(setup, &self.space, None, &rules)
+                    .map_err(|error| LoadError::Reference { reason: error.to_string() })
+            };
+            rule_check(setup, &self.space, by)
         });
-        known.clone()
+        known.as_ref().map_err(Clone::clone)
     }
 
     /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`.
@@ -162,9 +141,9 @@ fn truth(
     rules: &TruthRules,
 ) -> Result<Box<dyn Truth>, SetupError> {
     Ok(match (&setup.body.data, &setup.exact) {
-        (Data::Exact { interpolated: true, .. }, Some(exact)) => Box::new(
-            InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()),
-        ),
+        (Data::Exact { interpolated: true, .. }, Some(exact)) => {
+            Box::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
+        }
         (Data::Exact { form, .. }, Some(exact)) => {
             let sides = side_numbers(space, &setup.body.domain.traction);
             let form = super::load_form(*form);

@@ -7,7 +7,7 @@ use crate::contact::{CaseError, CaseInfo, Floors, LoadError, StepView, strain_di
 use crate::norms::{ElasticProjection, StepErrors, Trajectory, step_errors};
 use crate::record::{CaseRecord, NormError, Status};
 use crate::scene::{Norm, Reference};
-use crate::setup::{MeshData, QUADRATURE_TIMES, Setup};
+use crate::setup::{MeshData, Setup};
 
 /// Runs a case; a failure is recorded with its reason, and never carries an error.
 pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
@@ -72,11 +72,8 @@ fn measure(
     let mut observe = |view: &StepView<'_>| {
         let moments = data.truth.moments(view.t)?;
         let errors = step_errors(&data.space, &setup.model, view, &moments);
-        if compares_rules(setup, view.n, case.steps)
-            && let Some(stronger) = data.stronger(setup)?
-        {
-            let other =
-                step_errors(&data.space, &setup.model, view, &*stronger.moments(view.t)?);
+        if let Some(stronger) = data.rule_check(setup)?.moments(view.t) {
+            let other = step_errors(&data.space, &setup.model, view, stronger);
             by_rule = by_rule.max(as_floors(&errors).minus(as_floors(&other)));
         }
         for (norm, value) in [
@@ -98,17 +95,11 @@ fn measure(
         Ok(())
     };
     let info = setup.scheme.march(setup, data, case.steps, &mut observe)?;
-    Ok((info, data.quadrature_floors(setup)?.plus(by_rule.times(ERROR_RULE))))
+    Ok((info, data.rule_check(setup)?.floors.plus(by_rule.times(ERROR_RULE))))
 }
 
 /// Errors by the next rule are compared at a few levels; between them they may differ by more.
 pub(super) const ERROR_RULE: f64 = 2.0;
-
-/// Whether the rules of the error are compared at level n of N: moments of a reference run are exact.
-pub(super) fn compares_rules(setup: &Setup, n: usize, steps: u32) -> bool {
-    let parts = QUADRATURE_TIMES as usize * n;
-    setup.exact.is_some() && n > 0 && parts.is_multiple_of(steps as usize)
-}
 
 /// The norms of one level that have a floor.
 pub(super) fn as_floors(errors: &StepErrors) -> Floors {

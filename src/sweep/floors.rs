@@ -6,9 +6,7 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use super::case::{
-    ERROR_RULE, as_floors, compares_rules, reference_share, scene_reference, time_reference_floor,
-};
+use super::case::{ERROR_RULE, as_floors, reference_share, scene_reference, time_reference_floor};
 use super::plan::TIME_REFERENCE;
 use crate::contact::{
     CaseError, CaseInfo, Floors, LevelFields, LoadError, MemoryTerm, strain_distance,
@@ -61,7 +59,7 @@ pub struct FloorRow {
     /// What was measured.
     pub measured: f64,
     /// What the floor of the case holds for this part, rounding included. Solver and history share
-    /// theirs.
+    /// theirs, and so do the two quadratures.
     pub estimated: f64,
 }
 
@@ -125,13 +123,13 @@ pub fn contact_floors(
     let apart = |other: &[LevelFields]| distance(&data, &polished, other);
     let solver = measured.info.floors;
     // What the marches that are compared round is in every part.
-    let load = data.quadrature_floors(setup).map_err(CaseError::from)?.plus(solver);
-    let rule = measured.at_times.times(ERROR_RULE).plus(solver);
+    let load = data.rule_check(setup).map_err(CaseError::from)?.floors.plus(solver);
+    let quadrature = load.plus(measured.at_times.times(ERROR_RULE));
     let reloaded = measure_errors(setup, &stronger, &data, steps)?;
     let mut parts = vec![
         (FloorPart::Solver, apart(&measured.levels), solver),
-        (FloorPart::Load, reloaded.by_other.minus(measured.errors), load),
-        (FloorPart::Error, measured.moved, rule),
+        (FloorPart::Load, reloaded.by_other.minus(measured.errors), quadrature),
+        (FloorPart::Error, measured.moved, quadrature),
     ];
     if let Some(direct) = direct {
         parts.insert(1, (FloorPart::History, apart(&levels(direct, &data, steps)?), solver));
@@ -204,7 +202,7 @@ fn measure_errors(
         errors = errors.max(own);
         by_other = by_other.max(other);
         moved = moved.max(own.minus(other));
-        if compares_rules(setup, view.n, steps) {
+        if data.rule_check(setup)?.moments(view.t).is_some() {
             at_times = at_times.max(own.minus(other));
         }
         levels.push(LevelFields::of(&data.space, &setup.model, view));

@@ -59,9 +59,7 @@ impl ScenePlan {
         let path = path.filter(|_| overrides.n.is_none() && overrides.steps.is_none());
         let places: Vec<(Option<u32>, u32)> = match path {
             Some(pairs) => pairs.iter().map(|&[n, steps]| (Some(n as u32), steps as u32)).collect(),
-            None => {
-                ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect()
-            }
+            None => ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect(),
         };
         let cases = places
             .into_iter()

@@ -39,7 +39,9 @@ pub(super) fn next_case(
         ([], true) => (Vec::new(), "lower the floor: a tighter solver tolerance".to_owned()),
         ([], false) => (Vec::new(), format!("run three values of {name}")),
         ([first, ..], true) => match coarser(first.0, levels.get(1).map(|level| level.0)) {
-            Some(level) => (vec![level], format!("run {name} = {level}: finer ones are below floor")),
+            Some(level) => {
+                (vec![level], format!("run {name} = {level}: finer ones are below floor"))
+            }
             None => (Vec::new(), "lower the floor: a tighter solver tolerance".to_owned()),
         },
         ([.., previous, last], false) => {
