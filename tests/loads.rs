@@ -11,6 +11,7 @@ use std::sync::Arc;
 use gronwall::contact::{BoundaryRule, LoadError, stress_force};
 use gronwall::manufactured::{Exact, ExactData, ExactOnMesh, LoadForm, Truth};
 use gronwall::setup::{Setup, side_numbers};
+use gronwall::space::quadrature::TruthRules;
 use shipped::{edited, on_mesh, relative, setup, setup_of, text, v_max};
 
 /// Both load vectors on the mesh n at t, and the largest nodal force.
@@ -22,7 +23,9 @@ fn loads(
 ) -> Result<[Arc<Vec<f64>>; 2], LoadError> {
     let space = setup.space(n).unwrap_or_else(|error| panic!("{error}"));
     let sides = side_numbers(&space, &setup.body.domain.traction);
-    let on_mesh = |form| ExactOnMesh::new(exact.clone(), space.clone(), form, &sides).load(t);
+    let rules = TruthRules::default();
+    let on_mesh =
+        |form| ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules).load(t);
     Ok([on_mesh(LoadForm::Weak)?, on_mesh(LoadForm::Strong)?])
 }
 

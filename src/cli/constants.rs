@@ -16,6 +16,7 @@ fn one(known: &ForeseenConstant, order: f64) -> (String, serde_json::Value) {
         Variable::H => ("C_h", "h"),
         Variable::K => ("C_k", "k"),
         Variable::Joint => ("C_h, C_k", "h, k"),
+        Variable::Path => ("C", "h along the path"),
     };
     let mut json = serde_json::json!({
         "norm": norm, "variable": variable, "order": order,

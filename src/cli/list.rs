@@ -94,6 +94,7 @@ fn predictions(scene: &Scene) -> Vec<String> {
             crate::scene::Direction::H => "h",
             crate::scene::Direction::K => "k",
             crate::scene::Direction::Joint => "h and k",
+            crate::scene::Direction::Path => "h on the path",
         };
         format!("{} in {variable}: order {}, by {}", p.norm.name(), p.order, p.why)
     };

@@ -6,7 +6,10 @@ mod bound;
 mod check;
 mod constants;
 mod explain;
+mod extension;
 mod fit;
+mod floors;
+mod github;
 mod gronwall;
 mod interrupt;
 mod list;
@@ -59,6 +62,8 @@ enum Command {
     Bound(bound::BoundCommand),
     /// Put Gronwall's inequality over runs: truncation errors, envelopes, horizons, perturbations
     Gronwall(gronwall::Gronwall),
+    /// Measure the floors of a scene's errors: solver, history, quadrature, reference
+    Floors(floors::FloorsCommand),
     /// Fit orders to a table with columns h, k, error
     Fit(fit::Fit),
     /// Rebuild every output from the records in a directory, without solving
@@ -100,6 +105,7 @@ pub fn main() -> ExitCode {
         Command::Solve(solve) => solve.execute(&scenes),
         Command::Bound(bound) => bound.execute(&scenes),
         Command::Gronwall(gronwall) => gronwall.execute(&scenes),
+        Command::Floors(floors) => floors.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Report(report) => report.execute(&scenes),
     };

@@ -4,13 +4,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::extension::restore_added;
+use super::github::annotate;
 use super::interrupt::{on_interrupt, quoted};
 use super::{CliError, Scenes, print_json, print_text};
 use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all, write_junit};
+use crate::scene::Scene;
 use crate::setup::Subject;
 use crate::sweep::{
-    Overrides, Provenance, ScenePlan, foresee, judge_scene, run_sweep, scene_summary,
+    Overrides, Provenance, ScenePlan, foresee, judge_scene, run_more, run_sweep, scene_summary,
 };
 use crate::verdict::{Verdict, exit_code, failures, render_table};
 
@@ -44,6 +47,10 @@ pub struct Gate {
     /// Write verdict.json to this file as well
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// Print annotations for GitHub Actions, and append the verdicts to the file that
+    /// GITHUB_STEP_SUMMARY names; set by GITHUB_ACTIONS=true as well
+    #[arg(long)]
+    github: bool,
 }
 
 /// Scenes, grids and threads.
@@ -67,6 +74,22 @@ struct What {
     /// Run the scenes marked long as well
     #[arg(long)]
     all: bool,
+    /// Run the cases that unresolved verdicts name as well, for three rounds at most
+    #[arg(long)]
+    extend: bool,
+    /// CPU seconds that the added cases may take, as predicted
+    #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, requires = "extend", value_parser = seconds)]
+    budget: f64,
+}
+
+/// What added cases may take unless --budget says more: as much as the main job.
+const BUDGET: f64 = 60.0;
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err(format!("`{text}` is no number of seconds")),
+    }
 }
 
 impl Run {
@@ -79,6 +102,8 @@ impl Run {
             out: PathBuf::from(LATEST),
             jobs: None,
             all: false,
+            extend: false,
+            budget: BUDGET,
         };
         Self { what, resume: false, json: false }
     }
@@ -103,6 +128,7 @@ impl Run {
 impl Gate {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let plans = self.what.plans(scenes)?;
+        let sources: Vec<Scene> = plans.iter().map(|plan| plan.scene().clone()).collect();
         if !plans.iter().any(|plan| plan.scene().judge) {
             let names: Vec<_> = plans.iter().map(|plan| &*plan.scene().name).collect();
             return Err(CliError::Other(format!(
@@ -123,6 +149,9 @@ impl Gate {
             write_junit(path, &swept.verdicts)?;
         }
         swept.print(false)?;
+        if self.github || std::env::var_os("GITHUB_ACTIONS").is_some_and(|set| set == "true") {
+            annotate(&sources, &swept.records, &swept.verdicts)?;
+        }
         Ok(exit_code(&swept.records, &swept.verdicts))
     }
 }
@@ -139,7 +168,7 @@ impl What {
     fn sweep(
         &self,
         scenes: &Scenes,
-        plans: Vec<ScenePlan>,
+        mut plans: Vec<ScenePlan>,
         resume: bool,
     ) -> Result<Swept, CliError> {
         let jobs = match self.jobs {
@@ -148,14 +177,23 @@ impl What {
         };
         on_interrupt(&self.out, &self.resuming(scenes))?;
         let progress = super::progress::Display::new();
-        let records = run_sweep(&plans, &self.out, jobs, resume, &progress)?;
-        let verdicts = plans
-            .iter()
-            .flat_map(|plan| {
-                let foreseen = foresee(&plan.subject, &records);
-                judge_scene(plan.scene(), &records, &plan.keys(), &foreseen)
-            })
-            .collect();
+        if resume {
+            restore_added(&mut plans, &self.out)?;
+        }
+        let mut records = run_sweep(&plans, &self.out, jobs, resume, &progress)?;
+        let judged = |plans: &[ScenePlan], records: &[CaseRecord]| -> Vec<Verdict> {
+            let of = |plan: &ScenePlan| {
+                let foreseen = foresee(&plan.subject, records);
+                judge_scene(plan.scene(), records, &plan.keys(), &foreseen)
+            };
+            plans.iter().flat_map(of).collect()
+        };
+        let mut verdicts = judged(&plans, &records);
+        while self.extend && super::extension::extended(&mut plans, &verdicts, self.budget)? {
+            let progress = super::progress::Display::new();
+            records = run_more(&plans, records, &self.out, jobs, &progress)?;
+            verdicts = judged(&plans, &records);
+        }
         let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
         let provenance = Provenance::of_run(&plans).json();
         Ok(Swept { records, verdicts, summaries, provenance })
@@ -176,6 +214,9 @@ impl What {
         words.extend(self.scenes.iter().map(|scene| quoted(scene)));
         words.extend(given.flat_map(|(name, value)| [name.to_owned(), quoted(&value)]));
         words.extend(self.all.then(|| "--all".into()));
+        if self.extend {
+            words.extend(["--extend".into(), "--budget".into(), self.budget.to_string()]);
+        }
         words.push("--resume".into());
         words.join(" ")
     }

@@ -5,6 +5,7 @@
 
 use std::time::Instant;
 
+use super::floor::Accepted;
 use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
 use super::problem::Work;
 use super::{Discretization, Floors, Load, Model, kkt_residual};
@@ -13,7 +14,7 @@ use crate::law::{Convolution, Projection};
 use crate::linalg::{Factor, FactorError, Workspace, axpy};
 use crate::space::strain_of;
 use crate::tensor::contract;
-use crate::vhi::{FailedStep, StepError};
+use crate::vhi::{FailedStep, Newton, StepError};
 
 /// K⁻¹F(t): a solve a step, or a sum of few solutions.
 struct Response {
@@ -150,10 +151,15 @@ impl Response {
         for (target, force) in delta.iter_mut().zip(force) {
             *target = force - *target;
         }
-        let residual = crate::linalg::norm(&delta);
+        // What the tolerance of Newton's method would be: this solve meets it without being asked.
+        let diagonal =
+            (0..space.dofs()).map(|i| stiffness[space.pattern.diagonal(i)] * combined[i]);
+        let scale = diagonal.map(|f| f * f).sum::<f64>().sqrt() + crate::linalg::norm(force);
+        let tolerance = Newton::default().rounding_units * f64::EPSILON * scale;
+        let accepted = Accepted { residual: crate::linalg::norm(&delta), tolerance };
         space.analysis.solve(&self.factor, &mut delta[..space.dofs()], &mut self.workspace);
         let largest = model.elasticity.eigenvalues(space.mesh.dimension).1;
-        Floors::new(space, &delta, u, residual, largest)
+        Floors::new(space, &delta, u, accepted, largest)
     }
 
     /// `out` ← K⁻¹F(t), where `force` is F(t).

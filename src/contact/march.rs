@@ -1,5 +1,6 @@
 //! The march in time: Problem 14 step after step, with the history committed after convergence.
 
+use super::floor::Accepted;
 use super::problem::Work;
 use super::{Discretization, Evolution, Floors, Load, LoadError, Model, kkt_residual, linear};
 use crate::history::TimeGrid;
@@ -112,7 +113,8 @@ struct March<'a, P, S> {
     nodal: Vec<f64>,
     compliance: Vec<f64>,
     multiplier: Vec<f64>,
-    last_residual: f64,
+    /// The largest residual that was accepted so far, and the floors it and rounding make.
+    worst_residual: f64,
     info: CaseInfo,
 }
 
@@ -131,7 +133,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             nodal: vec![0.0; space.nodes.len()],
             compliance: vec![0.0; space.trace.points.len()],
             multiplier: vec![0.0; space.trace.points.len()],
-            last_residual: 0.0,
+            worst_residual: 0.0,
             info: CaseInfo::default(),
             space,
             model,
@@ -140,15 +142,20 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
 
     fn step(&mut self, n: usize, t: f64, observe: &mut Observer<'_>) -> Result<(), CaseError> {
         let info = self.stepper.step(&mut self.evolution)?;
-        self.last_residual = info.residual;
         self.info.newton_iterations += info.iterations;
         self.info.fixed_point_iterations += info.fixed_point_iterations;
         self.info.active_set_changes += info.active_set_changes;
-        self.show(n, t, observe)
+        self.show(n, t, observe)?;
+        // Floors belong to the level that was solved worst. Records are few, about log N of them.
+        if info.residual > self.worst_residual {
+            self.worst_residual = info.residual;
+            self.raise_floors(info.residual, info.tolerance);
+        }
+        Ok(())
     }
 
-    /// Counters, and the floors from the correction that one more solve would make.
-    fn finish(mut self) -> CaseInfo {
+    /// Raises the floors to those of the correction that one more solve of the last level would make.
+    fn raise_floors(&mut self, residual: f64, tolerance: f64) {
         let mut delta = vec![0.0; self.space.nodes.len()];
         let unbalanced = self.stepper.scratch.unbalanced();
         delta[..unbalanced.len()].copy_from_slice(unbalanced);
@@ -156,8 +163,14 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
         problem.solve_with_last_factor(&mut delta[..self.space.dofs()]);
         self.space.frames.to_cartesian(&mut delta);
         let largest = self.model.elasticity.eigenvalues(self.space.mesh.dimension).1;
-        let residual = self.last_residual;
-        self.info.floors = Floors::new(self.space, &delta, &self.nodal, residual, largest);
+        let accepted = Accepted { residual, tolerance };
+        let floors = Floors::new(self.space, &delta, &self.nodal, accepted, largest);
+        self.info.floors = self.info.floors.max(floors);
+    }
+
+    /// Counters, and floors that hold the rounding of the last level at least.
+    fn finish(mut self) -> CaseInfo {
+        self.raise_floors(0.0, 0.0);
         self.info.work = self.evolution.problem().work();
         self.info.seconds_load = self.evolution.seconds_load;
         self.info.peak_history_bytes = self.evolution.peak_history_bytes;

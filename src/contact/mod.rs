@@ -22,7 +22,7 @@ mod trace_constant;
 pub use assembly::{isotropic_stiffness, stress_force};
 pub use discretization::Discretization;
 pub use evolution::Evolution;
-pub use floor::{Floors, strain_distance};
+pub use floor::{Floors, LevelFields, strain_distance};
 pub use frames::Frames;
 pub use kkt::kkt_residual;
 pub use linear::strain_norm;

@@ -13,7 +13,7 @@ pub enum NoConstant {
     #[error("{norm} has no predicted constant, V_max and V_time_max have one")]
     Norm { norm: &'static str },
     /// Both directions at once.
-    #[error("a joint fit: constants are predicted along h and along k")]
+    #[error("both steps are refined: constants are predicted along h alone and along k alone")]
     Joint,
     /// I_h u is not closer to u_h than to u.
     #[error("the mesh is no grid of translated triangles, so the interpolant is not superclose")]

@@ -215,10 +215,19 @@ impl InSpace {
             if point.clamped {
                 continue;
             }
-            let at = self.space.pattern.diagonal(point.component as usize);
-            match answer(law, normal - self.shift(point.vertex), xi, lambda) {
-                Answer::Slope(slope) => values[at] += point.weight * slope,
-                Answer::Held => values[at] += HELD * stiffness,
+            let answer = match answer(law, normal - self.shift(point.vertex), xi, lambda) {
+                Answer::Slope(slope) => point.weight * slope,
+                Answer::Held => HELD * stiffness,
+            };
+            // answer · ν νᵀ on the components of the vertex.
+            let d = self.space.mesh.dimension;
+            for i in 0..d {
+                for j in 0..=i {
+                    let first = d * point.node as usize;
+                    if let Some(at) = self.space.pattern.position(first + i, first + j) {
+                        values[at] += answer * point.normal[i] * point.normal[j];
+                    }
+                }
             }
         }
     }

@@ -97,7 +97,7 @@ pub fn leading_errors(
         Subject::Contact(setup) => match measured.variable {
             Direction::H => in_space_direction(setup, measured, cases),
             Direction::K => in_time_direction(setup, measured, cases),
-            Direction::Joint => Err(NoConstant::Joint),
+            Direction::Joint | Direction::Path => Err(NoConstant::Joint),
         },
     }
 }

@@ -12,7 +12,7 @@ use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError};
 use crate::formula::Bound;
 use crate::norms::{FACET_SAMPLES, Moments, Piecewise, facet_sample, is_locked};
-use crate::space::quadrature::{Rule, edge, triangle_degree_4, triangle_degree_6};
+use crate::space::quadrature::{Rule, TruthRules};
 
 /// Points with their formulas bound to them.
 struct Sampled {
@@ -69,30 +69,32 @@ struct FacetGroup {
 }
 
 impl ExactOnMesh {
-    /// Binds the formulas of `exact` to the points of `space`; `traction` are the sides of Γ2.
+    /// Binds the formulas of `exact` to the points of `rules` on `space`; `traction` are the sides
+    /// of Γ2.
     pub fn new(
         exact: Arc<Exact>,
         space: Arc<Discretization>,
         form: LoadForm,
         traction: &[u32],
+        rules: &TruthRules,
     ) -> Self {
-        let cell_points = |rule: Rule| {
+        let cell_points = |rule: &Rule| {
             let points = (0..space.mesh.cell_count())
                 .flat_map(|c| {
                     let cell = space.mesh.cell(c);
                     rule.points.iter().map(|b| space.mesh.point(cell, b)).collect::<Vec<_>>()
                 })
                 .collect();
-            Sampled { rule, points, bound: Mutex::new(None) }
+            Sampled { rule: rule.clone(), points, bound: Mutex::new(None) }
         };
-        let contact = facet_groups(&exact, &space, &space.trace.mesh_facet);
+        let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
         Self {
-            load_points: cell_points(triangle_degree_4()),
-            force_points: cell_points(triangle_degree_4()),
-            error_points: cell_points(triangle_degree_6()),
+            load_points: cell_points(&rules.load),
+            force_points: cell_points(&rules.load),
+            error_points: cell_points(&rules.error),
             contact,
-            traction: facet_groups(&exact, &space, &free),
+            traction: facet_groups(&exact, &space, &free, &rules.side),
             exact,
             space,
             form,
@@ -320,7 +322,12 @@ impl FacetGroup {
 }
 
 /// Groups mesh facets by side, hence by normal.
-fn facet_groups(exact: &Exact, space: &Discretization, mesh_facets: &[u32]) -> Vec<FacetGroup> {
+fn facet_groups(
+    exact: &Exact,
+    space: &Discretization,
+    mesh_facets: &[u32],
+    rule: &Rule,
+) -> Vec<FacetGroup> {
     let mut groups = Vec::new();
     for side in 0..space.mesh.sides.len() {
         let members: Vec<(usize, usize)> = mesh_facets
@@ -333,8 +340,6 @@ fn facet_groups(exact: &Exact, space: &Discretization, mesh_facets: &[u32]) -> V
             continue;
         }
         let normal = [space.mesh.side_normal[2 * side], space.mesh.side_normal[2 * side + 1]];
-        // 6 Gauss points: degree 11, beyond the 3 of the compliance rule.
-        let rule = edge(6);
         let sampled = |rule: Rule| {
             let points = members
                 .iter()
@@ -356,7 +361,7 @@ fn facet_groups(exact: &Exact, space: &Discretization, mesh_facets: &[u32]) -> V
             formulas: exact.boundary(&normal),
             points: sampled(rule.clone()),
             samples: sampled(samples),
-            strains: sampled(rule),
+            strains: sampled(rule.clone()),
         });
     }
     groups

@@ -34,6 +34,15 @@ impl<'a> ElasticProjection<'a> {
         Ok(Self { space, operator, factor, workspace })
     }
 
+    /// A⁻¹F for a force over the unknowns, as a nodal vector: one solve.
+    pub fn response(&mut self, force: &[f64]) -> Vec<f64> {
+        let mut nodal = vec![0.0; self.space.nodes.len()];
+        let unknowns = &mut nodal[..self.space.dofs()];
+        unknowns.copy_from_slice(force);
+        self.space.analysis.solve(&self.factor, unknowns, &mut self.workspace);
+        nodal
+    }
+
     /// ‖ε(P_h u - u_h)‖ for the truth `moments` of u and the nodal vector `u_h`: one solve.
     pub fn distance(&mut self, moments: &Moments, u_h: &[f64]) -> f64 {
         match self.space.mesh.dimension {

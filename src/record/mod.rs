@@ -56,14 +56,15 @@ pub enum Status {
     Skipped,
 }
 
-/// Error of one case in one norm, with the measured floor below which it means nothing.
+/// Error of one case in one norm, with the floor below which it means nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NormError {
     /// One of [`NORMS`], or a name of the caller's.
     pub norm: String,
     /// The error; absent if it could not be measured.
     pub error: Option<f64>,
-    /// Solver and rounding floor of the error; absent if it was not measured.
+    /// An upper estimate of what in the error is not the discretisation: solver, rounding,
+    /// quadrature, reference; absent if there is none.
     pub floor: Option<f64>,
 }
 

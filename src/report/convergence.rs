@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::chart::{Axis, Chart, Datum, Key, Part, Series};
-use super::curve::{Curve, curve, norms};
+use super::curve::{Curve, curve, is_path, norms};
 use super::ruler::Scale;
 use super::{ReportError, SceneSummary};
 use crate::fit::Direction;
@@ -46,9 +46,18 @@ pub fn convergence_svg(
         true => norm_label(norm),
         false => norm_label_in_time(norm),
     };
-    let named = |curve: &Curve<'_>| curve.fixed.filter(|own| Some(*own) != usual).map(level);
-    chart.series =
-        curves.iter().map(|curve| series(curve, label(curve.norm), named(curve))).collect();
+    let named = |curve: &Curve<'_>| match curve.verdict.is_some_and(is_path) {
+        true => Some("N grows with n".to_owned()),
+        false => curve.fixed.filter(|own| Some(*own) != usual).map(level),
+    };
+    // Floors of judged curves say why points were left out; those of all others would hide them.
+    let judged = curves.iter().any(|curve| curve.verdict.is_some());
+    let floor = |curve: &Curve<'_>| match judged && curve.verdict.is_none() {
+        true => Vec::new(),
+        false => curve.visible_floor().to_vec(),
+    };
+    let drawn = |curve| series(curve, label(curve.norm), named(curve), floor(curve));
+    chart.series = curves.iter().map(drawn).collect();
     chart.keys = keys(&chart.series);
     let names: Vec<&str> = not_drawn.iter().map(|curve| label(curve.norm)).collect();
     if !names.is_empty() {
@@ -79,14 +88,14 @@ fn most_frequent(levels: impl Iterator<Item = u32>) -> Option<u32> {
     counts.into_iter().max_by_key(|(_, count)| *count).map(|(level, _)| level)
 }
 
-fn series(curve: &Curve<'_>, label: &str, level: Option<String>) -> Series {
+fn series(curve: &Curve<'_>, label: &str, level: Option<String>, floor: Vec<Datum>) -> Series {
     let fitted = fitted(curve);
     let mut parts = match &fitted {
         Some(fit) => fit.to_vec(),
         None => vec![Part::Line(curve.used.clone())],
     };
     parts.push(Part::Points(curve.used.clone()));
-    let rest = [Part::Hollow(curve.left_out.clone()), Part::Dashed(curve.visible_floor().to_vec())];
+    let rest = [Part::Hollow(curve.left_out.clone()), Part::Dashed(floor)];
     parts.extend(rest.into_iter().filter(|part| !part.points().is_empty()));
     let mut series = Series::new(label, parts);
     let judged = curve.verdict.map(|verdict| {
@@ -122,7 +131,7 @@ fn keys(series: &[Series]) -> Vec<Key> {
         keys.push(Key::Hollow("left out".into()));
     }
     if occurs(|part| matches!(part, Part::Dashed(_))) {
-        keys.push(Key::Dashed("floor of the solver".into()));
+        keys.push(Key::Dashed("floor of the error".into()));
     }
     keys
 }

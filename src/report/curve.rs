@@ -42,7 +42,9 @@ pub(super) fn curve<'a>(
         Direction::Space => Variable::H,
         Direction::Time => Variable::K,
     };
-    let same = |v: &&Verdict| v.scene == scene.name && v.norm == norm && v.variable == variable;
+    // A path is drawn over h.
+    let along = |v: &Verdict| v.variable == variable || is_path(v) && direction == Direction::Space;
+    let same = |v: &&Verdict| v.scene == scene.name && v.norm == norm && along(v);
     let verdict = verdicts.iter().find(same);
     if norm == V_TIME_MAX && direction == Direction::Space && verdict.is_none() {
         // It measures nothing that h changes.
@@ -59,7 +61,9 @@ pub(super) fn curve<'a>(
     if used.len() + left_out.len() < 2 {
         return None;
     }
-    let fixed = points.first().and_then(|point| fixed_level(point, records, direction));
+    let path = verdict.is_some_and(is_path);
+    let fixed =
+        points.first().filter(|_| !path).and_then(|point| fixed_level(point, records, direction));
     let floor = points.iter().filter(drawable).map(|p| (direction.step(p), p.floor));
     Some(sorted(Curve {
         norm,
@@ -69,6 +73,10 @@ pub(super) fn curve<'a>(
         verdict,
         fixed,
     }))
+}
+
+pub(super) fn is_path(verdict: &Verdict) -> bool {
+    verdict.variable == Variable::Path
 }
 
 fn uses(verdict: &Verdict, point: &Point) -> bool {

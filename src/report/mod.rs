@@ -8,6 +8,7 @@ mod chart;
 mod convergence;
 mod curve;
 mod frame;
+mod github;
 mod html;
 mod junit;
 mod legend;
@@ -26,6 +27,7 @@ use std::path::{Path, PathBuf};
 
 pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
+pub use github::{Place, annotations, step_summary};
 pub use junit::write_junit;
 pub use ruler::Scale;
 pub use slope::Slope;

@@ -78,6 +78,8 @@ pub enum Direction {
     K,
     /// Both: C_h h^order + C_k k^order_k over the grid of cases.
     Joint,
+    /// h → 0 along the pairs of the sweep: the order in h of the whole error.
+    Path,
 }
 
 /// One promised order.
@@ -108,7 +110,12 @@ impl Prediction {
         has_contact: bool,
     ) -> Result<Prediction, SceneError> {
         let key = |name: &str| format!("predicts.{index}.{name}");
-        let known = [("h", Direction::H), ("k", Direction::K), ("joint", Direction::Joint)];
+        let known = [
+            ("h", Direction::H),
+            ("k", Direction::K),
+            ("joint", Direction::Joint),
+            ("path", Direction::Path),
+        ];
         let variable = reading.choice(&key("variable"), &written.variable, &known)?;
         if written.at_least && written.exact {
             let message = "both at_least and exact: an order is a lower bound or it is sharp";

@@ -2,10 +2,11 @@
 
 use super::diagnostic::SceneError;
 use super::domain::Domain;
-use super::prediction::Norm;
+use super::prediction::{Direction, Norm, Prediction};
 use super::reading::Reading;
 use super::validated::{Body, Scene};
 use super::written;
+use crate::record::counted;
 
 /// The run that stands for the truth where there is no exact solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +15,7 @@ pub struct Reference {
     pub steps: usize,
 }
 
-/// Every n with every number of steps.
+/// Every n with every number of steps; or the pairs of a path.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sweep {
     /// Mesh cells per unit length, h = 1/n; each divides both sides of the rectangle into whole cells.
@@ -24,6 +25,8 @@ pub struct Sweep {
     pub steps: Vec<usize>,
     /// n a multiple of every n, steps of every number of steps.
     pub reference: Option<Reference>,
+    /// The cases [n, N] of a path in place of the grid; `n` and `steps` then hold what occurs.
+    pub pairs: Option<Vec<[usize; 2]>>,
     /// Norms to measure; none leaves the choice to the sweep.
     pub norms: Option<Vec<Norm>>,
 }
@@ -38,9 +41,18 @@ impl Sweep {
         let Some(written) = written else {
             return Ok(None);
         };
-        let n = counts(reading, "sweep.n", &written.n)?;
-        let steps = counts(reading, "sweep.steps", &written.steps)?;
-        for (index, &n) in n.iter().enumerate() {
+        let pairs = match &written.pairs {
+            Some(pairs) => Some(path(reading, written, pairs, domain)?),
+            None => None,
+        };
+        let (n, steps) = match &pairs {
+            Some(pairs) => [0, 1].map(|i| distinct(pairs.iter().map(|pair| pair[i]))).into(),
+            None => {
+                let n = counts(reading, "sweep.n", &written.n)?;
+                (n, counts(reading, "sweep.steps", &written.steps)?)
+            }
+        };
+        for (index, &n) in n.iter().enumerate().filter(|_| pairs.is_none()) {
             whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
         }
         let reference = match &written.reference {
@@ -56,7 +68,7 @@ impl Sweep {
             Some(words) => Some(norms(reading, words, has_contact)?),
             None => None,
         };
-        Ok(Some(Sweep { n, steps, reference, norms }))
+        Ok(Some(Sweep { n, steps, pairs, reference, norms }))
     }
 }
 
@@ -64,7 +76,7 @@ impl Sweep {
     /// The sweep of an abstract scene: numbers of steps alone.
     pub(super) fn in_time(reading: &Reading, steps: &[i64]) -> Result<Sweep, SceneError> {
         let steps = counts(reading, "sweep.steps", steps)?;
-        Ok(Sweep { n: Vec::new(), steps, reference: None, norms: None })
+        Ok(Sweep { n: Vec::new(), steps, pairs: None, reference: None, norms: None })
     }
 }
 
@@ -96,6 +108,47 @@ impl Reference {
         }
         Ok(reference)
     }
+}
+
+/// The pairs [n, N] of a path: at least three, finer in n from one to the next and no coarser in N.
+fn path(
+    reading: &Reading,
+    written: &written::Sweep,
+    pairs: &[Vec<i64>],
+    domain: &Domain,
+) -> Result<Vec<[usize; 2]>, SceneError> {
+    let key = |index: usize| format!("sweep.pairs.{index}");
+    if !written.n.is_empty() || !written.steps.is_empty() {
+        let hint = "keep pairs, or the lists n and steps of a grid";
+        return Err(reading.error("sweep.pairs", "both pairs and a grid of n and steps", hint));
+    }
+    let mut path: Vec<[usize; 2]> = Vec::new();
+    for (index, pair) in pairs.iter().enumerate() {
+        let &[n, steps] = &pair[..] else {
+            let message = format!("{} numbers, a pair has two", pair.len());
+            return Err(reading.error(&key(index), message, "write [n, N]: [16, 8]"));
+        };
+        let n = reading.count(&format!("{}.0", key(index)), n)?;
+        let steps = reading.count(&format!("{}.1", key(index)), steps)?;
+        whole_cells(reading, &format!("{}.0", key(index)), n, domain)?;
+        if path.last().is_some_and(|&[last, before]| n <= last || steps < before) {
+            let message = format!("[{n}, {steps}] does not refine the pair before it");
+            let hint = "order the pairs from coarse to fine: n grows, N does not fall";
+            return Err(reading.error(&key(index), message, hint));
+        }
+        path.push([n, steps]);
+    }
+    if path.len() < 3 {
+        let message = format!("{} on the path, an order needs three", counted(path.len(), "pair"));
+        return Err(reading.error("sweep.pairs", message, "pairs = [[8, 4], [16, 6], [32, 8]]"));
+    }
+    Ok(path)
+}
+
+fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut values: Vec<usize> = values.collect();
+    values.dedup();
+    values
 }
 
 /// A list of positive numbers without repetition.
@@ -157,8 +210,22 @@ impl Scene {
     /// Checks grids that come from outside the file (the command line) as the file's own are.
     ///
     /// # Errors
-    /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
+    /// As [`Self::check_cases`]; any grid for a scene that runs along a path.
     pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
+        let path = self.sweep.as_ref().is_some_and(|sweep| sweep.pairs.is_some());
+        if path && !(n.is_empty() && steps.is_empty()) {
+            let message = "the scene runs along a path of pairs, not on a grid";
+            let hint = "leave --n and --steps away, or change the pairs";
+            return Err(self.error("sweep.pairs", message, hint));
+        }
+        self.check_cases(n, steps)
+    }
+
+    /// Checks numbers of cells and steps that the file does not list.
+    ///
+    /// # Errors
+    /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
+    pub fn check_cases(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
         n.iter().try_for_each(|&n| self.check_cells(n))?;
         let Some(reference) = self.sweep.as_ref().and_then(|sweep| sweep.reference) else {
             return Ok(());
@@ -173,6 +240,22 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// A path serves predictions along it, and a grid all others.
+pub(super) fn serves(
+    reading: &Reading,
+    sweep: Option<&Sweep>,
+    predicts: &[Prediction],
+) -> Result<(), SceneError> {
+    let path = sweep.is_some_and(|sweep| sweep.pairs.is_some());
+    let odd = predicts.iter().position(|p| (p.variable == Direction::Path) != path);
+    let (Some(index), Some(_)) = (odd, sweep) else { return Ok(()) };
+    let (message, hint) = match path {
+        true => ("the pairs of a sweep hold h and k together", "write variable = \"path\""),
+        false => ("a path needs pairs", "write pairs = [[8, 4], [16, 6], [32, 8]] under [sweep]"),
+    };
+    Err(reading.error(&format!("predicts.{index}.variable"), message, hint))
 }
 
 fn multiple(

@@ -21,7 +21,7 @@ use super::prediction::Prediction;
 use super::reading::Reading;
 use super::source::Source;
 use super::spans::Spans;
-use super::sweep::Sweep;
+use super::sweep::{Sweep, serves};
 use super::time::Time;
 use super::{wording, written};
 
@@ -163,6 +163,7 @@ fn validate_contact(
     let data = Data::validate(&mut reading, &file, &domain, &time, contact.as_ref())?;
     let predicts = predictions(&reading, &file.predicts, contact.is_some())?;
     let sweep = Sweep::validate(&reading, file.sweep.as_ref(), &domain, contact.is_some())?;
+    serves(&reading, sweep.as_ref(), &predicts)?;
     has_truth(&reading, file.scene.judge, &data, sweep.as_ref())?;
     is_judged_by_something(&reading, file.scene.judge, &predicts)?;
     let formulas = reading.formulas;

@@ -207,8 +207,11 @@ pub struct Exact {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Sweep {
+    #[serde(default)]
     pub n: Vec<i64>,
+    #[serde(default)]
     pub steps: Vec<i64>,
+    pub pairs: Option<Vec<Vec<i64>>>,
     pub reference: Option<Reference>,
     pub norms: Option<Vec<String>>,
 }

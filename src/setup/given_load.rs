@@ -8,7 +8,7 @@ use crate::formula::{Graph, Node, Point, Program};
 use crate::manufactured::Truth;
 use crate::norms::{Moments, ReferenceRun};
 use crate::scene::Side;
-use crate::space::quadrature::{edge, tetrahedron_degree_5, triangle_degree_4, triangle_degree_6};
+use crate::space::quadrature::TruthRules;
 
 /// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.
 ///
@@ -22,6 +22,7 @@ pub struct GivenLoad {
     basis: Vec<Vec<f64>>,
     /// Terms that do not separate.
     rest: Vec<Term>,
+    rules: TruthRules,
 }
 
 /// Where a load acts.
@@ -39,6 +40,7 @@ impl GivenLoad {
         body: &[Node],
         traction: &[(Side, Vec<Node>)],
         space: &Discretization,
+        rules: &TruthRules,
     ) -> Self {
         let mut load = Self {
             graph: graph.clone(),
@@ -46,6 +48,7 @@ impl GivenLoad {
             factors: Vec::new(),
             basis: Vec::new(),
             rest: Vec::new(),
+            rules: rules.clone(),
         };
         let sides = traction.iter().filter_map(|(side, formulas)| {
             Some((Part::Side(space.mesh.side(side.name())?), formulas.as_slice()))
@@ -78,7 +81,7 @@ impl GivenLoad {
                 self.factors.len() - 1
             });
             let shape = term(&mut self.graph, shape, self.horizon);
-            shape.add_to(0.0, space, &mut self.basis[index]);
+            shape.add_to(0.0, space, &self.rules, &mut self.basis[index]);
         }
     }
 
@@ -103,7 +106,7 @@ impl GivenLoad {
             crate::linalg::axpy(*factor, vector, &mut force);
         }
         for term in &self.rest {
-            term.add_to(t, space, &mut force);
+            term.add_to(t, space, &self.rules, &mut force);
         }
         force.truncate(space.dofs());
         if let Some(dof) = force.iter().position(|f| !f.is_finite()) {
@@ -125,21 +128,18 @@ struct Term {
 
 impl Term {
     /// Adds the integral at time t to a nodal vector.
-    fn add_to(&self, t: f64, space: &Discretization, force: &mut [f64]) {
+    fn add_to(&self, t: f64, space: &Discretization, rules: &TruthRules, force: &mut [f64]) {
         let mesh = &space.mesh;
-        let plane = mesh.dimension == 2;
         let (rule, simplices): (_, Vec<(&[u32], f64)>) = match self.part {
             Part::Body => {
                 let cells = 0..mesh.cell_count();
                 let sized = cells.map(|c| (mesh.cell(c), space.geometry.measure[c]));
-                let rule = if plane { triangle_degree_4() } else { tetrahedron_degree_5() };
-                (rule, sized.collect())
+                (&rules.load, sized.collect())
             }
             Part::Side(side) => {
                 let sides = [side];
                 let sized = mesh.facets_on(&sides).map(|f| (mesh.facet(f), facet_measure(mesh, f)));
-                let rule = if plane { edge(4) } else { triangle_degree_6() };
-                (rule, sized.collect())
+                (&rules.traction, sized.collect())
             }
         };
         let points: Vec<[f64; 3]> = simplices

@@ -1,13 +1,15 @@
 //! What all cases on one mesh share: space, truth, reference trajectories, the A-projection.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::rule_check::{RuleCheck, rule_check};
 use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
 use crate::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
 use crate::manufactured::{ExactOnMesh, InterpolatedOnMesh, Truth};
 use crate::norms::{ReferenceRun, Trajectory};
 use crate::scene::{Data, Side};
+use crate::space::quadrature::TruthRules;
 use crate::vhi::StepSolver;
 
 /// A scene on one mesh.
@@ -18,6 +20,7 @@ pub struct MeshData {
     pub truth: Box<dyn Truth>,
     /// Displacements of runs with more steps, by (steps of the run, steps kept).
     trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
+    rule_check: OnceLock<Result<RuleCheck, LoadError>>,
 }
 
 /// The load of a truth as the solver wants it.
@@ -48,26 +51,42 @@ impl MeshData {
         n: u32,
         reference: Option<Arc<ReferenceRun>>,
     ) -> Result<Self, SetupError> {
+        Self::with_rules(setup, n, reference, &TruthRules::of(setup.scene.dimension))
+    }
+
+    /// The same with loads and moments by other rules.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`].
+    pub fn with_rules(
+        setup: &Setup,
+        n: u32,
+        reference: Option<Arc<ReferenceRun>>,
+        rules: &TruthRules,
+    ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
-        let truth: Box<dyn Truth> = match (&setup.body.data, &setup.exact) {
-            (Data::Exact { interpolated: true, .. }, Some(exact)) => Box::new(
-                InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()),
-            ),
-            (Data::Exact { form, .. }, Some(exact)) => {
-                let sides = side_numbers(&space, &setup.body.domain.traction);
-                let form = super::load_form(*form);
-                Box::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides))
+        let truth = truth(setup, &space, reference, rules)?;
+        let (trajectories, rule_check) = (Mutex::default(), OnceLock::new());
+        Ok(Self { space, truth, trajectories, rule_check })
+    }
+
+    /// What the next rules say of loads and errors on this mesh: nothing where u lives in V^h. Computed
+    /// once, from the scene alone: a truth put in its place has no say in it.
+    ///
+    /// # Errors
+    /// A load that is not finite.
+    pub fn rule_check(&self, setup: &Setup) -> Result<&RuleCheck, LoadError> {
+        let known = self.rule_check.get_or_init(|| {
+            if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+                return Ok(RuleCheck::default());
             }
-            (Data::Loads { body, traction }, _) => {
-                let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);
-                let load = GivenLoad::new(graph, horizon, body, traction, &space);
-                Box::new(ReferenceTruth::new(space.clone(), load, reference))
-            }
-            (Data::Exact { .. }, None) => {
-                return Err(SetupError::NoTruth { scene: setup.scene.name.clone() });
-            }
-        };
-        Ok(Self { space, truth, trajectories: Mutex::default() })
+            let by = |rules: TruthRules| {
+                truth(setup, &self.space, None, &rules)
+                    .map_err(|error| LoadError::Reference { reason: error.to_string() })
+            };
+            rule_check(setup, &self.space, by)
+        });
+        known.as_ref().map_err(Clone::clone)
     }
 
     /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`.
@@ -112,6 +131,33 @@ impl MeshData {
         let trajectory = Arc::new(trajectory);
         Ok(lock().entry((run_steps, kept)).or_insert(trajectory).clone())
     }
+}
+
+/// Loads and exact fields of a scene on a mesh, by the given rules.
+fn truth(
+    setup: &Setup,
+    space: &Arc<Discretization>,
+    reference: Option<Arc<ReferenceRun>>,
+    rules: &TruthRules,
+) -> Result<Box<dyn Truth>, SetupError> {
+    Ok(match (&setup.body.data, &setup.exact) {
+        (Data::Exact { interpolated: true, .. }, Some(exact)) => {
+            Box::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
+        }
+        (Data::Exact { form, .. }, Some(exact)) => {
+            let sides = side_numbers(space, &setup.body.domain.traction);
+            let form = super::load_form(*form);
+            Box::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules))
+        }
+        (Data::Loads { body, traction }, _) => {
+            let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);
+            let load = GivenLoad::new(graph, horizon, body, traction, space, rules);
+            Box::new(ReferenceTruth::new(space.clone(), load, reference))
+        }
+        (Data::Exact { .. }, None) => {
+            return Err(SetupError::NoTruth { scene: setup.scene.name.clone() });
+        }
+    })
 }
 
 /// Numbers of sides in the mesh of a space.

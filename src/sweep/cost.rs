@@ -15,7 +15,7 @@ use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::contact::Discretization;
 use crate::formula::Variable;
 use crate::scene::{Data, Norm};
-use crate::setup::{Setup, SetupError};
+use crate::setup::{AbstractSetup, Setup, SetupError};
 
 /// How a level of a scene is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,6 +83,8 @@ const MOMENTS: f64 = 1.5e-6;
 const ZETA: f64 = 0.3;
 /// Seconds a time where u lives in V^h: ζ by adaptive quadrature, on small meshes.
 const INTERPOLATED: f64 = 1e-4;
+/// Seconds a level of an abstract scene, and a pair of levels and kernel in its direct sums.
+const ABSTRACT: [f64; 2] = [2e-4, 5e-8];
 /// Seconds a cell of the reference mesh and time in moments of a reference run.
 const REFERENCE: f64 = 43e-9;
 
@@ -167,6 +169,11 @@ pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> 
         let numbers = MOMENT_NUMBERS * space.mesh.cell_count() as f64 + space.dofs() as f64;
         cost.memory_bytes += PROGRAM + formulas + 8.0 * numbers * moments.len() as f64;
         cost.memory_bytes += reference.map_or(0.0, |run| run.memory_bytes - PROGRAM);
+        if setup.exact.is_some() && !known.contains_key(&n) {
+            // The rules are compared once a mesh, at two times: loads at 6 and 12 points, moments at 16.
+            cost.seconds += 2.0 * (3.0 * load + 4.0 / 3.0 * moment);
+            cost.memory_bytes += 16.0 / 18.0 * formulas;
+        }
         let [known_loads, known_moments] = known.entry(n).or_default();
         let fresh = |set: &mut HashSet<u64>, times: HashSet<u64>| {
             times.into_iter().filter(|&t| set.insert(t)).count() as f64
@@ -181,6 +188,13 @@ pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> 
         cost.seconds += zeta(setup);
     }
     Ok(PlanCost { cases: cases.into_iter().flatten().collect(), reference })
+}
+
+/// Predicted CPU seconds of a case of an abstract scene: N exact states and solves, and direct sums
+/// over N²/2 levels.
+pub fn predict_abstract(setup: &AbstractSetup, steps: u32) -> f64 {
+    let levels = f64::from(steps) + 1.0;
+    ABSTRACT[0] * levels + ABSTRACT[1] * levels * levels * setup.problem.kernels.len() as f64
 }
 
 /// n of a case of a body, which always has one.

@@ -76,7 +76,7 @@ pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
         let on_line = |case: &&&CasePlan| match written.variable {
             Direction::H => Some(case.steps) == steps,
             Direction::K => case.n == finest,
-            Direction::Joint => true,
+            Direction::Joint | Direction::Path => true,
         };
         let case = |case: &&CasePlan| Case { n: case.n, steps: case.steps };
         let cases: Vec<Case> = cases.iter().filter(on_line).map(case).collect();
@@ -131,6 +131,7 @@ fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
             Direction::H => Variable::H,
             Direction::K => Variable::K,
             Direction::Joint => Variable::Joint,
+            Direction::Path => Variable::Path,
         },
         order: written.order,
         order_k: written.order_k,

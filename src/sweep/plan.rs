@@ -1,8 +1,10 @@
 //! The cases of a scene: every n with every number of steps, and the norms of each.
 
+use super::extend::AddedCase;
 use crate::record::Key;
 use crate::scene::{Norm, Prediction, Reference, Scene};
 use crate::setup::{SetupError, StepRemark, Subject, check_step_sizes};
+use crate::verdict::NextCase;
 
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default)]
@@ -28,8 +30,10 @@ pub struct CasePlan {
 pub struct ScenePlan {
     /// The scene with its model.
     pub subject: Subject,
-    /// The cases, by n and steps.
+    /// The cases, by n and steps; those added come last.
     pub cases: Vec<CasePlan>,
+    /// Which of them are no cases of the scene's own grid.
+    pub added: Vec<AddedCase>,
     /// The finer run that is the truth, if the scene has no exact solution.
     pub reference: Option<Reference>,
 }
@@ -51,13 +55,34 @@ impl ScenePlan {
             Some(_) => ns.into_iter().map(Some).collect(),
             None => vec![None],
         };
-        let cases = ns
-            .iter()
-            .flat_map(|&n| steps.iter().map(move |&steps| (n, steps)))
+        let path = sweep.and_then(|sweep| sweep.pairs.as_ref());
+        let path = path.filter(|_| overrides.n.is_none() && overrides.steps.is_none());
+        let places: Vec<(Option<u32>, u32)> = match path {
+            Some(pairs) => pairs.iter().map(|&[n, steps]| (Some(n as u32), steps as u32)).collect(),
+            None => ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect(),
+        };
+        let cases = places
+            .into_iter()
             .map(|(n, steps)| CasePlan { n, steps, norms: norms(scene, n) })
             .collect();
         let reference = sweep.and_then(|sweep| sweep.reference);
-        Self { cases, reference: reference.filter(|_| !subject.has_exact()), subject }
+        let reference = reference.filter(|_| !subject.has_exact());
+        Self { cases, added: Vec::new(), reference, subject }
+    }
+
+    /// Adds a case, unless it is there.
+    pub fn add(&mut self, added: AddedCase) {
+        let NextCase { n, steps } = added.case;
+        if !self.cases.iter().any(|case| case.n == n && case.steps == steps) {
+            self.cases.push(CasePlan { n, steps, norms: norms(self.subject.scene(), n) });
+            self.added.push(added);
+        }
+    }
+
+    /// Takes an added case back.
+    pub fn remove(&mut self, case: &NextCase) {
+        self.added.retain(|added| added.case != *case);
+        self.cases.retain(|own| own.n != case.n || own.steps != case.steps);
     }
 
     /// The scene.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::ScenePlan;
+use super::{AddedCase, ScenePlan};
 use crate::record::replace_file;
 use crate::scene::{Scene, SceneError, Source};
 
@@ -24,6 +24,9 @@ pub struct Provenance {
     /// What is to be known of a scene's step sizes, where (3.4) does not cover them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub step_sizes: BTreeMap<String, String>,
+    /// Cases beyond the grid of a scene, with the verdicts that asked for them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub added_cases: BTreeMap<String, Vec<AddedCase>>,
 }
 
 /// Name of the file in the output directory.
@@ -43,6 +46,7 @@ impl Provenance {
             scenes: each(|source| &source.hash),
             texts: each(|source| &source.text),
             step_sizes: BTreeMap::new(),
+            added_cases: BTreeMap::new(),
         }
     }
 
@@ -53,7 +57,10 @@ impl Provenance {
             Some((plan.scene().name.clone(), remark.text))
         };
         let step_sizes = plans.iter().filter_map(remark).collect();
-        Self { step_sizes, ..Self::new(plans.iter().map(ScenePlan::scene)) }
+        let extended = plans.iter().filter(|plan| !plan.added.is_empty());
+        let added_cases =
+            extended.map(|plan| (plan.scene().name.clone(), plan.added.clone())).collect();
+        Self { step_sizes, added_cases, ..Self::new(plans.iter().map(ScenePlan::scene)) }
     }
 
     /// The scene that the records in `dir` were made with; `None` if its text is not kept there.
@@ -84,6 +91,9 @@ impl Provenance {
         });
         if !self.step_sizes.is_empty() {
             document["step_sizes"] = serde_json::json!(self.step_sizes);
+        }
+        if !self.added_cases.is_empty() {
+            document["added_cases"] = serde_json::json!(self.added_cases);
         }
         document
     }

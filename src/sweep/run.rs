@@ -71,6 +71,20 @@ pub fn run_sweep(
     progress: &dyn Progress,
 ) -> Result<Vec<CaseRecord>, SweepError> {
     let known = if keep { resume(out, plans)? } else { Vec::new() };
+    run_more(plans, known, out, jobs, progress)
+}
+
+/// Runs the cases of `plans` that `known` does not hold. Returns all records, sorted likewise.
+///
+/// # Errors
+/// As [`run_sweep`].
+pub fn run_more(
+    plans: &[ScenePlan],
+    known: Vec<CaseRecord>,
+    out: &Path,
+    jobs: usize,
+    progress: &dyn Progress,
+) -> Result<Vec<CaseRecord>, SweepError> {
     let journal = prepare(plans, out, &known)?;
     let total = plans.iter().map(|plan| plan.cases.len()).sum();
     progress.begin(total, known.len());

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::judge::correction;
 use super::selection::Serving;
 use super::{Constant, Decision, Prediction, Variable};
 use crate::fit::{Direction, Sample, constant_under};
@@ -93,7 +94,8 @@ pub(super) fn compare_constant(
     pairs.sort_by(|a, b| b.0.step.total_cmp(&a.0.step));
     let (_, ratio) = *pairs.last()?;
     let samples: Vec<Sample> = pairs.iter().map(|(sample, _)| *sample).collect();
-    let of_line = constant_under(order, &samples).map(|(value, _)| value);
+    let of_line =
+        constant_under(order, &samples, correction(prediction, direction)).map(|(value, _)| value);
     let last = samples.last().map(|sample| sample.error / sample.step.powf(order));
     let constant = Constant {
         predicted: of_line.or(last),

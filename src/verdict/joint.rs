@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::compare::{Aim, compare};
 use super::judge::{Finding, pair};
-use super::next::next_case;
+use super::next::{NextCase, next_case};
 use super::selection::Selection;
 use super::{Constant, Decision, Prediction};
 use crate::fit::{Direction, JointFit, fit_constants, joint_fits};
@@ -18,7 +18,8 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
     let fits = match joint_fits(&selection.points(), false) {
         Ok(fits) => fits,
         Err(error) => {
-            return Finding::without_order(Decision::Unresolved, error.to_string());
+            let next = in_both(selection, prediction);
+            return Finding::without_order(Decision::Unresolved, error.to_string()).with_next(next);
         }
     };
     let Prediction { order, at_least, exact, .. } = *prediction;
@@ -30,10 +31,15 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
         (Decision::Pass, Decision::Pass) => Decision::Pass,
         _ => Decision::Unresolved,
     };
+    let open = |direction, (decision, _): &(Decision, String)| match decision {
+        Decision::Unresolved => next_case(selection, direction, prediction).cases,
+        Decision::Pass | Decision::Fail => Vec::new(),
+    };
+    let next = [open(Direction::Space, &space), open(Direction::Time, &time)].concat();
     let reason = format!(
         "{}; {}; residual {}",
-        sentence("h", space, selection, Direction::Space),
-        sentence("k", time, selection, Direction::Time),
+        sentence("h", &space, selection, Direction::Space, prediction),
+        sentence("k", &time, selection, Direction::Time, prediction),
         residuals(&best, fits.other.as_ref()),
     );
     Finding {
@@ -43,17 +49,28 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
         constants: constants(selection, &best, (order, order_k)),
         decision,
         reason,
+        next: if decision == Decision::Unresolved { next } else { Vec::new() },
     }
+}
+
+/// One more level in each direction.
+fn in_both(selection: &Selection, prediction: &Prediction) -> Vec<NextCase> {
+    let cases = |direction| next_case(selection, direction, prediction).cases;
+    [cases(Direction::Space), cases(Direction::Time)].concat()
 }
 
 fn sentence(
     name: &str,
-    (decision, text): (Decision, String),
+    (decision, text): &(Decision, String),
     selection: &Selection,
     direction: Direction,
+    prediction: &Prediction,
 ) -> String {
     match decision {
-        Decision::Unresolved => format!("in {name}: {text}: {}", next_case(selection, direction)),
+        Decision::Unresolved => {
+            let next = next_case(selection, direction, prediction).text;
+            format!("in {name}: {text}: {next}")
+        }
         _ => format!("in {name}: {text}"),
     }
 }

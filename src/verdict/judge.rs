@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::compare::{Aim, WIDEST_HALF_WIDTH, compare};
 use super::constants::{Comparison, Foreseen, LeadingLine, compare_constant};
 use super::joint::judge_grid;
-use super::next::next_case;
+use super::next::{NextCase, next_case};
 use super::selection::{Cases, Selection};
 use super::{Constant, Decision, Expect, IntervalParts, Prediction, Variable, Verdict};
 use crate::fit::{
@@ -22,12 +22,20 @@ pub(super) struct Finding {
     pub(super) constants: BTreeMap<&'static str, Constant>,
     pub(super) decision: Decision,
     pub(super) reason: String,
+    /// The cases that would help an open decision.
+    pub(super) next: Vec<NextCase>,
 }
 
 impl Finding {
     pub(super) fn without_order(decision: Decision, reason: String) -> Self {
         let constants = BTreeMap::new();
-        Self { orders: None, orders_k: None, parts: None, constants, decision, reason }
+        let next = Vec::new();
+        Self { orders: None, orders_k: None, parts: None, constants, decision, reason, next }
+    }
+
+    /// With the cases that would help.
+    pub(super) fn with_next(self, next: Vec<NextCase>) -> Self {
+        Self { next, ..self }
     }
 }
 
@@ -58,7 +66,9 @@ pub fn judge_foreseen(
     let complete = selection.gaps.is_empty();
     let mut finding = match prediction.variable {
         _ if !complete => Finding::without_order(Decision::Fail, gaps_in_words(&selection.gaps)),
-        Variable::H => judge_line(&cases, &selection, prediction, Direction::Space),
+        Variable::H | Variable::Path => {
+            judge_line(&cases, &selection, prediction, Direction::Space)
+        }
         Variable::K => judge_line(&cases, &selection, prediction, Direction::Time),
         Variable::Joint => judge_grid(&selection, prediction),
     };
@@ -85,6 +95,7 @@ pub fn judge_foreseen(
         foreseen: foreseen.cloned(),
         decision: finding.decision,
         reason: finding.reason,
+        next: finding.next,
         complete,
         expect,
     }
@@ -100,7 +111,7 @@ fn compare_with(
     let direction = match prediction.variable {
         Variable::H => Direction::Space,
         Variable::K => Direction::Time,
-        Variable::Joint => return,
+        Variable::Joint | Variable::Path => return,
     };
     let name = constant_name(direction);
     let Some(&fitted) = finding.constants.get(name) else { return };
@@ -132,18 +143,18 @@ fn judge_line(
     prediction: &Prediction,
     direction: Direction,
 ) -> Finding {
-    let next = || next_case(selection, direction);
+    let next = next_case(selection, direction, prediction);
     let fitted = samples(&selection.points(), direction).and_then(|samples| {
         order_interval(&samples, correction(prediction, direction)).map(|found| (samples, found))
     });
     let (samples, found) = match fitted {
         Ok(fitted) => fitted,
         Err(error) => {
-            let reason = format!("{error}: {}", next());
-            return Finding::without_order(Decision::Unresolved, reason);
+            let reason = format!("{error}: {}", next.text);
+            return Finding::without_order(Decision::Unresolved, reason).with_next(next.cases);
         }
     };
-    let (decision, mut reason) = decide(&found, prediction, &next());
+    let (decision, mut reason) = decide(&found, prediction, &next.text);
     if let Some(note) = other_term(&cases.points(&prediction.norm), selection, direction) {
         reason = format!("{reason}; {note}");
     }
@@ -159,6 +170,7 @@ fn judge_line(
         constants: constants(&samples, prediction, direction),
         decision,
         reason,
+        next: if decision == Decision::Unresolved { next.cases } else { Vec::new() },
     }
 }
 
@@ -177,7 +189,7 @@ fn decide(found: &OrderInterval, prediction: &Prediction, next: &str) -> (Decisi
 
 /// The trapezoidal rule on smooth data has even terms only, k² (1 + D k²): where order 2 is
 /// predicted in time. Space, and every other order in time, has the next power.
-fn correction(prediction: &Prediction, direction: Direction) -> Correction {
+pub(super) fn correction(prediction: &Prediction, direction: Direction) -> Correction {
     if direction == Direction::Time && prediction.order == 2.0 {
         Correction::Quadratic
     } else {

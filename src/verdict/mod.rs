@@ -21,6 +21,7 @@ pub use document::{
     DocumentError, Failure, failures, read_failures, read_foreseen, restore_reasons, write_json,
 };
 pub use judge::{judge, judge_foreseen};
+pub use next::NextCase;
 pub use selection::{line_keys, line_points};
 pub use table::{NOTHING_JUDGED, cell_texts, render_table};
 
@@ -34,6 +35,8 @@ pub enum Variable {
     K,
     /// Both: order p in h and q in k from the whole grid.
     Joint,
+    /// h along a path of cases on which k follows it: the order in h of the whole error.
+    Path,
 }
 
 impl Variable {
@@ -43,6 +46,7 @@ impl Variable {
             Self::H => "h",
             Self::K => "k",
             Self::Joint => "joint",
+            Self::Path => "path",
         }
     }
 }
@@ -229,6 +233,9 @@ pub struct Verdict {
     pub decision: Decision,
     /// Why, in one sentence.
     pub reason: String,
+    /// The cases that would help an unresolved verdict.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub next: Vec<NextCase>,
     /// Every expected case is there, converged, with a finite error. Without, the verdict is
     /// `fail` and meets no expectation.
     pub complete: bool,

@@ -1,28 +1,96 @@
 //! The next cases to run, where the present ones do not decide.
 
-use super::selection::{Selection, Serving};
+use serde::{Deserialize, Serialize};
+
+use super::selection::{Selection, Serving, inside};
+use super::{Prediction, Variable};
 use crate::fit::Direction;
 
+/// A case that is not there yet. `n` is absent for abstract scenes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct NextCase {
+    /// Mesh cells per unit length, or level of refinement.
+    pub n: Option<u32>,
+    /// Number N of time steps.
+    pub steps: u32,
+}
+
+/// The cases that would help, and the words that name them. Where no case helps there is none, and
+/// the words say what would.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Next {
+    pub(super) cases: Vec<NextCase>,
+    pub(super) text: String,
+}
+
 /// What to run to resolve an order in one direction.
-pub(super) fn next_case(selection: &Selection, direction: Direction) -> String {
+pub(super) fn next_case(
+    selection: &Selection,
+    direction: Direction,
+    prediction: &Prediction,
+) -> Next {
     let name = match direction {
         Direction::Space => "n",
         Direction::Time => "steps",
     };
     let lost = finest_is_below_floor(selection, direction);
     let levels = levels(selection.used.iter(), direction);
-    match (&levels[..], lost) {
-        ([], true) => "lower the floor: a tighter solver tolerance".to_owned(),
-        ([], false) => format!("run three values of {name}"),
+    let (wanted, text) = match (&levels[..], lost) {
+        ([], true) => (Vec::new(), "lower the floor: a tighter solver tolerance".to_owned()),
+        ([], false) => (Vec::new(), format!("run three values of {name}")),
         ([first, ..], true) => match coarser(first.0, levels.get(1).map(|level| level.0)) {
-            Some(level) => format!("run {name} = {level}: finer ones are below floor"),
-            None => "lower the floor: a tighter solver tolerance".to_owned(),
+            Some(level) => {
+                (vec![level], format!("run {name} = {level}: finer ones are below floor"))
+            }
+            None => (Vec::new(), "lower the floor: a tighter solver tolerance".to_owned()),
         },
-        ([.., previous, last], false) => format!("run {name} = {}", finer(*previous, *last)),
-        ([only], false) => {
-            format!("run {name} = {} and {name} = {}", twice(only.0), twice(twice(only.0)))
+        ([.., previous, last], false) => {
+            let level = finer(*previous, *last);
+            (vec![level], format!("run {name} = {level}"))
         }
+        ([only], false) => {
+            let [a, b] = [twice(only.0), twice(twice(only.0))];
+            (vec![a, b], format!("run {name} = {a} and {name} = {b}"))
+        }
+    };
+    let window = match direction {
+        Direction::Space => prediction.window_n,
+        Direction::Time => prediction.window_steps,
+    };
+    if wanted.iter().any(|level| !inside(Some(*level), window)) {
+        return Next { cases: Vec::new(), text: format!("{text}, with a window that holds it") };
     }
+    let cases = wanted.iter().flat_map(|&level| cases(selection, direction, prediction, level));
+    Next { cases: cases.collect(), text }
+}
+
+/// The cases of a new level: on the line of the prediction, or with all levels of the other
+/// direction of a grid.
+fn cases(
+    selection: &Selection,
+    direction: Direction,
+    prediction: &Prediction,
+    level: u32,
+) -> Vec<NextCase> {
+    let left_out = selection.left_out.iter().map(|(serving, _)| serving);
+    let keys = selection.used.iter().chain(left_out).map(|serving| &serving.key);
+    let mut found: Vec<NextCase> = match (direction, prediction.variable) {
+        (_, Variable::Path) => {
+            let steps = levels(selection.used.iter(), Direction::Time);
+            let next = match &steps[..] {
+                [.., previous, last] => finer(*previous, *last),
+                _ => return Vec::new(),
+            };
+            vec![NextCase { n: Some(level), steps: next }]
+        }
+        (Direction::Space, _) => {
+            keys.map(|key| NextCase { n: Some(level), steps: key.steps }).collect()
+        }
+        (Direction::Time, _) => keys.map(|key| NextCase { n: key.n, steps: level }).collect(),
+    };
+    found.sort_unstable();
+    found.dedup();
+    found
 }
 
 /// The levels n or N of the cases with their steps, from coarse to fine.

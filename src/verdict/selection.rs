@@ -113,7 +113,7 @@ impl<'a> Cases<'a> {
                 let fixed = most_frequent(cells.filter(allowed));
                 keys().filter(|key| Some(key.n) == fixed).collect()
             }
-            Variable::Joint => keys().collect(),
+            Variable::Joint | Variable::Path => keys().collect(),
         }
     }
 
@@ -177,7 +177,7 @@ fn point(record: &CaseRecord, norm: &str) -> Option<Point> {
 fn exclusion(serving: &Serving, prediction: &Prediction) -> Option<String> {
     let Serving { key, point } = serving;
     let needs = match prediction.variable {
-        Variable::H => &[Direction::Space][..],
+        Variable::H | Variable::Path => &[Direction::Space][..],
         Variable::K => &[Direction::Time],
         Variable::Joint => &[Direction::Space, Direction::Time],
     };
@@ -194,7 +194,7 @@ fn is_step(step: f64) -> bool {
     step.is_finite() && step > 0.0
 }
 
-fn inside(value: Option<u32>, window: Option<[u32; 2]>) -> bool {
+pub(super) fn inside(value: Option<u32>, window: Option<[u32; 2]>) -> bool {
     match (value, window) {
         (Some(value), Some([first, last])) => first <= value && value <= last,
         _ => true,

@@ -1,0 +1,38 @@
+//! `--extend`: what is added to a sweep, said on stderr, and found again by `--resume`.
+
+use std::path::Path;
+
+use super::CliError;
+use crate::sweep::{Provenance, ScenePlan, Step, extend, words};
+use crate::verdict::Verdict;
+
+/// Adds the cases that open verdicts ask for, and says so; true if there are any to run.
+pub fn extended(
+    plans: &mut [ScenePlan],
+    verdicts: &[Verdict],
+    budget: f64,
+) -> Result<bool, CliError> {
+    let mut added = false;
+    for step in extend(plans, verdicts, budget)? {
+        match step {
+            Step::Add { scene, case, seconds, why } => {
+                added = true;
+                let case = words(&case);
+                eprintln!("extend: {scene}: adds {case}, about {seconds:.2} s of CPU time; {why}");
+            }
+            Step::Leave { scene, why } => eprintln!("extend: {scene}: {why}"),
+        }
+    }
+    Ok(added)
+}
+
+/// Gives plans the cases that were added to the records in `out`.
+pub fn restore_added(plans: &mut [ScenePlan], out: &Path) -> Result<(), CliError> {
+    let known = Provenance::read(out)
+        .map_err(|(path, reason)| CliError::Other(format!("{}: {reason}", path.display())))?;
+    for plan in plans {
+        let added = known.as_ref().and_then(|known| known.added_cases.get(&plan.scene().name));
+        added.into_iter().flatten().for_each(|added| plan.add(added.clone()));
+    }
+    Ok(())
+}

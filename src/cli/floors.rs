@@ -1,0 +1,146 @@
+//! `sweep floors`: what the errors of a scene hold that is not the discretisation, measured.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{LineStyle, Table};
+
+use super::{CliError, Scenes, print_json, print_text};
+use crate::record::replace_file;
+use crate::setup::{Setup, Subject};
+use crate::sweep::{
+    FloorRow, Overrides, ScenePlan, abstract_floors, contact_floors, direct_history,
+};
+
+/// `sweep floors`.
+#[derive(Args)]
+#[command(
+    after_help = "A floor is measured by doing one thing better that is not the discretisation: solver (residual to 1/100 of the tolerance, or to rounding), history (direct sum in place of the recursion), load and error quadrature (the next rule), reference (a run with 16 N steps; for reference scenes a reference of half the cells and steps, its floor estimated likewise). Cases are the finest n with the fewest steps and the coarsest n with the most, unless --n and --steps name them.\n\nJSON keys with --json, one object a row: scene, n (null without mesh), steps, norm, part, error, measured, estimated (what the floor column of cases.csv holds for it), ratio (estimated over measured, null if nothing was measured). --out writes the same to floors.json."
+)]
+pub struct FloorsCommand {
+    /// Name of a scene, or path of a TOML file
+    scene: String,
+    /// Cells per unit length
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
+    n: Option<Vec<u32>>,
+    /// Numbers N of time steps
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    steps: Option<Vec<u32>>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Directory for floors.json
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+/// The rows of one case.
+struct Measured {
+    n: Option<u32>,
+    steps: u32,
+    rows: Vec<FloorRow>,
+}
+
+impl FloorsCommand {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let scene = scenes.scene(&self.scene)?;
+        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
+        scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
+        let direct = match Subject::new(scene.clone())? {
+            Subject::Contact(setup) => direct_history(*setup),
+            Subject::Abstract(_) => None,
+        };
+        let overrides = Overrides { n: self.n.clone(), steps: self.steps.clone() };
+        let plan = ScenePlan::new(Subject::new(scene)?, &overrides);
+        if plan.cases.is_empty() {
+            let hint = "add [sweep] with n and steps, or give --n and --steps";
+            return Err(plan
+                .scene()
+                .error("scene.name", "the scene has no case to run", hint)
+                .into());
+        }
+        let measured = self.measure(&plan, direct.as_ref())?;
+        let document = document(&plan.scene().name, &measured);
+        if let Some(out) = &self.out {
+            let failed = |error: &dyn std::fmt::Display| {
+                CliError::Other(format!("{}: {error}", out.display()))
+            };
+            std::fs::create_dir_all(out).map_err(|error| failed(&error))?;
+            let text = serde_json::to_string_pretty(&document).map_err(|error| failed(&error))?;
+            replace_file(&out.join("floors.json"), format!("{text}\n").as_bytes())
+                .map_err(|error| failed(&error))?;
+        }
+        if self.json {
+            print_json(&document)?;
+        } else {
+            print_text(&table(&measured));
+        }
+        Ok(0)
+    }
+
+    fn measure(&self, plan: &ScenePlan, direct: Option<&Setup>) -> Result<Vec<Measured>, CliError> {
+        let failed = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
+        let named = self.n.is_some() || self.steps.is_some();
+        let largest = plan.cases.iter().max_by_key(|case| (case.n, std::cmp::Reverse(case.steps)));
+        let longest = plan.cases.iter().max_by_key(|case| (case.steps, std::cmp::Reverse(case.n)));
+        let cases = plan.cases.iter().filter(|case| {
+            named || [largest, longest].into_iter().flatten().any(|chosen| chosen == *case)
+        });
+        cases
+            .map(|case| {
+                let rows = match (&plan.subject, case.n) {
+                    (Subject::Contact(setup), Some(n)) => {
+                        contact_floors(setup, direct, n, case.steps, &case.norms)?
+                    }
+                    (Subject::Abstract(setup), _) => {
+                        abstract_floors(setup, case.steps).map_err(|error| failed(&error))?
+                    }
+                    (Subject::Contact(_), None) => Vec::new(),
+                };
+                Ok(Measured { n: case.n, steps: case.steps, rows })
+            })
+            .collect()
+    }
+}
+
+fn document(scene: &str, measured: &[Measured]) -> serde_json::Value {
+    let rows = measured.iter().flat_map(|case| case.rows.iter().map(move |row| (case, row)));
+    rows.map(|(case, row)| {
+        serde_json::json!({
+            "scene": scene,
+            "n": case.n,
+            "steps": case.steps,
+            "norm": row.norm.name(),
+            "part": row.part.name(),
+            "error": row.error,
+            "measured": row.measured,
+            "estimated": row.estimated,
+            "ratio": row.estimated / row.measured,
+        })
+    })
+    .collect()
+}
+
+fn table(measured: &[Measured]) -> String {
+    let mut table = Table::new();
+    table.force_no_tty();
+    table.load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table.set_header(["n", "N", "norm", "part", "error", "measured", "estimated", "ratio"]);
+    for case in measured {
+        for row in &case.rows {
+            let text = |value: f64| format!("{value:.1e}");
+            table.add_row([
+                case.n.map_or("-".into(), |n| n.to_string()),
+                case.steps.to_string(),
+                row.norm.name().into(),
+                row.part.name().into(),
+                text(row.error),
+                text(row.measured),
+                text(row.estimated),
+                text(row.estimated / row.measured),
+            ]);
+        }
+    }
+    table.trim_fmt()
+}

@@ -1,0 +1,54 @@
+//! Verdicts of `sweep gate` where GitHub Actions shows them: beside the scene file, and in the summary.
+
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::Path;
+
+use super::{CliError, print_text};
+use crate::record::CaseRecord;
+use crate::report::{Place, annotations, step_summary};
+use crate::scene::{Direction, Scene};
+use crate::verdict::{Variable, Verdict};
+
+/// Prints one annotation a verdict that is no plain pass, one a failed case, and the count; appends
+/// the table to the summary of the step, if there is one.
+pub fn annotate(
+    scenes: &[Scene],
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+) -> Result<(), CliError> {
+    let place = |scene: &str, of: Option<&Verdict>| place(scenes, scene, of);
+    print_text(annotations(records, verdicts, place).trim_end());
+    let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) else {
+        return Ok(());
+    };
+    let path = Path::new(&path);
+    let file = OpenOptions::new().create(true).append(true).open(path);
+    file.and_then(|mut file| file.write_all(step_summary(records, verdicts).as_bytes()))
+        .map_err(|error| CliError::Other(format!("{}: {error}", path.display())))
+}
+
+/// The file of a scene as seen from here, and the line of the prediction that a verdict is on; of the
+/// scene's name, without.
+fn place(scenes: &[Scene], name: &str, verdict: Option<&Verdict>) -> Option<Place> {
+    let scene = scenes.iter().find(|scene| scene.name == name)?;
+    let predicts = scene.predicts.iter().position(|own| {
+        let variable = match own.variable {
+            Direction::H => Variable::H,
+            Direction::K => Variable::K,
+            Direction::Joint => Variable::Joint,
+            Direction::Path => Variable::Path,
+        };
+        verdict.is_some_and(|v| v.norm == own.norm.name() && v.variable == variable)
+    });
+    let key = match predicts {
+        Some(index) => format!("predicts.{index}.order"),
+        None => "scene.name".to_owned(),
+    };
+    let before = &scene.source.text[..scene.spans.value(&key).start];
+    let path = &scene.source.path;
+    let here = std::env::current_dir().ok();
+    let path = here.and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path);
+    let file = path.display().to_string().replace('\\', "/");
+    Some(Place { file, line: 1 + before.matches('\n').count() })
+}
