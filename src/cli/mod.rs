@@ -4,6 +4,7 @@ mod abstract_problem;
 mod audit;
 mod bound;
 mod check;
+mod diagnose;
 mod explain;
 mod fit;
 mod gronwall;
@@ -52,6 +53,8 @@ enum Command {
     Explain(explain::Explain),
     /// Check the proofs of Theorems 10 and 11 line by line on real runs
     Audit(audit::Audit),
+    /// Name the term at fault: run the scene again with one term removed at a time
+    Diagnose(diagnose::DiagnoseCommand),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
     /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
@@ -96,6 +99,7 @@ pub fn main() -> ExitCode {
         Command::Check(check) => check.execute(&scenes),
         Command::Explain(explain) => explain.execute(&scenes),
         Command::Audit(audit) => audit.execute(&scenes),
+        Command::Diagnose(diagnose) => diagnose.execute(&scenes),
         Command::Solve(solve) => solve.execute(&scenes),
         Command::Bound(bound) => bound.execute(&scenes),
         Command::Gronwall(gronwall) => gronwall.execute(&scenes),

@@ -1,0 +1,292 @@
+//! Source: Theorem 7 on u(t) in V^h; the exactness of the trapezoidal rule on linear integrands.
+//! Goal: a defect of the solver is named by the term whose removal restores the prediction; of a sound solver nothing
+//!   is said on any judged scene of the contact problem.
+//! Data: shipped scenes, `affine` with λ = 2 μ_L where Lamé's numbers matter.
+
+mod shipped;
+
+use std::sync::Arc;
+
+use gronwall::contact::{CaseError, CaseInfo, MemoryTerm, Observer, march};
+use gronwall::diagnose::{Finding, Outcome, Suspect, diagnose, examine};
+use gronwall::formula::{Point, Variable};
+use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
+use gronwall::law::{Isotropic, MemoryKernel, PiecewiseLinear, Potential, VonMises};
+use gronwall::scene::{Scene, Source};
+use gronwall::setup::{MeshData, Scheme, Setup, TruthLoad, YieldFormula};
+use gronwall::verdict::Decision;
+use gronwall::vhi::Newton;
+use shipped::{edited, text};
+
+fn scene(text: String) -> Scene {
+    let scene = Scene::from_source(Source::from_text("edited.toml", text));
+    scene.unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn shipped_scene(name: &str) -> Scene {
+    scene(text(name))
+}
+
+fn show(defect: &str, outcomes: &[Outcome]) {
+    println!("--- {defect}");
+    for outcome in outcomes {
+        let Outcome { name, terms, decision, reason, .. } = outcome;
+        println!("  {name:<26} {terms:<44} {:<10} {reason}", decision.name());
+    }
+}
+
+/// Weights that differ from the trapezoidal ones.
+struct Weights(fn(&TimeGrid, usize, usize) -> f64);
+
+impl TimeRule for Weights {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        (self.0)(grid, n, j)
+    }
+}
+
+fn rectangle(grid: &TimeGrid, n: usize, j: usize) -> f64 {
+    if n == 0 || j == 0 { 0.0 } else { grid.step(j) }
+}
+
+/// The last weight on the level before: an explicit history.
+fn lagged(grid: &TimeGrid, n: usize, j: usize) -> f64 {
+    match n - j {
+        0 => 0.0,
+        1 => Trapezoid.weight(grid, n, j) + Trapezoid.weight(grid, n, n),
+        _ => Trapezoid.weight(grid, n, j),
+    }
+}
+
+fn first_whole(grid: &TimeGrid, n: usize, j: usize) -> f64 {
+    let weight = Trapezoid.weight(grid, n, j);
+    if j == 0 { 2.0 * weight } else { weight }
+}
+
+fn with_rule(mut setup: Setup, weights: fn(&TimeGrid, usize, usize) -> f64) -> Setup {
+    setup.model.time_rule = Box::new(Weights(weights));
+    setup
+}
+
+/// A kernel seen through a defect.
+struct Through {
+    kernel: Box<dyn MemoryKernel>,
+    seen: fn(&dyn MemoryKernel, f64) -> f64,
+}
+
+impl MemoryKernel for Through {
+    fn value(&self, lag: f64) -> f64 {
+        (self.seen)(&*self.kernel, lag)
+    }
+}
+
+fn with_kernel(mut setup: Setup, seen: fn(&dyn MemoryKernel, f64) -> f64) -> Setup {
+    setup.model.memory = setup.model.memory.map(|MemoryTerm { kernel, tensor }| MemoryTerm {
+        kernel: Box::new(Through { kernel, seen }),
+        tensor,
+    });
+    setup
+}
+
+fn with_law(mut setup: Setup, law: fn(&[[f64; 2]]) -> Vec<(f64, f64)>) -> Setup {
+    let own = setup.body.contact.as_ref().and_then(|contact| contact.law.clone());
+    if let (Some(boundary), Some(own)) = (&mut setup.model.boundary, own) {
+        let wrong = PiecewiseLinear::new(law(&own.points), own.slope_before, own.slope_after);
+        boundary.potential = Arc::new(wrong.expect("a law")) as Arc<dyn Potential>;
+    }
+    setup
+}
+
+fn with_gap(mut setup: Setup, seen: fn(f64) -> f64) -> Setup {
+    if let Some(boundary) = &mut setup.model.boundary {
+        let zero: Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> = Box::new(|_| 0.0);
+        let gap = std::mem::replace(&mut boundary.gap, zero);
+        boundary.gap = Box::new(move |x| seen(gap(x)));
+    }
+    setup
+}
+
+fn with_projection(
+    mut setup: Setup,
+    change: fn(VonMises<YieldFormula>, &Setup) -> VonMises<YieldFormula>,
+) -> Setup {
+    let own = setup.model.projection.take();
+    setup.model.projection = own.map(|projection| change(projection, &setup));
+    setup
+}
+
+/// κ of the solver by the scene's formula with ζ replaced.
+fn kappa(setup: &Setup, scale: f64, power_of_zeta: f64) -> YieldFormula {
+    let mut graph = setup.scene.formulas.clone();
+    let own = setup.body.material.projection.as_ref().expect("a projection").kappa;
+    let zeta = graph.variable(Variable::Zeta);
+    let (scale, power) = (graph.constant(scale), graph.constant(power_of_zeta));
+    let bent = graph.pow(zeta, power);
+    let seen = graph.mul(scale, bent);
+    let wrong = graph.substitute(own, Variable::Zeta, seen);
+    assert!(graph.evaluate(wrong, &Point { zeta: 1.0, ..Point::default() }).is_finite());
+    YieldFormula::new(&graph, wrong)
+}
+
+/// Newton's method that stops at a share of its residual's size.
+struct Loose(f64);
+
+impl Scheme for Loose {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        let solver = Newton { rounding_units: self.0 / f64::EPSILON, ..Newton::default() };
+        let mut load = TruthLoad(&*data.truth);
+        let grid = setup.grid(steps);
+        march(&data.space, &setup.model, &grid, &mut load, &solver, &mut *observe)
+    }
+}
+
+/// Loads of the middle of a step.
+struct Late;
+
+impl Scheme for Late {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        struct Shifted<'a>(TruthLoad<'a>, f64);
+        impl gronwall::contact::Load for Shifted<'_> {
+            fn assemble(
+                &mut self,
+                t: f64,
+                out: &mut [f64],
+            ) -> Result<(), gronwall::contact::LoadError> {
+                self.0.assemble((t - self.1).max(0.0), out)
+            }
+        }
+        let grid = setup.grid(steps);
+        let mut load = Shifted(TruthLoad(&*data.truth), 0.5 * grid.step(1));
+        march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
+    }
+}
+
+type Hook = fn(Setup) -> Setup;
+
+/// Scene, defect, its place, and how it is put in.
+fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
+    use Suspect::*;
+    vec![
+        ("in-space", "rectangle rule", TimeRule, |s| with_rule(s, rectangle)),
+        ("in-space", "last weight on the level before", TimeRule, |s| with_rule(s, lagged)),
+        ("viscoelastic", "last weight on the level before", TimeRule, |s| with_rule(s, lagged)),
+        ("affine", "first weight whole", TimeRule, |s| with_rule(s, first_whole)),
+        ("pure-mild", "B(0) missing", Memory, |s| {
+            with_kernel(s, |b, lag| if lag == 0.0 { 0.0 } else { b.value(lag) })
+        }),
+        ("signorini", "kernel 5 % too large", Memory, |s| {
+            with_kernel(s, |b, lag| 1.05 * b.value(lag))
+        }),
+        ("in-space", "kernel time shifted", Memory, |s| {
+            with_kernel(s, |b, lag| b.value(lag + 0.01))
+        }),
+        ("pure-mild", "kappa constant", Accumulation, |mut s| {
+            if s.model.projection.is_some() {
+                let limit = kappa(&s, 0.0, 1.0);
+                s.model.projection = Some(VonMises { mu: s.projection_mu(), limit });
+            }
+            s
+        }),
+        ("affine", "zeta squared", Accumulation, |mut s| {
+            if s.model.projection.is_some() {
+                let limit = kappa(&s, 1.0, 2.0);
+                s.model.projection = Some(VonMises { mu: s.projection_mu(), limit });
+            }
+            s
+        }),
+        ("steady", "mu 2 % too large", Projection, |s| {
+            with_projection(s, |p, _| VonMises { mu: 1.02 * p.mu, ..p })
+        }),
+        ("pure-strong", "mu 2 % too large", Projection, |s| {
+            with_projection(s, |p, _| VonMises { mu: 1.02 * p.mu, ..p })
+        }),
+        ("compliance", "falling branch rises", Compliance, |s| {
+            with_law(s, |points| {
+                let mirrored = |&[r, p]: &[f64; 2]| (r, if r > 0.04 { 0.16 - p } else { p });
+                points.iter().map(mirrored).collect()
+            })
+        }),
+        ("in-space", "kink misplaced", Compliance, |s| {
+            with_law(s, |points| points.iter().map(|&[r, p]| (1.1 * r, p)).collect())
+        }),
+        ("signorini", "gap ignored", Gap, |s| with_gap(s, |_| f64::INFINITY)),
+        ("pure-mild", "gap 1 % too large", Gap, |s| with_gap(s, |g| 1.01 * g)),
+        ("affine-locked", "gap 1 % too small", Gap, |s| with_gap(s, |g| 0.99 * g)),
+        ("stiff", "Lame swapped", Elasticity, |mut s| {
+            let Isotropic { lambda, mu } = s.model.elasticity;
+            s.model.elasticity = Isotropic { lambda: mu, mu: lambda };
+            s
+        }),
+        ("compliance", "loads of the middle of the step", Elasticity, |mut s| {
+            s.scheme = Arc::new(Late);
+            s
+        }),
+        ("pure-mild", "Newton ends at 1e-6", Solver, |mut s| {
+            s.scheme = Arc::new(Loose(1e-6));
+            s
+        }),
+    ]
+}
+
+fn named(name: &str) -> Scene {
+    match name {
+        "stiff" => scene(edited(&text("affine"), "\nlambda = 1.0\nmu_L", "\nlambda = 2.0\nmu_L")),
+        name => shipped_scene(name),
+    }
+}
+
+#[test]
+fn the_right_term_is_named() {
+    let defects = defects();
+    let mut right = 0;
+    let mut table = Vec::new();
+    for (name, defect, place, hook) in &defects {
+        let start = std::time::Instant::now();
+        let (outcomes, finding) = examine(&named(name), hook, true);
+        let hit = finding == Finding::One(vec![*place]);
+        right += usize::from(hit);
+        show(&format!("{name}: {defect}"), &outcomes);
+        table.push(format!(
+            "{} {name:<14} {defect:<34} {:<12} {:.2} s {finding:?}",
+            if hit { "named " } else { "MISSED" },
+            place.name(),
+            start.elapsed().as_secs_f64()
+        ));
+    }
+    println!("{}\n{right} of {}", table.join("\n"), defects.len());
+    assert!(defects.len() >= 10 && 10 * right >= 8 * defects.len());
+}
+
+#[test]
+fn a_sound_solver_is_not_accused() {
+    for name in [
+        "affine",
+        "affine-locked",
+        "in-space",
+        "pure-mild",
+        "pure-strong",
+        "sourced",
+        "steady",
+        "signorini",
+        "compliance",
+        "viscoelastic",
+    ] {
+        let start = std::time::Instant::now();
+        let (outcomes, finding) = examine(&named(name), &|setup| setup, true);
+        show(&format!("{name}: sound, {:.2} s", start.elapsed().as_secs_f64()), &outcomes);
+        assert_eq!(finding, Finding::NothingFails, "{name}");
+        let passed = outcomes.iter().filter(|o| o.decision == Decision::Pass).count();
+        assert!(2 * passed > outcomes.len(), "{name}: {passed} of {}", outcomes.len());
+    }
+}
