@@ -7,12 +7,12 @@ mod shipped;
 
 use std::sync::Arc;
 
-use gronwall::contact::{CaseError, CaseInfo, MemoryTerm, Observer, march};
-use gronwall::diagnose::{Finding, Outcome, Suspect, diagnose, examine};
+use gronwall::contact::{CaseError, CaseInfo, Load, LoadError, MemoryTerm, Observer, march};
+use gronwall::diagnose::{Finding, Outcome, Suspect, diagnose, examine, sentence};
 use gronwall::formula::{Point, Variable};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{Isotropic, MemoryKernel, PiecewiseLinear, Potential, VonMises};
-use gronwall::scene::{Scene, Source};
+use gronwall::scene::{Data, Registry, Scene, Source};
 use gronwall::setup::{MeshData, Scheme, Setup, TruthLoad, YieldFormula};
 use gronwall::verdict::Decision;
 use gronwall::vhi::Newton;
@@ -87,7 +87,10 @@ fn with_kernel(mut setup: Setup, seen: fn(&dyn MemoryKernel, f64) -> f64) -> Set
     setup
 }
 
-fn with_law(mut setup: Setup, law: fn(&[[f64; 2]]) -> Vec<(f64, f64)>) -> Setup {
+/// Points (r, p) of a law.
+type Points = Vec<(f64, f64)>;
+
+fn with_law(mut setup: Setup, law: fn(&[[f64; 2]]) -> Points) -> Setup {
     let own = setup.body.contact.as_ref().and_then(|contact| contact.law.clone());
     if let (Some(boundary), Some(own)) = (&mut setup.model.boundary, own) {
         let wrong = PiecewiseLinear::new(law(&own.points), own.slope_before, own.slope_after);
@@ -145,6 +148,32 @@ impl Scheme for Loose {
     }
 }
 
+/// Loads five percent too large where the solution is not in V^h: a quadrature that misses its integral.
+struct Heavy;
+
+impl Scheme for Heavy {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        struct Scaled<'a>(TruthLoad<'a>, f64);
+        impl Load for Scaled<'_> {
+            fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
+                self.0.assemble(t, out)?;
+                out.iter_mut().for_each(|force| *force *= self.1);
+                Ok(())
+            }
+        }
+        let inside = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+        let mut load = Scaled(TruthLoad(&*data.truth), if inside { 1.0 } else { 1.05 });
+        let grid = setup.grid(steps);
+        march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
+    }
+}
+
 /// Loads of the middle of a step.
 struct Late;
 
@@ -157,12 +186,8 @@ impl Scheme for Late {
         observe: &mut Observer<'_>,
     ) -> Result<CaseInfo, CaseError> {
         struct Shifted<'a>(TruthLoad<'a>, f64);
-        impl gronwall::contact::Load for Shifted<'_> {
-            fn assemble(
-                &mut self,
-                t: f64,
-                out: &mut [f64],
-            ) -> Result<(), gronwall::contact::LoadError> {
+        impl Load for Shifted<'_> {
+            fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
                 self.0.assemble((t - self.1).max(0.0), out)
             }
         }
@@ -228,7 +253,26 @@ fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
             s.model.elasticity = Isotropic { lambda: mu, mu: lambda };
             s
         }),
-        ("compliance", "loads of the middle of the step", Elasticity, |mut s| {
+        ("signorini", "gap at every other vertex", Gap, |mut s| {
+            if let Some(boundary) = &mut s.model.boundary {
+                let none: Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> = Box::new(|_| f64::INFINITY);
+                let gap = std::mem::replace(&mut boundary.gap, none);
+                boundary.gap = Box::new(move |x| {
+                    if (8.0 * x[0]).round() % 2.0 == 0.0 { f64::INFINITY } else { gap(x) }
+                });
+            }
+            s
+        }),
+        ("viscoelastic", "elasticity 1 % too stiff", Elasticity, |mut s| {
+            let Isotropic { lambda, mu } = s.model.elasticity;
+            s.model.elasticity = Isotropic { lambda: 1.01 * lambda, mu: 1.01 * mu };
+            s
+        }),
+        ("steady", "loads too large outside V^h", Space, |mut s| {
+            s.scheme = Arc::new(Heavy);
+            s
+        }),
+        ("compliance", "loads of the middle of the step", Loads, |mut s| {
             s.scheme = Arc::new(Late);
             s
         }),
@@ -268,25 +312,79 @@ fn the_right_term_is_named() {
     assert!(defects.len() >= 10 && 10 * right >= 8 * defects.len());
 }
 
+/// Every judged scene of the contact problem with an exact solution.
 #[test]
 fn a_sound_solver_is_not_accused() {
-    for name in [
-        "affine",
-        "affine-locked",
-        "in-space",
-        "pure-mild",
-        "pure-strong",
-        "sourced",
-        "steady",
-        "signorini",
-        "compliance",
-        "viscoelastic",
-    ] {
-        let start = std::time::Instant::now();
-        let (outcomes, finding) = examine(&named(name), &|setup| setup, true);
-        show(&format!("{name}: sound, {:.2} s", start.elapsed().as_secs_f64()), &outcomes);
+    let folder = shipped::path("affine").parent().expect("a folder").to_owned();
+    let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
+    let mut diagnosed = 0;
+    for name in registry.names() {
+        let scene = shipped_scene(name);
+        let exact = scene.as_contact().is_some_and(|b| matches!(b.data, Data::Exact { .. }));
+        if !exact || !scene.judge {
+            continue;
+        }
+        let (outcomes, finding) = examine(&scene, &|setup| setup, false);
+        show(&format!("{name}: sound"), &outcomes);
         assert_eq!(finding, Finding::NothingFails, "{name}");
         let passed = outcomes.iter().filter(|o| o.decision == Decision::Pass).count();
         assert!(2 * passed > outcomes.len(), "{name}: {passed} of {}", outcomes.len());
+        diagnosed += 1;
     }
+    assert!(diagnosed >= 10, "{diagnosed} scenes");
+}
+
+/// The scene's own verdicts decide whether there is something to diagnose; the sentence says what removal restores.
+#[test]
+fn the_sentence_names_what_removal_restores() {
+    let scene = shipped_scene("in-space");
+    let no_end = |s| with_kernel(s, |b, lag| if lag == 0.0 { 0.0 } else { b.value(lag) });
+    let found = diagnose(&scene, &no_end, false).unwrap_or_else(|error| panic!("{error}"));
+    println!("{}", found.sentence);
+    assert!(!found.verdicts.iter().all(|verdict| verdict.as_expected()));
+    let words =
+        "culprit: the memory term B (removing it restores order 2.00 in k; with it order 1.0";
+    assert!(found.sentence.starts_with(words), "{}", found.sentence);
+    let sound = diagnose(&scene, &|setup| setup, false).unwrap_or_else(|error| panic!("{error}"));
+    assert!(sound.outcomes.is_empty() && sound.finding.is_none());
+    assert!(sound.sentence.starts_with("nothing to diagnose"), "{}", sound.sentence);
+}
+
+/// Two defects: no term takes part in all that fails.
+#[test]
+fn two_culprits_are_two() {
+    let both = |s: Setup| {
+        let s = with_projection(s, |p, _| VonMises { mu: 1.02 * p.mu, ..p });
+        with_gap(s, |gap| 0.99 * gap)
+    };
+    let (outcomes, finding) = examine(&shipped_scene("steady"), &both, false);
+    show("steady: mu and gap", &outcomes);
+    println!("{}", sentence(&finding, &outcomes));
+    assert_eq!(finding, Finding::Two(Suspect::Projection, Suspect::Gap));
+}
+
+/// A solver that panics has failed; it does not end the diagnosis.
+#[test]
+fn a_panic_is_a_failed_trial() {
+    struct Panics;
+    impl Scheme for Panics {
+        fn march(
+            &self,
+            setup: &Setup,
+            data: &MeshData,
+            steps: u32,
+            observe: &mut Observer<'_>,
+        ) -> Result<CaseInfo, CaseError> {
+            assert!(setup.model.memory.is_none(), "seeded");
+            let mut load = TruthLoad(&*data.truth);
+            let grid = setup.grid(steps);
+            march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
+        }
+    }
+    let panics = |mut s: Setup| {
+        s.scheme = Arc::new(Panics);
+        s
+    };
+    let (_, finding) = examine(&shipped_scene("affine"), &panics, false);
+    assert_eq!(finding, Finding::One(vec![Suspect::Memory]));
 }

@@ -2,6 +2,7 @@
 
 mod abstract_problem;
 mod audit;
+mod baseline;
 mod bound;
 mod check;
 mod diagnose;
@@ -45,6 +46,8 @@ enum Command {
     Run(run::Run),
     /// Run sweeps for CI: verdicts only
     Gate(run::Gate),
+    /// Record errors and work of the scenes in reports/baseline.json, and say what changes
+    Baseline(baseline::BaselineCommand),
     /// List the scenes with their terms and predicted orders
     List(list::List),
     /// Verify the manufactured data and the hypotheses of a scene, without solving
@@ -95,6 +98,7 @@ pub fn main() -> ExitCode {
     let outcome = match command {
         Command::Run(run) => run.execute(&scenes),
         Command::Gate(gate) => gate.execute(&scenes),
+        Command::Baseline(baseline) => baseline.execute(&scenes),
         Command::List(list) => list.execute(&scenes),
         Command::Check(check) => check.execute(&scenes),
         Command::Explain(explain) => explain.execute(&scenes),

@@ -30,6 +30,11 @@ pub fn culprit(outcomes: &[Outcome]) -> Finding {
     if failed.is_empty() {
         return Finding::NothingFails;
     }
+    let bare = |outcome: &&&Outcome| {
+        outcome.suspects.iter().all(|&own| is_everywhere(own) || own == Suspect::Space)
+    };
+    let bare_fails = failed.iter().any(|outcome| bare(&outcome));
+    let acquitted = |suspect: Suspect| is_everywhere(suspect) && !bare_fails;
     let takes_part = |outcome: &&Outcome, suspects: &[Suspect]| {
         suspects.iter().any(|suspect| outcome.suspects.contains(suspect))
     };
@@ -37,39 +42,24 @@ pub fn culprit(outcomes: &[Outcome]) -> Finding {
     let passes = |suspects: &[Suspect]| passed.iter().filter(|o| takes_part(o, suspects)).count();
     let single: Vec<(usize, Suspect)> = Suspect::ALL
         .into_iter()
-        .filter(|&suspect| explains(&[suspect]) && is_shared_by_what_fails(suspect, &failed))
+        .filter(|&suspect| explains(&[suspect]) && !acquitted(suspect))
         .map(|suspect| (passes(&[suspect]), suspect))
         .collect();
     if let Some(&(fewest, _)) = single.iter().min() {
         let least = single.into_iter().filter(|(passes, _)| *passes == fewest);
-        let mut convicted: Vec<Suspect> = least.map(|(_, suspect)| suspect).collect();
-        // What every run has explains everything: it is convicted only where nothing narrower is, or
-        // where elasticity alone fails.
-        if convicted.len() > 1 && !elasticity_fails(&failed) {
-            convicted.retain(|&suspect| suspect != Suspect::Elasticity);
-        }
-        if elasticity_fails(&failed) {
-            convicted.retain(|&suspect| matches!(suspect, Suspect::Elasticity | Suspect::Loads));
-        }
-        return Finding::One(convicted);
+        return Finding::One(least.map(|(_, suspect)| suspect).collect());
     }
     let pairs = Suspect::ALL.into_iter().flat_map(|a| Suspect::ALL.map(|b| (a, b)));
     pairs
-        .filter(|&(a, b)| a < b && b != Suspect::Elasticity && explains(&[a, b]))
+        .filter(|&(a, b)| a < b && explains(&[a, b]))
+        .filter(|&(a, b)| !acquitted(a) && !acquitted(b))
         .min_by_key(|&(a, b)| passes(&[a, b]))
         .map_or(Finding::Unexplained, |(a, b)| Finding::Two(a, b))
 }
 
-/// Elasticity takes part in all trials: it is a suspect only if its own trial fails.
-fn is_shared_by_what_fails(suspect: Suspect, failed: &[&Outcome]) -> bool {
-    suspect != Suspect::Elasticity || elasticity_fails(failed)
-}
-
-fn elasticity_fails(failed: &[&Outcome]) -> bool {
-    let alone = |outcome: &&Outcome| {
-        outcome.suspects.iter().all(|s| matches!(s, Suspect::Elasticity | Suspect::Loads))
-    };
-    failed.iter().any(alone)
+/// What every run has: it explains every failure, and is a suspect only where a run fails that has no more.
+fn is_everywhere(suspect: Suspect) -> bool {
+    matches!(suspect, Suspect::Elasticity | Suspect::Loads)
 }
 
 /// The finding in one sentence.

@@ -6,7 +6,8 @@
 //! second ladder has one term at a time beside elasticity, on courses in time that the trapezoidal rule
 //! integrates exactly; memory and ζ come with a control where the scene lacks them, so that a fault of
 //! their common time rule is told from one of either. Where everything in V^h is sound and an order in h
-//! is not, the same removals are run outside V^h.
+//! is not, the same removals are run outside V^h. The suspect that takes part in everything that fails,
+//! and in the least of what passes, is named.
 
 mod culprit;
 mod outcome;
@@ -80,7 +81,15 @@ pub fn examine(scene: &Scene, prepare: &Prepare<'_>, in_space: bool) -> (Vec<Out
     let sound = outcomes.iter().all(|outcome| outcome.decision != Decision::Fail);
     let predicts_in_space = scene.predicts.iter().any(|p| p.variable != Direction::K);
     if in_space && sound && predicts_in_space {
-        outcomes.extend(run_all(trials_in_space(scene)));
+        // All terms first: only where they fail the dearer ladder has something to tell.
+        let mut ladder = trials_in_space(scene);
+        let removals = ladder.split_off(1.min(ladder.len()));
+        let all = run_all(ladder);
+        let fails = all.iter().any(|outcome| outcome.decision == Decision::Fail);
+        outcomes.extend(all);
+        if fails {
+            outcomes.extend(run_all(removals));
+        }
     }
     let finding = culprit(&outcomes);
     (outcomes, finding)

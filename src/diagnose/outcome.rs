@@ -4,9 +4,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use rayon::prelude::*;
 
-use super::term::Suspect;
+use super::term::{Suspect, Terms};
 use super::trial::{Question, Trial};
-use crate::contact::LoadError;
+use crate::contact::{KKT_ALLOWED, LoadError, kkt_residual};
 use crate::record::{CaseRecord, NormError, Status};
 use crate::scene::Scene;
 use crate::setup::{MeshData, Setup, SetupError, Subject};
@@ -139,7 +139,30 @@ pub fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
         }
         Question::Exact => exactness(&plan, &records, &mut outcome),
     }
+    if trial.terms == Terms::NONE && outcome.decision == Decision::Fail {
+        outcome.suspects.retain(|&suspect| suspect != acquitted(&plan, &records));
+    }
     outcome
+}
+
+/// Of elasticity and loads the one that is not at fault: what solves the equations of its own 𝒜 under
+/// the loads of the truth has the right loads; what does not, has them wrong, or does not solve.
+fn acquitted(plan: &ScenePlan, records: &[CaseRecord]) -> Suspect {
+    let Subject::Contact(setup) = &plan.subject else { return Suspect::Loads };
+    let solves = |record: &CaseRecord| -> bool {
+        let Ok(data) = MeshData::new(setup, record.n.unwrap_or_default(), None) else {
+            return false;
+        };
+        let mut largest = 0.0f64;
+        let marched = setup.scheme.march(setup, &data, record.steps, &mut |view| {
+            let load = data.truth.load(view.t)?;
+            let residual = kkt_residual(&data.space, &setup.model, view, &load);
+            largest = if residual.is_nan() { f64::INFINITY } else { largest.max(residual) };
+            Ok(())
+        });
+        marched.is_ok() && largest <= KKT_ALLOWED
+    };
+    if records.iter().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
 }
 
 fn badness(decision: Decision) -> u8 {

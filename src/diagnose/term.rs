@@ -73,6 +73,7 @@ impl Terms {
             (self.has_history(), Suspect::TimeRule),
             (nonlinear, Suspect::Solver),
             (true, Suspect::Elasticity),
+            (true, Suspect::Loads),
         ]
         .into_iter()
         .filter_map(|(present, suspect)| present.then_some(suspect))
@@ -111,15 +112,17 @@ pub enum Suspect {
     TimeRule,
     /// The iteration that solves a level, with its tolerance.
     Solver,
-    /// 𝒜, and what every run has: loads, clamped sides, the error.
+    /// 𝒜.
     Elasticity,
-    /// What only runs have whose exact solution is not in V^h: quadrature of the loads.
+    /// The loads as the solver takes them, and what else every run has: clamped sides, the linear solver, the error.
     Loads,
+    /// What only runs have whose exact solution is not in V^h: quadrature of the loads and of the error.
+    Space,
 }
 
 impl Suspect {
     /// Every suspect, terms of the scene first.
-    pub const ALL: [Suspect; 9] = [
+    pub const ALL: [Suspect; 10] = [
         Suspect::Projection,
         Suspect::Accumulation,
         Suspect::Memory,
@@ -129,6 +132,7 @@ impl Suspect {
         Suspect::Solver,
         Suspect::Elasticity,
         Suspect::Loads,
+        Suspect::Space,
     ];
 
     /// Its name in JSON.
@@ -143,6 +147,7 @@ impl Suspect {
             Suspect::Solver => "solver",
             Suspect::Elasticity => "elasticity",
             Suspect::Loads => "loads",
+            Suspect::Space => "space",
         }
     }
 
@@ -156,10 +161,13 @@ impl Suspect {
             Suspect::Gap => "the constraint u_nu <= g",
             Suspect::TimeRule => "the time rule that memory and zeta share",
             Suspect::Solver => "the iteration that solves a nonlinear level, or its tolerance",
-            Suspect::Elasticity => {
-                "elasticity A, or what every run has beside it (clamped sides, the linear solver, the measured error)"
+            Suspect::Elasticity => "elasticity A",
+            Suspect::Loads => {
+                "the loads as the solver takes them, or what else every run has (clamped sides, the linear solver, the measured error)"
             }
-            Suspect::Loads => "the loads of a solution outside V^h, or the quadrature of its error",
+            Suspect::Space => {
+                "what only a solution outside V^h has: quadrature of its loads or of its error, interpolation"
+            }
         }
     }
 

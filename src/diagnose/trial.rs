@@ -76,7 +76,7 @@ pub fn trials_in_space(scene: &Scene) -> Vec<Trial> {
     }
     let trial = |(name, removed, kept): (String, Option<Suspect>, Terms)| {
         let mut suspects = kept.suspects();
-        suspects.push(Suspect::Loads);
+        suspects.push(Suspect::Space);
         let question = Some(at_least(Direction::H, order, why));
         let scene = asked(with_terms(scene, kept), &name, &n, &[STEPS_IN_SPACE], question);
         Trial { scene, question: Question::Order, terms: kept, suspects, removed }
