@@ -8,7 +8,9 @@ mod shipped;
 use std::sync::Arc;
 
 use gronwall::contact::{CaseError, CaseInfo, Load, LoadError, MemoryTerm, Observer, march};
-use gronwall::diagnose::{Finding, Outcome, Suspect, diagnose, examine, sentence};
+use gronwall::diagnose::{
+    Finding, Outcome, Question, Suspect, culprit, diagnose, examine, sentence,
+};
 use gronwall::formula::{Point, Variable};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{Isotropic, MemoryKernel, PiecewiseLinear, Potential, VonMises};
@@ -387,4 +389,54 @@ fn a_panic_is_a_failed_trial() {
     };
     let (_, finding) = examine(&shipped_scene("affine"), &panics, false);
     assert_eq!(finding, Finding::One(vec![Suspect::Memory]));
+}
+
+/// An outcome as the inference sees it.
+fn outcome(suspects: &[Suspect], decision: Decision) -> Outcome {
+    Outcome {
+        name: "a trial".into(),
+        terms: String::new(),
+        question: Question::Exact,
+        decision,
+        verdict: None,
+        error: None,
+        reason: String::new(),
+        suspects: suspects.to_vec(),
+        removed: None,
+    }
+}
+
+/// The inference on made-up trials: what takes part in all that fails and in the least that passes.
+#[test]
+fn the_inference_is_by_elimination() {
+    use Decision::{Fail, Pass, Unresolved};
+    use Suspect::*;
+    let found = |trials: &[(&[Suspect], Decision)]| {
+        let outcomes: Vec<Outcome> = trials.iter().map(|(s, d)| outcome(s, *d)).collect();
+        culprit(&outcomes)
+    };
+    let one = |suspect: Suspect| Finding::One(vec![suspect]);
+    let both: &[Suspect] = &[Memory, Gap, Elasticity, Loads];
+    let (memory, gap): (&[Suspect], &[Suspect]) =
+        (&[Memory, Elasticity, Loads], &[Gap, Elasticity, Loads]);
+    assert_eq!(found(&[(both, Pass), (memory, Pass)]), Finding::NothingFails);
+    assert_eq!(found(&[(both, Fail), (gap, Pass)]), one(Memory));
+    assert_eq!(found(&[(both, Fail), (memory, Fail), (gap, Pass)]), one(Memory));
+    // What every run has is not accused while a run without the terms is sound.
+    assert_eq!(
+        found(&[(both, Fail), (&[Elasticity, Loads], Pass)]),
+        Finding::One(vec![Memory, Gap])
+    );
+    // Neither an unresolved trial nor one that could not be run says anything.
+    assert_eq!(found(&[(both, Fail), (gap, Pass), (memory, Unresolved)]), one(Memory));
+    assert_eq!(found(&[(memory, Unresolved)]), Finding::NothingFails);
+    // Each term fails alone: two, or what they share.
+    assert_eq!(found(&[(memory, Fail), (gap, Fail)]), Finding::Two(Memory, Gap));
+    let rule: &[Suspect] = &[Accumulation, TimeRule, Elasticity, Loads];
+    let with_rule: &[Suspect] = &[Memory, TimeRule, Elasticity, Loads];
+    assert_eq!(found(&[(rule, Fail), (with_rule, Fail)]), one(TimeRule));
+    // The bare run fails: elasticity, whose loads were acquitted.
+    assert_eq!(found(&[(both, Fail), (&[Elasticity], Fail)]), one(Elasticity));
+    let three: [&[Suspect]; 3] = [&[Memory], &[Gap], &[Projection]];
+    assert_eq!(found(&three.map(|s| (s, Fail))), Finding::Unexplained);
 }
