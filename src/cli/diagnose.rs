@@ -6,6 +6,7 @@ use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::{CliError, Scenes, print_json, print_text};
 use crate::diagnose::{Diagnosis, EXACT_WITHIN, Finding, Outcome, Question, diagnose};
+use crate::record::counted;
 use crate::verdict::render_table;
 
 /// Width of the table in characters.
@@ -30,6 +31,8 @@ pub struct DiagnoseCommand {
 impl DiagnoseCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
+        let cases = scene.sweep.as_ref().map_or(0, |sweep| sweep.n.len() * sweep.steps.len());
+        eprintln!("running {} of the scene, then its variants", counted(cases, "case"));
         let diagnosis = diagnose(&scene, &|setup| setup, self.always)?;
         if self.json {
             print_json(&document(&diagnosis))?;

@@ -66,7 +66,11 @@ pub fn diagnose(
     }
     let in_space = verdicts.iter().filter(wrong).any(|verdict| verdict.variable != Variable::K);
     let (outcomes, finding) = examine(scene, prepare, in_space || always);
-    let sentence = sentence(&finding, &outcomes);
+    let all_is_well = finding == Finding::NothingFails && verdicts.iter().all(Verdict::as_expected);
+    let sentence = match all_is_well {
+        true => "nothing is wrong: every variant shows what it must".into(),
+        false => sentence(&finding, &outcomes),
+    };
     let (scene, finding) = (scene.name.clone(), Some(finding));
     Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence })
 }

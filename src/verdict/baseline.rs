@@ -2,16 +2,16 @@
 //!
 //! A factor in an error that no theorem predicts moves no order; against its recorded value it shows.
 
+mod compare;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::record::{CaseRecord, NormError, replace_file};
-
-mod compare;
-
 pub use compare::{Comparison, Deviation, Kind, Run, compare_with_baseline};
+
+use crate::record::{CaseRecord, NormError, replace_file};
 
 /// A case below this many of its floors counts for no order, and is not recorded either.
 const FLOORS_COUNTED: f64 = 20.0;
