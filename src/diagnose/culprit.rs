@@ -9,7 +9,7 @@ use crate::verdict::Decision;
 pub enum Finding {
     /// One of these alone explains every failure; more than one where no trial tells them apart.
     One(Vec<Suspect>),
-    /// No single suspect takes part in every failed trial; these two together do.
+    /// No single suspect takes part in every failed trial without one that passes; these two together do.
     Two(Suspect, Suspect),
     /// Trials fail, and no two suspects explain them.
     Unexplained,
@@ -17,7 +17,8 @@ pub enum Finding {
     NothingFails,
 }
 
-/// The suspects of which one takes part in every failed trial, and in the fewest that pass.
+/// The suspects of which one takes part in every failed trial, and in the fewest that pass; or two of
+/// which one does, and neither in any that passes.
 ///
 /// A defect in a term that a solution does not excite passes, so a passed trial speaks against a suspect
 /// without acquitting it; a failed trial acquits whatever did not take part. Trials that are unresolved
@@ -45,16 +46,21 @@ pub fn culprit(outcomes: &[Outcome]) -> Finding {
         .filter(|&suspect| explains(&[suspect]) && !acquitted(suspect))
         .map(|suspect| (passes(&[suspect]), suspect))
         .collect();
-    if let Some(&(fewest, _)) = single.iter().min() {
-        let least = single.into_iter().filter(|(passes, _)| *passes == fewest);
-        return Finding::One(least.map(|(_, suspect)| suspect).collect());
-    }
     let pairs = Suspect::ALL.into_iter().flat_map(|a| Suspect::ALL.map(|b| (a, b)));
-    pairs
-        .filter(|&(a, b)| a < b && explains(&[a, b]))
-        .filter(|&(a, b)| !acquitted(a) && !acquitted(b))
-        .min_by_key(|&(a, b)| passes(&[a, b]))
-        .map_or(Finding::Unexplained, |(a, b)| Finding::Two(a, b))
+    let pair = pairs
+        .filter(|&(a, b)| a < b && explains(&[a, b]) && !acquitted(a) && !acquitted(b))
+        .map(|(a, b)| (passes(&[a, b]), a, b))
+        .min();
+    match (single.iter().min(), pair) {
+        // Two that are never sound go before one that is: each of the two has failed without the other.
+        (Some(&(1.., _)), Some((0, a, b))) => Finding::Two(a, b),
+        (Some(&(fewest, _)), _) => {
+            let least = single.into_iter().filter(|(passes, _)| *passes == fewest);
+            Finding::One(least.map(|(_, suspect)| suspect).collect())
+        }
+        (None, Some((_, a, b))) => Finding::Two(a, b),
+        (None, None) => Finding::Unexplained,
+    }
 }
 
 /// What every run has: it explains every failure, and is a suspect only where a run fails that has no more.
