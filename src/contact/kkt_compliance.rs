@@ -45,7 +45,14 @@ pub fn add_exact(
         let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
         while let Some((from, to, halvings)) = left.pop() {
             let middle = 0.5 * (from + to);
-            let one_piece = piece(from) == piece(to) && piece(middle) == piece(to);
+            // Between places on one piece a curved argument can still cross a kink twice: it strays
+            // from them by less than its second difference.
+            let values = [from, middle, to].map(argument);
+            let bend = (values[0] - 2.0 * values[1] + values[2]).abs();
+            let within_bend = |kink: &f64| values.iter().any(|value| (value - kink).abs() < bend);
+            let one_piece = piece(from) == piece(to)
+                && piece(middle) == piece(to)
+                && !boundary.potential.kinks().iter().any(within_bend);
             // An argument that stays at a kink but for rounding would be halved without end.
             let moves = (argument(to) - argument(from))
                 .abs()

@@ -188,3 +188,16 @@ fn convolution_with_a_root_at_zero_lag() {
         }
     }
 }
+
+/// An instant has no past: t is a number, hereditary integrals are zero, whatever they stand in.
+#[test]
+fn an_instant_leaves_the_past_out() {
+    let mut graph = Graph::new();
+    let f = node(&mut graph, &everything(), "x*t^2 + relax(2, x*t) + max(t, relax(1, t) - 1)");
+    let frozen = graph.instant(f, 0.5);
+    assert!(!graph.depends_on(frozen, Variable::T));
+    for t in [0.0, 0.3, 2.0] {
+        let at = Point { x: 3.0, t, ..Point::default() };
+        assert_eq!(graph.evaluate(frozen, &at), 3.0 * 0.25 + 0.5);
+    }
+}
