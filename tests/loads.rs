@@ -23,7 +23,7 @@ fn loads(
 ) -> Result<[Arc<Vec<f64>>; 2], LoadError> {
     let space = setup.space(n).unwrap_or_else(|error| panic!("{error}"));
     let sides = side_numbers(&space, &setup.body.domain.traction);
-    let rules = TruthRules::default();
+    let rules = TruthRules::of(2);
     let on_mesh =
         |form| ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules).load(t);
     Ok([on_mesh(LoadForm::Weak)?, on_mesh(LoadForm::Strong)?])
