@@ -174,6 +174,15 @@ fn orders_are_covered() {
     assert!(space[4].median < 0.15 && time[4].median < 0.15);
 }
 
+/// Fitting D k² where D k is the next term costs coverage: a table of unknown origin is fitted
+/// with the first power.
+#[test]
+fn the_wrong_next_term_is_caught() {
+    let wrong = (halvings as Steps, Correction::Linear, Correction::Quadratic);
+    let cells = orders("order, C k^p (1 + D k), D k² fitted", wrong, |found| found.interval);
+    assert!(worst(&cells) < 0.9, "{}", worst(&cells));
+}
+
 /// What the intervals are for: a right prediction is never refuted and mostly confirmed, one that is
 /// higher by a half is never confirmed and mostly refuted.
 #[test]
