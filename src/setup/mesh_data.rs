@@ -67,7 +67,12 @@ impl MeshData {
                 return Err(SetupError::NoTruth { scene: setup.scene.name.clone() });
             }
         };
-        Ok(Self { space, truth, trajectories: Mutex::default() })
+        Ok(Self::with_truth(space, truth))
+    }
+
+    /// A space with the truth that drives and measures the runs on it.
+    pub fn with_truth(space: Arc<Discretization>, truth: Box<dyn Truth>) -> Self {
+        Self { space, truth, trajectories: Mutex::default() }
     }
 
     /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`.
