@@ -105,7 +105,7 @@ const PENALTY: f64 = 1e3;
 
 fn penalty(mut setup: Setup) -> Setup {
     let constant = setup.model.boundary.as_ref().map(|b| ((b.gap)([0.0; 3]), (b.gap)([0.5, 0.0, 0.0])));
-    let Some((g, inside)) = constant.filter(|(g, inside)| g.is_finite() && g == inside) else {
+    let Some((g, _)) = constant.filter(|(g, inside)| g.is_finite() && g == inside) else {
         return setup;
     };
     let written = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());

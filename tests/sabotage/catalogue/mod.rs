@@ -14,6 +14,8 @@ mod records;
 mod solver;
 mod time;
 
+pub use solver::own_loop;
+
 use std::sync::Arc;
 
 use gronwall::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
@@ -111,7 +113,10 @@ fn same<T>(value: T) -> T {
 }
 
 impl Defect {
-    /// Nothing is wrong.
+    /// The sound program.
+    pub const SOUND: Self = Self::none(Term::Solver, "none");
+
+    /// Nothing is wrong yet.
     pub const fn none(term: Term, name: &'static str) -> Self {
         Self {
             name,
