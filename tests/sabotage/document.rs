@@ -19,6 +19,8 @@ pub struct Scores {
     pub defects: usize,
     /// Without any number of an earlier run or another program.
     pub theory: usize,
+    /// The same without the tables, which see the judge alone.
+    pub without_tables: usize,
     /// With baseline and fixtures.
     pub all: usize,
     /// Those whose order moves, and how many of them the first score has.
@@ -32,6 +34,9 @@ impl Scores {
         Self {
             defects: lines.len(),
             theory: count(&|line| line.by_theory()),
+            without_tables: count(&|line| {
+                line.caught.iter().any(|(gate, _)| gate.is_of_theory() && *gate != Gate::Tables)
+            }),
             all: count(&|line| line.is_caught()),
             orders: [count(&|line| moves(line)), count(&|line| moves(line) && line.by_theory())],
         }
@@ -52,11 +57,15 @@ pub fn render(lines: &[Line]) -> String {
     let _ = writeln!(
         text,
         "| | caught | of | share |\n|---|---|---|---|\n\
-         | orders, predicted constants, bounds, identities | {} | {} | {first:.0} % |\n\
-         | the same, of defects that move an order | {of_them} | {moved} | {:.0} % |\n\
+         | orders, predicted constants, bounds, identities, tables | {} | {} | {first:.0} % |\n\
+         | the same without the tables | {} | {} | {:.0} % |\n\
+         | the first, of defects that move an order | {of_them} | {moved} | {:.0} % |\n\
          | with fixtures and baseline | {} | {} | {second:.0} % |\n",
         scores.theory,
         scores.defects,
+        scores.without_tables,
+        scores.defects,
+        100.0 * scores.without_tables as f64 / scores.defects as f64,
         100.0 * of_them as f64 / moved.max(1) as f64,
         scores.all,
         scores.defects,
@@ -126,7 +135,7 @@ const HEAD: &str = "# Sabotage: which gate catches which defect
 
 Written by `make sabotage`; `make ci` fails if a gate catches something else than this table says. A defect is a wrong
 component passed in at a seam of the library (model, scheme, truth, record, judge), by `tests/sabotage/catalogue`; the
-sound program has no switch for it, and passes every gate. Each runs on small grids of twelve contact scenes and three
+sound program has no switch for it, and passes every gate. Each runs on small grids of fourteen contact scenes and three
 abstract ones, chosen so that every term acts. *Unresolved* counts as caught, since the sound program passes there.
 
 A defect *touches* an order if a fitted order moves by more than 0.1 somewhere; else a constant if an error changes by more

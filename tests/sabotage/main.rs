@@ -66,6 +66,7 @@ fn every_defect_against_every_gate() {
     assert_eq!(scores.orders[0], scores.orders[1], "a moved order is not caught");
     assert!(theory >= 0.85 && all >= 0.95, "{theory:.3} {all:.3}");
     for line in lines.iter().filter(|line| !line.by_theory()) {
+        // A survivor without a reason is a missing gate.
         assert!(reasons::reason(line.defect.name).is_some(), "{}: why?", line.defect.name);
     }
     let committed = std::fs::read_to_string(document::path()).expect("docs/SABOTAGE.md");

@@ -1,7 +1,7 @@
 //! Every defect against every gate.
 
 use gronwall::record::{CaseRecord, Status};
-use gronwall::verdict::Verdict;
+use gronwall::verdict::{Decision, Verdict};
 
 use crate::catalogue::{Defect, Term};
 use crate::suite::{Outcome, Trial};
@@ -207,7 +207,7 @@ impl Found {
         for verdict in &outcome.verdicts {
             if !verdict.complete {
                 note(&mut self.complete, verdict.reason.chars().take(80).collect());
-            } else if !verdict.as_expected() {
+            } else if !verdict.as_expected() && !narrowly(verdict) {
                 let order = verdict.interval.map_or(String::new(), |[lo, hi]| {
                     format!(" [{lo:.2}, {hi:.2}]")
                 });
@@ -269,6 +269,17 @@ impl Found {
             Effect::Nothing
         }
     }
+}
+
+/// An interval narrower than the bias of its fit misses the prediction by less than this: no gate may rest on it.
+const NARROW: f64 = 0.005;
+
+/// Whether a verdict is open by such a miss alone.
+fn narrowly(verdict: &Verdict) -> bool {
+    let near = |[lo, hi]: [f64; 2]| {
+        lo <= verdict.predicted + NARROW && hi >= verdict.predicted - NARROW && hi - lo <= 0.3
+    };
+    verdict.decision == Decision::Unresolved && verdict.interval.is_some_and(near)
 }
 
 /// The sentence of a verdict on its constant, if that is refuted.

@@ -302,7 +302,9 @@ impl<'a> Summed<'a> {
         self.norms.push(strain_norm(&self.data.space, view.u));
         let zeta: f64 =
             self.norms.iter().enumerate().map(|(j, z)| rule.weight(grid, n, j) * z).sum();
-        let mut off = (view.zeta - zeta).abs() / zeta.abs().max(1e-3);
+        // Without projection ζ is shown for information, and by the trapezoidal rule.
+        let acts = self.program.model.projection.is_some();
+        let mut off = if acts { (view.zeta - zeta).abs() / zeta.abs().max(1e-3) } else { 0.0 };
         if let (Some(term), Some(shown)) = (&self.program.model.memory, view.history) {
             let mut sum = vec![0.0; shown.len()];
             self.direct.past(&*term.kernel, rule, grid, &mut sum);

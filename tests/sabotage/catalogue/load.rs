@@ -167,8 +167,7 @@ fn other_body_force(mut setup: Setup) -> Setup {
     };
     let other = rebuilt(|numbers| numbers.memory = numbers.memory.map(|(l, m)| (-l, -m)));
     let own = rebuilt(|_| ());
-    let Exact { body_force, forces, .. } = other;
-    setup.exact = Some(Arc::new(Exact { body_force, forces, ..own }));
+    setup.exact = Some(Arc::new(Exact { forces: other.forces, ..own }));
     setup
 }
 
