@@ -126,6 +126,11 @@ impl Setup {
             .map_err(|source| SetupError::Mesh { n, source })
     }
 
+    /// The model that the scene states, built anew: [`Self::model`] may hold other components.
+    pub fn scene_model(&self) -> SceneModel {
+        model(&self.scene, &self.body)
+    }
+
     /// The grid with the given number of steps.
     pub fn grid(&self, steps: u32) -> TimeGrid {
         time_grid(&self.scene.time, steps)

@@ -15,7 +15,6 @@ use crate::history::TimeGrid;
 use crate::manufactured::Truth;
 use crate::scene::Data;
 use crate::setup::{MeshData, Setup, SetupError};
-use crate::vhi::Newton;
 
 /// Why a scene cannot be audited.
 #[derive(Debug, thiserror::Error)]
@@ -221,7 +220,7 @@ fn larger(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }
 
-/// Runs a case of `setup` and audits every level.
+/// Runs a case of `setup` by its scheme and audits every level.
 ///
 /// # Errors
 /// [`AuditError`].
@@ -234,8 +233,11 @@ pub fn audit_case(
     let mut auditor = Auditor::new(setup, data, steps, constants)?;
     let grid = setup.grid(steps);
     let mut observe = |view: &StepView<'_>| auditor.observe(view).map_err(CaseError::from);
-    data.march(setup, steps, &Newton::default(), &mut observe)
-        .map_err(|source| AuditError::Run { n: data.space.mesh.n, steps, source })?;
+    setup.scheme.march(setup, data, steps, &mut observe).map_err(|source| AuditError::Run {
+        n: data.space.mesh.n,
+        steps,
+        source,
+    })?;
     Ok(CaseAudit {
         n: data.space.mesh.n,
         steps,

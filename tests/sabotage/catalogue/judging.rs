@@ -1,0 +1,136 @@
+//! A judge that is wrong itself: what it reads of a table, or what it makes of an interval.
+
+use std::collections::BTreeMap;
+
+use gronwall::fit::Interval;
+use gronwall::record::CaseRecord;
+use gronwall::verdict::{Aim, Decision, Verdict, compare};
+
+use super::{Defect, Table, Term};
+
+/// Distinct steps in falling order, each with its place.
+fn ranks(values: impl Iterator<Item = f64>) -> BTreeMap<u64, usize> {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    sorted.dedup();
+    sorted.iter().enumerate().map(|(i, value)| (value.to_bits(), i)).collect()
+}
+
+/// Every ratio of steps taken for two.
+fn halving((mut records, keys): Table) -> Table {
+    let hs = ranks(records.iter().filter_map(|record| record.h));
+    let ks = ranks(records.iter().map(|record| record.k));
+    for record in &mut records {
+        record.h = record.h.map(|h| 0.5f64.powi(hs[&h.to_bits()] as i32));
+        record.k = 0.5f64.powi(ks[&record.k.to_bits()] as i32);
+    }
+    (records, keys)
+}
+
+/// Errors paired with steps in the order of their names as texts.
+fn as_texts((mut records, keys): Table) -> Table {
+    records.sort_by_key(CaseRecord::key);
+    let mut named: Vec<usize> = (0..records.len()).collect();
+    let text = |record: &CaseRecord| format!("{:?} {}", record.n, record.steps);
+    named.sort_by_key(|&i| text(&records[i]));
+    let errors: Vec<_> = named.iter().map(|&i| records[i].errors.clone()).collect();
+    for (record, errors) in records.iter_mut().zip(errors) {
+        record.errors = errors;
+    }
+    (records, keys)
+}
+
+/// What does not fit is not there: neither the records nor the plan.
+fn without_broken((records, keys): Table) -> Table {
+    let whole = |record: &CaseRecord| {
+        record.converged()
+            && record.errors.iter().all(|entry| entry.error.is_some_and(f64::is_finite))
+    };
+    let records: Vec<CaseRecord> = records.into_iter().filter(whole).collect();
+    let there = |key: &gronwall::record::Key| records.iter().any(|record| record.key() == *key);
+    let keys = keys.into_iter().filter(there).collect();
+    (records, keys)
+}
+
+/// The finest case is left out wherever it stands.
+fn without_finest((mut records, mut keys): Table) -> Table {
+    records.sort_by_key(CaseRecord::key);
+    if let Some(last) = records.pop() {
+        keys.retain(|key| *key != last.key());
+    }
+    (records, keys)
+}
+
+/// Floors are not read.
+fn without_floors((mut records, keys): Table) -> Table {
+    for entry in records.iter_mut().flat_map(|record| &mut record.errors) {
+        entry.floor = Some(0.0);
+    }
+    (records, keys)
+}
+
+fn decided(mut verdict: Verdict, interval: Option<[f64; 2]>, exact: bool) -> Verdict {
+    let Some([lo, hi]) = interval.filter(|_| verdict.complete) else { return verdict };
+    let aim = Aim { order: verdict.predicted, at_least: verdict.at_least, exact };
+    verdict.interval = interval;
+    verdict.decision = compare(Interval { lo, hi }, aim).0;
+    verdict
+}
+
+/// |order|: divergence reads as convergence.
+fn absolute(mut verdict: Verdict) -> Verdict {
+    verdict.observed = verdict.observed.map(f64::abs);
+    let interval = verdict.interval.map(|[lo, hi]| if hi < 0.0 { [-hi, -lo] } else { [lo, hi] });
+    decided(verdict, interval, false)
+}
+
+/// The fitted slope alone, as if it were certain.
+fn without_interval(verdict: Verdict) -> Verdict {
+    let interval = verdict.observed.map(|order| [order - 0.1, order + 0.1]);
+    decided(verdict, interval, false)
+}
+
+/// Orders above the prediction cut to it.
+fn never_too_high(verdict: Verdict) -> Verdict {
+    let most = verdict.predicted;
+    let interval = verdict.interval.map(|[lo, hi]| [lo.min(most), hi.min(most + 0.1)]);
+    decided(verdict, interval, false)
+}
+
+fn wider(verdict: Verdict) -> Verdict {
+    let most = verdict.predicted;
+    let near = |[lo, hi]: [f64; 2]| lo <= most + 0.5 && hi >= most - 0.5;
+    match verdict.interval.filter(|_| verdict.complete).is_some_and(near) {
+        true => Verdict { decision: Decision::Pass, ..verdict },
+        false => verdict,
+    }
+}
+
+fn lenient(verdict: Verdict) -> Verdict {
+    match verdict.decision {
+        Decision::Unresolved => Verdict { decision: Decision::Pass, ..verdict },
+        _ => verdict,
+    }
+}
+
+fn always(verdict: Verdict) -> Verdict {
+    Verdict { decision: Decision::Pass, complete: true, ..verdict }
+}
+
+pub fn defects() -> Vec<Defect> {
+    let reads = |name, before| Defect { before, ..Defect::none(Term::Judging, name) };
+    let says = |name, after| Defect { after, ..Defect::none(Term::Judging, name) };
+    vec![
+        reads("all ratios of steps taken for 2", halving),
+        reads("cases sorted as texts", as_texts),
+        reads("missing, failed and NaN cases skipped", without_broken),
+        reads("finest case left out", without_finest),
+        reads("floors ignored", without_floors),
+        says("absolute value of the order", absolute),
+        says("slope ± 0.1 in place of the interval", without_interval),
+        says("orders above the prediction cut to it", never_too_high),
+        says("tolerance 0.5", wider),
+        says("unresolved counts as pass", lenient),
+        says("always pass", always),
+    ]
+}

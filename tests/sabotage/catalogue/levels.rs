@@ -1,0 +1,169 @@
+//! A march of levels with a hand in what is committed to the history. It is an own loop around the library's levels,
+//! as an external solver would be; the separate evaluation of the KKT system is optional in it.
+
+use gronwall::contact::{
+    BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, Observer, StepView,
+    kkt_residual,
+};
+use gronwall::history::TimeGrid;
+use gronwall::law::Projection;
+use gronwall::linalg::FactorError;
+use gronwall::setup::{MeshData, SceneModel, Setup, TruthLoad};
+use gronwall::vhi::{
+    BoundaryGraph, HistoryInequality, StepInequality, StepSolver, StepState, Stepper,
+};
+
+/// What is committed for level n: from the solution, the state before the solve, and what was committed last.
+pub type Commit = fn(usize, &StepState, &StepState, &StepState) -> StepState;
+
+/// An evolution with another commit.
+struct Tampered<'a, P> {
+    inner: Evolution<'a, P>,
+    commit: Commit,
+    level: usize,
+    start: StepState,
+    last: StepState,
+}
+
+impl<P: Projection> HistoryInequality for Tampered<'_, P> {
+    type Error = CaseError;
+
+    fn grid(&self) -> &TimeGrid {
+        self.inner.grid()
+    }
+
+    fn open(&mut self) -> Result<(), CaseError> {
+        self.inner.open()
+    }
+
+    fn freeze(&mut self, eta: Option<&[f64]>) {
+        self.inner.freeze(eta);
+    }
+
+    fn commit(&mut self, solution: &StepState) {
+        let committed = (self.commit)(self.level, solution, &self.start, &self.last);
+        // ‖ε‖ is that of the last evaluated state.
+        let mut force = vec![0.0; committed.u.len()];
+        self.inner.residual(&committed.u, &mut force);
+        self.inner.commit(&committed);
+        self.last = solution.clone();
+        self.level += 1;
+    }
+
+    fn norm(&self, v: &[f64]) -> f64 {
+        self.inner.norm(v)
+    }
+}
+
+impl<P: Projection> StepInequality for Tampered<'_, P> {
+    fn dofs(&self) -> usize {
+        self.inner.dofs()
+    }
+
+    fn graph(&self) -> &BoundaryGraph {
+        self.inner.graph()
+    }
+
+    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
+        if self.start.u.is_empty() {
+            self.start.u = u.to_vec();
+        }
+        self.inner.residual(u, out);
+    }
+
+    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
+        self.inner.linearize(slopes, prescribed)
+    }
+
+    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+        self.inner.solve(rhs, forcing)
+    }
+
+    fn force_scale(&self, u: &[f64]) -> f64 {
+        self.inner.force_scale(u)
+    }
+}
+
+/// Solves all levels by `solver`.
+pub fn march<S: StepSolver>(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    observe: &mut Observer<'_>,
+    solver: &S,
+    commit: Commit,
+    checked: bool,
+) -> Result<CaseInfo, CaseError> {
+    let (space, model, grid) = (&*data.space, &setup.model, setup.grid(steps));
+    let mut load = TruthLoad(&*data.truth);
+    let inner = Evolution::new(space, model, &grid, &mut load);
+    let (start, last) = (StepState::default(), StepState::default());
+    let mut levels = Tampered { inner, commit, level: 0, start, last };
+    let mut stepper = Stepper::new(&levels, solver);
+    let mut info = CaseInfo::default();
+    let mut shown = Shown::new(space);
+    for n in 0..=grid.steps() {
+        levels.start = StepState::default();
+        info.newton_iterations += stepper.step(&mut levels)?.iterations;
+        let view = shown.level(model, space, n, grid.time(n), &levels.inner, &stepper.state);
+        let residual = kkt_residual(space, model, &view, levels.inner.load());
+        if checked && (residual.is_nan() || residual > KKT_ALLOWED) {
+            let t = grid.time(n);
+            return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
+        }
+        observe(&view)?;
+    }
+    Ok(info)
+}
+
+/// Vectors of a view.
+struct Shown {
+    u: Vec<f64>,
+    compliance: Vec<f64>,
+    multiplier: Vec<f64>,
+}
+
+impl Shown {
+    fn new(space: &Discretization) -> Self {
+        let points = space.trace.points.len();
+        let u = vec![0.0; space.nodes.len()];
+        Self { u, compliance: vec![0.0; points], multiplier: vec![0.0; points] }
+    }
+
+    fn level<'v>(
+        &'v mut self,
+        model: &SceneModel,
+        space: &Discretization,
+        n: usize,
+        t: f64,
+        levels: &'v Evolution<'_, impl Projection>,
+        state: &StepState,
+    ) -> StepView<'v> {
+        self.u[..state.u.len()].copy_from_slice(&state.u);
+        let free = space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped);
+        let coordinates = levels.graph().coordinates.iter().zip(&state.pressure);
+        for ((i, _), (at, &pressure)) in free.zip(coordinates) {
+            let Some(boundary) = &model.boundary else { break };
+            let normal = space.trace.normal(i, &self.u);
+            let (lo, hi) = boundary.potential.subdifferential(normal - at.shift);
+            let by_vertices = boundary.rule == BoundaryRule::Vertex;
+            self.compliance[i] = match by_vertices && normal < at.gap {
+                true => pressure.clamp(lo, hi),
+                false => lo,
+            };
+            self.multiplier[i] = pressure - if by_vertices { self.compliance[i] } else { 0.0 };
+        }
+        let zeta = levels.zeta();
+        StepView {
+            n,
+            t,
+            u: &self.u,
+            history: levels.history(),
+            zeta,
+            kappa: model.projection.limit().map_or(f64::INFINITY, |limit| limit.value(zeta)),
+            strain_norm: levels.problem().strain_norm(),
+            compliance: &self.compliance,
+            multiplier: &self.multiplier,
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Wrong loads: quadrature, sides, signs; and a body force of another material on the exact side.
+
+use std::sync::Arc;
+
+use gronwall::contact::{Discretization, LoadError, facet_measure, stress_force};
+use gronwall::manufactured::constitutive::{Tensor, stress};
+use gronwall::manufactured::{Exact, ExactData, MaterialNumbers};
+use gronwall::setup::Setup;
+use gronwall::space::quadrature::{Rule, edge, triangle_degree_4};
+
+use super::{Defect, LoadSeed, Site, Term};
+
+/// ε and H at points, from the compiled formulas.
+fn fields(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<(Tensor<2>, Tensor<2>)> {
+    let has_memory = !exact.memory.is_empty();
+    let mut out = vec![Vec::new(); if has_memory { 8 } else { 5 }];
+    exact.interior.bind(points).evaluate(t, 0.0, &mut out);
+    let tensor = |first: usize, p: usize| -> Tensor<2> {
+        [[out[first][p], out[first + 1][p]], [out[first + 1][p], out[first + 2][p]]]
+    };
+    let memory = |p: usize| if has_memory { tensor(5, p) } else { [[0.0; 2]; 2] };
+    (0..points.len()).map(|p| (tensor(2, p), memory(p))).collect()
+}
+
+/// σ of a strain, a memory and κ, under the numbers of a material.
+type Law = fn(&MaterialNumbers, &Tensor<2>, &Tensor<2>, f64) -> Tensor<2>;
+
+/// ∫ σ:ε(v) by a rule.
+fn volume(exact: &Exact, space: &Discretization, t: f64, rule: &Rule, law: Law) -> Vec<f64> {
+    let cells = 0..space.mesh.cell_count();
+    let points: Vec<[f64; 3]> = cells
+        .clone()
+        .flat_map(|c| rule.points.iter().map(move |b| space.mesh.point(space.mesh.cell(c), b)))
+        .collect();
+    let (fields, kappa) = (fields(exact, &points, t), exact.kappa(t));
+    let mut force = vec![0.0; space.nodes.len()];
+    for c in cells {
+        let mut sum = [0.0; 3];
+        for (q, weight) in rule.weights.iter().enumerate() {
+            let (strain, memory) = &fields[rule.weights.len() * c + q];
+            let sigma = law(&exact.data.material, strain, memory, kappa);
+            let scale = weight * space.geometry.measure[c];
+            sum[0] += scale * sigma[0][0];
+            sum[1] += scale * sigma[1][1];
+            sum[2] += scale * std::f64::consts::SQRT_2 * sigma[0][1];
+        }
+        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+        stress_force::<2, 3>(gradients, nodes, &sum, &mut force);
+    }
+    force
+}
+
+/// ∫ f2·v over a side of the unit square, with f2 = σν taken at x = `from` and put at x = `at`.
+fn traction(exact: &Exact, space: &Discretization, t: f64, from: f64, at: f64) -> Vec<f64> {
+    let (mesh, rule) = (&space.mesh, edge(4));
+    let name = if at == 0.0 { "left" } else { "right" };
+    let mut force = vec![0.0; space.nodes.len()];
+    let Some(side) = mesh.side(name) else { return force };
+    let normal = if from == 0.0 { -1.0 } else { 1.0 };
+    let facets: Vec<usize> = mesh.facets_on(&[side]).collect();
+    for f in facets {
+        let points: Vec<[f64; 3]> =
+            rule.points.iter().map(|b| [from, mesh.point(mesh.facet(f), b)[1], 0.0]).collect();
+        let kappa = exact.kappa(t);
+        for (q, (strain, memory)) in fields(exact, &points, t).iter().enumerate() {
+            let sigma = stress(&exact.data.material, strain, memory, kappa);
+            let scale = rule.weights[q] * facet_measure(mesh, f) * normal;
+            for (&vertex, shape) in mesh.facet(f).iter().zip(&rule.points[q]) {
+                let node = space.nodes.of_vertex[vertex as usize] as usize;
+                force[2 * node] += scale * shape * sigma[0][0];
+                force[2 * node + 1] += scale * shape * sigma[1][0];
+            }
+        }
+    }
+    force
+}
+
+/// The sound load plus `more` - `less`; the sound one where the fields are not those of the formulas.
+fn changed(
+    site: &Site<'_>,
+    t: f64,
+    parts: impl Fn(&Exact) -> (Vec<f64>, Vec<f64>),
+) -> Result<Vec<f64>, LoadError> {
+    let mut load = site.sound.load(t)?.to_vec();
+    if let Some(exact) = site.exact {
+        let (more, less) = parts(exact);
+        for (value, (more, less)) in load.iter_mut().zip(more.iter().zip(&less)) {
+            *value += more - less;
+        }
+    }
+    Ok(load)
+}
+
+fn centroid() -> Rule {
+    Rule { points: vec![vec![1.0 / 3.0; 3]], weights: vec![1.0] }
+}
+
+fn degree_zero(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
+    changed(site, t, |exact| {
+        let at = |rule: &Rule| volume(exact, site.space, t, rule, stress);
+        (at(&centroid()), at(&triangle_degree_4()))
+    })
+}
+
+fn memory_reversed(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
+    changed(site, t, |exact| {
+        let at = |law: Law| volume(exact, site.space, t, &triangle_degree_4(), law);
+        let reversed: Law = |material, strain, memory, kappa| {
+            stress(material, strain, &memory.map(|row| row.map(|h| -h)), kappa)
+        };
+        (at(reversed), at(stress))
+    })
+}
+
+fn without_yield(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
+    changed(site, t, |exact| {
+        let at = |law: Law| volume(exact, site.space, t, &triangle_degree_4(), law);
+        let elastic: Law =
+            |material, strain, memory, _| stress(material, strain, memory, f64::INFINITY);
+        (at(elastic), at(stress))
+    })
+}
+
+fn wrong_side(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
+    changed(site, t, |exact| {
+        let put = |at: f64| traction(exact, site.space, t, 0.0, at);
+        (put(1.0), put(0.0))
+    })
+}
+
+fn no_traction(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
+    changed(site, t, |exact| {
+        let left = traction(exact, site.space, t, 0.0, 0.0);
+        (vec![0.0; left.len()], left)
+    })
+}
+
+/// F(t - 0.001): a load that is late by a thousandth of the time unit.
+fn late(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
+    Ok(site.sound.load((t - 1e-3).max(0.0))?.to_vec())
+}
+
+fn stronger(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
+    Ok(site.sound.load(t)?.iter().map(|f| 1.001 * f).collect())
+}
+
+/// The exact side of a scene with other numbers in f0, all else as it is.
+fn other_body_force(mut setup: Setup) -> Setup {
+    let Some(sound) = &setup.exact else { return setup };
+    let rebuilt = |change: fn(&mut MaterialNumbers)| {
+        let data = &sound.data;
+        let mut material = data.material.clone();
+        change(&mut material);
+        Exact::new(ExactData {
+            graph: data.graph.clone(),
+            u: data.u.clone(),
+            material,
+            kernel: data.kernel,
+            kappa: data.kappa,
+            contact: data.contact.clone(),
+            horizon: data.horizon,
+            size: data.size,
+        })
+    };
+    let other = rebuilt(|numbers| numbers.memory = numbers.memory.map(|(l, m)| (-l, -m)));
+    let own = rebuilt(|_| ());
+    setup.exact = Some(Arc::new(Exact { forces: other.forces, ..own }));
+    setup
+}
+
+pub fn defects() -> Vec<Defect> {
+    let of = |name, load: LoadSeed| Defect { load: Some(load), ..Defect::none(Term::Load, name) };
+    vec![
+        of("load quadrature of degree 0", degree_zero),
+        of("memory part of the load with the other sign", memory_reversed),
+        of("load without its projection part", without_yield),
+        of("f2 of the left side put on the right", wrong_side),
+        of("no f2 on the left side", no_traction),
+        of("load late by 0.001", late),
+        of("load 0.1 % too strong", stronger),
+        Defect::of(Term::Load, "memory part of f0 with the other sign", other_body_force),
+    ]
+}

@@ -1,0 +1,153 @@
+//! Source: a gate that has never failed is not a gate.
+//! Goal: every seeded defect of the catalogue against every gate; the sound program passes all of them, every gate
+//!   catches something, and which gate catches what is as docs/SABOTAGE.md says.
+//! Mesh, data: tests/sabotage/suite.rs and witness.rs.
+//!
+//! `make sabotage` runs the whole catalogue and writes docs/SABOTAGE.md; `make sabotage-check`, a part of `make ci`,
+//! compares. Six defects run with the plain tests.
+
+mod catalogue;
+mod document;
+mod fixtures;
+mod matrix;
+mod reasons;
+#[path = "../shipped/mod.rs"]
+mod shipped;
+mod suite;
+mod tables;
+mod witness;
+
+use catalogue::Defect;
+use gronwall::norms::step_errors;
+use matrix::{Effect, Gate, Line, Reference};
+use rayon::prelude::*;
+
+/// Asks for the document to be written.
+const WRITE: &str = "SABOTAGE_WRITE";
+
+fn defect(name: &str) -> Defect {
+    let found = catalogue::all().into_iter().find(|defect| defect.name == name);
+    found.unwrap_or_else(|| panic!("no defect {name}"))
+}
+
+fn report(line: &Line) -> String {
+    let said: Vec<String> =
+        line.caught.iter().map(|(gate, what)| format!("{}: {what}", gate.name())).collect();
+    format!("{}\n    {}", line.defect.name, said.join("\n    "))
+}
+
+#[test]
+#[ignore = "the whole catalogue takes minutes: make sabotage"]
+fn every_defect_against_every_gate() {
+    let start = std::time::Instant::now();
+    let reference = Reference::new(suite::trials());
+    let sound = reference.line(&Defect::SOUND);
+    assert!(!sound.is_caught(), "the sound program is objected to: {}", report(&sound));
+    assert_eq!(sound.effect, Effect::Nothing, "{:?} {:?}", sound.shift, sound.ratio);
+    // Panics of defective programs are failed cases; their messages would drown the matrix.
+    let hook = std::panic::take_hook();
+    std::panic::set_hook(Box::new(|_| ()));
+    let defects = catalogue::all();
+    let lines: Vec<Line> = defects.par_iter().map(|defect| reference.line(defect)).collect();
+    std::panic::set_hook(hook);
+    for line in &lines {
+        println!("{}", report(line));
+    }
+    let text = document::render(&lines);
+    println!("{text}\n{} defects in {:.0?}", lines.len(), start.elapsed());
+    if std::env::var_os(WRITE).is_some() {
+        std::fs::write(document::path(), &text).expect("docs/SABOTAGE.md");
+    }
+    for gate in Gate::ALL {
+        assert!(lines.iter().any(|line| line.by(gate)), "{} has never failed", gate.name());
+    }
+    let scores = document::Scores::of(&lines);
+    let [theory, all] = scores.shares();
+    assert_eq!(scores.orders[0], scores.orders[1], "a moved order is not caught");
+    assert!(theory >= 0.85 && all >= 0.95, "{theory:.3} {all:.3}");
+    for line in lines.iter().filter(|line| !line.by_theory()) {
+        // A survivor without a reason is a missing gate.
+        assert!(reasons::reason(line.defect.name).is_some(), "{}: why?", line.defect.name);
+    }
+    let committed = std::fs::read_to_string(document::path()).expect("docs/SABOTAGE.md");
+    let (now, before) = (document::marks(&text), document::marks(&committed));
+    for (name, gates) in &now {
+        assert_eq!(Some(gates), before.get(name), "{name}: docs/SABOTAGE.md, see make sabotage");
+    }
+    assert_eq!(now.len(), before.len(), "docs/SABOTAGE.md has other rows: make sabotage");
+}
+
+/// Rows of the document and the catalogue are the same, and names are unique.
+#[test]
+fn the_document_has_a_row_for_every_defect() {
+    let committed = std::fs::read_to_string(document::path()).expect("docs/SABOTAGE.md");
+    let rows: Vec<String> = document::marks(&committed).into_keys().collect();
+    let mut names: Vec<String> =
+        catalogue::all().iter().map(|defect| defect.name.to_owned()).collect();
+    names.sort();
+    assert_eq!(names, rows);
+    assert!(names.windows(2).all(|pair| pair[0] != pair[1]));
+    assert!(names.len() >= 40);
+}
+
+/// Six defects, one a kind, on two cheap scenes.
+#[test]
+fn six_defects_are_caught() {
+    let reference = Reference::new(suite::some(&["affine", "steady"]));
+    let sound = reference.line(&Defect::SOUND);
+    assert!(!sound.is_caught(), "{}", report(&sound));
+    for (name, gate) in [
+        ("last weight k, not k/2", Gate::Orders),
+        ("last weight k, not k/2", Gate::Bound),
+        ("solution through f32", Gate::Kkt),
+        ("recursion with rates 2 % off", Gate::History),
+        ("memory part of f0 with the other sign", Gate::Check),
+        ("rising branch 5 % too steep", Gate::Audit),
+        ("all ratios of steps taken for 2", Gate::Tables),
+    ] {
+        let line = reference.line(&defect(name));
+        assert!(line.by(gate), "{} by {}", report(&line), gate.name());
+    }
+}
+
+/// The seams are sound where nothing wrong is passed in: a loop of its own, and a load driven by the scheme.
+#[test]
+fn the_seams_are_sound() {
+    let setup = shipped::setup("affine-locked");
+    let data = shipped::on_mesh(&setup, 4);
+    let errors = |march: &dyn Fn(&mut gronwall::contact::Observer<'_>)| {
+        let mut found = Vec::new();
+        march(&mut |view| {
+            let moments = data.truth.moments(view.t)?;
+            found.push(step_errors(&data.space, &setup.model, view, &moments));
+            Ok(())
+        });
+        found
+    };
+    let sound = errors(&|see| {
+        setup.scheme.march(&setup, &data, 8, see).expect("a run");
+    });
+    let own = errors(&|see| {
+        catalogue::own_loop(&setup, &data, 8, see).expect("a run");
+    });
+    assert_eq!(sound, own);
+}
+
+/// A defect of the load gives the same whether the truth or the scheme carries it; all others of the solver leave a
+/// setup that still marches or says why not.
+#[test]
+fn defects_of_the_solver_apply_to_any_setup() {
+    let mut count = 0;
+    for defect in catalogue::all().iter().filter(|defect| defect.is_of_solver()) {
+        let setup = defect.apply(shipped::setup("compliance"));
+        let data = shipped::on_mesh(&setup, 4);
+        let mut levels = 0;
+        let run = setup.scheme.march(&setup, &data, 4, &mut |_| {
+            levels += 1;
+            Ok(())
+        });
+        assert!(run.is_err() || levels == 5, "{}: {levels}", defect.name);
+        count += 1;
+    }
+    assert!(count >= 40, "{count}");
+}

@@ -1,0 +1,347 @@
+//! Every defect against every gate.
+
+use gronwall::record::{CaseRecord, Status};
+use gronwall::verdict::{Decision, Verdict};
+
+use crate::catalogue::{Defect, Term};
+use crate::suite::{Outcome, Trial};
+use crate::tables::misjudged;
+use crate::witness::{Testimony, Witnesses};
+
+/// What may object to a program.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Gate {
+    Orders,
+    Constants,
+    Complete,
+    Kkt,
+    Audit,
+    History,
+    Gronwall,
+    Bound,
+    Check,
+    Tables,
+    Fixtures,
+    Baseline,
+}
+
+impl Gate {
+    pub const ALL: [Self; 12] = [
+        Self::Orders,
+        Self::Constants,
+        Self::Complete,
+        Self::Kkt,
+        Self::Audit,
+        Self::History,
+        Self::Gronwall,
+        Self::Bound,
+        Self::Check,
+        Self::Tables,
+        Self::Fixtures,
+        Self::Baseline,
+    ];
+
+    /// Its name in the table.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Orders => "orders",
+            Self::Constants => "constants",
+            Self::Complete => "complete",
+            Self::Kkt => "KKT",
+            Self::Audit => "audit",
+            Self::History => "history",
+            Self::Gronwall => "Gronwall",
+            Self::Bound => "bound",
+            Self::Check => "check",
+            Self::Tables => "tables",
+            Self::Fixtures => "fixtures",
+            Self::Baseline => "baseline",
+        }
+    }
+
+    /// Whether it needs no number from an earlier run or another program.
+    pub fn is_of_theory(self) -> bool {
+        !matches!(self, Self::Fixtures | Self::Baseline)
+    }
+}
+
+/// What a defect does to the numbers, as the suite measures it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Effect {
+    /// A fitted order moves by more than [`MOVED`].
+    Order,
+    /// Errors change, orders do not.
+    Constant,
+    /// Errors are the same, the work is not.
+    Cost,
+    /// There is no result: cases are missing or refused.
+    NoResult,
+    /// Records are the same; what is made of them is not.
+    Judgement,
+    /// Nothing in the suite changes.
+    Nothing,
+}
+
+impl Effect {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Order => "order",
+            Self::Constant => "constant",
+            Self::Cost => "cost",
+            Self::NoResult => "no result",
+            Self::Judgement => "judgement",
+            Self::Nothing => "nothing",
+        }
+    }
+}
+
+/// Orders closer than this are not told apart by a gate whose intervals are up to 0.15 wide on either side.
+pub const MOVED: f64 = 0.1;
+/// Errors closer than this are the same: four digits above what rounding leaves of the errors of the suite.
+const SAME: f64 = 1e-6;
+
+/// One defect through all gates.
+pub struct Line {
+    pub defect: Defect,
+    /// The gates that object, with what they say.
+    pub caught: Vec<(Gate, String)>,
+    pub effect: Effect,
+    /// The largest shift of a fitted order, and the scene.
+    pub shift: Option<(f64, String)>,
+    /// The ratio of constants farthest from one, and the scene.
+    pub ratio: Option<(f64, String)>,
+}
+
+impl Line {
+    pub fn by(&self, gate: Gate) -> bool {
+        self.caught.iter().any(|(own, _)| *own == gate)
+    }
+
+    /// Caught without any number of an earlier run or another program.
+    pub fn by_theory(&self) -> bool {
+        self.caught.iter().any(|(gate, _)| gate.is_of_theory())
+    }
+
+    pub fn is_caught(&self) -> bool {
+        !self.caught.is_empty()
+    }
+}
+
+/// The sound program on the suite.
+pub struct Reference {
+    pub trials: Vec<Trial>,
+    pub outcomes: Vec<Outcome>,
+    pub witnesses: Witnesses,
+}
+
+impl Reference {
+    pub fn new(trials: Vec<Trial>) -> Self {
+        let outcomes = trials.iter().map(|trial| trial.run(&Defect::SOUND)).collect();
+        Self { trials, outcomes, witnesses: Witnesses::new() }
+    }
+
+    /// Runs a defect through all gates.
+    pub fn line(&self, defect: &Defect) -> Line {
+        let mut line = Line {
+            defect: *defect,
+            caught: Vec::new(),
+            effect: Effect::Nothing,
+            shift: None,
+            ratio: None,
+        };
+        let mut found = Found::default();
+        for (trial, sound) in self.trials.iter().zip(&self.outcomes) {
+            let outcome = match defect.term {
+                // The solver is sound: only what is made of its records differs.
+                Term::Judging | Term::Record => {
+                    trial.judge(defect, (defect.records)(sound.records.clone()))
+                }
+                _ => trial.run(defect),
+            };
+            found.add(&trial.scene.name, &outcome, sound);
+            compare(&mut line, &outcome, sound);
+        }
+        found.gates(&mut line);
+        line.effect = found.effect(&line);
+        if defect.term != Term::Judging && defect.term != Term::Record {
+            hear(&mut line, self.witnesses.hear(defect));
+        }
+        line.caught.extend(misjudged(defect).map(|what| (Gate::Tables, what)));
+        line.caught.sort();
+        line
+    }
+}
+
+fn hear(line: &mut Line, said: Testimony) {
+    let Testimony { audit, history, gronwall, bound, check, fixtures } = said;
+    for (gate, what) in [
+        (Gate::Audit, audit),
+        (Gate::History, history),
+        (Gate::Gronwall, gronwall),
+        (Gate::Bound, bound),
+        (Gate::Check, check),
+        (Gate::Fixtures, fixtures),
+    ] {
+        line.caught.extend(what.map(|what| (gate, what)));
+    }
+}
+
+/// What the sweep's own gates object to, the first of each.
+#[derive(Default)]
+struct Found {
+    orders: Option<String>,
+    constants: Option<String>,
+    complete: Option<String>,
+    kkt: Option<String>,
+    baseline: Option<String>,
+    errors_differ: bool,
+    work_differs: bool,
+    verdicts_differ: bool,
+}
+
+impl Found {
+    fn add(&mut self, scene: &str, outcome: &Outcome, sound: &Outcome) {
+        let note = |slot: &mut Option<String>, what: String| {
+            slot.get_or_insert_with(|| format!("{what} on {scene}"));
+        };
+        for verdict in &outcome.verdicts {
+            if !verdict.complete {
+                note(&mut self.complete, verdict.reason.chars().take(80).collect());
+            } else if !verdict.as_expected() && !narrowly(verdict) {
+                let order = verdict
+                    .interval
+                    .map_or(String::new(), |[lo, hi]| format!(" [{lo:.2}, {hi:.2}]"));
+                note(&mut self.orders, format!("{}{order}", verdict.decision.name()));
+            }
+            if let Some(what) = constant_refuted(verdict) {
+                note(&mut self.constants, what);
+            }
+        }
+        for record in &outcome.records {
+            if let Status::Failed { reason } = &record.status
+                && reason.contains("KKT residual")
+            {
+                note(&mut self.kkt, reason.clone());
+            }
+        }
+        if let Some(what) = off_baseline(&outcome.records, &sound.records) {
+            note(&mut self.baseline, what);
+        }
+        self.errors_differ |= differ(&outcome.records, &sound.records, |a, b| !same_errors(a, b));
+        self.work_differs |= differ(&outcome.records, &sound.records, |a, b| {
+            (a.newton_iterations, a.factorizations) != (b.newton_iterations, b.factorizations)
+        });
+        self.verdicts_differ |= outcome
+            .verdicts
+            .iter()
+            .zip(&sound.verdicts)
+            .any(|(a, b)| (a.decision, a.interval) != (b.decision, b.interval));
+    }
+
+    fn gates(self: &Self, line: &mut Line) {
+        for (gate, what) in [
+            (Gate::Orders, &self.orders),
+            (Gate::Constants, &self.constants),
+            (Gate::Complete, &self.complete),
+            (Gate::Kkt, &self.kkt),
+            (Gate::Baseline, &self.baseline),
+        ] {
+            line.caught.extend(what.clone().map(|what| (gate, what)));
+        }
+    }
+
+    fn effect(&self, line: &Line) -> Effect {
+        let moved = line.shift.as_ref().is_some_and(|(shift, _)| shift.abs() > MOVED);
+        if line.defect.term == Term::Judging {
+            Effect::Judgement
+        } else if moved {
+            Effect::Order
+        } else if self.complete.is_some() {
+            Effect::NoResult
+        } else if self.errors_differ
+            || line.ratio.as_ref().is_some_and(|(r, _)| r.ln().abs() > SAME)
+        {
+            Effect::Constant
+        } else if self.work_differs {
+            Effect::Cost
+        } else if self.verdicts_differ {
+            Effect::Constant
+        } else {
+            Effect::Nothing
+        }
+    }
+}
+
+/// An interval narrower than the bias of its fit misses the prediction by less than this: no gate may rest on it.
+const NARROW: f64 = 0.005;
+
+/// Whether a verdict is open by such a miss alone.
+fn narrowly(verdict: &Verdict) -> bool {
+    let near = |[lo, hi]: [f64; 2]| {
+        lo <= verdict.predicted + NARROW && hi >= verdict.predicted - NARROW && hi - lo <= 0.3
+    };
+    verdict.decision == Decision::Unresolved && verdict.interval.is_some_and(near)
+}
+
+/// The sentence of a verdict on its constant, if that is refuted.
+fn constant_refuted(_: &Verdict) -> Option<String> {
+    None
+}
+
+fn differ(
+    own: &[CaseRecord],
+    sound: &[CaseRecord],
+    differs: impl Fn(&CaseRecord, &CaseRecord) -> bool,
+) -> bool {
+    own.len() != sound.len() || own.iter().zip(sound).any(|(a, b)| differs(a, b))
+}
+
+fn same_errors(own: &CaseRecord, sound: &CaseRecord) -> bool {
+    first_difference(own, sound).is_none()
+}
+
+/// The first norm whose error is another one, beyond [`SAME`] and 20 floors of the sound run.
+fn first_difference(own: &CaseRecord, sound: &CaseRecord) -> Option<String> {
+    sound.errors.iter().find_map(|entry| {
+        let (before, now) = (entry.error?, own.norm(&entry.norm).and_then(|own| own.error));
+        let allowed = (SAME * before).max(20.0 * entry.floor.unwrap_or(0.0));
+        let same = now.is_some_and(|now| (now - before).abs() <= allowed);
+        (!same).then(|| format!("{} at {}: {now:?}, was {before:.3e}", entry.norm, own.key()))
+    })
+}
+
+/// What a baseline of the sound records objects to.
+fn off_baseline(own: &[CaseRecord], sound: &[CaseRecord]) -> Option<String> {
+    sound.iter().find_map(|before| match own.iter().find(|now| now.key() == before.key()) {
+        None => Some(format!("{} is missing", before.key())),
+        Some(now) => first_difference(now, before).or_else(|| work_difference(now, before)),
+    })
+}
+
+/// Work a tenth above the recorded one.
+fn work_difference(own: &CaseRecord, sound: &CaseRecord) -> Option<String> {
+    let more = |now: u64, before: u64| 10 * now > 11 * before + 10;
+    more(own.newton_iterations, sound.newton_iterations).then(|| {
+        format!("{} Newton iterations, were {}", own.newton_iterations, sound.newton_iterations)
+    })
+}
+
+/// Takes the largest shift and ratio over the verdicts of a trial.
+fn compare(line: &mut Line, outcome: &Outcome, sound: &Outcome) {
+    for (own, sound) in outcome.verdicts.iter().zip(&sound.verdicts) {
+        if let (Some(now), Some(before)) = (own.observed, sound.observed) {
+            let shift = now - before;
+            if line.shift.as_ref().is_none_or(|(known, _)| shift.abs() > known.abs()) {
+                line.shift = Some((shift, own.scene.clone()));
+            }
+        }
+        for (name, constant) in &own.constants {
+            let Some(before) = sound.constants.get(name) else { continue };
+            let ratio = constant.value / before.value;
+            let far = |ratio: f64| ratio.ln().abs();
+            if line.ratio.as_ref().is_none_or(|(known, _)| far(ratio) > far(*known)) {
+                line.ratio = Some((ratio, own.scene.clone()));
+            }
+        }
+    }
+}

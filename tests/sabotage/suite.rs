@@ -1,0 +1,267 @@
+//! The scenes on which defects are judged: small grids, so chosen that every term acts in one of them and the sound
+//! program passes all. Spaces, loads and moments of the truth are computed once and shared by all defects.
+
+use std::collections::HashMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex};
+
+use gronwall::contact::{Discretization, LoadError};
+use gronwall::manufactured::{Exact, Truth};
+use gronwall::norms::Moments;
+use gronwall::record::{CaseRecord, Key, NormError, Status};
+use gronwall::scene::{Scene, Source};
+use gronwall::setup::{AbstractSetup, MeshData, NewtonMarch, Setup, Subject};
+use gronwall::sweep::{
+    CasePlan, Overrides, ScenePlan, judge_scene, run_abstract_case, run_contact_case,
+};
+use gronwall::verdict::Verdict;
+
+use crate::catalogue::{Defect, LoadSeed, MomentSeed, site};
+use crate::shipped::{edited, text};
+
+/// A scene with its grids and all that its runs share.
+pub struct Trial {
+    pub scene: Scene,
+    pub cases: Vec<CasePlan>,
+    pub keys: Vec<Key>,
+    body: Body,
+}
+
+enum Body {
+    Contact { sound: Box<Setup>, meshes: Vec<(u32, Arc<Discretization>, Arc<dyn Truth>)> },
+    Abstract,
+}
+
+/// What a defective program made of a trial.
+pub struct Outcome {
+    pub records: Vec<CaseRecord>,
+    pub verdicts: Vec<Verdict>,
+}
+
+/// Name, edits (from, to), n, steps.
+type Row = (&'static str, &'static [(&'static str, &'static str)], &'static [u32], &'static [u32]);
+
+/// λ and μ_L differ, in 𝒜 and in ℬ: no shipped scene tells them apart.
+const UNEVEN: &[(&str, &str)] = &[
+    ("name = \"affine\"", "name = \"affine-uneven\""),
+    ("lambda = 1.0\nmu_L = 1.0", "lambda = 1.7\nmu_L = 0.9"),
+    ("lambda = 0.25\nmu = 0.25", "lambda = 0.35\nmu = 0.15"),
+];
+/// Beyond the last point of the law, and the law at u_ν - s: no shipped scene goes there or tells s apart so well.
+const BEYOND: &[(&str, &str)] = &[
+    ("name = \"affine\"", "name = \"affine-beyond\""),
+    ("gap = \"0.10\"", "gap = \"0.20\"\nshift = \"0.01\""),
+    ("a = \"0.08*t*(2 - t)\"", "a = \"0.15*t*(2 - t)\""),
+];
+/// f0 and tractions in place of the weak form.
+const STRONG: &[(&str, &str)] = &[
+    ("name = \"viscoelastic\"", "name = \"viscoelastic-strong\""),
+    ("[exact]", "[exact]\nform = \"strong\""),
+];
+/// Space alone: the error in time of this scene needs a fine mesh.
+const SPACE: &[(&str, &str)] = &[(
+    "[[predicts]]\nnorm = \"V_time_max\"\nvariable = \"k\"\norder = 2.0\nwindow_n = [32, 32]                      # one mesh: each case there needs a run with 8 N steps beside it\nwhy = \"Theorem 7, (3.17), on the space V^h of a fixed mesh\"\n",
+    "",
+)];
+/// The error in time beside that in space, on the coarsest mesh, where a finer run costs nothing.
+const IN_TIME: &[(&str, &str)] = &[(
+    "why = \"(5.26)\"",
+    "why = \"(5.26)\"\n[[predicts]]\nnorm = \"V_time_max\"\nvariable = \"k\"\norder = 2.0\nwindow_n = [4, 4]\nwhy = \"Theorem 7, (3.17)\"",
+)];
+/// A prediction that is known to be wrong: the verdict must be fail.
+const REFUTED: &[(&str, &str)] = &[
+    ("name = \"broken-kernel\"", "name = \"broken-kernel-refuted\"\nexpect = \"fail\""),
+    ("order = 1.5", "order = 2.0"),
+];
+
+const ROWS: [Row; 17] = [
+    ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
+    ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
+    ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
+    ("affine-locked", &[], &[2], &[4, 8, 16, 32, 64]),
+    ("affine-graded", &[], &[2], &[16, 32, 64, 128]),
+    ("in-space", &[], &[8], &[8, 16, 32, 64]),
+    ("long-growing", &[], &[2], &[8, 16, 32, 64]),
+    ("steady", &[], &[8, 16, 32], &[1]),
+    ("viscoelastic", IN_TIME, &[4, 8, 16, 32], &[8, 16, 32, 64]),
+    ("compliance", &[], &[8, 16, 32], &[8]),
+    ("viscoelastic", STRONG, &[4, 8, 16, 32], &[8]),
+    ("signorini", &[], &[8, 16, 32], &[8]),
+    ("pure-mild", SPACE, &[8, 16, 32], &[8]),
+    ("pure-concave-gap", &[], &[8, 16, 32], &[4]),
+    ("abstract-smooth", &[], &[], &[16, 32, 64, 128]),
+    ("abstract-contact", &[], &[], &[16, 32, 64, 128]),
+    ("broken-kernel", REFUTED, &[], &[64, 128, 256, 512]),
+];
+
+/// All trials.
+pub fn trials() -> Vec<Trial> {
+    ROWS.iter().map(Trial::new).collect()
+}
+
+/// The trials of these scenes alone.
+pub fn some(names: &[&str]) -> Vec<Trial> {
+    ROWS.iter().filter(|row| names.contains(&row.0)).map(Trial::new).collect()
+}
+
+impl Trial {
+    fn new((name, edits, ns, steps): &Row) -> Self {
+        let text = edits.iter().fold(text(name), |text, (from, to)| edited(&text, from, to));
+        let scene = Scene::from_source(Source::from_text("edited.toml", text));
+        let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
+        let subject = Subject::new(scene.clone()).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let overrides = Overrides { n: Some(ns.to_vec()), steps: Some(steps.to_vec()) };
+        let plan = ScenePlan::new(subject, &overrides);
+        let (keys, mut cases) = (plan.keys(), plan.cases);
+        if ns.len() > 1 {
+            // Space at one number of steps, time on one mesh.
+            cases.retain(|case| case.n == Some(ns[0]) || case.steps == steps[0]);
+        }
+        let keys = keys
+            .into_iter()
+            .filter(|key| cases.iter().any(|case| (case.n, case.steps) == (key.n, key.steps)))
+            .collect();
+        let body = match plan.subject {
+            Subject::Contact(sound) => {
+                let meshes = ns.iter().map(|&n| {
+                    let data = MeshData::new(&sound, n, None).unwrap_or_else(|e| panic!("{e}"));
+                    (n, data.space, Arc::from(data.truth))
+                });
+                let meshes = meshes.collect();
+                Body::Contact { sound, meshes }
+            }
+            Subject::Abstract(_) => Body::Abstract,
+        };
+        Self { scene, cases, keys, body }
+    }
+
+    /// Runs and judges the trial with a defect.
+    pub fn run(&self, defect: &Defect) -> Outcome {
+        let run = AssertUnwindSafe(|| match &self.body {
+            Body::Contact { sound, meshes } => {
+                let program = (defect.measured)((defect.program)(fresh(sound)));
+                let mut records = Vec::new();
+                for (n, space, truth) in meshes {
+                    let data = data(defect, &program, sound, space, truth);
+                    let own = self.cases.iter().filter(|case| case.n == Some(*n));
+                    records.extend(own.map(|case| run_contact_case(&program, &data, case)));
+                }
+                records
+            }
+            Body::Abstract => {
+                let sound = AbstractSetup::new(self.scene.clone());
+                let setup = (defect.abstract_program)(sound.unwrap_or_else(|e| panic!("{e}")));
+                self.cases.iter().map(|case| run_abstract_case(&setup, case)).collect()
+            }
+        });
+        // As a sweep does: a panic is a failed case.
+        let records = catch_unwind(run).unwrap_or_else(|_| self.failed());
+        self.judge(defect, (defect.records)(records))
+    }
+
+    /// The verdicts on these records by the judge of a defect.
+    pub fn judge(&self, defect: &Defect, mut records: Vec<CaseRecord>) -> Outcome {
+        records.sort_by_key(CaseRecord::key);
+        let (read, keys) = (defect.before)((records.clone(), self.keys.clone()));
+        let verdicts = judge_scene(&self.scene, &read, &keys);
+        Outcome { records, verdicts: verdicts.into_iter().map(defect.after).collect() }
+    }
+
+    fn failed(&self) -> Vec<CaseRecord> {
+        let failed = |case: &CasePlan| CaseRecord {
+            scene: self.scene.name.clone(),
+            dimension: 2,
+            n: case.n,
+            steps: case.steps,
+            h: case.n.map(|n| 1.0 / f64::from(n)),
+            k: self.scene.time.horizon / f64::from(case.steps),
+            dofs: 0,
+            elements: 0,
+            status: Status::Failed { reason: "internal error".into() },
+            newton_iterations: 0,
+            active_set_changes: 0,
+            factorizations: 0,
+            seconds_load: 0.0,
+            seconds_assemble: 0.0,
+            seconds_factor: 0.0,
+            seconds_solve: 0.0,
+            seconds_total: 0.0,
+            peak_history_bytes: 0,
+            errors: case
+                .norms
+                .iter()
+                .map(|norm| NormError { norm: norm.name().into(), error: None, floor: None })
+                .collect(),
+        };
+        self.cases.iter().map(failed).collect()
+    }
+}
+
+/// A setup with the sound model and scheme and the exact side of `sound`.
+pub fn fresh(sound: &Setup) -> Setup {
+    Setup {
+        scene: sound.scene.clone(),
+        body: sound.body.clone(),
+        model: sound.scene_model(),
+        exact: sound.exact.clone(),
+        scheme: Arc::new(NewtonMarch),
+    }
+}
+
+/// Whether a defect replaced the exact side.
+pub fn other_exact<'a>(program: &'a Setup, sound: &Setup) -> Option<&'a Arc<Exact>> {
+    let own = program.exact.as_ref()?;
+    sound.exact.as_ref().is_none_or(|sound| !Arc::ptr_eq(own, sound)).then_some(own)
+}
+
+/// The mesh data that a defective program works with; what is sound is shared.
+pub fn data(
+    defect: &Defect,
+    program: &Setup,
+    sound: &Setup,
+    space: &Arc<Discretization>,
+    truth: &Arc<dyn Truth>,
+) -> MeshData {
+    if other_exact(program, sound).is_some() {
+        return MeshData::new(program, space.mesh.n, None).unwrap_or_else(|e| panic!("{e}"));
+    }
+    let seeded = Seeded {
+        setup: fresh(sound),
+        space: space.clone(),
+        sound: truth.clone(),
+        load: defect.load,
+        moments: defect.moments,
+        loads: Mutex::default(),
+    };
+    MeshData::with_truth(space.clone(), Box::new(seeded))
+}
+
+/// The shared truth with what a defect puts in its place.
+struct Seeded {
+    setup: Setup,
+    space: Arc<Discretization>,
+    sound: Arc<dyn Truth>,
+    load: Option<LoadSeed>,
+    moments: Option<MomentSeed>,
+    loads: Mutex<HashMap<u64, Arc<Vec<f64>>>>,
+}
+
+impl Truth for Seeded {
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+        let Some(load) = self.load else { return self.sound.load(t) };
+        let mut loads = self.loads.lock().expect("loads");
+        if let Some(known) = loads.get(&t.to_bits()) {
+            return Ok(known.clone());
+        }
+        let value = Arc::new(load(&site(&self.setup, &self.space, &*self.sound), t)?);
+        loads.insert(t.to_bits(), value.clone());
+        Ok(value)
+    }
+
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+        match self.moments {
+            None => self.sound.moments(t),
+            Some(seed) => seed(&site(&self.setup, &self.space, &*self.sound), t).map(Arc::new),
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Tables whose verdict is known beforehand, for defects of the judge: exact powers at several ratios, bends, plateaus,
+//! gaps. Errors are formulas; nothing is recorded.
+
+use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
+use gronwall::verdict::{Decision, Expect, Prediction, Variable, Verdict, judge};
+
+use crate::catalogue::Defect;
+
+/// A table: steps, errors by the step, and what a judge may say of it.
+struct Table {
+    name: &'static str,
+    /// n and h.
+    steps: Vec<(u32, f64)>,
+    error: fn(usize, f64) -> f64,
+    order: f64,
+    exact: bool,
+    allowed: &'static [Decision],
+    /// What becomes of the records.
+    spoil: fn(&mut Vec<CaseRecord>),
+}
+
+const FLOOR: f64 = 1e-9;
+const NOT_PASSED: &[Decision] = &[Decision::Fail, Decision::Unresolved];
+const PASSED: &[Decision] = &[Decision::Pass];
+const FAILED: &[Decision] = &[Decision::Fail];
+const OPEN: &[Decision] = &[Decision::Unresolved];
+
+fn ratio(count: u32, ratio: f64) -> Vec<(u32, f64)> {
+    (0..count).map(|i| (8 << i, 0.125 * ratio.powi(-(i as i32)))).collect()
+}
+
+/// Deterministic scatter in [-1, 1].
+fn scatter(i: usize) -> f64 {
+    [0.9, -0.7, 0.6, -1.0, 0.8, -0.5][i % 6]
+}
+
+fn tables() -> Vec<Table> {
+    let table = |name, steps, error, order, allowed| Table {
+        name,
+        steps,
+        error,
+        order,
+        exact: false,
+        allowed,
+        spoil: |_| (),
+    };
+    vec![
+        table("3 h, ratio 2", ratio(5, 2.0), |_, h| 3.0 * h, 1.0, PASSED),
+        table("h, ratio 1.5", ratio(5, 1.5), |_, h| h, 1.0, PASSED),
+        table("h^2, ratio 1.3", ratio(6, 1.3), |_, h| h * h, 2.0, PASSED),
+        table("h^2 where 1 is predicted", ratio(5, 2.0), |_, h| h * h, 1.0, OPEN),
+        Table {
+            exact: true,
+            ..table("h^2 where 1 is exact", ratio(5, 2.0), |_, h| h * h, 1.0, FAILED)
+        },
+        table("h^0.6 where 1 is predicted", ratio(5, 2.0), |_, h| h.powf(0.6), 1.0, FAILED),
+        table("1/h: divergence", ratio(5, 2.0), |_, h| 1.0 / h, 1.0, FAILED),
+        table("h + 0.05: plateau", ratio(5, 2.0), |_, h| h + 0.05, 1.0, NOT_PASSED),
+        table(
+            "h, and no progress on the finest mesh",
+            ratio(5, 2.0),
+            |i, h| if i == 4 { 2.0 * h } else { h },
+            1.0,
+            NOT_PASSED,
+        ),
+        table("h with 20 % scatter", ratio(5, 2.0), |i, h| h * (1.0 + 0.2 * scatter(i)), 1.0, OPEN),
+        table("h, two points", ratio(2, 2.0), |_, h| h, 1.0, OPEN),
+        table("h^2 above a floor", ratio(6, 8.0), |_, h| (h * h).max(FLOOR), 2.0, PASSED),
+        Table {
+            spoil: |records| records[2].errors[0].error = Some(f64::NAN),
+            ..table("h with a NaN", ratio(5, 2.0), |_, h| h, 1.0, FAILED)
+        },
+        Table {
+            spoil: |records| drop(records.remove(1)),
+            ..table("h with a case missing", ratio(5, 2.0), |_, h| h, 1.0, FAILED)
+        },
+        Table {
+            spoil: |records| {
+                records[3].status = Status::Failed { reason: "gave up".into() };
+                records[3].errors[0].error = None;
+            },
+            ..table("h with a failed case", ratio(5, 2.0), |_, h| h, 1.0, FAILED)
+        },
+        Table {
+            spoil: |records| records[1].errors[0].error = Some(0.0),
+            ..table("h with a zero error", ratio(5, 2.0), |_, h| h, 1.0, NOT_OF_ORDER)
+        },
+    ]
+}
+
+/// A zero error is below any floor: the other four points pass, or the judge refuses the table.
+const NOT_OF_ORDER: &[Decision] = &[Decision::Pass, Decision::Fail];
+
+impl Table {
+    fn records(&self) -> Vec<CaseRecord> {
+        let record = |(i, &(n, h)): (usize, &(u32, f64))| CaseRecord {
+            scene: "table".into(),
+            dimension: 2,
+            n: Some(n),
+            steps: 1,
+            h: Some(h),
+            k: 1.0,
+            dofs: 1,
+            elements: 1,
+            status: Status::Converged,
+            newton_iterations: 1,
+            active_set_changes: 0,
+            factorizations: 1,
+            seconds_load: 0.0,
+            seconds_assemble: 0.0,
+            seconds_factor: 0.0,
+            seconds_solve: 0.0,
+            seconds_total: 0.0,
+            peak_history_bytes: 0,
+            errors: vec![NormError {
+                norm: V_MAX.into(),
+                error: Some((self.error)(i, h)),
+                floor: Some(FLOOR),
+            }],
+        };
+        self.steps.iter().enumerate().map(record).collect()
+    }
+
+    fn judged(&self, defect: &Defect) -> Verdict {
+        let mut records = self.records();
+        let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
+        (self.spoil)(&mut records);
+        let (records, keys) = (defect.before)((records, keys));
+        let prediction = Prediction {
+            norm: V_MAX.into(),
+            variable: Variable::H,
+            order: self.order,
+            order_k: None,
+            at_least: false,
+            exact: self.exact,
+            why: "the formula of the table".into(),
+            window_n: None,
+            window_steps: None,
+        };
+        (defect.after)(judge("table", &records, &keys, &prediction, Expect::Pass))
+    }
+}
+
+/// The first table that the judge of a defect gets wrong.
+pub fn misjudged(defect: &Defect) -> Option<String> {
+    tables().iter().find_map(|table| {
+        let verdict = table.judged(defect);
+        let wrong = !table.allowed.contains(&verdict.decision);
+        wrong
+            .then(|| format!("{}: {}, {:?}", table.name, verdict.decision.name(), verdict.interval))
+    })
+}
