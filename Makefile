@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: help run test lint bench gate ci clean-reports
+.PHONY: help run test lint bench gate baseline ci clean-reports
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -24,6 +24,9 @@ bench: ## all benchmarks (see benches/README.md); BENCH=... goes to criterion
 
 gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 	$(SWEEP) gate --junit reports/latest/junit.xml
+
+baseline: ## record errors and work of all scenes in reports/baseline.json; prints what changes
+	$(SWEEP) baseline
 
 # One recipe, so that -j cannot reorder it and a failure stops what follows.
 ci: ## what has to be green before a merge: lint, test, gate, each benchmark once

@@ -53,10 +53,12 @@
 //! | [`report`] | pictures, page, JUnit |
 //! | [`sweep`] | cases, threads, records, resume |
 //! | [`theory`] | the theorems' constants, bounds and inequalities as runs |
+//! | [`diagnose`] | variants of a scene that name the term at fault |
 //! | [`cli`] | the commands |
 
 pub mod cli;
 pub mod contact;
+pub mod diagnose;
 pub mod finite;
 pub mod fit;
 pub mod formula;

@@ -2,8 +2,10 @@
 
 mod abstract_problem;
 mod audit;
+mod baseline;
 mod bound;
 mod check;
+mod diagnose;
 mod explain;
 mod fit;
 mod gronwall;
@@ -44,6 +46,8 @@ enum Command {
     Run(run::Run),
     /// Run sweeps for CI: verdicts only
     Gate(run::Gate),
+    /// Record errors and work of the scenes in reports/baseline.json, and say what changes
+    Baseline(baseline::BaselineCommand),
     /// List the scenes with their terms and predicted orders
     List(list::List),
     /// Verify the manufactured data and the hypotheses of a scene, without solving
@@ -52,6 +56,8 @@ enum Command {
     Explain(explain::Explain),
     /// Check the proofs of Theorems 10 and 11 line by line on real runs
     Audit(audit::Audit),
+    /// Name the term at fault: run the scene again with one term removed at a time
+    Diagnose(diagnose::DiagnoseCommand),
     /// Solve one case and print named quantities
     Solve(solve::Solve),
     /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
@@ -92,10 +98,12 @@ pub fn main() -> ExitCode {
     let outcome = match command {
         Command::Run(run) => run.execute(&scenes),
         Command::Gate(gate) => gate.execute(&scenes),
+        Command::Baseline(baseline) => baseline.execute(&scenes),
         Command::List(list) => list.execute(&scenes),
         Command::Check(check) => check.execute(&scenes),
         Command::Explain(explain) => explain.execute(&scenes),
         Command::Audit(audit) => audit.execute(&scenes),
+        Command::Diagnose(diagnose) => diagnose.execute(&scenes),
         Command::Solve(solve) => solve.execute(&scenes),
         Command::Bound(bound) => bound.execute(&scenes),
         Command::Gronwall(gronwall) => gronwall.execute(&scenes),

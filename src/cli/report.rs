@@ -48,7 +48,7 @@ impl Report {
             summaries.push(scene_summary(scene));
         }
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
-        write_all(&self.dir, &summaries, &records, &verdicts, &provenance)?;
+        write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
         print_text(&render_table(&verdicts));
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
         Ok(exit_code(&records, &verdicts))

@@ -10,15 +10,19 @@ use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all, write_junit};
 use crate::setup::Subject;
 use crate::sweep::{Overrides, Provenance, ScenePlan, judge_scene, run_sweep, scene_summary};
-use crate::verdict::{Verdict, exit_code, failures, render_table};
+use crate::verdict::{
+    Baseline, Comparison, Verdict, compare_with_baseline, exit_code, failures, render_table,
+};
 
 /// The default directory of reports.
-const LATEST: &str = "reports/latest";
+pub(super) const LATEST: &str = "reports/latest";
+/// The recorded baseline of the scenes of the default folder.
+pub(super) const BASELINE: &str = "reports/baseline.json";
 
 /// `sweep run`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures)."
+    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, deviations with scene, n, steps, norm, kind, recorded, found, verdict, reason)."
 )]
 pub struct Run {
     #[command(flatten)]
@@ -46,7 +50,7 @@ pub struct Gate {
 
 /// Scenes, grids and threads.
 #[derive(Args)]
-struct What {
+pub(super) struct What {
     /// Names of scenes, or paths of TOML files; none: all that are not marked long
     #[arg(value_name = "SCENE")]
     scenes: Vec<String>,
@@ -65,36 +69,36 @@ struct What {
     /// Run the scenes marked long as well
     #[arg(long)]
     all: bool,
+    /// Compare errors and work with this baseline [default: reports/baseline.json for scenes of the
+    /// default folder, where the file exists; `sweep baseline` writes it]
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
 }
 
 impl Run {
     /// The main job: all scenes at gate size into reports/latest.
     pub fn main_job() -> Self {
-        let what = What {
-            scenes: Vec::new(),
-            n: None,
-            steps: None,
-            out: PathBuf::from(LATEST),
-            jobs: None,
-            all: false,
-        };
+        let what = What::on_own_grids(Vec::new(), PathBuf::from(LATEST), None, false);
         Self { what, resume: false, json: false }
     }
 
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let swept = self.what.sweep(scenes, self.what.plans(scenes)?, self.resume)?;
+        // A few scenes named by hand are looked at; the main job is judged.
+        let compared = self.what.scenes.is_empty();
+        let swept = self.what.sweep(scenes, self.what.plans(scenes)?, self.resume, compared)?;
         write_all(
             &self.what.out,
             &swept.summaries,
             &swept.records,
             &swept.verdicts,
             &swept.provenance,
+            swept.comparison.as_ref(),
         )?;
         swept.print(self.json)?;
         if !self.json {
             print_text(&format!("report: {}", self.what.out.join("index.html").display()));
         }
-        Ok(exit_code(&swept.records, &swept.verdicts))
+        Ok(swept.exit_code())
     }
 }
 
@@ -108,9 +112,10 @@ impl Gate {
                 names.join(", ")
             )));
         }
-        let swept = self.what.sweep(scenes, plans, false)?;
+        let swept = self.what.sweep(scenes, plans, false, true)?;
         let document = |path: &std::path::Path| {
-            crate::verdict::write_json(path, &swept.provenance, &swept.verdicts, &swept.records)
+            let Swept { provenance, verdicts, records, comparison, .. } = &swept;
+            crate::verdict::write_json(path, provenance, verdicts, records, comparison.as_ref())
                 .map_err(|error| CliError::Other(error.to_string()))
         };
         document(&self.what.out.join("verdict.json"))?;
@@ -118,28 +123,43 @@ impl Gate {
             document(path)?;
         }
         if let Some(path) = &self.junit {
-            write_junit(path, &swept.verdicts)?;
+            write_junit(path, &swept.verdicts, swept.comparison.as_ref())?;
         }
         swept.print(false)?;
-        Ok(exit_code(&swept.records, &swept.verdicts))
+        Ok(swept.exit_code())
     }
 }
 
 /// A finished sweep.
-struct Swept {
-    records: Vec<CaseRecord>,
-    verdicts: Vec<Verdict>,
+pub(super) struct Swept {
+    pub(super) records: Vec<CaseRecord>,
+    pub(super) verdicts: Vec<Verdict>,
     summaries: Vec<SceneSummary>,
     provenance: serde_json::Value,
+    comparison: Option<Comparison>,
 }
 
 impl What {
-    fn sweep(
+    /// Scenes on the grids of their files, without a baseline of their own.
+    pub(super) fn on_own_grids(
+        scenes: Vec<String>,
+        out: PathBuf,
+        jobs: Option<u16>,
+        all: bool,
+    ) -> Self {
+        Self { scenes, n: None, steps: None, out, jobs, all, baseline: None }
+    }
+
+    /// Runs and judges the plans; with `compared`, against the baseline as well.
+    pub(super) fn sweep(
         &self,
         scenes: &Scenes,
         plans: Vec<ScenePlan>,
         resume: bool,
+        compared: bool,
     ) -> Result<Swept, CliError> {
+        // A baseline that cannot be read is said before the sweep, not after it.
+        let baseline = if compared { self.read_baseline(scenes)? } else { None };
         let jobs = match self.jobs {
             Some(jobs) => usize::from(jobs),
             None => std::thread::available_parallelism().map_or(1, usize::from),
@@ -153,7 +173,35 @@ impl What {
             .collect();
         let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
         let provenance = Provenance::of_run(&plans).json();
-        Ok(Swept { records, verdicts, summaries, provenance })
+        let comparison =
+            baseline.map(|baseline| compare_with_baseline(&baseline, &self.runs(&plans), &records));
+        Ok(Swept { records, verdicts, summaries, provenance, comparison })
+    }
+
+    /// The baseline of this run. That of the default folder knows nothing of scenes elsewhere.
+    fn read_baseline(&self, scenes: &Scenes) -> Result<Option<Baseline>, CliError> {
+        let elsewhere = scenes.named || self.scenes.iter().any(|name| name.ends_with(".toml"));
+        let path = match &self.baseline {
+            Some(path) => path.clone(),
+            None if elsewhere => return Ok(None),
+            None => PathBuf::from(BASELINE),
+        };
+        let read = Baseline::read(&path).map_err(|error| CliError::Other(error.to_string()))?;
+        match (&self.baseline, read) {
+            (Some(_), None) => Err(CliError::Other(format!("{}: no such file", path.display()))),
+            (_, read) => Ok(read),
+        }
+    }
+
+    fn runs(&self, plans: &[ScenePlan]) -> Vec<crate::verdict::Run> {
+        let own_grids = self.n.is_none() && self.steps.is_none();
+        let run = |plan: &ScenePlan| crate::verdict::Run {
+            scene: plan.scene().name.clone(),
+            hash: plan.scene().source.hash.clone(),
+            planned: plan.keys(),
+            own_grids,
+        };
+        plans.iter().map(run).collect()
     }
 
     /// The command that goes on with this sweep.
@@ -165,6 +213,7 @@ impl What {
             ("--steps", self.steps.as_deref().map(list)),
             ("--jobs", self.jobs.map(|jobs| jobs.to_string())),
             ("--out", Some(self.out.display().to_string())),
+            ("--baseline", self.baseline.as_ref().map(|path| path.display().to_string())),
         ];
         let given = options.into_iter().filter_map(|(name, value)| Some((name, value?)));
         let mut words: Vec<String> = vec!["sweep".into(), "run".into()];
@@ -175,7 +224,7 @@ impl What {
         words.join(" ")
     }
 
-    fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {
+    pub(super) fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {
         let overrides = Overrides { n: self.n.clone(), steps: self.steps.clone() };
         let named = !self.scenes.is_empty();
         let mut plans = Vec::new();
@@ -207,13 +256,22 @@ impl What {
 }
 
 impl Swept {
-    fn print(&self, json: bool) -> Result<(), CliError> {
+    /// That of the verdicts; a deviation from the baseline is 1 at least.
+    fn exit_code(&self) -> u8 {
+        let compared = self.comparison.as_ref().map_or(0, Comparison::exit_code);
+        exit_code(&self.records, &self.verdicts).max(compared)
+    }
+
+    pub(super) fn print(&self, json: bool) -> Result<(), CliError> {
         if json {
-            let document = serde_json::json!({
+            let mut document = serde_json::json!({
                 "provenance": self.provenance,
                 "verdicts": self.verdicts,
                 "failures": failures(&self.records),
             });
+            if let Some(comparison) = &self.comparison {
+                document["baseline"] = serde_json::json!(comparison);
+            }
             return print_json(&document);
         }
         print_text(&render_table(&self.verdicts));
@@ -226,6 +284,9 @@ impl Swept {
         };
         let cases = counted(self.records.len(), "case");
         print_text(&format!("{cases}, {failed} failed{judged}"));
+        if let Some(comparison) = &self.comparison {
+            print_text(&comparison.lines().join("\n"));
+        }
         Ok(())
     }
 }

@@ -29,6 +29,23 @@ impl Graph {
         new.get(&f).copied().unwrap_or(f)
     }
 
+    /// `f` at the time t without its past, a formula in space alone: hereditary integrals in it are
+    /// replaced by zero.
+    pub fn instant(&mut self, f: Node, t: f64) -> Node {
+        let is_past = |op: Op| matches!(op, Op::Relax(..) | Op::Convolve(..));
+        let order = self.reachable(&[f], |n| !is_past(self.op(n)));
+        let mut new: HashMap<Node, Node> = HashMap::with_capacity(order.len());
+        for node in order {
+            let image = match self.op(node) {
+                Op::Variable(Variable::T) => self.constant(t),
+                op if is_past(op) => self.constant(0.0),
+                op => self.with_operands(op, |n| new.get(&n).copied().unwrap_or(n)),
+            };
+            new.insert(node, image);
+        }
+        new.get(&f).copied().unwrap_or(f)
+    }
+
     fn rebuilt(&mut self, f: Node, v: Variable, by: Node, new: &HashMap<Node, Node>) -> Node {
         let to = |n: Node| new.get(&n).copied().unwrap_or(n);
         match self.op(f) {

@@ -34,7 +34,7 @@ pub use written::remove_earlier;
 
 use crate::fit::Direction;
 use crate::record::{CaseRecord, RecordError, write_sorted};
-use crate::verdict::{DocumentError, Verdict, write_json};
+use crate::verdict::{Comparison, DocumentError, Verdict, write_json};
 use html::{Figure, page};
 use written::write_listed;
 
@@ -114,11 +114,12 @@ pub fn write_all(
     records: &[CaseRecord],
     verdicts: &[Verdict],
     provenance: &serde_json::Value,
+    baseline: Option<&Comparison>,
 ) -> Result<(), ReportError> {
     let stems = stems(scenes)?;
     fs::create_dir_all(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
     write_sorted(&dir.join("cases.csv"), records)?;
-    write_json(&dir.join("verdict.json"), provenance, verdicts, records)?;
+    write_json(&dir.join("verdict.json"), provenance, verdicts, records, baseline)?;
     let drawn =
         scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
     let figures: Vec<Vec<Figure>> = drawn.collect::<Result<_, _>>()?;

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::record::{Key, NormError, Status};
-use crate::verdict::{Expect, Prediction, Variable, judge};
+use crate::verdict::{Baseline, Expect, Prediction, Run, Variable, compare_with_baseline, judge};
 
 /// Three norms on a grid of 5 meshes and 6 time grids; the trace error meets its floor.
 fn example(name: &str) -> Vec<CaseRecord> {
@@ -94,8 +94,8 @@ fn a_report_is_whole_and_the_same_twice() {
         "pure--strong----mild-hk.svg",
     ];
     let write = || {
-        write_all(&dir, &scenes, &records, &verdicts, &provenance).unwrap();
-        write_junit(&dir.join("junit.xml"), &verdicts).unwrap();
+        write_all(&dir, &scenes, &records, &verdicts, &provenance, None).unwrap();
+        write_junit(&dir.join("junit.xml"), &verdicts, None).unwrap();
         files.map(|file| fs::read_to_string(dir.join(file)).unwrap())
     };
     let once = write();
@@ -189,6 +189,27 @@ fn curves_name_their_mesh() {
     let mixed = picture(&records, &[], Direction::Time);
     assert_eq!((mixed.matches("n = 32").count(), mixed.matches("n = 128").count()), (1, 1));
     assert!(mixed.contains("n = 128 where not named"));
+}
+
+/// One test a compared scene, red with every deviation of it in the text.
+#[test]
+fn junit_carries_deviations_from_the_baseline() {
+    let records = example("s");
+    let baseline = Baseline::of(&records, &[("s", "then"), ("t", "same")]);
+    let run = |scene: &str, hash: &str| Run {
+        scene: scene.into(),
+        hash: hash.into(),
+        planned: Vec::new(),
+        own_grids: true,
+    };
+    let runs = [run("s", "now"), run("t", "same")];
+    let comparison = compare_with_baseline(&baseline, &runs, &records);
+    let path = std::env::temp_dir().join(format!("gronwall-junit-{}.xml", std::process::id()));
+    write_junit(&path, &[], Some(&comparison)).unwrap();
+    let junit = fs::read_to_string(&path).unwrap();
+    fs::remove_file(&path).unwrap();
+    assert!(junit.contains("failures=\"1\""), "{junit}");
+    assert!(junit.contains("type=\"unresolved\"") && junit.contains("s: the scene file changed"));
 }
 
 #[test]

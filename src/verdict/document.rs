@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::Verdict;
+use super::{Comparison, Verdict};
 use crate::record::{CaseRecord, Key, Status, replace_file};
 
 /// A case that did not converge, with what the solver said: `cases.csv` has no column for it.
@@ -47,6 +47,9 @@ struct Document<'a> {
     provenance: &'a serde_json::Value,
     verdicts: &'a [Verdict],
     failures: Vec<Failure>,
+    /// What deviates from the recorded baseline, where a run was compared with it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    baseline: Option<&'a Comparison>,
 }
 
 #[derive(Deserialize)]
@@ -77,8 +80,9 @@ pub fn write_json(
     provenance: &serde_json::Value,
     verdicts: &[Verdict],
     records: &[CaseRecord],
+    baseline: Option<&Comparison>,
 ) -> Result<(), DocumentError> {
-    let document = Document { provenance, verdicts, failures: failures(records) };
+    let document = Document { provenance, verdicts, failures: failures(records), baseline };
     let mut bytes = serde_json::to_vec_pretty(&document)
         .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
     bytes.push(b'\n');

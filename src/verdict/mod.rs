@@ -1,5 +1,6 @@
 //! What the theory predicts, compared with what was measured: pass, fail or unresolved.
 
+mod baseline;
 mod compare;
 mod document;
 mod joint;
@@ -14,6 +15,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::{CaseRecord, Status};
 
+pub use baseline::{
+    Baseline, BaselineError, Comparison, Deviation, Kind, Recorded, RecordedCase, Run,
+    compare_with_baseline,
+};
 pub use compare::{Aim, compare};
 pub use document::{DocumentError, Failure, failures, read_failures, restore_reasons, write_json};
 pub use judge::judge;

@@ -200,7 +200,7 @@ fn the_document_has_its_keys_and_no_infinite_number() {
     let passed = verdict(&records, &predict(Variable::H, 1.0));
     records[1].status = Status::Failed { reason: "no descent".into() };
     let path = std::env::temp_dir().join(format!("gronwall-verdict-{}.json", std::process::id()));
-    write_json(&path, &serde_json::json!({"seed": 1}), &[passed], &records).unwrap();
+    write_json(&path, &serde_json::json!({"seed": 1}), &[passed], &records, None).unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
     let json: serde_json::Value = serde_json::from_str(&text).unwrap();
     let entry = &json["verdicts"][0];

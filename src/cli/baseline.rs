@@ -1,0 +1,72 @@
+//! `sweep baseline`: records errors and work of the scenes, for later runs to be compared with.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::run::{BASELINE, LATEST, What};
+use super::{CliError, Scenes, print_text};
+use crate::record::counted;
+use crate::verdict::{Baseline, exit_code};
+
+/// `sweep baseline`.
+#[derive(Args)]
+#[command(
+    after_help = "Exit code: 0 the file is written; 1 a verdict is not as expected and 2 a case failed: nothing is written then, for a baseline of a wrong run would make the wrong right."
+)]
+pub struct BaselineCommand {
+    /// Names of scenes, whose entries alone are recorded anew; none: all that are not marked long,
+    /// and entries of scenes that are no more are removed
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// The file
+    #[arg(long, value_name = "FILE", default_value = BASELINE)]
+    file: PathBuf,
+    /// Directory for the records of the run
+    #[arg(long, value_name = "DIR", default_value = LATEST)]
+    out: PathBuf,
+    /// Cases at a time [default: number of processors]
+    #[arg(long, value_name = "J", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+    /// Record the scenes marked long as well
+    #[arg(long)]
+    all: bool,
+}
+
+impl BaselineCommand {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let other = |error: crate::verdict::BaselineError| CliError::Other(error.to_string());
+        let old = Baseline::read(&self.file).map_err(other)?;
+        let what = What::on_own_grids(self.scenes.clone(), self.out.clone(), self.jobs, self.all);
+        let plans = what.plans(scenes)?;
+        let hashes: Vec<(String, String)> = plans
+            .iter()
+            .map(|plan| (plan.scene().name.clone(), plan.scene().source.hash.clone()))
+            .collect();
+        let swept = what.sweep(scenes, plans, false, false)?;
+        let code = exit_code(&swept.records, &swept.verdicts);
+        if code > 0 {
+            swept.print(false)?;
+            print_text(
+                "nothing recorded: every case has to converge and every verdict to be as expected",
+            );
+            return Ok(code);
+        }
+        let hashes: Vec<(&str, &str)> =
+            hashes.iter().map(|(name, hash)| (name.as_str(), hash.as_str())).collect();
+        let mut new = Baseline::of(&swept.records, &hashes);
+        let before = old.unwrap_or_default();
+        if !self.scenes.is_empty() {
+            for (name, recorded) in &before.scenes {
+                new.scenes.entry(name.clone()).or_insert_with(|| recorded.clone());
+            }
+        }
+        let changes = before.changes(&new);
+        changes.iter().for_each(|line| print_text(line));
+        new.write(&self.file).map_err(other)?;
+        let scenes = counted(new.scenes.len(), "scene");
+        let changes = counted(changes.len(), "change");
+        print_text(&format!("{}: {scenes}, {changes}", self.file.display()));
+        Ok(0)
+    }
+}

@@ -1,0 +1,129 @@
+//! `sweep diagnose`: the term whose removal restores what a scene should show.
+
+use clap::Args;
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{ContentArrangement, LineStyle, Table};
+
+use super::{CliError, Scenes, print_json, print_text};
+use crate::diagnose::{Diagnosis, EXACT_WITHIN, Finding, Outcome, Question, diagnose};
+use crate::record::counted;
+use crate::verdict::render_table;
+
+/// Width of the table in characters.
+const WIDTH: u16 = 100;
+
+/// `sweep diagnose`.
+#[derive(Args)]
+#[command(
+    after_help = "Exit code: 0 nothing to diagnose, or with --always nothing found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, verdicts (as in verdict.json), trials (name, terms, removed, question: \"order\" or \"exact\", verdict, observed, interval, predicted, norm, error: relative, reason, suspects), culprits (names), sentence."
+)]
+pub struct DiagnoseCommand {
+    /// Name of a scene, or path of a TOML file
+    scene: String,
+    /// Run the trials even if every verdict is as expected
+    #[arg(long)]
+    always: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl DiagnoseCommand {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let scene = scenes.scene(&self.scene)?;
+        let cases = scene.sweep.as_ref().map_or(0, |sweep| sweep.n.len() * sweep.steps.len());
+        eprintln!("running {} of the scene, then its variants", counted(cases, "case"));
+        let diagnosis = diagnose(&scene, &|setup| setup, self.always)?;
+        if self.json {
+            print_json(&document(&diagnosis))?;
+        } else {
+            if !diagnosis.verdicts.is_empty() {
+                print_text(&render_table(&diagnosis.verdicts));
+            }
+            if !diagnosis.outcomes.is_empty() {
+                print_text(&trials(&diagnosis.outcomes));
+            }
+            print_text(&diagnosis.sentence);
+        }
+        let judged = diagnosis.verdicts.iter().all(|verdict| verdict.as_expected());
+        let quiet = matches!(diagnosis.finding, None | Some(Finding::NothingFails));
+        Ok(u8::from(!(judged && quiet)))
+    }
+}
+
+/// The table of trials.
+fn trials(outcomes: &[Outcome]) -> String {
+    let mut table = Table::new();
+    table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
+    table.set_width(WIDTH).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table.set_header(["trial", "terms", "must show", "observed", "verdict"]);
+    table.add_rows(outcomes.iter().map(|outcome| {
+        let [name, terms] = [outcome.name.clone(), outcome.terms.clone()];
+        [name, terms, asked(outcome), outcome.observed(), outcome.decision.name().to_owned()]
+    }));
+    table.trim_fmt()
+}
+
+/// What a trial had to show.
+fn asked(outcome: &Outcome) -> String {
+    match (&outcome.question, &outcome.verdict) {
+        (Question::Exact, _) => format!("error below {EXACT_WITHIN:.0e}"),
+        (Question::Order, Some(verdict)) => {
+            format!("{} order ≥ {} in {}", verdict.norm, verdict.predicted, verdict.variable.name())
+        }
+        (Question::Order, None) => "an order".into(),
+    }
+}
+
+impl Outcome {
+    /// What it showed: an order with its interval, a relative error with its norm, or why neither.
+    fn observed(&self) -> String {
+        if let Some((norm, relative)) = &self.error {
+            return format!("{norm} {relative:.1e}");
+        }
+        let order = self.verdict.as_ref().and_then(|verdict| {
+            let ([lo, hi], order) = (verdict.interval?, verdict.observed?);
+            Some(format!("{order:.2} [{lo:.2}, {hi:.2}]"))
+        });
+        order.unwrap_or_else(|| self.reason.clone())
+    }
+}
+
+fn document(diagnosis: &Diagnosis) -> serde_json::Value {
+    let culprits: Vec<&str> = match &diagnosis.finding {
+        Some(Finding::One(suspects)) => suspects.iter().map(|suspect| suspect.name()).collect(),
+        Some(Finding::Two(a, b)) => vec![a.name(), b.name()],
+        Some(Finding::Unexplained | Finding::NothingFails) | None => Vec::new(),
+    };
+    serde_json::json!({
+        "scene": diagnosis.scene,
+        "verdicts": diagnosis.verdicts,
+        "trials": diagnosis.outcomes.iter().map(trial).collect::<Vec<_>>(),
+        "culprits": culprits,
+        "sentence": diagnosis.sentence,
+    })
+}
+
+fn trial(outcome: &Outcome) -> serde_json::Value {
+    let verdict = outcome.verdict.as_ref();
+    let question = match outcome.question {
+        Question::Order => "order",
+        Question::Exact => "exact",
+    };
+    let names: Vec<&str> = outcome.suspects.iter().map(|suspect| suspect.name()).collect();
+    let measured = outcome.error.as_ref().map(|(norm, _)| norm.as_str());
+    serde_json::json!({
+        "name": outcome.name,
+        "terms": outcome.terms,
+        "removed": outcome.removed.map(|suspect| suspect.name()),
+        "question": question,
+        "verdict": outcome.decision.name(),
+        "predicted": verdict.map(|verdict| verdict.predicted),
+        "observed": verdict.and_then(|verdict| verdict.observed),
+        "interval": verdict.and_then(|verdict| verdict.interval),
+        "norm": measured.or(verdict.map(|verdict| verdict.norm.as_str())),
+        "error": outcome.error.as_ref().map(|(_, relative)| relative),
+        "reason": outcome.reason,
+        "suspects": names,
+    })
+}

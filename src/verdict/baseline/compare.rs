@@ -1,0 +1,286 @@
+//! A run against its baseline.
+
+use serde::Serialize;
+
+use super::{Baseline, Recorded, RecordedCase};
+use crate::record::{CaseRecord, Key, Status};
+use crate::verdict::Decision;
+
+/// Two runs of one program differ by this share of an error at most, on any machine: last digits of
+/// elementary functions and fused products enter at 1e-16 and leave amplified by the condition of the
+/// system, 1e5 on the finest meshes here, and by cancellation in errors of 1e-5 of the solution.
+pub const REPEATED_WITHIN: f64 = 1e-6;
+/// Near its floor an error is known to a few floors, two runs with one each and a factor of safety …
+const FLOORS_APART: f64 = 4.0;
+/// … but never so loosely that a deviation of one percent passes.
+const LOOSEST: f64 = 5e-3;
+
+/// Work may grow by this share, or by this number, before it counts: an iteration more or less in a
+/// few steps is rounding at the tolerance of the solver.
+const WORK_SHARE: f64 = 0.10;
+const WORK_NUMBER: u64 = 2;
+
+/// The relative deviation allowed of an error with its floor.
+pub(super) fn allowed(error: f64, floor: f64) -> f64 {
+    (FLOORS_APART * floor / error).clamp(REPEATED_WITHIN, LOOSEST)
+}
+
+/// What deviates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// An error differs from its recorded value, or is no number.
+    Error,
+    /// A recorded case or norm was not measured.
+    Missing,
+    /// The case takes more iterations or factorizations than recorded.
+    Cost,
+    /// The scene file changed after it was recorded: nothing can be compared.
+    Stale,
+}
+
+impl Kind {
+    /// A changed scene leaves the question open; everything else fails.
+    pub fn decision(self) -> Decision {
+        match self {
+            Kind::Stale => Decision::Unresolved,
+            Kind::Error | Kind::Missing | Kind::Cost => Decision::Fail,
+        }
+    }
+}
+
+/// One deviation from the baseline.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Deviation {
+    /// Name of the scene.
+    pub scene: String,
+    /// Mesh cells per unit length, where a case deviates.
+    pub n: Option<u32>,
+    /// Number of time steps, where a case deviates.
+    pub steps: Option<u32>,
+    /// The norm, or the counter.
+    pub norm: Option<String>,
+    /// What deviates.
+    pub kind: Kind,
+    /// As recorded.
+    pub recorded: Option<f64>,
+    /// As found; absent if it is no number.
+    pub found: Option<f64>,
+    /// Fail or unresolved.
+    pub verdict: Decision,
+    /// In one sentence.
+    pub reason: String,
+}
+
+/// One scene of a run.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Its name.
+    pub scene: String,
+    /// Hash of its file.
+    pub hash: String,
+    /// The cases that were planned.
+    pub planned: Vec<Key>,
+    /// It ran on the grids of its file: every recorded case has to be there.
+    pub own_grids: bool,
+}
+
+/// What the comparison of a run found.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Comparison {
+    /// Scenes that were compared, in the order of the run.
+    pub scenes: Vec<String>,
+    /// Errors that were compared.
+    pub compared: usize,
+    /// Scenes that the baseline does not have.
+    pub not_recorded: Vec<String>,
+    /// What deviates.
+    pub deviations: Vec<Deviation>,
+}
+
+impl Comparison {
+    /// 0 if nothing deviates, else 1.
+    pub fn exit_code(&self) -> u8 {
+        u8::from(!self.deviations.is_empty())
+    }
+
+    /// A line a deviation, what was not recorded, and the sum.
+    pub fn lines(&self) -> Vec<String> {
+        let line = |d: &Deviation| format!("baseline: {}: {}", d.verdict.name(), d.reason);
+        let mut lines: Vec<String> = self.deviations.iter().map(line).collect();
+        if !self.not_recorded.is_empty() {
+            let names = self.not_recorded.join(", ");
+            lines.push(format!("baseline: not recorded, hence not compared: {names}"));
+        }
+        let found = match self.deviations.len() {
+            0 => "no deviation".to_owned(),
+            1 => "1 deviation".to_owned(),
+            more => format!("{more} deviations"),
+        };
+        lines.push(format!("baseline: {} errors compared, {found}", self.compared));
+        if !self.deviations.is_empty() {
+            let cure =
+                "baseline: if the change is meant, record it: sweep baseline, or make baseline";
+            lines.push(cure.to_owned());
+        }
+        lines
+    }
+}
+
+/// Compares the records of `runs` with a baseline.
+pub fn compare_with_baseline(
+    baseline: &Baseline,
+    runs: &[Run],
+    records: &[CaseRecord],
+) -> Comparison {
+    let mut comparison = Comparison::default();
+    for run in runs {
+        let Some(recorded) = baseline.scenes.get(&run.scene) else {
+            comparison.not_recorded.push(run.scene.clone());
+            continue;
+        };
+        comparison.scenes.push(run.scene.clone());
+        if recorded.hash != run.hash {
+            comparison.deviations.push(stale(&run.scene));
+            continue;
+        }
+        compare_scene(run, recorded, records, &mut comparison);
+    }
+    comparison
+}
+
+fn compare_scene(
+    run: &Run,
+    recorded: &Recorded,
+    records: &[CaseRecord],
+    comparison: &mut Comparison,
+) {
+    for case in &recorded.cases {
+        let is_case = |n: Option<u32>, steps: u32| (n, steps) == (case.n, case.steps);
+        let planned = run.planned.iter().any(|key| is_case(key.n, key.steps));
+        if !planned && !run.own_grids {
+            continue;
+        }
+        let found = records.iter().rev().find(|r| r.scene == run.scene && is_case(r.n, r.steps));
+        let at = Place { scene: &run.scene, case };
+        let Some(found) = found.filter(|record| record.converged()) else {
+            let what = match found.map(|record| &record.status) {
+                None => "was not run".to_owned(),
+                Some(Status::Failed { reason }) => format!("failed: {reason}"),
+                Some(_) => "was skipped".to_owned(),
+            };
+            comparison.deviations.push(at.deviation(Kind::Missing, None, None, None, &what));
+            continue;
+        };
+        comparison.compared += case.errors.len();
+        comparison.deviations.extend(at.errors(found));
+        comparison.deviations.extend(at.work(found));
+    }
+}
+
+fn stale(scene: &str) -> Deviation {
+    Deviation {
+        scene: scene.to_owned(),
+        n: None,
+        steps: None,
+        norm: None,
+        kind: Kind::Stale,
+        recorded: None,
+        found: None,
+        verdict: Kind::Stale.decision(),
+        reason: format!(
+            "{scene}: the scene file changed after it was recorded: nothing to compare"
+        ),
+    }
+}
+
+/// A recorded case.
+struct Place<'a> {
+    scene: &'a str,
+    case: &'a RecordedCase,
+}
+
+impl Place<'_> {
+    fn errors(&self, found: &CaseRecord) -> Vec<Deviation> {
+        let mut deviations = Vec::new();
+        for (norm, &recorded) in &self.case.errors {
+            let allowed = self.case.allowed.get(norm).copied().unwrap_or(REPEATED_WITHIN);
+            let Some(error) = found.norm(norm).and_then(|entry| entry.error) else {
+                let (kind, norm) = (Kind::Missing, Some(norm.as_str()));
+                deviations.push(self.deviation(
+                    kind,
+                    norm,
+                    Some(recorded),
+                    None,
+                    "was not measured",
+                ));
+                continue;
+            };
+            let change = error / recorded - 1.0;
+            // A NaN is no small change.
+            if change.is_nan() || change.abs() > allowed {
+                let what = match error.is_finite() {
+                    true => {
+                        format!("is {error:.6e}, recorded {recorded:.6e}: {}", in_percent(change))
+                    }
+                    false => format!("is {error}, recorded {recorded:.6e}"),
+                };
+                let values = (Some(recorded), Some(error).filter(|error| error.is_finite()));
+                deviations.push(self.deviation(Kind::Error, Some(norm), values.0, values.1, &what));
+            }
+        }
+        deviations
+    }
+
+    fn work(&self, found: &CaseRecord) -> Vec<Deviation> {
+        let counters = [
+            ("newton_iterations", self.case.newton_iterations, found.newton_iterations),
+            ("factorizations", self.case.factorizations, found.factorizations),
+        ];
+        let grew = |recorded: u64, now: u64| {
+            now > recorded + WORK_NUMBER && now as f64 > recorded as f64 * (1.0 + WORK_SHARE)
+        };
+        counters
+            .into_iter()
+            .filter(|&(_, recorded, now)| grew(recorded, now))
+            .map(|(name, recorded, now)| {
+                let what = format!("rose from {recorded} to {now}: the same result costs more");
+                let values = (Some(recorded as f64), Some(now as f64));
+                self.deviation(Kind::Cost, Some(name), values.0, values.1, &what)
+            })
+            .collect()
+    }
+
+    fn deviation(
+        &self,
+        kind: Kind,
+        norm: Option<&str>,
+        recorded: Option<f64>,
+        found: Option<f64>,
+        what: &str,
+    ) -> Deviation {
+        let subject = norm.map_or(String::new(), |norm| format!(": {norm}"));
+        Deviation {
+            scene: self.scene.to_owned(),
+            n: self.case.n,
+            steps: Some(self.case.steps),
+            norm: norm.map(str::to_owned),
+            kind,
+            recorded,
+            found,
+            verdict: kind.decision(),
+            reason: format!("{}, {}{subject} {what}", self.scene, self.case.name()),
+        }
+    }
+}
+
+/// `n = 8, steps = 16`.
+pub(super) fn case_name(n: Option<u32>, steps: u32) -> String {
+    n.map_or(format!("steps = {steps}"), |n| format!("n = {n}, steps = {steps}"))
+}
+
+/// A relative change in words: `+1.2 %`, with enough digits to see it.
+pub(super) fn in_percent(change: f64) -> String {
+    let percent = 100.0 * change;
+    if percent.abs() < 0.1 { format!("{percent:+.1e} %") } else { format!("{percent:+.1} %") }
+}

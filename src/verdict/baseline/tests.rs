@@ -1,0 +1,167 @@
+use super::*;
+use crate::record::{Key, Status, V_MAX};
+use crate::verdict::Decision;
+
+fn record(steps: u32, error: f64) -> CaseRecord {
+    CaseRecord {
+        scene: "block".into(),
+        dimension: 2,
+        n: Some(8),
+        steps,
+        h: Some(0.125),
+        k: 1.0 / f64::from(steps),
+        dofs: 144,
+        elements: 128,
+        status: Status::Converged,
+        newton_iterations: 40,
+        active_set_changes: 3,
+        factorizations: 20,
+        seconds_load: 0.0,
+        seconds_assemble: 0.0,
+        seconds_factor: 0.0,
+        seconds_solve: 0.0,
+        seconds_total: 0.0,
+        peak_history_bytes: 0,
+        errors: vec![NormError { norm: V_MAX.into(), error: Some(error), floor: Some(1e-14) }],
+    }
+}
+
+fn records() -> Vec<CaseRecord> {
+    vec![record(4, 1.23456789e-2), record(8, 3.1e-3)]
+}
+
+fn baseline() -> Baseline {
+    Baseline::of(&records(), &[("block", "hash")])
+}
+
+fn compared(records: &[CaseRecord], hash: &str, own_grids: bool) -> Comparison {
+    let key = |steps| Key { scene: "block".into(), n: Some(8), steps };
+    let planned = if own_grids { vec![key(4), key(8)] } else { vec![key(4)] };
+    let run = Run { scene: "block".into(), hash: hash.into(), planned, own_grids };
+    compare_with_baseline(&baseline(), &[run], records)
+}
+
+#[track_caller]
+fn only(comparison: &Comparison) -> &Deviation {
+    assert_eq!(comparison.deviations.len(), 1, "{:?}", comparison.deviations);
+    &comparison.deviations[0]
+}
+
+#[test]
+fn a_repeated_run_does_not_deviate() {
+    let comparison = compared(&records(), "hash", true);
+    assert!(comparison.deviations.is_empty() && comparison.compared == 2);
+    assert_eq!(comparison.exit_code(), 0);
+    // Another machine: the last digits of errors, an iteration more.
+    let mut other = records();
+    other[0].errors[0].error = Some(1.23456789e-2 * (1.0 + 1e-8));
+    other[1].newton_iterations = 42;
+    assert!(compared(&other, "hash", true).deviations.is_empty());
+}
+
+#[test]
+fn every_seeded_deviation_is_found() {
+    let seeded = |seed: fn(&mut Vec<CaseRecord>)| {
+        let mut wrong = records();
+        seed(&mut wrong);
+        let comparison = compared(&wrong, "hash", true);
+        assert_eq!(comparison.exit_code(), 1);
+        only(&comparison).clone()
+    };
+    let error = seeded(|records| records[0].errors[0].error = Some(1.01 * 1.23456789e-2));
+    assert_eq!((error.kind, error.verdict), (Kind::Error, Decision::Fail));
+    assert!(
+        error.reason.contains("block, n = 8, steps = 4: V_max") && error.reason.contains("+1.0 %"),
+        "{}",
+        error.reason
+    );
+    let smaller = seeded(|records| records[1].errors[0].error = Some(0.5 * 3.1e-3));
+    assert_eq!(smaller.kind, Kind::Error);
+    assert!(smaller.reason.contains("-50.0 %"), "{}", smaller.reason);
+    let nan = seeded(|records| records[0].errors[0].error = Some(f64::NAN));
+    assert_eq!((nan.kind, nan.found), (Kind::Error, None));
+    let infinite = seeded(|records| records[0].errors[0].error = Some(f64::INFINITY));
+    assert_eq!((infinite.kind, infinite.found), (Kind::Error, None));
+    let no_norm = seeded(|records| records[0].errors.clear());
+    assert_eq!(no_norm.kind, Kind::Missing);
+    let no_case = seeded(|records| {
+        records.pop();
+    });
+    assert_eq!((no_case.kind, no_case.steps), (Kind::Missing, Some(8)));
+    let failed = seeded(|records| {
+        records[1].status = Status::Failed { reason: "no convergence".into() };
+    });
+    assert!(failed.kind == Kind::Missing && failed.reason.contains("no convergence"));
+    let costly = seeded(|records| records[0].newton_iterations = 60);
+    assert_eq!((costly.kind, costly.norm.as_deref()), (Kind::Cost, Some("newton_iterations")));
+    let refactored = seeded(|records| records[0].factorizations = 40);
+    assert_eq!((refactored.kind, refactored.verdict), (Kind::Cost, Decision::Fail));
+}
+
+#[test]
+fn a_changed_scene_is_unresolved_and_never_green() {
+    let comparison = compared(&records(), "another", true);
+    let deviation = only(&comparison);
+    assert_eq!((deviation.kind, deviation.verdict), (Kind::Stale, Decision::Unresolved));
+    assert_eq!((comparison.exit_code(), comparison.compared), (1, 0));
+    assert!(comparison.lines().iter().any(|line| line.contains("sweep baseline")));
+}
+
+#[test]
+fn other_grids_are_compared_where_they_meet() {
+    let comparison = compared(&records()[..1], "hash", false);
+    assert!(comparison.deviations.is_empty() && comparison.compared == 1);
+}
+
+#[test]
+fn a_scene_that_is_not_recorded_is_said() {
+    let run =
+        Run { scene: "new".into(), hash: "hash".into(), planned: Vec::new(), own_grids: true };
+    let comparison = compare_with_baseline(&baseline(), &[run], &records());
+    assert_eq!((comparison.not_recorded.len(), comparison.exit_code()), (1, 0));
+    assert!(comparison.lines()[0].contains("not recorded, hence not compared: new"));
+}
+
+/// Errors below 20 floors are not recorded; one near them is compared within 4 of them, but never beyond 0.5 %.
+#[test]
+fn floors_widen_what_is_allowed_but_not_to_a_percent() {
+    let entry = |floor: f64| {
+        let mut one = record(4, 1e-6);
+        one.errors[0].floor = Some(floor);
+        RecordedCase::of(&one)
+    };
+    assert!(entry(1e-7).errors.is_empty());
+    assert_eq!(entry(1e-9).allowed[V_MAX], 4e-3);
+    assert_eq!(entry(4e-8).allowed[V_MAX], 5e-3);
+    assert!(entry(1e-14).allowed.is_empty());
+    assert_eq!(entry(1e-14).errors[V_MAX], 1e-6);
+}
+
+#[test]
+fn the_file_reads_back_and_keeps_its_order() {
+    let path = std::env::temp_dir().join(format!("gronwall-baseline-{}.json", std::process::id()));
+    baseline().write(&path).unwrap_or_else(|error| panic!("{error}"));
+    let text = std::fs::read_to_string(&path).expect("the file");
+    let read = Baseline::read(&path).unwrap_or_else(|error| panic!("{error}"));
+    std::fs::write(&path, "{\"scenes\": 3}").expect("the file");
+    let broken = Baseline::read(&path);
+    std::fs::remove_file(&path).expect("the file");
+    assert_eq!(read, Some(baseline()));
+    assert!(broken.is_err());
+    assert_eq!(Baseline::read(&path).ok(), Some(None));
+    assert_eq!(text.lines().count(), 6, "{text}");
+}
+
+#[test]
+fn changes_are_listed() {
+    let mut changed = records();
+    changed[0].errors[0].error = Some(2.0 * 1.23456789e-2);
+    changed[1].newton_iterations = 30;
+    let new = Baseline::of(&changed, &[("block", "hash"), ("other", "hash")]);
+    let lines = baseline().changes(&new);
+    assert_eq!(lines.len(), 3, "{lines:?}");
+    assert!(lines[0].contains("1.234568e-2 -> 2.469136e-2 (+100.0 %)"), "{lines:?}");
+    assert!(lines[1].contains("Newton iterations 40 -> 30"), "{lines:?}");
+    assert!(baseline().changes(&baseline()).is_empty());
+    assert_eq!(new.changes(&baseline()).len(), 3);
+}
