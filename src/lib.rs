@@ -48,6 +48,7 @@
 //! | [`manufactured`] | exact fields and loads from formulas, and their verification |
 //! | [`scene`] | scene files, as written and as validated |
 //! | [`setup`] | a scene made computable; constants and hypotheses |
+//! | [`leading_error`] | the error of a sound scheme to leading order, from the exact solution alone |
 //! | [`solution`] | named quantities and VTU files of a case |
 //! | [`fit`], [`verdict`] | orders with intervals; predictions judged |
 //! | [`report`] | pictures, page, JUnit |
@@ -64,6 +65,7 @@ pub mod fit;
 pub mod formula;
 pub mod history;
 pub mod law;
+pub mod leading_error;
 pub mod linalg;
 pub mod manufactured;
 pub mod mesh;

@@ -24,6 +24,7 @@ const ORDER: [&str; 23] = [
     "manufactured",
     "scene",
     "setup",
+    "leading_error",
     "solution",
     "fit",
     "verdict",
@@ -41,14 +42,22 @@ const ONLY: [(&str, &[&str]); 3] = [
     ("report", &["record", "fit", "verdict"]),
 ];
 
-/// The manufactured side evaluates σ, ζ and histories by itself.
-const INDEPENDENT: (&str, [&str; 3]) = ("manufactured", ["law", "history", "vhi"]);
+/// The manufactured side evaluates σ, ζ and histories by itself; what predicts errors must not know the solver either.
+const INDEPENDENT: [(&str, &[&str]); 2] = [
+    ("manufactured", &["law", "history", "vhi"]),
+    ("leading_error", &["law", "vhi", "finite", "norms", "record"]),
+];
 
-/// Of modules that both sides use, the manufactured side may take these items alone: none of them is a law, an assembly
-/// or an integral of the problem (`src/manufactured/mod.rs` gives the reasons).
-const SHARED: [(&str, &[&str]); 2] = [
-    ("contact", &["Discretization", "LoadError"]),
+/// Of modules that both sides use, an independent side may take these items alone: none of them is a law, an assembly
+/// or an integral of the problem (`src/manufactured/mod.rs` gives the reasons). Of `history` it is the random grid, of
+/// `setup` the scene, its exact solution and the mesh; `.model` is refused by its name.
+const SHARED: [(&str, &str, &[&str]); 5] = [
+    ("manufactured", "contact", &["Discretization", "LoadError"]),
+    ("leading_error", "contact", &["Discretization", "LoadError"]),
+    ("leading_error", "history", &["TimeGrid"]),
+    ("leading_error", "setup", &["AbstractSetup", "Setup", "Subject"]),
     (
+        "manufactured",
         "norms",
         &[
             "CellConstants",
@@ -150,11 +159,15 @@ fn violations(own: &str, text: &str, depth: usize) -> Vec<String> {
         if ONLY.iter().any(|(module, list)| *module == own && !list.contains(&name.as_str())) {
             wrong.push(format!("{own} may not name {name}"));
         }
-        if own == INDEPENDENT.0 && INDEPENDENT.1.contains(&name.as_str()) {
+        let alone = |(side, list): &(&str, &[&str])| *side == own && list.contains(&name.as_str());
+        if INDEPENDENT.iter().any(alone) {
             wrong.push(format!("{own} must not share {name} with the solver"));
         }
     }
-    for (module, allowed) in SHARED.iter().filter(|_| own == INDEPENDENT.0) {
+    if own == "leading_error" && without_comments(text).iter().any(|line| line.contains(".model")) {
+        wrong.push(format!("{own} must not read the solver's model"));
+    }
+    for (_, module, allowed) in SHARED.iter().filter(|(side, ..)| own == *side) {
         for item in items(module, text, depth) {
             if !allowed.contains(&item.as_str()) {
                 wrong.push(format!("{own} must not share {module}::{item} with the solver"));
@@ -240,7 +253,13 @@ fn violations_are_caught() {
     assert!(caught("manufactured", "use crate::contact;", 2));
     assert!(caught("manufactured", "use crate::contact::*;", 2));
     assert!(caught("manufactured", "use super::super::norms::{Moments, step_errors};", 2));
+    assert!(caught("leading_error", "use crate::law::Potential;", 2));
+    assert!(caught("leading_error", "use crate::history::{TimeGrid, Trapezoid};", 2));
+    assert!(caught("leading_error", "use crate::setup::{MeshData, Setup};", 2));
+    assert!(caught("leading_error", "use crate::contact::stress_force;", 2));
+    assert!(caught("leading_error", "let k = setup.model.memory;", 2));
     // And nothing else is.
+    assert!(!caught("leading_error", "use crate::setup::Setup; // not its .model", 2));
     assert!(!caught("manufactured", "use crate::contact::{Discretization, LoadError};", 2));
     assert!(!caught("manufactured", "use crate::{norms::{Moments, is_locked}, mesh::Mesh};", 2));
     assert!(!caught("contact", "use crate::{law::{Isotropic, Potential}, vhi::Newton};", 2));

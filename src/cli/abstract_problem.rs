@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use nalgebra::DVector;
 
+use super::constants::predicted_constants;
 use super::list::terms;
 use super::{CliError, print_json, print_text};
 use crate::manufactured::{Finding, Status};
@@ -64,6 +65,7 @@ pub fn explain(plan: &ScenePlan, json: bool) -> Result<u8, CliError> {
             })
         })
         .collect();
+    let constants = predicted_constants(plan);
     if json {
         print_json(&serde_json::json!({
             "scene": scene.name,
@@ -72,6 +74,7 @@ pub fn explain(plan: &ScenePlan, json: bool) -> Result<u8, CliError> {
             "algorithm": algorithm,
             "history": history,
             "cases": cases,
+            "constants": constants.iter().map(|(_, json)| json).collect::<Vec<_>>(),
         }))?;
         return Ok(0);
     }
@@ -83,6 +86,7 @@ pub fn explain(plan: &ScenePlan, json: bool) -> Result<u8, CliError> {
         let (steps, bytes) = (&case["steps"], &case["history_bytes"]);
         print_text(&format!("case       N = {steps}: {bytes} bytes of history"));
     }
+    constants.iter().for_each(|(line, _)| print_text(line));
     Ok(0)
 }
 

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
 use crate::setup::{Setup, Subject};
@@ -10,7 +11,7 @@ use crate::sweep::{Cost, Overrides, ScenePlan, predict};
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, algorithm, history, reference (n, steps, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone)."
+    after_help = "JSON keys with --json: scene, terms, truth, algorithm, history, reference (n, steps, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -26,6 +27,7 @@ impl Explain {
         let Subject::Contact(setup) = &plan.subject else {
             return abstract_problem::explain(&plan, self.json);
         };
+        let constants = predicted_constants(&plan);
         let (algorithm, history) = (algorithm(setup), history(setup));
         let costs = predict(setup, &plan)?;
         let cases: Vec<_> = plan
@@ -61,6 +63,7 @@ impl Explain {
                 "history": history,
                 "reference": reference,
                 "cases": cases,
+                "constants": constants.iter().map(|(_, json)| json).collect::<Vec<_>>(),
             }))?;
             return Ok(0);
         }
@@ -83,6 +86,7 @@ impl Explain {
                 predicted(cost)
             ));
         }
+        constants.iter().for_each(|(line, _)| print_text(line));
         let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
         print_text(&format!(
             "in all     about {} of CPU time, good to a factor of about 3",

@@ -5,6 +5,7 @@ mod audit;
 mod baseline;
 mod bound;
 mod check;
+mod constants;
 mod diagnose;
 mod explain;
 mod fit;

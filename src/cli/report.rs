@@ -8,8 +8,9 @@ use super::{CliError, Scenes, print_text};
 use crate::record::Key;
 use crate::report::write_all;
 use crate::scene::Scene;
-use crate::sweep::{Provenance, judge_scene, scene_summary};
-use crate::verdict::{exit_code, read_failures, render_table, restore_reasons};
+use crate::setup::Subject;
+use crate::sweep::{Provenance, foresee, judge_scene, scene_summary};
+use crate::verdict::{exit_code, read_failures, read_foreseen, render_table, restore_reasons};
 
 /// `sweep report`. Scenes are judged by the text that DIR keeps of them, unless --scenes names a
 /// folder.
@@ -25,7 +26,9 @@ impl Report {
         let mut records =
             crate::record::read(&self.dir.join("cases.csv")).map_err(|error| other(&error))?;
         let document = self.dir.join("verdict.json");
+        let mut foreseen = Vec::new();
         if document.exists() {
+            foreseen = read_foreseen(&document).map_err(|error| other(&error))?;
             let failures = read_failures(&document).map_err(|error| other(&error))?;
             restore_reasons(&mut records, &failures);
         }
@@ -44,7 +47,11 @@ impl Report {
             // must be among them only if the directory was made with that grid.
             let keys: Vec<Key> =
                 records.iter().filter(|r| r.scene == scene.name).map(|r| r.key()).collect();
-            verdicts.extend(judge_scene(scene, &records, &keys));
+            // Verdicts of an interrupted run were never written, nor what was known of constants.
+            if scene.judge && !foreseen.iter().any(|known| known.scene == scene.name) {
+                foreseen.extend(foresee(&Subject::new(scene.clone())?, &records));
+            }
+            verdicts.extend(judge_scene(scene, &records, &keys, &foreseen));
             summaries.push(scene_summary(scene));
         }
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();

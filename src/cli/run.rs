@@ -9,7 +9,9 @@ use super::{CliError, Scenes, print_json, print_text};
 use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all, write_junit};
 use crate::setup::Subject;
-use crate::sweep::{Overrides, Provenance, ScenePlan, judge_scene, run_sweep, scene_summary};
+use crate::sweep::{
+    Overrides, Provenance, ScenePlan, foresee, judge_scene, run_sweep, scene_summary,
+};
 use crate::verdict::{
     Baseline, Comparison, Verdict, compare_with_baseline, exit_code, failures, render_table,
 };
@@ -169,7 +171,10 @@ impl What {
         let records = run_sweep(&plans, &self.out, jobs, resume, &progress)?;
         let verdicts = plans
             .iter()
-            .flat_map(|plan| judge_scene(plan.scene(), &records, &plan.keys()))
+            .flat_map(|plan| {
+                let foreseen = foresee(&plan.subject, &records);
+                judge_scene(plan.scene(), &records, &plan.keys(), &foreseen)
+            })
             .collect();
         let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
         let provenance = Provenance::of_run(&plans).json();

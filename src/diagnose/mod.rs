@@ -54,7 +54,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, SetupError> {
     has_exact_solution(scene)?;
     let (plan, records) = outcome::records(scene, prepare)?;
-    let verdicts = judge_scene(scene, &records, &plan.keys());
+    let verdicts = judge_scene(scene, &records, &plan.keys(), &[]);
     let wrong = |verdict: &&Verdict| !verdict.as_expected();
     if !always && !verdicts.iter().any(|verdict| wrong(&verdict)) {
         let sentence = match verdicts.is_empty() {

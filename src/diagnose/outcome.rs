@@ -129,7 +129,7 @@ pub fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
     };
     match trial.question {
         Question::Order => {
-            let verdicts = judge_scene(&trial.scene, &records, &plan.keys());
+            let verdicts = judge_scene(&trial.scene, &records, &plan.keys(), &[]);
             let verdict = verdicts.into_iter().max_by_key(|verdict| badness(verdict.decision));
             if let Some(verdict) = verdict {
                 outcome.decision = verdict.decision;

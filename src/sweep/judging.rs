@@ -1,12 +1,23 @@
 //! From a scene's predictions to verdicts on records.
 
+use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
+use crate::leading_error::{Case, Measured, leading_errors};
 use crate::record::{CaseRecord, Key};
 use crate::report::SceneSummary;
 use crate::scene::{Direction, Expectation, Prediction, Scene};
-use crate::verdict::{self, Expect, Variable, Verdict};
+use crate::setup::Subject;
+use crate::verdict::{
+    self, Expect, Foreseen, ForeseenConstant, LeadingLine, LeadingPoint, Variable, Verdict,
+};
 
-/// The verdicts of a scene; none if it is not judged.
-pub fn judge_scene(scene: &Scene, records: &[CaseRecord], expected: &[Key]) -> Vec<Verdict> {
+/// The verdicts of a scene; none if it is not judged. `foreseen` holds what is known beforehand of constants, of this
+/// scene and others.
+pub fn judge_scene(
+    scene: &Scene,
+    records: &[CaseRecord],
+    expected: &[Key],
+    foreseen: &[ForeseenConstant],
+) -> Vec<Verdict> {
     if !scene.judge {
         return Vec::new();
     }
@@ -15,11 +26,96 @@ pub fn judge_scene(scene: &Scene, records: &[CaseRecord], expected: &[Key]) -> V
         Expectation::Fail => Expect::Fail,
         Expectation::Unresolved => Expect::Unresolved,
     };
-    scene
-        .predicts
-        .iter()
-        .map(|p| verdict::judge(&scene.name, records, expected, &prediction(scene, p), expect))
-        .collect()
+    let one = |written: &Prediction| {
+        let prediction = prediction(scene, written);
+        let known = foreseen.iter().find(|known| {
+            known.scene == scene.name
+                && known.norm == prediction.norm
+                && known.variable == prediction.variable
+        });
+        let known = known.map(|known| &known.foreseen);
+        verdict::judge_foreseen(&scene.name, records, expected, &prediction, known, expect)
+    };
+    scene.predicts.iter().map(one).collect()
+}
+
+/// What is known beforehand of the constants of a judged scene, on the cases that its predictions rest on.
+pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstant> {
+    let scene = subject.scene();
+    let one = |written: &Prediction| {
+        let prediction = prediction(scene, written);
+        let keys = verdict::line_keys(&scene.name, records, &prediction);
+        let cases: Vec<Case> = keys.iter().map(|key| Case { n: key.n, steps: key.steps }).collect();
+        ForeseenConstant {
+            scene: scene.name.clone(),
+            norm: prediction.norm,
+            variable: prediction.variable,
+            foreseen: foreseen(subject, written, &cases),
+        }
+    };
+    let judged = scene.predicts.iter().filter(|_| scene.judge);
+    judged.map(one).collect()
+}
+
+/// What is known beforehand of the constants of a scene, on the cases of a plan: before anything is solved.
+pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
+    let scene = plan.scene();
+    let one = |written: &Prediction| {
+        let prediction = prediction(scene, written);
+        let inside = |window: Option<[u32; 2]>, value: u32| {
+            window.is_none_or(|[first, last]| (first..=last).contains(&value))
+        };
+        let serves = |case: &&CasePlan| {
+            case.norms.contains(&written.norm)
+                && inside(prediction.window_steps, case.steps)
+                && case.n.is_none_or(|n| inside(prediction.window_n, n))
+        };
+        let cases: Vec<&CasePlan> = plan.cases.iter().filter(serves).collect();
+        let steps = cases.iter().map(|case| case.steps).max();
+        let finest = cases.iter().filter_map(|case| case.n).max();
+        let on_line = |case: &&&CasePlan| match written.variable {
+            Direction::H => Some(case.steps) == steps,
+            Direction::K => case.n == finest,
+            Direction::Joint => true,
+        };
+        let case = |case: &&CasePlan| Case { n: case.n, steps: case.steps };
+        let cases: Vec<Case> = cases.iter().filter(on_line).map(case).collect();
+        ForeseenConstant {
+            scene: scene.name.clone(),
+            norm: prediction.norm,
+            variable: prediction.variable,
+            foreseen: foreseen(&plan.subject, written, &cases),
+        }
+    };
+    scene.predicts.iter().map(one).collect()
+}
+
+/// What is known beforehand of the constant of one prediction on the given cases.
+fn foreseen(subject: &Subject, written: &Prediction, cases: &[Case]) -> Foreseen {
+    let measured = Measured {
+        norm: written.norm,
+        variable: written.variable,
+        order: written.order,
+        time_reference: TIME_REFERENCE,
+    };
+    match leading_errors(subject, &measured, cases) {
+        Err(reason) => Foreseen::Nothing { not_predicted: reason.to_string() },
+        Ok(leading) => Foreseen::Leading(LeadingLine {
+            points: leading
+                .points
+                .iter()
+                .map(|point| LeadingPoint {
+                    n: point.case.n,
+                    steps: point.case.steps,
+                    h: point.h,
+                    k: point.k,
+                    error: point.error,
+                })
+                .collect(),
+            limit: leading.limit,
+            tolerance: leading.tolerance,
+        }),
+    }
 }
 
 /// What a report says of a scene.

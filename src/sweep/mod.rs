@@ -12,7 +12,7 @@ mod run;
 pub use abstract_case::run_abstract_case;
 pub use case::run_contact_case;
 pub use cost::{Cost, Kind, PlanCost, predict};
-pub use judging::{judge_scene, scene_summary};
+pub use judging::{foresee, foresee_plan, judge_scene, scene_summary};
 pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple};
 pub use provenance::Provenance;
 pub use resume::{ResumeError, resume};

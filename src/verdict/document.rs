@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Comparison, Verdict};
+use super::{Comparison, Foreseen, ForeseenConstant, Variable, Verdict};
 use crate::record::{CaseRecord, Key, Status, replace_file};
 
 /// A case that did not converge, with what the solver said: `cases.csv` has no column for it.
@@ -58,6 +58,21 @@ struct Failures {
     failures: Vec<Failure>,
 }
 
+#[derive(Deserialize)]
+struct Judged {
+    scene: String,
+    norm: String,
+    variable: Variable,
+    #[serde(default)]
+    foreseen: Option<Foreseen>,
+}
+
+#[derive(Deserialize)]
+struct Verdicts {
+    #[serde(default)]
+    verdicts: Vec<Judged>,
+}
+
 /// The failed cases, in the order of their keys.
 pub fn failures(records: &[CaseRecord]) -> Vec<Failure> {
     let reason = |record: &CaseRecord| match &record.status {
@@ -94,11 +109,27 @@ pub fn write_json(
 /// # Errors
 /// [`DocumentError::Io`], [`DocumentError::Json`].
 pub fn read_failures(path: &Path) -> Result<Vec<Failure>, DocumentError> {
+    read::<Failures>(path).map(|read| read.failures)
+}
+
+/// Reads what an earlier `verdict.json` knew beforehand of constants, so that records are judged again without the
+/// scenes' exact solutions.
+///
+/// # Errors
+/// [`DocumentError::Io`], [`DocumentError::Json`].
+pub fn read_foreseen(path: &Path) -> Result<Vec<ForeseenConstant>, DocumentError> {
+    let with = |judged: Judged| {
+        let Judged { scene, norm, variable, foreseen } = judged;
+        foreseen.map(|foreseen| ForeseenConstant { scene, norm, variable, foreseen })
+    };
+    read::<Verdicts>(path).map(|read| read.verdicts.into_iter().filter_map(with).collect())
+}
+
+fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, DocumentError> {
     let bytes = std::fs::read(path)
         .map_err(|source| DocumentError::Io { path: path.to_owned(), source })?;
-    let read: Failures = serde_json::from_slice(&bytes)
-        .map_err(|source| DocumentError::Json { path: path.to_owned(), source })?;
-    Ok(read.failures)
+    serde_json::from_slice(&bytes)
+        .map_err(|source| DocumentError::Json { path: path.to_owned(), source })
 }
 
 /// Gives failed cases that were read from `cases.csv` their reasons back.

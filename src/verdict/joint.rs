@@ -75,7 +75,7 @@ fn constants(
     [("C_h", space, orders.0), ("C_k", time, orders.1)]
         .into_iter()
         .map(|(name, fitted, order)| {
-            (name, Constant { value: fitted.value, interval: pair(fitted.interval), order })
+            (name, Constant::fitted(fitted.value, pair(fitted.interval), order))
         })
         .collect()
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::compare::{Aim, WIDEST_HALF_WIDTH, compare};
+use super::constants::{Comparison, Foreseen, LeadingLine, compare_constant};
 use super::joint::judge_grid;
 use super::next::next_case;
 use super::selection::{Cases, Selection};
@@ -43,15 +44,31 @@ pub fn judge(
     prediction: &Prediction,
     expect: Expect,
 ) -> Verdict {
+    judge_foreseen(scene, records, expected_cases, prediction, None, expect)
+}
+
+/// The same with what is known beforehand of the constant: an order that is right with a constant that is not is a
+/// `fail`.
+pub fn judge_foreseen(
+    scene: &str,
+    records: &[CaseRecord],
+    expected_cases: &[Key],
+    prediction: &Prediction,
+    foreseen: Option<&Foreseen>,
+    expect: Expect,
+) -> Verdict {
     let cases = Cases::new(scene, records, expected_cases);
     let selection = cases.select(prediction);
     let complete = selection.gaps.is_empty();
-    let finding = match prediction.variable {
+    let mut finding = match prediction.variable {
         _ if !complete => Finding::without_order(Decision::Fail, gaps_in_words(&selection.gaps)),
         Variable::H => judge_line(&cases, &selection, prediction, Direction::Space),
         Variable::K => judge_line(&cases, &selection, prediction, Direction::Time),
         Variable::Joint => judge_grid(&selection, prediction),
     };
+    if let Some(Foreseen::Leading(line)) = foreseen {
+        compare_with(&mut finding, &selection, prediction, line);
+    }
     let ends = |orders: Option<(f64, Interval)>| orders.map(|(_, interval)| pair(interval));
     Verdict {
         scene: scene.to_owned(),
@@ -69,11 +86,37 @@ pub fn judge(
         points_used: selection.points_used(),
         points_left_out: selection.points_left_out(),
         constants: finding.constants,
+        foreseen: foreseen.cloned(),
         decision: finding.decision,
         reason: finding.reason,
         complete,
         expect,
     }
+}
+
+/// Adds the comparison of the constant to what was found of the order.
+fn compare_with(
+    finding: &mut Finding,
+    selection: &Selection,
+    prediction: &Prediction,
+    line: &LeadingLine,
+) {
+    let direction = match prediction.variable {
+        Variable::H => Direction::Space,
+        Variable::K => Direction::Time,
+        Variable::Joint => return,
+    };
+    let name = constant_name(direction);
+    let Some(&fitted) = finding.constants.get(name) else { return };
+    let compared = compare_constant(fitted, &selection.used, line, prediction, direction);
+    let Some(Comparison { constant, decision, sentence }) = compared else { return };
+    finding.constants.insert(name, constant);
+    finding.reason = format!("{}; {sentence}", finding.reason);
+    finding.decision = match (finding.decision, decision) {
+        (Decision::Fail, _) | (_, Decision::Fail) => Decision::Fail,
+        (Decision::Pass, Decision::Pass) => Decision::Pass,
+        _ => Decision::Unresolved,
+    };
 }
 
 /// Gaps that are named before the rest is counted.
@@ -147,17 +190,21 @@ fn correction(prediction: &Prediction, direction: Direction) -> Correction {
     }
 }
 
+fn constant_name(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Space => "C_h",
+        Direction::Time => "C_k",
+    }
+}
+
 fn constants(
     samples: &[Sample],
     order: f64,
     direction: Direction,
 ) -> BTreeMap<&'static str, Constant> {
-    let name = match direction {
-        Direction::Space => "C_h",
-        Direction::Time => "C_k",
-    };
+    let name = constant_name(direction);
     let fitted = constant_under(order, samples)
-        .map(|(value, interval)| (name, Constant { value, interval: pair(interval), order }));
+        .map(|(value, interval)| (name, Constant::fitted(value, pair(interval), order)));
     fitted.into_iter().collect()
 }
 

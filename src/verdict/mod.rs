@@ -2,6 +2,7 @@
 
 mod baseline;
 mod compare;
+mod constants;
 mod document;
 mod joint;
 mod judge;
@@ -20,9 +21,12 @@ pub use baseline::{
     compare_with_baseline,
 };
 pub use compare::{Aim, compare};
-pub use document::{DocumentError, Failure, failures, read_failures, restore_reasons, write_json};
-pub use judge::judge;
-pub use selection::line_points;
+pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
+pub use document::{
+    DocumentError, Failure, failures, read_failures, read_foreseen, restore_reasons, write_json,
+};
+pub use judge::{judge, judge_foreseen};
+pub use selection::{line_keys, line_points};
 pub use table::{NOTHING_JUDGED, cell_texts, render_table};
 
 /// What is refined.
@@ -151,6 +155,25 @@ pub struct Constant {
     pub interval: [f64; 2],
     /// The order it belongs to.
     pub order: f64,
+    /// The same of the leading errors that are known beforehand.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub predicted: Option<f64>,
+    /// What error over step tends to, where that is known apart from the cases.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<f64>,
+    /// Measured over predicted on the finest case.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ratio: Option<f64>,
+    /// How far from one the ratio may be.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+}
+
+impl Constant {
+    /// A constant as fitted, of which nothing is predicted.
+    pub(crate) fn fitted(value: f64, interval: [f64; 2], order: f64) -> Self {
+        Self { value, interval, order, predicted: None, limit: None, ratio: None, tolerance: None }
+    }
 }
 
 /// The parts of an interval, see [`crate::fit::OrderInterval`].
@@ -203,6 +226,9 @@ pub struct Verdict {
     pub points_left_out: Vec<PointLeftOut>,
     /// `C_h` and `C_k`, as far as they were fitted.
     pub constants: BTreeMap<&'static str, Constant>,
+    /// What is known beforehand of the constant: leading errors, or why there are none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub foreseen: Option<Foreseen>,
     /// The decision.
     #[serde(rename = "verdict")]
     pub decision: Decision,

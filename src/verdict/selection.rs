@@ -224,3 +224,9 @@ pub fn line_points(
     let left_out = selection.left_out.iter().map(|(serving, _)| serving);
     selection.used.iter().chain(left_out).map(|serving| serving.point).collect()
 }
+
+/// The cases that serve a prediction.
+pub fn line_keys(scene: &str, records: &[CaseRecord], prediction: &Prediction) -> Vec<Key> {
+    let selection = Cases::new(scene, records, &[]).select(prediction);
+    selection.used.into_iter().map(|serving| serving.key).collect()
+}

@@ -1,0 +1,42 @@
+//! Why a constant is not predicted.
+
+use crate::contact::LoadError;
+use crate::linalg::FactorError;
+
+/// Why a scene, norm or direction has no predicted constant.
+#[derive(Debug, thiserror::Error)]
+pub enum NoConstant {
+    /// Given loads: the truth is a run.
+    #[error("no exact solution: a reference run knows no constant beforehand")]
+    NoExact,
+    /// Nothing is predicted of this norm.
+    #[error("{norm} has no predicted constant, V_max and V_time_max have one")]
+    Norm { norm: &'static str },
+    /// Both directions at once.
+    #[error("a joint fit: constants are predicted along h and along k")]
+    Joint,
+    /// I_h u is not closer to u_h than to u.
+    #[error("the mesh is no grid of translated triangles, so the interpolant is not superclose")]
+    Mesh,
+    /// u is not in H², or U^h is not in U.
+    #[error("a hypothesis of (5.26) is violated: the interpolation error is not the whole error")]
+    Regularity,
+    /// V_max in k on a scene with space error.
+    #[error("u(t) is not in V^h: the error holds space error as well")]
+    NotInSpace,
+    /// Not the trapezoidal rule.
+    #[error("the time rule is not the trapezoidal one")]
+    Rule,
+    /// The linearised step has no solution.
+    #[error("the linearised problem is singular at t = {t}")]
+    Singular { t: f64 },
+    /// A formula.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// The tangent.
+    #[error(transparent)]
+    Factor(#[from] FactorError),
+    /// The space.
+    #[error("{0}")]
+    Setup(String),
+}

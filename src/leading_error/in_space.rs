@@ -1,0 +1,265 @@
+//! The time error on V^h: the linearised scheme of a contact scene along the nodal interpolant of its exact solution.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::NoConstant;
+use super::cells::{Mandel, add_force, add_stiffness, inner, strains};
+use super::interpolation::InterpolationError;
+use super::law_slope::{Answer, answer};
+use super::tangent::{by_kappa, by_strain, isotropic, stress_of};
+use super::time::weight;
+use crate::contact::Discretization;
+use crate::formula::{Node, Point, Variable};
+use crate::linalg::{axpy, dot};
+use crate::manufactured::{ComplianceRule, Exact, InterpolatedOnMesh};
+
+/// A contact scene on one mesh.
+pub(super) struct InSpace {
+    exact: Arc<Exact>,
+    space: Arc<Discretization>,
+    truth: InterpolatedOnMesh,
+    /// κ'(ζ).
+    slope: Option<Node>,
+    graph: crate::formula::Graph,
+    states: RefCell<HashMap<u64, Rc<State>>>,
+}
+
+/// I_h u with its exact histories at one time.
+struct State {
+    u: Vec<f64>,
+    strain: Vec<Mandel>,
+    /// ‖ε‖_ℋ.
+    norm: f64,
+    /// ε(∫ b(t-s) u ds), empty without memory.
+    memory: Vec<Mandel>,
+    /// ζ, where κ depends on it.
+    zeta: f64,
+    /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
+    contact: Vec<[f64; 5]>,
+}
+
+/// The past of a level: Σ' over exact values, and over the errors of earlier levels.
+struct Past {
+    memory: Vec<Mandel>,
+    zeta: f64,
+    memory_error: Vec<Mandel>,
+    zeta_error: f64,
+    /// The weights with which the level itself enters.
+    own: f64,
+    own_memory: f64,
+}
+
+impl InSpace {
+    /// Binds the exact solution to the mesh of `space`.
+    pub(super) fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
+        // The rule matters to loads alone, which are not asked for here.
+        let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
+        let mut graph = exact.data.graph.clone();
+        let slope = exact
+            .data
+            .kappa
+            .filter(|&kappa| graph.depends_on(kappa, Variable::Zeta))
+            .map(|kappa| graph.derivative(kappa, Variable::Zeta));
+        Self { exact, space, truth, slope, graph, states: RefCell::default() }
+    }
+
+    /// Whether u(t) ∈ V^h, to rounding, at times that no scene has reason to single out.
+    pub(super) fn holds_the_solution(&self, horizon: f64) -> bool {
+        let mut interpolation = InterpolationError::new(&self.exact, &self.space.mesh);
+        [0.37, 0.83, 1.0].iter().all(|share| {
+            let t = share * horizon;
+            let norm = self.state(t).map_or(f64::NAN, |state| state.norm);
+            interpolation.at(t) <= VANISHING * norm
+        })
+    }
+
+    /// max_n ‖ε(e_n)‖ on a grid.
+    pub(super) fn largest_error(&self, times: &[f64]) -> Result<f64, NoConstant> {
+        let states: Vec<Rc<State>> =
+            times.iter().map(|&t| self.state(t)).collect::<Result<_, _>>()?;
+        let mut errors: Vec<Vec<f64>> = vec![vec![0.0; self.space.nodes.len()]];
+        // (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
+        let mut of_norm = vec![0.0];
+        let mut largest: f64 = 0.0;
+        for n in 1..times.len() {
+            let past = self.past(times, n, &states, &errors, &of_norm);
+            let error = self.level(times[n], &states[n], &past)?;
+            let strain = strains(&self.space, &error);
+            let norm = inner(&self.space, &strain, &strain).sqrt();
+            let own = inner(&self.space, &states[n].strain, &strain) / states[n].norm;
+            // Where ε vanishes the norm of its neighbour is the error's own.
+            of_norm.push(if states[n].norm > VANISHING * norm { own } else { norm });
+            if norm.is_nan() {
+                return Err(NoConstant::Singular { t: times[n] });
+            }
+            largest = largest.max(norm);
+            errors.push(error);
+        }
+        Ok(largest)
+    }
+
+    fn b(&self, lag: f64) -> f64 {
+        let at = Point { t: lag, ..Point::default() };
+        self.exact.data.kernel.map_or(0.0, |kernel| self.exact.data.graph.evaluate(kernel, &at))
+    }
+
+    fn at_zeta(&self, node: Option<Node>, zeta: f64, absent: f64) -> f64 {
+        let at = Point { zeta, ..Point::default() };
+        node.map_or(absent, |node| self.graph.evaluate(node, &at))
+    }
+
+    fn has_memory(&self) -> bool {
+        self.exact.data.material.memory.is_some() && self.exact.data.kernel.is_some()
+    }
+
+    fn state(&self, t: f64) -> Result<Rc<State>, NoConstant> {
+        if let Some(known) = self.states.borrow().get(&t.to_bits()) {
+            return Ok(known.clone());
+        }
+        let (u, memory) = self.truth.displacements(t)?;
+        let strain = strains(&self.space, &u);
+        let memory = if memory.is_empty() { Vec::new() } else { strains(&self.space, &memory) };
+        let zeta = if self.slope.is_some() { self.truth.zeta(t)? } else { 0.0 };
+        let norm = inner(&self.space, &strain, &strain).sqrt();
+        let contact = self.truth.contact_state(t);
+        let state = Rc::new(State { u, strain, norm, memory, zeta, contact });
+        self.states.borrow_mut().insert(t.to_bits(), state.clone());
+        Ok(state)
+    }
+
+    fn past(
+        &self,
+        times: &[f64],
+        n: usize,
+        states: &[Rc<State>],
+        errors: &[Vec<f64>],
+        of_norm: &[f64],
+    ) -> Past {
+        let own = weight(times, n, n);
+        let (mut zeta, mut zeta_error) = (own * states[n].norm, 0.0);
+        let length = self.space.nodes.len();
+        let (mut exact, mut error) = (vec![0.0; length], vec![0.0; length]);
+        let own_memory = if self.has_memory() { own * self.b(0.0) } else { 0.0 };
+        axpy(own_memory, &states[n].u, &mut exact);
+        for j in 0..n {
+            let w = weight(times, n, j);
+            zeta += w * states[j].norm;
+            zeta_error += w * of_norm[j];
+            if self.has_memory() {
+                let w = w * self.b(times[n] - times[j]);
+                axpy(w, &states[j].u, &mut exact);
+                axpy(w, &errors[j], &mut error);
+            }
+        }
+        let memory = strains(&self.space, &exact);
+        let memory_error = strains(&self.space, &error);
+        Past { memory, zeta, memory_error, zeta_error, own, own_memory }
+    }
+
+    /// e_n from the linearised step
+    ///
+    /// ```text
+    /// (D ε(e), ε(v)) + ∫ ∂²j e_ν v_ν + (r, ε(v)) w (ε_n, ε(e))/‖ε_n‖ = -(ρ + past, ε(v)),   r = ∂σ/∂κ κ'
+    /// ```
+    ///
+    /// with ρ the stress of the discrete history less that of the exact one.
+    fn level(&self, t: f64, state: &State, past: &Past) -> Result<Vec<f64>, NoConstant> {
+        let (space, material) = (&self.space, &self.exact.data.material);
+        let kappa = self.exact.data.kappa;
+        let (exact_kappa, own_kappa) = (
+            self.at_zeta(kappa, state.zeta, f64::INFINITY),
+            self.at_zeta(kappa, past.zeta, f64::INFINITY),
+        );
+        let slope = self.at_zeta(self.slope, past.zeta, 0.0);
+        let (lambda, mu) = material.memory.unwrap_or_default();
+        let mut values = vec![0.0; space.pattern.entries()];
+        let mut right = vec![0.0; space.nodes.len()];
+        let (mut column, mut row) = (right.clone(), right.clone());
+        let nothing = [0.0; 3];
+        for c in 0..space.mesh.cell_count() {
+            let strain = &state.strain[c];
+            let memory = state.memory.get(c).unwrap_or(&nothing);
+            let before = stress_of(material, strain, memory, exact_kappa);
+            let after = stress_of(material, strain, &past.memory[c], own_kappa);
+            let remembered = isotropic(lambda, mu, &past.memory_error[c]);
+            let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
+            let source = [0, 1, 2]
+                .map(|i| before[i] - after[i] - remembered[i] - by_zeta[i] * past.zeta_error);
+            add_force(space, c, &source, &mut right);
+            let mut tangent = by_strain(material, strain, own_kappa);
+            for (i, line) in tangent.iter_mut().enumerate() {
+                let unit = [0, 1, 2].map(|j| f64::from(u8::from(i == j)));
+                let memory = isotropic(lambda, mu, &unit);
+                (0..3).for_each(|j| line[j] += past.own_memory * memory[j]);
+            }
+            add_stiffness(space, c, &tangent, &mut values);
+            if self.slope.is_some() && state.norm > 0.0 {
+                add_force(space, c, &by_zeta, &mut column);
+                add_force(space, c, &strain.map(|e| past.own * e / state.norm), &mut row);
+            }
+        }
+        self.add_contact(state, &mut values);
+        self.solve(t, &values, right, column, &row)
+    }
+
+    /// Adds the slopes of the law at the vertices; holds the vertices whose u_ν does not move.
+    fn add_contact(&self, state: &State, values: &mut [f64]) {
+        let law = self.exact.data.contact.as_ref().and_then(|contact| contact.law.as_ref());
+        let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+        for (point, &[normal, _, _, xi, lambda]) in
+            self.space.trace.points.iter().zip(&state.contact)
+        {
+            if point.clamped {
+                continue;
+            }
+            let at = self.space.pattern.diagonal(point.component as usize);
+            match answer(law, normal - self.shift(point.vertex), xi, lambda) {
+                Answer::Slope(slope) => values[at] += point.weight * slope,
+                Answer::Held => values[at] += HELD * stiffness,
+            }
+        }
+    }
+
+    fn shift(&self, vertex: u32) -> f64 {
+        let shift = self.exact.data.contact.as_ref().and_then(|contact| contact.shift);
+        let [x, y, z] = self.space.mesh.point(&[vertex], &[1.0]);
+        let at = Point { x, y, z, ..Point::default() };
+        shift.map_or(0.0, |shift| self.exact.data.graph.evaluate(shift, &at))
+    }
+
+    /// (K + column rowᵀ) e = right, by the formula of Sherman and Morrison.
+    fn solve(
+        &self,
+        t: f64,
+        values: &[f64],
+        mut right: Vec<f64>,
+        column: Vec<f64>,
+        row: &[f64],
+    ) -> Result<Vec<f64>, NoConstant> {
+        let (space, dofs) = (&self.space, self.space.dofs());
+        let analysis = &space.analysis;
+        let (mut factor, mut workspace) = (analysis.factor::<f64>(), analysis.workspace(2));
+        analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
+        let mut sides: Vec<f64> = right[..dofs].iter().chain(&column[..dofs]).copied().collect();
+        analysis.solve(&factor, &mut sides, &mut workspace);
+        let (error, answer) = sides.split_at(dofs);
+        let denominator = 1.0 + dot(&row[..dofs], answer);
+        if denominator.is_nan() || denominator.abs() <= VANISHING {
+            return Err(NoConstant::Singular { t });
+        }
+        let factor = dot(&row[..dofs], error) / denominator;
+        right.fill(0.0);
+        for (target, (e, a)) in right.iter_mut().zip(error.iter().zip(answer)) {
+            *target = e - factor * a;
+        }
+        Ok(right)
+    }
+}
+
+/// Shares below this are zero but for rounding.
+const VANISHING: f64 = 1e-9;
+/// Stiffness of a held vertex, in units of the largest entry: it moves by 1e-10 of what it would.
+const HELD: f64 = 1e10;

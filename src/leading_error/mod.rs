@@ -1,0 +1,176 @@
+//! The error that a sound scheme has on a case, to leading order, from the exact solution alone.
+//!
+//! In space it is the interpolation error ‖ε(u - I_h u)‖ ([`interpolation`]): on meshes of translated triangles I_h u is
+//! closer to u_h than either is to u. In time it solves the linearised scheme with what the trapezoidal rule misses of
+//! the exact history as its source ([`in_space`] on V^h, [`finite`] in ℝ^m):
+//!
+//! ```text
+//! A'(u_n) e_n + N_y(Σ' w_nj q(t_n,t_j) e_j) = N(S_n u, u_n) - N(S_n^k u, u_n)
+//! ```
+//!
+//! For smooth data its leading term is k² E(t), driven by (1/12)[∂_s(q(t,s) u(s))]_0^t; the source is taken whole, so
+//! that other grids, kernels like (t-s)^a, kinks and jumps are covered by the same lines.
+//!
+//! Independence: numbers of the scene, formulas, the manufactured side's stress and histories, and linear algebra.
+//! Nothing is taken from the solver's model, laws, time weights, assembly or march, so that a wrong one among them does
+//! not move the prediction; `tests/house.rs` holds the list of what is shared.
+
+mod cells;
+mod error;
+mod finite;
+mod in_space;
+mod interpolation;
+mod law_slope;
+mod tangent;
+mod time;
+
+pub use error::NoConstant;
+pub use interpolation::{InterpolationError, interpolation_constant, interpolation_form};
+
+use crate::scene::{Data, Direction, Hypothesis, MeshFamily, Norm, TimeRule};
+use crate::setup::{AbstractSetup, Setup, Subject};
+
+/// One case, by its mesh and number of steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Case {
+    /// Cells a unit length; none in ℝ^m.
+    pub n: Option<u32>,
+    /// Number of steps.
+    pub steps: u32,
+}
+
+/// The leading error of one case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeadingError {
+    /// The case.
+    pub case: Case,
+    /// h = 1/n.
+    pub h: Option<f64>,
+    /// The largest step.
+    pub k: f64,
+    /// Maximum over the grid.
+    pub error: f64,
+}
+
+/// Leading errors in one norm, and what they tend to over the step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LeadingErrors {
+    /// One a case, in the order of the cases.
+    pub points: Vec<LeadingError>,
+    /// lim ‖ε(u - I_h u)‖/h at the time at which the finest mesh has its largest error; in space alone.
+    pub limit: Option<f64>,
+    /// The share by which a sound scheme's error may differ on the finest of these cases.
+    pub tolerance: f64,
+}
+
+/// Linearisation leaves a share of the size of the error itself, 1e-3 and less.
+const IN_TIME: f64 = 0.01;
+/// The same along I_h u in place of u_h, whose strains differ by a power of h above 1.
+const ALONG_THE_INTERPOLANT: f64 = 0.03;
+/// Steps beyond which a direct sum over the past costs more than it tells: the error is long asymptotic.
+const MOST_STEPS: u32 = 1024;
+
+/// What is measured, and how a run with more steps stands for the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// The norm.
+    pub norm: Norm,
+    /// What is refined.
+    pub variable: Direction,
+    /// The order that is predicted in it.
+    pub order: f64,
+    /// The reference of the time error has so many times the steps of the case.
+    pub time_reference: u32,
+}
+
+/// The leading errors of `cases` of a scene.
+///
+/// # Errors
+/// Why this scene, norm or direction has none.
+pub fn leading_errors(
+    subject: &Subject,
+    measured: &Measured,
+    cases: &[Case],
+) -> Result<LeadingErrors, NoConstant> {
+    match subject {
+        Subject::Abstract(setup) => of_abstract(setup, cases),
+        Subject::Contact(setup) => match measured.variable {
+            Direction::H => in_space_direction(setup, measured, cases),
+            Direction::K => in_time_direction(setup, measured, cases),
+            Direction::Joint => Err(NoConstant::Joint),
+        },
+    }
+}
+
+fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingErrors, NoConstant> {
+    if setup.scene.time.rule != TimeRule::Trapezoid {
+        return Err(NoConstant::Rule);
+    }
+    let fewest = cases.iter().map(|case| case.steps).min().unwrap_or(0);
+    let told = |case: &&Case| case.steps <= MOST_STEPS.max(fewest);
+    let points = cases.iter().filter(told).map(|&case| {
+        let times = time::times(&setup.scene.time, case.steps);
+        let error = finite::largest_error(setup, &times)?;
+        Ok(LeadingError { case, h: None, k: time::largest_step(&times), error })
+    });
+    let points = points.collect::<Result<_, NoConstant>>()?;
+    Ok(LeadingErrors { points, limit: None, tolerance: IN_TIME })
+}
+
+fn in_space_direction(
+    setup: &Setup,
+    measured: &Measured,
+    cases: &[Case],
+) -> Result<LeadingErrors, NoConstant> {
+    let violated = |hypothesis| setup.scene.violates.contains(&hypothesis);
+    let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
+    if measured.norm != Norm::VMax {
+        return Err(NoConstant::Norm { norm: measured.norm.name() });
+    }
+    if setup.body.domain.mesh != MeshFamily::Structured {
+        return Err(NoConstant::Mesh);
+    }
+    if violated(Hypothesis::RegularInSpace) || violated(Hypothesis::ConcaveGap) {
+        return Err(NoConstant::Regularity);
+    }
+    interpolation::over_cases(setup, exact, cases)
+}
+
+fn in_time_direction(
+    setup: &Setup,
+    measured: &Measured,
+    cases: &[Case],
+) -> Result<LeadingErrors, NoConstant> {
+    let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
+    if setup.scene.time.rule != TimeRule::Trapezoid {
+        return Err(NoConstant::Rule);
+    }
+    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    // The reference of M times the steps has M^-order of the error.
+    let (share, tolerance) = match measured.norm {
+        Norm::VMax => (1.0, IN_TIME),
+        Norm::VTimeMax => {
+            (1.0 - f64::from(measured.time_reference).powf(-measured.order), ALONG_THE_INTERPOLANT)
+        }
+        other => return Err(NoConstant::Norm { norm: other.name() }),
+    };
+    let horizon = setup.scene.time.horizon;
+    let mut points = Vec::with_capacity(cases.len());
+    let mut ns: Vec<u32> = cases.iter().filter_map(|case| case.n).collect();
+    ns.sort_unstable();
+    ns.dedup();
+    for n in ns {
+        let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
+        let body = in_space::InSpace::new(exact.clone(), space);
+        if measured.norm == Norm::VMax && !interpolated && !body.holds_the_solution(horizon) {
+            return Err(NoConstant::NotInSpace);
+        }
+        for &case in cases.iter().filter(|case| case.n == Some(n)) {
+            let times = time::times(&setup.scene.time, case.steps);
+            let error = share * body.largest_error(&times)?;
+            let (h, k) = (Some(1.0 / f64::from(n)), time::largest_step(&times));
+            points.push(LeadingError { case, h, k, error });
+        }
+    }
+    Ok(LeadingErrors { points, limit: None, tolerance })
+}

@@ -1,0 +1,138 @@
+//! A fitted constant against the one that is known beforehand.
+
+use serde::{Deserialize, Serialize};
+
+use super::selection::Serving;
+use super::{Constant, Decision, Prediction, Variable};
+use crate::fit::{Direction, Sample, constant_under};
+
+/// The error that a sound scheme has on a case, to leading order.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LeadingPoint {
+    /// Mesh cells per unit length.
+    pub n: Option<u32>,
+    /// Number of time steps.
+    pub steps: u32,
+    /// Mesh size.
+    pub h: Option<f64>,
+    /// Time step.
+    pub k: f64,
+    /// Leading error.
+    pub error: f64,
+}
+
+/// Leading errors along one direction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LeadingLine {
+    /// One a case that has one.
+    pub points: Vec<LeadingPoint>,
+    /// What error over step tends to, where that is known apart from the points.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub limit: Option<f64>,
+    /// The share by which the error of a sound scheme may differ on the finest case.
+    pub tolerance: f64,
+}
+
+/// What is known beforehand of the constant of one prediction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Foreseen {
+    /// The leading errors.
+    Leading(LeadingLine),
+    /// Nothing, and why.
+    Nothing {
+        /// Why.
+        not_predicted: String,
+    },
+}
+
+/// The same with the prediction it belongs to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForeseenConstant {
+    /// Name of the scene.
+    pub scene: String,
+    /// Name of the norm.
+    pub norm: String,
+    /// What is refined.
+    pub variable: Variable,
+    /// What is known.
+    pub foreseen: Foreseen,
+}
+
+/// What the comparison says.
+pub(super) struct Comparison {
+    pub(super) constant: Constant,
+    pub(super) decision: Decision,
+    pub(super) sentence: String,
+}
+
+/// Compares error over step^order with the same of the leading error, case by case; the finest case decides. The steps
+/// of a measured case are those of its record, the steps of a leading error its own, so that a mislabelled step shows.
+/// `None` if the scene foresees nothing or no case that served has a leading error.
+pub(super) fn compare_constant(
+    fitted: Constant,
+    used: &[Serving],
+    line: &LeadingLine,
+    prediction: &Prediction,
+    direction: Direction,
+) -> Option<Comparison> {
+    let order = prediction.order;
+    let mut pairs: Vec<(Sample, f64)> = Vec::new();
+    for point in &line.points {
+        let own = |serving: &&Serving| serving.key.n == point.n && serving.key.steps == point.steps;
+        let Some(serving) = used.iter().find(own) else { continue };
+        let step = match direction {
+            Direction::Space => point.h.unwrap_or(f64::NAN),
+            Direction::Time => point.k,
+        };
+        let under = |error: f64, step: f64| error / step.powf(order);
+        let measured = under(serving.point.error, direction.step(&serving.point));
+        let leading = under(point.error, step);
+        pairs.push((Sample { step, error: point.error }, measured / leading));
+    }
+    pairs.sort_by(|a, b| b.0.step.total_cmp(&a.0.step));
+    let (_, ratio) = *pairs.last()?;
+    let samples: Vec<Sample> = pairs.iter().map(|(sample, _)| *sample).collect();
+    let of_line = constant_under(order, &samples).map(|(value, _)| value);
+    let last = samples.last().map(|sample| sample.error / sample.step.powf(order));
+    let constant = Constant {
+        predicted: of_line.or(last),
+        limit: line.limit,
+        ratio: Some(ratio),
+        tolerance: Some(line.tolerance),
+        ..fitted
+    };
+    let previous = pairs.len().checked_sub(2).map(|at| pairs[at].1);
+    let (decision, sentence) = decide(ratio, previous, line.tolerance, direction);
+    Some(Comparison { constant, decision, sentence })
+}
+
+/// Pass if the ratio is within the tolerance of one; unresolved if it is still drifting so fast that it may come there,
+/// by twice its last change on the logarithm; else fail.
+fn decide(
+    ratio: f64,
+    previous: Option<f64>,
+    tolerance: f64,
+    direction: Direction,
+) -> (Decision, String) {
+    let (name, cause, cure) = match direction {
+        Direction::Space => ("C_h", "h, a load, a rule or a norm", "more cells n"),
+        Direction::Time => ("C_k", "k, a weight or the kernel", "more steps"),
+    };
+    let sentence = format!("{name} is {ratio:.4} times the predicted one");
+    let percent = 100.0 * tolerance;
+    let off = ratio.ln();
+    let drift = previous.map_or(0.0, |previous| 2.0 * (off - previous.ln()).abs());
+    if (ratio - 1.0).abs() <= tolerance {
+        (Decision::Pass, sentence)
+    } else if off.abs() - drift <= tolerance.ln_1p() && off.is_finite() {
+        let open = format!("beyond {percent:.0} % and still drifting: {cure} would tell");
+        (Decision::Unresolved, format!("{sentence}, {open}"))
+    } else {
+        let missed = format!("beyond {percent:.0} %: {cause} is off by a factor");
+        (Decision::Fail, format!("{sentence}, {missed}"))
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,106 @@
+//! Constants of tables whose truth is known, against leading errors that are right or wrong.
+
+use super::*;
+use crate::fit::Point;
+use crate::record::Key;
+
+fn constant() -> Constant {
+    Constant::fitted(5.0, [4.9, 5.1], 2.0)
+}
+
+fn prediction() -> Prediction {
+    Prediction {
+        norm: "V_max".into(),
+        variable: Variable::K,
+        order: 2.0,
+        order_k: None,
+        at_least: false,
+        exact: false,
+        why: "(3.17)".into(),
+        window_n: None,
+        window_steps: None,
+    }
+}
+
+const STEPS: [u32; 4] = [8, 16, 32, 64];
+
+fn line(error: impl Fn(f64) -> f64) -> LeadingLine {
+    let point = |&steps: &u32| {
+        let k = 1.0 / f64::from(steps);
+        LeadingPoint { n: None, steps, h: None, k, error: error(k) }
+    };
+    LeadingLine { points: STEPS.iter().map(point).collect(), limit: None, tolerance: 0.01 }
+}
+
+/// Cases whose error is measured at k and recorded at k times `label`.
+fn cases(label: f64, error: impl Fn(f64) -> f64) -> Vec<Serving> {
+    let serving = |&steps: &u32| {
+        let k = 1.0 / f64::from(steps);
+        let point = Point { h: f64::NAN, k: label * k, error: error(k), floor: 0.0 };
+        Serving { key: Key { scene: "block".into(), n: None, steps }, point }
+    };
+    STEPS.iter().map(serving).collect()
+}
+
+fn compared(used: &[Serving], line: &LeadingLine) -> Comparison {
+    compare_constant(constant(), used, line, &prediction(), Direction::Time).expect("cases")
+}
+
+/// e = 5 k² (1 + 3 k²), and a leading error that knows both terms or the first alone.
+#[test]
+fn a_sound_scheme_passes() {
+    let used = cases(1.0, |k| 5.0 * k * k * (1.0 + 3.0 * k * k));
+    let whole = compared(&used, &line(|k| 5.0 * k * k * (1.0 + 3.0 * k * k)));
+    assert_eq!(whole.decision, Decision::Pass, "{}", whole.sentence);
+    assert_eq!(whole.constant.ratio, Some(1.0));
+    let first = compared(&used, &line(|k| 5.0 * k * k));
+    assert_eq!(first.decision, Decision::Pass, "{}", first.sentence);
+    assert!((first.constant.predicted.expect("a constant") - 5.0).abs() < 1e-12);
+}
+
+/// 1 + 3 k² is 1.012 at N = 16 and 1.047 at N = 8: above 1 %, and falling.
+#[test]
+fn a_ratio_that_drifts_towards_one_is_open() {
+    let used = cases(1.0, |k| 5.0 * k * k * (1.0 + 3.0 * k * k));
+    let found = compared(&used[..2], &line(|k| 5.0 * k * k));
+    assert_eq!(found.decision, Decision::Unresolved, "{}", found.sentence);
+    assert!(found.sentence.contains("more steps"), "{}", found.sentence);
+}
+
+/// An order that is wrong makes ratios that drift away.
+#[test]
+fn a_ratio_that_drifts_away_fails() {
+    for power in [0.0, 1.0, 1.5, 3.0, 4.0] {
+        let found = compared(&cases(1.0, |k| 5.0 * k.powf(power)), &line(|k| 5.0 * k * k));
+        assert_eq!(found.decision, Decision::Fail, "{}", found.sentence);
+    }
+}
+
+#[test]
+fn factors_fail_and_name_themselves() {
+    let error = |k: f64| 5.0 * k * k;
+    let leading = line(error);
+    let cases = [
+        (cases(1.0, |k| 1.05 * error(k)), "1.0500"),
+        (cases(1.0, |k| error(k) / 1.05), "0.9524"),
+        // k is recorded half as large as it was.
+        (cases(0.5, error), "4.0000"),
+        (cases(2.0, error), "0.2500"),
+        (cases(1.0, |k| 2.0 * error(k)), "2.0000"),
+    ];
+    for (used, ratio) in cases {
+        let found = compared(&used, &leading);
+        assert_eq!(found.decision, Decision::Fail, "{}", found.sentence);
+        assert!(found.sentence.contains(ratio), "{}", found.sentence);
+    }
+}
+
+#[test]
+fn no_number_is_a_miss_and_no_case_is_no_comparison() {
+    let used = cases(1.0, |k| 5.0 * k * k);
+    assert_eq!(compared(&used, &line(|_| f64::NAN)).decision, Decision::Fail);
+    assert_eq!(compared(&used, &line(|_| 0.0)).decision, Decision::Fail);
+    let nothing = LeadingLine { points: Vec::new(), limit: None, tolerance: 0.01 };
+    let direction = Direction::Time;
+    assert!(compare_constant(constant(), &used, &nothing, &prediction(), direction).is_none());
+}
