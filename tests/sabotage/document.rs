@@ -125,7 +125,8 @@ pub fn marks(text: &str) -> BTreeMap<String, Vec<&'static str>> {
                 return None;
             }
             let caught = Gate::ALL.iter().zip(&cells[5..]);
-            let caught = caught.filter(|(_, cell)| cell.trim() == MARK).map(|(gate, _)| gate.name());
+            let caught =
+                caught.filter(|(_, cell)| cell.trim() == MARK).map(|(gate, _)| gate.name());
             Some((cells[0].trim().to_owned(), caught.collect()))
         })
         .collect()

@@ -63,13 +63,7 @@ fn tables() -> Vec<Table> {
             1.0,
             NOT_PASSED,
         ),
-        table(
-            "h with 20 % scatter",
-            ratio(5, 2.0),
-            |i, h| h * (1.0 + 0.2 * scatter(i)),
-            1.0,
-            OPEN,
-        ),
+        table("h with 20 % scatter", ratio(5, 2.0), |i, h| h * (1.0 + 0.2 * scatter(i)), 1.0, OPEN),
         table("h, two points", ratio(2, 2.0), |_, h| h, 1.0, OPEN),
         table("h^2 above a floor", ratio(6, 8.0), |_, h| (h * h).max(FLOOR), 2.0, PASSED),
         Table {
@@ -152,6 +146,7 @@ pub fn misjudged(defect: &Defect) -> Option<String> {
     tables().iter().find_map(|table| {
         let verdict = table.judged(defect);
         let wrong = !table.allowed.contains(&verdict.decision);
-        wrong.then(|| format!("{}: {}, {:?}", table.name, verdict.decision.name(), verdict.interval))
+        wrong
+            .then(|| format!("{}: {}, {:?}", table.name, verdict.decision.name(), verdict.interval))
     })
 }

@@ -233,10 +233,11 @@ pub fn audit_case(
     let mut auditor = Auditor::new(setup, data, steps, constants)?;
     let grid = setup.grid(steps);
     let mut observe = |view: &StepView<'_>| auditor.observe(view).map_err(CaseError::from);
-    setup
-        .scheme
-        .march(setup, data, steps, &mut observe)
-        .map_err(|source| AuditError::Run { n: data.space.mesh.n, steps, source })?;
+    setup.scheme.march(setup, data, steps, &mut observe).map_err(|source| AuditError::Run {
+        n: data.space.mesh.n,
+        steps,
+        source,
+    })?;
     Ok(CaseAudit {
         n: data.space.mesh.n,
         steps,

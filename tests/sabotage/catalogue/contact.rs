@@ -104,7 +104,8 @@ fn ends(space: &Discretization) -> Vec<usize> {
 const PENALTY: f64 = 1e3;
 
 fn penalty(mut setup: Setup) -> Setup {
-    let constant = setup.model.boundary.as_ref().map(|b| ((b.gap)([0.0; 3]), (b.gap)([0.5, 0.0, 0.0])));
+    let constant =
+        setup.model.boundary.as_ref().map(|b| ((b.gap)([0.0; 3]), (b.gap)([0.5, 0.0, 0.0])));
     let Some((g, _)) = constant.filter(|(g, inside)| g.is_finite() && g == inside) else {
         return setup;
     };

@@ -46,8 +46,7 @@ impl Projection for ShearTwice {
     }
 
     fn response<const S: usize>(&self, strain: &Symmetric<S>, kappa: f64) -> Option<Response<S>> {
-        let absent =
-            Response { stress: [0.0; S], tangent: [[0.0; S]; S], by_limit: [0.0; S] };
+        let absent = Response { stress: [0.0; S], tangent: [[0.0; S]; S], by_limit: [0.0; S] };
         let mut response = self.sound.response(strain, kappa).unwrap_or(absent);
         for i in normals(S)..S {
             response.stress[i] += 2.0 * self.mu * strain[i];

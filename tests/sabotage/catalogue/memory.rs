@@ -51,11 +51,13 @@ impl MemoryKernel for OtherRates {
 
 fn other_rates(mut setup: Setup) -> Setup {
     setup.model.memory = setup.model.memory.map(|MemoryTerm { kernel, tensor }| {
-        let terms = kernel.exponentials().map(|terms| {
-            terms.iter().map(|&(a, c)| (a, 1.02 * c)).collect::<Vec<_>>()
-        });
+        let terms = kernel
+            .exponentials()
+            .map(|terms| terms.iter().map(|&(a, c)| (a, 1.02 * c)).collect::<Vec<_>>());
         match terms {
-            Some(terms) => MemoryTerm { kernel: Box::new(OtherRates { sound: kernel, terms }), tensor },
+            Some(terms) => {
+                MemoryTerm { kernel: Box::new(OtherRates { sound: kernel, terms }), tensor }
+            }
             None => MemoryTerm { kernel, tensor },
         }
     });

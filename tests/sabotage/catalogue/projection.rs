@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use gronwall::contact::{CaseError, CaseInfo, Model, Observer, march};
-use gronwall::history::{TimeGrid, Trapezoid, TimeRule};
+use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{Projection, Response, VonMises, YieldLimit};
 use gronwall::setup::{MeshData, Setup, TruthLoad, YieldFormula};
 use gronwall::tensor::{Symmetric, deviator, dimension, norm, trace};
