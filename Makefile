@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: help run test lint bench gate baseline ci clean-reports
+.PHONY: help run test lint bench gate baseline sabotage sabotage-check ci clean-reports
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -28,11 +28,18 @@ gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 baseline: ## record errors and work of all scenes in reports/baseline.json; prints what changes
 	$(SWEEP) baseline
 
+sabotage: ## every seeded defect against every gate, about two minutes; writes docs/SABOTAGE.md
+	SABOTAGE_WRITE=1 $(CARGO) test --release --test sabotage -- --ignored --nocapture --test-threads 1
+
+sabotage-check: ## the same, and a failure if a gate catches something else than docs/SABOTAGE.md says
+	$(CARGO) test --release --test sabotage -- --ignored --test-threads 1
+
 # One recipe, so that -j cannot reorder it and a failure stops what follows.
-ci: ## what has to be green before a merge: lint, test, gate, each benchmark once
+ci: ## what has to be green before a merge: lint, test, gate, sabotage, each benchmark once
 	$(MAKE) lint
 	$(MAKE) test
 	$(MAKE) gate
+	$(MAKE) sabotage-check
 	$(MAKE) bench BENCH=--test
 
 clean-reports: ## remove reports/latest/

@@ -1,7 +1,7 @@
 //! Every defect against every gate.
 
 use gronwall::record::{CaseRecord, Status};
-use gronwall::verdict::{Decision, Verdict};
+use gronwall::verdict::{Baseline, Decision, Expect, Verdict, compare_with_baseline};
 
 use crate::catalogue::{Defect, Term};
 use crate::suite::{Outcome, Trial};
@@ -158,7 +158,7 @@ impl Reference {
                 }
                 _ => trial.run(defect),
             };
-            found.add(&trial.scene.name, &outcome, sound);
+            found.add(trial, &outcome, sound);
             compare(&mut line, &outcome, sound);
         }
         found.gates(&mut line);
@@ -200,7 +200,8 @@ struct Found {
 }
 
 impl Found {
-    fn add(&mut self, scene: &str, outcome: &Outcome, sound: &Outcome) {
+    fn add(&mut self, trial: &Trial, outcome: &Outcome, sound: &Outcome) {
+        let scene = &trial.scene.name;
         let note = |slot: &mut Option<String>, what: String| {
             slot.get_or_insert_with(|| format!("{what} on {scene}"));
         };
@@ -213,6 +214,8 @@ impl Found {
                     .map_or(String::new(), |[lo, hi]| format!(" [{lo:.2}, {hi:.2}]"));
                 note(&mut self.orders, format!("{}{order}", verdict.decision.name()));
             }
+        }
+        for verdict in &outcome.with_constants {
             if let Some(what) = constant_refuted(verdict) {
                 note(&mut self.constants, what);
             }
@@ -224,7 +227,7 @@ impl Found {
                 note(&mut self.kkt, reason.clone());
             }
         }
-        if let Some(what) = off_baseline(&outcome.records, &sound.records) {
+        if let Some(what) = off_baseline(trial, &outcome.records, &sound.records) {
             note(&mut self.baseline, what);
         }
         self.errors_differ |= differ(&outcome.records, &sound.records, |a, b| !same_errors(a, b));
@@ -238,7 +241,7 @@ impl Found {
             .any(|(a, b)| (a.decision, a.interval) != (b.decision, b.interval));
     }
 
-    fn gates(self: &Self, line: &mut Line) {
+    fn gates(&self, line: &mut Line) {
         for (gate, what) in [
             (Gate::Orders, &self.orders),
             (Gate::Constants, &self.constants),
@@ -283,9 +286,17 @@ fn narrowly(verdict: &Verdict) -> bool {
     verdict.decision == Decision::Unresolved && verdict.interval.is_some_and(near)
 }
 
-/// The sentence of a verdict on its constant, if that is refuted.
-fn constant_refuted(_: &Verdict) -> Option<String> {
-    None
+/// What a verdict says of its constant, if that is refuted.
+fn constant_refuted(verdict: &Verdict) -> Option<String> {
+    if verdict.expect != Expect::Pass {
+        return None;
+    }
+    verdict.constants.iter().find_map(|(name, constant)| {
+        let (ratio, tolerance) = (constant.ratio?, constant.tolerance?);
+        // The order of the predictions is that of the decisions: a constant refutes on its own.
+        let refuted = verdict.decision == Decision::Fail && !((ratio - 1.0).abs() <= tolerance);
+        refuted.then(|| format!("{name} is {ratio:.3} times the predicted one"))
+    })
 }
 
 fn differ(
@@ -311,19 +322,11 @@ fn first_difference(own: &CaseRecord, sound: &CaseRecord) -> Option<String> {
 }
 
 /// What a baseline of the sound records objects to.
-fn off_baseline(own: &[CaseRecord], sound: &[CaseRecord]) -> Option<String> {
-    sound.iter().find_map(|before| match own.iter().find(|now| now.key() == before.key()) {
-        None => Some(format!("{} is missing", before.key())),
-        Some(now) => first_difference(now, before).or_else(|| work_difference(now, before)),
-    })
-}
-
-/// Work a tenth above the recorded one.
-fn work_difference(own: &CaseRecord, sound: &CaseRecord) -> Option<String> {
-    let more = |now: u64, before: u64| 10 * now > 11 * before + 10;
-    more(own.newton_iterations, sound.newton_iterations).then(|| {
-        format!("{} Newton iterations, were {}", own.newton_iterations, sound.newton_iterations)
-    })
+fn off_baseline(trial: &Trial, own: &[CaseRecord], sound: &[CaseRecord]) -> Option<String> {
+    let run = trial.as_run();
+    let baseline = Baseline::of(sound, &[(&run.scene, &run.hash)]);
+    let found = compare_with_baseline(&baseline, std::slice::from_ref(&run), own);
+    found.deviations.first().map(|deviation| deviation.reason.clone())
 }
 
 /// Takes the largest shift and ratio over the verdicts of a trial.

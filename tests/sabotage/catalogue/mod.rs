@@ -1,6 +1,9 @@
 //! Seeded defects as named values. Each is a wrong component, passed in at a seam of the library: the sound program has
 //! no switch for any of them.
 
+// Each test file compiles this module for itself and uses a part of it.
+#![allow(dead_code, unused_imports)]
+
 mod abstract_problem;
 mod contact;
 mod judging;
@@ -68,8 +71,10 @@ impl Term {
 
 /// Where a load or a truth is evaluated.
 pub struct Site<'a> {
-    /// The exact solution, where the fields are those of its formulas (and not their interpolants).
+    /// The exact solution, where there is one.
     pub exact: Option<&'a Exact>,
+    /// The true fields are its interpolants.
+    pub interpolated: bool,
     /// V^h.
     pub space: &'a Discretization,
     /// The sound loads and moments.
@@ -194,7 +199,7 @@ fn marched(mut setup: Setup, march: March) -> Setup {
 /// The site of a truth of `setup`.
 pub fn site<'a>(setup: &'a Setup, space: &'a Discretization, sound: &'a dyn Truth) -> Site<'a> {
     let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-    Site { exact: setup.exact.as_deref().filter(|_| !interpolated), space, sound }
+    Site { exact: setup.exact.as_deref(), interpolated, space, sound }
 }
 
 /// The march under a defective load.

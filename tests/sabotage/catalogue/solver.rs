@@ -1,4 +1,5 @@
-//! Solvers that stop early, forget, or round; and two that only take longer.
+//! Solvers that stop early, forget, or round; and one that only takes longer. What is committed wrongly is wrong in ζ and in
+//! the memory, as a wrong time rule is.
 
 use gronwall::contact::{CaseError, CaseInfo, Observer};
 use gronwall::setup::{MeshData, Setup};
@@ -132,7 +133,7 @@ pub fn defects() -> Vec<Defect> {
             true
         ),
         levelled!(
-            Term::Memory,
+            Term::TimeRule,
             "history keeps the start value of Newton's method",
             Newton::default(),
             |_, solution, start, _| match start.u.is_empty() {
@@ -142,7 +143,7 @@ pub fn defects() -> Vec<Defect> {
             true
         ),
         levelled!(
-            Term::Memory,
+            Term::TimeRule,
             "stale history: u_{n-1} committed for u_n",
             Newton::default(),
             |_, solution, _, last| match last.u.is_empty() {
@@ -152,7 +153,7 @@ pub fn defects() -> Vec<Defect> {
             true
         ),
         levelled!(
-            Term::Memory,
+            Term::TimeRule,
             "history loses u_4 (zero committed)",
             Newton::default(),
             |n, solution, _, _| match n == 4 {
