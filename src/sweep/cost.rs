@@ -172,8 +172,8 @@ pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> 
         if setup.exact.is_some() && !known.contains_key(&n) {
             // The rules are compared once a mesh, at two times: loads at 6 and 12 points, moments at 16.
             cost.seconds += 2.0 * (3.0 * load + 4.0 / 3.0 * moment);
-            cost.memory_bytes += 16.0 / 18.0 * formulas;
         }
+        cost.memory_bytes += 16.0 / 18.0 * formulas;
         let [known_loads, known_moments] = known.entry(n).or_default();
         let fresh = |set: &mut HashSet<u64>, times: HashSet<u64>| {
             times.into_iter().filter(|&t| set.insert(t)).count() as f64
