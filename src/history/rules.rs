@@ -248,4 +248,17 @@ mod tests {
         // 3 ∫ (1-s)^½ (1+s) = 3 (2/3 + 4/15).
         assert!((sum - 2.8).abs() < 1e-10, "{sum}");
     }
+
+    /// Both rules are the trapezoidal one where there is no kernel, and nothing at n = 0.
+    #[test]
+    fn without_a_kernel_and_at_the_start_the_rules_are_plain() {
+        let grid = TimeGrid::graded(2.0, 5, 1.5);
+        for rule in [&CorrectedEnd { exponent: 0.5 } as &dyn TimeRule, &ProductIntegration] {
+            for j in 0..=4 {
+                assert_eq!(rule.weight(&grid, 4, j), Trapezoid.weight(&grid, 4, j));
+            }
+            assert_eq!(rule.kernel_row(&Power(0.5), &grid, 0), [0.0]);
+            assert!(!rule.is_trapezoidal());
+        }
+    }
 }

@@ -8,8 +8,9 @@ use gronwall::scene::{Body, Direction, MeshFamily, Norm, Scene, TimeGrid};
 /// angle is then 17 degrees; the generator allows up to 0.25, where triangles turn over.
 const LARGEST_AMPLITUDE: f64 = 0.2;
 
-/// No finer mesh than the finest of the shipped scenes, and a tenth more.
-const LARGEST_N: usize = 140;
+/// No finer mesh, so that 200 gates stay cheap; one step more costs little.
+const LARGEST_N: usize = 72;
+const LARGEST_STEADY_N: usize = 128;
 
 /// Histories of abstract scenes are direct sums: their cost grows like N².
 const LARGEST_STEPS: usize = 1024;
@@ -95,8 +96,10 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     }
     let asymptotic = scene.window_n.map(|window| window[0]);
     let Some(sweep) = &mut scene.sweep else { return scene };
+    let dear = sweep.steps != [1] && asymptotic.is_none();
     if in_space {
-        sweep.n = levels(&mut draws, &sweep.n, asymptotic, true, LARGEST_N);
+        let largest = if dear { LARGEST_N } else { LARGEST_STEADY_N };
+        sweep.n = levels(&mut draws, &sweep.n, asymptotic, true, largest);
     } else if let [n] = sweep.n[..] {
         sweep.n = vec![(n as f64 * draws.between(0.75, 1.25)).round() as usize];
     }
