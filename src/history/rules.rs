@@ -210,6 +210,11 @@ mod tests {
         let order = (off(&end, 64) / off(&end, 128)).log2();
         assert!((order - 2.0).abs() < 0.05, "{order}");
         assert!((off(&Trapezoid, 64) / off(&Trapezoid, 128)).log2() < 1.7);
+        // c = 3 is read off close to s = t: at a whole step before it the smooth part would add 8 %.
+        let grid = TimeGrid::uniform(1.0, 64);
+        let added = end.kernel_weight(&Shifted, &grid, 64, 64)
+            - Trapezoid.kernel_weight(&Shifted, &grid, 64, 64);
+        assert!((added / end.missed(&grid, 64) - 3.0).abs() < 1e-3);
     }
 
     #[test]

@@ -226,7 +226,10 @@ mod tests {
     fn growth_holds_and_is_attained() {
         let steep =
             PiecewiseLinear::new(vec![(0.1, -1.0), (0.1, 0.5), (0.3, 2.0)], 3.0, 1.0).unwrap();
-        for law in [law(), steep] {
+        // |p| - c1 |r| is largest at the point (0.2, 1).
+        let bent =
+            PiecewiseLinear::new(vec![(-0.1, 0.0), (0.2, 1.0), (0.4, 1.0)], 1.0, 1.0).unwrap();
+        for law in [law(), steep, bent] {
             let (c0, c1) = law.growth();
             let mut worst = f64::NEG_INFINITY;
             for i in -4000..4000 {
