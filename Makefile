@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: help run test lint bench gate baseline sabotage sabotage-check ci clean-reports
+.PHONY: help run test lint bench gate baseline sabotage sabotage-check ci false-alarms opt-levels mutants clean-reports
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -41,6 +41,17 @@ ci: ## what has to be green before a merge: lint, test, gate, sabotage, each ben
 	$(MAKE) gate
 	$(MAKE) sabotage-check
 	$(MAKE) bench BENCH=--test
+
+# A build of its own number: an interrupted run goes on where it stopped, a changed program starts anew.
+false-alarms: ## the gate over 200 seeded perturbations (RUNS=40 for fewer): no verdict may fail
+	$(CARGO) test --release --test false_alarms -- --ignored --nocapture
+
+opt-levels: ## records and verdicts of optimisation levels 0 to 3: bit-identical
+	tests/opt_levels.sh
+
+# The same on the whole crate, minutes a mutant: cargo mutants -f 'src/law/**' -f 'src/history/**' ...
+mutants: ## mutation tests of law, history, fit, verdict (MODULES=law for one); needs cargo-mutants
+	tests/mutants.sh $(MODULES)
 
 clean-reports: ## remove reports/latest/
 	rm -rf reports/latest

@@ -38,3 +38,33 @@ impl Accumulated {
         self.values.push(value);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Trapezoid;
+    use super::*;
+
+    /// The trapezoidal weights under a name that does not promise them: the sum in full.
+    struct Written;
+    impl TimeRule for Written {
+        fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+            Trapezoid.weight(grid, n, j)
+        }
+    }
+
+    #[test]
+    fn the_running_sum_is_the_sum_in_full_on_any_grid() {
+        let grid = TimeGrid::graded(3.0, 6, 2.0);
+        let z = |n: usize| 1.0 + grid.time(n).powi(2);
+        let mut zeta = Accumulated::default();
+        assert_eq!((zeta.past(&Trapezoid, &grid), zeta.past(&Written, &grid)), (0.0, 0.0));
+        for n in 0..=grid.steps() {
+            let past: f64 = (0..n).map(|j| Trapezoid.weight(&grid, n, j) * z(j)).sum();
+            assert!((zeta.past(&Trapezoid, &grid) - past).abs() < 1e-13, "{n}");
+            assert!((zeta.past(&Written, &grid) - past).abs() < 1e-13, "{n}");
+            zeta.commit(&grid, z(n));
+            let whole: f64 = (0..=n).map(|j| Trapezoid.weight(&grid, n, j) * z(j)).sum();
+            assert!((zeta.value() - whole).abs() < 1e-13, "{n}");
+        }
+    }
+}

@@ -154,4 +154,53 @@ mod tests {
         assert!(TimeGrid::new(vec![0.1, 0.5]).is_none());
         assert_eq!(TimeGrid::new(vec![0.0, 0.2, 1.0]).unwrap().largest_step(), 0.8);
     }
+
+    #[test]
+    fn grids_have_the_times_of_their_formulas() {
+        assert_eq!(TimeGrid::uniform(2.0, 4).times(), [0.0, 0.5, 1.0, 1.5, 2.0]);
+        assert_eq!(TimeGrid::graded(4.0, 4, 2.0).times(), [0.0, 0.25, 1.0, 2.25, 4.0]);
+        let grid = TimeGrid::graded(4.0, 4, 2.0);
+        assert_eq!((grid.steps(), grid.step(2), grid.time(3)), (4, 0.75, 2.25));
+        assert_eq!(grid.largest_step(), 1.75);
+        assert_eq!(grid.up_to(2).times(), [0.0, 0.25, 1.0]);
+    }
+
+    /// Steps in the ratios of 1 + draw/2, scaled to the horizon.
+    #[test]
+    fn random_steps_are_those_of_the_generator() {
+        let grid = TimeGrid::random(3.0, 200, 7);
+        let mut state = 7;
+        let steps: Vec<f64> = (0..200).map(|_| 1.0 + 0.5 * signed_unit(&mut state)).collect();
+        let total: f64 = steps.iter().sum();
+        for (n, step) in steps.iter().enumerate() {
+            assert!((grid.step(n + 1) - 3.0 * step / total).abs() < 1e-14);
+        }
+        assert!((grid.time(200) - 3.0).abs() < 1e-14);
+    }
+
+    /// q(t, s) = s - 2 with a pole at t = 0, where no rule may ask for it.
+    struct Pole;
+    impl HistoryKernel for Pole {
+        fn at(&self, t: f64, s: f64) -> f64 {
+            if t == 0.0 { f64::INFINITY } else { s - 2.0 }
+        }
+    }
+
+    #[test]
+    fn kernels_are_weighted_and_not_asked_where_the_weight_is_zero() {
+        struct Plain;
+        impl TimeRule for Plain {
+            fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+                Trapezoid.weight(grid, n, j)
+            }
+        }
+        let grid = TimeGrid::uniform(1.0, 2);
+        for rule in [&Plain as &dyn TimeRule, &Trapezoid] {
+            assert_eq!(rule.kernel_row(&Pole, &grid, 0), [0.0]);
+            assert_eq!(rule.kernel_row(&Pole, &grid, 2), [-0.5, -0.75, -0.25]);
+            assert_eq!(rule.kernel_weight(&Pole, &grid, 0, 0), 0.0);
+            assert_eq!(rule.kernel_weight(&Pole, &grid, 2, 1), -0.75);
+        }
+        assert!(Trapezoid.is_trapezoidal() && !Plain.is_trapezoidal());
+    }
 }

@@ -174,4 +174,32 @@ mod tests {
         wrong.past(&kernel, &NoFirstTerm, &grid, &mut b);
         assert!((a[0] - b[0]).abs() > 1e-2);
     }
+
+    #[test]
+    fn bytes_and_steps_are_counted() {
+        let grid = TimeGrid::uniform(1.0, 4);
+        let kernel = ExponentialSum { terms: vec![(-1.0, 1.0), (0.5, 0.0), (2.0, 3.0)] };
+        let (mut direct, mut recursive) = (Memory::direct(), Memory::new(&kernel, &Trapezoid, 2));
+        for n in 0..4 {
+            assert_eq!((direct.committed(), recursive.committed()), (n, n));
+            // u_0, …, u_{n-1}; three states and u_{n-1}.
+            assert_eq!((direct.bytes(), recursive.bytes()), (16 * n, 64));
+            direct.commit(&grid, &[1.0, 2.0]);
+            recursive.commit(&grid, &[1.0, 2.0]);
+        }
+    }
+
+    /// What the vector held before is not part of the sum, not even at n = 0.
+    #[test]
+    fn the_past_overwrites_what_was_there() {
+        let grid = TimeGrid::uniform(1.0, 4);
+        let kernel = ExponentialSum { terms: vec![(1.0, 0.0)] };
+        let mut memory = Memory::new(&kernel, &Trapezoid, 1);
+        let mut out = [7.0];
+        memory.past(&kernel, &Trapezoid, &grid, &mut out);
+        assert_eq!(out, [0.0]);
+        memory.commit(&grid, &[2.0]);
+        memory.past(&kernel, &Trapezoid, &grid, &mut out);
+        assert_eq!(out, [0.25]);
+    }
 }

@@ -210,6 +210,11 @@ mod tests {
         let order = (off(&end, 64) / off(&end, 128)).log2();
         assert!((order - 2.0).abs() < 0.05, "{order}");
         assert!((off(&Trapezoid, 64) / off(&Trapezoid, 128)).log2() < 1.7);
+        // c = 3 is read off close to s = t: at a whole step before it the smooth part would add 8 %.
+        let grid = TimeGrid::uniform(1.0, 64);
+        let added = end.kernel_weight(&Shifted, &grid, 64, 64)
+            - Trapezoid.kernel_weight(&Shifted, &grid, 64, 64);
+        assert!((added / end.missed(&grid, 64) - 3.0).abs() < 1e-3);
     }
 
     #[test]
@@ -247,5 +252,18 @@ mod tests {
         let sum: f64 = row.iter().zip(grid.times()).map(|(w, s)| w * (1.0 + s)).sum();
         // 3 ∫ (1-s)^½ (1+s) = 3 (2/3 + 4/15).
         assert!((sum - 2.8).abs() < 1e-10, "{sum}");
+    }
+
+    /// Both rules are the trapezoidal one where there is no kernel, and nothing at n = 0.
+    #[test]
+    fn without_a_kernel_and_at_the_start_the_rules_are_plain() {
+        let grid = TimeGrid::graded(2.0, 5, 1.5);
+        for rule in [&CorrectedEnd { exponent: 0.5 } as &dyn TimeRule, &ProductIntegration] {
+            for j in 0..=4 {
+                assert_eq!(rule.weight(&grid, 4, j), Trapezoid.weight(&grid, 4, j));
+            }
+            assert_eq!(rule.kernel_row(&Power(0.5), &grid, 0), [0.0]);
+            assert!(!rule.is_trapezoidal());
+        }
     }
 }

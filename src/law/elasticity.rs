@@ -98,4 +98,31 @@ mod tests {
         assert_eq!(Isotropic { lambda: 0.25, mu: 0.25 }.multiple_of(&one), Some(0.25));
         assert_eq!(Isotropic { lambda: 0.25, mu: 0.3 }.multiple_of(&one), None);
     }
+
+    /// By hand: 2μ on deviators, 2μ + dλ on spheres, whichever is larger.
+    #[test]
+    fn eigenvalues_of_both_signs_of_lambda() {
+        let close = |(a, b): (f64, f64), (c, d): (f64, f64)| {
+            assert!((a - c).abs() < 1e-15 && (b - d).abs() < 1e-15, "{a} {b}");
+        };
+        let stiff = Isotropic { lambda: 1.3, mu: 0.7 };
+        close(stiff.eigenvalues(2), (1.4, 4.0));
+        close(stiff.eigenvalues(3), (1.4, 5.3));
+        close(Isotropic { lambda: -0.3, mu: 0.7 }.eigenvalues(2), (0.8, 1.4));
+    }
+
+    /// μ ≠ 1, so that products and quotients differ; a last digit is forgiven, 1e-13 is not.
+    #[test]
+    fn a_multiple_is_one_to_rounding() {
+        let other = Isotropic { lambda: 1e-3, mu: 0.4 };
+        let near = |share: f64| Isotropic { lambda: 0.05 * (1.0 + share), mu: 20.0 };
+        let beta = near(f64::EPSILON).multiple_of(&other).expect("a multiple");
+        assert!((beta - 50.0).abs() < 1e-13, "{beta}");
+        assert_eq!(near(1e-13).multiple_of(&other), None);
+        assert_eq!(near(-1e-13).multiple_of(&other), None);
+        let shear = |mu: f64| Isotropic { lambda: 0.0, mu };
+        assert_eq!(shear(3.0).multiple_of(&shear(1.5)), Some(2.0));
+        // β = ∞ would match any λ.
+        assert_eq!(other.multiple_of(&Isotropic { lambda: 1.0, mu: 0.0 }), None);
+    }
 }

@@ -47,3 +47,31 @@ impl MemoryKernel for ExponentialSum {
         Some(&self.terms)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Root;
+    impl MemoryKernel for Root {
+        fn value(&self, lag: f64) -> f64 {
+            lag.sqrt()
+        }
+    }
+
+    #[test]
+    fn a_convolution_takes_the_lag() {
+        let kernel = Convolution(&Root);
+        assert_eq!(kernel.at(5.0, 1.0), 2.0);
+        assert_eq!(kernel.row(5.0, &[1.0, 4.0, 5.0]), [2.0, 1.0, 0.0]);
+    }
+
+    /// Recursion replaces the sum only where the kernel says that it is a sum of exponentials.
+    #[test]
+    fn only_sums_of_exponentials_have_exponentials() {
+        assert_eq!(Root.exponentials(), None);
+        let sum = ExponentialSum { terms: vec![(-2.0, 1.0), (0.5, 0.0)] };
+        assert_eq!(sum.exponentials(), Some(&[(-2.0, 1.0), (0.5, 0.0)][..]));
+        assert!((sum.value(2f64.ln()) - (-0.5)).abs() < 1e-15);
+    }
+}

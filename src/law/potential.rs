@@ -256,7 +256,10 @@ mod tests {
     fn growth_holds_and_is_attained() {
         let steep =
             PiecewiseLinear::new(vec![(0.1, -1.0), (0.1, 0.5), (0.3, 2.0)], 3.0, 1.0).unwrap();
-        for law in [law(), steep] {
+        // |p| - c1 |r| is largest at the point (0.2, 1).
+        let bent =
+            PiecewiseLinear::new(vec![(-0.1, 0.0), (0.2, 1.0), (0.4, 1.0)], 1.0, 1.0).unwrap();
+        for law in [law(), steep, bent] {
             let (c0, c1) = law.growth();
             let mut worst = f64::NEG_INFINITY;
             for i in -4000..4000 {
@@ -282,5 +285,51 @@ mod tests {
             }
         }
         assert!(worst >= -law.alpha() - 1e-12 && worst <= -law.alpha() + 1e-12);
+    }
+
+    #[test]
+    fn no_potential_is_zero_and_absent() {
+        for r in [-1.0, 0.0, 0.3] {
+            assert_eq!(NoPotential.subdifferential(r), (0.0, 0.0));
+            assert_eq!(NoPotential.value_and_slope(r), (0.0, 0.0));
+        }
+        assert!(NoPotential.jumps().is_empty() && NoPotential.kinks().is_empty());
+        assert_eq!((NoPotential.alpha(), NoPotential.growth()), (0.0, (0.0, 0.0)));
+        assert!(NoPotential.is_absent() && !law().is_absent());
+    }
+
+    #[test]
+    fn outer_slopes_reach_outwards_and_kinks_are_listed_once() {
+        let points = vec![(0.1, 1.0), (0.1, 1.5), (0.1, 2.0), (0.3, 2.0), (0.3, 2.0)];
+        let law = PiecewiseLinear::new(points, 3.0, -2.0).unwrap();
+        let close = |(p, s): (f64, f64), (value, slope): (f64, f64)| {
+            assert!((p - value).abs() < 1e-15 && s == slope, "{p} {s}");
+        };
+        close(law.value_and_slope(-0.4), (-0.5, 3.0));
+        close(law.value_and_slope(0.2), (2.0, 0.0));
+        close(law.value_and_slope(0.8), (1.0, -2.0));
+        assert_eq!(law.subdifferential(0.1), (1.0, 2.0));
+        // A point that is given twice is no jump.
+        assert_eq!((law.jumps(), law.kinks()), (&[0.1][..], &[0.1, 0.3][..]));
+        assert_eq!(law.alpha(), 2.0);
+        let rising = PiecewiseLinear::new(vec![(0.0, 0.0), (1.0, 2.0)], 1.0, 3.0).unwrap();
+        assert_eq!(rising.alpha(), 0.0);
+    }
+
+    #[test]
+    fn numbers_that_are_none_and_points_out_of_order_are_refused() {
+        let new = PiecewiseLinear::new;
+        let bad = f64::INFINITY;
+        for refused in [
+            new(vec![], 0.0, 0.0),
+            new(vec![(bad, 0.0)], 0.0, 0.0),
+            new(vec![(0.0, f64::NAN)], 0.0, 0.0),
+            new(vec![(0.0, 0.0)], bad, 0.0),
+            new(vec![(0.0, 0.0)], 0.0, bad),
+        ] {
+            assert_eq!(refused, Err(PotentialError::Empty));
+        }
+        let unsorted = new(vec![(0.2, 0.0), (0.1, 0.0)], 0.0, 0.0);
+        assert_eq!(unsorted, Err(PotentialError::Unsorted(0.1, 0.2)));
     }
 }

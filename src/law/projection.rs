@@ -182,4 +182,29 @@ mod tests {
         let de: [f64; 3] = std::array::from_fn(|i| a[i] - b[i]);
         assert!(contract(&ds, &de) >= contract(&ds, &ds) - 1e-15);
     }
+
+    /// ‖ε^D‖ = κ is still below; exact in floating point for a shear of ½.
+    #[test]
+    fn the_yield_surface_itself_belongs_to_the_elastic_range() {
+        let law = VonMises { mu: 1.0, limit: Constant };
+        let strain = [0.3, 0.3, 0.5];
+        assert!(law.stress(&strain, 0.5).is_none() && law.response(&strain, 0.5).is_none());
+        assert!(law.stress(&strain, 0.4).is_some() && law.response(&strain, 0.4).is_some());
+    }
+
+    #[test]
+    fn what_is_absent_answers_nothing_and_what_is_there_answers_for_itself() {
+        let strain = [0.3, -0.2, 0.17];
+        let none: Option<VonMises<Constant>> = None;
+        assert!(none.limit().is_none() && none.stress(&strain, 0.1).is_none());
+        assert!(none.response(&strain, 0.1).is_none());
+        assert!(NoProjection.limit().is_none() && NoProjection.stress(&strain, 0.1).is_none());
+        assert!(NoProjection.response(&strain, 0.1).is_none());
+        let law = VonMises { mu: 1.7, limit: Constant };
+        let own = law.stress(&strain, 0.1);
+        let law = Some(law);
+        assert_eq!(law.stress(&strain, 0.1), own);
+        assert_eq!(law.response(&strain, 0.1).map(|response| response.stress), own);
+        assert_eq!(law.limit().map(|limit| limit.value(0.0)), Some(0.1));
+    }
 }
