@@ -212,7 +212,10 @@ fn list_explain_and_check_have_their_json() {
         keys(scene, &["name", "question", "terms", "truth", "predicts", "long", "judge"]);
     }
     let plan = json(&sweep(&["explain", "affine", "--json"]));
-    keys(&plan, &["scene", "terms", "truth", "algorithm", "history", "reference", "cases"]);
+    keys(
+        &plan,
+        &["scene", "terms", "truth", "algorithm", "history", "reference", "cases", "constants"],
+    );
     let cases = plan["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5);
     for case in cases {

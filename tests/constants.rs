@@ -13,9 +13,9 @@ use gronwall::record::{CaseRecord, Key};
 use gronwall::scene::{Norm, Scene, Source};
 use gronwall::setup::{AbstractSetup, Setup, Subject};
 use gronwall::sweep::{CasePlan, foresee, judge_scene, run_abstract_case, run_contact_case};
-use gronwall::verdict::{Constant, Decision, Verdict};
+use gronwall::verdict::{Constant, Decision, Foreseen, Verdict};
 use nalgebra::DVector;
-use shipped::{on_mesh, setup, text};
+use shipped::{edited, on_mesh, setup, setup_of, text};
 
 fn records(setup: &Setup, ns: &[u32], steps: &[u32], norm: Norm) -> Vec<CaseRecord> {
     let mut records = Vec::new();
@@ -203,6 +203,24 @@ fn seeded_factors_fail() {
     for (verdict, _) in [weights, kernel] {
         assert_eq!(verdict.decision, Decision::Fail, "{}", verdict.reason);
         assert!(verdict.reason.contains("times the predicted one, beyond"), "{}", verdict.reason);
+    }
+}
+
+/// A scene may keep its constant out of the verdict, and says so.
+#[test]
+fn a_scene_may_opt_out() {
+    let scene = edited(&text("affine"), "order = 2.0\n", "order = 2.0\nconstant = false\n");
+    let setup = setup_of(scene);
+    let mut records = records(&setup, &[4], &[8, 16, 32, 64], Norm::VMax);
+    records.iter_mut().for_each(|record| record.k *= 0.5);
+    let subject = Subject::Contact(Box::new(setup));
+    let verdict = verdicts(&subject, &records, Norm::VMax).remove(0);
+    assert_eq!(verdict.decision, Decision::Pass, "{}", verdict.reason);
+    match verdict.foreseen {
+        Some(Foreseen::Nothing { not_predicted }) => {
+            assert!(not_predicted.contains("constant = false"), "{not_predicted}");
+        }
+        other => panic!("{other:?}"),
     }
 }
 

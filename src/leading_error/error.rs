@@ -6,6 +6,9 @@ use crate::linalg::FactorError;
 /// Why a scene, norm or direction has no predicted constant.
 #[derive(Debug, thiserror::Error)]
 pub enum NoConstant {
+    /// The scene does not want it.
+    #[error("the scene says constant = false")]
+    OptedOut,
     /// Given loads: the truth is a run.
     #[error("no exact solution: a reference run knows no constant beforehand")]
     NoExact,

@@ -18,23 +18,20 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
     }
     let Some(law) = law else { return Answer::Slope(0.0) };
     let [first, .., last] = law.points[..] else { return Answer::Slope(outer(law, r)) };
-    for pair in law.points.windows(2) {
-        let ([from, low], [to, high]) = (pair[0], pair[1]);
-        // At a jump ξ strictly inside keeps r where it is.
-        if from == to && (r - from).abs() <= ROUNDING * from.abs().max(1.0) {
-            if xi > low && xi < high {
-                return Answer::Held;
-            }
-        } else if from < r && r <= to {
-            return Answer::Slope((high - low) / (to - from));
-        }
+    let pairs = || law.points.windows(2).map(|pair| (pair[0], pair[1]));
+    // At a jump ξ strictly inside keeps r where it is.
+    let jump = pairs().any(|([from, low], [to, high])| {
+        from == to && (r - from).abs() <= ROUNDING * from.abs().max(1.0) && xi > low && xi < high
+    });
+    if jump {
+        return Answer::Held;
     }
-    Answer::Slope(if r <= first[0] {
-        law.slope_before
-    } else if r > last[0] {
-        law.slope_after
-    } else {
-        0.0
+    let piece = pairs().find(|([from, _], [to, _])| *from < r && r <= *to);
+    Answer::Slope(match piece {
+        Some(([from, low], [to, high])) => (high - low) / (to - from),
+        None if r <= first[0] => law.slope_before,
+        None if r > last[0] => law.slope_after,
+        None => f64::NAN,
     })
 }
 

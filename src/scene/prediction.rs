@@ -93,6 +93,8 @@ pub struct Prediction {
     pub at_least: bool,
     /// The order is sharp: more is a failure too.
     pub exact: bool,
+    /// The constant is compared with its prediction, where there is one.
+    pub constant: bool,
     /// The theorem or equation that promises it.
     pub why: String,
     pub window_n: Option<[usize; 2]>,
@@ -128,6 +130,7 @@ impl Prediction {
             order_k: order_in_k(reading, &key("order_k"), variable, written.order_k)?,
             at_least: written.at_least,
             exact: written.exact,
+            constant: written.constant,
             why: written.why.clone(),
             window_n: reading.window(&key("window_n"), written.window_n.as_ref())?,
             window_steps: reading.window(&key("window_steps"), written.window_steps.as_ref())?,

@@ -233,6 +233,8 @@ pub struct Prediction {
     pub at_least: bool,
     #[serde(default)]
     pub exact: bool,
+    #[serde(default = "yes")]
+    pub constant: bool,
     pub why: String,
     pub window_n: Option<Vec<i64>>,
     pub window_steps: Option<Vec<i64>>,

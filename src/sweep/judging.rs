@@ -1,7 +1,7 @@
 //! From a scene's predictions to verdicts on records.
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use crate::leading_error::{Case, Measured, leading_errors};
+use crate::leading_error::{Case, Measured, NoConstant, leading_errors};
 use crate::record::{CaseRecord, Key};
 use crate::report::SceneSummary;
 use crate::scene::{Direction, Expectation, Prediction, Scene};
@@ -98,7 +98,11 @@ fn foreseen(subject: &Subject, written: &Prediction, cases: &[Case]) -> Foreseen
         order: written.order,
         time_reference: TIME_REFERENCE,
     };
-    match leading_errors(subject, &measured, cases) {
+    let leading = match written.constant {
+        true => leading_errors(subject, &measured, cases),
+        false => Err(NoConstant::OptedOut),
+    };
+    match leading {
         Err(reason) => Foreseen::Nothing { not_predicted: reason.to_string() },
         Ok(leading) => Foreseen::Leading(LeadingLine {
             points: leading
