@@ -137,7 +137,15 @@ const HEAD: &str = "# Sabotage: which gate catches which defect
 Written by `make sabotage`; `make ci` fails if a gate catches something else than this table says. A defect is a wrong
 component passed in at a seam of the library (model, scheme, truth, record, judge), by `tests/sabotage/catalogue`; the
 sound program has no switch for it, and passes every gate. Each runs on small grids of fourteen contact scenes and three
-abstract ones, chosen so that every term acts. *Unresolved* counts as caught, since the sound program passes there.
+abstract ones, chosen so that every term acts. *Unresolved* counts as caught, since the sound program passes there; an
+interval that misses by less than 0.005 does not.
+
+Two of the scenes are shipped ones with other numbers: in the scenes of the main job λ and μ_L are equal, in 𝒜 and in ℬ, so
+that *Lamé numbers exchanged* would pass them all (`long-growing`, which is marked long, tells them apart); and none reaches
+beyond the last point of the law, or has a shift whose loss moves an order.
+
+`make sabotage` also runs `sweep diagnose` on each defect of the solver that spoils a verdict, on the first scene where it
+does, and fails if fewer than four of five have their term named.
 
 A defect *touches* an order if a fitted order moves by more than 0.1 somewhere; else a constant if an error changes by more
 than 1e-6 of itself; else the cost. *Order* is the largest shift of a fitted order, *constant* the ratio of constants

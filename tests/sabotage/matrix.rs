@@ -293,8 +293,8 @@ fn constant_refuted(verdict: &Verdict) -> Option<String> {
     }
     verdict.constants.iter().find_map(|(name, constant)| {
         let (ratio, tolerance) = (constant.ratio?, constant.tolerance?);
-        // The order of the predictions is that of the decisions: a constant refutes on its own.
-        let refuted = verdict.decision == Decision::Fail && !((ratio - 1.0).abs() <= tolerance);
+        let off = (ratio - 1.0).abs();
+        let refuted = verdict.decision == Decision::Fail && (off.is_nan() || off > tolerance);
         refuted.then(|| format!("{name} is {ratio:.3} times the predicted one"))
     })
 }

@@ -46,13 +46,13 @@ pub struct Outcome {
 /// Name, edits (from, to), n, steps.
 type Row = (&'static str, &'static [(&'static str, &'static str)], &'static [u32], &'static [u32]);
 
-/// λ and μ_L differ, in 𝒜 and in ℬ: no shipped scene tells them apart.
+/// λ and μ_L differ, in 𝒜 and in ℬ: in the scenes of the main job they are equal.
 const UNEVEN: &[(&str, &str)] = &[
     ("name = \"affine\"", "name = \"affine-uneven\""),
     ("lambda = 1.0\nmu_L = 1.0", "lambda = 1.7\nmu_L = 0.9"),
     ("lambda = 0.25\nmu = 0.25", "lambda = 0.35\nmu = 0.15"),
 ];
-/// Beyond the last point of the law, and the law at u_ν - s: no shipped scene goes there or tells s apart so well.
+/// Beyond the last point of the law, and the law at u_ν - s: no scene of the main job goes there or tells s apart so well.
 const BEYOND: &[(&str, &str)] = &[
     ("name = \"affine\"", "name = \"affine-beyond\""),
     ("gap = \"0.10\"", "gap = \"0.20\"\nshift = \"0.02\""),
