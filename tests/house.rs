@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gronwall::scene::{Registry, Scene};
 
 /// Each module imports only those before it.
-const ORDER: [&str; 23] = [
+const ORDER: [&str; 24] = [
     "tensor",
     "record",
     "linalg",

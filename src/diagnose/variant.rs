@@ -242,6 +242,7 @@ pub(super) fn at_least(variable: Direction, order: f64, why: &str) -> Prediction
         order_k: None,
         at_least: true,
         exact: false,
+        constant: true,
         why: why.to_owned(),
         window_n: None,
         window_steps: None,
