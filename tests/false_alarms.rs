@@ -2,7 +2,8 @@
 //! Goal: the whole gate over seeded perturbations of what no prediction rests on (meshes, levels of refinement, time
 //!   grids, numbers of threads): no verdict of the sound program fails, fewer than 2 % are unresolved; a wrong time rule
 //!   in one run is counted as failures.
-//! Data: all judged scenes that are not marked long. `make false-alarms` runs 200 perturbations, the tests three.
+//! Data: all judged scenes that are not marked long. `make false-alarms` runs 200 perturbations, the tests
+//!   three of the scenes judged in time.
 
 mod perturbed;
 mod program;
@@ -15,9 +16,9 @@ use std::time::Instant;
 
 use gronwall::history::{TimeGrid, TimeRule};
 use gronwall::record::CaseRecord;
-use gronwall::scene::{Registry, Scene};
+use gronwall::scene::{Direction, Registry, Scene};
 use gronwall::setup::Subject;
-use gronwall::sweep::{Overrides, Progress, ScenePlan, judge_scene, run_sweep};
+use gronwall::sweep::{Overrides, Progress, ScenePlan, foresee, judge_scene, run_sweep};
 use gronwall::verdict::{Decision, Verdict};
 use perturbed::{Draws, perturbed};
 use program::Folder;
@@ -71,7 +72,7 @@ fn gate(scenes: &[Scene], seed: u64, defect: Option<Defect>) -> Vec<Outcome> {
     let records = run_sweep(&plans, &folder.at("run"), threads, false, &Silent)
         .unwrap_or_else(|error| panic!("run {seed}: {error}"));
     let judge = |plan: &ScenePlan| -> Vec<Outcome> {
-        judge_scene(plan.scene(), &records, &plan.keys())
+        judge_scene(plan.scene(), &records, &plan.keys(), &foresee(&plan.subject, &records))
             .iter()
             .map(|verdict| outcome(seed, plan.scene(), verdict))
             .collect()
@@ -165,17 +166,19 @@ fn table(outcomes: &[Outcome]) -> String {
     text
 }
 
-/// Three runs, so that the harness and the scenes stay fit for the long one.
+/// Three runs of the scenes judged in time alone, which cost little: the harness and these scenes stay fit for the long
+/// run.
 #[test]
 fn three_perturbed_gates_pass() {
-    let scenes = judged();
+    let mut scenes = judged();
+    scenes.retain(|scene| scene.predicts.iter().all(|p| p.variable == Direction::K));
     let outcomes: Vec<Outcome> = (0..3).flat_map(|seed| gate(&scenes, seed, None)).collect();
     let count = Count::of(&outcomes);
     println!("{}", table(&outcomes));
-    assert!(count.verdicts > 3 * 30, "{count:?}");
+    assert!(count.verdicts >= 3 * 20, "{count:?}");
     assert_eq!(count.failed, 0);
-    // Of three runs, 2 % is no measure: two of a hundred may be open.
-    assert!(count.unresolved <= 2, "{count:?}");
+    // Of three runs, 2 % is no measure: one of sixty may be open.
+    assert!(count.unresolved <= 1, "{count:?}");
 }
 
 /// Left-hand rectangle rule: order 1.

@@ -290,7 +290,7 @@ fn lacks(scene: &Scene) -> Vec<&'static str> {
         (!said("Source: "), "a source"),
         (scene.judge && scene.predicts.is_empty(), "a prediction, though it is judged"),
         (scene.predicts.iter().any(|p| p.why.trim().is_empty()), "a theorem for a prediction"),
-        (scene.sweep.is_none(), "grids to sweep"),
+        (scene.judge && scene.sweep.is_none(), "grids to sweep, though it is judged"),
     ]
     .into_iter()
     .filter(|(lacking, _)| *lacking)
