@@ -130,7 +130,9 @@ fn the_shipped_baseline_is_of_the_shipped_scenes() {
         }
         let recorded = shipped.scenes.get(name).unwrap_or_else(|| panic!("{name}: make baseline"));
         assert_eq!(recorded.hash, scene.source.hash, "{name} changed: make baseline");
-        assert!(recorded.cases.iter().all(|case| !case.errors.is_empty()), "{name}");
+        // Reference runs may be too near to tell; what is judged has errors to compare.
+        let compared = recorded.cases.iter().any(|case| !case.errors.is_empty());
+        assert!(compared || !scene.judge, "{name}");
         scenes += 1;
     }
     assert_eq!(shipped.scenes.len(), scenes, "entries of scenes that are no more: make baseline");
