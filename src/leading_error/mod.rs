@@ -1,8 +1,8 @@
 //! The error that a sound scheme has on a case, to leading order, from the exact solution alone.
 //!
-//! In space it is the interpolation error ‖ε(u - I_h u)‖ ([`interpolation`]): on meshes of translated triangles I_h u is
+//! In space it is the interpolation error ‖ε(u - I_h u)‖ (`interpolation`): on meshes of translated triangles I_h u is
 //! closer to u_h than either is to u. In time it solves the linearised scheme with what the trapezoidal rule misses of
-//! the exact history as its source ([`in_space`] on V^h, [`finite`] in ℝ^m):
+//! the exact history as its source (`in_space` on V^h, `finite` in ℝ^m):
 //!
 //! ```text
 //! A'(u_n) e_n + N_y(Σ' w_nj q(t_n,t_j) e_j) = N(S_n u, u_n) - N(S_n^k u, u_n)
