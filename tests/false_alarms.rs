@@ -80,16 +80,23 @@ fn gate(scenes: &[Scene], seed: u64, defect: Option<Defect>) -> Vec<Outcome> {
     plans.iter().flat_map(judge).collect()
 }
 
-/// Without the cases that no prediction rests on: of a grid, the line of most steps and the line of the mesh on which
-/// the time error is judged.
+/// Without the cases that no prediction rests on: of a grid, one line in h, of as few steps as keep the time error below
+/// the space error's interval, and the mesh on which the time error is judged.
 fn pruned(mut plan: ScenePlan) -> ScenePlan {
     let window = plan.scene().predicts.iter().find_map(|prediction| prediction.window_n);
     let most = plan.cases.iter().map(|case| case.steps).max();
+    let enough = plan.cases.iter().map(|case| case.steps).filter(|&steps| steps >= ENOUGH).min();
     let finest = plan.cases.iter().filter_map(|case| case.n).max();
     let judged = window.map_or(finest, |window| Some(window[0] as u32));
-    plan.cases.retain(|case| Some(case.steps) == most || case.n == judged);
+    let line = enough.or(most);
+    let in_time = plan.scene().predicts.iter().any(|p| p.variable != Direction::H);
+    plan.cases.retain(|case| Some(case.steps) == line || (in_time && case.n == judged));
     plan
 }
+
+/// Steps of the line in h of a scene that has several: at N = 16 the time error of pure-mild is 1.5 % of the space error
+/// on its finest mesh, and that of sourced less.
+const ENOUGH: u32 = 16;
 
 fn outcome(run: u64, scene: &Scene, verdict: &Verdict) -> Outcome {
     let sweep = scene.sweep.as_ref().expect("a judged scene has a sweep");

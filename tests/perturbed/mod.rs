@@ -8,25 +8,16 @@ use gronwall::scene::{Body, Direction, MeshFamily, Scene, TimeGrid};
 /// angle is then 17 degrees; the generator allows up to 0.25, where triangles turn over.
 const LARGEST_AMPLITUDE: f64 = 0.2;
 
-/// No finer mesh, so that 200 gates stay cheap; where there is one step, or a window of fine meshes, more is needed and
-/// affordable.
-const LARGEST_N: usize = 84;
-const LARGEST_N_ASKED_FOR: usize = 128;
+/// Levels are those of the scene times a common factor below this: less than a level further on.
+const LARGEST_SHIFT: f64 = 1.25;
 
-/// Histories of abstract scenes are direct sums, whose cost grows like N²; those of exact fields on a mesh are integrated
-/// anew at every time that no other grid has.
-const LARGEST_STEPS: usize = 1280;
-const LARGEST_STEPS_OF_A_BODY: usize = 320;
-
-/// What a scene's prediction needs of its numbers of steps.
+/// What a scene's prediction needs of its time grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Steps {
-    /// Any levels, on any smooth grid.
+    /// Shifted levels, on any smooth grid.
     Any,
-    /// Any levels of the grid that the scene names.
+    /// Shifted levels of the grid that the scene names.
     OwnGrid,
-    /// N = m 2^j: an event at T/3 keeps its place in its step, up to reflection.
-    Doubled,
     /// These very numbers.
     Own,
 }
@@ -51,9 +42,13 @@ const BOUND_TO_THEIR_STEPS: [(&str, Steps, &str); 17] = [
     ("broken-kernel-grid", Steps::OwnGrid, "asks for the exponent 2"),
     ("broken-start", Steps::OwnGrid, "k^{3/2} comes from the first step, not from the largest"),
     ("broken-start-grid", Steps::OwnGrid, "asks for the exponent 2"),
-    ("broken-jump", Steps::Doubled, "jump at T/3"),
-    ("broken-kink", Steps::Doubled, "kink at T/3"),
-    ("broken-zeta", Steps::Doubled, "kink of the rate of ζ at T/3"),
+    (
+        "broken-jump",
+        Steps::OwnGrid,
+        "jump at T/3, which doubled steps of equal length keep in its place",
+    ),
+    ("broken-kink", Steps::OwnGrid, "kink at T/3"),
+    ("broken-zeta", Steps::OwnGrid, "kink of the rate of ζ at T/3"),
 ];
 
 /// Seeded numbers.
@@ -89,7 +84,6 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     let mut draws = Draws::new(seed, &scene.name);
     let bound = BOUND_TO_THEIR_STEPS.iter().find(|(name, ..)| *name == scene.name);
     let freedom = bound.map_or(Steps::Any, |(_, freedom, _)| *freedom);
-    let in_space = scene.predicts.iter().any(|p| p.variable != Direction::K);
     let in_time = scene.predicts.iter().any(|p| p.variable != Direction::H);
     if let Body::Contact(body) = &mut scene.body {
         // One run in four keeps the structured mesh.
@@ -107,70 +101,30 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
         own if freedom != Steps::Any || (own == TimeGrid::Uniform && draws.below(2) > 0) => own,
         _ => TimeGrid::Graded { exponent: draws.between(1.0, 2.5) },
     };
-    let asymptotic = scene.window_n.map(|window| window[0]);
     let Some(sweep) = &mut scene.sweep else { return scene };
-    if in_space {
-        let dear = sweep.steps != [1] && asymptotic.is_none();
-        let most = if dear { LARGEST_N } else { LARGEST_N_ASKED_FOR };
-        sweep.n = levels(&mut draws, &sweep.n, asymptotic, true, most);
-    } else if let [n] = sweep.n[..] {
-        sweep.n = vec![(n as f64 * draws.between(0.75, 1.25)).round() as usize];
-    }
-    if in_time {
-        if freedom != Steps::Own {
-            // Contact and yielding set in at any time of a body: their place in a step makes errors oscillate, which
-            // ratios below 2 magnify.
-            let any_ratio = freedom != Steps::Doubled && sweep.n.is_empty();
-            let most = if sweep.n.is_empty() { LARGEST_STEPS } else { LARGEST_STEPS_OF_A_BODY };
-            sweep.steps = levels(&mut draws, &sweep.steps, None, any_ratio, most);
-        }
-    } else {
-        // The time error must stay what it is beside the space error: no fewer steps than the scene has.
-        let most = sweep.steps.iter().copied().max().unwrap_or(1);
-        let steps = if most == 1 { 1.0 } else { most as f64 * draws.between(1.0, 1.25) };
-        sweep.steps = vec![steps.round() as usize];
-    }
-    let n = sweep.n.clone();
+    let n = shifted(&mut draws, &sweep.n);
+    let moved = |[first, last]: [usize; 2]| {
+        // A window of levels means the same levels, shifted.
+        let at = |value: usize| {
+            let levels = sweep.n.iter().zip(&n);
+            levels.min_by_key(|(own, _)| own.abs_diff(value)).map_or(value, |(_, &shifted)| shifted)
+        };
+        [at(first), at(last)]
+    };
+    scene.window_n = scene.window_n.map(moved);
     for prediction in &mut scene.predicts {
-        // A window of one mesh means: on some mesh.
-        if let Some([first, last]) = prediction.window_n
-            && first == last
-            && let Some(&near) = n.iter().min_by_key(|n| n.abs_diff(first))
-        {
-            prediction.window_n = Some([near, near]);
-        }
+        prediction.window_n = prediction.window_n.map(moved);
+    }
+    sweep.n = n;
+    if in_time && freedom != Steps::Own {
+        sweep.steps = shifted(&mut draws, &sweep.steps);
     }
     scene
 }
 
-/// Other levels in place of `own`, over the same span from a coarsest one drawn between the scene's and 5/4 of it (what
-/// is coarser tells nothing, says the scene; `first`, where it says so by a window): with ratio 2, with 3/2, or with
-/// ratios drawn anew. Where the finest would be too fine, ratios are small, so that there are five levels: of four, an interval has one degree of
-/// freedom left for the scatter of meshes that are no refinements of each other.
-fn levels(
-    draws: &mut Draws,
-    own: &[usize],
-    first: Option<usize>,
-    any_ratio: bool,
-    largest: usize,
-) -> Vec<usize> {
-    let (low, high) = (first.unwrap_or(own[0]) as f64, own[own.len() - 1] as f64);
-    let end = (1.25 * high).min(largest as f64);
-    let family = if any_ratio { draws.below(3) } else { 0 };
-    let narrow = end < 8.0 * 1.25 * low;
-    // Whole, so that doubled levels are doubled exactly.
-    let mut level = (low * draws.between(1.0, if narrow { 1.1 } else { 1.25 })).round();
-    let mut found = vec![level as usize];
-    loop {
-        level *= match (family, any_ratio && narrow) {
-            (0, false) => 2.0,
-            (_, true) => draws.between(1.3, 1.42),
-            (1, false) => 1.5,
-            (_, false) => draws.between(1.3, 2.0),
-        };
-        if level > end {
-            return found;
-        }
-        found.push(level.round() as usize);
-    }
+/// `own` times a common factor: ratios stay, to rounding, and doubled levels are doubled exactly.
+fn shifted(draws: &mut Draws, own: &[usize]) -> Vec<usize> {
+    let Some(&first) = own.first() else { return Vec::new() };
+    let coarsest = (first as f64 * draws.between(1.0, LARGEST_SHIFT)).round();
+    own.iter().map(|&level| (coarsest * level as f64 / first as f64).round() as usize).collect()
 }
