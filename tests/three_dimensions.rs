@@ -1,6 +1,7 @@
 //! Source: (5.1)-(5.5) in three dimensions; plane strain.
 //! Goal: the solver on tetrahedra. A plane scene continued along z, with the tractions of plane strain on its ends, has the
-//!   plane solution, to rounding, where the strain is one tensor; order 2 in time on any mesh; the tangent is the derivative of the force with all terms present.
+//!   plane solution, to rounding, where the strain is one tensor; order 2 in time on any mesh; loads of formulas, a symmetric
+//!   scene with every term, sampled constants; the tangent is the derivative of the force with all terms present.
 //! Mesh: boxes of n³ cubes, six tetrahedra each; top (y = 1) clamped, bottom in contact.
 //! Data: affine (λ = μ_L = 1, ℬ = -exp(-t)/4 𝒜, compliance with a falling branch) without projection.
 
@@ -11,7 +12,8 @@ use gronwall::contact::{
 };
 use gronwall::law::{NoProjection, VonMises, YieldLimit};
 use gronwall::mesh::{Family, cuboid};
-use gronwall::setup::Setup;
+use gronwall::setup::{Setup, constants};
+use gronwall::theory::bound::sampled::sample;
 use gronwall::vhi::{Newton, StepInequality};
 use shipped::{edited, setup_of, text};
 
@@ -155,6 +157,83 @@ fn the_time_order_is_two_on_a_perturbed_mesh() {
         let order = (pair[0] / pair[1]).log2();
         // The kink of the law is passed at one time: pairs differ by the place of it in the grid.
         assert!((order - 2.0).abs() < 0.06, "{order}: {errors:?}");
+    }
+}
+
+/// A box as a scene file states it, its body force and its traction on the side z = 0.
+fn pressed(body: &str, front: &str) -> Setup {
+    let scene = edited(&text("punch-box"), "body = [\"0\", \"-3*t*(x + 0.5*z)\", \"0\"]", body);
+    setup_of(format!("{scene}\ntraction = {{ front = {front} }}\n"))
+}
+
+/// F(v) of formulas for v = (1-y) e_i, which is in V^h, against integrals by hand.
+#[test]
+fn loads_of_formulas_are_their_integrals() {
+    let body = "body = [\"t*x^2*z\", \"x*y*z\", \"2 + t\"]";
+    let setup = pressed(body, "[\"x*y\", \"t\", \"x^2\"]");
+    let data = shipped::on_mesh(&setup, 3);
+    let load = data.truth.load(0.5).expect("finite loads");
+    let space = &data.space;
+    // ∫ 1-y = 1/2, ∫ y(1-y) = 1/6 on the edges of the cube; the rest are powers.
+    let exact =
+        [0.5 / 3.0 / 2.0 / 2.0 + 0.5 / 6.0, 0.5 / 6.0 / 2.0 + 0.5 * 0.5, 2.5 * 0.5 + 0.5 / 3.0];
+    for (i, exact) in exact.into_iter().enumerate() {
+        let work: f64 = (0..space.nodes.free)
+            .map(|node| (1.0 - space.mesh.vertex(space.nodes.vertex[node])[1]) * load[3 * node + i])
+            .sum();
+        // The rules are exact here; sums of some hundred terms.
+        assert!((work - exact).abs() < 1e-13, "{i}: {work} {exact}");
+    }
+}
+
+/// x and z change places: Kuhn's triangulation of the cube does not notice, so nothing may, with every term of the model.
+#[test]
+fn a_symmetric_cube_stays_symmetric() {
+    let symmetric = "body = [\"t*z\", \"-3*t*(x + z)\", \"t*x\"]";
+    let difference = |body: &str| {
+        let setup = setup_of(edited(
+            &text("punch-box"),
+            "body = [\"0\", \"-3*t*(x + 0.5*z)\", \"0\"]",
+            body,
+        ));
+        let data = shipped::on_mesh(&setup, 4);
+        let (space, mut worst, mut locked) = (&data.space, 0f64, 0);
+        shipped::run(&setup, &setup.model, &data, 4, |view| {
+            let at = |v: usize| &view.u[3 * space.nodes.of_vertex[v] as usize..][..3];
+            for v in 0..space.mesh.vertices() {
+                let x = space.mesh.vertex(v as u32);
+                let swapped = [x[2], x[1], x[0]];
+                let same = |w: &usize| space.mesh.vertex(*w as u32) == swapped;
+                let twin = (0..space.mesh.vertices()).find(same).expect("a vertex");
+                let (a, b) = (at(v), at(twin));
+                worst = (0..3).map(|i| (a[i] - b[2 - i]).abs()).fold(worst, f64::max);
+            }
+            locked = view.multiplier.iter().filter(|lambda| **lambda > 0.0).count();
+        })
+        .unwrap_or_else(|error| panic!("{error}"));
+        assert!(locked > 3, "{locked} locked vertices");
+        worst
+    };
+    // As above: displacements of 0.3, a Newton tolerance of 16 units of rounding, a condition below 1e3.
+    assert!(difference(symmetric) < 1e-12, "{:e}", difference(symmetric));
+    assert!(difference("body = [\"0\", \"-3*t*(x + 0.99*z)\", \"0\"]") > 1e-5);
+}
+
+/// The constants of (2.5b), (2.7b) and of S hold on samples, with deviators of trace tr/3; smaller ones do not.
+#[test]
+fn declared_constants_hold_on_samples() {
+    let setup = setup_of(text("punch-box"));
+    let space = setup.space(2).unwrap_or_else(|error| panic!("{error}"));
+    let declared = constants(&setup).unwrap_or_else(|error| panic!("{error}"));
+    let rows = sample(&setup, &declared, &space).unwrap_or_else(|error| panic!("{error}"));
+    assert!(rows.len() > 7 && rows.iter().all(|row| row.holds), "{rows:?}");
+    let mut small = declared.clone();
+    (small.m_a, small.l_a) = (1.5 * declared.m_a, 0.5 * declared.l_a);
+    (small.alpha_phi, small.memory.operator) = (0.2 * declared.alpha_phi, 0.0);
+    let rows = sample(&setup, &small, &space).unwrap_or_else(|error| panic!("{error}"));
+    for refuted in ["(2.5b): -m_A", "L_A", "(2.7b): alpha_phi, same y", "Lipschitz constant of S"] {
+        let row = rows.iter().find(|row| row.what == refuted).expect("a row");
+        assert!(!row.holds, "{row:?}");
     }
 }
 

@@ -114,18 +114,28 @@ pub struct LevelFields {
     pub pressure: Vec<f64>,
 }
 
+fn stresses<P: Projection, const S: usize>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+) -> Vec<f64> {
+    (0..space.mesh.cell_count()).flat_map(|c| view.stress::<P, S>(space, model, c)).collect()
+}
+
 impl LevelFields {
-    /// The fields that `view` shows, in the plane.
+    /// The fields that `view` shows.
     pub fn of<P: Projection>(
         space: &Discretization,
         model: &Model<P>,
         view: &StepView<'_>,
     ) -> Self {
-        let cells = 0..space.mesh.cell_count();
         let sum = view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda);
         Self {
             u: view.u.to_vec(),
-            stress: cells.flat_map(|c| view.stress::<P, 3>(space, model, c)).collect(),
+            stress: match space.mesh.dimension {
+                2 => stresses::<P, 3>(space, model, view),
+                _ => stresses::<P, 6>(space, model, view),
+            },
             pressure: sum.collect(),
         }
     }

@@ -6,6 +6,7 @@ use super::kkt_compliance::{add_exact, add_gauss};
 use super::march::StepView;
 use super::{BoundaryRule, Discretization, Model};
 use crate::law::{Projection, graph_distance};
+use crate::linalg::{larger, largest};
 use crate::space::strain_of;
 
 /// Largest violation of the discrete KKT system at one time level, relative to the largest nodal
@@ -67,8 +68,8 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
         }
         scale = scale.max(f64::MIN_POSITIVE);
     }
-    // A maximum of floats forgets a NaN; every unknown and pressure is part of the balance.
-    let worst = if unbalanced.is_nan() { unbalanced } else { worst.max(unbalanced) };
+    // Every unknown and pressure is part of the balance: a NaN in one of them shows in it.
+    let worst = larger(worst, unbalanced);
     if scale > 0.0 { worst / scale } else { worst }
 }
 
@@ -91,11 +92,6 @@ fn add_contact_forces<P: Projection>(
         BoundaryRule::Gauss => add_gauss(space, boundary, view, balance),
         BoundaryRule::Exact => add_exact(space, boundary, view, balance),
     }
-}
-
-fn largest(values: &[f64]) -> f64 {
-    // NaN must not be lost in a maximum.
-    values.iter().fold(0.0, |worst: f64, v| if v.is_nan() { f64::NAN } else { worst.max(v.abs()) })
 }
 
 impl StepView<'_> {

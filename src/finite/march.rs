@@ -5,6 +5,7 @@ use nalgebra::DVector;
 use super::{FiniteEvolution, FiniteModel};
 use crate::history::TimeGrid;
 use crate::law::graph_distance;
+use crate::linalg::{larger, largest};
 use crate::vhi::{FailedStep, HistoryInequality, StepInequality, StepSolver, Stepper};
 
 /// Why a case has no result.
@@ -138,10 +139,8 @@ fn residual(evolution: &mut FiniteEvolution<'_>, w: &[f64], pressure: &[f64]) ->
         let outside = (value - at.gap).max(at.floor - value).max(0.0);
         worst = worst.max(outside * stiffness);
     }
-    // A maximum of floats forgets a NaN; every unknown and pressure is part of the balance.
-    let larger = |worst: f64, f: &f64| if f.is_nan() { f64::NAN } else { worst.max(f.abs()) };
-    let unbalanced = balance.iter().fold(0.0, larger);
-    let worst = if unbalanced.is_nan() { unbalanced } else { worst.max(unbalanced) };
+    // Every unknown and pressure is part of the balance: a NaN in one of them shows in it.
+    let worst = larger(worst, largest(&balance));
     let scale = evolution.force_scale(w);
     if scale > 0.0 { worst / scale } else { worst }
 }

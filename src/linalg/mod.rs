@@ -26,6 +26,16 @@ pub fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// The larger of two numbers; a NaN stays, which `f64::max` would forget.
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+/// max |a_i|, 0 of nothing; a NaN stays.
+pub fn largest(a: &[f64]) -> f64 {
+    a.iter().fold(0.0, |worst, value| larger(worst, value.abs()))
+}
+
 /// y ← y + α x.
 pub fn axpy(alpha: f64, x: &[f64], y: &mut [f64]) {
     for (target, value) in y.iter_mut().zip(x) {

@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
-use super::case::{ERROR_RULE, as_floors, reference_share, scene_reference, time_reference_floor};
+use super::case::{
+    ERROR_RULE, as_floors, floor_in, reference_share, scene_reference, time_reference_floor,
+};
 use super::plan::TIME_REFERENCE;
 use crate::contact::{
     CaseError, CaseInfo, Floors, LevelFields, LoadError, MemoryTerm, strain_distance,
@@ -66,17 +68,6 @@ pub struct FloorRow {
 /// The norms whose floors are distances of two discrete solutions or of two errors.
 const NORMS: [Norm; 5] =
     [Norm::VMax, Norm::L2Max, Norm::TraceL2Max, Norm::PressureL2Max, Norm::StressL2Max];
-
-fn of(floors: &Floors, norm: Norm) -> f64 {
-    match norm {
-        Norm::VMax | Norm::VTimeMax | Norm::VProjectionMax => floors.v,
-        Norm::L2Max => floors.l2,
-        Norm::TraceL2Max => floors.trace,
-        Norm::PressureL2Max => floors.pressure,
-        Norm::StressL2Max => floors.stress,
-        Norm::ContactSetMax => 0.0,
-    }
-}
 
 /// A scene whose history is summed directly at every step.
 struct DirectSum(Box<dyn MemoryKernel>);
@@ -152,9 +143,9 @@ pub fn contact_floors(
             kept.map(|norm| FloorRow {
                 norm,
                 part: *part,
-                error: of(&measured.errors, norm),
-                measured: of(measured_floors, norm),
-                estimated: of(estimated, norm),
+                error: floor_in(&measured.errors, norm),
+                measured: floor_in(measured_floors, norm),
+                estimated: floor_in(estimated, norm),
             })
         })
         .collect();

@@ -26,11 +26,7 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
     let best = fits.best;
     let space = compare(best.order_h.interval, Aim { order, at_least, exact });
     let time = compare(best.order_k.interval, Aim { order: order_k, at_least, exact });
-    let decision = match (space.0, time.0) {
-        (Decision::Fail, _) | (_, Decision::Fail) => Decision::Fail,
-        (Decision::Pass, Decision::Pass) => Decision::Pass,
-        _ => Decision::Unresolved,
-    };
+    let decision = space.0.and(time.0);
     let open = |direction, (decision, _): &(Decision, String)| match decision {
         Decision::Unresolved => next_case(selection, direction, prediction).cases,
         Decision::Pass | Decision::Fail => Vec::new(),

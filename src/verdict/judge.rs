@@ -119,11 +119,7 @@ fn compare_with(
     let Some(Comparison { constant, decision, sentence }) = compared else { return };
     finding.constants.insert(name, constant);
     finding.reason = format!("{}; {sentence}", finding.reason);
-    finding.decision = match (finding.decision, decision) {
-        (Decision::Fail, _) | (_, Decision::Fail) => Decision::Fail,
-        (Decision::Pass, Decision::Pass) => Decision::Pass,
-        _ => Decision::Unresolved,
-    };
+    finding.decision = finding.decision.and(decision);
 }
 
 /// Gaps that are named before the rest is counted.

@@ -100,6 +100,16 @@ impl Decision {
             Self::Unresolved => "unresolved",
         }
     }
+
+    /// Of two questions of which both have to pass: fails if one fails, passes if both pass.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Fail, _) | (_, Self::Fail) => Self::Fail,
+            (Self::Pass, Self::Pass) => Self::Pass,
+            _ => Self::Unresolved,
+        }
+    }
 }
 
 /// The verdict a scene is built to get.

@@ -48,12 +48,7 @@ fn decide(best: &JointFit, (p, q): (f64, f64)) -> (Decision, String) {
         compare(found.interval, Aim { order, at_least: false, exact: false })
     };
     let (space, time) = (one(best.order_h, p), one(best.order_k, q));
-    let decision = match (space.0, time.0) {
-        (Decision::Fail, _) | (_, Decision::Fail) => Decision::Fail,
-        (Decision::Pass, Decision::Pass) => Decision::Pass,
-        _ => Decision::Unresolved,
-    };
-    (decision, format!("in h: {}; in k: {}", space.1, time.1))
+    (space.0.and(time.0), format!("in h: {}; in k: {}", space.1, time.1))
 }
 
 fn text(

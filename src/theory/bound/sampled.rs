@@ -7,9 +7,10 @@ use super::ladder::BoundError;
 use crate::contact::{Discretization, MemoryTerm, strain_norm, stress_force};
 use crate::history::{Accumulated, Memory, TimeGrid, Trapezoid};
 use crate::law::{Isotropic, Potential, Projection};
-use crate::linalg::{Factor, FactorError, Workspace, signed_unit};
+use crate::linalg::{Factor, FactorError, Workspace, larger, signed_unit};
 use crate::setup::{Constants, Setup};
 use crate::space::strain_of;
+use crate::tensor::contract;
 
 /// A declared constant beside the worst that samples ask for.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,11 +39,22 @@ impl Sampled {
     }
 }
 
-/// The constants of a scene on samples, in the plane.
+/// The constants of a scene on samples.
 ///
 /// # Errors
 /// A stiffness matrix that cannot be factorized.
 pub fn sample(
+    setup: &Setup,
+    constants: &Constants,
+    space: &Discretization,
+) -> Result<Vec<Sampled>, BoundError> {
+    match space.mesh.dimension {
+        2 => sample_in::<2, 3>(setup, constants, space),
+        _ => sample_in::<3, 6>(setup, constants, space),
+    }
+}
+
+fn sample_in<const D: usize, const S: usize>(
     setup: &Setup,
     constants: &Constants,
     space: &Discretization,
@@ -52,7 +64,7 @@ pub fn sample(
     if let Some(boundary) = &model.boundary {
         rows.extend(law(&*boundary.potential));
     }
-    let mut fields = Fields::new(space).map_err(|e| BoundError::Constant(e.into()))?;
+    let mut fields = Fields::<D, S>::new(space).map_err(|e| BoundError::Constant(e.into()))?;
     rows.extend(fields.elasticity(&model.elasticity, constants));
     rows.extend(fields.phi(&model.projection, setup.projection_mu(), constants));
     if let Some(limit) = model.projection.limit() {
@@ -80,10 +92,10 @@ pub fn law(potential: &dyn Potential) -> [Sampled; 2] {
         let (r, s) = (place(), place());
         let ends = |r: f64| <[f64; 2]>::from(potential.subdifferential(r));
         for xi in ends(r) {
-            growth = worst(growth, (xi.abs() - c1 * r.abs()).max(0.0));
+            growth = larger(growth, (xi.abs() - c1 * r.abs()).max(0.0));
             for eta in ends(s) {
                 if r != s {
-                    descent = worst(descent, -(xi - eta) / (r - s));
+                    descent = larger(descent, -(xi - eta) / (r - s));
                 }
             }
         }
@@ -94,11 +106,6 @@ pub fn law(potential: &dyn Potential) -> [Sampled; 2] {
     ]
 }
 
-/// The larger of two numbers; a NaN stays.
-fn worst(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
-}
-
 fn lipschitz_kappa(limit: &dyn crate::law::YieldLimit, declared: f64, horizon: f64) -> Sampled {
     let mut seed = 43;
     let mut place = || horizon * 10f64.powf(2.0 * signed_unit(&mut seed));
@@ -106,14 +113,15 @@ fn lipschitz_kappa(limit: &dyn crate::law::YieldLimit, declared: f64, horizon: f
     for _ in 0..10 * SAMPLES {
         let (r, s) = (place(), place());
         if r != s {
-            needed = worst(needed, (limit.value(r) - limit.value(s)).abs() / (r - s).abs());
+            needed = larger(needed, (limit.value(r) - limit.value(s)).abs() / (r - s).abs());
         }
     }
     Sampled::new("L_kappa", declared, needed, 10 * SAMPLES)
 }
 
-/// Random states on a mesh, with strains and Riesz representatives in V^h.
-pub struct Fields<'a> {
+/// Random states on a mesh in dimension D, with strains of S numbers (Mandel) and Riesz representatives
+/// in V^h.
+pub struct Fields<'a, const D: usize, const S: usize> {
     space: &'a Discretization,
     factor: Factor,
     workspace: Workspace,
@@ -121,10 +129,10 @@ pub struct Fields<'a> {
 }
 
 /// A tensor a cell.
-type Tensors = Vec<[f64; 3]>;
+type Tensors<const S: usize> = Vec<[f64; S]>;
 
-impl<'a> Fields<'a> {
-    /// Fields on a plane mesh.
+impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
+    /// Fields on a mesh of dimension D.
     ///
     /// # Errors
     /// The factorization of the strain products.
@@ -150,30 +158,30 @@ impl<'a> Fields<'a> {
         u
     }
 
-    fn strains(&self, u: &[f64]) -> Tensors {
+    fn strains(&self, u: &[f64]) -> Tensors<S> {
         let space = self.space;
         (0..space.mesh.cell_count())
-            .map(|c| strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), u))
+            .map(|c| strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), u))
             .collect()
     }
 
-    fn product(&self, a: &Tensors, b: &Tensors) -> f64 {
+    fn product(&self, a: &Tensors<S>, b: &Tensors<S>) -> f64 {
         let pairs = a.iter().zip(b).zip(&self.space.geometry.measure);
-        pairs.map(|((a, b), m)| m * (a[0] * b[0] + a[1] * b[1] + a[2] * b[2])).sum()
+        pairs.map(|((a, b), m)| m * contract(a, b)).sum()
     }
 
-    fn size(&self, a: &Tensors) -> f64 {
+    fn size(&self, a: &Tensors<S>) -> f64 {
         self.product(a, a).sqrt()
     }
 
     /// sup over v ∈ V^h of (τ, ε(v))/‖v‖, attained at the Riesz representative.
-    fn dual_norm(&mut self, tau: &Tensors) -> f64 {
+    fn dual_norm(&mut self, tau: &Tensors<S>) -> f64 {
         let space = self.space;
         let mut force = vec![0.0; space.nodes.len()];
         for (c, tensor) in tau.iter().enumerate() {
             let stress = tensor.map(|t| t * space.geometry.measure[c]);
             let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-            stress_force::<2, 3>(gradients, nodes, &stress, &mut force);
+            stress_force::<D, S>(gradients, nodes, &stress, &mut force);
         }
         let mut riesz = force.clone();
         space.analysis.solve(&self.factor, &mut riesz[..space.dofs()], &mut self.workspace);
@@ -188,7 +196,7 @@ impl<'a> Fields<'a> {
             let u = self.displacement();
             let strain = self.strains(&u);
             let mu = constants.alpha_phi;
-            let stress: Tensors = strain
+            let stress: Tensors<S> = strain
                 .iter()
                 .map(|e| {
                     let s = elastic.apply(e);
@@ -198,7 +206,7 @@ impl<'a> Fields<'a> {
             let size = self.size(&strain);
             let quotient = self.product(&stress, &strain) / (size * size);
             least = if quotient.is_nan() { f64::NAN } else { least.min(quotient) };
-            most = worst(most, self.dual_norm(&stress) / size);
+            most = larger(most, self.dual_norm(&stress) / size);
         }
         [
             // Turned round, so that as everywhere the declared number is the larger one.
@@ -226,19 +234,19 @@ impl<'a> Fields<'a> {
             let (s11, s12) = (projected(p, mu, &e1, r1), projected(p, mu, &e1, r2));
             let s21 = projected(p, mu, &e2, r1);
             let s22 = projected(p, mu, &e2, r2);
-            of_u = worst(of_u, self.dual_norm(&subtract(&s11, &s21)) / u);
+            of_u = larger(of_u, self.dual_norm(&subtract(&s11, &s21)) / u);
             let y_r = (r1 - r2).abs();
-            of_y = worst(of_y, self.dual_norm(&subtract(&s11, &s12)) / y_r);
-            of_y = worst(of_y, self.dual_norm(&theta) / self.size(&theta));
+            of_y = larger(of_y, self.dual_norm(&subtract(&s11, &s12)) / y_r);
+            of_y = larger(of_y, self.dual_norm(&theta) / self.size(&theta));
             let both = subtract(&subtract(&theta, &s11), &negative(&s22));
             let right = alpha * u + beta * (y_r + self.size(&theta));
-            of_both = worst(of_both, self.dual_norm(&both) / right);
+            of_both = larger(of_both, self.dual_norm(&both) / right);
             let tau = subtract(&theta, &s11);
             let (at1, at2) = (self.product(&tau, &e1), self.product(&tau, &e2));
-            let half: Tensors =
+            let half: Tensors<S> =
                 subtract(&e1, &negative(&e2)).iter().map(|e| e.map(|x| 0.5 * x)).collect();
             let bend = at1 + at2 - 2.0 * self.product(&tau, &half);
-            convex = worst(convex, bend.abs() / (at1.abs() + at2.abs()));
+            convex = larger(convex, bend.abs() / (at1.abs() + at2.abs()));
         }
         vec![
             Sampled::new("(2.7b): alpha_phi, same y", alpha, of_u, SAMPLES),
@@ -254,7 +262,7 @@ impl<'a> Fields<'a> {
         let samples = 40;
         for sample in 0..samples {
             let grid = TimeGrid::random(horizon, 6, u64::from(sample));
-            needed = worst(needed, self.history_ratio(memory, &grid, sample % 2 == 0));
+            needed = larger(needed, self.history_ratio(memory, &grid, sample % 2 == 0));
         }
         Sampled::new("Lipschitz constant of S", declared, needed, samples)
     }
@@ -288,12 +296,12 @@ impl<'a> Fields<'a> {
                     &mut history[..dofs],
                 );
                 let strain = self.strains(&history);
-                let stress: Tensors = strain.iter().map(|e| term.tensor.apply(e)).collect();
+                let stress: Tensors<S> = strain.iter().map(|e| term.tensor.apply(e)).collect();
                 remembered = self.size(&stress);
             }
             if n > 0 {
                 let left = (zeta[0].value() - zeta[1].value()).abs() + remembered;
-                needed = worst(needed, left / distance.value());
+                needed = larger(needed, left / distance.value());
             }
         }
         needed
@@ -301,19 +309,24 @@ impl<'a> Fields<'a> {
 }
 
 /// μ P_{M(κ(r))} ε a cell: μ ε minus the projection stress μ(ε - Pε).
-fn projected<P: Projection>(p: &P, mu: f64, strain: &Tensors, r: f64) -> Tensors {
+fn projected<P: Projection, const S: usize>(
+    p: &P,
+    mu: f64,
+    strain: &Tensors<S>,
+    r: f64,
+) -> Tensors<S> {
     let kappa = p.limit().map_or(f64::INFINITY, |limit| limit.value(r));
-    let tensor = |e: &[f64; 3]| {
-        let rest = p.stress(e, kappa).unwrap_or([0.0; 3]);
+    let tensor = |e: &[f64; S]| {
+        let rest = p.stress(e, kappa).unwrap_or([0.0; S]);
         std::array::from_fn(|i| mu * e[i] - rest[i])
     };
     strain.iter().map(tensor).collect()
 }
 
-fn subtract(a: &Tensors, b: &Tensors) -> Tensors {
+fn subtract<const S: usize>(a: &Tensors<S>, b: &Tensors<S>) -> Tensors<S> {
     a.iter().zip(b).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect()
 }
 
-fn negative(a: &Tensors) -> Tensors {
+fn negative<const S: usize>(a: &Tensors<S>) -> Tensors<S> {
     a.iter().map(|a| a.map(|x| -x)).collect()
 }
