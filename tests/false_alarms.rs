@@ -233,6 +233,9 @@ fn kept(scenes: &[Scene]) -> PathBuf {
     folder
 }
 
+/// Scenes that cost half of a run: they take part in every fourth.
+const DEAR: [&str; 3] = ["pure-mild", "pure-strong", "sourced"];
+
 /// Run `seed` from its file, or computed and kept.
 fn resumed(folder: &Path, scenes: &[Scene], seed: u64) -> Vec<Outcome> {
     let path = folder.join(format!("{seed}.json"));
@@ -240,7 +243,9 @@ fn resumed(folder: &Path, scenes: &[Scene], seed: u64) -> Vec<Outcome> {
         return serde_json::from_slice(&bytes).expect("a run, written in one piece");
     }
     let start = Instant::now();
-    let outcomes = gate(scenes, seed, None);
+    let takes_part = |scene: &&Scene| seed.is_multiple_of(4) || !DEAR.contains(&&*scene.name);
+    let part: Vec<Scene> = scenes.iter().filter(takes_part).cloned().collect();
+    let outcomes = gate(&part, seed, None);
     let bytes = serde_json::to_vec_pretty(&outcomes).expect("outcomes");
     gronwall::record::replace_file(&path, &bytes).expect("a run");
     let Count { verdicts, failed, unresolved } = Count::of(&outcomes);
@@ -253,7 +258,7 @@ fn resumed(folder: &Path, scenes: &[Scene], seed: u64) -> Vec<Outcome> {
 
 /// `make false-alarms`; RUNS=40 for fewer, SCENES=affine,steady for some of the gate.
 #[test]
-#[ignore = "ten minutes"]
+#[ignore = "an hour"]
 fn two_hundred_perturbed_gates_raise_no_alarm() {
     let runs = std::env::var("RUNS").map_or(200, |runs| runs.parse().expect("RUNS: a number"));
     let mut scenes = judged();

@@ -56,7 +56,11 @@ mod tests {
 
     #[test]
     fn work_on_an_affine_field_is_stress_times_strain_times_area() {
-        let mesh = rectangle([2.0, 1.0], 3, Family::Perturbed { amplitude: 0.2, seed: 5 });
+        let mesh = rectangle(
+            [2.0, 1.0],
+            3,
+            Family::Perturbed { amplitude: 0.2, seed: 5, axes: [true; 3] },
+        );
         let stress = [[1.0, -0.7], [-0.7, 0.4]];
         let exact = 2.0 * (1.0 * 2.0 + 2.0 * -0.7 * 1.0 + 0.4 * 5.0);
         let force = forces(&mesh, &stress);

@@ -35,8 +35,9 @@ pub fn cuboid(size: [f64; 3], n: u32, family: Family) -> Mesh {
             }
         }
     }
-    if let Family::Perturbed { amplitude, seed } = family {
-        grid.perturb(&mut coordinates, amplitude / f64::from(n), seed);
+    if let Family::Perturbed { amplitude, seed, axes } = family {
+        let reach = axes.map(|moved| if moved { amplitude / f64::from(n) } else { 0.0 });
+        grid.perturb(&mut coordinates, reach, seed);
     }
     let (mut facets, mut facet_side) = (Vec::new(), Vec::new());
     for (side, _) in SIDES.iter().enumerate() {
@@ -113,13 +114,13 @@ impl Grid {
     }
 
     /// Moves interior vertices by at most `reach` a coordinate.
-    fn perturb(&self, coordinates: &mut [f64], reach: f64, seed: u64) {
+    fn perturb(&self, coordinates: &mut [f64], reach: [f64; 3], seed: u64) {
         let mut state = seed;
         for l in 1..self.counts[2] {
             for j in 1..self.counts[1] {
                 for i in 1..self.counts[0] {
                     let first = 3 * self.number([i, j, l]) as usize;
-                    for value in &mut coordinates[first..first + 3] {
+                    for (value, reach) in coordinates[first..first + 3].iter_mut().zip(reach) {
                         *value += reach * signed_unit(&mut state);
                     }
                 }
@@ -154,7 +155,9 @@ mod tests {
 
     #[test]
     fn tetrahedra_tile_the_box_and_meet_face_to_face() {
-        for family in [Family::Structured, Family::Perturbed { amplitude: 0.15, seed: 5 }] {
+        for family in
+            [Family::Structured, Family::Perturbed { amplitude: 0.15, seed: 5, axes: [true; 3] }]
+        {
             let mesh = cuboid([2.0, 1.0, 0.5], 4, family);
             let volumes: Vec<f64> = (0..mesh.cell_count()).map(|c| volume(&mesh, c)).collect();
             assert!(volumes.iter().all(|v| *v > 0.0));

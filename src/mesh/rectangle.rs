@@ -8,8 +8,8 @@ use crate::linalg::signed_unit;
 pub enum Family {
     /// The regular grid.
     Structured,
-    /// Interior vertices moved by at most `amplitude`·h in each coordinate, by a seeded generator.
-    Perturbed { amplitude: f64, seed: u64 },
+    /// Interior vertices moved by at most `amplitude`·h along each of the `axes`, by a seeded generator.
+    Perturbed { amplitude: f64, seed: u64, axes: [bool; 3] },
 }
 
 /// The sides of a rectangle, in the order of `Mesh::sides`.
@@ -49,8 +49,9 @@ pub fn rectangle(size: [f64; 2], n: u32, family: Family) -> Mesh {
         facet(number(i, 0), number(i + 1, 0), 2);
         facet(number(i + 1, counts[1]), number(i, counts[1]), 3);
     }
-    if let Family::Perturbed { amplitude, seed } = family {
-        perturb(&mut coordinates, counts, amplitude / f64::from(n), seed);
+    if let Family::Perturbed { amplitude, seed, axes } = family {
+        let reach = axes.map(|moved| if moved { amplitude / f64::from(n) } else { 0.0 });
+        perturb(&mut coordinates, counts, reach, seed);
     }
     Mesh {
         dimension: 2,
@@ -64,13 +65,14 @@ pub fn rectangle(size: [f64; 2], n: u32, family: Family) -> Mesh {
     }
 }
 
-/// Moves interior vertices by at most `reach` a coordinate.
-fn perturb(coordinates: &mut [f64], counts: [usize; 2], reach: f64, seed: u64) {
+/// Moves interior vertices by at most `reach`, one number an axis.
+fn perturb(coordinates: &mut [f64], counts: [usize; 2], reach: [f64; 3], seed: u64) {
     let mut state = seed;
     for j in 1..counts[1] {
         for i in 1..counts[0] {
             for c in 0..2 {
-                coordinates[2 * (j * (counts[0] + 1) + i) + c] += reach * signed_unit(&mut state);
+                coordinates[2 * (j * (counts[0] + 1) + i) + c] +=
+                    reach[c] * signed_unit(&mut state);
             }
         }
     }
@@ -79,6 +81,10 @@ fn perturb(coordinates: &mut [f64], counts: [usize; 2], reach: f64, seed: u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn perturbed(seed: u64) -> Family {
+        Family::Perturbed { amplitude: 0.2, seed, axes: [true; 3] }
+    }
 
     fn area(mesh: &Mesh) -> f64 {
         (0..mesh.cell_count())
@@ -93,7 +99,7 @@ mod tests {
 
     #[test]
     fn cells_tile_the_rectangle_and_sides_have_their_length() {
-        for family in [Family::Structured, Family::Perturbed { amplitude: 0.2, seed: 7 }] {
+        for family in [Family::Structured, perturbed(7)] {
             let mesh = rectangle([2.0, 1.0], 6, family);
             assert!((area(&mesh) - 2.0).abs() < 1e-13);
             assert_eq!(mesh.facets_on(&[2]).count(), 12);
@@ -103,11 +109,21 @@ mod tests {
 
     #[test]
     fn perturbation_moves_interior_vertices_only_and_repeats() {
-        let family = Family::Perturbed { amplitude: 0.2, seed: 3 };
+        let family = perturbed(3);
         let (a, b) = (rectangle([1.0, 1.0], 4, family), rectangle([1.0, 1.0], 4, family));
         assert_eq!(a.coordinates, b.coordinates);
         let straight = rectangle([1.0, 1.0], 4, Family::Structured);
         let moved = a.coordinates.iter().zip(&straight.coordinates).filter(|(p, q)| p != q);
         assert_eq!(moved.count(), 2 * 9);
+    }
+    #[test]
+    fn columns_stay_where_vertices_move_along_y_alone() {
+        let family = Family::Perturbed { amplitude: 0.2, seed: 3, axes: [false, true, false] };
+        let (moved, straight) =
+            (rectangle([1.0, 1.0], 4, family), rectangle([1.0, 1.0], 4, Family::Structured));
+        let differ = |axis: usize| {
+            (0..25).filter(|&v| moved.vertex(v)[axis] != straight.vertex(v)[axis]).count()
+        };
+        assert_eq!([differ(0), differ(1)], [0, 9]);
     }
 }

@@ -118,8 +118,8 @@ fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
 pub enum MeshFamily {
     /// n squares a unit length, each cut by the diagonal from lower left to upper right.
     Structured,
-    /// The structured mesh with its inner vertices moved by up to `amplitude`·h in each coordinate.
-    Perturbed { amplitude: f64, seed: u64 },
+    /// The structured mesh with its inner vertices moved by up to `amplitude`·h along each of the `axes`.
+    Perturbed { amplitude: f64, seed: u64, axes: [bool; 3] },
 }
 
 /// The rectangle or box of the product of (0, size\[i\]); each side is in exactly one of the three lists.
@@ -149,7 +149,7 @@ impl Domain {
             clamped: sides(reading, "domain.clamped", &written.clamped, dimension)?,
             traction: sides(reading, "domain.traction", &written.traction, dimension)?,
             contact: sides(reading, "domain.contact", &written.contact, dimension)?,
-            mesh: mesh(reading, written.mesh.as_ref())?,
+            mesh: mesh(reading, written.mesh.as_ref(), dimension)?,
         };
         domain.each_side_once(reading)?;
         if domain.clamped.is_empty() {
@@ -238,7 +238,11 @@ fn sides(
     words.iter().enumerate().map(parse).collect()
 }
 
-fn mesh(reading: &Reading, written: Option<&written::Mesh>) -> Result<MeshFamily, SceneError> {
+fn mesh(
+    reading: &Reading,
+    written: Option<&written::Mesh>,
+    dimension: usize,
+) -> Result<MeshFamily, SceneError> {
     let Some(mesh) = written else {
         return Ok(MeshFamily::Structured);
     };
@@ -250,6 +254,7 @@ fn mesh(reading: &Reading, written: Option<&written::Mesh>) -> Result<MeshFamily
     if !perturbed {
         reading.surplus("domain.mesh.amplitude", mesh.amplitude.as_ref(), &mesh.kind)?;
         reading.surplus("domain.mesh.seed", mesh.seed.as_ref(), &mesh.kind)?;
+        reading.surplus("domain.mesh.axes", mesh.axes.as_ref(), &mesh.kind)?;
         return Ok(MeshFamily::Structured);
     }
     let amplitude =
@@ -263,5 +268,25 @@ fn mesh(reading: &Reading, written: Option<&written::Mesh>) -> Result<MeshFamily
         ));
     }
     let seed = reading.needed("domain.mesh.seed", mesh.seed, &mesh.kind, "seed = 1")?;
-    Ok(MeshFamily::Perturbed { amplitude, seed: reading.seed("domain.mesh.seed", seed)? })
+    let seed = reading.seed("domain.mesh.seed", seed)?;
+    Ok(MeshFamily::Perturbed {
+        amplitude,
+        seed,
+        axes: axes(reading, mesh.axes.as_deref(), dimension)?,
+    })
+}
+
+/// The axes along which vertices move: all, unless some are named.
+fn axes(
+    reading: &Reading,
+    words: Option<&[String]>,
+    dimension: usize,
+) -> Result<[bool; 3], SceneError> {
+    let Some(words) = words else { return Ok([true; 3]) };
+    let known = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
+    let mut moved = [false; 3];
+    for (index, word) in words.iter().enumerate() {
+        moved[reading.choice(&format!("domain.mesh.axes.{index}"), word, known)?] = true;
+    }
+    Ok(moved)
 }

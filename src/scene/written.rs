@@ -97,6 +97,7 @@ pub struct Mesh {
     pub kind: String,
     pub amplitude: Option<f64>,
     pub seed: Option<i64>,
+    pub axes: Option<Vec<String>>,
 }
 
 /// `[time]`

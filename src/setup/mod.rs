@@ -111,7 +111,9 @@ impl Setup {
         let domain = &self.body.domain;
         let family = match domain.mesh {
             MeshFamily::Structured => Family::Structured,
-            MeshFamily::Perturbed { amplitude, seed } => Family::Perturbed { amplitude, seed },
+            MeshFamily::Perturbed { amplitude, seed, axes } => {
+                Family::Perturbed { amplitude, seed, axes }
+            }
         };
         let mesh = match domain.size[..] {
             [a, b, c] => cuboid([a, b, c], n, family),

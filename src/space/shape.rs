@@ -85,7 +85,11 @@ mod tests {
 
     #[test]
     fn strain_of_an_affine_field_is_exact_on_any_mesh() {
-        let mesh = rectangle([1.0, 1.0], 3, Family::Perturbed { amplitude: 0.2, seed: 1 });
+        let mesh = rectangle(
+            [1.0, 1.0],
+            3,
+            Family::Perturbed { amplitude: 0.2, seed: 1, axes: [true; 3] },
+        );
         let geometry = Geometry::new(&mesh);
         // v = (2x + 3y, -x + 5y): ε = (2, 5, (3-1)/2).
         let v: Vec<f64> = (0..mesh.vertices() as u32)

@@ -21,7 +21,12 @@ fn grids_and_meshes() {
     let perturbed = accepted(LOADED, "\"structured\"", mesh);
     assert_eq!(
         perturbed.as_contact().unwrap().domain.mesh,
-        MeshFamily::Perturbed { amplitude: 0.2, seed: 1 }
+        MeshFamily::Perturbed { amplitude: 0.2, seed: 1, axes: [true; 3] }
+    );
+    let columns = accepted(LOADED, "\"structured\"", &format!("{mesh}, axes = [\"y\"]"));
+    assert_eq!(
+        columns.as_contact().unwrap().domain.mesh,
+        MeshFamily::Perturbed { amplitude: 0.2, seed: 1, axes: [false, true, false] }
     );
 }
 
