@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
-use super::{CliError, Scenes, print_json, print_text};
+use super::{CliError, Scenes, no_case, print_json, print_text};
 use crate::contact::BoundaryRule;
 use crate::record::replace_file;
 use crate::setup::Setup;
@@ -94,8 +94,7 @@ impl Audit {
         });
         let steps = self.steps.clone().unwrap_or_else(|| own(|sweep| &sweep.steps));
         if ns.is_empty() || steps.is_empty() {
-            let hint = "add [sweep] with n and steps, or give --n and --steps";
-            return Err(scene.error("scene.name", "the scene has no case to audit", hint).into());
+            return Err(no_case(scene, "audit"));
         }
         Ok((ns, steps))
     }

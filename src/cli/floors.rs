@@ -6,7 +6,7 @@ use clap::Args;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{LineStyle, Table};
 
-use super::{CliError, Scenes, print_json, print_text};
+use super::{CliError, Scenes, no_case, print_json, print_text};
 use crate::record::replace_file;
 use crate::setup::{Setup, Subject};
 use crate::sweep::{
@@ -54,11 +54,7 @@ impl FloorsCommand {
         let overrides = Overrides { n: self.n.clone(), steps: self.steps.clone() };
         let plan = ScenePlan::new(Subject::new(scene)?, &overrides);
         if plan.cases.is_empty() {
-            let hint = "add [sweep] with n and steps, or give --n and --steps";
-            return Err(plan
-                .scene()
-                .error("scene.name", "the scene has no case to run", hint)
-                .into());
+            return Err(no_case(plan.scene(), "run"));
         }
         let measured = self.measure(&plan, direct.as_ref())?;
         let document = document(&plan.scene().name, &measured);

@@ -168,6 +168,12 @@ impl Scenes {
 }
 
 /// Prints a JSON value.
+/// A scene without cases, where a command needs some to `run` or to `audit`.
+fn no_case(scene: &Scene, purpose: &str) -> CliError {
+    let hint = "add [sweep] with n and steps, or give --n and --steps";
+    scene.error("scene.name", format!("the scene has no case to {purpose}"), hint).into()
+}
+
 fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
     let text = serde_json::to_string_pretty(value).map_err(|e| CliError::Other(e.to_string()))?;
     print_text(&text);

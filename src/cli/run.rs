@@ -7,7 +7,7 @@ use clap::Args;
 use super::extension::restore_added;
 use super::github::annotate;
 use super::interrupt::{on_interrupt, quoted};
-use super::{CliError, Scenes, print_json, print_text};
+use super::{CliError, Scenes, no_case, print_json, print_text};
 use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all, write_junit};
 use crate::scene::Scene;
@@ -295,8 +295,7 @@ impl What {
                 continue;
             }
             if plan.cases.is_empty() {
-                let hint = "add [sweep] with n and steps, or give --n and --steps";
-                return Err(scene.error("scene.name", "the scene has no case to run", hint).into());
+                return Err(no_case(scene, "run"));
             }
             if let Some(remark) = plan.step_remark()? {
                 super::progress::remark(&plan.scene().name, &remark);

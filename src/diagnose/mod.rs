@@ -53,7 +53,7 @@ pub fn diagnose(
     always: bool,
 ) -> Result<Diagnosis, SetupError> {
     has_exact_solution(scene)?;
-    let (plan, records) = outcome::records(scene, prepare)?;
+    let outcome::Cases { plan, records, .. } = outcome::run_cases(scene, prepare)?;
     let foreseen = foresee(&plan.subject, &records);
     let verdicts = judge_scene(scene, &records, &plan.keys(), &foreseen);
     let wrong = |verdict: &&Verdict| !verdict.as_expected();

@@ -1,13 +1,12 @@
 //! A trial run and judged.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use rayon::prelude::*;
 
 use super::term::{Suspect, Terms};
 use super::trial::{Question, Trial};
 use crate::contact::{KKT_ALLOWED, LoadError, kkt_residual};
-use crate::record::{CaseRecord, NormError, Status};
+use crate::linalg::larger;
+use crate::record::{CaseRecord, Status};
 use crate::scene::Scene;
 use crate::setup::{MeshData, Setup, SetupError, Subject};
 use crate::sweep::{CasePlan, Overrides, ScenePlan, foresee, judge_scene, run_contact_case};
@@ -43,17 +42,39 @@ pub struct Outcome {
     pub removed: Option<Suspect>,
 }
 
-/// Runs the cases of a scene one by one with the solver that `prepare` puts in; the records in order.
+/// A scene run by the solver under test.
+pub struct Cases {
+    pub plan: ScenePlan,
+    /// One a case, in order.
+    pub records: Vec<CaseRecord>,
+    /// One a mesh.
+    meshes: Vec<(u32, MeshData)>,
+}
+
+impl Cases {
+    /// The cases with the setup and the mesh of each, of a body.
+    fn run(&self) -> impl Iterator<Item = (&Setup, &MeshData, &CaseRecord)> {
+        self.records.iter().filter_map(|record| match &self.plan.subject {
+            Subject::Contact(setup) => Some((&**setup, mesh(&self.meshes, record.n)?, record)),
+            Subject::Abstract(_) => None,
+        })
+    }
+}
+
+fn mesh(meshes: &[(u32, MeshData)], n: Option<u32>) -> Option<&MeshData> {
+    meshes.iter().find(|(known, _)| Some(*known) == n).map(|(_, data)| data)
+}
+
+/// Runs the cases of a scene with the solver that `prepare` puts in.
 ///
 /// # Errors
 /// What the setup refuses.
-pub fn records(
-    scene: &Scene,
-    prepare: &Prepare<'_>,
-) -> Result<(ScenePlan, Vec<CaseRecord>), SetupError> {
+pub fn run_cases(scene: &Scene, prepare: &Prepare<'_>) -> Result<Cases, SetupError> {
     let setup = prepare(Setup::new(scene.clone())?);
     let plan = ScenePlan::new(Subject::Contact(Box::new(setup)), &Overrides::default());
-    let Subject::Contact(setup) = &plan.subject else { return Ok((plan, Vec::new())) };
+    let Subject::Contact(setup) = &plan.subject else {
+        return Ok(Cases { plan, records: Vec::new(), meshes: Vec::new() });
+    };
     let mut ns: Vec<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
     ns.sort_unstable();
     ns.dedup();
@@ -61,50 +82,12 @@ pub fn records(
         .into_par_iter()
         .map(|n| MeshData::new(setup, n, None).map(|data| (n, data)))
         .collect::<Result<_, _>>()?;
-    let run = |case: &CasePlan| {
-        let data = meshes.iter().find(|(n, _)| Some(*n) == case.n).map(|(_, data)| data);
-        data.map(|data| one_case(setup, data, case))
+    let one = |case: &CasePlan| {
+        let data = mesh(&meshes, case.n)?;
+        Some(plan.record(case, || Ok(run_contact_case(setup, data, case))))
     };
-    let found = plan.cases.par_iter().filter_map(run).collect();
-    Ok((plan, found))
-}
-
-/// A solver under test may panic: that is a failed case, not the end of the diagnosis.
-fn one_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
-    let run = |case: &CasePlan| run_contact_case(setup, data, case);
-    catch_unwind(AssertUnwindSafe(|| run(case))).unwrap_or_else(|_| {
-        let reason = "the solver ended with an internal error".to_owned();
-        CaseRecord { status: Status::Failed { reason }, ..empty(setup, data, case) }
-    })
-}
-
-fn empty(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
-    let nothing = |norm: &crate::scene::Norm| NormError {
-        norm: norm.name().into(),
-        error: None,
-        floor: None,
-    };
-    CaseRecord {
-        scene: setup.scene.name.clone(),
-        dimension: setup.scene.dimension as u32,
-        n: case.n,
-        steps: case.steps,
-        h: Some(data.space.mesh.h()),
-        k: setup.grid(case.steps).largest_step(),
-        dofs: data.space.dofs() as u64,
-        elements: data.space.mesh.cell_count() as u64,
-        status: Status::Skipped,
-        newton_iterations: 0,
-        active_set_changes: 0,
-        factorizations: 0,
-        seconds_load: 0.0,
-        seconds_assemble: 0.0,
-        seconds_factor: 0.0,
-        seconds_solve: 0.0,
-        seconds_total: 0.0,
-        peak_history_bytes: 0,
-        errors: case.norms.iter().map(nothing).collect(),
-    }
+    let records = plan.cases.par_iter().filter_map(one).collect();
+    Ok(Cases { plan, records, meshes })
 }
 
 /// Runs a trial and judges it.
@@ -120,8 +103,8 @@ pub fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
         suspects: trial.suspects.clone(),
         removed: trial.removed,
     };
-    let (plan, records) = match records(&trial.scene, prepare) {
-        Ok(found) => found,
+    let cases = match run_cases(&trial.scene, prepare) {
+        Ok(cases) => cases,
         Err(error) => {
             outcome.reason = format!("not run: {}", first_line(&error.to_string()));
             return outcome;
@@ -129,8 +112,9 @@ pub fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
     };
     match trial.question {
         Question::Order => {
-            let foreseen = foresee(&plan.subject, &records);
-            let verdicts = judge_scene(&trial.scene, &records, &plan.keys(), &foreseen);
+            let foreseen = foresee(&cases.plan.subject, &cases.records);
+            let keys = cases.plan.keys();
+            let verdicts = judge_scene(&trial.scene, &cases.records, &keys, &foreseen);
             let verdict = verdicts.into_iter().max_by_key(|verdict| badness(verdict.decision));
             if let Some(verdict) = verdict {
                 outcome.decision = verdict.decision;
@@ -138,32 +122,27 @@ pub fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
                 outcome.verdict = Some(verdict);
             }
         }
-        Question::Exact => exactness(&plan, &records, &mut outcome),
+        Question::Exact => exactness(&cases, &mut outcome),
     }
     if trial.terms == Terms::NONE && outcome.decision == Decision::Fail {
-        outcome.suspects.retain(|&suspect| suspect != acquitted(&plan, &records));
+        outcome.suspects.retain(|&suspect| suspect != acquitted(&cases));
     }
     outcome
 }
 
 /// Of elasticity and loads the one that is not at fault: what solves the equations of its own 𝒜 under
 /// the loads of the truth has the right loads; what does not, has them wrong, or does not solve.
-fn acquitted(plan: &ScenePlan, records: &[CaseRecord]) -> Suspect {
-    let Subject::Contact(setup) = &plan.subject else { return Suspect::Loads };
-    let solves = |record: &CaseRecord| -> bool {
-        let Ok(data) = MeshData::new(setup, record.n.unwrap_or_default(), None) else {
-            return false;
-        };
+fn acquitted(cases: &Cases) -> Suspect {
+    let solves = |(setup, data, record): (&Setup, &MeshData, &CaseRecord)| -> bool {
         let mut largest = 0.0f64;
-        let marched = setup.scheme.march(setup, &data, record.steps, &mut |view| {
+        let marched = setup.scheme.march(setup, data, record.steps, &mut |view| {
             let load = data.truth.load(view.t)?;
-            let residual = kkt_residual(&data.space, &setup.model, view, &load);
-            largest = if residual.is_nan() { f64::INFINITY } else { largest.max(residual) };
+            largest = larger(largest, kkt_residual(&data.space, &setup.model, view, &load));
             Ok(())
         });
         marched.is_ok() && largest <= KKT_ALLOWED
     };
-    if records.iter().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
+    if cases.run().all(solves) { Suspect::Loads } else { Suspect::Elasticity }
 }
 
 fn badness(decision: Decision) -> u8 {
@@ -179,16 +158,15 @@ fn first_line(text: &str) -> &str {
 }
 
 /// The errors of an exact variant, relative to the solution.
-fn exactness(plan: &ScenePlan, records: &[CaseRecord], outcome: &mut Outcome) {
-    let Subject::Contact(setup) = &plan.subject else { return };
+fn exactness(cases: &Cases, outcome: &mut Outcome) {
     let mut worst: Option<(String, f64)> = None;
-    for record in records {
+    for (setup, data, record) in cases.run() {
         if let Status::Failed { reason } = &record.status {
             outcome.decision = Decision::Fail;
             outcome.reason = format!("no solution: {reason}");
             return;
         }
-        let sizes = match sizes(setup, record) {
+        let sizes = match sizes(data, setup.grid(record.steps).times()) {
             Ok(sizes) => sizes,
             Err(reason) => {
                 outcome.reason = format!("not run: {reason}");
@@ -216,14 +194,10 @@ fn exactness(plan: &ScenePlan, records: &[CaseRecord], outcome: &mut Outcome) {
 }
 
 /// Largest ‖ε(u_n)‖ and ‖σ_n‖ of the truth; the latter measures pressures too.
-fn sizes(setup: &Setup, record: &CaseRecord) -> Result<[f64; 2], String> {
-    let n = record.n.unwrap_or_default();
-    let data =
-        MeshData::new(setup, n, None).map_err(|error| first_line(&error.to_string()).to_owned())?;
-    let grid = setup.grid(record.steps);
+fn sizes(data: &MeshData, times: &[f64]) -> Result<[f64; 2], LoadError> {
     let mut largest = [f64::MIN_POSITIVE; 2];
-    for &t in grid.times() {
-        let moments = data.truth.moments(t).map_err(|error: LoadError| error.to_string())?;
+    for &t in times {
+        let moments = data.truth.moments(t)?;
         for (size, field) in largest.iter_mut().zip([&moments.strain, &moments.stress]) {
             let components = field.mean.len() / data.space.geometry.measure.len().max(1);
             let square: f64 = field

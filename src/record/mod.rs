@@ -112,6 +112,31 @@ pub struct CaseRecord {
 }
 
 impl CaseRecord {
+    /// A case on which no work was done: skipped, without errors, of dimension 0.
+    pub fn without_work(scene: &str, n: Option<u32>, steps: u32, k: f64) -> Self {
+        Self {
+            scene: scene.into(),
+            dimension: 0,
+            n,
+            steps,
+            h: n.map(|n| 1.0 / f64::from(n)),
+            k,
+            dofs: 0,
+            elements: 0,
+            status: Status::Skipped,
+            newton_iterations: 0,
+            active_set_changes: 0,
+            factorizations: 0,
+            seconds_load: 0.0,
+            seconds_assemble: 0.0,
+            seconds_factor: 0.0,
+            seconds_solve: 0.0,
+            seconds_total: 0.0,
+            peak_history_bytes: 0,
+            errors: Vec::new(),
+        }
+    }
+
     /// The key of this case.
     pub fn key(&self) -> Key {
         Key { scene: self.scene.clone(), n: self.n, steps: self.steps }

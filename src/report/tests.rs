@@ -20,30 +20,16 @@ fn case(scene: &str, n: u32, steps: u32) -> CaseRecord {
         floor: Some(floor),
     };
     CaseRecord {
-        scene: scene.into(),
-        dimension: 2,
-        n: Some(n),
-        steps,
-        h: Some(h),
-        k,
         dofs: u64::from(n * n),
         elements: u64::from(2 * n * n),
         status: Status::Converged,
-        newton_iterations: 1,
-        active_set_changes: 0,
-        factorizations: 1,
-        seconds_load: 0.0,
-        seconds_assemble: 0.0,
-        seconds_factor: 0.0,
-        seconds_solve: 0.0,
-        seconds_total: 0.0,
-        peak_history_bytes: 0,
         errors: vec![
             entry("V_max", (0.3 * h * (1.0 + h)).hypot(0.4 * k * k), 1e-10),
             entry("trace_L2_max", 0.02 * h * h + 0.001 * k * k, 2e-7),
             entry("pressure_L2_max", 0.5 * h.powf(1.5) + 0.1 * k * k, 1e-9),
             entry("V_time_max", 0.4 * k * k * (1.0 - k * k), 1e-6),
         ],
+        ..CaseRecord::without_work(scene, Some(n), steps, k)
     }
 }
 

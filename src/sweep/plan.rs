@@ -1,7 +1,9 @@
 //! The cases of a scene: every n with every number of steps, and the norms of each.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
 use super::extend::AddedCase;
-use crate::record::Key;
+use crate::record::{CaseRecord, Key, NormError, Status};
 use crate::scene::{Norm, Prediction, Reference, Scene};
 use crate::setup::{SetupError, StepRemark, Subject, check_step_sizes};
 use crate::verdict::NextCase;
@@ -68,6 +70,33 @@ impl ScenePlan {
         let reference = sweep.and_then(|sweep| sweep.reference);
         let reference = reference.filter(|_| !subject.has_exact());
         Self { cases, added: Vec::new(), reference, subject }
+    }
+
+    /// The record of a case: that of `run`, or of a failed case with the reason. A solver under test may
+    /// panic, which is a failed case too and not the end of the others.
+    pub fn record(
+        &self,
+        case: &CasePlan,
+        run: impl FnOnce() -> Result<CaseRecord, String>,
+    ) -> CaseRecord {
+        let reason = match catch_unwind(AssertUnwindSafe(run)) {
+            Ok(Ok(record)) => return record,
+            Ok(Err(reason)) => reason,
+            Err(panic) => {
+                let text = panic.downcast_ref::<String>().map(String::as_str);
+                let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+                format!("internal error: {}", text.unwrap_or("unknown"))
+            }
+        };
+        let (scene, k) = (self.scene(), self.subject.grid(case.steps).largest_step());
+        let nothing =
+            |norm: &Norm| NormError { norm: norm.name().into(), error: None, floor: None };
+        CaseRecord {
+            dimension: scene.dimension as u32,
+            status: Status::Failed { reason },
+            errors: case.norms.iter().map(nothing).collect(),
+            ..CaseRecord::without_work(&scene.name, case.n, case.steps, k)
+        }
     }
 
     /// Adds a case, unless it is there.

@@ -1,6 +1,5 @@
 //! Runs the cases of many scenes on a few threads, longest first, and records each as it ends.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -8,7 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use super::{Provenance, ResumeError, resume, run_abstract_case, run_contact_case};
 use crate::norms::ReferenceRun;
-use crate::record::{CaseRecord, Journal, RecordError, Status, counted};
+use crate::record::{CaseRecord, Journal, RecordError, counted};
 use crate::report::{ReportError, remove_earlier};
 use crate::scene::Norm;
 use crate::setup::{MeshData, Setup, Subject, reference_run};
@@ -257,59 +256,13 @@ impl<'a> Shared<'a> {
     }
 
     fn case(&self, case: &CasePlan) -> CaseRecord {
-        let outcome = catch_unwind(AssertUnwindSafe(|| match (&self.plan.subject, case.n) {
+        self.plan.record(case, || match (&self.plan.subject, case.n) {
             (Subject::Contact(setup), Some(n)) => {
                 self.mesh(setup, n).map(|data| run_contact_case(setup, data, case))
             }
             (Subject::Contact(_), None) => Err("a body needs a mesh: no n".into()),
             (Subject::Abstract(setup), _) => Ok(run_abstract_case(setup, case)),
-        }));
-        match outcome {
-            Ok(Ok(record)) => record,
-            Ok(Err(reason)) => self.failed(case, reason),
-            Err(panic) => {
-                let text = panic
-                    .downcast_ref::<String>()
-                    .map(String::as_str)
-                    .or_else(|| panic.downcast_ref::<&str>().copied())
-                    .unwrap_or("unknown");
-                self.failed(case, format!("internal error: {text}"))
-            }
-        }
-    }
-
-    /// The record of a case that could not even start.
-    fn failed(&self, case: &CasePlan, reason: String) -> CaseRecord {
-        let scene = self.plan.scene();
-        CaseRecord {
-            scene: scene.name.clone(),
-            dimension: scene.dimension as u32,
-            n: case.n,
-            steps: case.steps,
-            h: case.n.map(|n| 1.0 / f64::from(n)),
-            k: self.plan.subject.grid(case.steps).largest_step(),
-            dofs: 0,
-            elements: 0,
-            status: Status::Failed { reason },
-            newton_iterations: 0,
-            active_set_changes: 0,
-            factorizations: 0,
-            seconds_load: 0.0,
-            seconds_assemble: 0.0,
-            seconds_factor: 0.0,
-            seconds_solve: 0.0,
-            seconds_total: 0.0,
-            peak_history_bytes: 0,
-            errors: case
-                .norms
-                .iter()
-                .map(|norm| crate::record::NormError {
-                    norm: norm.name().into(),
-                    error: None,
-                    floor: None,
-                })
-                .collect(),
-        }
+        })
     }
 }
 

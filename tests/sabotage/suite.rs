@@ -182,29 +182,18 @@ impl Trial {
 
     fn failed(&self) -> Vec<CaseRecord> {
         let failed = |case: &CasePlan| CaseRecord {
-            scene: self.scene.name.clone(),
-            dimension: 2,
-            n: case.n,
-            steps: case.steps,
-            h: case.n.map(|n| 1.0 / f64::from(n)),
-            k: self.scene.time.horizon / f64::from(case.steps),
-            dofs: 0,
-            elements: 0,
             status: Status::Failed { reason: "internal error".into() },
-            newton_iterations: 0,
-            active_set_changes: 0,
-            factorizations: 0,
-            seconds_load: 0.0,
-            seconds_assemble: 0.0,
-            seconds_factor: 0.0,
-            seconds_solve: 0.0,
-            seconds_total: 0.0,
-            peak_history_bytes: 0,
             errors: case
                 .norms
                 .iter()
                 .map(|norm| NormError { norm: norm.name().into(), error: None, floor: None })
                 .collect(),
+            ..CaseRecord::without_work(
+                &self.scene.name,
+                case.n,
+                case.steps,
+                self.scene.time.horizon / f64::from(case.steps),
+            )
         };
         self.cases.iter().map(failed).collect()
     }

@@ -94,29 +94,14 @@ const NOT_OF_ORDER: &[Decision] = &[Decision::Pass, Decision::Fail];
 impl Table {
     fn records(&self) -> Vec<CaseRecord> {
         let record = |(i, &(n, h)): (usize, &(u32, f64))| CaseRecord {
-            scene: "table".into(),
-            dimension: 2,
-            n: Some(n),
-            steps: 1,
             h: Some(h),
-            k: 1.0,
-            dofs: 1,
-            elements: 1,
             status: Status::Converged,
-            newton_iterations: 1,
-            active_set_changes: 0,
-            factorizations: 1,
-            seconds_load: 0.0,
-            seconds_assemble: 0.0,
-            seconds_factor: 0.0,
-            seconds_solve: 0.0,
-            seconds_total: 0.0,
-            peak_history_bytes: 0,
             errors: vec![NormError {
                 norm: V_MAX.into(),
                 error: Some((self.error)(i, h)),
                 floor: Some(FLOOR),
             }],
+            ..CaseRecord::without_work("table", Some(n), 1, 1.0)
         };
         self.steps.iter().enumerate().map(record).collect()
     }

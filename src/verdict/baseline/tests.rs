@@ -4,25 +4,14 @@ use crate::verdict::Decision;
 
 fn record(steps: u32, error: f64) -> CaseRecord {
     CaseRecord {
-        scene: "block".into(),
-        dimension: 2,
-        n: Some(8),
-        steps,
-        h: Some(0.125),
-        k: 1.0 / f64::from(steps),
         dofs: 144,
         elements: 128,
         status: Status::Converged,
         newton_iterations: 40,
         active_set_changes: 3,
         factorizations: 20,
-        seconds_load: 0.0,
-        seconds_assemble: 0.0,
-        seconds_factor: 0.0,
-        seconds_solve: 0.0,
-        seconds_total: 0.0,
-        peak_history_bytes: 0,
         errors: vec![NormError { norm: V_MAX.into(), error: Some(error), floor: Some(1e-14) }],
+        ..CaseRecord::without_work("block", Some(8), steps, 1.0 / f64::from(steps))
     }
 }
 

@@ -6,30 +6,16 @@ use crate::record::{NormError, Status, V_MAX};
 use crate::verdict::{exit_code, failures, render_table, restore_reasons, write_json};
 
 fn record(point: Point) -> CaseRecord {
+    let (n, steps) = ((1.0 / point.h).round() as u32, (1.0 / point.k).round() as u32);
     CaseRecord {
-        scene: "block".into(),
-        dimension: 2,
-        n: Some((1.0 / point.h).round() as u32),
-        steps: (1.0 / point.k).round() as u32,
         h: Some(point.h),
-        k: point.k,
-        dofs: 1,
-        elements: 1,
         status: Status::Converged,
-        newton_iterations: 1,
-        active_set_changes: 0,
-        factorizations: 1,
-        seconds_load: 0.0,
-        seconds_assemble: 0.0,
-        seconds_factor: 0.0,
-        seconds_solve: 0.0,
-        seconds_total: 0.0,
-        peak_history_bytes: 0,
         errors: vec![NormError {
             norm: V_MAX.into(),
             error: Some(point.error),
             floor: Some(point.floor),
         }],
+        ..CaseRecord::without_work("block", Some(n), steps, point.k)
     }
 }
 
