@@ -100,7 +100,7 @@ fn the_exact_accumulated_strain_agrees() {
 
 /// A truth with a load scaled by `load` and strain means shifted by `strain`.
 struct Seeded {
-    sound: Box<dyn Truth>,
+    sound: Arc<dyn Truth>,
     load: f64,
     strain: f64,
 }
@@ -121,7 +121,7 @@ impl Truth for Seeded {
 fn seeded(load: f64, strain: f64) -> Option<String> {
     let setup = setup("affine");
     let mut data = on_mesh(&setup, 4);
-    data.truth = Box::new(Seeded { sound: data.truth, load, strain });
+    data.truth = Arc::new(Seeded { sound: data.truth, load, strain });
     disagreement(&computed(&setup, &data, 8), &rows("compliance")[1])
 }
 

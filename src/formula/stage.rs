@@ -4,8 +4,9 @@
 //! variables an expression may depend on, the distinct tuples of those
 //! coordinates are numbered, by bit pattern and in order of appearance.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+
+use rustc_hash::FxHashMap;
 
 /// Sets of space variables: bit 0 for x, 1 for y, 2 for z.
 pub(super) const MASKS: usize = 8;
@@ -70,7 +71,7 @@ impl Stages {
 
 impl Tuples {
     fn new(points: &[[f64; 3]], mask: u8) -> Self {
-        let mut known: HashMap<[u64; 3], u32> = HashMap::new();
+        let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
         let mut tuples = Self::default();
         tuples.of_point.reserve(points.len());
         for (p, point) in points.iter().enumerate() {

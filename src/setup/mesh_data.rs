@@ -17,7 +17,9 @@ pub struct MeshData {
     /// V^h.
     pub space: Arc<Discretization>,
     /// Loads and exact fields.
-    pub truth: Box<dyn Truth>,
+    pub truth: Arc<dyn Truth>,
+    /// Those of the scene by its own rules, whatever stands in `truth`.
+    own: Option<Arc<dyn Truth>>,
     /// Displacements of runs with more steps, by (steps of the run, steps kept).
     trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
     rule_check: OnceLock<Result<RuleCheck, LoadError>>,
@@ -51,7 +53,10 @@ impl MeshData {
         n: u32,
         reference: Option<Arc<ReferenceRun>>,
     ) -> Result<Self, SetupError> {
-        Self::with_rules(setup, n, reference, &TruthRules::of(setup.scene.dimension))
+        let rules = TruthRules::of(setup.scene.dimension);
+        let mut data = Self::with_rules(setup, n, reference, &rules)?;
+        data.own = Some(data.truth.clone());
+        Ok(data)
     }
 
     /// The same with loads and moments by other rules.
@@ -70,9 +75,9 @@ impl MeshData {
     }
 
     /// A space with the truth that drives and measures the runs on it.
-    pub fn with_truth(space: Arc<Discretization>, truth: Box<dyn Truth>) -> Self {
+    pub fn with_truth(space: Arc<Discretization>, truth: Arc<dyn Truth>) -> Self {
         let (trajectories, rule_check) = (Mutex::default(), OnceLock::new());
-        Self { space, truth, trajectories, rule_check }
+        Self { space, truth, own: None, trajectories, rule_check }
     }
 
     /// What the next rules say of loads and errors on this mesh: nothing where u lives in V^h. Computed
@@ -89,7 +94,7 @@ impl MeshData {
                 truth(setup, &self.space, None, &rules)
                     .map_err(|error| LoadError::Reference { reason: error.to_string() })
             };
-            rule_check(setup, &self.space, by)
+            rule_check(setup, &self.space, self.own.clone(), by)
         });
         known.as_ref().map_err(Clone::clone)
     }
@@ -144,20 +149,20 @@ fn truth(
     space: &Arc<Discretization>,
     reference: Option<Arc<ReferenceRun>>,
     rules: &TruthRules,
-) -> Result<Box<dyn Truth>, SetupError> {
+) -> Result<Arc<dyn Truth>, SetupError> {
     Ok(match (&setup.body.data, &setup.exact) {
         (Data::Exact { interpolated: true, .. }, Some(exact)) => {
-            Box::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
+            Arc::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
         }
         (Data::Exact { form, .. }, Some(exact)) => {
             let sides = side_numbers(space, &setup.body.domain.traction);
             let form = super::load_form(*form);
-            Box::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules))
+            Arc::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules))
         }
         (Data::Loads { body, traction }, _) => {
             let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);
             let load = GivenLoad::new(graph, horizon, body, traction, space, rules);
-            Box::new(ReferenceTruth::new(space.clone(), load, reference))
+            Arc::new(ReferenceTruth::new(space.clone(), load, reference))
         }
         (Data::Exact { .. }, None) => {
             return Err(SetupError::NoTruth { scene: setup.scene.name.clone() });

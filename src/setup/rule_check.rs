@@ -40,28 +40,30 @@ impl RuleCheck {
     }
 }
 
-/// Compares the rules; `truth` makes the loads and fields of `setup` by given ones. Those of the next
-/// rules are not kept: their formulas take more memory than the case.
+/// Compares the rules; `own` are loads and fields by the rules of the scene, if they are at hand, and
+/// `truth` makes them by given rules. Those of the next rules are not kept: their formulas take more
+/// memory than the case.
 ///
 /// # Errors
 /// A load or field that is not finite, a mesh on which A cannot be factorized.
 pub(super) fn rule_check(
     setup: &Setup,
     space: &Discretization,
-    truth: impl Fn(TruthRules) -> Result<Box<dyn Truth>, LoadError>,
+    own: Option<Arc<dyn Truth>>,
+    truth: impl Fn(TruthRules) -> Result<Arc<dyn Truth>, LoadError>,
 ) -> Result<RuleCheck, LoadError> {
     let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
     let parts = steps.map_or(TIMES, |&steps| TIMES.min(steps as u32));
     let times: Vec<f64> =
         (1..=parts).map(|i| setup.scene.time.horizon * f64::from(i) / f64::from(parts)).collect();
-    let loads = |rules: TruthRules| -> Result<Vec<Arc<Vec<f64>>>, LoadError> {
-        let truth = truth(rules)?;
+    let loads = |truth: &dyn Truth| -> Result<Vec<Arc<Vec<f64>>>, LoadError> {
         times.iter().map(|&t| truth.load(t)).collect()
     };
-    let pairs = [
-        loads(TruthRules::of(setup.scene.dimension))?,
-        loads(TruthRules::stronger(setup.scene.dimension))?,
-    ];
+    let own = own.map_or_else(|| truth(TruthRules::of(setup.scene.dimension)), Ok)?;
+    let stronger = truth(TruthRules::stronger(setup.scene.dimension))?;
+    let pairs = [loads(&*own)?, loads(&*stronger)?];
+    // Points of the loads are let go before those of the moments are made.
+    drop(stronger);
     let moments = match setup.exact.is_some() {
         // Moments of a reference run are exact.
         false => Vec::new(),

@@ -235,7 +235,7 @@ pub fn data(
         moments: defect.moments,
         loads: Mutex::default(),
     };
-    MeshData::with_truth(space.clone(), Box::new(seeded))
+    MeshData::with_truth(space.clone(), Arc::new(seeded))
 }
 
 /// The shared truth with what a defect puts in its place.
