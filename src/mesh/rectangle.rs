@@ -1,6 +1,6 @@
 //! Rectangles (0,a)×(0,b): n×n squares a unit square, each cut from lower left to upper right.
 
-use super::Mesh;
+use super::{Mesh, WHOLE};
 use crate::linalg::signed_unit;
 
 /// How the vertices of a generated mesh are placed.
@@ -57,11 +57,13 @@ pub fn rectangle(size: [f64; 2], n: u32, family: Family) -> Mesh {
         dimension: 2,
         n,
         coordinates,
+        cell_region: vec![0; cells.len() / 3],
+        regions: vec![WHOLE.to_string()],
         cells,
         facets,
+        facet_normal: facet_side.iter().flat_map(|&side| SIDES[side as usize].1).collect(),
         facet_side,
-        sides: SIDES.iter().map(|(name, _)| *name).collect(),
-        side_normal: SIDES.iter().flat_map(|(_, normal)| *normal).collect(),
+        sides: SIDES.iter().map(|(name, _)| (*name).to_string()).collect(),
     }
 }
 
