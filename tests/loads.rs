@@ -140,6 +140,7 @@ fn changed(setup: &Setup, change: impl Fn(&mut ExactData)) -> Arc<Exact> {
         contact: data.contact.clone(),
         horizon: data.horizon,
         size: data.size,
+        polygon: data.polygon.clone(),
     };
     change(&mut copy);
     Arc::new(Exact::new(copy))

@@ -2,11 +2,23 @@
 //!
 //! Storage is flat and of any dimension d: cell c has vertices `cells[c(d+1)..(c+1)(d+1)]`.
 
+mod coarse;
 mod cuboid;
+mod gmsh;
+mod grading;
+mod quality;
 mod rectangle;
+mod subdivision;
+mod triangulation;
 
+pub use coarse::{BoundaryEdge, Coarse, CoarseError};
 pub use cuboid::cuboid;
+pub use gmsh::{Fault, GmshError, read_gmsh};
+pub use grading::vertex_at;
+pub use quality::Quality;
 pub use rectangle::{Family, rectangle};
+pub use subdivision::{Nested, Refinement, nested, refined};
+pub use triangulation::{PolygonError, triangulate};
 
 /// The region of a mesh that has only one.
 pub const WHOLE: &str = "body";
@@ -16,8 +28,10 @@ pub const WHOLE: &str = "body";
 pub struct Mesh {
     /// Space dimension d.
     pub dimension: usize,
-    /// Cells per unit length n, so that h = 1/n is the reported mesh size.
+    /// Cells per unit length of a rectangle or box, parts of a coarse edge elsewhere.
     pub n: u32,
+    /// The reported mesh size h: 1/n, or the longest coarse edge over n.
+    pub h: f64,
     /// Vertex coordinates, d numbers a vertex.
     pub coordinates: Vec<f64>,
     /// Vertex numbers, d + 1 a cell.
@@ -34,6 +48,8 @@ pub struct Mesh {
     pub cell_region: Vec<u32>,
     /// Names of the regions; generated meshes have one, [`WHOLE`].
     pub regions: Vec<String>,
+    /// The coarse triangulation, where there is one.
+    pub refinement: Option<Refinement>,
 }
 
 /// Facets of one side with one normal.
@@ -58,9 +74,10 @@ impl Mesh {
         self.cells.len() / (self.dimension + 1)
     }
 
-    /// Mesh size h = 1/n by the convention of this project.
+    /// Mesh size h by the convention of this project: a rectangle's or box's squares have the side 1/n,
+    /// other cells the longest edge h if they are congruent.
     pub fn h(&self) -> f64 {
-        1.0 / f64::from(self.n)
+        self.h
     }
 
     /// Coordinates of a vertex.

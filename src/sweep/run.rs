@@ -286,7 +286,7 @@ impl<'a> Shared<'a> {
             dimension: scene.dimension as u32,
             n: case.n,
             steps: case.steps,
-            h: case.n.map(|n| 1.0 / f64::from(n)),
+            h: case.n.zip(self.plan.subject.scene().as_contact()).map(|(n, body)| body.domain.h(n)),
             k: self.plan.subject.grid(case.steps).largest_step(),
             dofs: 0,
             elements: 0,
