@@ -77,6 +77,18 @@ pub struct ExactData {
     pub polygon: Option<Polygon>,
 }
 
+impl ExactData {
+    /// |Ω|.
+    pub fn measure(&self) -> f64 {
+        match &self.polygon {
+            None => self.size.iter().product(),
+            Some(Polygon { coarse, .. }) => {
+                (0..coarse.triangles.len()).map(|t| coarse.area(t)).sum()
+            }
+        }
+    }
+}
+
 /// A plane domain of coarse triangles, with the roles of its sides.
 #[derive(Debug, Clone)]
 pub struct Polygon {

@@ -23,6 +23,11 @@ impl PolygonPoints {
         Self::of(&parts(coarse, TRIANGLES), &triangle_product(POINTS))
     }
 
+    /// The same on triangles of half the size.
+    pub fn finer(coarse: &Coarse) -> Self {
+        Self::of(&parts(coarse, 4 * TRIANGLES), &triangle_product(POINTS))
+    }
+
     /// The points of a rule on the cells of a mesh.
     pub fn of(mesh: &Mesh, rule: &Rule) -> Self {
         let mut own = Self { points: Vec::new(), weights: Vec::new() };
