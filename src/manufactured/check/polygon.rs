@@ -39,7 +39,7 @@ pub(super) fn loads(exact: &Exact, polygon: &Polygon) -> Finding {
             }
         }
     }
-    let mut graph = exact.data.graph.clone();
+    let graph = &exact.data.graph;
     let smooth = exact.data.material.projection.is_none() && graph.guards(&exact.stress).is_empty();
     let allowed = if smooth { ROUNDING } else { UNRESOLVED_JUMP };
     let status = if worst_share <= allowed { Status::Verified } else { Status::Failed };
