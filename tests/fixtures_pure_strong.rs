@@ -122,6 +122,7 @@ fn with_material(change: impl Fn(&mut MaterialNumbers)) -> Exact {
         contact: data.contact.clone(),
         horizon: data.horizon,
         size: data.size,
+        polygon: data.polygon.clone(),
     })
 }
 

@@ -22,7 +22,7 @@ fn loads(
     t: f64,
 ) -> Result<[Arc<Vec<f64>>; 2], LoadError> {
     let space = setup.space(n).unwrap_or_else(|error| panic!("{error}"));
-    let sides = side_numbers(&space, &setup.body.domain.traction);
+    let sides = side_numbers(&setup.body.domain.traction);
     let rules = TruthRules::of(2);
     let on_mesh =
         |form| ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules).load(t);
@@ -140,6 +140,7 @@ fn changed(setup: &Setup, change: impl Fn(&mut ExactData)) -> Arc<Exact> {
         contact: data.contact.clone(),
         horizon: data.horizon,
         size: data.size,
+        polygon: data.polygon.clone(),
     };
     change(&mut copy);
     Arc::new(Exact::new(copy))

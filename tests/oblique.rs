@@ -33,7 +33,7 @@ impl Turn {
     fn mesh(self, mesh: &Mesh) -> Mesh {
         Mesh {
             coordinates: self.pairs(&mesh.coordinates),
-            side_normal: self.pairs(&mesh.side_normal),
+            facet_normal: self.pairs(&mesh.facet_normal),
             ..mesh.clone()
         }
     }
@@ -149,8 +149,8 @@ fn a_wrong_normal_or_load_is_seen() {
     let turn = Turn(0.3);
     let mut mesh = turn.mesh(&rectangle([1.0, 1.0], N, Family::Structured));
     let bottom = mesh.side("bottom").unwrap();
-    let slip = Turn(0.01).pairs(&mesh.side_normal);
-    mesh.side_normal = slip;
+    let slip = Turn(0.01).pairs(&mesh.facet_normal);
+    mesh.facet_normal = slip;
     let top = mesh.side("top").unwrap();
     let wrong = Discretization::new(mesh, &[top], &[bottom]).unwrap();
     let turned = solve(&setup, &setup.model, &data, &wrong, turn, &newton);

@@ -50,9 +50,7 @@ impl ContactTrace {
         let mut trace = Self { stride: d, ..Self::default() };
         let mut known: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for f in mesh.facets_on(sides) {
-            let side = mesh.facet_side[f] as usize;
-            let mut normal = [0.0; 3];
-            normal[..d].copy_from_slice(&mesh.side_normal[d * side..d * (side + 1)]);
+            let normal = mesh.normal(f);
             let measure = facet_measure(mesh, f);
             for &vertex in mesh.facet(f) {
                 let here = known.entry(vertex).or_default();

@@ -6,7 +6,7 @@
 use super::term::Terms;
 use crate::formula::{Graph, Node, Point, Scope, Variable};
 use crate::scene::{
-    Body, ContactScene, Data, Direction, Expectation, Hypothesis, LoadForm, Memory, Norm,
+    Body, ContactScene, Data, Direction, Domain, Expectation, Hypothesis, LoadForm, Memory, Norm,
     Prediction, Projection, Scene, Sweep,
 };
 
@@ -92,8 +92,8 @@ pub(super) fn on_course(scene: Scene, course: Course) -> Scene {
     if let Some(body) = scene.body_mut()
         && let Data::Exact { u, multiplier, selection, .. } = &mut body.data
     {
-        let size = [body.domain.size[0], body.domain.size[1]];
-        let at = largest_state(&mut graph, u, horizon, size);
+        let points = interior(&body.domain);
+        let at = largest_state(&mut graph, u, horizon, &points);
         let factor = factor(&mut graph, course, horizon);
         for component in u.iter_mut() {
             let profile = graph.instant(*component, at);
@@ -125,14 +125,14 @@ fn factor(graph: &mut Graph, course: Course, horizon: f64) -> Node {
 }
 
 /// Of the quarters of [0, T] the one at which u is largest on a few points.
-fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, size: [f64; 2]) -> f64 {
+fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, points: &[Point]) -> f64 {
     let quarters = [1.0, 0.75, 0.5, 0.25].map(|part| part * horizon);
     let extent = |graph: &mut Graph, t: f64| -> f64 {
         let state: Vec<Node> = u.iter().map(|&node| graph.instant(node, t)).collect();
         let value = |point: &Point| -> f64 {
             state.iter().map(|&node| graph.evaluate(node, point).abs()).sum()
         };
-        interior(size).iter().map(value).sum()
+        points.iter().map(value).sum()
     };
     let mut best = (quarters[0], 0.0);
     for t in quarters {
@@ -144,15 +144,9 @@ fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, size: [f64; 2]) ->
     best.0
 }
 
-fn interior(size: [f64; 2]) -> Vec<Point> {
-    let part = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES);
-    (0..SAMPLES * SAMPLES)
-        .map(|i| Point {
-            x: size[0] * part(i / SAMPLES),
-            y: size[1] * part(i % SAMPLES),
-            ..Point::default()
-        })
-        .collect()
+fn interior(domain: &Domain) -> Vec<Point> {
+    let at = |[x, y, z]: [f64; 3]| Point { x, y, z, ..Point::default() };
+    domain.inner_points(SAMPLES).into_iter().map(at).collect()
 }
 
 /// The scene with memory b(t) = -exp(-t/T), ℬ₀ = 𝒜/4: a control where the scene has none.
@@ -180,8 +174,8 @@ pub(super) fn with_projection(mut scene: Scene) -> Scene {
     if let Some(body) = scene.body_mut()
         && let Data::Exact { u, .. } = &body.data
     {
-        let size = [body.domain.size[0], body.domain.size[1]];
-        let strain = mean_gradient(&mut graph, u, horizon, size);
+        let points = interior(&body.domain);
+        let strain = mean_gradient(&mut graph, u, horizon, &points);
         // Half of a mean strain, and a fifth more over [0, T].
         let (start, slope) = (0.5 * strain, 0.2 / horizon);
         let text = format!("{start:?} + {slope:?}*zeta");
@@ -195,7 +189,7 @@ pub(super) fn with_projection(mut scene: Scene) -> Scene {
 }
 
 /// Mean of |Du| at t = T, by its exact derivatives.
-fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, size: [f64; 2]) -> f64 {
+fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, points: &[Point]) -> f64 {
     let mut parts = Vec::new();
     for &component in u {
         for variable in [Variable::X, Variable::Y] {
@@ -203,7 +197,6 @@ fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, size: [f64; 2]) -> f64 {
             parts.push(graph.derivative(state, variable));
         }
     }
-    let points = interior(size);
     let norm = |point: &Point| -> f64 {
         parts.iter().map(|&part| graph.evaluate(part, point).powi(2)).sum::<f64>().sqrt()
     };

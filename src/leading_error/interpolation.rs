@@ -5,6 +5,7 @@ use super::{Case, LeadingError, LeadingErrors, NoConstant};
 use crate::formula::{Bound, Program, Variable};
 use crate::manufactured::Exact;
 use crate::mesh::Mesh;
+use crate::scene::Shape;
 use crate::setup::Setup;
 use crate::space::quadrature::{Rule, gauss_legendre, triangle_degree_4};
 
@@ -188,11 +189,14 @@ pub(super) fn over_cases(
         // A NaN comes first and stays.
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         let Some(&(_, error)) = worst.first() else { continue };
-        let (h, k) = (Some(1.0 / f64::from(n)), largest_step(&grid));
+        let (h, k) = (Some(space.mesh.h()), largest_step(&grid));
         points.push(LeadingError { case, h, k, error });
     }
-    let size = [setup.body.domain.size[0], setup.body.domain.size[1]];
-    let limit = worst.first().map(|&(t, _)| interpolation_constant(exact, size, t));
+    let domain = &setup.body.domain;
+    let size = [domain.size[0], domain.size[1]];
+    // The integral of second derivatives is over a rectangle.
+    let at = worst.first().filter(|_| domain.shape == Shape::Box);
+    let limit = at.map(|&(t, _)| interpolation_constant(exact, size, t));
     Ok(LeadingErrors { points, limit, tolerance: TOLERANCE })
 }
 

@@ -161,6 +161,7 @@ fn in_time_direction(
     ns.dedup();
     for n in ns {
         let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
+        let h = space.mesh.h();
         let body = in_space::InSpace::new(exact.clone(), space);
         if measured.norm == Norm::VMax && !interpolated && !body.holds_the_solution(horizon) {
             return Err(NoConstant::NotInSpace);
@@ -168,7 +169,7 @@ fn in_time_direction(
         for &case in cases.iter().filter(|case| case.n == Some(n)) {
             let times = time::times(&setup.scene.time, case.steps);
             let error = share * body.largest_error(&times)?;
-            let (h, k) = (Some(1.0 / f64::from(n)), time::largest_step(&times));
+            let (h, k) = (Some(h), time::largest_step(&times));
             points.push(LeadingError { case, h, k, error });
         }
     }

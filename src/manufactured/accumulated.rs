@@ -4,9 +4,11 @@
 //! lines. The integral over Ω is cut where a guard changes sign along x, the integral over time
 //! where a guard changes sign at an end of Ω. Pieces take Gauss-Legendre rules.
 
+use super::polygon_points::PolygonPoints;
 use super::running_integral::RunningIntegral;
 use super::sign_changes::sign_changes;
 use crate::formula::{Graph, Node, Program, Variable};
+use crate::mesh::Coarse;
 use crate::space::quadrature::gauss_legendre;
 
 /// Gauss points a piece in x and y. A quarter of the domain with 14 points resolves sin(4πx)
@@ -32,6 +34,8 @@ struct Integrand {
     /// Weight of each strain component in ‖ε‖².
     weights: Vec<f64>,
     size: [f64; 2],
+    /// Points with weights of a domain that is no rectangle, and the corners where guards are watched.
+    polygon: Option<(PolygonPoints, Vec<[f64; 3]>)>,
 }
 
 impl AccumulatedStrain {
@@ -60,9 +64,28 @@ impl AccumulatedStrain {
                     .map(|(i, j)| if i == j { 1.0 } else { 2.0 })
                     .collect(),
                 size,
+                polygon: None,
             }
         });
         Self { integrand, integral: RunningIntegral::new(horizon) }
+    }
+
+    /// The same over the triangles of a polygon in place of the rectangle; none leaves it.
+    pub(super) fn over(mut self, polygon: Option<&Coarse>) -> Self {
+        if let (Some(integrand), Some(coarse)) = (&mut self.integrand, polygon) {
+            let corners = coarse.vertices.iter().map(|&[x, y]| [x, y, 0.0]).collect();
+            integrand.polygon = Some((PolygonPoints::fine(coarse), corners));
+        }
+        self
+    }
+
+    /// The same on triangles of half the size: what the rule leaves out shows in the difference.
+    pub(super) fn over_finer(mut self, coarse: &Coarse) -> Self {
+        self = self.over(Some(coarse));
+        if let Some((points, _)) = self.integrand.as_mut().and_then(|own| own.polygon.as_mut()) {
+            *points = PolygonPoints::finer(coarse);
+        }
+        self
     }
 
     /// ζ(t); NaN if it was declared as not needed.
@@ -85,16 +108,20 @@ impl AccumulatedStrain {
 impl Integrand {
     /// Times in (from, to) at which a guard changes sign at an end of the domain.
     fn events(&self, from: f64, to: f64) -> Vec<f64> {
-        let ends = [[0.0, 0.0, 0.0], [self.size[0], 0.0, 0.0]];
+        let ends = match &self.polygon {
+            None => vec![[0.0, 0.0, 0.0], [self.size[0], 0.0, 0.0]],
+            Some((_, corners)) => corners.clone(),
+        };
         let mut events = sign_changes(from, to, TIME_WATCHES, |times| {
             let mut bound = self.guards.bind(&ends);
             let mut values = vec![Vec::new(); self.guard_count];
-            let mut rows = vec![Vec::with_capacity(times.len()); 2 * self.guard_count];
+            let mut rows = vec![Vec::with_capacity(times.len()); ends.len() * self.guard_count];
             for &t in times {
                 bound.evaluate(t, 0.0, &mut values);
                 for (g, value) in values.iter().enumerate() {
-                    rows[2 * g].push(value[0]);
-                    rows[2 * g + 1].push(value[1]);
+                    for (e, at) in value.iter().enumerate() {
+                        rows[ends.len() * g + e].push(*at);
+                    }
                 }
             }
             rows
@@ -105,6 +132,12 @@ impl Integrand {
 
     /// ‖ε(u(t))‖_ℋ.
     fn norm(&self, t: f64) -> f64 {
+        if let Some((polygon, _)) = &self.polygon {
+            let mut out = vec![Vec::new(); self.weights.len()];
+            self.strain.bind(&polygon.points).evaluate(t, 0.0, &mut out);
+            let parts = out.iter().zip(&self.weights);
+            return parts.map(|(e, w)| w * polygon.sum_of_squares(e)).sum::<f64>().sqrt();
+        }
         let xs = pieces(&self.cuts_in_x(t));
         let ys = pieces(&uniform_cuts(self.size[1]));
         let points: Vec<[f64; 3]> =

@@ -1,8 +1,11 @@
 //! An exact solution: formulas for u, λ, ξ, and what follows from them.
 
+use std::sync::Arc;
+
 use super::AccumulatedStrain;
 use super::symbolic;
 use crate::formula::{Graph, Node, Program, Variable};
+use crate::mesh::Coarse;
 
 /// Numbers of the material, as the scene states them.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,8 +71,33 @@ pub struct ExactData {
     pub contact: Option<ContactFormulas>,
     /// T.
     pub horizon: f64,
-    /// Box that contains the domain.
+    /// Box that contains the domain: the domain itself, from the origin, if it is no `polygon`.
     pub size: [f64; 2],
+    /// The domain, where it is no rectangle.
+    pub polygon: Option<Polygon>,
+}
+
+impl ExactData {
+    /// |Ω|.
+    pub fn measure(&self) -> f64 {
+        match &self.polygon {
+            None => self.size.iter().product(),
+            Some(Polygon { coarse, .. }) => {
+                (0..coarse.triangles.len()).map(|t| coarse.area(t)).sum()
+            }
+        }
+    }
+}
+
+/// A plane domain of coarse triangles, with the roles of its sides.
+#[derive(Debug, Clone)]
+pub struct Polygon {
+    /// Triangles and sides.
+    pub coarse: Arc<Coarse>,
+    /// The sides of Γ1.
+    pub clamped: Vec<u32>,
+    /// The sides of Γ3.
+    pub contact: Vec<u32>,
 }
 
 /// An exact solution with its compiled formulas.
@@ -107,7 +135,9 @@ impl Exact {
         let interior = Program::compile(graph, &outputs, data.horizon);
         let forces = Program::compile(graph, &body_force, data.horizon);
         let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
-        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, data.size, needs_zeta);
+        let polygon = data.polygon.as_ref().map(|polygon| &*polygon.coarse);
+        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, data.size, needs_zeta)
+            .over(polygon);
         Self { strain, memory, stress, body_force, interior, forces, zeta, data }
     }
 

@@ -14,6 +14,7 @@ use super::sign_changes::sign_changes;
 use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError};
 use crate::formula::{Bound, Node, Point, Program};
+use crate::mesh::PlanePart;
 use crate::norms::{FACET_SAMPLES, Moments, facet_sample, is_locked};
 
 /// Intervals of the horizon in which guards are watched.
@@ -289,45 +290,31 @@ fn mandel(tensor: &Tensor<2>) -> [f64; 3] {
     [tensor[0][0], tensor[1][1], std::f64::consts::SQRT_2 * tensor[0][1]]
 }
 
-/// The points of the trace, by side.
+/// The points of the trace, by side and normal.
 fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
     let (mesh, trace) = (&space.mesh, &space.trace);
-    let facets_on = |side: usize| -> Vec<usize> {
-        let own = |f: &usize| mesh.facet_side[trace.mesh_facet[*f] as usize] as usize == side;
-        (0..trace.measure.len()).filter(own).collect()
-    };
-    let on_side = |side: usize| -> Vec<usize> {
-        let facets = facets_on(side);
+    let of_part = |part: PlanePart| {
+        let facets = part.members;
         let mut members: Vec<usize> =
             facets.iter().flat_map(|&f| trace.facet(f)).map(|&i| i as usize).collect();
         members.sort_unstable();
         members.dedup();
-        members
+        let points: Vec<[f64; 3]> =
+            members.iter().map(|&i| mesh.point(&[trace.points[i].vertex], &[1.0])).collect();
+        let normal = [part.normal[0], part.normal[1]];
+        let formulas = exact.boundary(&normal);
+        let mut of_vertex = HashMap::new();
+        for &f in &facets {
+            let facet = trace.mesh_facet[f] as usize;
+            for &vertex in mesh.facet(facet) {
+                *of_vertex.entry(vertex).or_insert(0.0) += 0.5 * length(mesh, facet);
+            }
+        }
+        let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
+        let bound = Mutex::new(formulas.program.bind(&points));
+        SidePoints { normal, facets, weights, bound, members }
     };
-    (0..mesh.sides.len())
-        .map(|side| (side, on_side(side)))
-        .filter(|(_, members)| !members.is_empty())
-        .map(|(side, members)| {
-            let points: Vec<[f64; 3]> =
-                members.iter().map(|&i| mesh.point(&[trace.points[i].vertex], &[1.0])).collect();
-            let normal = [mesh.side_normal[2 * side], mesh.side_normal[2 * side + 1]];
-            let formulas = exact.boundary(&normal);
-            let mut of_vertex = HashMap::new();
-            for facet in mesh.facets_on(&[side as u32]) {
-                for &vertex in mesh.facet(facet) {
-                    *of_vertex.entry(vertex).or_insert(0.0) += 0.5 * length(mesh, facet);
-                }
-            }
-            let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
-            SidePoints {
-                normal,
-                facets: facets_on(side),
-                weights,
-                bound: Mutex::new(formulas.program.bind(&points)),
-                members,
-            }
-        })
-        .collect()
+    mesh.plane_parts(&trace.mesh_facet).into_iter().map(of_part).collect()
 }
 
 /// Times at which a guard changes sign at some vertex.

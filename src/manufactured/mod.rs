@@ -22,6 +22,7 @@ mod finite_exact;
 mod interpolated;
 pub mod nodal_force;
 mod on_mesh;
+mod polygon_points;
 mod reduction;
 mod running_integral;
 mod sign_changes;
@@ -36,6 +37,7 @@ pub use check::{
 pub use edge_compliance::ComplianceRule;
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
+    Polygon,
 };
 pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
 pub use interpolated::InterpolatedOnMesh;

@@ -321,7 +321,7 @@ impl FacetGroup {
     }
 }
 
-/// Groups mesh facets by side, hence by normal.
+/// Groups mesh facets by side and normal.
 fn facet_groups(
     exact: &Exact,
     space: &Discretization,
@@ -329,17 +329,13 @@ fn facet_groups(
     rule: &Rule,
 ) -> Vec<FacetGroup> {
     let mut groups = Vec::new();
-    for side in 0..space.mesh.sides.len() {
-        let members: Vec<(usize, usize)> = mesh_facets
-            .iter()
-            .enumerate()
-            .filter(|(_, f)| space.mesh.facet_side[**f as usize] as usize == side)
-            .map(|(position, &f)| (position, f as usize))
+    for part in space.mesh.plane_parts(mesh_facets) {
+        let members: Vec<(usize, usize)> = part
+            .members
+            .into_iter()
+            .map(|position| (position, mesh_facets[position] as usize))
             .collect();
-        if members.is_empty() {
-            continue;
-        }
-        let normal = [space.mesh.side_normal[2 * side], space.mesh.side_normal[2 * side + 1]];
+        let normal = [part.normal[0], part.normal[1]];
         let sampled = |rule: Rule| {
             let points = members
                 .iter()

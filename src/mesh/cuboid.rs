@@ -4,7 +4,7 @@
 //! On a plane z = const the mesh is that of [`super::rectangle`], so that plane P1 functions,
 //! continued along z, are P1 here.
 
-use super::{Family, Mesh};
+use super::{Family, Mesh, WHOLE};
 use crate::linalg::signed_unit;
 
 /// The sides of a box, in the order of `Mesh::sides`: plane scenes keep theirs.
@@ -39,6 +39,7 @@ pub fn cuboid(size: [f64; 3], n: u32, family: Family) -> Mesh {
         let reach = axes.map(|moved| if moved { amplitude / f64::from(n) } else { 0.0 });
         grid.perturb(&mut coordinates, reach, seed);
     }
+    let cells = grid.cells();
     let (mut facets, mut facet_side) = (Vec::new(), Vec::new());
     for (side, _) in SIDES.iter().enumerate() {
         grid.facets(side, &mut facets);
@@ -47,12 +48,16 @@ pub fn cuboid(size: [f64; 3], n: u32, family: Family) -> Mesh {
     Mesh {
         dimension: 3,
         n,
+        h: 1.0 / f64::from(n),
         coordinates,
-        cells: grid.cells(),
+        cell_region: vec![0; cells.len() / 4],
+        regions: vec![WHOLE.to_string()],
+        refinement: None,
+        cells,
         facets,
+        facet_normal: facet_side.iter().flat_map(|&side| SIDES[side as usize].1).collect(),
         facet_side,
-        sides: SIDES.iter().map(|(name, _)| *name).collect(),
-        side_normal: SIDES.iter().flat_map(|(_, normal)| *normal).collect(),
+        sides: SIDES.iter().map(|(name, _)| (*name).to_string()).collect(),
     }
 }
 
@@ -190,12 +195,13 @@ mod tests {
     fn sides_have_their_area_and_outward_normal() {
         let mesh = cuboid([2.0, 1.0, 0.5], 2, Family::Structured);
         for (side, area) in [0.5, 0.5, 1.0, 1.0, 2.0, 2.0].into_iter().enumerate() {
-            let normal: [f64; 3] = [0, 1, 2].map(|i| mesh.side_normal[3 * side + i]);
             let sides = [side as u32];
+            let normal = SIDES[side].1;
             let sum: f64 = mesh
                 .facets_on(&sides)
                 .map(|f| {
                     let v = mesh.facet(f);
+                    assert_eq!(mesh.normal(f), normal);
                     let twice = cross(edge(&mesh, v[0], v[1]), edge(&mesh, v[0], v[2]));
                     assert_eq!(dot(twice, normal), dot(twice, twice).sqrt(), "side {side}");
                     0.5 * dot(twice, normal)

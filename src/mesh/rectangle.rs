@@ -1,6 +1,7 @@
 //! Rectangles (0,a)×(0,b): n×n squares a unit square, each cut from lower left to upper right.
 
-use super::Mesh;
+use super::grading::in_rectangle;
+use super::{Mesh, WHOLE};
 use crate::linalg::signed_unit;
 
 /// How the vertices of a generated mesh are placed.
@@ -8,8 +9,11 @@ use crate::linalg::signed_unit;
 pub enum Family {
     /// The regular grid.
     Structured,
-    /// Interior vertices moved by at most `amplitude`·h along each of the `axes`, by a seeded generator.
+    /// Interior vertices moved by at most `amplitude`·h along each of the `axes`, by a seeded generator; in
+    /// a refined mesh by that part of the smallest altitude around.
     Perturbed { amplitude: f64, seed: u64, axes: [bool; 3] },
+    /// Vertices gathered at a corner: distances s from it become s^exponent. Plane meshes only.
+    Graded { corner: [f64; 2], exponent: f64 },
 }
 
 /// The sides of a rectangle, in the order of `Mesh::sides`.
@@ -49,19 +53,29 @@ pub fn rectangle(size: [f64; 2], n: u32, family: Family) -> Mesh {
         facet(number(i, 0), number(i + 1, 0), 2);
         facet(number(i + 1, counts[1]), number(i, counts[1]), 3);
     }
-    if let Family::Perturbed { amplitude, seed, axes } = family {
-        let reach = axes.map(|moved| if moved { amplitude / f64::from(n) } else { 0.0 });
-        perturb(&mut coordinates, counts, reach, seed);
+    match family {
+        Family::Structured => {}
+        Family::Perturbed { amplitude, seed, axes } => {
+            let reach = axes.map(|moved| if moved { amplitude / f64::from(n) } else { 0.0 });
+            perturb(&mut coordinates, counts, reach, seed);
+        }
+        Family::Graded { corner, exponent } => {
+            in_rectangle(size, corner, exponent, &mut coordinates);
+        }
     }
     Mesh {
         dimension: 2,
         n,
+        h: 1.0 / f64::from(n),
         coordinates,
+        cell_region: vec![0; cells.len() / 3],
+        regions: vec![WHOLE.to_string()],
+        refinement: None,
         cells,
         facets,
+        facet_normal: facet_side.iter().flat_map(|&side| SIDES[side as usize].1).collect(),
         facet_side,
-        sides: SIDES.iter().map(|(name, _)| *name).collect(),
-        side_normal: SIDES.iter().flat_map(|(_, normal)| *normal).collect(),
+        sides: SIDES.iter().map(|(name, _)| (*name).to_string()).collect(),
     }
 }
 

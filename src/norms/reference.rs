@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::moments::{CellConstants, FACET_SAMPLES, Moments, Piecewise, facet_sample};
 use crate::contact::{ContactTrace, Discretization, Model, StepView};
 use crate::law::Projection;
+use crate::mesh::nested;
 use crate::space::strain_of;
 use crate::tensor::contract;
 
@@ -83,7 +84,7 @@ impl ReferenceRun {
         self.levels.push(Level { t: view.t, u: view.u.to_vec(), stress, normal, pressure, locked });
     }
 
-    /// The moments of the level at time t on a coarser structured mesh of the same rectangle.
+    /// The moments of the level at time t on a coarser structured mesh of the same domain.
     ///
     /// # Errors
     /// Meshes that are not nested, a time that was not kept.
@@ -94,10 +95,21 @@ impl ReferenceRun {
         if fine % n != 0 {
             return Err(ReferenceError::NotNested { coarse: n, fine });
         }
-        let parent = parents(&self.space, coarse);
+        let own = nested(&self.space.mesh, &coarse.mesh);
+        if own.is_none() && self.space.mesh.refinement.is_some() {
+            return Err(ReferenceError::NotNested { coarse: n, fine });
+        }
+        let parent = match &own {
+            Some(own) => own.parent.clone(),
+            None => parents(&self.space, coarse),
+        };
+        let along = match &own {
+            Some(own) => self.along_refined(coarse, own.ratio),
+            None => self.along_structured(coarse),
+        };
         let mut moments = Moments::default();
         self.cell_moments(level, coarse, &parent, &mut moments);
-        self.facet_moments(level, coarse, &mut moments);
+        facet_moments(level, coarse, &along, &mut moments);
         Ok(moments)
     }
 
@@ -149,15 +161,13 @@ impl ReferenceRun {
         moments.displacement = Piecewise { corner, rest: square.max(0.0) };
     }
 
-    fn facet_moments(&self, level: &Level, coarse: &Discretization, moments: &mut Moments) {
+    /// The points of the run's trace along each coarse facet, by place on a rectangle.
+    fn along_structured(&self, coarse: &Discretization) -> Vec<Vec<usize>> {
         let along = along_trace(&self.space.mesh, &self.space.trace);
         let index: std::collections::BTreeMap<u64, usize> =
             along.iter().enumerate().map(|(i, x)| (key(x), i)).collect();
         let refinement = (self.space.mesh.n / coarse.mesh.n) as usize;
-        let facets = coarse.trace.measure.len();
-        let (mut normal, mut pressure) = (Piecewise::default(), Piecewise::default());
-        moments.locked = Vec::with_capacity(facets * (FACET_SAMPLES + 1));
-        for f in 0..facets {
+        let of_facet = |f: usize| {
             let ends: Vec<u32> = coarse
                 .trace
                 .facet(f)
@@ -165,24 +175,52 @@ impl ReferenceRun {
                 .map(|&i| coarse.trace.points[i as usize].vertex)
                 .collect();
             let point = |s: f64| coarse.mesh.point(&ends, &[1.0 - s, s]);
-            let at: Vec<usize> = (0..=refinement)
+            (0..=refinement)
                 .map(|s| {
                     let x = point(s as f64 / refinement as f64);
                     index.get(&key(&x)).copied().unwrap_or(0)
                 })
-                .collect();
-            let measure = coarse.trace.measure[f];
-            project_on_edge(&at, &level.normal, measure, &mut normal);
-            project_on_edge(&at, &level.pressure, measure, &mut pressure);
-            for s in 0..=FACET_SAMPLES {
-                let place = facet_sample(s)[1] * refinement as f64;
-                let (low, high) = (place.floor() as usize, place.ceil() as usize);
-                moments.locked.push(level.locked[at[low]] && level.locked[at[high]]);
-            }
-        }
-        moments.normal = normal;
-        moments.pressure = pressure;
+                .collect()
+        };
+        (0..coarse.trace.measure.len()).map(of_facet).collect()
     }
+
+    /// The same by counting, on refinements of one coarse triangulation: a corner of two contact sides
+    /// has a point for each.
+    fn along_refined(&self, coarse: &Discretization, ratio: usize) -> Vec<Vec<usize>> {
+        let trace = &self.space.trace;
+        let of_facet = |&facet: &u32| {
+            let first = trace.mesh_facet.partition_point(|&own| own < facet * ratio as u32);
+            let begin = |s: usize| trace.facet(first + s)[0] as usize;
+            let end = trace.facet(first + ratio - 1)[1] as usize;
+            (0..ratio).map(begin).chain([end]).collect()
+        };
+        coarse.trace.mesh_facet.iter().map(of_facet).collect()
+    }
+}
+
+/// Moments on the facets; `along` are the points of the run's trace along each.
+fn facet_moments(
+    level: &Level,
+    coarse: &Discretization,
+    along: &[Vec<usize>],
+    moments: &mut Moments,
+) {
+    let facets = coarse.trace.measure.len();
+    let (mut normal, mut pressure) = (Piecewise::default(), Piecewise::default());
+    moments.locked = Vec::with_capacity(facets * (FACET_SAMPLES + 1));
+    for (f, at) in along.iter().enumerate() {
+        let measure = coarse.trace.measure[f];
+        project_on_edge(at, &level.normal, measure, &mut normal);
+        project_on_edge(at, &level.pressure, measure, &mut pressure);
+        for s in 0..=FACET_SAMPLES {
+            let place = facet_sample(s)[1] * (at.len() - 1) as f64;
+            let (low, high) = (place.floor() as usize, place.ceil() as usize);
+            moments.locked.push(level.locked[at[low]] && level.locked[at[high]]);
+        }
+    }
+    moments.normal = normal;
+    moments.pressure = pressure;
 }
 
 /// Cell means over the coarse cells of a field that is constant on fine cells.

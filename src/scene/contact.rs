@@ -104,7 +104,7 @@ fn quadrature(
         let hint = "use quadrature = \"vertex\", which keeps one pressure a vertex, or replace the jump by a steep slope";
         return Err(reading.error("contact.quadrature", message, hint));
     }
-    if chosen == ContactQuadrature::Exact && domain.size.len() == 3 {
+    if chosen == ContactQuadrature::Exact && domain.dimension() == 3 {
         let message = "the quadrature `exact` cuts edges; a contact side in space has faces";
         let hint = "use quadrature = \"vertex\" or \"gauss\"";
         return Err(reading.error("contact.quadrature", message, hint));

@@ -57,12 +57,12 @@ impl Data {
         contact: Option<&Contact>,
     ) -> Result<Data, SceneError> {
         match (&file.exact, &file.loads) {
-            (Some(_), None) if domain.size.len() == 3 => {
+            (Some(_), None) if domain.dimension() == 3 => {
                 let message = "an exact solution in dimension 3 is not available yet";
                 let hint = "give [loads], and solve the scene with sweep solve";
                 Err(reading.error("exact", message, hint))
             }
-            (Some(exact), None) => exact_solution(reading, exact, domain.size.len(), contact),
+            (Some(exact), None) => exact_solution(reading, exact, domain.dimension(), contact),
             (None, Some(loads)) => given_loads(reading, loads, domain, time),
             (Some(_), Some(_)) => {
                 let message =
@@ -123,7 +123,7 @@ fn given_loads(
     domain: &Domain,
     time: &Time,
 ) -> Result<Data, SceneError> {
-    let dimension = domain.size.len();
+    let dimension = domain.dimension();
     let mut variables = AXES[..dimension].to_vec();
     variables.push(Variable::T);
     let scope = reading.scope(&variables);
@@ -147,7 +147,7 @@ fn traction_side(
     name: &str,
     domain: &Domain,
 ) -> Result<Side, SceneError> {
-    let side = Side::parse(reading, key, name, domain.size.len())?;
+    let side = domain.parse(reading, key, name)?;
     if domain.traction.contains(&side) {
         return Ok(side);
     }
@@ -171,7 +171,7 @@ fn finite(
         if let Some((point, value)) = reading.first_not_finite(*node, points.iter().copied()) {
             let message = format!(
                 "the load is {value} at {}, t = {}",
-                place(&point, domain.size.len()),
+                place(&point, domain.dimension()),
                 point.t
             );
             return Err(reading.error(
@@ -189,7 +189,7 @@ fn grid(domain: &Domain, time: &Time) -> Vec<Point> {
 }
 
 fn along(side: Side, domain: &Domain, time: &Time) -> Vec<Point> {
-    at_all_times(&side.points(&domain.size, SAMPLES), time)
+    at_all_times(&domain.points_on(side, SAMPLES), time)
 }
 
 fn at_all_times(places: &[[f64; 3]], time: &Time) -> Vec<Point> {

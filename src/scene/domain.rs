@@ -1,97 +1,22 @@
-//! `[domain]`: the rectangle or box, its sides, and the mesh family.
+//! `[domain]`: the rectangle, box, polygon or mesh file, its named sides, and the mesh family.
+
+use std::sync::Arc;
+
+mod depth;
+mod family;
+mod mesh_file;
+mod polygon;
+mod side;
+
+pub use family::MeshFamily;
+pub use side::{Face, Side};
 
 use crate::formula::Point;
+use crate::mesh::{Coarse, Mesh, cuboid, rectangle, refined};
 
 use super::diagnostic::SceneError;
 use super::reading::{Reading, evenly};
 use super::written;
-
-/// A side of the rectangle or box.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Side {
-    /// x = 0.
-    Left,
-    /// x = size\[0\].
-    Right,
-    /// y = 0.
-    Bottom,
-    /// y = size\[1\].
-    Top,
-    /// z = 0, of a box.
-    Front,
-    /// z = size\[2\], of a box.
-    Back,
-}
-
-impl Side {
-    /// All sides; those of a rectangle come first.
-    pub const ALL: [Side; 6] =
-        [Side::Left, Side::Right, Side::Bottom, Side::Top, Side::Front, Side::Back];
-
-    /// The 2 d sides in dimension d.
-    pub fn of(dimension: usize) -> &'static [Side] {
-        &Self::ALL[..2 * dimension.min(3)]
-    }
-
-    /// The name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Side::Left => "left",
-            Side::Right => "right",
-            Side::Bottom => "bottom",
-            Side::Top => "top",
-            Side::Front => "front",
-            Side::Back => "back",
-        }
-    }
-
-    /// The axis of its normal.
-    pub fn axis(self) -> usize {
-        self as usize / 2
-    }
-
-    /// True if the outward normal points along the axis, false if against it.
-    pub fn is_far(self) -> bool {
-        self as usize % 2 == 1
-    }
-
-    /// The parallel side.
-    pub fn opposite(self) -> Side {
-        Self::ALL[self as usize ^ 1]
-    }
-
-    /// The outward normal, padded with zeros.
-    pub fn normal(self) -> [f64; 3] {
-        let mut normal = [0.0; 3];
-        normal[self.axis()] = if self.is_far() { 1.0 } else { -1.0 };
-        normal
-    }
-
-    pub(super) fn parse(
-        reading: &Reading,
-        key: &str,
-        word: &str,
-        dimension: usize,
-    ) -> Result<Side, SceneError> {
-        let known: Vec<_> = Side::of(dimension).iter().map(|side| (side.name(), *side)).collect();
-        reading.choice(key, word, &known)
-    }
-
-    /// Points of the side of a domain of this `size`: a grid with `intervals` steps along each of the
-    /// other axes, from small to large coordinates.
-    pub fn points(self, size: &[f64], intervals: u32) -> Vec<[f64; 3]> {
-        let mut points = vec![[0.0; 3]];
-        for (axis, &length) in size.iter().enumerate() {
-            let places: Vec<f64> = match axis == self.axis() {
-                true if self.is_far() => vec![length],
-                true => vec![0.0],
-                false => evenly(0.0, length, intervals).collect(),
-            };
-            points = combined(&points, axis, &places);
-        }
-        points
-    }
-}
 
 /// Where a point is, in words.
 pub(super) fn place(point: &Point, dimension: usize) -> String {
@@ -113,20 +38,23 @@ fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
     places.iter().flat_map(|&place| with(place)).collect()
 }
 
-/// How the domain is cut into simplices.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum MeshFamily {
-    /// n squares a unit length, each cut by the diagonal from lower left to upper right.
-    Structured,
-    /// The structured mesh with its inner vertices moved by up to `amplitude`·h along each of the `axes`.
-    Perturbed { amplitude: f64, seed: u64, axes: [bool; 3] },
+/// What the domain is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// The product of (0, size\[i\]).
+    Box,
+    /// The union of coarse triangles, which the meshes refine.
+    Refined(Arc<Coarse>),
 }
 
-/// The rectangle or box of the product of (0, size\[i\]); each side is in exactly one of the three lists.
+/// A domain; each side is in exactly one of the three lists.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Domain {
-    /// One length a dimension, positive.
+    pub shape: Shape,
+    /// Extent along each axis, positive: of a rectangle or box, its sides.
     pub size: Vec<f64>,
+    /// Names of the sides, in the order of [`Side`] and of `Mesh::sides`.
+    pub sides: Vec<String>,
     /// Γ1, at least one side: u = 0.
     pub clamped: Vec<Side>,
     /// Γ2: σν = f2.
@@ -142,56 +70,187 @@ impl Domain {
         written: &written::Domain,
         dimension: usize,
     ) -> Result<Domain, SceneError> {
-        let shape = if dimension == 3 { "box" } else { "rectangle" };
-        reading.choice("domain.shape", &written.shape, &[(shape, ())])?;
-        let domain = Domain {
-            size: size(reading, &written.size, dimension)?,
-            clamped: sides(reading, "domain.clamped", &written.clamped, dimension)?,
-            traction: sides(reading, "domain.traction", &written.traction, dimension)?,
-            contact: sides(reading, "domain.contact", &written.contact, dimension)?,
-            mesh: mesh(reading, written.mesh.as_ref(), dimension)?,
-        };
+        let (shape, size, sides) = shape(reading, written, dimension)?;
+        let (clamped, traction, contact) = Default::default();
+        let mesh = MeshFamily::Structured;
+        let mut domain = Domain { shape, size, sides, clamped, traction, contact, mesh };
+        domain.clamped = domain.listed(reading, "domain.clamped", &written.clamped)?;
+        domain.traction = domain.listed(reading, "domain.traction", &written.traction)?;
+        domain.contact = domain.listed(reading, "domain.contact", &written.contact)?;
+        domain.mesh = family::family(reading, written.mesh.as_ref(), &domain)?;
         domain.each_side_once(reading)?;
         if domain.clamped.is_empty() {
             let message =
                 "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
-            return Err(reading.error(
-                "domain.clamped",
-                message,
-                "clamp at least one side: clamped = [\"top\"]",
-            ));
+            let hint =
+                format!("clamp at least one side: clamped = [\"{}\"]", domain.example_of_a_side());
+            return Err(reading.error("domain.clamped", message, hint));
         }
         Ok(domain)
     }
 
-    /// Points of the domain: a grid with `intervals` steps along each axis, ends included.
+    /// d.
+    pub fn dimension(&self) -> usize {
+        self.size.len()
+    }
+
+    /// The name of a side.
+    pub fn name(&self, side: Side) -> &str {
+        &self.sides[side.index()]
+    }
+
+    /// The side with a name.
+    pub(super) fn parse(
+        &self,
+        reading: &Reading,
+        key: &str,
+        word: &str,
+    ) -> Result<Side, SceneError> {
+        let sides = self.sides.iter().enumerate();
+        let known: Vec<_> = sides.map(|(i, name)| (name.as_str(), Side(i as u32))).collect();
+        reading.choice(key, word, &known)
+    }
+
+    /// The plane pieces of a side.
+    pub fn faces(&self, side: Side) -> Vec<Face> {
+        match &self.shape {
+            Shape::Box => vec![Face::of_box(&self.size, side)],
+            Shape::Refined(coarse) => {
+                let own = coarse.edges.iter().filter(|edge| edge.side == side.0);
+                own.map(|edge| coarse.segment(edge))
+                    .map(|(ends, normal)| Face::segment(ends, normal))
+                    .collect()
+            }
+        }
+    }
+
+    /// Points of a side: on each plane piece a grid with `intervals` steps.
+    pub fn points_on(&self, side: Side, intervals: u32) -> Vec<[f64; 3]> {
+        self.faces(side).iter().flat_map(|face| face.points(intervals)).collect()
+    }
+
+    /// All sides.
+    pub fn all_sides(&self) -> impl Iterator<Item = Side> + use<> {
+        (0..self.sides.len() as u32).map(Side)
+    }
+
+    /// If Γ3 is one plane piece: the longest line that leaves it at right angles and stays in the body
+    /// until it meets the boundary again, if all of these lines end on Γ1.
+    pub fn depth_under_contact(&self) -> Option<f64> {
+        let [side] = self.contact[..] else { return None };
+        match &self.shape {
+            Shape::Box => {
+                let opposite = Side(side.0 ^ 1);
+                self.clamped.contains(&opposite).then(|| self.size[side.index() / 2])
+            }
+            Shape::Refined(coarse) => {
+                depth::under(coarse, side.0, |of| self.clamped.contains(&Side(of)))
+            }
+        }
+    }
+
+    /// |Ω|.
+    pub fn measure(&self) -> f64 {
+        match &self.shape {
+            Shape::Box => self.size.iter().product(),
+            Shape::Refined(coarse) => (0..coarse.triangles.len()).map(|t| coarse.area(t)).sum(),
+        }
+    }
+
+    /// Smallest and largest x.
+    pub fn width(&self) -> [f64; 2] {
+        match &self.shape {
+            Shape::Box => [0.0, self.size[0]],
+            Shape::Refined(coarse) => coarse.bounds().map(|corner| corner[0]),
+        }
+    }
+
+    /// The mesh n.
+    pub fn mesh(&self, n: u32) -> Mesh {
+        let family = self.mesh.of_mesh();
+        match (&self.shape, &self.size[..]) {
+            (Shape::Refined(coarse), _) => refined(coarse, n, family),
+            (Shape::Box, &[a, b, c]) => cuboid([a, b, c], n, family),
+            (Shape::Box, _) => rectangle([self.size[0], self.size[1]], n, family),
+        }
+    }
+
+    /// The reported mesh size of the mesh n: 1/n of a rectangle or box, else the longest coarse edge
+    /// over n.
+    pub fn h(&self, n: u32) -> f64 {
+        match &self.shape {
+            Shape::Box => 1.0 / f64::from(n),
+            Shape::Refined(coarse) => coarse.longest_edge() / f64::from(n),
+        }
+    }
+
+    /// Points of the domain: a grid with `intervals` steps along each axis or coarse edge, ends
+    /// included.
     pub fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
-        let axes = self.size.iter().enumerate();
-        axes.fold(vec![[0.0; 3]], |points, (axis, &length)| {
-            let places: Vec<f64> = evenly(0.0, length, intervals).collect();
-            combined(&points, axis, &places)
-        })
+        let coarse = match &self.shape {
+            Shape::Refined(coarse) => coarse,
+            Shape::Box => {
+                let axes = self.size.iter().enumerate();
+                return axes.fold(vec![[0.0; 3]], |points, (axis, &length)| {
+                    let places: Vec<f64> = evenly(0.0, length, intervals).collect();
+                    combined(&points, axis, &places)
+                });
+            }
+        };
+        let mesh = refined(coarse, intervals, crate::mesh::Family::Structured);
+        (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect()
+    }
+
+    /// Points inside: the midpoints of count × count parts of a rectangle (of a box, at z = 0), or the
+    /// centroids of its triangles cut into as many as make at least count².
+    pub fn inner_points(&self, count: u32) -> Vec<[f64; 3]> {
+        match &self.shape {
+            Shape::Box => {
+                let part = |i: u32| (f64::from(i) + 0.5) / f64::from(count);
+                let at =
+                    |i: u32| [self.size[0] * part(i / count), self.size[1] * part(i % count), 0.0];
+                (0..count * count).map(at).collect()
+            }
+            Shape::Refined(coarse) => {
+                let share = f64::from(count * count) / coarse.triangles.len() as f64;
+                let parts = share.sqrt().ceil().max(1.0) as u32;
+                let mesh = refined(coarse, parts, crate::mesh::Family::Structured);
+                (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &[1.0 / 3.0; 3])).collect()
+            }
+        }
+    }
+
+    fn example_of_a_side(&self) -> &str {
+        let top = self.sides.iter().find(|name| *name == "top");
+        top.or(self.sides.first()).map_or("top", String::as_str)
+    }
+
+    fn listed(
+        &self,
+        reading: &Reading,
+        key: &str,
+        words: &[String],
+    ) -> Result<Vec<Side>, SceneError> {
+        let parse =
+            |(index, word): (usize, &String)| self.parse(reading, &format!("{key}.{index}"), word);
+        words.iter().enumerate().map(parse).collect()
     }
 
     fn each_side_once(&self, reading: &Reading) -> Result<(), SceneError> {
         let lists =
             [("clamped", &self.clamped), ("traction", &self.traction), ("contact", &self.contact)];
-        let mut owner: [Option<&str>; 6] = [None; 6];
+        let mut owner: Vec<Option<&str>> = vec![None; self.sides.len()];
         for (list, sides) in lists {
             for (index, side) in sides.iter().enumerate() {
-                if let Some(first) = owner[*side as usize].replace(list) {
-                    return Err(twice(
-                        reading,
-                        &format!("domain.{list}.{index}"),
-                        *side,
-                        [first, list],
-                    ));
+                if let Some(first) = owner[side.index()].replace(list) {
+                    let key = format!("domain.{list}.{index}");
+                    return Err(twice(reading, &key, self.name(*side), [first, list]));
                 }
             }
         }
-        let is_free = |side: &&Side| owner[**side as usize].is_none();
-        let all = Side::of(self.size.len()).iter();
-        let free: Vec<&str> = all.filter(is_free).map(|side| side.name()).collect();
+        let named = self.sides.iter().zip(&owner);
+        let free: Vec<&str> =
+            named.filter(|(_, owner)| owner.is_none()).map(|(name, _)| name.as_str()).collect();
         if free.is_empty() {
             return Ok(());
         }
@@ -201,14 +260,71 @@ impl Domain {
     }
 }
 
-fn twice(reading: &Reading, key: &str, side: Side, [first, second]: [&str; 2]) -> SceneError {
+fn twice(reading: &Reading, key: &str, side: &str, [first, second]: [&str; 2]) -> SceneError {
     let lists = if first == second {
         format!("twice in `{first}`")
     } else {
         format!("in `{first}` and in `{second}`")
     };
-    let message = format!("the side `{}` is {lists}", side.name());
+    let message = format!("the side `{side}` is {lists}");
     reading.error(key, message, "each side belongs to exactly one of clamped, traction, contact")
+}
+
+/// Shape, extent and names of the sides.
+type Parts = (Shape, Vec<f64>, Vec<String>);
+
+fn shape(
+    reading: &Reading,
+    written: &written::Domain,
+    dimension: usize,
+) -> Result<Parts, SceneError> {
+    let known: &[(&str, &str)] = match dimension {
+        3 => &[("box", "box")],
+        _ => &[("rectangle", "rectangle"), ("polygon", "polygon"), ("mesh", "mesh")],
+    };
+    let word = reading.choice("domain.shape", &written.shape, known)?;
+    let keys = [
+        ("size", written.size.is_some(), ["rectangle", "box"].as_slice()),
+        ("vertices", written.vertices.is_some(), &["polygon"]),
+        ("sides", written.sides.is_some(), &["polygon"]),
+        ("triangles", written.triangles.is_some(), &["polygon"]),
+        ("points", written.points.is_some(), &["polygon"]),
+        ("file", written.file.is_some(), &["mesh"]),
+    ];
+    if let Some((key, _, owner)) =
+        keys.iter().find(|(_, present, owner)| *present && !owner.contains(&word))
+    {
+        let message = format!("shape `{word}` takes no `{key}`");
+        let hint = format!("remove `{key}`, or write shape = \"{}\"", owner[0]);
+        return Err(reading.key_error(&format!("domain.{key}"), message, hint));
+    }
+    let missing = |key: &str, line: &str| {
+        let message = format!("shape `{word}` needs the key `{key}`");
+        reading.error("domain.shape", message, format!("for instance: {line}"))
+    };
+    let coarse = match word {
+        "polygon" => {
+            let vertices = written.vertices.as_ref().ok_or_else(|| {
+                missing("vertices", "vertices = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]")
+            })?;
+            polygon::polygon(reading, written, vertices)?
+        }
+        "mesh" => {
+            let file =
+                written.file.as_ref().ok_or_else(|| missing("file", "file = \"block.msh\""))?;
+            mesh_file::mesh_file(reading, file)?
+        }
+        _ => {
+            let line = if dimension == 3 { "size = [1.0, 1.0, 1.0]" } else { "size = [1.0, 1.0]" };
+            let written = written.size.as_ref().ok_or_else(|| missing("size", line))?;
+            let size = size(reading, written, dimension)?;
+            let names = side::OF_A_BOX[..2 * dimension].iter().map(|name| (*name).to_string());
+            return Ok((Shape::Box, size, names.collect()));
+        }
+    };
+    let [low, high] = coarse.bounds();
+    let sides = coarse.sides.clone();
+    Ok((Shape::Refined(Arc::new(coarse)), vec![high[0] - low[0], high[1] - low[1]], sides))
 }
 
 fn size(reading: &Reading, size: &[f64], dimension: usize) -> Result<Vec<f64>, SceneError> {
@@ -224,69 +340,4 @@ fn size(reading: &Reading, size: &[f64], dimension: usize) -> Result<Vec<f64>, S
         .enumerate()
         .map(|(index, &length)| reading.positive(&format!("domain.size.{index}"), length))
         .collect()
-}
-
-fn sides(
-    reading: &Reading,
-    key: &str,
-    words: &[String],
-    dimension: usize,
-) -> Result<Vec<Side>, SceneError> {
-    let parse = |(index, word): (usize, &String)| {
-        Side::parse(reading, &format!("{key}.{index}"), word, dimension)
-    };
-    words.iter().enumerate().map(parse).collect()
-}
-
-fn mesh(
-    reading: &Reading,
-    written: Option<&written::Mesh>,
-    dimension: usize,
-) -> Result<MeshFamily, SceneError> {
-    let Some(mesh) = written else {
-        return Ok(MeshFamily::Structured);
-    };
-    let perturbed = reading.choice(
-        "domain.mesh.kind",
-        &mesh.kind,
-        &[("structured", false), ("perturbed", true)],
-    )?;
-    if !perturbed {
-        reading.surplus("domain.mesh.amplitude", mesh.amplitude.as_ref(), &mesh.kind)?;
-        reading.surplus("domain.mesh.seed", mesh.seed.as_ref(), &mesh.kind)?;
-        reading.surplus("domain.mesh.axes", mesh.axes.as_ref(), &mesh.kind)?;
-        return Ok(MeshFamily::Structured);
-    }
-    let amplitude =
-        reading.needed("domain.mesh.amplitude", mesh.amplitude, &mesh.kind, "amplitude = 0.2")?;
-    if !(0.0..0.25).contains(&amplitude) {
-        let message = format!("amplitude = {amplitude} is outside [0, 0.25)");
-        return Err(reading.error(
-            "domain.mesh.amplitude",
-            message,
-            "it is a part of the mesh width; from 0.25 on a triangle may turn over",
-        ));
-    }
-    let seed = reading.needed("domain.mesh.seed", mesh.seed, &mesh.kind, "seed = 1")?;
-    let seed = reading.seed("domain.mesh.seed", seed)?;
-    Ok(MeshFamily::Perturbed {
-        amplitude,
-        seed,
-        axes: axes(reading, mesh.axes.as_deref(), dimension)?,
-    })
-}
-
-/// The axes along which vertices move: all, unless some are named.
-fn axes(
-    reading: &Reading,
-    words: Option<&[String]>,
-    dimension: usize,
-) -> Result<[bool; 3], SceneError> {
-    let Some(words) = words else { return Ok([true; 3]) };
-    let known = &[("x", 0), ("y", 1), ("z", 2)][..dimension];
-    let mut moved = [false; 3];
-    for (index, word) in words.iter().enumerate() {
-        moved[reading.choice(&format!("domain.mesh.axes.{index}"), word, known)?] = true;
-    }
-    Ok(moved)
 }

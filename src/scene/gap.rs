@@ -4,7 +4,7 @@ use crate::formula::{Node, Point};
 
 use super::data::AXES;
 use super::diagnostic::SceneError;
-use super::domain::{Domain, Side, place};
+use super::domain::{Domain, Face, place};
 use super::heading::Hypothesis;
 use super::reading::{Reading, last};
 use super::written::Formula;
@@ -23,18 +23,20 @@ pub(super) fn finite_on_contact(
     formula: &Formula,
     domain: &Domain,
 ) -> Result<Node, SceneError> {
-    let dimension = domain.size.len();
+    let dimension = domain.dimension();
     let scope = reading.scope(&AXES[..dimension]);
     let node = reading.formula(key, formula, &scope)?;
     for side in &domain.contact {
+        let faces = domain.faces(*side);
+        let samples = samples(domain, &faces);
         if let Some((point, value)) =
-            reading.first_not_finite(node, points(*side, domain, samples(domain)))
+            reading.first_not_finite(node, faces.iter().flat_map(|face| points(face, samples)))
         {
             let message = format!(
                 "`{}` is {value} at {} on the side {}",
                 last(key),
                 place(&point, dimension),
-                side.name()
+                domain.name(*side)
             );
             return Err(reading.error(key, message, "it must be finite on every contact side; for no constraint at all write gap = \"inf\""));
         }
@@ -58,16 +60,20 @@ pub(super) fn gap(
     Ok(Some(gap))
 }
 
-/// Refuses a gap that bends upward along a side: U^h ⊂ U, which (5.14) uses, needs a concave one.
+/// Refuses a gap that bends upward along a plane piece of a side: U^h ⊂ U, which (5.14) uses, needs a
+/// concave one.
 fn concave(reading: &mut Reading, gap: Node, domain: &Domain) -> Result<(), SceneError> {
     for side in &domain.contact {
-        let Some((point, bend)) = steepest_bend(reading, gap, *side, domain) else {
+        let faces = domain.faces(*side);
+        let intervals = samples(domain, &faces);
+        let bends = faces.iter().filter_map(|face| steepest_bend(reading, gap, face, intervals));
+        let Some((point, bend)) = steeper(bends) else {
             continue;
         };
         let message = format!(
             "the gap is not concave on the side {}: second derivative {bend:.4} at {}",
-            side.name(),
-            place(&point, domain.size.len())
+            domain.name(*side),
+            place(&point, domain.dimension())
         );
         let hint = "U^h ⊂ U needs a concave gap; to run it on purpose, write violates = [\"concave_gap\"] in [scene]";
         return Err(reading.error("contact.gap", message, hint));
@@ -75,30 +81,33 @@ fn concave(reading: &mut Reading, gap: Node, domain: &Domain) -> Result<(), Scen
     Ok(())
 }
 
-/// The point of a side at which the gap bends upward most, with its second derivative there; none where it is concave.
+/// The point with the largest bend; the first of several that differ by rounding.
+fn steeper(bends: impl Iterator<Item = (Point, f64)>) -> Option<(Point, f64)> {
+    bends.reduce(|steepest, next| if next.1 > 1.001 * steepest.1 { next } else { steepest })
+}
+
+/// The point of a face at which the gap bends upward most, with its second derivative there; none where it is concave.
 /// Second differences of the samples stand beside the exact derivative, which does not see kinks.
 fn steepest_bend(
     reading: &mut Reading,
     gap: Node,
-    side: Side,
-    domain: &Domain,
+    face: &Face,
+    intervals: u32,
 ) -> Option<(Point, f64)> {
-    let along: Vec<usize> = (0..domain.size.len()).filter(|&axis| axis != side.axis()).collect();
-    let intervals = samples(domain);
-    let points: Vec<Point> = points(side, domain, intervals).collect();
+    let points: Vec<Point> = points(face, intervals).collect();
     let value = |reading: &Reading, node: Node, at: &Point| reading.formulas.evaluate(node, at);
     let values: Vec<f64> = points.iter().map(|point| value(reading, gap, point)).collect();
     let size = values.iter().fold(f64::MIN_POSITIVE, |size, value| size.max(value.abs()));
     let lengths: Vec<f64> =
-        along.iter().map(|&axis| domain.size[axis] / f64::from(intervals)).collect();
+        face.lengths().into_iter().map(|length| length / f64::from(intervals)).collect();
     let spacing = lengths.iter().copied().fold(f64::INFINITY, f64::min);
-    let bends = Bends::new(reading, gap, &along);
+    let bends = Bends::new(reading, gap, face);
     let mut found: Vec<(Point, f64)> =
         points.iter().map(|at| (*at, bends.largest(|node| value(reading, node, at)))).collect();
-    // Neighbours on both sides of a sample, along the axes and across a face.
+    // Neighbours on both sides of a sample, along the edges and across a face.
     let row = intervals as isize + 1;
     let steps: &[(isize, isize)] =
-        if along.len() == 1 { &[(1, 0)] } else { &[(1, 0), (0, 1), (1, 1), (1, -1)] };
+        if lengths.len() == 1 { &[(1, 0)] } else { &[(1, 0), (0, 1), (1, 1), (1, -1)] };
     for (at, point) in points.iter().enumerate() {
         let (i, j) = (at as isize % row, at as isize / row);
         let rows = points.len() as isize / row;
@@ -114,22 +123,31 @@ fn steepest_bend(
             }
         }
     }
-    let upward = found.into_iter().filter(|(_, bend)| bend * spacing * spacing > ROUNDING * size);
-    upward.reduce(|steepest, next| if next.1 > 1.001 * steepest.1 { next } else { steepest })
+    steeper(found.into_iter().filter(|(_, bend)| bend * spacing * spacing > ROUNDING * size))
 }
 
-/// The second derivatives along a side.
+/// The second derivatives along a face.
 struct Bends {
-    first: Node,
+    first: Directional,
     /// g_ab and g_bb on a face of a box.
-    others: Option<[Node; 2]>,
+    others: Option<[Directional; 2]>,
 }
+
+/// Σ w_ij g_ij over the axes.
+struct Directional(Vec<(f64, Node)>);
 
 impl Bends {
-    fn new(reading: &mut Reading, gap: Node, along: &[usize]) -> Self {
-        let mut second = |a: usize, b: usize| {
-            let slope = reading.formulas.derivative(gap, AXES[a]);
-            reading.formulas.derivative(slope, AXES[b])
+    fn new(reading: &mut Reading, gap: Node, face: &Face) -> Self {
+        let along = face.tangents();
+        let mut second = |a: [f64; 3], b: [f64; 3]| {
+            let mut terms = Vec::new();
+            for (i, j) in (0..3).flat_map(|i| (0..3).map(move |j| (i, j))) {
+                if a[i] * b[j] != 0.0 {
+                    let slope = reading.formulas.derivative(gap, AXES[i]);
+                    terms.push((a[i] * b[j], reading.formulas.derivative(slope, AXES[j])));
+                }
+            }
+            Directional(terms)
         };
         let first = second(along[0], along[0]);
         let others = along.get(1).map(|&b| [second(along[0], b), second(b, b)]);
@@ -138,19 +156,23 @@ impl Bends {
 
     /// The largest second derivative over all directions: the larger eigenvalue.
     fn largest(&self, value: impl Fn(Node) -> f64) -> f64 {
-        let first = value(self.first);
-        let Some([mixed, second]) = self.others.map(|nodes| nodes.map(&value)) else {
+        let sum = |d: &Directional| d.0.iter().map(|(weight, node)| weight * value(*node)).sum();
+        let first: f64 = sum(&self.first);
+        let Some(others) = &self.others else {
             return first;
         };
+        let [mixed, second]: [f64; 2] = [sum(&others[0]), sum(&others[1])];
         0.5 * (first + second) + (0.5 * (first - second)).hypot(mixed)
     }
 }
 
-fn samples(domain: &Domain) -> u32 {
-    if domain.size.len() == 2 { SAMPLES } else { SAMPLES_OF_A_FACE }
+/// Intervals of each plane piece: a side of many pieces takes fewer on each.
+fn samples(domain: &Domain, faces: &[Face]) -> u32 {
+    let whole = if domain.dimension() == 2 { SAMPLES } else { SAMPLES_OF_A_FACE };
+    (whole / faces.len().max(1) as u32).max(8)
 }
 
-fn points(side: Side, domain: &Domain, intervals: u32) -> impl Iterator<Item = Point> {
+fn points(face: &Face, intervals: u32) -> impl Iterator<Item = Point> {
     let place = |[x, y, z]: [f64; 3]| Point { x, y, z, ..Point::default() };
-    side.points(&domain.size, intervals).into_iter().map(place)
+    face.points(intervals).into_iter().map(place)
 }

@@ -38,7 +38,7 @@ pub use abstract_scene::{AbstractKernel, AbstractScene, AbstractTrace};
 pub use contact::{Contact, ContactQuadrature};
 pub use data::{Data, LoadForm};
 pub use diagnostic::{Diagnosis, SceneError};
-pub use domain::{Domain, MeshFamily, Side};
+pub use domain::{Domain, Face, MeshFamily, Shape, Side};
 pub use heading::{Expectation, Hypothesis};
 pub use law::Law;
 pub use material::Material;

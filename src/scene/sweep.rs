@@ -1,7 +1,7 @@
 //! `[sweep]`: the grid of cases, and the finer run that stands for the truth.
 
 use super::diagnostic::SceneError;
-use super::domain::Domain;
+use super::domain::{Domain, Shape};
 use super::prediction::{Direction, Norm, Prediction};
 use super::reading::Reading;
 use super::validated::{Body, Scene};
@@ -56,9 +56,14 @@ impl Sweep {
             whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
         }
         let reference = match &written.reference {
-            Some(_) if domain.size.len() == 3 => {
+            Some(_) if domain.dimension() == 3 => {
                 let message = "a reference run in dimension 3 is not available yet";
                 let hint = "remove it; sweep solve needs none";
+                return Err(reading.error("sweep.reference", message, hint));
+            }
+            Some(_) if !domain.mesh.nests() => {
+                let message = "a reference run on meshes that do not nest: the mesh n is no part of the reference's";
+                let hint = "use the structured mesh, or an exact solution";
                 return Err(reading.error("sweep.reference", message, hint));
             }
             Some(reference) => Some(Reference::validate(reading, reference, domain, &n, &steps)?),
@@ -172,22 +177,26 @@ fn counts(reading: &Reading, key: &str, written: &[i64]) -> Result<Vec<usize>, S
     Ok(counts)
 }
 
-/// n cells a unit length must cut every side into a whole number of cells.
+/// n cells a unit length must cut every side of a rectangle or box into a whole number of cells.
 fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Result<(), SceneError> {
-    for &length in &domain.size {
+    let Some(length) = odd_length(n, domain) else { return Ok(()) };
+    let cells = n as f64 * length;
+    let message = format!(
+        "n = {n} does not divide side {length} into whole cells: {n} cells a unit length make {cells}"
+    );
+    Err(reading.error(key, message, "choose n so that n times each side is a whole number"))
+}
+
+/// A length that n cells a unit length do not divide into whole cells.
+fn odd_length(n: usize, domain: &Domain) -> Option<f64> {
+    let odd = |length: &f64| {
         let cells = n as f64 * length;
-        if cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells {
-            let message = format!(
-                "n = {n} does not divide side {length} into whole cells: {n} cells a unit length make {cells}"
-            );
-            return Err(reading.error(
-                key,
-                message,
-                "choose n so that n times each side is a whole number",
-            ));
-        }
+        cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells
+    };
+    match domain.shape {
+        Shape::Box => domain.size.iter().copied().find(odd),
+        Shape::Refined(_) => None,
     }
-    Ok(())
 }
 
 impl Scene {
@@ -196,12 +205,8 @@ impl Scene {
     /// # Errors
     /// An n that does not.
     pub fn check_cells(&self, n: u32) -> Result<(), SceneError> {
-        let odd = |length: &&f64| {
-            let cells = f64::from(n) * **length;
-            cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells
-        };
         let Body::Contact(body) = &self.body else { return Ok(()) };
-        let Some(length) = body.domain.size.iter().find(odd) else { return Ok(()) };
+        let Some(length) = odd_length(n as usize, &body.domain) else { return Ok(()) };
         let message = format!("n = {n} does not divide side {length} into whole cells");
         let hint = "choose n so that n times each side is a whole number";
         Err(self.error("domain.size", message, hint))

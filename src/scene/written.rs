@@ -80,7 +80,12 @@ pub struct Heading {
 #[serde(deny_unknown_fields)]
 pub struct Domain {
     pub shape: String,
-    pub size: Vec<f64>,
+    pub size: Option<Vec<f64>>,
+    pub vertices: Option<Vec<[f64; 2]>>,
+    pub sides: Option<Vec<String>>,
+    pub points: Option<Vec<[f64; 2]>>,
+    pub triangles: Option<Vec<[i64; 3]>>,
+    pub file: Option<String>,
     #[serde(default)]
     pub clamped: Vec<String>,
     #[serde(default)]
@@ -98,6 +103,8 @@ pub struct Mesh {
     pub amplitude: Option<f64>,
     pub seed: Option<i64>,
     pub axes: Option<Vec<String>>,
+    pub corner: Option<[f64; 2]>,
+    pub exponent: Option<f64>,
 }
 
 /// `[time]`

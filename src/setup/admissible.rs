@@ -5,7 +5,7 @@ use super::regularity::contact_claims;
 use super::{Setup, SetupError, constants};
 use crate::formula::{Point, Program};
 use crate::manufactured::Exact;
-use crate::scene::{Hypothesis, SceneError, Side};
+use crate::scene::{Face, Hypothesis, SceneError, Side};
 
 /// Samples along a side and in time.
 const ALONG: u32 = 64;
@@ -21,8 +21,9 @@ pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
     smallness(setup)?;
     if let Some(exact) = &setup.exact {
         clamped(setup, exact)?;
-        for &side in &setup.body.domain.contact {
-            contact_state(setup, exact, side)?;
+        let domain = &setup.body.domain;
+        for face in domain.contact.iter().flat_map(|&side| domain.faces(side)) {
+            contact_state(setup, exact, &face)?;
         }
     }
     contact_claims(setup)
@@ -51,7 +52,7 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
 }
 
 fn side_points(setup: &Setup, side: Side) -> Vec<[f64; 3]> {
-    side.points(&setup.body.domain.size, ALONG)
+    setup.body.domain.points_on(side, ALONG)
 }
 
 /// Calls `visit` with place, time and the values of all outputs at every sample.
@@ -107,15 +108,13 @@ fn clamped(setup: &Setup, exact: &Exact) -> Result<(), SetupError> {
 }
 
 fn interior(setup: &Setup) -> Vec<[f64; 3]> {
-    let size = &setup.body.domain.size;
-    let fraction = |i: u32| (f64::from(i) + 0.5) / 6.0;
-    (0..36).map(|i| [size[0] * fraction(i / 6), size[1] * fraction(i % 6), 0.0]).collect()
+    setup.body.domain.inner_points(6)
 }
 
-/// u_ν ≤ g, λ ≥ 0, λ(g - u_ν) = 0, ξ ∈ ∂j_ν(u_ν) on a side of Γ3.
-fn contact_state(setup: &Setup, exact: &Exact, side: Side) -> Result<(), SetupError> {
-    let formulas = exact.boundary(&side.normal()[..setup.scene.dimension]);
-    let (points, horizon) = (side_points(setup, side), setup.scene.time.horizon);
+/// u_ν ≤ g, λ ≥ 0, λ(g - u_ν) = 0, ξ ∈ ∂j_ν(u_ν) on a plane piece of Γ3.
+fn contact_state(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError> {
+    let formulas = exact.boundary(&face.normal[..setup.scene.dimension]);
+    let (points, horizon) = (face.points(ALONG), setup.scene.time.horizon);
     visit(&formulas.program, 5, &points, horizon, |at, values| {
         let &[u_nu, _, gap, xi, lambda] = values else { return Ok(()) };
         let scene = &setup.scene;

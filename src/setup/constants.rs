@@ -109,7 +109,7 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
     let alpha_nu = alpha_nu(setup);
     let lipschitz_kappa =
         material.projection.as_ref().map_or(0.0, |projection| projection.lipschitz);
-    let root_area = setup.body.domain.size.iter().product::<f64>().sqrt();
+    let root_area = setup.body.domain.measure().sqrt();
     // Without projection nothing depends on κ, whatever its slope.
     let yielding = if mu == 0.0 { 0.0 } else { mu * lipschitz_kappa * root_area };
     Constants {
@@ -154,16 +154,14 @@ fn memory_norms(setup: &Setup) -> MemoryNorms {
     }
 }
 
-/// If Γ3 lies opposite to a clamped parallel side at distance H, then for v = 0 there
-/// |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
+/// If the lines from Γ3, one plane piece, into the body end on a clamped side after at most H, then for
+/// v = 0 there |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
 ///
-/// On the structured mesh the vertex rule obeys it too: ∂_y v_y is constant on the vertical edges,
+/// On the structured mesh of a rectangle the vertex rule obeys it too: ∂_y v_y is constant on the vertical edges,
 /// each triangle has one of them (a tetrahedron as well), and h times the sum over edges with the vertex weights is the
 /// integral over Ω.
 fn proved_bound(setup: &Setup) -> Option<f64> {
-    let domain = &setup.body.domain;
-    let [side] = domain.contact[..] else { return None };
-    domain.clamped.contains(&side.opposite()).then(|| domain.size[side.axis()])
+    setup.body.domain.depth_under_contact()
 }
 
 /// The meshes of the extrapolated c_j².

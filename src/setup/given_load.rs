@@ -50,9 +50,8 @@ impl GivenLoad {
             rest: Vec::new(),
             rules: rules.clone(),
         };
-        let sides = traction.iter().filter_map(|(side, formulas)| {
-            Some((Part::Side(space.mesh.side(side.name())?), formulas.as_slice()))
-        });
+        let sides =
+            traction.iter().map(|(side, formulas)| (Part::Side(side.0), formulas.as_slice()));
         for (part, formulas) in std::iter::once((Part::Body, body)).chain(sides) {
             for (component, &formula) in formulas.iter().enumerate() {
                 load.add(part, component, formula, space);

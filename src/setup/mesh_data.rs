@@ -155,7 +155,7 @@ fn truth(
             Arc::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
         }
         (Data::Exact { form, .. }, Some(exact)) => {
-            let sides = side_numbers(space, &setup.body.domain.traction);
+            let sides = side_numbers(&setup.body.domain.traction);
             let form = super::load_form(*form);
             Arc::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules))
         }
@@ -170,9 +170,9 @@ fn truth(
     })
 }
 
-/// Numbers of sides in the mesh of a space.
-pub fn side_numbers(space: &Discretization, sides: &[Side]) -> Vec<u32> {
-    sides.iter().filter_map(|side| space.mesh.side(side.name())).collect()
+/// Numbers of sides in the meshes of a scene.
+pub fn side_numbers(sides: &[Side]) -> Vec<u32> {
+    sides.iter().map(|side| side.0).collect()
 }
 
 /// The finer run that stands for the truth of a scene without exact solution.

@@ -40,11 +40,9 @@ use crate::law::{
 use crate::linalg::{EigenError, FactorError};
 use crate::manufactured::{
     ComplianceRule, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
+    Polygon,
 };
-use crate::mesh::{Family, cuboid, rectangle};
-use crate::scene::{
-    self, Body, ContactQuadrature, ContactScene, Data, MeshFamily, Scene, SceneError, Side,
-};
+use crate::scene::{self, Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
 
 /// The model of a scene.
 pub type SceneModel = Model<Option<VonMises<YieldFormula>>>;
@@ -103,26 +101,14 @@ impl Setup {
         Ok(setup)
     }
 
-    /// V^h on the mesh with n cells a unit length.
+    /// V^h on the mesh n.
     ///
     /// # Errors
     /// [`SetupError::Mesh`].
     pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
         let domain = &self.body.domain;
-        let family = match domain.mesh {
-            MeshFamily::Structured => Family::Structured,
-            MeshFamily::Perturbed { amplitude, seed, axes } => {
-                Family::Perturbed { amplitude, seed, axes }
-            }
-        };
-        let mesh = match domain.size[..] {
-            [a, b, c] => cuboid([a, b, c], n, family),
-            _ => rectangle([domain.size[0], domain.size[1]], n, family),
-        };
-        let numbers = |sides: &[Side]| -> Vec<u32> {
-            sides.iter().filter_map(|side| mesh.side(side.name())).collect()
-        };
-        let (clamped, contact) = (numbers(&domain.clamped), numbers(&domain.contact));
+        let mesh = domain.mesh(n);
+        let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
         Discretization::new(mesh, &clamped, &contact)
             .map(Arc::new)
             .map_err(|source| SetupError::Mesh { n, source })
@@ -268,6 +254,14 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         contact,
         horizon: scene.time.horizon,
         size: [body.domain.size[0], body.domain.size[1]],
+        polygon: match &body.domain.shape {
+            Shape::Box => None,
+            Shape::Refined(coarse) => Some(Polygon {
+                coarse: coarse.clone(),
+                clamped: side_numbers(&body.domain.clamped),
+                contact: side_numbers(&body.domain.contact),
+            }),
+        },
     }))
 }
 

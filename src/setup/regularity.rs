@@ -5,19 +5,23 @@ use crate::formula::{Node, Point};
 use crate::manufactured::{
     Finding, SideOfRectangle, Status, regularity_in_space, regularity_in_time, second_difference,
 };
-use crate::scene::{AbstractScene, ContactScene, Hypothesis, Scene, Side};
+use crate::scene::{AbstractScene, ContactScene, Face, Hypothesis, Scene, Shape, Side};
 
-/// The sides of a scene's rectangle.
+/// The sides of a scene's rectangle; none of another shape.
 pub fn sides(body: &ContactScene) -> Vec<SideOfRectangle> {
-    Side::of(2)
-        .iter()
-        .copied()
-        .map(|side| SideOfRectangle {
-            normal: [side.normal()[0], side.normal()[1]],
+    let of = |side: Side| {
+        let own = move |face: Face| SideOfRectangle {
+            normal: [face.normal[0], face.normal[1]],
             clamped: body.domain.clamped.contains(&side),
             contact: body.domain.contact.contains(&side),
-        })
-        .collect()
+        };
+        body.domain.faces(side).into_iter().map(own)
+    };
+    match body.domain.shape {
+        Shape::Box => body.domain.all_sides().flat_map(of).collect(),
+        // The exact solution knows the triangles and their sides itself.
+        Shape::Refined(_) => Vec::new(),
+    }
 }
 
 /// The regularity in time that Theorem 7 asks of an abstract scene: u_i on [0, T], and q_l(T, ·).

@@ -118,6 +118,22 @@ fn triangle(orbits: &[Orbit]) -> Rule {
     Rule { points, weights }
 }
 
+/// Triangle rule of `count`² points, exact for degree 2·count - 2: Gauss points of the square, of which
+/// one edge is collapsed to a corner.
+pub fn triangle_product(count: usize) -> Rule {
+    let gauss: Vec<(f64, f64)> =
+        gauss_legendre(count).into_iter().map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w)).collect();
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for &(a, wa) in &gauss {
+        for &(b, wb) in &gauss {
+            let (p, q) = (a, (1.0 - a) * b);
+            points.push(vec![1.0 - p - q, p, q]);
+            weights.push(2.0 * wa * wb * (1.0 - a));
+        }
+    }
+    Rule { points, weights }
+}
+
 /// Tetrahedron rule of 14 points, exact for degree 5: the rule of the loads.
 ///
 /// Source: the rule of this symmetry with positive weights, N. J. Walkington, Quadrature on simplices of
@@ -238,7 +254,12 @@ mod tests {
 
     #[test]
     fn triangle_rules_have_exactly_their_degree() {
-        let rules = [(triangle_degree_4(), 4), (triangle_degree_6(), 6), (triangle_degree_8(), 8)];
+        let rules = [
+            (triangle_degree_4(), 4),
+            (triangle_degree_6(), 6),
+            (triangle_degree_8(), 8),
+            (triangle_product(4), 6),
+        ];
         for (rule, degree) in rules {
             for total in 0..=degree {
                 for i in 0..=total {

@@ -89,10 +89,12 @@ impl ScenePlan {
             }
         };
         let (scene, k) = (self.scene(), self.subject.grid(case.steps).largest_step());
+        let body = scene.as_contact();
         let nothing =
             |norm: &Norm| NormError { norm: norm.name().into(), error: None, floor: None };
         CaseRecord {
             dimension: scene.dimension as u32,
+            h: case.n.zip(body).map(|(n, body)| body.domain.h(n)),
             status: Status::Failed { reason },
             errors: case.norms.iter().map(nothing).collect(),
             ..CaseRecord::without_work(&scene.name, case.n, case.steps, k)

@@ -1,5 +1,6 @@
 //! Contact state on Γ3: signs, complementarity, which states occur, and whether h3 vanishes.
 
+use super::polygon::{self, along};
 use super::{Finding, SideOfRectangle, Status};
 use crate::manufactured::constitutive::stress;
 use crate::manufactured::{ContactFormulas, Exact};
@@ -34,8 +35,17 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
         return Vec::new();
     }
     let mut extremes = Extremes { penetration: f64::NEG_INFINITY, ..Extremes::default() };
+    let place = |i: usize| i as f64 / ALONG as f64;
+    if let Some(polygon) = &exact.data.polygon {
+        for ([p, q], normal) in polygon::contact_segments(polygon) {
+            let points: Vec<[f64; 3]> = (0..=ALONG).map(|i| along(p, q, place(i))).collect();
+            sample(exact, &points, normal, &mut extremes);
+        }
+    }
     for side in sides.iter().filter(|side| side.contact) {
-        sample(exact, side, &mut extremes);
+        let points: Vec<[f64; 3]> =
+            (0..=ALONG).map(|i| side.point(exact.data.size, place(i))).collect();
+        sample(exact, &points, side.normal, &mut extremes);
     }
     let Extremes { penetration, tension, complementarity, pressure, sourced, stress, .. } =
         extremes;
@@ -65,12 +75,10 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
     findings
 }
 
-fn sample(exact: &Exact, side: &SideOfRectangle, extremes: &mut Extremes) {
-    let formulas = exact.boundary(&side.normal);
+fn sample(exact: &Exact, points: &[[f64; 3]], normal: [f64; 2], extremes: &mut Extremes) {
+    let formulas = exact.boundary(&normal);
     let has_law = exact.data.contact.as_ref().is_some_and(|contact| contact.law.is_some());
-    let points: Vec<[f64; 3]> =
-        (0..=ALONG).map(|i| side.point(exact.data.size, i as f64 / ALONG as f64)).collect();
-    let (mut bound, mut inside) = (formulas.program.bind(&points), exact.interior.bind(&points));
+    let (mut bound, mut inside) = (formulas.program.bind(points), exact.interior.bind(points));
     let mut values = vec![Vec::new(); 5];
     let mut fields = vec![Vec::new(); 5 + exact.memory.len()];
     for n in 0..=TIMES {
@@ -87,7 +95,6 @@ fn sample(exact: &Exact, side: &SideOfRectangle, extremes: &mut Extremes) {
             let memory = if exact.memory.is_empty() { [[0.0; 2]; 2] } else { tensor(5) };
             let sigma = stress(&exact.data.material, &tensor(2), &memory, kappa);
             extremes.add(u_nu, pressure, gap, lambda, has_law);
-            let normal = side.normal;
             let traction = sigma.map(|row| row[0] * normal[0] + row[1] * normal[1]);
             let h3 = [traction[0] + pressure * normal[0], traction[1] + pressure * normal[1]];
             extremes.sourced = extremes.sourced.max(h3[0].hypot(h3[1]));

@@ -3,6 +3,7 @@
 
 mod contact_state;
 mod loads;
+mod polygon;
 mod regularity;
 mod smoothness;
 
@@ -84,9 +85,15 @@ impl SideOfRectangle {
     }
 }
 
-/// All checks of an exact solution on a rectangle with these sides.
+/// All checks of an exact solution, on a rectangle with these sides or on its polygon.
 pub fn check(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
-    let mut findings = loads::strong_against_weak(exact, sides);
+    let mut findings = match &exact.data.polygon {
+        None => loads::strong_against_weak(exact, sides),
+        Some(polygon) => {
+            let zeta = polygon::zeta(exact, polygon);
+            std::iter::once(polygon::loads(exact, polygon)).chain(zeta).collect()
+        }
+    };
     findings.extend(contact_state::contact(exact, sides));
     findings.extend(regularity::regularity(exact, sides));
     findings

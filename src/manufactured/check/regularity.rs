@@ -2,7 +2,7 @@
 //! quotient that settles belongs to a bounded derivative, one that grows does not.
 
 use super::smoothness::{FINE, STRIDES, judge, largest, rounding, second_difference, worst};
-use super::{Finding, SideOfRectangle, Status, times};
+use super::{Finding, SideOfRectangle, Status, polygon, times};
 use crate::formula::{Point, Program};
 use crate::manufactured::Exact;
 
@@ -43,18 +43,29 @@ pub fn regularity_in_space(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Find
 }
 
 fn space_findings(exact: &Exact, sides: &[SideOfRectangle]) -> [Vec<Finding>; 2] {
-    let contact = sides.iter().filter(|side| side.contact && exact.data.contact.is_some());
-    [
-        vec![space_derivative(exact, Field::Strain, "u in H2(Omega) (5.25)")],
-        contact.map(|side| normal_trace(exact, side)).collect(),
-    ]
+    let traces = match (&exact.data.contact, &exact.data.polygon) {
+        (None, _) => Vec::new(),
+        (_, Some(polygon)) => polygon::normal_traces(exact, polygon),
+        _ => {
+            let contact = sides.iter().filter(|side| side.contact);
+            contact.map(|side| normal_trace(exact, side)).collect()
+        }
+    };
+    [vec![space_derivative(exact, Field::Strain, "u in H2(Omega) (5.25)")], traces]
 }
 
 /// sup_t ‖ε(u(t+δ) - 2u(t) + u(t-δ))‖/δ², and the norm in L²(Ω) of the pointwise variation
 /// Σ |ε(u(t+δ) - 2u(t) + u(t-δ))|/δ, which is what order 2 of the trapezoidal rule needs.
 fn time_derivatives(exact: &Exact) -> [Finding; 2] {
-    let points = grid(exact, ACROSS_ZONES, LINES / 2);
-    let area = cell_area(exact, points.len());
+    let (points, areas) = match &exact.data.polygon {
+        Some(polygon) => polygon::in_time(polygon),
+        None => {
+            let points = grid(exact, ACROSS_ZONES, LINES / 2);
+            let area = cell_area(exact, points.len());
+            let count = points.len();
+            (points, vec![area; count])
+        }
+    };
     let mut bound = exact.interior.bind(&points);
     let mut out = vec![Vec::new(); 5 + exact.memory.len()];
     let count = FINE / 3;
@@ -80,14 +91,15 @@ fn time_derivatives(exact: &Exact) -> [Finding; 2] {
                 // Shear counts twice in the Frobenius norm.
                 let square =
                     component(0).powi(2) + 2.0 * component(1).powi(2) + component(2).powi(2);
-                sum += area * square;
+                sum += areas[p] * square;
                 *bend += square.sqrt() / delta;
             }
             second[level] = worst(second[level], sum.sqrt() / delta.powi(2));
         }
-        variation[level] = bends.iter().map(|bend| area * bend * bend).sum::<f64>().sqrt();
+        let squares = bends.iter().zip(&areas).map(|(bend, area)| area * bend * bend);
+        variation[level] = squares.sum::<f64>().sqrt();
     }
-    let (size, one) = (largest(history.iter().flatten()), (area * points.len() as f64).sqrt());
+    let (size, one) = (largest(history.iter().flatten()), exact.data.measure().sqrt());
     let second_rounding = rounding(size, one, step.powi(2));
     let variation_rounding = rounding(size, one * count as f64, step);
     let what = "sup_t |eps(second time difference)|";
@@ -106,6 +118,10 @@ enum Field {
 
 /// ‖f(· + δe) - f‖/δ in L², in both directions, at three times.
 fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
+    if let Some(polygon) = &exact.data.polygon {
+        let values = |points: &[[f64; 3]], t: f64| field_values(exact, field, points, t);
+        return polygon::space_derivative(exact, polygon, values, subject);
+    }
     let (mut quotients, mut size) = ([0.0f64; 4], 0.0f64);
     for t in times(exact) {
         for direction in 0..2 {
@@ -150,11 +166,20 @@ fn field_values(exact: &Exact, field: Field, points: &[[f64; 3]], t: f64) -> Vec
 
 /// ‖second difference of u_ν along Γ3‖/δ² in L².
 fn normal_trace(exact: &Exact, side: &SideOfRectangle) -> Finding {
-    let formulas = exact.boundary(&side.normal);
     let size = exact.data.size;
-    let points: Vec<[f64; 3]> =
-        (0..=FINE).map(|i| side.point(size, i as f64 / FINE as f64)).collect();
-    let mut bound = formulas.program.bind(&points);
+    let program = exact.boundary(&side.normal).program;
+    normal_trace_along(exact, &program, side.length(size), |s| side.point(size, s))
+}
+
+/// The same along a straight line of the given length, whose points `at` gives by their fraction of it.
+pub(super) fn normal_trace_along(
+    exact: &Exact,
+    program: &Program,
+    length: f64,
+    at: impl Fn(f64) -> [f64; 3],
+) -> Finding {
+    let points: Vec<[f64; 3]> = (0..=FINE).map(|i| at(i as f64 / FINE as f64)).collect();
+    let mut bound = program.bind(&points);
     let mut out = vec![Vec::new(); 5];
     let (mut quotients, mut extent) = ([0.0f64; 4], 0.0f64);
     for t in times(exact) {
@@ -162,15 +187,14 @@ fn normal_trace(exact: &Exact, side: &SideOfRectangle) -> Finding {
         let u_nu = &out[0];
         extent = worst(extent, largest(u_nu));
         for (quotient, stride) in quotients.iter_mut().zip(STRIDES) {
-            let delta = side.length(size) * stride as f64 / FINE as f64;
+            let delta = length * stride as f64 / FINE as f64;
             let second =
                 |i: usize| (u_nu[i - stride] - 2.0 * u_nu[i] + u_nu[i + stride]) / delta.powi(2);
             let sum: f64 = (stride..=FINE - stride).map(|i| second(i).powi(2)).sum();
-            let mean = side.length(size) / FINE as f64;
+            let mean = length / FINE as f64;
             *quotient = worst(*quotient, (mean * sum).sqrt());
         }
     }
-    let length = side.length(size);
     let floor = rounding(extent, length.sqrt(), (length / FINE as f64).powi(2));
     judge("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2", &quotients, floor)
 }

@@ -1,6 +1,7 @@
 //! The constants that the bounds take, with whether each is a proved upper bound.
 
 use super::law::ClarkeLaw;
+use crate::scene::Face;
 use crate::setup::{Setup, SetupError, constants};
 
 /// Constants of the proofs of Theorems 10 and 11 for one scene.
@@ -63,9 +64,6 @@ impl AuditConstants {
 /// |Γ3|.
 fn contact_length(setup: &Setup) -> f64 {
     let domain = &setup.body.domain;
-    let axes = 0..domain.size.len();
-    let area = |normal: usize| -> f64 {
-        axes.clone().filter(|&axis| axis != normal).map(|axis| domain.size[axis]).product()
-    };
-    domain.contact.iter().map(|side| area(side.axis())).sum()
+    let area = |face: Face| face.measure();
+    domain.contact.iter().flat_map(|side| domain.faces(*side)).map(area).sum()
 }

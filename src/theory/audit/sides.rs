@@ -5,6 +5,7 @@ use super::fields::sort_interior;
 use crate::contact::Discretization;
 use crate::formula::{Point, Program};
 use crate::manufactured::{BoundaryFormulas, Exact};
+use crate::mesh::PlanePart;
 
 /// The edges of one side.
 pub struct SideEdges {
@@ -36,19 +37,33 @@ impl SideEdges {
         traction: &[u32],
         contact: &[u32],
     ) -> Vec<Self> {
-        let mut sides: Vec<Self> =
-            traction.iter().map(|&side| Self::new(exact, space, side, false)).collect();
-        sides.extend(contact.iter().map(|&side| Self::new(exact, space, side, true)));
+        let parts = |sides: &[u32], touches: bool| -> Vec<Self> {
+            let of_side = |side: &u32| {
+                let facets: Vec<u32> = space.mesh.facets_on(&[*side]).map(|f| f as u32).collect();
+                let new = |part: PlanePart| {
+                    let facets = part.members.iter().map(|&at| facets[at] as usize).collect();
+                    Self::new(exact, space, [part.normal[0], part.normal[1]], facets, touches)
+                };
+                space.mesh.plane_parts(&facets).into_iter().map(new).collect::<Vec<_>>()
+            };
+            sides.iter().flat_map(of_side).collect()
+        };
+        let mut sides = parts(traction, false);
+        sides.extend(parts(contact, true));
         sides
     }
 
-    fn new(exact: &Exact, space: &Discretization, side: u32, touches: bool) -> Self {
+    /// The plane part of a side with the given normal and facets.
+    fn new(
+        exact: &Exact,
+        space: &Discretization,
+        normal: [f64; 2],
+        facets: Vec<usize>,
+        touches: bool,
+    ) -> Self {
         let horizon = exact.data.horizon;
         let mut graph = exact.data.graph.clone();
         let guards = graph.guards(&exact.stress);
-        let start = 2 * side as usize;
-        let normal = [space.mesh.side_normal[start], space.mesh.side_normal[start + 1]];
-        let facets: Vec<usize> = space.mesh.facets_on(&[side]).collect();
         let ends = |&f: &usize| [space.mesh.facet(f)[0], space.mesh.facet(f)[1]];
         let contact = touches.then(|| {
             let mut formulas = exact.boundary(&normal);

@@ -21,7 +21,7 @@ const MARGIN: f64 = 0.25;
 pub struct SmoothFields {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
-    width: f64,
+    width: [f64; 2],
     /// Guards that are constant along y: their zeros are vertical lines.
     vertical: Program,
     vertical_count: usize,
@@ -63,10 +63,9 @@ impl SmoothFields {
         let vertices: Vec<[f64; 3]> =
             space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect();
         let domain = &setup.body.domain;
-        let (traction, contact) =
-            (side_numbers(space, &domain.traction), side_numbers(space, &domain.contact));
+        let (traction, contact) = (side_numbers(&domain.traction), side_numbers(&domain.contact));
         Self {
-            width: domain.size[0],
+            width: domain.width(),
             vertical: vertical_program,
             vertical_count: vertical.len(),
             interior: exact.interior.bind(&plain.points),
@@ -87,7 +86,7 @@ impl SmoothFields {
     fn cuts(&self, t: f64) -> Vec<f64> {
         let mut cuts = Vec::new();
         for time in [t, 0.0] {
-            cuts.extend(sign_changes(0.0, self.width, WATCHES, |places| {
+            cuts.extend(sign_changes(self.width[0], self.width[1], WATCHES, |places| {
                 let points: Vec<[f64; 3]> = places.iter().map(|&x| [x, 0.0, 0.0]).collect();
                 let mut values = vec![Vec::new(); self.vertical_count];
                 self.vertical.bind(&points).evaluate(time, 0.0, &mut values);

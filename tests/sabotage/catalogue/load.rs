@@ -164,6 +164,7 @@ fn other_body_force(mut setup: Setup) -> Setup {
             contact: data.contact.clone(),
             horizon: data.horizon,
             size: data.size,
+            polygon: data.polygon.clone(),
         })
     };
     let other = rebuilt(|numbers| numbers.memory = numbers.memory.map(|(l, m)| (-l, -m)));

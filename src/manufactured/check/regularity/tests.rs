@@ -13,7 +13,8 @@ fn exact(amplitude: &str, profile: &str) -> Exact {
     let material = MaterialNumbers { lambda: 1.0, mu_l: 1.0, memory: None, projection: None };
     let contact = Some(ContactFormulas::default());
     let (horizon, size) = (0.7, [1.0, 1.0]);
-    Exact::new(ExactData { graph, u, material, kernel: None, kappa: None, contact, horizon, size })
+    let (kernel, kappa, polygon) = (None, None, None);
+    Exact::new(ExactData { graph, u, material, kernel, kappa, contact, horizon, size, polygon })
 }
 
 /// What is found, by the first word or words of its subject.

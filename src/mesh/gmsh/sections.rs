@@ -1,0 +1,307 @@
+//! The parts of a `.msh` file that are read.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::tokens::{Tokens, short};
+use super::{Fault, GmshError};
+
+/// A vertex.
+pub(super) struct Node {
+    pub tag: u64,
+    pub at: [f64; 3],
+    pub span: Range<usize>,
+}
+
+/// A line or a triangle.
+pub(super) struct Element {
+    pub dimension: u64,
+    pub group: Option<i64>,
+    pub nodes: Vec<u64>,
+    pub span: Range<usize>,
+}
+
+/// All that is read.
+#[derive(Default)]
+pub(super) struct Sections {
+    pub nodes: Vec<Node>,
+    pub elements: Vec<Element>,
+    /// The header of the elements.
+    pub elements_at: Range<usize>,
+    /// Names by dimension and physical tag.
+    pub names: BTreeMap<(u64, i64), String>,
+    /// The physical group of an entity, by dimension and tag (4.1).
+    groups: BTreeMap<(u64, i64), Option<i64>>,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Version {
+    Two,
+    Four,
+}
+
+impl Sections {
+    pub fn read(tokens: &mut Tokens<'_>) -> Result<Self, GmshError> {
+        tokens.expect("$MeshFormat")?;
+        let version = version(tokens)?;
+        let mut own = Self::default();
+        let mut seen: Vec<&'static str> = Vec::new();
+        while let Some((span, word)) = tokens.word() {
+            let known = ["PhysicalNames", "Entities", "Nodes", "Elements"];
+            let Some(name) = word.strip_prefix('$') else {
+                let found = short(word);
+                return Err(tokens.at(span, Fault::Unexpected { found, wanted: "a $part" }));
+            };
+            let Some(part) = known.into_iter().find(|part| *part == name) else {
+                tokens.skip_to(&format!("$End{name}"))?;
+                continue;
+            };
+            if seen.contains(&part) {
+                return Err(tokens.at(span, Fault::Twice { part }));
+            }
+            seen.push(part);
+            own.part(tokens, part, version, span)?;
+        }
+        let needed: &[&'static str] = match version {
+            Version::Two => &["Nodes", "Elements"],
+            Version::Four => &["Entities", "Nodes", "Elements"],
+        };
+        match needed.iter().find(|part| !seen.contains(part)) {
+            Some(part) => Err(tokens.at(0..0, Fault::Missing { part })),
+            None => Ok(own),
+        }
+    }
+
+    fn part(
+        &mut self,
+        tokens: &mut Tokens<'_>,
+        part: &'static str,
+        version: Version,
+        span: Range<usize>,
+    ) -> Result<(), GmshError> {
+        match (part, version) {
+            ("PhysicalNames", _) => {
+                self.physical_names(tokens)?;
+                tokens.expect("$EndPhysicalNames")
+            }
+            ("Entities", _) => {
+                self.entities(tokens)?;
+                tokens.expect("$EndEntities")
+            }
+            ("Nodes", _) => {
+                match version {
+                    Version::Two => self.nodes_2(tokens)?,
+                    Version::Four => self.nodes_4(tokens)?,
+                }
+                tokens.expect("$EndNodes")
+            }
+            _ => {
+                self.elements_at = span;
+                match version {
+                    Version::Two => self.elements_2(tokens)?,
+                    Version::Four => self.elements_4(tokens)?,
+                }
+                tokens.expect("$EndElements")
+            }
+        }
+    }
+
+    fn physical_names(&mut self, tokens: &mut Tokens<'_>) -> Result<(), GmshError> {
+        let count: u64 = tokens.number("the number of names")?;
+        for _ in 0..count {
+            let dimension = tokens.number("the dimension of a group")?;
+            let tag: i64 = tokens.number("the tag of a group")?;
+            let (span, name) = tokens.some("the name of a group")?;
+            if self.names.values().any(|known| known == name)
+                || self.names.insert((dimension, tag), name.to_string()).is_some()
+            {
+                let fault = Fault::Defined { what: "physical group", tag: tag.unsigned_abs() };
+                return Err(tokens.at(span, fault));
+            }
+        }
+        Ok(())
+    }
+
+    fn entities(&mut self, tokens: &mut Tokens<'_>) -> Result<(), GmshError> {
+        let mut counts = [0u64; 4];
+        for count in &mut counts {
+            *count = tokens.number("the number of entities")?;
+        }
+        for (dimension, count) in counts.into_iter().enumerate() {
+            for _ in 0..count {
+                let (span, word) = tokens.some("the tag of an entity")?;
+                let wanted = "the tag of an entity";
+                let unexpected = || Fault::Unexpected { found: short(word), wanted };
+                let tag: i64 = word.parse().map_err(|_| tokens.at(span.clone(), unexpected()))?;
+                tokens.pass(if dimension == 0 { 3 } else { 6 }, "a coordinate")?;
+                let groups: u64 = tokens.number("the number of physical groups")?;
+                let mut group = None;
+                for _ in 0..groups {
+                    let second: i64 = tokens.number("a physical group")?;
+                    // Gmsh marks a reversed orientation by the sign.
+                    let second = second.abs();
+                    match group {
+                        Some(first) if (1..=2).contains(&dimension) => {
+                            let tag = tag.unsigned_abs();
+                            let fault = Fault::TwoGroups { what: "entity", tag, first, second };
+                            return Err(tokens.at(span, fault));
+                        }
+                        _ => group = Some(second),
+                    }
+                }
+                if dimension > 0 {
+                    let bounding: u64 = tokens.number("the number of bounding entities")?;
+                    tokens.pass(bounding, "a bounding entity")?;
+                }
+                if self.groups.insert((dimension as u64, tag), group).is_some() {
+                    let fault = Fault::Defined { what: "entity", tag: tag.unsigned_abs() };
+                    return Err(tokens.at(span, fault));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn nodes_2(&mut self, tokens: &mut Tokens<'_>) -> Result<(), GmshError> {
+        let count: u64 = tokens.number("the number of nodes")?;
+        for _ in 0..count {
+            let (span, tag) = tag(tokens, "the tag of a node")?;
+            let at = coordinates(tokens)?;
+            self.nodes.push(Node { tag, at, span });
+        }
+        Ok(())
+    }
+
+    fn nodes_4(&mut self, tokens: &mut Tokens<'_>) -> Result<(), GmshError> {
+        let blocks: u64 = tokens.number("the number of blocks")?;
+        tokens.pass(3, "the number of nodes and their range")?;
+        for _ in 0..blocks {
+            let dimension: u64 = tokens.number("the dimension of a block")?;
+            tokens.pass(1, "the entity of a block")?;
+            let parametric: u64 = tokens.number("whether coordinates are parametric")?;
+            let count: u64 = tokens.number("the number of nodes in a block")?;
+            let mut tags = Vec::new();
+            for _ in 0..count {
+                tags.push(tag(tokens, "the tag of a node")?);
+            }
+            for (span, tag) in tags {
+                let at = coordinates(tokens)?;
+                if parametric != 0 {
+                    tokens.pass(dimension.min(3), "a parametric coordinate")?;
+                }
+                self.nodes.push(Node { tag, at, span });
+            }
+        }
+        Ok(())
+    }
+
+    fn elements_2(&mut self, tokens: &mut Tokens<'_>) -> Result<(), GmshError> {
+        let count: u64 = tokens.number("the number of elements")?;
+        for _ in 0..count {
+            let (span, _) = tag(tokens, "the tag of an element")?;
+            let (at, kind) = tag(tokens, "the type of an element")?;
+            let (dimension, corners) = shape(tokens, at, kind)?;
+            let tags: u64 = tokens.number("the number of tags")?;
+            let mut group = None;
+            for i in 0..tags {
+                let tag: i64 = tokens.number("a tag")?;
+                if i == 0 && tag != 0 {
+                    group = Some(tag.abs());
+                }
+            }
+            self.element(tokens, span, dimension, corners, group)?;
+        }
+        Ok(())
+    }
+
+    fn elements_4(&mut self, tokens: &mut Tokens<'_>) -> Result<(), GmshError> {
+        let blocks: u64 = tokens.number("the number of blocks")?;
+        tokens.pass(3, "the number of elements and their range")?;
+        for _ in 0..blocks {
+            let of: u64 = tokens.number("the dimension of a block")?;
+            let (span, word) = tokens.some("the entity of a block")?;
+            let entity: Option<i64> = word.parse().ok();
+            let known = entity.and_then(|entity| self.groups.get(&(of, entity)).copied());
+            let Some(group) = known else {
+                let tag = entity.unwrap_or(0).unsigned_abs();
+                return Err(tokens.at(span, Fault::Unknown { what: "entity", tag }));
+            };
+            let (at, kind) = tag(tokens, "the type of the elements")?;
+            let (dimension, corners) = shape(tokens, at, kind)?;
+            let count: u64 = tokens.number("the number of elements in a block")?;
+            for _ in 0..count {
+                let (span, _) = tag(tokens, "the tag of an element")?;
+                self.element(tokens, span, dimension, corners, group)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn element(
+        &mut self,
+        tokens: &mut Tokens<'_>,
+        span: Range<usize>,
+        dimension: u64,
+        corners: usize,
+        group: Option<i64>,
+    ) -> Result<(), GmshError> {
+        let mut nodes = Vec::with_capacity(corners);
+        let mut end = span.end;
+        for _ in 0..corners {
+            let (at, node) = tag(tokens, "a node of an element")?;
+            end = at.end;
+            nodes.push(node);
+        }
+        self.elements.push(Element { dimension, group, nodes, span: span.start..end });
+        Ok(())
+    }
+}
+
+fn version(tokens: &mut Tokens<'_>) -> Result<Version, GmshError> {
+    let (span, word) = tokens.some("the version of the format")?;
+    let version = match word {
+        "2.2" => Version::Two,
+        "4.1" => Version::Four,
+        _ => return Err(tokens.at(span, Fault::Version { found: short(word) })),
+    };
+    let (span, word) = tokens.some("0 for ASCII")?;
+    if word == "1" {
+        return Err(tokens.at(span, Fault::Binary));
+    }
+    if word != "0" {
+        let fault = Fault::Unexpected { found: short(word), wanted: "0 for ASCII" };
+        return Err(tokens.at(span, fault));
+    }
+    tokens.pass(1, "the size of a number")?;
+    tokens.expect("$EndMeshFormat")?;
+    Ok(version)
+}
+
+fn tag(tokens: &mut Tokens<'_>, wanted: &'static str) -> Result<(Range<usize>, u64), GmshError> {
+    let (span, word) = tokens.some(wanted)?;
+    match word.parse() {
+        Ok(tag) => Ok((span, tag)),
+        Err(_) => Err(tokens.at(span, Fault::Unexpected { found: short(word), wanted })),
+    }
+}
+
+fn coordinates(tokens: &mut Tokens<'_>) -> Result<[f64; 3], GmshError> {
+    let mut one = || tokens.finite("a coordinate");
+    Ok([one()?, one()?, one()?])
+}
+
+/// Dimension and number of nodes of an element type.
+fn shape(tokens: &Tokens<'_>, span: Range<usize>, kind: u64) -> Result<(u64, usize), GmshError> {
+    let name = match kind {
+        15 => return Ok((0, 1)),
+        1 => return Ok((1, 2)),
+        2 => return Ok((2, 3)),
+        3 => "quadrangle",
+        4 => "tetrahedron",
+        5 => "hexahedron",
+        8 => "line of order 2",
+        9 => "triangle of order 2",
+        _ => "not a simplex of order 1",
+    };
+    Err(tokens.at(span, Fault::Type { kind, name }))
+}
