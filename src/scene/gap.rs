@@ -150,7 +150,7 @@ fn samples(domain: &Domain) -> u32 {
     if domain.size.len() == 2 { SAMPLES } else { SAMPLES_OF_A_FACE }
 }
 
-fn points(side: Side, domain: &Domain, intervals: u32) -> impl Iterator<Item = Point> {
+pub(super) fn points(side: Side, domain: &Domain, intervals: u32) -> impl Iterator<Item = Point> {
     let place = |[x, y, z]: [f64; 3]| Point { x, y, z, ..Point::default() };
     side.points(&domain.size, intervals).into_iter().map(place)
 }

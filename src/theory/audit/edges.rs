@@ -41,6 +41,8 @@ pub struct ContactSample {
     pub gap: f64,
     /// s.
     pub shift: f64,
+    /// c(x): the law is c ∂j_ν(u_ν - s).
+    pub scale: f64,
     /// ξ.
     pub compliance: f64,
     /// λ.
