@@ -76,7 +76,15 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         fact("m_A", c.m_a, "proved: elastic part + mu"),
         fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),
         fact("alpha_phi", c.alpha_phi, "proved: mu"),
-        fact("alpha_nu", c.alpha_nu, "proved: steepest descent of the law"),
+        fact(
+            "alpha_nu",
+            c.alpha_nu,
+            if factor {
+                "proved for the law; its largest factor is from samples"
+            } else {
+                "proved: steepest descent of the law"
+            },
+        ),
     ];
     if c.c_j_squared > 0.0 {
         let levels: Vec<String> = trace_levels(setup).iter().map(u32::to_string).collect();

@@ -110,6 +110,24 @@ mod tests {
         assert!((gauss[1] - exact[1]).abs() > 1e-4);
     }
 
+    /// ∫ c r/(1 + (r/r0)²) dr = ½ c r0² log(1 + (r/r0)²), over r from 0.01 to 0.17 on the edge.
+    #[test]
+    fn a_curved_law_and_a_factor_are_integrated_to_rounding() {
+        let curve = Some(CurveNumbers::Rational { c: 2.0, r0: 0.04 });
+        let law =
+            LawNumbers { points: vec![[0.0, 0.0]], slope_before: 0.0, slope_after: 0.0, curve };
+        let primitive = |r: f64| 0.0016 * (1.0 + (r / 0.04).powi(2)).ln();
+        let expected = (primitive(0.17) - primitive(0.01)) / 0.16;
+        let moments = |scale: fn(f64) -> f64| {
+            edge_moments(&law, ComplianceRule::Exact, [0.01, 0.17], |_| 0.0, scale)
+        };
+        let [a, b] = moments(|_| 1.0);
+        assert!((a + b - expected).abs() < 1e-15, "{:e}", a + b - expected);
+        // A factor x turns the sum into the second moment.
+        let [c, d] = moments(|x| x);
+        assert!((c + d - b).abs() < 1e-15);
+    }
+
     #[test]
     fn a_curved_shift_is_resolved() {
         // u_ν - s = 0.08 x², which crosses 0.04 at 1/√2.
