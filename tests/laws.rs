@@ -168,15 +168,15 @@ fn wrong_laws_lose_the_order() {
     let wrong = [
         ("jump of half the height", with_potential("law-jump", |_| layer(0.025))),
         (
-            "length of the rational law at 1.5 times its value",
+            "length of the rational law at twice its value",
             with_potential("law-rational", |_| {
-                curved(Curve::Rational { stiffness: 2.0, length: 0.06 })
+                curved(Curve::Rational { stiffness: 2.0, length: 0.08 })
             }),
         ),
         (
-            "length of the exponential law at 1.5 times its value",
+            "length of the exponential law at twice its value",
             with_potential("law-exponential", |_| {
-                curved(Curve::Exponential { stiffness: 2.0, length: 0.06 })
+                curved(Curve::Exponential { stiffness: 2.0, length: 0.08 })
             }),
         ),
         (
