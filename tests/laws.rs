@@ -358,6 +358,7 @@ fn both_sides_have_the_same_curved_laws() {
     for (law, rule) in [
         ("kind = \"rational\", stiffness = 3.0, length = 0.05, scale = \"1 + 0.5*x\"", "exact"),
         ("kind = \"exponential\", stiffness = 3.0, length = 0.05, scale = \"1 + 0.5*x\"", "gauss"),
+        ("kind = \"exponential\", stiffness = 3.0, length = 0.05, jump = 0.02", "vertex"),
         ("kind = \"power\", coefficient = 9.0, exponent = 1.5, until = 0.05", "vertex"),
     ] {
         let other = edited(&text("affine"), POINTS, &format!("{{ {law} }}"));
