@@ -332,7 +332,7 @@ fn the_decomposition_serves_every_rule_and_problems_without_a_mesh() {
     assert!(off < 1e-9 && b.info.contraction <= bound + 1e-4 && bound < 1.0, "{off:e} {bound}");
 }
 
-/// The lines of the proofs hold to rounding under every law, by the rule of its scene and, but for jumps, as integrals.
+/// The lines of the proofs hold to rounding under every law, by the rule of its scene.
 #[test]
 fn the_proofs_hold_line_by_line() {
     for name in CURVED.into_iter().chain(["law-scaled", "law-jump"]) {
