@@ -175,9 +175,9 @@ fn wrong_laws_lose_the_order() {
             }),
         ),
         (
-            "length of the exponential law at twice its value",
+            "length of the exponential law at three times its value",
             with_potential("law-exponential", |_| {
-                curved(Curve::Exponential { stiffness: 2.0, length: 0.08 })
+                curved(Curve::Exponential { stiffness: 2.0, length: 0.12 })
             }),
         ),
         (
