@@ -95,6 +95,7 @@ pub fn solve(
     setup: &AbstractSetup,
     steps: u32,
     solver: &impl StepSolver,
+    contraction_bound: Option<f64>,
     json: bool,
 ) -> Result<u8, CliError> {
     let start = Instant::now();
@@ -108,6 +109,10 @@ pub fn solve(
         "pressure": run.pressure,
         "V_max": run.error,
         "newton_iterations": run.info.newton_iterations,
+        "fixed_point_iterations": run.info.fixed_point_iterations,
+        "convex_problems": run.info.convex_problems,
+        "contraction": contraction_bound.map(|_| run.info.contraction),
+        "contraction_bound": contraction_bound,
         "kkt_residual": run.info.kkt_residual,
         "seconds": start.elapsed().as_secs_f64(),
         "dofs": setup.scene.dimension,

@@ -66,6 +66,15 @@ fn strong_form_is_no_measure(finding: &mut Finding) {
     }
 }
 
+/// How α_ν is known.
+fn alpha_nu_from(setup: &Setup) -> &'static str {
+    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    match law.and_then(|law| law.scale) {
+        Some(_) => "proved: steepest descent of the law, times its factor's maximum, sampled",
+        None => "proved: steepest descent of the law",
+    }
+}
+
 /// The constants of the paper, with how each was obtained.
 fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let fact = |subject: &str, value: f64, how: &str| {
@@ -76,7 +85,7 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         fact("m_A", c.m_a, "proved: elastic part + mu"),
         fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),
         fact("alpha_phi", c.alpha_phi, "proved: mu"),
-        fact("alpha_nu", c.alpha_nu, "proved: steepest descent of the law"),
+        fact("alpha_nu", c.alpha_nu, alpha_nu_from(setup)),
     ];
     if c.c_j_squared > 0.0 {
         let levels: Vec<String> = trace_levels(setup).iter().map(u32::to_string).collect();

@@ -7,16 +7,19 @@ use clap::{Args, ValueEnum};
 
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
 use crate::contact::{CaseInfo, StepView};
-use crate::setup::{MeshData, Setup, Subject};
+use crate::setup::{
+    MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
+};
 use crate::solution::{FinalState, VtuSeries};
 use crate::vhi::{
-    FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState,
+    Decomposition, FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver,
+    StepState,
 };
 
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, normal_displacement, newton_iterations, fixed_point_iterations (0 with Newton's method), kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
 )]
 pub struct Solve {
     /// Name of a scene, or path of a TOML file
@@ -27,8 +30,9 @@ pub struct Solve {
     /// Number N of time steps, k = T/N
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     steps: u32,
-    /// Method for a time level: Newton's, or the fixed-point iteration Λ of Theorem 6, which converges
-    /// only for small k
+    /// Method for a time level: Newton's; the fixed-point iteration Λ of Theorem 6, which converges
+    /// only for small k; or the decomposition of Remark 3, convex problems with the concave quadratic
+    /// part of j explicit, which converges where (2.9) holds
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     solver: Solver,
     /// Print JSON
@@ -44,6 +48,7 @@ pub struct Solve {
 enum Solver {
     Newton,
     FixedPoint,
+    Decomposition,
 }
 
 impl StepSolver for Solver {
@@ -56,6 +61,7 @@ impl StepSolver for Solver {
         match self {
             Self::Newton => Newton::default().solve_level(problem, state, scratch),
             Self::FixedPoint => FixedPoint::default().solve_level(problem, state, scratch),
+            Self::Decomposition => Decomposition::default().solve_level(problem, state, scratch),
         }
     }
 
@@ -75,7 +81,10 @@ impl Solve {
             (Subject::Contact(setup), Some(n)) => self.contact(&setup, n),
             (Subject::Abstract(setup), n) => {
                 abstract_problem::no_mesh(&setup.scene, n)?;
-                abstract_problem::solve(&setup, self.steps, &self.solver, self.json)
+                let bound =
+                    self.decomposes().then(|| abstract_decomposition_bound(&setup, self.steps));
+                self.remark_on(&setup.scene.name, bound);
+                abstract_problem::solve(&setup, self.steps, &self.solver, bound, self.json)
             }
             (Subject::Contact(setup), None) => {
                 let hint = "give --n, the number of mesh cells per unit length";
@@ -84,10 +93,28 @@ impl Solve {
         }
     }
 
+    fn decomposes(&self) -> bool {
+        matches!(self.solver, Solver::Decomposition)
+    }
+
+    /// Says on stderr that the decomposition need not converge.
+    fn remark_on(&self, name: &str, bound: Option<f64>) {
+        let Some(bound) = bound.filter(|bound| bound.is_nan() || *bound >= 1.0) else { return };
+        let text = format!(
+            "alpha_nu c_j^2/m = {bound:.4} is not below one: the decomposition need not contract; --solver newton does not depend on that"
+        );
+        super::progress::remark(name, &StepRemark { warning: true, text });
+    }
+
     fn contact(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
         setup.scene.check_cells(n)?;
         let start = Instant::now();
         let data = MeshData::new(setup, n, None)?;
+        let bound = match self.decomposes() {
+            true => Some(decomposition_bound(setup, &data.space, n, self.steps)?),
+            false => None,
+        };
+        self.remark_on(&setup.scene.name, bound);
         let mut series = match &self.vtu {
             Some(dir) => Some(VtuSeries::new(dir, &setup.scene.name).map_err(other)?),
             None => None,
@@ -116,7 +143,7 @@ impl Solve {
             series.finish().map_err(other)?;
         }
         let state = last.ok_or_else(|| other("the run ended before its last step"))?;
-        self.print(&state, &info, seconds, data.space.dofs())?;
+        self.print(&state, &info, bound, seconds, data.space.dofs())?;
         Ok(0)
     }
 
@@ -124,6 +151,7 @@ impl Solve {
         &self,
         state: &FinalState,
         info: &CaseInfo,
+        bound: Option<f64>,
         seconds: f64,
         dofs: usize,
     ) -> Result<(), CliError> {
@@ -131,6 +159,9 @@ impl Solve {
         if let Some(object) = document.as_object_mut() {
             object.insert("newton_iterations".into(), info.newton_iterations.into());
             object.insert("fixed_point_iterations".into(), info.fixed_point_iterations.into());
+            object.insert("convex_problems".into(), info.convex_problems.into());
+            object.insert("contraction".into(), bound.map(|_| info.contraction).into());
+            object.insert("contraction_bound".into(), bound.into());
             object.insert("factorizations".into(), info.work.linear.factorizations.into());
             object.insert("linear_solves".into(), info.work.linear.solves.into());
             object.insert("kkt_residual".into(), info.kkt_residual.into());
@@ -141,7 +172,8 @@ impl Solve {
             return print_json(&document);
         }
         if let Some(object) = document.as_object() {
-            for (key, value) in object.iter().filter(|(key, _)| *key != "normal_displacement") {
+            let is_list = |key: &str| matches!(key, "normal_displacement" | "compliance_pressure");
+            for (key, value) in object.iter().filter(|(key, _)| !is_list(key)) {
                 print_text(&format!("{key:<24} {value}"));
             }
         }

@@ -16,10 +16,13 @@ pub fn boundary_graph<P: Projection>(
     let Some(boundary) = &model.boundary else {
         return BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] };
     };
-    let potential = match boundary.rule {
-        BoundaryRule::Vertex => boundary.potential.clone(),
-        BoundaryRule::Gauss | BoundaryRule::Exact => none,
+    // A law with a factor is one law a vertex.
+    let mut potentials = match (boundary.rule, &boundary.scale) {
+        (BoundaryRule::Vertex, None) => vec![boundary.potential.clone()],
+        (BoundaryRule::Vertex, Some(_)) => Vec::new(),
+        (BoundaryRule::Gauss | BoundaryRule::Exact, _) => vec![none],
     };
+    let one_each = potentials.is_empty();
     let coordinates = space
         .trace
         .points
@@ -27,6 +30,9 @@ pub fn boundary_graph<P: Projection>(
         .filter(|point| !point.clamped)
         .map(|point| {
             let x = space.mesh.point(&[point.vertex], &[1.0]);
+            if one_each {
+                potentials.push(boundary.potential_at(x));
+            }
             let stiffness = elastic[space.pattern.diagonal(point.unknown as usize)];
             Coordinate {
                 dof: point.unknown,
@@ -34,12 +40,12 @@ pub fn boundary_graph<P: Projection>(
                 weight: point.weight,
                 gap: (boundary.gap)(x),
                 floor: f64::NEG_INFINITY,
-                law: 0,
+                law: potentials.len() as u32 - 1,
                 shift: (boundary.shift)(x),
                 // γ α_ν = α_ν w/K_ii is of order h α_ν/m_𝒜: below one wherever (2.9) holds.
                 gamma: point.weight / stiffness,
             }
         })
         .collect();
-    BoundaryGraph { coordinates, potentials: vec![potential] }
+    BoundaryGraph { coordinates, potentials }
 }

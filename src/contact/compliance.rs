@@ -1,7 +1,7 @@
 //! ∫_{Γ3} ∂j_ν(u_ν - s) v_ν by points on the facets: Gauss points, or Gauss points on the pieces of
 //! each edge between the kinks of ∂j_ν (the integral itself).
 
-use super::pieces::{EdgePoint, EdgeShift, points};
+use super::pieces::{EdgePoint, EdgeShift, Pieces, points};
 use super::{Boundary, BoundaryRule, Discretization};
 use crate::linalg::BlockPattern;
 use crate::space::quadrature::{Rule, edge, triangle_degree_4};
@@ -17,9 +17,9 @@ pub struct FacetCompliance<'a> {
 enum PointRule {
     /// At fixed places, with the shift there (facet by facet): 3 points an edge, exact where
     /// ∂j_ν(u_ν) v_ν is a polynomial of degree 5.
-    Gauss { rule: Rule, shift: Vec<f64> },
+    Gauss { rule: Rule, shift: Vec<f64>, scale: Option<Vec<f64>> },
     /// On the pieces of each edge between kinks.
-    Exact { kinks: Vec<f64>, shift: Vec<EdgeShift> },
+    Exact { law: Pieces, shift: Vec<EdgeShift> },
 }
 
 /// A facet with the coordinates of its corners.
@@ -35,6 +35,8 @@ struct FacetPoint {
     shape: [f64; 3],
     weight: f64,
     argument: f64,
+    /// c(x) of the law.
+    scale: f64,
 }
 
 impl<'a> FacetCompliance<'a> {
@@ -48,17 +50,24 @@ impl<'a> FacetCompliance<'a> {
             BoundaryRule::Vertex => return None,
             BoundaryRule::Gauss => {
                 let rule = facet_rule(space.mesh.dimension);
-                let shift = facets
-                    .iter()
-                    .flat_map(|facet| rule.points.iter().map(|b| (boundary.shift)(facet.at(b))))
-                    .collect();
-                PointRule::Gauss { rule, shift }
+                let at_points = |f: &dyn Fn([f64; 3]) -> f64| -> Vec<f64> {
+                    let points =
+                        facets.iter().flat_map(|facet| rule.points.iter().map(|b| facet.at(b)));
+                    points.map(f).collect()
+                };
+                let shift = at_points(&boundary.shift);
+                let scale = boundary.scale.as_ref().map(|scale| at_points(scale));
+                PointRule::Gauss { rule, shift, scale }
             }
             BoundaryRule::Exact => {
                 assert_eq!(space.mesh.dimension, 2, "the exact rule cuts edges");
                 let along = |facet: &Facet| EdgeShift::new(|x| (boundary.shift)(facet.on_edge(x)));
                 PointRule::Exact {
-                    kinks: boundary.potential.kinks().to_vec(),
+                    law: Pieces {
+                        kinks: boundary.potential.kinks().to_vec(),
+                        resolution: boundary.potential.resolution(),
+                        scaled: boundary.scale.is_some(),
+                    },
                     shift: facets.iter().map(along).collect(),
                 }
             }
@@ -66,10 +75,28 @@ impl<'a> FacetCompliance<'a> {
         Some(Self { boundary, facets, rule })
     }
 
+    /// α of (2.8c) for the law on every facet, with the largest factor at the points of the rule (for the
+    /// exact rule, at the corners and middles of edges and those of their halves).
+    pub fn descent(&self) -> f64 {
+        let alpha = self.boundary.potential.alpha();
+        let Some(factor) = &self.boundary.scale else { return alpha };
+        let largest = match &self.rule {
+            PointRule::Gauss { scale, .. } => {
+                scale.iter().flatten().fold(0.0f64, |largest, c| largest.max(*c))
+            }
+            PointRule::Exact { .. } => self
+                .facets
+                .iter()
+                .flat_map(|facet| [0.0, 0.25, 0.5, 0.75, 1.0].map(|x| factor(facet.on_edge(x))))
+                .fold(0.0f64, f64::max),
+        };
+        alpha * largest
+    }
+
     /// Adds the force of the compliance term at the unknowns `nodal`, padded to all nodes.
     pub fn add_force(&self, nodal: &[f64], out: &mut [f64]) {
         self.each_point(nodal, |facet, point| {
-            let pressure = self.boundary.potential.value_and_slope(point.argument).0;
+            let pressure = point.scale * self.boundary.potential.value_and_slope(point.argument).0;
             for ((component, sign, unknown), shape) in facet.members.iter().zip(&point.shape) {
                 if *unknown {
                     out[*component] += point.weight * pressure * sign * shape;
@@ -81,7 +108,7 @@ impl<'a> FacetCompliance<'a> {
     /// Adds its derivative to lower-triangle `values`.
     pub fn add_tangent(&self, nodal: &[f64], pattern: &BlockPattern, values: &mut [f64]) {
         self.each_point(nodal, |facet, point| {
-            let slope = self.boundary.potential.value_and_slope(point.argument).1;
+            let slope = point.scale * self.boundary.potential.value_and_slope(point.argument).1;
             for (a, &(i, sign_i, unknown_i)) in facet.members.iter().enumerate() {
                 for (b, &(j, sign_j, unknown_j)) in facet.members.iter().enumerate().take(a + 1) {
                     if !(unknown_i && unknown_j) {
@@ -103,7 +130,7 @@ impl<'a> FacetCompliance<'a> {
         for (f, facet) in self.facets.iter().enumerate() {
             let normal = |&(component, sign, _): &(usize, f64, bool)| sign * nodal[component];
             match &self.rule {
-                PointRule::Gauss { rule, shift } => {
+                PointRule::Gauss { rule, shift, scale } => {
                     let count = rule.weights.len();
                     for (q, (shape, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
                         let values = facet.members.iter().map(normal);
@@ -112,17 +139,20 @@ impl<'a> FacetCompliance<'a> {
                         let mut own = [0.0; 3];
                         own[..shape.len()].copy_from_slice(shape);
                         let weight = weight * facet.measure;
-                        visit(facet, &FacetPoint { shape: own, weight, argument });
+                        let scale = scale.as_ref().map_or(1.0, |scale| scale[count * f + q]);
+                        visit(facet, &FacetPoint { shape: own, weight, argument, scale });
                     }
                 }
-                PointRule::Exact { kinks, shift } => {
+                PointRule::Exact { law, shift } => {
                     let ends = [normal(&facet.members[0]), normal(&facet.members[1])];
                     let formula = |x: f64| (self.boundary.shift)(facet.on_edge(x));
-                    points(ends, &shift[f], formula, kinks, &mut on_edge);
+                    points(ends, &shift[f], formula, law, &mut on_edge);
                     for point in &on_edge {
                         let shape = [1.0 - point.place, point.place, 0.0];
                         let weight = point.weight * facet.measure;
-                        visit(facet, &FacetPoint { shape, weight, argument: point.argument });
+                        let scale = self.boundary.scale_at(facet.on_edge(point.place));
+                        let argument = point.argument;
+                        visit(facet, &FacetPoint { shape, weight, argument, scale });
                     }
                 }
             }

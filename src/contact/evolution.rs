@@ -189,6 +189,10 @@ impl<P: Projection> StepInequality for Evolution<'_, P> {
         self.problem.dofs()
     }
 
+    fn descent(&self, i: usize) -> f64 {
+        self.problem.descent(i)
+    }
+
     fn graph(&self) -> &BoundaryGraph {
         self.problem.graph()
     }

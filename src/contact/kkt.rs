@@ -62,8 +62,8 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
             }
             if boundary.rule == BoundaryRule::Vertex {
                 let place = [normal - (boundary.shift)(x), view.compliance[i]];
-                let potential = &*boundary.potential;
-                worst = worst.max(graph_distance(potential, place, point.weight, stiffness));
+                let potential = boundary.potential_at(x);
+                worst = worst.max(graph_distance(&*potential, place, point.weight, stiffness));
             }
         }
         scale = scale.max(f64::MIN_POSITIVE);

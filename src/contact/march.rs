@@ -64,6 +64,10 @@ pub struct CaseInfo {
     pub newton_iterations: u32,
     /// Applications of Λ over all steps, 0 for other solvers.
     pub fixed_point_iterations: u32,
+    /// Convex problems of the decomposition over all steps, 0 for other solvers.
+    pub convex_problems: u32,
+    /// Largest quotient of successive changes of the decomposition.
+    pub contraction: f64,
     /// Changes of the active set over all steps.
     pub active_set_changes: u32,
     /// Largest relative KKT residual over all steps (separate evaluation).
@@ -145,6 +149,8 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
         self.info.newton_iterations += info.iterations;
         self.info.fixed_point_iterations += info.fixed_point_iterations;
         self.info.active_set_changes += info.active_set_changes;
+        self.info.convex_problems += info.convex_problems;
+        self.info.contraction = self.info.contraction.max(info.contraction);
         self.show(n, t, observe)?;
         // Floors belong to the level that was solved worst. Records are few, about log N of them.
         if info.residual > self.worst_residual {
@@ -224,7 +230,9 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
                 };
                 self.multiplier[i] = pressure - self.compliance[i];
             } else {
-                self.compliance[i] = boundary.potential.subdifferential(normal - at.shift).0;
+                let x = self.space.mesh.point(&[point.vertex], &[1.0]);
+                let law = boundary.potential_at(x);
+                self.compliance[i] = law.subdifferential(normal - at.shift).0;
                 self.multiplier[i] = pressure;
             }
         }

@@ -28,7 +28,7 @@ pub use kkt::kkt_residual;
 pub use linear::strain_norm;
 pub use load::{Load, LoadError};
 pub use march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, march};
-pub use model::{Boundary, BoundaryRule, MemoryTerm, Model};
+pub use model::{Boundary, BoundaryRule, MemoryTerm, Model, OnContact};
 pub use open_level::OpenLevel;
 pub use problem::{ContactProblem, LastSlot};
 pub use trace::{ContactTrace, TracePoint, facet_measure};

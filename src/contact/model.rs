@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::history::TimeRule;
-use crate::law::{Isotropic, MemoryKernel, Potential, Projection};
+use crate::law::{Isotropic, MemoryKernel, Potential, Projection, Scaled};
 
 /// Memory ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds.
 pub struct MemoryTerm {
@@ -25,16 +25,36 @@ pub enum BoundaryRule {
     Exact,
 }
 
+/// A function on Γ3.
+pub type OnContact = Box<dyn Fn([f64; 3]) -> f64 + Send + Sync>;
+
 /// Contact data on Γ3.
 pub struct Boundary {
-    /// ∂j_ν.
+    /// ∂j_ν, but for the factor.
     pub potential: Arc<dyn Potential>,
+    /// c > 0 at a point of Γ3: the law there is c ∂j_ν; none is one.
+    pub scale: Option<OnContact>,
     /// g at a point of Γ3, infinite where there is no constraint.
-    pub gap: Box<dyn Fn([f64; 3]) -> f64 + Send + Sync>,
+    pub gap: OnContact,
     /// s at a point of Γ3: the potential is evaluated at u_ν - s.
-    pub shift: Box<dyn Fn([f64; 3]) -> f64 + Send + Sync>,
+    pub shift: OnContact,
     /// Quadrature of the compliance term.
     pub rule: BoundaryRule,
+}
+
+impl Boundary {
+    /// c at a point of Γ3.
+    pub fn scale_at(&self, x: [f64; 3]) -> f64 {
+        self.scale.as_ref().map_or(1.0, |scale| scale(x))
+    }
+
+    /// c ∂j_ν at a point of Γ3.
+    pub fn potential_at(&self, x: [f64; 3]) -> Arc<dyn Potential> {
+        match &self.scale {
+            None => self.potential.clone(),
+            Some(scale) => Arc::new(Scaled { potential: self.potential.clone(), factor: scale(x) }),
+        }
+    }
 }
 
 /// The model of a scene; `P` is the projection term or [`crate::law::NoProjection`].

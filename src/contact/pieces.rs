@@ -1,12 +1,16 @@
 //! An edge of Γ3 cut where u_ν - s crosses a kink of ∂j_ν: on each piece ∂j_ν(u_ν - s) is smooth,
-//! so Gauss points integrate it exactly where the shift is affine and ∂j_ν piecewise linear.
+//! so Gauss points integrate it exactly where the shift is affine and ∂j_ν piecewise linear, and to
+//! rounding where ∂j_ν is curved, on pieces no longer than its resolution.
 
 use crate::space::quadrature::gauss_legendre;
 
 /// Gauss points a piece where s is affine on the edge: ∂j_ν φ is a quadratic polynomial there.
 const POINTS_AFFINE: usize = 2;
-/// Gauss points a piece where it is not: degree 15.
+/// Gauss points a piece where it is not, where ∂j_ν is curved or has a factor c(x): degree 15.
 const POINTS_CURVED: usize = 8;
+/// Parts of a piece at most: beyond, u_ν - s ranges over 64 resolutions on one edge, and the mesh is
+/// too coarse for any rule.
+const PARTS: f64 = 64.0;
 /// Intervals of an edge on which crossings are looked for under a curved shift.
 const WATCHES: usize = 16;
 /// A shift within this many units of rounding of its chord counts as affine.
@@ -47,28 +51,41 @@ pub struct EdgePoint {
     pub argument: f64,
 }
 
+/// What the rule must know of ∂j_ν.
+pub struct Pieces {
+    /// Its kinks.
+    pub kinks: Vec<f64>,
+    /// [`crate::law::Potential::resolution`].
+    pub resolution: f64,
+    /// Whether it has a factor c(x).
+    pub scaled: bool,
+}
+
 /// The points of an edge with end values `normal` of u_ν; `shift` is s by ξ.
 pub fn points(
     normal: [f64; 2],
     along: &EdgeShift,
     shift: impl Fn(f64) -> f64,
-    kinks: &[f64],
+    law: &Pieces,
     out: &mut Vec<EdgePoint>,
 ) {
+    let (kinks, resolution) = (law.kinks.as_slice(), law.resolution);
     let straight = |ends: [f64; 2], x: f64| ends[0] + x * (ends[1] - ends[0]);
     out.clear();
     match along {
         EdgeShift::Affine(ends) => {
             let argument = [normal[0] - ends[0], normal[1] - ends[1]];
             let cuts = affine_cuts(argument, kinks);
-            fill(&cuts, POINTS_AFFINE, |x| straight(argument, x), out);
+            let polynomial = resolution.is_infinite() && !law.scaled;
+            let count = if polynomial { POINTS_AFFINE } else { POINTS_CURVED };
+            fill(&cuts, count, resolution, |x| straight(argument, x), out);
         }
         EdgeShift::Curved(values) => {
             let argument = |x: f64| straight(normal, x) - shift(x);
             let count = values.len() - 1;
             let at = |i: usize| straight(normal, i as f64 / count as f64) - values[i];
             let cuts = curved_cuts(argument, at, kinks);
-            fill(&cuts, POINTS_CURVED, argument, out);
+            fill(&cuts, POINTS_CURVED, resolution, argument, out);
         }
     }
 }
@@ -128,16 +145,25 @@ fn crossing(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f64> 
     Some(0.5 * (low + high))
 }
 
-fn fill(cuts: &[f64], count: usize, argument: impl Fn(f64) -> f64, out: &mut Vec<EdgePoint>) {
+fn fill(
+    cuts: &[f64],
+    count: usize,
+    resolution: f64,
+    argument: impl Fn(f64) -> f64,
+    out: &mut Vec<EdgePoint>,
+) {
     for pair in cuts.windows(2).filter(|pair| pair[1] > pair[0]) {
-        let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-        out.extend(gauss_legendre(count).into_iter().map(|(x, weight)| {
-            let place = middle + half * x;
-            EdgePoint {
-                place,
-                weight: 0.5 * weight * (pair[1] - pair[0]),
-                argument: argument(place),
-            }
-        }));
+        let range = (argument(pair[1]) - argument(pair[0])).abs();
+        // A NaN argument shows in the points; it must not make a number of parts.
+        let parts = (range / resolution).ceil().clamp(1.0, PARTS);
+        let parts = if parts.is_nan() { 1.0 } else { parts };
+        let length = (pair[1] - pair[0]) / parts;
+        for part in 0..parts as usize {
+            let (middle, half) = (pair[0] + (part as f64 + 0.5) * length, 0.5 * length);
+            out.extend(gauss_legendre(count).into_iter().map(|(x, weight)| {
+                let place = middle + half * x;
+                EdgePoint { place, weight: 0.5 * weight * length, argument: argument(place) }
+            }));
+        }
     }
 }

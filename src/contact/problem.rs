@@ -328,6 +328,11 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
         &self.graph
     }
 
+    fn descent(&self, i: usize) -> f64 {
+        let facets = self.compliance.as_ref().map_or(0.0, FacetCompliance::descent);
+        self.graph.descent(i).max(facets)
+    }
+
     fn residual(&mut self, u: &[f64], out: &mut [f64]) {
         let start = Instant::now();
         self.unknowns[..u.len()].copy_from_slice(u);

@@ -57,6 +57,10 @@ pub struct FiniteInfo {
     pub newton_iterations: u32,
     /// Applications of Λ, 0 for other solvers.
     pub fixed_point_iterations: u32,
+    /// Convex problems of the decomposition over all steps, 0 for other solvers.
+    pub convex_problems: u32,
+    /// Largest quotient of successive changes of the decomposition.
+    pub contraction: f64,
     /// Changes of the active set over all steps.
     pub active_set_changes: u32,
     /// What unresolved residual and rounding contribute to ‖u_n - u_n^k‖_X.
@@ -92,6 +96,8 @@ pub fn march<S: StepSolver>(
         let step = stepper.step(&mut evolution)?;
         info.newton_iterations += step.iterations;
         info.fixed_point_iterations += step.fixed_point_iterations;
+        info.convex_problems += step.convex_problems;
+        info.contraction = info.contraction.max(step.contraction);
         info.active_set_changes += step.active_set_changes;
         let u = evolution.displacement(&stepper.state.u);
         let history = evolution.history();

@@ -2,12 +2,16 @@
 //!
 //! Each is a small trait, so that a test can pass a wrong component in its place.
 
+mod curve;
 mod elasticity;
 mod kernel;
 mod potential;
 mod projection;
+mod scaled;
 
+pub use curve::{Curve, Curved};
 pub use elasticity::Isotropic;
 pub use kernel::{Convolution, ExponentialSum, HistoryKernel, MemoryKernel};
 pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError, graph_distance};
 pub use projection::{NoProjection, Projection, Response, VonMises, YieldLimit};
+pub use scaled::Scaled;

@@ -24,6 +24,12 @@ pub trait Potential: Send + Sync {
     /// possible, and c0 the least for it.
     fn growth(&self) -> (f64, f64);
 
+    /// Lengths of r on which, between kinks, 8 Gauss points integrate ∂j_ν times a linear function to
+    /// rounding; infinite where 2 do, which is for a piecewise linear law.
+    fn resolution(&self) -> f64 {
+        f64::INFINITY
+    }
+
     /// True if ∂j_ν vanishes everywhere, so that nothing need be computed.
     fn is_absent(&self) -> bool {
         false

@@ -7,7 +7,7 @@ use super::law_slope::{Answer, answer};
 use super::time::weight;
 use crate::formula::{Graph, Node, Point, Program, Variable};
 use crate::manufactured::LawNumbers;
-use crate::setup::AbstractSetup;
+use crate::setup::{AbstractSetup, law_numbers};
 
 /// max_n ‖e_n‖_X on a grid, where
 ///
@@ -102,13 +102,7 @@ impl<'a> Linearised<'a> {
             .flatten()
             .map(|&f| [f, by(f, Variable::Y), by(f, Variable::X)])
             .collect();
-        let laws = problem.traces.iter().map(|trace| {
-            trace.law.as_ref().map(|law| LawNumbers {
-                points: law.points.clone(),
-                slope_before: law.slope_before,
-                slope_after: law.slope_after,
-            })
-        });
+        let laws = problem.traces.iter().map(|trace| trace.law.as_ref().map(law_numbers));
         Self {
             matrix: rows(&problem.matrix),
             product: rows(&problem.inner_product),

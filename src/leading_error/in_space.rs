@@ -215,8 +215,14 @@ impl InSpace {
             if point.clamped {
                 continue;
             }
-            let answer = match answer(law, normal - self.shift(point.vertex), xi, lambda) {
-                Answer::Slope(slope) => point.weight * slope,
+            // The law is c p: its slope is c times that of p at ξ/c.
+            let contact = self.exact.data.contact.as_ref();
+            let shift =
+                self.at_vertex(contact.and_then(|contact| contact.shift), 0.0, point.vertex);
+            let scale =
+                self.at_vertex(contact.and_then(|contact| contact.scale), 1.0, point.vertex);
+            let answer = match answer(law, normal - shift, xi / scale, lambda) {
+                Answer::Slope(slope) => point.weight * scale * slope,
                 Answer::Held => HELD * stiffness,
             };
             // answer · ν νᵀ on the components of the vertex.
@@ -232,11 +238,11 @@ impl InSpace {
         }
     }
 
-    fn shift(&self, vertex: u32) -> f64 {
-        let shift = self.exact.data.contact.as_ref().and_then(|contact| contact.shift);
+    /// The value of a formula at a vertex, or `absent` without one.
+    fn at_vertex(&self, node: Option<Node>, absent: f64, vertex: u32) -> f64 {
         let [x, y, z] = self.space.mesh.point(&[vertex], &[1.0]);
         let at = Point { x, y, z, ..Point::default() };
-        shift.map_or(0.0, |shift| self.exact.data.graph.evaluate(shift, &at))
+        node.map_or(absent, |node| self.exact.data.graph.evaluate(node, &at))
     }
 
     /// (K + column rowᵀ) e = right, by the formula of Sherman and Morrison.

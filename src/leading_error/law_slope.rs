@@ -17,7 +17,8 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
         return Answer::Held;
     }
     let Some(law) = law else { return Answer::Slope(0.0) };
-    let [first, .., last] = law.points[..] else { return Answer::Slope(outer(law, r)) };
+    let curve = law.curve.map_or(0.0, |curve| curve.slope(r));
+    let [first, .., last] = law.points[..] else { return Answer::Slope(outer(law, r) + curve) };
     let pairs = || law.points.windows(2).map(|pair| (pair[0], pair[1]));
     // At a jump ξ strictly inside keeps r where it is.
     let jump = pairs().any(|([from, low], [to, high])| {
@@ -27,12 +28,13 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
         return Answer::Held;
     }
     let piece = pairs().find(|([from, _], [to, _])| *from < r && r <= *to);
-    Answer::Slope(match piece {
+    let graph = match piece {
         Some(([from, low], [to, high])) => (high - low) / (to - from),
         None if r <= first[0] => law.slope_before,
         None if r > last[0] => law.slope_after,
         None => f64::NAN,
-    })
+    };
+    Answer::Slope(graph + curve)
 }
 
 /// Rounding of a formula that is to stay at a jump.
@@ -53,7 +55,7 @@ mod tests {
     #[test]
     fn every_branch_answers_with_its_slope() {
         let points = vec![[0.0, 0.0], [0.04, 0.08], [0.10, 0.05], [0.10, 0.09]];
-        let law = LawNumbers { points, slope_before: 0.5, slope_after: 3.0 };
+        let law = LawNumbers { points, slope_before: 0.5, slope_after: 3.0, curve: None };
         let at = |r, xi, lambda| answer(Some(&law), r, xi, lambda);
         let slope = |answer| match answer {
             Answer::Slope(slope) => slope,
@@ -66,7 +68,12 @@ mod tests {
         assert_eq!(at(0.10, 0.07, 0.0), Answer::Held);
         assert_eq!(at(0.02, 0.04, 0.1), Answer::Held);
         assert_eq!(answer(None, 0.02, 0.0, 0.0), Answer::Slope(0.0));
-        let line = LawNumbers { points: vec![[0.0, 0.0]], slope_before: 1.0, slope_after: 2.0 };
+        let line = LawNumbers {
+            points: vec![[0.0, 0.0]],
+            slope_before: 1.0,
+            slope_after: 2.0,
+            curve: None,
+        };
         assert_eq!(answer(Some(&line), 0.1, 0.2, 0.0), Answer::Slope(2.0));
         assert_eq!(answer(Some(&line), -0.1, 0.2, 0.0), Answer::Slope(1.0));
     }

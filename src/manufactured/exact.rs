@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::AccumulatedStrain;
+use super::curve::CurveNumbers;
 use super::symbolic;
 use crate::formula::{Graph, Node, Program, Variable};
 use crate::mesh::Coarse;
@@ -20,7 +21,7 @@ pub struct MaterialNumbers {
     pub projection: Option<f64>,
 }
 
-/// A piecewise linear law by its points and outer slopes.
+/// A piecewise linear law by its points and outer slopes, plus a curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LawNumbers {
     /// (r, p(r)); a repeated abscissa is a jump.
@@ -29,6 +30,8 @@ pub struct LawNumbers {
     pub slope_before: f64,
     /// Slope after the last point.
     pub slope_after: f64,
+    /// The curved part.
+    pub curve: Option<CurveNumbers>,
 }
 
 /// Contact data as formulas.
@@ -38,8 +41,10 @@ pub struct ContactFormulas {
     pub gap: Option<Node>,
     /// s(x): the law is evaluated at u_ν - s.
     pub shift: Option<Node>,
-    /// ∂j_ν.
+    /// ∂j_ν, but for the factor.
     pub law: Option<LawNumbers>,
+    /// c(x): the law is c ∂j_ν; none is 1.
+    pub scale: Option<Node>,
     /// λ(x, t).
     pub multiplier: Option<Node>,
     /// ξ(x, t), where ∂j_ν(u_ν) is an interval.
@@ -167,7 +172,11 @@ impl Exact {
             (None, Some(law)) => {
                 let shift = contact.and_then(|contact| contact.shift).unwrap_or(zero);
                 let r = graph.sub(u_nu, shift);
-                law_formula(&mut graph, law, r)
+                let p = law_formula(&mut graph, law, r);
+                match contact.and_then(|contact| contact.scale) {
+                    Some(scale) => graph.mul(scale, p),
+                    None => p,
+                }
             }
             (None, None) => zero,
         };
@@ -208,7 +217,7 @@ pub(super) fn normal_component(graph: &mut Graph, u: &[Node], normal: &[f64]) ->
     sum
 }
 
-/// p(r) as nested choices between its linear pieces.
+/// p(r) as nested choices between its linear pieces, plus the curve.
 pub(super) fn law_formula(graph: &mut Graph, law: &LawNumbers, r: Node) -> Node {
     let line = |graph: &mut Graph, at: [f64; 2], slope: f64| {
         let (place, value, slope) =
@@ -229,5 +238,12 @@ pub(super) fn law_formula(graph: &mut Graph, law: &LawNumbers, r: Node) -> Node 
     }
     let before = line(graph, law.points[0], law.slope_before);
     let start = graph.constant(law.points[0][0]);
-    graph.select_less(r, start, before, formula)
+    let formula = graph.select_less(r, start, before, formula);
+    match &law.curve {
+        None => formula,
+        Some(curve) => {
+            let curve = curve.formula(graph, r);
+            graph.add(formula, curve)
+        }
+    }
 }

@@ -191,7 +191,8 @@ impl InterpolatedOnMesh {
                 });
                 let vertices = ends.map(|i| self.space.trace.points[i].vertex);
                 let shift = |x: f64| self.shift(&vertices, x);
-                let moments = edge_moments(law, self.rule, normal, shift);
+                let scale = |x: f64| self.scale(&vertices, x);
+                let moments = edge_moments(law, self.rule, normal, shift, scale);
                 let size = length(&self.space.mesh, self.space.trace.mesh_facet[f] as usize);
                 for (i, moment) in ends.into_iter().zip(moments) {
                     self.add_normal_force(i, side.normal, size * moment, force);
@@ -212,9 +213,22 @@ impl InterpolatedOnMesh {
     /// s at a place of an edge.
     fn shift(&self, vertices: &[u32], place: f64) -> f64 {
         let contact = self.exact.data.contact.as_ref();
-        let Some(shift) = contact.and_then(|contact| contact.shift) else { return 0.0 };
+        contact
+            .and_then(|contact| contact.shift)
+            .map_or(0.0, |shift| self.on_edge(shift, vertices, place))
+    }
+
+    /// c at a place of an edge.
+    fn scale(&self, vertices: &[u32], place: f64) -> f64 {
+        let contact = self.exact.data.contact.as_ref();
+        contact
+            .and_then(|contact| contact.scale)
+            .map_or(1.0, |scale| self.on_edge(scale, vertices, place))
+    }
+
+    fn on_edge(&self, node: Node, vertices: &[u32], place: f64) -> f64 {
         let [x, y, z] = self.space.mesh.point(vertices, &[1.0 - place, place]);
-        self.exact.data.graph.evaluate(shift, &Point { x, y, z, ..Point::default() })
+        self.exact.data.graph.evaluate(node, &Point { x, y, z, ..Point::default() })
     }
 
     /// ξ + λ at the points of the trace.

@@ -15,6 +15,7 @@
 mod accumulated;
 mod check;
 pub mod constitutive;
+mod curve;
 mod double_exponential;
 mod edge_compliance;
 mod exact;
@@ -34,6 +35,7 @@ pub use check::{
     Finding, SideOfRectangle, Status, check, regularity_in_space, regularity_in_time,
     second_difference,
 };
+pub use curve::CurveNumbers;
 pub use edge_compliance::ComplianceRule;
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,

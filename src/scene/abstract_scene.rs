@@ -168,7 +168,14 @@ impl AbstractTrace {
             return Err(reading.error(&key("functional"), message, "give one nonzero number"));
         }
         let law = match &written.law {
-            Some(law) => Law::validate(reading, &key("law"), law)?,
+            Some(law) => {
+                if law.scale.is_some() {
+                    let message = "a functional has no place that `scale` could depend on";
+                    let hint = "remove `scale` and write the factor into the numbers of the law";
+                    return Err(reading.key_error(&key("law.scale"), message, hint));
+                }
+                Law::validate(reading, &key("law"), law)?
+            }
             None => None,
         };
         let (lower, upper) =

@@ -7,6 +7,7 @@ use super::domain::Domain;
 use super::gap::{finite_on_contact, gap};
 use super::law::Law;
 use super::reading::Reading;
+use super::scale::Scale;
 use super::written;
 
 /// The rule for the compliance term on Γ3; it is part of the discrete problem.
@@ -72,10 +73,14 @@ impl Contact {
             Some(formula) => Some(finite_on_contact(reading, "contact.shift", formula, domain)?),
             None => None,
         };
-        let law = match &written.law {
+        let mut law = match &written.law {
             Some(law) => Law::validate(reading, "contact.law", law)?,
             None => None,
         };
+        let scale = written.law.as_ref().and_then(|law| law.scale.as_ref());
+        if let (Some(law), Some(formula)) = (&mut law, scale) {
+            law.scale = Some(Scale::validate(reading, "contact.law.scale", formula, domain)?);
+        }
         let word = written.quadrature.as_deref().unwrap_or("vertex");
         let quadrature = quadrature(reading, word, law.as_ref(), domain)?;
         Ok(Contact { gap, shift, law, quadrature })
@@ -102,6 +107,12 @@ fn quadrature(
             "the quadrature `{word}` and a law with a jump: where u_nu stays at the jump along an edge, the pressure is no number at its points"
         );
         let hint = "use quadrature = \"vertex\", which keeps one pressure a vertex, or replace the jump by a steep slope";
+        return Err(reading.error("contact.quadrature", message, hint));
+    }
+    let curve = law.and_then(|law| law.curve);
+    if chosen == ContactQuadrature::Exact && curve.is_some_and(|curve| !curve.has_exact_rule()) {
+        let message = "the quadrature `exact` integrates powers by Gauss points, exactly for whole exponents up to 14";
+        let hint = "use quadrature = \"vertex\" or \"gauss\", or a whole exponent";
         return Err(reading.error("contact.quadrature", message, hint));
     }
     if chosen == ContactQuadrature::Exact && domain.dimension() == 3 {

@@ -172,7 +172,7 @@ fn samples(domain: &Domain, faces: &[Face]) -> u32 {
     (whole / faces.len().max(1) as u32).max(8)
 }
 
-fn points(face: &Face, intervals: u32) -> impl Iterator<Item = Point> {
+pub(super) fn points(face: &Face, intervals: u32) -> impl Iterator<Item = Point> {
     let place = |[x, y, z]: [f64; 3]| Point { x, y, z, ..Point::default() };
     face.points(intervals).into_iter().map(place)
 }

@@ -1,17 +1,24 @@
-//! The compliance law p = ∂j_ν: piecewise linear, jumps upward only.
+//! The compliance law p = ∂j_ν: piecewise linear or curved, jumps upward only.
 
+use super::curve::Curve;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
+use super::scale::Scale;
 use super::written;
 
 /// p = ∂j_ν as a graph: `slope_before`, then the points joined by lines, then `slope_after`.
-/// Two points of one abscissa are a jump, where p is the interval between them.
+/// Two points of one abscissa are a jump, where p is the interval between them. A curve is added to the graph,
+/// and a factor multiplies the sum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Law {
     /// (r, p(r)), at least one, r nondecreasing and at most twice the same.
     pub points: Vec<[f64; 2]>,
     pub slope_before: f64,
     pub slope_after: f64,
+    /// The curved part; none in a piecewise linear law.
+    pub curve: Option<Curve>,
+    /// c(x): the law at x is c p; none is 1.
+    pub scale: Option<Scale>,
 }
 
 /// The kinds of law, before their numbers are known.
@@ -20,6 +27,9 @@ enum Kind {
     None,
     Linear,
     PiecewiseLinear,
+    Rational,
+    Exponential,
+    Power,
 }
 
 impl Law {
@@ -33,9 +43,16 @@ impl Law {
             ("none", Kind::None),
             ("linear", Kind::Linear),
             ("piecewise-linear", Kind::PiecewiseLinear),
+            ("rational", Kind::Rational),
+            ("exponential", Kind::Exponential),
+            ("power", Kind::Power),
         ];
         let kind = reading.choice(&key("kind"), &written.kind, &known)?;
-        if !matches!(kind, Kind::Linear) {
+        if matches!(kind, Kind::None) {
+            reading.surplus(&key("scale"), written.scale.as_ref(), &written.kind)?;
+        }
+        let decays = matches!(kind, Kind::Rational | Kind::Exponential);
+        if !decays && !matches!(kind, Kind::Linear) {
             reading.surplus(&key("stiffness"), written.stiffness.as_ref(), &written.kind)?;
         }
         if !matches!(kind, Kind::PiecewiseLinear) {
@@ -43,10 +60,25 @@ impl Law {
             reading.surplus(&key("slope_before"), written.slope_before.as_ref(), &written.kind)?;
             reading.surplus(&key("slope_after"), written.slope_after.as_ref(), &written.kind)?;
         }
+        if !decays {
+            reading.surplus(&key("length"), written.length.as_ref(), &written.kind)?;
+        }
+        if !matches!(kind, Kind::Power) {
+            reading.surplus(&key("coefficient"), written.coefficient.as_ref(), &written.kind)?;
+            reading.surplus(&key("exponent"), written.exponent.as_ref(), &written.kind)?;
+            reading.surplus(&key("until"), written.until.as_ref(), &written.kind)?;
+        }
+        if !decays && !matches!(kind, Kind::Power) {
+            reading.surplus(&key("jump"), written.jump.as_ref(), &written.kind)?;
+        }
+        let curved = |curve: Curve| Law::curved(reading, table, written, curve).map(Some);
         match kind {
             Kind::None => Ok(None),
             Kind::Linear => Law::linear(reading, table, written).map(Some),
             Kind::PiecewiseLinear => Law::piecewise_linear(reading, table, written).map(Some),
+            Kind::Rational => curved(Curve::rational(reading, table, written)?),
+            Kind::Exponential => curved(Curve::exponential(reading, table, written)?),
+            Kind::Power => curved(Curve::power(reading, table, written)?),
         }
     }
 
@@ -56,7 +88,26 @@ impl Law {
         let stiffness =
             reading.needed(&key, written.stiffness, &written.kind, "stiffness = 2.0")?;
         reading.finite(&key, stiffness)?;
-        Ok(Law { points: vec![[0.0, 0.0]], slope_before: stiffness, slope_after: stiffness })
+        Ok(Law::graph(vec![[0.0, 0.0]], stiffness, stiffness))
+    }
+
+    /// A curve after an optional jump at r = 0: [0, jump] there, jump + p(r) beyond.
+    fn curved(
+        reading: &Reading,
+        table: &str,
+        written: &written::Law,
+        curve: Curve,
+    ) -> Result<Law, SceneError> {
+        let mut points = vec![[0.0, 0.0]];
+        if let Some(jump) = written.jump {
+            points.push([0.0, reading.positive(&format!("{table}.jump"), jump)?]);
+        }
+        Ok(Law { curve: Some(curve), ..Law::graph(points, 0.0, 0.0) })
+    }
+
+    /// A piecewise linear law without a factor.
+    fn graph(points: Vec<[f64; 2]>, slope_before: f64, slope_after: f64) -> Law {
+        Law { points, slope_before, slope_after, curve: None, scale: None }
     }
 
     fn piecewise_linear(
@@ -80,11 +131,11 @@ impl Law {
             &written.kind,
             "slope_after = 0.0",
         )?;
-        let law = Law {
-            points: pairs(reading, table, points)?,
-            slope_before: reading.finite(&key("slope_before"), before)?,
-            slope_after: reading.finite(&key("slope_after"), after)?,
-        };
+        let law = Law::graph(
+            pairs(reading, table, points)?,
+            reading.finite(&key("slope_before"), before)?,
+            reading.finite(&key("slope_after"), after)?,
+        );
         law.check_order(reading, table)?;
         Ok(law)
     }
@@ -108,13 +159,17 @@ impl Law {
     ///
     /// It suffices: for r1 > r2 and ξi ∈ p(ri), ξ1 - ξ2 is the integral of the slopes over (r2, r1) plus parts of
     /// upward jumps, hence at least -α (r1 - r2); times (r1 - r2) this is (2.8c). No smaller constant does: two points
-    /// of the steepest segment give equality. A jump down by δ would need α (r1 - r2)² ≥ δ (r1 - r2) for r1 - r2 → 0.
+    /// of the steepest segment give equality. A curve adds its own α: for a sum of laws the inequalities add, and where
+    /// the graph is a jump at r = 0, as beside every curve of a scene, no smaller constant does. A factor c(x) > 0
+    /// multiplies it, so that Γ3 takes the largest c; [`Self::alpha`] includes it. A jump down by δ would need α (r1 - r2)² ≥ δ (r1 - r2) for r1 - r2 → 0.
     pub fn alpha(&self) -> f64 {
         let inner = self.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
         let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
-        slopes
+        let graph = slopes
             .chain([self.slope_before, self.slope_after])
-            .fold(0.0, |alpha, slope| alpha.max(-slope))
+            .fold(0.0f64, |alpha, slope| alpha.max(-slope));
+        let curve = self.curve.map_or(0.0, |curve| curve.alpha());
+        self.scale.map_or(1.0, |scale| scale.largest) * (graph + curve)
     }
 
     /// Whether p has a jump, where a selection ξ ∈ p(r) is not determined by r.
@@ -182,7 +237,7 @@ mod tests {
     use super::Law;
 
     fn law(points: &[[f64; 2]], slope_before: f64, slope_after: f64) -> Law {
-        Law { points: points.to_vec(), slope_before, slope_after }
+        Law::graph(points.to_vec(), slope_before, slope_after)
     }
 
     #[test]

@@ -175,7 +175,8 @@ pub struct Contact {
     pub quadrature: Option<String>,
 }
 
-/// `law = { kind = "piecewise-linear", points = [[0.0, 0.0], …], slope_before = 0.0, slope_after = 0.0 }`
+/// `law = { kind = "piecewise-linear", points = [[0.0, 0.0], …], slope_before = 0.0, slope_after = 0.0 }`, or of
+/// another kind; docs/CONTACT-LAWS.md lists the keys of each.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Law {
@@ -184,6 +185,12 @@ pub struct Law {
     pub points: Option<Vec<Vec<f64>>>,
     pub slope_before: Option<f64>,
     pub slope_after: Option<f64>,
+    pub length: Option<f64>,
+    pub coefficient: Option<f64>,
+    pub exponent: Option<f64>,
+    pub until: Option<f64>,
+    pub jump: Option<f64>,
+    pub scale: Option<Formula>,
 }
 
 /// `[loads]`

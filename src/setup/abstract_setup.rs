@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
-use super::{SetupError, potential, time_grid, time_rule};
+use super::{SetupError, law_numbers, potential, time_grid, time_rule};
 use crate::finite::{
     ComponentLaw, FiniteError, FiniteInfo, FiniteKernel, FiniteLoad, FiniteModel, FiniteView,
     Functional, march,
@@ -16,7 +16,7 @@ use crate::finite::{
 use crate::formula::{Graph, Node, Point, Program, Variable};
 use crate::history::TimeGrid;
 use crate::law::HistoryKernel;
-use crate::manufactured::{FiniteData, FiniteExact, FiniteState, FiniteTrace, LawNumbers};
+use crate::manufactured::{FiniteData, FiniteExact, FiniteState, FiniteTrace};
 use crate::scene::{AbstractScene, Body, Hypothesis, Scene};
 use crate::vhi::StepSolver;
 
@@ -315,11 +315,7 @@ fn exact(
             .map(|(i, trace)| FiniteTrace {
                 functional: trace.functional.clone(),
                 weight: trace.weight,
-                law: trace.law.as_ref().map(|law| LawNumbers {
-                    points: law.points.clone(),
-                    slope_before: law.slope_before,
-                    slope_after: law.slope_after,
-                }),
+                law: trace.law.as_ref().map(law_numbers),
                 multiplier: one(&problem.multiplier, i),
                 selection: one(&problem.selection, i),
             })

@@ -147,8 +147,8 @@ fn contact_state(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupE
 /// ξ ∈ ∂j_ν(u_ν - s), where the scene states ξ.
 fn selection(setup: &Setup, at: &Point, u_nu: f64, xi: f64) -> Result<(), SceneError> {
     let Some(boundary) = &setup.model.boundary else { return Ok(()) };
-    let shift = (boundary.shift)([at.x, at.y, at.z]);
-    let (lo, hi) = boundary.potential.subdifferential(u_nu - shift);
+    let x = [at.x, at.y, at.z];
+    let (lo, hi) = boundary.potential_at(x).subdifferential(u_nu - (boundary.shift)(x));
     let slack = ROUNDING * lo.abs().max(hi.abs()).max(f64::MIN_POSITIVE);
     if xi >= lo - slack && xi <= hi + slack {
         return Ok(());

@@ -129,7 +129,7 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
     }
 }
 
-fn alpha_nu(setup: &Setup) -> f64 {
+pub(super) fn alpha_nu(setup: &Setup) -> f64 {
     let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     law.map_or(0.0, crate::scene::Law::alpha)
 }

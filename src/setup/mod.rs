@@ -4,8 +4,10 @@ mod abstract_constants;
 mod abstract_setup;
 mod admissible;
 mod constants;
+mod contraction;
 mod formulas;
 mod given_load;
+mod laws;
 mod mesh_data;
 mod regularity;
 mod rule_check;
@@ -22,8 +24,11 @@ pub use admissible::admissible;
 pub use constants::{
     Constants, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
 };
+pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
+pub use laws::law_numbers;
+use laws::potential;
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
 pub use rule_check::RuleCheck;
@@ -34,13 +39,10 @@ pub use trace_family::{TraceFamily, trace_family};
 
 use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
 use crate::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
-use crate::law::{
-    ExponentialSum, Isotropic, MemoryKernel, NoPotential, PiecewiseLinear, Potential, VonMises,
-};
+use crate::law::{ExponentialSum, Isotropic, MemoryKernel, VonMises};
 use crate::linalg::{EigenError, FactorError};
 use crate::manufactured::{
-    ComplianceRule, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
-    Polygon,
+    ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, MaterialNumbers, Polygon,
 };
 use crate::scene::{self, Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
 
@@ -194,6 +196,9 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
         body.contact.as_ref().filter(|contact| contact.gap.is_some() || contact.law.is_some()).map(
             |contact| Boundary {
                 potential: potential(contact.law.as_ref()),
+                scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| {
+                    GapFormula::new(formulas.clone(), Some(scale.formula), 1.0).boxed()
+                }),
                 gap: GapFormula::new(formulas.clone(), contact.gap, f64::INFINITY).boxed(),
                 shift: GapFormula::new(formulas.clone(), contact.shift, 0.0).boxed(),
                 rule: match contact.quadrature {
@@ -212,30 +217,14 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
     }
 }
 
-/// The law of a scene; its points were validated, so a refusal here cannot happen and would mean
-/// no law.
-fn potential(law: Option<&scene::Law>) -> Arc<dyn Potential> {
-    let graph = law.and_then(|law| {
-        let points = law.points.iter().map(|&[r, p]| (r, p)).collect();
-        PiecewiseLinear::new(points, law.slope_before, law.slope_after).ok()
-    });
-    match graph {
-        Some(graph) => Arc::new(graph),
-        None => Arc::new(NoPotential),
-    }
-}
-
 fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
     let Data::Exact { u, multiplier, selection, .. } = &body.data else { return None };
     let material = &body.material;
     let contact = body.contact.as_ref().map(|contact| ContactFormulas {
         gap: contact.gap,
         shift: contact.shift,
-        law: contact.law.as_ref().map(|law| LawNumbers {
-            points: law.points.clone(),
-            slope_before: law.slope_before,
-            slope_after: law.slope_after,
-        }),
+        law: contact.law.as_ref().map(law_numbers),
+        scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| scale.formula),
         multiplier: *multiplier,
         selection: *selection,
     });

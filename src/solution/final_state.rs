@@ -37,6 +37,10 @@ pub struct FinalState {
     pub max_normal_displacement: Option<f64>,
     /// [x, y, u_ν] (in 3D [x, y, z, u_ν]) on the vertices of Γ3, along the side.
     pub normal_displacement: Vec<Vec<f64>>,
+    /// [x, y, ξ] (in 3D [x, y, z, ξ]) at the same vertices: the selection ξ ∈ ∂j_ν(u_ν - s).
+    pub compliance_pressure: Vec<Vec<f64>>,
+    /// Vertices where u_ν - s is at a jump of the law, so that the balance chooses ξ.
+    pub jump_vertices: usize,
 }
 
 impl FinalState {
@@ -65,6 +69,8 @@ impl FinalState {
             min_normal_gap: None,
             max_normal_displacement: None,
             normal_displacement: Vec::new(),
+            compliance_pressure: Vec::new(),
+            jump_vertices: 0,
         };
         state.add_trace(space, model, view);
         state
@@ -91,19 +97,38 @@ impl FinalState {
             }
             let largest = self.max_normal_displacement.unwrap_or(f64::NEG_INFINITY);
             self.max_normal_displacement = Some(largest.max(normal));
-            let mut row = space.mesh.vertex(point.vertex)[..d].to_vec();
-            row.push(normal);
-            self.normal_displacement.push(row);
+            let row = |value: f64| {
+                let mut row = space.mesh.vertex(point.vertex)[..d].to_vec();
+                row.push(value);
+                row
+            };
+            self.normal_displacement.push(row(normal));
+            self.compliance_pressure.push(row(view.compliance[i]));
+            if let Some(boundary) = model.boundary.as_ref().filter(|_| !point.clamped) {
+                let r = normal - (boundary.shift)(space.mesh.point(&[point.vertex], &[1.0]));
+                let mut jumps = boundary.potential.jumps().iter();
+                let at_jump = jumps.any(|jump| (r - jump).abs() <= AT_JUMP * jump.abs().max(1.0));
+                self.jump_vertices += usize::from(at_jump);
+            }
         }
-        self.normal_displacement.sort_by(|a, b| {
-            a.iter()
-                .zip(b)
-                .map(|(p, q)| p.total_cmp(q))
-                .find(|o| o.is_ne())
-                .unwrap_or(std::cmp::Ordering::Equal)
-        });
+        along_the_side(&mut self.normal_displacement);
+        along_the_side(&mut self.compliance_pressure);
         self.contact_force = self.compliance_force + self.multiplier_force;
     }
+}
+
+/// Rounding of u_ν - s at a vertex that the solver holds at a jump (a length; displacements of size 1).
+const AT_JUMP: f64 = 1e-14;
+
+/// Sorts rows by their coordinates.
+fn along_the_side(rows: &mut [Vec<f64>]) {
+    rows.sort_by(|a, b| {
+        a.iter()
+            .zip(b)
+            .map(|(p, q)| p.total_cmp(q))
+            .find(|o| o.is_ne())
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
 }
 
 fn over_cells<P: Projection, const S: usize>(

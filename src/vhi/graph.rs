@@ -52,6 +52,11 @@ impl BoundaryGraph {
         &*self.potentials[self.coordinates[i].law as usize]
     }
 
+    /// α of (2.8c) of the potential of coordinate i.
+    pub fn descent(&self, i: usize) -> f64 {
+        self.potential(i).alpha()
+    }
+
     /// The piece that z = u_ν + γ c selects for coordinate i.
     pub fn piece(&self, i: usize, z: f64) -> Piece {
         let (at, potential) = (&self.coordinates[i], self.potential(i));

@@ -1,7 +1,8 @@
 //! The discrete inequality (4.3) over a time grid, and its solution level by level: a semismooth
-//! Newton method with primal-dual active set, or the fixed-point iteration Λ of Theorem 6. Nothing
-//! here knows a mesh.
+//! Newton method with primal-dual active set, the fixed-point iteration Λ of Theorem 6, or the
+//! decomposition of Remark 3. Nothing here knows a mesh.
 
+mod decomposition;
 mod fixed_point;
 mod frozen_derivative;
 mod graph;
@@ -12,6 +13,7 @@ mod step;
 mod step_bounds;
 mod stepper;
 
+pub use decomposition::Decomposition;
 pub use fixed_point::FixedPoint;
 pub use frozen_derivative::FrozenDerivative;
 pub use graph::{BoundaryGraph, Coordinate, Piece};

@@ -34,6 +34,10 @@ pub struct StepInfo {
     pub tolerance: f64,
     /// Applications of Λ, 0 where the last slot of the history was implicit.
     pub fixed_point_iterations: u32,
+    /// Convex problems of the decomposition, 0 for other solvers.
+    pub convex_problems: u32,
+    /// The largest quotient of successive changes of the decomposition, 0 where none was measured.
+    pub contraction: f64,
 }
 
 /// Why a time level has no computed solution.
@@ -57,6 +61,11 @@ pub enum StepError {
         "Λ does not contract: after {iterations} iterations it still changes by {change:.3e}, {factor:.3} times the change before; a smaller time step makes it contract (3.4), and Newton's method does not need it to"
     )]
     NotContracting { iterations: u32, change: f64, factor: f64 },
+    /// The decomposition does not stand still.
+    #[error(
+        "the decomposition of Remark 3 does not contract: after {problems} convex problems it still changes by {change:.3e}, {factor:.3} times the change before; it contracts where alpha_nu c_j^2 is below the constant of monotonicity (2.9), and Newton's method does not need that"
+    )]
+    Expanding { problems: u32, change: f64, factor: f64 },
 }
 
 /// Full steps are taken until this many iterations bring no new best residual; then they are

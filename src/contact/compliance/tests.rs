@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::law::{PiecewiseLinear, Potential};
+use crate::law::{Curve, Curved, PiecewiseLinear, Potential};
 use crate::mesh::{Family, rectangle};
 
 fn space() -> Discretization {
@@ -30,7 +30,8 @@ const SHIFTS: [(&str, Shift); 3] = [
 ];
 
 fn boundary(potential: Arc<dyn Potential>, shift: Shift, rule: BoundaryRule) -> Boundary {
-    Boundary { potential, gap: Box::new(|_| f64::INFINITY), shift: Box::new(shift), rule }
+    let (gap, shift) = (Box::new(|_: [f64; 3]| f64::INFINITY), Box::new(shift));
+    Boundary { potential, scale: None, gap, shift, rule }
 }
 
 /// A nodal vector with u_ν = 0.16 x - 0.01 + a wave, and 0 at the clamped vertex.
@@ -98,6 +99,88 @@ fn the_force_is_the_integral() {
         let uncut: Arc<dyn Potential> = Arc::new(Uncut(law()));
         let uncut = force(&space, &boundary(uncut, shift, BoundaryRule::Exact), &u);
         assert!(distance(&exact, &uncut) > 1e-6, "{name}");
+    }
+}
+
+/// Curved laws on positive u_ν, where nothing but the kink of the power law limits Simpson's rule: the
+/// remainder of the exact rule is rounding; without the resolution of the law it is not.
+#[test]
+fn curved_laws_are_integrated_to_rounding() {
+    let space = space();
+    let mut u = nodal(&space);
+    for point in space.trace.points.iter().filter(|point| !point.clamped) {
+        u[point.unknown as usize] += 0.03 * point.sign;
+    }
+    let zero = || PiecewiseLinear::new(vec![(0.0, 0.0)], 0.0, 0.0).unwrap();
+    for (curve, allowed) in [
+        (Curve::Rational { stiffness: 2.0, length: 0.04 }, 1e-14),
+        (Curve::Exponential { stiffness: 2.0, length: 0.04 }, 1e-14),
+        // A jump of the second derivative in one interval of 2^-16 of an edge.
+        (Curve::Power { coefficient: 10.0, exponent: 3.0, until: 0.1 }, 1e-13),
+    ] {
+        let law = || Curved::new(zero(), curve);
+        let shift: Shift = |_| 0.0;
+        // On the clamped vertex u_ν = 0, where the laws begin.
+        let expected = simpson(&space, &law(), shift, &u);
+        let exact = force(&space, &boundary(Arc::new(law()), shift, BoundaryRule::Exact), &u);
+        let off = distance(&exact, &expected);
+        assert!(off < allowed, "{curve:?}: {off:e}");
+        let coarse: Arc<dyn Potential> = Arc::new(Unresolved(law()));
+        let coarse = force(&space, &boundary(coarse, shift, BoundaryRule::Exact), &u);
+        assert!(distance(&coarse, &expected) > 1e-8, "{curve:?}");
+    }
+}
+
+/// A factor c(x) in every rule on facets, and its tangent.
+#[test]
+fn a_factor_multiplies_the_law_at_every_point() {
+    let space = space();
+    let u = nodal(&space);
+    for rule in [BoundaryRule::Exact, BoundaryRule::Gauss] {
+        let with = |scale: Option<Shift>| {
+            let plain = boundary(Arc::new(law()), |_| 0.0, rule);
+            Boundary {
+                scale: scale.map(|scale| Box::new(scale) as crate::contact::OnContact),
+                ..plain
+            }
+        };
+        let [plain, double, affine, whole] = [
+            None,
+            Some((|_| 2.0) as Shift),
+            Some(|x: [f64; 3]| x[0]),
+            Some(|x: [f64; 3]| 1.0 - x[0]),
+        ]
+        .map(|scale| force(&space, &with(scale), &u));
+        let doubled: Vec<f64> = plain.iter().map(|f| 2.0 * f).collect();
+        assert!(distance(&double, &doubled) < 1e-15);
+        // x and 1 - x add up to one; both are there.
+        let sum: Vec<f64> = affine.iter().zip(&whole).map(|(a, b)| a + b).collect();
+        assert!(distance(&sum, &plain) < 1e-15 && distance(&affine, &whole) > 1e-4);
+        assert_eq!(FacetCompliance::new(&space, &with(Some(|_| 2.0))).unwrap().descent(), 1.0);
+    }
+}
+
+/// The seeded defect: a curved law that passes for a piecewise linear one.
+struct Unresolved(Curved);
+
+impl Potential for Unresolved {
+    fn subdifferential(&self, r: f64) -> (f64, f64) {
+        self.0.subdifferential(r)
+    }
+    fn value_and_slope(&self, r: f64) -> (f64, f64) {
+        self.0.value_and_slope(r)
+    }
+    fn jumps(&self) -> &[f64] {
+        self.0.jumps()
+    }
+    fn kinks(&self) -> &[f64] {
+        self.0.kinks()
+    }
+    fn alpha(&self) -> f64 {
+        self.0.alpha()
+    }
+    fn growth(&self) -> (f64, f64) {
+        self.0.growth()
     }
 }
 

@@ -164,7 +164,12 @@ mod tests {
 
     /// The words for samples at u_ν = 0.05 below a gap, one open, one touching, one pressed.
     fn words(has_law: bool, has_gap: bool) -> String {
-        let law = LawNumbers { points: vec![[0.0, 0.0]], slope_before: 0.0, slope_after: 1.0 };
+        let law = LawNumbers {
+            points: vec![[0.0, 0.0]],
+            slope_before: 0.0,
+            slope_after: 1.0,
+            curve: None,
+        };
         let contact = ContactFormulas {
             law: has_law.then_some(law),
             gap: has_gap.then(|| Graph::new().constant(0.1)),

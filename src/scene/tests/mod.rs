@@ -2,6 +2,7 @@
 
 mod accepted;
 mod good;
+mod laws;
 mod malformed;
 mod pure;
 mod shipped;

@@ -67,7 +67,7 @@ pub fn over_contact(
         let pressure = at.compliance + at.multiplier;
         sums.pressure += weight * pressure * pressure;
         sums.multiplier += weight * at.multiplier * at.multiplier;
-        sums.j_h_v.add(weight * law.directional(r_h, v - u_h));
+        sums.j_h_v.add(weight * at.scale * law.directional(r_h, v - u_h));
         for (i, w) in [v - u, u_h - u].into_iter().enumerate() {
             sums.work[i].add(weight * pressure * w);
             let slack = if at.multiplier == 0.0 {
@@ -78,7 +78,7 @@ pub fn over_contact(
             sums.slack[i].add(weight * slack);
         }
         for (i, w) in [v - u, u_h - u, u - v].into_iter().enumerate() {
-            let directional = law.directional(r, w);
+            let directional = at.scale * law.directional(r, w);
             [&mut sums.j_u_v, &mut sums.j_u_h, &mut sums.j_v_u][i].add(weight * directional);
             sums.selection[i].add(weight * (directional - at.compliance * w));
         }
@@ -115,7 +115,8 @@ pub fn scheme_terms(
     for (i, point) in space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped) {
         let (v, u_h, x) = (traces.v[i], traces.u_h[i], place(space, i));
         if boundary.rule == BoundaryRule::Vertex {
-            let value = law.directional(u_h - (boundary.shift)(x), v - u_h);
+            let own = law.directional(u_h - (boundary.shift)(x), v - u_h);
+            let value = boundary.scale_at(x) * own;
             directional.add(point.weight * value);
             selection.add(point.weight * (value - view.compliance[i] * (v - u_h)));
         }
@@ -140,8 +141,9 @@ fn gauss(space: &Discretization, law: &ClarkeLaw, boundary: &Boundary, traces: &
         for (shape, weight) in rule.points.iter().zip(&rule.weights) {
             let between = |nodal: &[f64]| shape[0] * nodal[a] + shape[1] * nodal[b];
             let u_h = between(&traces.u_h);
-            let r = u_h - (boundary.shift)(space.mesh.point(&vertices, shape));
-            sum.add(measure * weight * law.directional(r, between(&traces.v) - u_h));
+            let x = space.mesh.point(&vertices, shape);
+            let own = law.directional(u_h - (boundary.shift)(x), between(&traces.v) - u_h);
+            sum.add(measure * weight * boundary.scale_at(x) * own);
         }
     }
     sum

@@ -4,8 +4,9 @@ use super::pointwise::Plane;
 use crate::manufactured::sign_changes;
 use crate::space::quadrature::gauss_legendre;
 
-/// Gauss points a piece: degree 15.
-const POINTS: usize = 8;
+/// Gauss points a piece: degree 31. The identities hold to rounding only if a curved law over a coarse edge is
+/// integrated to rounding as well.
+const POINTS: usize = 16;
 /// Intervals of an edge in which sign changes are looked for.
 const WATCHES: usize = 8;
 
@@ -41,6 +42,8 @@ pub struct ContactSample {
     pub gap: f64,
     /// s.
     pub shift: f64,
+    /// c(x): the law is c ∂j_ν(u_ν - s).
+    pub scale: f64,
     /// ξ.
     pub compliance: f64,
     /// λ.

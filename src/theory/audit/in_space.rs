@@ -7,8 +7,8 @@ use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place};
 use super::fields::{CellValues, Fields, Forces, PlaneField, Remembered, Volume};
 use super::strips::CellPoints;
 use crate::contact::{Discretization, LoadError};
-use crate::formula::Point;
-use crate::manufactured::{ComplianceRule, Exact, InterpolatedOnMesh};
+use crate::formula::{Node, Point};
+use crate::manufactured::{ComplianceRule, Exact, InterpolatedOnMesh, LawNumbers};
 use crate::space::quadrature::edge;
 use crate::space::strain_of;
 
@@ -68,8 +68,7 @@ impl InSpaceFields {
             ComplianceRule::Exact => {
                 let contact = self.exact.data.contact.as_ref();
                 let law = contact.and_then(|contact| contact.law.as_ref());
-                let kinks: Vec<f64> =
-                    law.map_or(Vec::new(), |law| law.points.iter().map(|p| p[0]).collect());
+                let kinks = law.map_or(Vec::new(), LawNumbers::kinks);
                 cut_points(
                     edges,
                     &[&|places: &[f64]| {
@@ -112,27 +111,27 @@ impl Fields for InSpaceFields {
         let (trace, mesh) = (&self.space.trace, &self.space.mesh);
         let state = self.truth.contact_state(t);
         let contact = self.exact.data.contact.as_ref();
-        let (law, node) = (
-            contact.and_then(|contact| contact.law.as_ref()),
-            contact.and_then(|contact| contact.shift),
-        );
+        let law = contact.and_then(|contact| contact.law.as_ref());
+        let [shift_node, scale_node] =
+            [contact.and_then(|contact| contact.shift), contact.and_then(|contact| contact.scale)];
         let ends = |e: usize| [0, 1].map(|a| trace.facet(e)[a] as usize);
         let vertices = |e: usize| ends(e).map(|i| trace.points[i].vertex);
-        let shift = |e: usize, x: f64| {
-            let Some(node) = node else { return 0.0 };
+        let formula = |node: Option<Node>, absent: f64, e: usize, x: f64| {
+            let Some(node) = node else { return absent };
             let [x, y, z] = mesh.point(&vertices(e), &[1.0 - x, x]);
             self.exact.data.graph.evaluate(node, &Point { x, y, z, ..Point::default() })
         };
+        let shift = |e: usize, x: f64| formula(shift_node, 0.0, e, x);
         let own: Vec<f64> = state.iter().map(|at| at[0]).collect();
         let mut all = vec![own.as_slice()];
         all.extend(traces);
         let sample = |(e, x, weight): (usize, f64, f64)| {
             let [a, b] = ends(e);
             let between = |field: usize| (1.0 - x) * state[a][field] + x * state[b][field];
-            let (normal, s) = (between(0), shift(e, x));
+            let (normal, s, c) = (between(0), shift(e, x), formula(scale_node, 1.0, e, x));
             let compliance = match (self.rule, law) {
                 (ComplianceRule::Vertex, _) => between(3),
-                (_, Some(law)) => law.pressure(normal - s),
+                (_, Some(law)) => c * law.pressure(normal - s),
                 (_, None) => 0.0,
             };
             EdgeSample {
@@ -148,6 +147,7 @@ impl Fields for InSpaceFields {
                     normal,
                     gap: between(2),
                     shift: s,
+                    scale: c,
                     compliance,
                     multiplier: 0.0,
                 }),

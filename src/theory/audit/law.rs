@@ -1,13 +1,18 @@
-//! j_ν⁰ of a piecewise linear ∂j_ν, evaluated apart from the solver's law.
+//! j_ν⁰ of ∂j_ν, evaluated apart from the solver's law.
 
+use crate::manufactured::CurveNumbers;
 use crate::scene;
+use crate::setup::law_numbers;
 
-/// ∂j_ν by its points and outer slopes.
+/// ∂j_ν by its points, outer slopes and curve, without the factor c(x).
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClarkeLaw {
     points: Vec<[f64; 2]>,
     before: f64,
     after: f64,
+    curve: Option<CurveNumbers>,
+    /// The largest c on Γ3.
+    largest_factor: f64,
 }
 
 impl ClarkeLaw {
@@ -18,8 +23,16 @@ impl ClarkeLaw {
                 points: law.points.clone(),
                 before: law.slope_before,
                 after: law.slope_after,
+                curve: law_numbers(law).curve,
+                largest_factor: law.scale.map_or(1.0, |scale| scale.largest),
             },
-            None => Self { points: vec![[0.0, 0.0]], before: 0.0, after: 0.0 },
+            None => Self {
+                points: vec![[0.0, 0.0]],
+                before: 0.0,
+                after: 0.0,
+                curve: None,
+                largest_factor: 1.0,
+            },
         }
     }
 
@@ -43,7 +56,8 @@ impl ClarkeLaw {
                 include(on(pair[0], (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])));
             }
         }
-        [low, high]
+        let curve = self.curve.map_or(0.0, |curve| curve.value(r));
+        [low + curve, high + curve]
     }
 
     /// j_ν⁰(r; d) = max {ξ d : ξ ∈ ∂j_ν(r)} (a pressure times a length).
@@ -52,7 +66,7 @@ impl ClarkeLaw {
         if r.is_nan() { f64::NAN } else { (low * d).max(high * d) }
     }
 
-    /// Where value or slope change.
+    /// Where value or slope of the graph change.
     pub fn kinks(&self) -> Vec<f64> {
         let mut kinks: Vec<f64> = self.points.iter().map(|point| point[0]).collect();
         kinks.dedup();
@@ -60,15 +74,25 @@ impl ClarkeLaw {
     }
 
     /// c̄0, c̄1 with |ξ| ≤ c̄0 + c̄1|r| for all ξ ∈ ∂j_ν(r): c̄1 is the steeper of the outer slopes, and
-    /// |ξ| - c̄1|r|, which does not grow outward, is largest at a point of the law or at 0.
+    /// |ξ| - c̄1|r|, which does not grow outward, is largest at a point of the law or at 0. A curve adds its
+    /// largest value, c r0/2 or c r0/e at r0, and the slope of the power's tangent; a factor multiplies both.
     pub fn growth(&self) -> [f64; 2] {
+        let graph = Self { curve: None, ..self.clone() };
         let slope = self.before.abs().max(self.after.abs());
         let excess = |r: f64| {
-            let [low, high] = self.interval(r);
+            let [low, high] = graph.interval(r);
             low.abs().max(high.abs()) - slope * r.abs()
         };
         let places = self.kinks().into_iter().chain([0.0]);
-        [places.map(excess).fold(0.0, f64::max), slope]
+        let largest = places.map(excess).fold(0.0, f64::max);
+        let curve = match self.curve {
+            None => [0.0, 0.0],
+            Some(
+                curve @ (CurveNumbers::Rational { r0, .. } | CurveNumbers::Exponential { r0, .. }),
+            ) => [curve.value(r0), 0.0],
+            Some(curve @ CurveNumbers::Power { r1, .. }) => [0.0, curve.slope(r1)],
+        };
+        [self.largest_factor * (largest + curve[0]), self.largest_factor * (slope + curve[1])]
     }
 }
 
@@ -78,7 +102,7 @@ mod tests {
 
     fn jump() -> ClarkeLaw {
         let points = vec![[0.0, 0.0], [0.1, 0.2], [0.1, 0.5], [0.3, 0.4]];
-        ClarkeLaw { points, before: 0.0, after: -0.3 }
+        ClarkeLaw { points, before: 0.0, after: -0.3, curve: None, largest_factor: 1.0 }
     }
 
     #[test]

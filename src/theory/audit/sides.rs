@@ -3,8 +3,8 @@
 use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place};
 use super::fields::sort_interior;
 use crate::contact::Discretization;
-use crate::formula::{Point, Program};
-use crate::manufactured::{BoundaryFormulas, Exact};
+use crate::formula::{Node, Point, Program};
+use crate::manufactured::{BoundaryFormulas, ContactFormulas, Exact, LawNumbers};
 use crate::mesh::PlanePart;
 
 /// The edges of one side.
@@ -27,6 +27,7 @@ struct ContactSide {
     guards: Program,
     guard_count: usize,
     kinks: Vec<f64>,
+    has_jump: bool,
 }
 
 impl SideEdges {
@@ -80,8 +81,9 @@ impl SideEdges {
                 trace: facets.iter().map(position).collect(),
                 guard_count: guards.len(),
                 guards: Program::compile(&mut formulas.graph, &guards, horizon),
-                kinks: law
-                    .map_or(Vec::new(), |law| law.points.iter().map(|point| point[0]).collect()),
+                kinks: law.map_or(Vec::new(), LawNumbers::kinks),
+                has_jump: law
+                    .is_some_and(|law| law.points.windows(2).any(|pair| pair[0][0] == pair[1][0])),
                 formulas,
             }
         });
@@ -130,21 +132,29 @@ impl SideEdges {
         let (now, first) = (guards(t), guards(0.0));
         let crossings = |places: &[f64]| {
             let own = values(&contact.formulas.program, 5, places, t);
-            let shifts = self.shifts(exact, space, places);
+            let shifts = self.values(exact, shift_of, 0.0, space, places);
             contact.crossings(places, &own[0], &shifts, traces)
         };
         let points = cut_points(self.edges.len(), &[&stress, &now, &first, &crossings]);
         self.at(exact, space, t, &points)
     }
 
-    fn shifts(&self, exact: &Exact, space: &Discretization, places: &[f64]) -> Vec<f64> {
-        let shift = exact.data.contact.as_ref().and_then(|contact| contact.shift);
-        let Some(shift) = shift else { return vec![0.0; places.len()] };
+    /// s or c of the law at places, `absent` without one.
+    fn values(
+        &self,
+        exact: &Exact,
+        formula: fn(&ContactFormulas) -> Option<Node>,
+        absent: f64,
+        space: &Discretization,
+        places: &[f64],
+    ) -> Vec<f64> {
+        let node = exact.data.contact.as_ref().and_then(formula);
+        let Some(node) = node else { return vec![absent; places.len()] };
         self.points(space, places)
             .into_iter()
             .map(|[x, y, z]| {
                 let at = Point { x, y, z, ..Point::default() };
-                exact.data.graph.evaluate(shift, &at)
+                exact.data.graph.evaluate(node, &at)
             })
             .collect()
     }
@@ -171,7 +181,8 @@ impl SideEdges {
         if let Some(contact) = &self.contact {
             contact.formulas.program.bind(&coordinates).evaluate(t, 0.0, &mut state);
         }
-        let shifts = self.shifts(exact, space, &places);
+        let shifts = self.values(exact, shift_of, 0.0, space, &places);
+        let scales = self.values(exact, scale_of, 1.0, space, &places);
         let sample = |(p, &(edge, x, weight)): (usize, &(usize, f64, f64))| EdgeSample {
             vertices: self.edges[edge],
             shape: [1.0 - x, x],
@@ -185,12 +196,21 @@ impl SideEdges {
                 normal: state[0][p],
                 gap: state[2][p],
                 shift: shifts[p],
+                scale: scales[p],
                 compliance: state[3][p],
                 multiplier: state[4][p],
             }),
         };
         points.iter().enumerate().map(sample).collect()
     }
+}
+
+fn shift_of(contact: &ContactFormulas) -> Option<Node> {
+    contact.shift
+}
+
+fn scale_of(contact: &ContactFormulas) -> Option<Node> {
+    contact.scale
 }
 
 impl ContactSide {
@@ -218,8 +238,7 @@ impl ContactSide {
                 rows.push(field.iter().zip(shifts).map(|(u, s)| u - s - kink).collect());
             }
         }
-        let is_jump = self.kinks.windows(2).any(|pair| pair[0] == pair[1]);
-        if is_jump {
+        if self.has_jump {
             // j_ν⁰(r; d) has a kink in d where ∂j_ν(r) is an interval.
             for (i, a) in fields.iter().enumerate() {
                 for b in &fields[..i] {

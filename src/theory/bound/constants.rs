@@ -177,6 +177,10 @@ fn law_rows(setup: &Setup) -> Vec<Constant> {
     let potential = setup.model.boundary.as_ref().map(|boundary| &*boundary.potential);
     let (c0, c1) = potential.map_or((0.0, 0.0), Potential::growth);
     let alpha = potential.map_or(0.0, Potential::alpha);
+    // A law with a factor c(x): (2.8b) and (2.8c) hold on all of Γ3 with the largest c.
+    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    let largest = law.and_then(|law| law.scale).map_or(1.0, |scale| scale.largest);
+    let [c0, c1, alpha] = [c0, c1, alpha].map(|constant| largest * constant);
     let row = |name: &str, value: f64, note: &str| Constant {
         name: name.into(),
         value,
@@ -188,7 +192,11 @@ fn law_rows(setup: &Setup) -> Vec<Constant> {
     vec![
         row("c0", c0, "|dj_nu(r)| <= c0 + c1 |r|; in (2.8b) it counts c0 sqrt|Gamma3|"),
         row("c1", c1, "steepest slope of the law at infinity; the same in (2.8b)"),
-        row("alpha_j", alpha, "steepest descent of the law (2.8c)"),
+        row(
+            "alpha_j",
+            alpha,
+            "steepest descent of the law (2.8c), with the largest factor on Gamma3",
+        ),
     ]
 }
 

@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::ladder::BoundError;
-use crate::contact::{Discretization, MemoryTerm, strain_norm, stress_force};
+use crate::contact::{Boundary, Discretization, MemoryTerm, strain_norm, stress_force};
 use crate::history::{Accumulated, Memory, TimeGrid, Trapezoid};
 use crate::law::{Isotropic, Potential, Projection};
 use crate::linalg::{Factor, FactorError, Workspace, larger, signed_unit};
@@ -30,6 +30,10 @@ pub struct Sampled {
 /// Rounding of a quotient of sums over a small mesh.
 const ROUNDING: f64 = 1e-10;
 const SAMPLES: u32 = 200;
+/// Relative distance of a close pair: within 2 % of its steepest place a smooth law is as steep to 1e-3.
+const CLOSE: f64 = 0.02;
+/// Least distance (a length): over less, the rounding of pressures of size 1 counts.
+const APART: f64 = 1e-5;
 
 impl Sampled {
     /// The worst need of `samples` samples; NaN does not hold.
@@ -63,6 +67,9 @@ fn sample_in<const D: usize, const S: usize>(
     let mut rows = Vec::new();
     if let Some(boundary) = &model.boundary {
         rows.extend(law(&*boundary.potential));
+        if boundary.scale.is_some() {
+            rows.push(scaled(boundary, space, constants.alpha_nu));
+        }
     }
     let mut fields = Fields::<D, S>::new(space).map_err(|e| BoundError::Constant(e.into()))?;
     rows.extend(fields.elasticity(&model.elasticity, constants));
@@ -75,8 +82,19 @@ fn sample_in<const D: usize, const S: usize>(
     Ok(rows)
 }
 
+/// (2.8c) of a law with a factor: α_ν of the scene against the descents of the law at the vertices of Γ3.
+fn scaled(boundary: &Boundary, space: &Discretization, declared: f64) -> Sampled {
+    let needed = space.trace.points.iter().map(|point| {
+        let x = space.mesh.point(&[point.vertex], &[1.0]);
+        law(&*boundary.potential_at(x))[1].needed
+    });
+    let count = space.trace.points.len() as u32 * 100 * SAMPLES;
+    Sampled::new("(2.8c): alpha_j with the factor", declared, needed.fold(0.0, larger), count)
+}
+
 /// (2.8b) and (2.8c) of a law, pointwise, which gives them on Γ3 by integration. The law is sampled
-/// at, between and beyond its points, at all scales.
+/// at, between and beyond its points, at all scales; every other pair is close, so that a smooth law shows
+/// its slopes.
 pub fn law(potential: &dyn Potential) -> [Sampled; 2] {
     let mut seed = 41;
     let mut place = || {
@@ -88,8 +106,12 @@ pub fn law(potential: &dyn Potential) -> [Sampled; 2] {
     let (c0, c1) = potential.growth();
     let (mut growth, mut descent) = (0f64, 0f64);
     let count = 100 * SAMPLES;
-    for _ in 0..count {
-        let (r, s) = (place(), place());
+    for pair in 0..count {
+        let (r, mut s) = (place(), place());
+        let close = r * (1.0 + CLOSE);
+        if pair % 2 == 1 && (close - r).abs() > APART {
+            s = close;
+        }
         let ends = |r: f64| <[f64; 2]>::from(potential.subdifferential(r));
         for xi in ends(r) {
             growth = larger(growth, (xi.abs() - c1 * r.abs()).max(0.0));
