@@ -3,8 +3,11 @@
 //!   rounding; a wrong frame, normal or load has another one.
 //! Mesh: unit square, top clamped, contact below, or below and right (two normals at one vertex), turned by an angle.
 //! Data: punch (memory, projection, nonmonotone law, gap), all three boundary rules, Newton and the fixed point Λ.
+//! Then whole scenes on polygons, from the file to the records: turned vertices, formulas, gap and loads give the same errors.
 
+mod program;
 mod shipped;
+mod turned;
 
 use gronwall::contact::{BoundaryRule, CaseInfo, Discretization, Load, LoadError, Model, march};
 use gronwall::law::Projection;
@@ -158,4 +161,41 @@ fn a_wrong_normal_or_load_is_seen() {
     let space = space(turn, &["bottom"]);
     let unturned = solve(&setup, &setup.model, &data, &space, Turn(0.0), &newton);
     assert!(difference(&straight, &unturned, turn) > 1e-3);
+}
+
+/// Errors are differences of fields a hundred times as large, which agree to [`ROUNDING`] and better; formulas in turned
+/// coordinates round their arguments.
+const OF_ERRORS: f64 = 1e-10;
+
+#[test]
+fn a_turned_scene_file_has_the_same_errors() {
+    for kind in turned::Kind::ALL {
+        let straight = turned::records(&turned::text(kind, 0.0), None);
+        for angle in [0.3, 2.0, -2.2, std::f64::consts::FRAC_PI_2, 5.1] {
+            let records = turned::records(&turned::text(kind, angle), None);
+            let (off, what) = turned::difference(&straight, &records);
+            assert!(off < OF_ERRORS, "{kind:?} {angle}: {what}");
+        }
+    }
+}
+
+/// A normal that is negated, not turned, or turned by too little is another problem, in every kind of scene.
+#[test]
+fn a_wrong_normal_of_a_scene_is_seen() {
+    type Wrong = fn([f64; 2]) -> [f64; 2];
+    let defects: [Wrong; 3] =
+        [|[x, y]| [-x, -y], |_| [0.0, -1.0], |[x, y]| [x - 1e-3 * y, y + 1e-3 * x]];
+    for kind in turned::Kind::ALL {
+        let straight = turned::records(&turned::text(kind, 0.0), None);
+        for (d, defect) in defects.into_iter().enumerate() {
+            // A corner of two sides has two normals, which must stay two.
+            if kind == turned::Kind::Loaded && d == 1 {
+                continue;
+            }
+            let scheme = std::sync::Arc::new(turned::Normals(defect));
+            let records = turned::records(&turned::text(kind, 0.3), Some(scheme));
+            let (off, what) = turned::difference(&straight, &records);
+            assert!(off > 1e3 * OF_ERRORS, "{kind:?}, defect {d}: {what}");
+        }
+    }
 }

@@ -90,8 +90,9 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     let freedom = bound.map_or(Steps::Any, |(_, freedom, _)| *freedom);
     let in_time = scene.predicts.iter().any(|p| p.variable != Direction::H);
     if let Body::Contact(body) = &mut scene.body {
-        // One run in four keeps the structured mesh.
-        if draws.below(4) > 0 {
+        // One run in four keeps the structured mesh, and a reference run needs it.
+        let nests = scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
+        if draws.below(4) > 0 && !nests {
             let amplitude = draws.between(0.02, LARGEST_AMPLITUDE);
             let axes =
                 if KEEP_COLUMNS.contains(&&*scene.name) { [false, true, false] } else { [true; 3] };
