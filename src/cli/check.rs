@@ -75,12 +75,27 @@ fn alpha_nu_from(setup: &Setup) -> &'static str {
     }
 }
 
+/// The shape of the cells on the coarsest mesh of the sweep.
+fn mesh_quality(setup: &Setup) -> Finding {
+    let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(4);
+    let q = setup.body.domain.mesh(n as u32).quality();
+    let text = format!(
+        "n = {n}: smallest angle {:.1} degrees, longest edge over altitude at most {:.2}, h_max = {:.4}, h_max/h_min = {:.2}",
+        q.smallest_angle,
+        q.aspect,
+        q.longest,
+        q.longest / q.shortest
+    );
+    Finding::new("mesh", Status::Fact, q.smallest_angle, text)
+}
+
 /// The constants of the paper, with how each was obtained.
 fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let fact = |subject: &str, value: f64, how: &str| {
         Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
     };
     let mut findings = vec![
+        mesh_quality(setup),
         fact("m_A, elastic part", c.m_elastic, "smallest eigenvalue of the elasticity tensor"),
         fact("m_A", c.m_a, "proved: elastic part + mu"),
         fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),

@@ -73,8 +73,7 @@ impl Coarse {
             }
             let area = self.double_area(t);
             let longest = self.edge_lengths(t).into_iter().fold(0.0, f64::max);
-            // Written so that a NaN is flat.
-            if !(area.abs() > FLAT * longest * longest) {
+            if area.is_nan() || area.abs() <= FLAT * longest * longest {
                 return Err(CoarseError::Flat { triangle: t, corners: self.corners(t) });
             }
             if area < 0.0 {

@@ -75,8 +75,8 @@ fn simple(vertices: &[[f64; 2]]) -> Result<(), PolygonError> {
     let close = ROUNDING * extent(vertices);
     for second in 0..count {
         for first in 0..second {
-            // Written so that a NaN is repeated.
-            if !(distance(vertices[first], vertices[second]) > close) {
+            let apart = distance(vertices[first], vertices[second]);
+            if apart.is_nan() || apart <= close {
                 return Err(PolygonError::Repeated { first, second, place: vertices[first] });
             }
         }
@@ -243,7 +243,7 @@ mod tests {
             let triangles = triangulate(&vertices).unwrap();
             assert_eq!(triangles.len(), vertices.len() - 2);
             assert!((area(&vertices, &triangles) - expected).abs() < 1e-13, "{triangles:?}");
-            for angle in [0.3, 1.0, -2.2, 0.785_398_163_397_448_3, 3.0] {
+            for angle in [0.3, 1.0, -2.2, std::f64::consts::FRAC_PI_4, 3.0] {
                 assert_eq!(triangulate(&turned(&vertices, angle)).unwrap(), triangles);
             }
         }

@@ -282,6 +282,14 @@ fn shape(
         3 => &[("box", "box")],
         _ => &[("rectangle", "rectangle"), ("polygon", "polygon"), ("mesh", "mesh")],
     };
+    if dimension == 3 && ["polygon", "mesh"].contains(&written.shape.as_str()) {
+        let message = format!("the shape `{}` is plane, and dimension = 3", written.shape);
+        return Err(reading.error(
+            "domain.shape",
+            message,
+            "write shape = \"box\", or dimension = 2",
+        ));
+    }
     let word = reading.choice("domain.shape", &written.shape, known)?;
     let keys = [
         ("size", written.size.is_some(), ["rectangle", "box"].as_slice()),

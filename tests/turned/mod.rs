@@ -139,15 +139,15 @@ pub fn difference(a: &[CaseRecord], b: &[CaseRecord]) -> (f64, String) {
         assert!(a.errors.len() >= 5);
         for (p, q) in a.errors.iter().zip(&b.errors) {
             assert_eq!(p.norm, q.norm);
+            let name = format!("{} of n = {:?}: {:?}, {:?}", p.norm, a.n, p.error, q.error);
             let (p, q, scale) = match (p.error, q.error) {
                 (Some(x), Some(y)) if p.norm == "contact_set_max" => (x, y, 1.0),
                 (Some(x), Some(y)) => (x, y, x),
                 found => panic!("{}: {found:?}", p.norm),
             };
             let off = if p == q { 0.0 } else { (p - q).abs() / scale };
-            // A NaN is the worst.
-            if !(off <= worst.0) {
-                worst = (off, a.errors[0].norm.to_string() + "/" + &format!("{off:e}"));
+            if off.is_nan() || off > worst.0 {
+                worst = (off, name);
             }
         }
     }

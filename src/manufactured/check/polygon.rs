@@ -237,3 +237,6 @@ pub(super) fn contact_segments(
 pub(super) fn along(p: [f64; 2], q: [f64; 2], s: f64) -> [f64; 3] {
     [(1.0 - s) * p[0] + s * q[0], (1.0 - s) * p[1] + s * q[1], 0.0]
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,5 +5,6 @@ mod good;
 mod laws;
 mod malformed;
 mod pure;
+mod shapes;
 mod shipped;
 mod unreadable;
