@@ -9,7 +9,7 @@ mod shipped;
 
 use std::sync::Arc;
 
-use gronwall::contact::CaseError;
+use gronwall::contact::{CaseError, KKT_ALLOWED, StepView, kkt_residual};
 use gronwall::law::{Curve, Curved, PiecewiseLinear, Potential, Scaled};
 use gronwall::scene::{Body, Hypothesis, Scene, Source};
 use gronwall::setup::{
@@ -252,10 +252,35 @@ fn the_set_valued_law_is_solved_as_an_inclusion() {
     assert!(inside >= 100 && open >= 20 && beyond >= 20, "{inside} {open} {beyond}");
 }
 
+/// The seeded defect: a selection 1e-6 below its interval, with a multiplier that keeps the balance of forces.
+#[test]
+fn a_selection_outside_its_interval_violates_the_kkt_system() {
+    let setup = setup("law-jump");
+    let data = on_mesh(&setup, 8);
+    let mut seen = 0;
+    run(&setup, &setup.model, &data, STEPS, |view| {
+        let at_jump = |i: &usize| {
+            let point = &data.space.trace.points[*i];
+            !point.clamped && data.space.trace.normal(*i, view.u) == 0.0
+        };
+        let Some(i) = (0..view.compliance.len()).find(at_jump) else { return };
+        let (mut xi, mut lambda) = (view.compliance.to_vec(), view.multiplier.to_vec());
+        (xi[i], lambda[i]) = (-1e-6, xi[i] + 1e-6);
+        let load = data.truth.load(view.t).expect("a load");
+        let residual = |view: &StepView<'_>| kkt_residual(&data.space, &setup.model, view, &load);
+        assert!(residual(view) < 1e-13);
+        let wrong = StepView { compliance: &xi, multiplier: &lambda, ..*view };
+        assert!(residual(&wrong) > KKT_ALLOWED, "{:e}", residual(&wrong));
+        seen += 1;
+    })
+    .expect("a solution");
+    assert!(seen > 0);
+}
+
 /// The final state of a scene by both solvers, relative distance in the largest norm, and the factor.
 fn distance(setup: &Setup, data: &MeshData, steps: u32) -> Result<(f64, f64, u32), CaseError> {
     let (mut newton, mut other) = (Vec::new(), Vec::new());
-    let keep = |into: &mut Vec<f64>, view: &gronwall::contact::StepView<'_>| {
+    let keep = |into: &mut Vec<f64>, view: &StepView<'_>| {
         into.extend(view.u);
         into.extend(view.compliance);
         into.extend(view.multiplier);
