@@ -69,7 +69,7 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
     let text = if relative <= PURE {
         format!("pure: |h3| <= {relative:.1e} of the stress on Gamma3")
     } else {
-        format!("sourced: |h3| up to {relative:.2} of the largest stress on Gamma3")
+        format!("sourced: |h3| up to {relative:.2} of the largest stress or pressure on Gamma3")
     };
     findings.push(Finding::new("h3 = sigma nu + c nu", Status::Fact, relative, text));
     findings
