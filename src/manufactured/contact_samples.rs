@@ -12,15 +12,15 @@ const AT_JUMP_WITHIN: f64 = 1e-9;
 
 /// The formulas of Γ3 bound to two corners and the points of the state rule of each facet.
 pub(super) struct StatePoints {
-    sides: Vec<SideOfTrace>,
+    sides: Vec<PartOfTrace>,
     law: Option<LawNumbers>,
     /// u_ν and the pressure are linear between the corners: the truth is an interpolant.
     interpolated: bool,
     facets: usize,
 }
 
-/// The facets of Γ3 on one side.
-struct SideOfTrace {
+/// Facets of Γ3 with one normal.
+struct PartOfTrace {
     facets: Vec<usize>,
     /// s at the points.
     shift: Vec<f64>,
@@ -34,12 +34,8 @@ impl StatePoints {
         let contact = exact.data.contact.as_ref();
         let shift = contact.and_then(|contact| contact.shift);
         let mut sides = Vec::new();
-        for side in 0..mesh.sides.len() {
-            let own = |f: &usize| mesh.facet_side[trace.mesh_facet[*f] as usize] as usize == side;
-            let facets: Vec<usize> = (0..trace.measure.len()).filter(own).collect();
-            if facets.is_empty() {
-                continue;
-            }
+        for part in mesh.plane_parts(&trace.mesh_facet) {
+            let facets = part.members;
             let corners = [vec![1.0, 0.0], vec![0.0, 1.0]];
             let places: Vec<&Vec<f64>> = corners.iter().chain(&rule.points).collect();
             let points: Vec<[f64; 3]> = facets
@@ -51,10 +47,9 @@ impl StatePoints {
                 .collect();
             let at = |&[x, y, z]: &[f64; 3]| Point { x, y, z, ..Point::default() };
             let value = |x: &[f64; 3]| shift.map_or(0.0, |s| exact.data.graph.evaluate(s, &at(x)));
-            let normal = [mesh.side_normal[2 * side], mesh.side_normal[2 * side + 1]];
-            let bound = exact.boundary(&normal).program.bind(&points);
+            let bound = exact.boundary(&part.normal[..2]).program.bind(&points);
             let shift = points.iter().map(value).collect();
-            sides.push(SideOfTrace { facets, shift, bound: Mutex::new(bound) });
+            sides.push(PartOfTrace { facets, shift, bound: Mutex::new(bound) });
         }
         let law = contact.and_then(|contact| contact.law.clone());
         Self { sides, law, interpolated, facets: trace.measure.len() }

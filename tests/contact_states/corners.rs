@@ -49,7 +49,10 @@ fn explain_and_check_foresee_corners_of_given_loads() {
     assert_eq!(explained.matches("corner ").count(), 4, "{explained}");
     assert!(explained.contains("order in h at least 0.7447"), "{explained}");
     let checked = stdout(&sweep(&["check", "punch"]));
-    assert!(checked.contains("free/clamped: r^0.7447; order in h 0.7447"), "{checked}");
+    assert!(
+        checked.contains("left top, 90 degrees: free/clamped: r^0.7447; order in h 0.7447"),
+        "{checked}"
+    );
     // A manufactured solution is as smooth at corners as its formulas are.
     assert!(!stdout(&sweep(&["explain", "steady"])).contains("corner "));
 }
