@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: help run test lint bench gate baseline sabotage sabotage-check ci false-alarms opt-levels mutants clean-reports
+.PHONY: scenes help run test lint bench gate baseline sabotage sabotage-check ci false-alarms opt-levels mutants clean-reports
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -27,6 +27,9 @@ gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 
 baseline: ## record errors and work of all scenes in reports/baseline.json; prints what changes
 	$(SWEEP) baseline
+
+scenes: ## docs/SCENES.md from the scene files
+	$(SWEEP) list --markdown > docs/SCENES.md
 
 sabotage: ## every seeded defect against every gate, about two minutes; writes docs/SABOTAGE.md
 	SABOTAGE_WRITE=1 $(CARGO) test --release --test sabotage -- --ignored --nocapture --test-threads 1

@@ -61,12 +61,15 @@ const SHARED: [(&str, &str, &[&str]); 5] = [
         "norms",
         &[
             "CellConstants",
+            "ContactSamples",
+            "ContactState",
             "FACET_SAMPLES",
             "Moments",
             "Piecewise",
             "facet_sample",
             "is_locked",
             "linear_projection",
+            "state_rule",
         ],
     ),
 ];

@@ -4,8 +4,9 @@ use clap::Args;
 
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
 use crate::manufactured::{Finding, Status, check};
-use crate::scene::Hypothesis;
+use crate::scene::{Data, Hypothesis};
 use crate::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
+use crate::theory::corner::{Corner, corners};
 
 /// `sweep check`.
 #[derive(Args)]
@@ -32,6 +33,9 @@ impl Check {
                 }
                 findings.extend(interfaces(setup));
                 findings.extend(hypotheses(setup, &constants(setup)?));
+                if matches!(setup.body.data, Data::Loads { .. }) {
+                    findings.extend(corners(&setup.body).iter().map(at_corner));
+                }
             }
             Subject::Abstract(setup) => findings.extend(abstract_problem::findings(setup)),
         }
@@ -56,6 +60,14 @@ fn row(finding: &Finding) -> serde_json::Value {
         "value": finding.value,
         "text": finding.text,
     })
+}
+
+/// The order in h that a corner leaves where the loads are given.
+fn at_corner(corner: &Corner) -> Finding {
+    let order = corner.order();
+    let text = format!("{}; order in h {order:.4}", corner.in_words());
+    let status = if order < 1.0 { Status::Weak } else { Status::Fact };
+    Finding::new("corner", status, order, text)
 }
 
 /// Where (5.25) is violated f0 may be infinite at a point, and quadrature of the strong form tells

@@ -5,14 +5,15 @@ use clap::Args;
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
-use crate::scene::Memory;
+use crate::scene::{Data, Memory};
 use crate::setup::{Setup, Subject};
 use crate::sweep::{Cost, Overrides, ScenePlan, predict};
+use crate::theory::corner::{Corner, corners};
 
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
+    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -30,6 +31,11 @@ impl Explain {
         };
         let constants = predicted_constants(&plan);
         let (algorithm, history, regions) = (algorithm(setup), history(setup), regions(setup));
+        // What the formulas of an exact solution do at the corners is their own matter.
+        let corners = match &setup.body.data {
+            Data::Loads { .. } => corners(&setup.body),
+            Data::Exact { .. } => Vec::new(),
+        };
         let costs = predict(setup, &plan)?;
         let cases: Vec<_> = plan
             .cases
@@ -65,6 +71,7 @@ impl Explain {
                 "history": history,
                 "reference": reference,
                 "cases": cases,
+                "corners": corners.iter().map(row).collect::<Vec<_>>(),
                 "constants": constants.iter().map(|(_, json)| json).collect::<Vec<_>>(),
             }))?;
             return Ok(0);
@@ -90,6 +97,14 @@ impl Explain {
             ));
         }
         constants.iter().for_each(|(line, _)| print_text(line));
+        for corner in &corners {
+            print_text(&format!("corner     {}", corner.in_words()));
+        }
+        if let Some(order) = least_order(&corners) {
+            print_text(&format!(
+                "order in h at least {order:.4} by the corners, and (5.26) promises 1 for u in H2 alone; loads that do not excite the strongest term do better"
+            ));
+        }
         let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
         print_text(&format!(
             "in all     about {} of CPU time, good to a factor of about 3",
@@ -97,6 +112,20 @@ impl Explain {
         ));
         Ok(0)
     }
+}
+
+fn row(corner: &Corner) -> serde_json::Value {
+    serde_json::json!({
+        "place": corner.place,
+        "sides": corner.sides,
+        "singular": corner.in_words(),
+        "order": corner.order(),
+    })
+}
+
+/// The least order in h that a corner of a scene with given loads leaves.
+fn least_order(corners: &[Corner]) -> Option<f64> {
+    corners.iter().map(Corner::order).reduce(f64::min)
 }
 
 fn predicted(cost: &Cost) -> String {

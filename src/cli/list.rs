@@ -14,7 +14,13 @@ pub struct List {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Print the page docs/SCENES.md: a table in Markdown
+    #[arg(long, conflicts_with = "json")]
+    markdown: bool,
 }
+
+/// What stands above the table of the page.
+const PAGE: &str = "# All scenes\n\nPrinted by `sweep list --markdown` (`make scenes`) from the files under [manufactured](../manufactured); a test compares.\n[manufactured/REFERENCES.md](../manufactured/REFERENCES.md) says where the formulas come from. *long*: runs with `--all` or by name.\n\n| scene | question | terms | truth | predicted |\n|---|---|---|---|---|";
 
 impl List {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
@@ -22,6 +28,11 @@ impl List {
         if self.json {
             let rows: Vec<_> = all.iter().map(row).collect();
             print_json(&serde_json::Value::Array(rows))?;
+            return Ok(0);
+        }
+        if self.markdown {
+            print_text(PAGE);
+            all.iter().for_each(|scene| print_text(&line_of_page(scene)));
             return Ok(0);
         }
         for scene in &all {
@@ -34,6 +45,21 @@ impl List {
         }
         Ok(0)
     }
+}
+
+/// A row of the page.
+fn line_of_page(scene: &Scene) -> String {
+    let Scene { name, question, .. } = scene;
+    let mark = if scene.long { " *long*" } else { "" };
+    let orders = match (predictions(scene), scene.judge) {
+        (_, false) => "nothing judged".to_owned(),
+        (orders, true) => orders.join("; "),
+    };
+    // A bar would end the cell.
+    let cell = |text: &str| text.replace('|', "\\|");
+    let (question, orders, terms) = (cell(question), cell(&orders), terms(scene).join(", "));
+    let link = format!("[`{name}`](../manufactured/{name}.toml)");
+    format!("| {link}{mark} | {question} | {terms} | {} | {orders} |", truth(scene))
 }
 
 fn row(scene: &Scene) -> serde_json::Value {

@@ -8,12 +8,14 @@ use super::extension::restore_added;
 use super::github::annotate;
 use super::interrupt::{on_interrupt, quoted};
 use super::{CliError, Scenes, no_case, print_json, print_text};
+use crate::fit::AgainstReference;
 use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all, write_junit};
 use crate::scene::Scene;
 use crate::setup::Subject;
 use crate::sweep::{
-    Overrides, Provenance, ScenePlan, foresee, judge_scene, run_more, run_sweep, scene_summary,
+    Overrides, Provenance, ScenePlan, foresee, judge_scene, reference_error, reference_in_words,
+    run_more, run_sweep, scene_summary,
 };
 use crate::verdict::{
     Baseline, Comparison, Verdict, compare_with_baseline, exit_code, failures, render_table,
@@ -27,7 +29,7 @@ pub(super) const BASELINE: &str = "reports/baseline.json";
 /// `sweep run`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, deviations with scene, n, steps, norm, kind, recorded, found, verdict, reason)."
+    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, deviations with scene, n, steps, norm, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error)."
 )]
 pub struct Run {
     #[command(flatten)]
@@ -166,6 +168,8 @@ pub(super) struct Swept {
     summaries: Vec<SceneSummary>,
     provenance: serde_json::Value,
     comparison: Option<Comparison>,
+    /// Scenes with given loads, and what their reference runs hide.
+    references: Vec<(String, AgainstReference)>,
 }
 
 impl What {
@@ -226,7 +230,10 @@ impl What {
         let provenance = Provenance::of_run(&plans).json();
         let comparison =
             baseline.map(|baseline| compare_with_baseline(&baseline, &self.runs(&plans), &records));
-        Ok(Swept { records, verdicts, summaries, provenance, comparison })
+        let found =
+            |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
+        let references = plans.iter().filter_map(found).collect();
+        Ok(Swept { records, verdicts, summaries, provenance, comparison, references })
     }
 
     /// The baseline of this run. That of the default folder knows nothing of scenes elsewhere.
@@ -329,9 +336,15 @@ impl Swept {
             if let Some(comparison) = &self.comparison {
                 document["baseline"] = serde_json::json!(comparison);
             }
+            if !self.references.is_empty() {
+                document["references"] = serde_json::json!(self.references);
+            }
             return print_json(&document);
         }
         print_text(&render_table(&self.verdicts));
+        for (scene, found) in &self.references {
+            print_text(&reference_in_words(scene, found));
+        }
         let failed = failures(&self.records).len();
         let judged = if self.verdicts.is_empty() {
             String::new()

@@ -19,7 +19,7 @@ use crate::vhi::{
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
 )]
 pub struct Solve {
     /// Name of a scene, or path of a TOML file

@@ -234,6 +234,7 @@ pub(super) fn asked(
     };
     scene.predicts = question.into_iter().collect();
     scene.sweep = Some(Sweep {
+        by_state: false,
         n: n.to_vec(),
         steps: steps.to_vec(),
         pairs: None,

@@ -4,6 +4,7 @@
 //! the logarithmic line, so the Student interval alone misses the truth. The interval of an
 //! order is therefore a hull of four parts, see [`order_interval`].
 
+mod against_reference;
 mod eca_hoekstra;
 mod grid_fit;
 mod hull;
@@ -22,6 +23,7 @@ mod screen;
 mod value_order;
 
 use crate::record::counted;
+pub use against_reference::{AgainstReference, against_reference};
 pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
 pub use hull::{Correction, OrderInterval, order_interval};
 pub use identifiable::NotIdentifiable;

@@ -3,9 +3,10 @@
 //! ∫_{Γ3} c v_ν takes the boundary rule of the scheme. The error is the time error alone.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::constitutive::{self, Tensor};
+use super::contact_samples::StatePoints;
 use super::edge_compliance::{ComplianceRule, edge_moments};
 use super::exact::Exact;
 use super::nodal_force::{add_stress, length};
@@ -15,7 +16,7 @@ use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError};
 use crate::formula::{Bound, Node, Point, Program};
 use crate::mesh::PlanePart;
-use crate::norms::{FACET_SAMPLES, Moments, facet_sample, is_locked};
+use crate::norms::{ContactSamples, FACET_SAMPLES, Moments, facet_sample, is_locked};
 
 /// Intervals of the horizon in which guards are watched.
 const WATCHES: usize = 64;
@@ -49,6 +50,7 @@ pub struct InterpolatedOnMesh {
     accumulated: RunningIntegral,
     loads: ByTime<Vec<f64>>,
     moments: ByTime<Moments>,
+    state_points: OnceLock<StatePoints>,
 }
 
 impl InterpolatedOnMesh {
@@ -75,6 +77,7 @@ impl InterpolatedOnMesh {
             accumulated: RunningIntegral::new(horizon),
             loads: ByTime::default(),
             moments: ByTime::default(),
+            state_points: OnceLock::new(),
             exact,
             space,
             rule,
@@ -297,6 +300,11 @@ impl Truth for InterpolatedOnMesh {
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
         self.moments.get_or(t, || self.compute_moments(t))
+    }
+
+    fn contact_samples(&self, t: f64) -> Result<Option<ContactSamples>, LoadError> {
+        let points = || StatePoints::new(&self.exact, &self.space, true);
+        Ok(Some(self.state_points.get_or_init(points).at(t)))
     }
 }
 

@@ -15,6 +15,7 @@
 mod accumulated;
 mod check;
 pub mod constitutive;
+mod contact_samples;
 mod curve;
 mod double_exponential;
 mod edge_compliance;

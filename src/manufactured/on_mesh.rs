@@ -1,17 +1,18 @@
 //! An exact solution on a mesh: load vectors and moments, each computed once a time and shared by
 //! all cases on the mesh.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::constitutive::{self, Tensor};
+use super::contact_samples::StatePoints;
 use super::exact::{Exact, LoadForm, MaterialNumbers};
 use super::nodal_force::{add_stress, length};
 use super::reduction::{add_cell, project};
 use super::symbolic::components;
 use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError};
-use crate::formula::Bound;
-use crate::norms::{FACET_SAMPLES, Moments, Piecewise, facet_sample, is_locked};
+use crate::formula::{Bound, Program};
+use crate::norms::{ContactSamples, FACET_SAMPLES, Moments, Piecewise, facet_sample, is_locked};
 use crate::space::quadrature::{Rule, TruthRules};
 
 /// Points with their formulas bound to them.
@@ -23,13 +24,7 @@ struct Sampled {
 
 impl Sampled {
     /// Values of all outputs at all points at time t.
-    fn evaluate(
-        &self,
-        program: &crate::formula::Program,
-        outputs: usize,
-        t: f64,
-        zeta: f64,
-    ) -> Vec<Vec<f64>> {
+    fn evaluate(&self, program: &Program, outputs: usize, t: f64, zeta: f64) -> Vec<Vec<f64>> {
         let mut out = vec![Vec::new(); outputs];
         let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
         bound.get_or_insert_with(|| program.bind(&self.points)).evaluate(t, zeta, &mut out);
@@ -55,6 +50,7 @@ pub struct ExactOnMesh {
     regions: Vec<usize>,
     loads: ByTime<Vec<f64>>,
     moments: ByTime<Moments>,
+    state_points: OnceLock<StatePoints>,
 }
 
 /// Facets with one normal.
@@ -105,6 +101,7 @@ impl ExactOnMesh {
             form,
             loads: ByTime::default(),
             moments: ByTime::default(),
+            state_points: OnceLock::new(),
         }
     }
 
@@ -320,6 +317,11 @@ impl Truth for ExactOnMesh {
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
         self.moments.get_or(t, || self.compute_moments(t))
+    }
+
+    fn contact_samples(&self, t: f64) -> Result<Option<ContactSamples>, LoadError> {
+        let points = || StatePoints::new(&self.exact, &self.space, false);
+        Ok(Some(self.state_points.get_or_init(points).at(t)))
     }
 }
 

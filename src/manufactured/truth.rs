@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::contact::LoadError;
-use crate::norms::Moments;
+use crate::norms::{ContactSamples, Moments};
 
 /// What a case is measured against, and driven by.
 pub trait Truth: Send + Sync {
@@ -19,6 +19,15 @@ pub trait Truth: Send + Sync {
     /// # Errors
     /// A formula that is not finite somewhere, a time that a reference run does not have.
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError>;
+
+    /// The truth on Γ3 with the contact state of each point, where formulas tell it; computed anew at
+    /// each call, since few scenes ask.
+    ///
+    /// # Errors
+    /// A formula that is not finite somewhere.
+    fn contact_samples(&self, _t: f64) -> Result<Option<ContactSamples>, LoadError> {
+        Ok(None)
+    }
 
     /// The F_i where the load separates, F(t) = Σ_i a_i(t) F_i.
     fn load_basis(&self) -> Option<&[Vec<f64>]> {

@@ -1,10 +1,12 @@
 //! Errors of a computed step against a truth that has been reduced to moments on the mesh.
 
+mod contact_state;
 mod errors;
 mod moments;
 mod projection;
 mod reference;
 
+pub use contact_state::{ContactSamples, ContactState, StateErrors, state_errors, state_rule};
 pub use errors::{StepErrors, is_locked, step_errors};
 pub use moments::{
     CellConstants, FACET_SAMPLES, Moments, Piecewise, facet_sample, hausdorff, linear_projection,

@@ -16,8 +16,9 @@ pub use atomic::replace_file;
 pub use counted::counted;
 pub use journal::{Journal, read, write_sorted};
 pub use norm::{
-    CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX, TRACE_L2_MAX, V_MAX,
-    V_PROJECTION_MAX, V_TIME_MAX, norm_label, norm_label_in_time, norm_rank,
+    CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX,
+    TRACE_L2_MAX, V_MAX, V_PROJECTION_MAX, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,
+    norm_rank,
 };
 pub use row::COLUMNS;
 

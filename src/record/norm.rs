@@ -16,9 +16,12 @@ pub const CONTACT_SET_MAX: &str = "contact_set_max";
 pub const V_TIME_MAX: &str = "V_time_max";
 /// V norm against the A-projection of u.
 pub const V_PROJECTION_MAX: &str = "V_projection_max";
+/// max over n of the measure of the points of Γ3 locked in one of truth and discrete solution.
+pub const CONTACT_MEASURE_MAX: &str = "contact_measure_max";
 
-/// All norms of the contract, in the order of tables, each with its label in plots.
-pub const NORMS: [(&str, &str); 8] = [
+/// All norms of the contract, in the order of tables, each with its label in plots. Those of a
+/// contact state are errors on the part of Γ3 where the truth is in that state.
+pub const NORMS: [(&str, &str); 19] = [
     (V_MAX, "max ‖ε(u−u_h)‖"),
     (L2_MAX, "max ‖u−u_h‖"),
     (TRACE_L2_MAX, "max ‖u_ν−u_hν‖ on Γ3"),
@@ -27,11 +30,27 @@ pub const NORMS: [(&str, &str); 8] = [
     (CONTACT_SET_MAX, "max dist(locked sets)"),
     (V_TIME_MAX, "max ‖ε(u_h−u_kh)‖, time only"),
     (V_PROJECTION_MAX, "max ‖ε(P_h u−u_h)‖"),
+    ("trace_open_max", "max ‖u_ν−u_hν‖ where open"),
+    ("trace_rising_max", "max ‖u_ν−u_hν‖ where rising"),
+    ("trace_falling_max", "max ‖u_ν−u_hν‖ where falling"),
+    ("trace_jump_max", "max ‖u_ν−u_hν‖ where at a jump"),
+    ("trace_locked_max", "max ‖u_ν−u_hν‖ where locked"),
+    ("pressure_open_max", "max ‖p−p_h‖ where open"),
+    ("pressure_rising_max", "max ‖p−p_h‖ where rising"),
+    ("pressure_falling_max", "max ‖p−p_h‖ where falling"),
+    ("pressure_jump_max", "max ‖p−p_h‖ where at a jump"),
+    ("pressure_locked_max", "max ‖p−p_h‖ where locked"),
+    (CONTACT_MEASURE_MAX, "max |locked sets differ|"),
 ];
 
 /// Position of a norm in tables; names outside the contract come after those within.
 pub fn norm_rank(norm: &str) -> usize {
     NORMS.iter().position(|(name, _)| *name == norm).unwrap_or(NORMS.len())
+}
+
+/// Whether a norm is one of the split by contact state: eleven curves more would hide the others.
+pub fn is_by_state(norm: &str) -> bool {
+    norm_rank(norm) > norm_rank(V_PROJECTION_MAX) && norm_rank(norm) < NORMS.len()
 }
 
 /// Label of a norm in plots; a name outside the contract is its own label.
@@ -52,6 +71,9 @@ mod tests {
     fn foreign_norms_follow_and_label_themselves() {
         assert_eq!(norm_rank(V_MAX), 0);
         assert_eq!(norm_rank("mine"), NORMS.len());
+        let split = NORMS.iter().filter(|(norm, _)| is_by_state(norm)).count();
+        assert!(split == 11 && !is_by_state(V_TIME_MAX) && !is_by_state("mine"));
+        assert!(is_by_state("trace_open_max") && is_by_state(CONTACT_MEASURE_MAX));
         assert_eq!(norm_label("mine"), "mine");
         assert_eq!(norm_label(L2_MAX), "max ‖u−u_h‖");
         assert_ne!(norm_label_in_time(V_MAX), norm_label(V_MAX));

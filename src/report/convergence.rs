@@ -7,7 +7,7 @@ use super::curve::{Curve, curve, is_path, norms};
 use super::ruler::Scale;
 use super::{ReportError, SceneSummary};
 use crate::fit::Direction;
-use crate::record::{CaseRecord, norm_label, norm_label_in_time};
+use crate::record::{CaseRecord, is_by_state, norm_label, norm_label_in_time};
 use crate::verdict::{Verdict, cell_texts};
 
 /// The picture of one scene in one direction; none if no norm has two points there.
@@ -25,6 +25,7 @@ pub fn convergence_svg(
     let (curves, not_drawn): (Vec<Curve<'_>>, Vec<Curve<'_>>) = norms(&records)
         .into_iter()
         .filter_map(|norm| curve(scene, &records, verdicts, norm, direction))
+        .filter(|curve| curve.verdict.is_some() || !is_by_state(curve.norm))
         .partition(Curve::is_drawn);
     let level = |fixed: u32| match direction {
         Direction::Space => format!("N = {fixed}"),

@@ -3,6 +3,7 @@
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::written;
+use crate::norms::ContactState;
 
 /// A quantity in which errors are measured; names as in `cases.csv`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -16,11 +17,17 @@ pub enum Norm {
     ContactSetMax,
     VTimeMax,
     VProjectionMax,
+    /// Of u_ν on the part of Γ3 where the truth is in a state.
+    TraceMax(ContactState),
+    /// Of ξ + λ there.
+    PressureMax(ContactState),
+    /// Measure of the symmetric difference of the locked sets.
+    ContactMeasureMax,
 }
 
 impl Norm {
     /// Every norm.
-    pub const ALL: [Norm; 8] = [
+    pub const ALL: [Norm; 19] = [
         Norm::VMax,
         Norm::L2Max,
         Norm::TraceL2Max,
@@ -29,6 +36,17 @@ impl Norm {
         Norm::ContactSetMax,
         Norm::VTimeMax,
         Norm::VProjectionMax,
+        Norm::TraceMax(ContactState::Open),
+        Norm::TraceMax(ContactState::Rising),
+        Norm::TraceMax(ContactState::Falling),
+        Norm::TraceMax(ContactState::AtJump),
+        Norm::TraceMax(ContactState::Locked),
+        Norm::PressureMax(ContactState::Open),
+        Norm::PressureMax(ContactState::Rising),
+        Norm::PressureMax(ContactState::Falling),
+        Norm::PressureMax(ContactState::AtJump),
+        Norm::PressureMax(ContactState::Locked),
+        Norm::ContactMeasureMax,
     ];
 
     /// The name in scene files and in `cases.csv`.
@@ -42,12 +60,29 @@ impl Norm {
             Norm::ContactSetMax => "contact_set_max",
             Norm::VTimeMax => "V_time_max",
             Norm::VProjectionMax => "V_projection_max",
+            Norm::TraceMax(ContactState::Open) => "trace_open_max",
+            Norm::TraceMax(ContactState::Rising) => "trace_rising_max",
+            Norm::TraceMax(ContactState::Falling) => "trace_falling_max",
+            Norm::TraceMax(ContactState::AtJump) => "trace_jump_max",
+            Norm::TraceMax(ContactState::Locked) => "trace_locked_max",
+            Norm::PressureMax(ContactState::Open) => "pressure_open_max",
+            Norm::PressureMax(ContactState::Rising) => "pressure_rising_max",
+            Norm::PressureMax(ContactState::Falling) => "pressure_falling_max",
+            Norm::PressureMax(ContactState::AtJump) => "pressure_jump_max",
+            Norm::PressureMax(ContactState::Locked) => "pressure_locked_max",
+            Norm::ContactMeasureMax => "contact_measure_max",
         }
     }
 
     /// Whether the norm lives on Γ3 and so has no meaning without contact.
     pub fn needs_contact(self) -> bool {
         matches!(self, Norm::TraceL2Max | Norm::PressureL2Max | Norm::ContactSetMax)
+            || self.by_state()
+    }
+
+    /// Whether the norm asks for the contact state of the truth.
+    pub fn by_state(self) -> bool {
+        matches!(self, Norm::TraceMax(_) | Norm::PressureMax(_) | Norm::ContactMeasureMax)
     }
 
     pub(super) fn validate(

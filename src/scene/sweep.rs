@@ -29,6 +29,8 @@ pub struct Sweep {
     pub pairs: Option<Vec<[usize; 2]>>,
     /// Norms to measure; none leaves the choice to the sweep.
     pub norms: Option<Vec<Norm>>,
+    /// Errors split by contact state are measured beside them.
+    pub by_state: bool,
 }
 
 impl Sweep {
@@ -73,7 +75,7 @@ impl Sweep {
             Some(words) => Some(norms(reading, words, has_contact)?),
             None => None,
         };
-        Ok(Some(Sweep { n, steps, pairs, reference, norms }))
+        Ok(Some(Sweep { n, steps, pairs, reference, norms, by_state: written.by_state }))
     }
 }
 
@@ -81,7 +83,14 @@ impl Sweep {
     /// The sweep of an abstract scene: numbers of steps alone.
     pub(super) fn in_time(reading: &Reading, steps: &[i64]) -> Result<Sweep, SceneError> {
         let steps = counts(reading, "sweep.steps", steps)?;
-        Ok(Sweep { n: Vec::new(), steps, pairs: None, reference: None, norms: None })
+        Ok(Sweep {
+            n: Vec::new(),
+            steps,
+            pairs: None,
+            reference: None,
+            norms: None,
+            by_state: false,
+        })
     }
 }
 
@@ -261,6 +270,28 @@ pub(super) fn serves(
         false => ("a path needs pairs", "write pairs = [[8, 4], [16, 6], [32, 8]] under [sweep]"),
     };
     Err(reading.error(&format!("predicts.{index}.variable"), message, hint))
+}
+
+/// Errors by contact state need the states of the truth: an exact solution in the plane with contact.
+pub(super) fn states_are_known(
+    reading: &Reading,
+    known: bool,
+    sweep: Option<&Sweep>,
+    predicts: &[Prediction],
+) -> Result<(), SceneError> {
+    let listed = sweep.and_then(|sweep| sweep.norms.as_ref());
+    let listed = listed.and_then(|list| list.iter().position(|norm| norm.by_state()));
+    let judged = predicts.iter().position(|prediction| prediction.norm.by_state());
+    let key = match (sweep.is_some_and(|sweep| sweep.by_state), listed, judged) {
+        _ if known => return Ok(()),
+        (true, ..) => "sweep.by_state".to_owned(),
+        (_, Some(index), _) => format!("sweep.norms.{index}"),
+        (.., Some(index)) => format!("predicts.{index}.norm"),
+        _ => return Ok(()),
+    };
+    let message = "errors by contact state need the state of the truth at every point";
+    let hint = "they are known for an exact solution in the plane with contact; measure trace_L2_max and pressure_L2_max here";
+    Err(reading.error(&key, message, hint))
 }
 
 fn multiple(

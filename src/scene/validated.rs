@@ -21,7 +21,7 @@ use super::prediction::Prediction;
 use super::reading::Reading;
 use super::source::Source;
 use super::spans::Spans;
-use super::sweep::{Sweep, serves};
+use super::sweep::{Sweep, serves, states_are_known};
 use super::time::Time;
 use super::{wording, written};
 
@@ -165,6 +165,8 @@ fn validate_contact(
     let predicts = predictions(&reading, &file.predicts, contact.is_some())?;
     let sweep = Sweep::validate(&reading, file.sweep.as_ref(), &domain, contact.is_some())?;
     serves(&reading, sweep.as_ref(), &predicts)?;
+    let known = matches!(data, Data::Exact { .. }) && contact.is_some() && heading.dimension == 2;
+    states_are_known(&reading, known, sweep.as_ref(), &predicts)?;
     has_truth(&reading, file.scene.judge, &data, sweep.as_ref())?;
     is_judged_by_something(&reading, file.scene.judge, &predicts)?;
     let formulas = reading.formulas;

@@ -315,6 +315,8 @@ pub struct Sweep {
     pub pairs: Option<Vec<Vec<i64>>>,
     pub reference: Option<Reference>,
     pub norms: Option<Vec<String>>,
+    #[serde(default)]
+    pub by_state: bool,
 }
 
 /// `reference = { n = 128, steps = 64 }`

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::pressed_zone::PressedZone;
 use crate::contact::{Discretization, Model, StepView};
 use crate::law::Projection;
 use crate::norms::is_locked;
@@ -35,6 +36,9 @@ pub struct FinalState {
     pub min_normal_gap: Option<f64>,
     /// Largest u_ν on Γ3; null without Γ3.
     pub max_normal_displacement: Option<f64>,
+    /// Where Γ3 is under pressure.
+    #[serde(flatten)]
+    pub pressed: PressedZone,
     /// [x, y, u_ν] (in 3D [x, y, z, u_ν]) on the vertices of Γ3, along the side.
     pub normal_displacement: Vec<Vec<f64>>,
     /// [x, y, ξ] (in 3D [x, y, z, ξ]) at the same vertices: the selection ξ ∈ ∂j_ν(u_ν - s).
@@ -68,6 +72,7 @@ impl FinalState {
             min_uy_vertex,
             min_normal_gap: None,
             max_normal_displacement: None,
+            pressed: PressedZone::new(space, view),
             normal_displacement: Vec::new(),
             compliance_pressure: Vec::new(),
             jump_vertices: 0,

@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use super::plan::{CasePlan, TIME_REFERENCE};
 use crate::contact::{CaseError, CaseInfo, Floors, LoadError, StepView, strain_distance};
-use crate::norms::{ElasticProjection, StepErrors, Trajectory, step_errors};
+use crate::norms::{
+    ContactState, ElasticProjection, StateErrors, StepErrors, Trajectory, state_errors, step_errors,
+};
 use crate::record::{CaseRecord, NormError, Status};
 use crate::scene::{Norm, Reference};
 use crate::setup::{MeshData, Setup};
@@ -68,6 +70,7 @@ fn measure(
         ),
         false => None,
     };
+    let by_state = case.norms.iter().any(|norm| norm.by_state());
     let mut by_rule = Floors::default();
     let mut observe = |view: &StepView<'_>| {
         let moments = data.truth.moments(view.t)?;
@@ -85,6 +88,9 @@ fn measure(
             (Norm::ContactSetMax, errors.contact_set),
         ] {
             maxima.raise(norm, value);
+        }
+        if by_state && let Some(samples) = data.truth.contact_samples(view.t)? {
+            maxima.raise_by_state(&state_errors(&data.space, view, &samples));
         }
         if let Some(finer) = &finer {
             maxima.raise(Norm::VTimeMax, time_error(data, finer, view)?);
@@ -135,6 +141,17 @@ impl Maxima {
         }
     }
 
+    /// Raises the norms of the states that occur at this level.
+    fn raise_by_state(&mut self, errors: &StateErrors) {
+        for (i, state) in ContactState::ALL.into_iter().enumerate() {
+            if errors.measure[i] > 0.0 {
+                self.raise(Norm::TraceMax(state), errors.trace[i]);
+                self.raise(Norm::PressureMax(state), errors.pressure[i]);
+            }
+        }
+        self.raise(Norm::ContactMeasureMax, errors.set_difference);
+    }
+
     fn errors(&self, converged: bool, floors: &CaseFloors) -> Vec<NormError> {
         self.values
             .iter()
@@ -162,7 +179,7 @@ impl CaseFloors {
         match norm {
             // Two runs on one mesh under the same loads: no quadrature, and no finer mesh.
             Norm::VTimeMax => 2.0 * self.solver.v + time_reference_floor(error),
-            Norm::ContactSetMax => 0.0,
+            Norm::ContactSetMax | Norm::ContactMeasureMax => 0.0,
             _ => {
                 floor_in(&self.solver, norm) + floor_in(&self.quadrature, norm) + self.share * error
             }
@@ -176,9 +193,9 @@ pub(super) fn floor_in(floors: &Floors, norm: Norm) -> f64 {
         Norm::VMax | Norm::VTimeMax | Norm::VProjectionMax => floors.v,
         Norm::L2Max => floors.l2,
         Norm::StressL2Max => floors.stress,
-        Norm::TraceL2Max => floors.trace,
-        Norm::PressureL2Max => floors.pressure,
-        Norm::ContactSetMax => 0.0,
+        Norm::TraceL2Max | Norm::TraceMax(_) => floors.trace,
+        Norm::PressureL2Max | Norm::PressureMax(_) => floors.pressure,
+        Norm::ContactSetMax | Norm::ContactMeasureMax => 0.0,
     }
 }
 

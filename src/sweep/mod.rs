@@ -8,6 +8,7 @@ mod floors;
 mod judging;
 mod plan;
 mod provenance;
+mod reference_error;
 mod resume;
 mod run;
 
@@ -19,5 +20,6 @@ pub use floors::{FloorPart, FloorRow, abstract_floors, contact_floors, direct_hi
 pub use judging::{foresee, foresee_plan, judge_scene, scene_summary};
 pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple};
 pub use provenance::Provenance;
+pub use reference_error::{reference_error, reference_in_words};
 pub use resume::{ResumeError, resume};
 pub use run::{Progress, SweepError, run_more, run_sweep};

@@ -155,9 +155,11 @@ pub fn lowest_common_multiple(a: u32, b: u32) -> u32 {
 }
 
 /// The norms of a case on mesh n: all that cost next to nothing, and those of the scene's list or
-/// predictions (the time error costs further runs, so it is measured inside its window only).
+/// predictions (the time error costs further runs, so it is measured inside its window only); those by contact
+/// state where the scene asks for them.
 fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
     let listed = scene.sweep.as_ref().and_then(|sweep| sweep.norms.as_ref());
+    let by_state = scene.sweep.as_ref().is_some_and(|sweep| sweep.by_state);
     let asked = |norm: Norm| {
         listed.is_some_and(|list| list.contains(&norm))
             || scene.predicts.iter().any(|p| p.norm == norm && serves(scene, p, n))
@@ -169,6 +171,7 @@ fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
         .filter(|&norm| match norm {
             Norm::VTimeMax | Norm::VProjectionMax => asked(norm),
             _ if norm.needs_contact() && !on_contact => false,
+            _ if norm.by_state() => asked(norm) || by_state,
             _ => listed.is_none() || asked(norm),
         })
         .collect()

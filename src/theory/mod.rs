@@ -2,5 +2,6 @@
 
 pub mod audit;
 pub mod bound;
+pub mod corner;
 pub mod gronwall;
 pub mod ledger;

@@ -9,7 +9,7 @@ use crate::norms::is_locked;
 /// Samples along a side and in time.
 const ALONG: usize = 200;
 const TIMES: usize = 40;
-/// |h3| below this share of the largest stress on Γ3 is rounding of the formulas.
+/// |h3| below this share of the largest stress or pressure on Γ3 is rounding of the formulas.
 const PURE: f64 = 1e-9;
 
 /// States of a point of Γ3, as indices.
@@ -49,7 +49,7 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
     }
     let Extremes { penetration, tension, complementarity, pressure, sourced, stress, .. } =
         extremes;
-    let scale = stress.max(f64::MIN_POSITIVE);
+    let scale = stress.max(pressure).max(f64::MIN_POSITIVE);
     let mut findings = Vec::new();
     if penetration.is_finite() {
         let text = format!("largest u_nu - g on the samples is {penetration:.2e}");
@@ -69,7 +69,7 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
     let text = if relative <= PURE {
         format!("pure: |h3| <= {relative:.1e} of the stress on Gamma3")
     } else {
-        format!("sourced: |h3| up to {relative:.2} of the largest stress on Gamma3")
+        format!("sourced: |h3| up to {relative:.2} of the largest stress or pressure on Gamma3")
     };
     findings.push(Finding::new("h3 = sigma nu + c nu", Status::Fact, relative, text));
     findings
