@@ -92,7 +92,7 @@ fn constants_hold_and_understated_ones_are_caught() {
     let expected = [
         ("law-rational", [0.25, 0.04, 0.0]),
         ("law-exponential", [2.0 / (e * e), 0.08 / e, 0.0]),
-        ("law-power", [0.0, 0.0, 15.0 * 0.05f64.sqrt()]),
+        ("law-power", [0.0, 0.0, 4.0]),
         ("law-linear", [0.0, 0.0, 30633.802816901407]),
         ("law-jump", [0.2, 0.05, 0.0]),
     ];
@@ -181,9 +181,9 @@ fn wrong_laws_lose_the_order() {
             }),
         ),
         (
-            "kink of the power law at half its place: the tangent is too flat",
+            "kink of the power law at a quarter of its place: the tangent is too flat",
             with_potential("law-power", |_| {
-                curved(Curve::Power { coefficient: 10.0, exponent: 1.5, until: 0.025 })
+                curved(Curve::Power { coefficient: 40.0, exponent: 2.0, until: 0.0125 })
             }),
         ),
         ("factor ignored", unscaled),

@@ -211,7 +211,7 @@ mod tests {
                 excess = excess.max(p - c1 * r);
             }
             // Extremes of parabolas sampled within 5e-5: (5e-5/r0)² of them.
-            assert!(descent <= curve.alpha() + 1e-13 && descent > curve.alpha() * (1.0 - 1e-6));
+            assert!(descent <= curve.alpha() + 1e-13 && descent >= curve.alpha() * (1.0 - 1e-6));
             assert!(excess <= c0 + 1e-13 && excess >= c0 * (1.0 - 1e-6), "{curve:?}");
             let far = curve.value_and_slope(1e9).0 / 1e9;
             assert!((far - c1).abs() < 1e-7, "{curve:?}: {far} {c1}");

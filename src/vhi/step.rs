@@ -17,8 +17,8 @@ pub trait StepInequality {
     /// The graphs and the coordinates they sit on.
     fn graph(&self) -> &BoundaryGraph;
 
-    /// α_i ≥ 0 such that F + Σ w_i α_i (s_i u_i) s_i e_i and the graph c ↦ G_i + α_i are monotone in the
-    /// boundary terms: α of (2.8c) of the potential of graph i, larger where F holds a part of ∂j.
+    /// α_i ≥ 0 with which r ↦ G_i(r) + α_i r is monotone, and so is the part of ∂j that F holds, after
+    /// w_i α_i s_i u_i has been added on every coordinate.
     fn descent(&self, i: usize) -> f64 {
         self.graph().descent(i)
     }
