@@ -7,7 +7,7 @@ use super::law_slope::{Answer, answer};
 use super::time::weight;
 use crate::formula::{Graph, Node, Point, Program, Variable};
 use crate::manufactured::LawNumbers;
-use crate::setup::{AbstractSetup, law_numbers};
+use crate::setup::AbstractSetup;
 
 /// max_n ‖e_n‖_X on a grid, where
 ///
@@ -102,13 +102,12 @@ impl<'a> Linearised<'a> {
             .flatten()
             .map(|&f| [f, by(f, Variable::Y), by(f, Variable::X)])
             .collect();
-        let laws = problem.traces.iter().map(|trace| trace.law.as_ref().map(law_numbers));
         Self {
             matrix: rows(&problem.matrix),
             product: rows(&problem.inner_product),
             r: rows(&problem.r),
             constant: DVector::from_column_slice(&problem.a_s),
-            laws: laws.collect(),
+            laws: setup.exact.laws(),
             kernels,
             nonlinear,
             force,

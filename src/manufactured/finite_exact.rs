@@ -144,6 +144,11 @@ impl FiniteExact {
         Ok(exact)
     }
 
+    /// ∂j_i of every functional.
+    pub fn laws(&self) -> Vec<Option<LawNumbers>> {
+        self.data.traces.iter().map(|trace| trace.law.clone()).collect()
+    }
+
     fn resolve(&mut self, t: f64) -> Result<(), Unresolved> {
         let size = |list: &[f64]| list.iter().fold(0f64, |size, v| size.max(v.abs()));
         let mut change = 0.0;
