@@ -179,8 +179,8 @@ fn wrong_time_weights_and_a_lost_kernel_are_caught() {
         }
         let setup = exact_rule(name);
         let mut wrong = exact_rule(name).model;
-        let MemoryTerm { kernel, tensor } = wrong.memory.take().expect("memory");
-        wrong.memory = Some(MemoryTerm { kernel: Box::new(NothingAtZero(kernel)), tensor });
+        let MemoryTerm { kernel, tensor } = wrong.memory.remove(0);
+        wrong.memory = vec![MemoryTerm { kernel: Box::new(NothingAtZero(kernel)), tensor }];
         let found = caught(&setup, &wrong);
         assert!(lines_of(name).iter().all(|line| found.contains(line)), "{name}: {found:?}");
     }

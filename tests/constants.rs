@@ -5,6 +5,7 @@
 
 mod shipped;
 
+use gronwall::contact::MemoryTerm;
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::MemoryKernel;
 use gronwall::leading_error::{InterpolationError, interpolation_constant, interpolation_form};
@@ -193,10 +194,10 @@ fn seeded_factors_fail() {
         affine_with(|setup| setup.model.time_rule = Box::new(Weights(whole_last)), |_| ());
     let kernel = affine_with(
         |setup| {
-            if let Some(mut memory) = setup.model.memory.take() {
-                memory.kernel = Box::new(Larger(memory.kernel));
-                setup.model.memory = Some(memory);
-            }
+            let terms = std::mem::take(&mut setup.model.memory).into_iter();
+            let larger =
+                |term: MemoryTerm| MemoryTerm { kernel: Box::new(Larger(term.kernel)), ..term };
+            setup.model.memory = terms.map(larger).collect();
         },
         |_| (),
     );
@@ -230,10 +231,10 @@ fn the_prediction_does_not_move_with_the_model() {
     let (sound, _) = affine_with(|_| (), |_| ());
     let (broken, _) = affine_with(
         |setup| {
-            setup.model.elasticity.mu *= 2.0;
+            setup.model.elasticity = setup.model.elasticity.scaled(2.0);
             setup.model.boundary = None;
             setup.model.projection = None;
-            setup.model.memory = None;
+            setup.model.memory.clear();
         },
         |_| (),
     );

@@ -82,10 +82,11 @@ impl MemoryKernel for Through {
 }
 
 fn with_kernel(mut setup: Setup, seen: fn(&dyn MemoryKernel, f64) -> f64) -> Setup {
-    setup.model.memory = setup.model.memory.map(|MemoryTerm { kernel, tensor }| MemoryTerm {
+    let through = |MemoryTerm { kernel, tensor }| MemoryTerm {
         kernel: Box::new(Through { kernel, seen }),
         tensor,
-    });
+    };
+    setup.model.memory = setup.model.memory.into_iter().map(through).collect();
     setup
 }
 
@@ -251,8 +252,8 @@ fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
         ("pure-mild", "gap 1 % too large", Gap, |s| with_gap(s, |g| 1.01 * g)),
         ("affine-locked", "gap 1 % too small", Gap, |s| with_gap(s, |g| 0.99 * g)),
         ("stiff", "Lame swapped", Elasticity, |mut s| {
-            let Isotropic { lambda, mu } = s.model.elasticity;
-            s.model.elasticity = Isotropic { lambda: mu, mu: lambda };
+            let swapped = |Isotropic { lambda, mu }| Isotropic { lambda: mu, mu: lambda };
+            s.model.elasticity = s.model.elasticity.map(swapped);
             s
         }),
         ("signorini", "gap at every other vertex", Gap, |mut s| {
@@ -266,8 +267,7 @@ fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
             s
         }),
         ("viscoelastic", "elasticity 1 % too stiff", Elasticity, |mut s| {
-            let Isotropic { lambda, mu } = s.model.elasticity;
-            s.model.elasticity = Isotropic { lambda: 1.01 * lambda, mu: 1.01 * mu };
+            s.model.elasticity = s.model.elasticity.scaled(1.01);
             s
         }),
         ("steady", "loads too large outside V^h", Space, |mut s| {
@@ -377,7 +377,7 @@ fn a_panic_is_a_failed_trial() {
             steps: u32,
             observe: &mut Observer<'_>,
         ) -> Result<CaseInfo, CaseError> {
-            assert!(setup.model.memory.is_none(), "seeded");
+            assert!(setup.model.memory.is_empty(), "seeded");
             let mut load = TruthLoad(&*data.truth);
             let grid = setup.grid(steps);
             march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)

@@ -6,7 +6,7 @@
 
 mod shipped;
 
-use gronwall::contact::{MemoryTerm, Model};
+use gronwall::contact::Model;
 use gronwall::history::{TimeGrid, TimeRule};
 use gronwall::law::{MemoryKernel, Projection, Response, YieldLimit};
 use gronwall::setup::Setup;
@@ -123,8 +123,7 @@ impl<P: Projection> Projection for Doubled<P> {
 }
 
 fn with_kernel(setup: &mut Setup, kernel: Kernel) {
-    let memory = setup.model.memory.take().expect("memory");
-    setup.model.memory = Some(MemoryTerm { kernel: Box::new(kernel), ..memory });
+    setup.model.memory[0].kernel = Box::new(kernel);
 }
 
 /// A defect moves some quantity by more than a percent of itself: ten million times the agreement.

@@ -98,7 +98,7 @@ fn the_two_evaluations_of_the_stress_agree() {
             [[out[first][0], out[first + 1][0]], [out[first + 1][0], out[first + 2][0]]]
         };
         let stress =
-            constitutive::stress(&exact.data.material, &tensor(2), &tensor(5), exact.kappa(1.0));
+            constitutive::stress(&exact.data.material, &tensor(2), &[tensor(5)], exact.kappa(1.0));
         let found = [stress[0][0], stress[1][1], stress[0][1]];
         for (a, b) in found.iter().zip(list(point, "sigma_xx_yy_xy")) {
             // 0.72 is the largest stress at the three points.
@@ -117,7 +117,8 @@ fn with_material(change: impl Fn(&mut MaterialNumbers)) -> Exact {
         graph: data.graph.clone(),
         u: data.u.clone(),
         material,
-        kernel: data.kernel,
+        regions: data.regions.clone(),
+        kernels: data.kernels.clone(),
         kappa: data.kappa,
         contact: data.contact.clone(),
         horizon: data.horizon,
@@ -138,7 +139,7 @@ fn wrong_materials_are_seen() {
         ("μ of the projection", |m| m.projection = m.projection.map(|mu| mu * (1.0 + 1e-6))),
         ("no projection", |m| m.projection = None),
         ("λ and μ of the memory exchanged for their double", |m| {
-            m.memory = m.memory.map(|(lambda, mu)| (2.0 * lambda, 2.0 * mu));
+            m.memory = m.memory.iter().map(|(lambda, mu)| (2.0 * lambda, 2.0 * mu)).collect();
         }),
     ];
     for (name, defect) in defects {

@@ -166,9 +166,7 @@ impl MemoryKernel for Disagreeing {
 fn a_recursion_of_another_kernel_is_seen() {
     let seeded = || {
         let mut setup = setup("pure-mild");
-        if let Some(memory) = &mut setup.model.memory {
-            memory.kernel = Box::new(Disagreeing);
-        }
+        setup.model.memory[0].kernel = Box::new(Disagreeing);
         setup
     };
     let direct = direct_history(seeded());

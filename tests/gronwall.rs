@@ -20,7 +20,7 @@
 
 mod shipped;
 
-use gronwall::contact::{MemoryTerm, Model};
+use gronwall::contact::Model;
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{MemoryKernel, Projection, VonMises, YieldLimit};
 use gronwall::scene::{Hypothesis, Registry};
@@ -195,8 +195,7 @@ fn defects_of_the_solver_are_caught() {
     for (name, n) in EXACT {
         let case = Case::new(name, n);
         let mut wrong = setup(name).model;
-        let tensor = wrong.memory.expect("memory").tensor;
-        wrong.memory = Some(MemoryTerm { kernel: Box::new(NothingAtZero), tensor });
+        wrong.memory[0].kernel = Box::new(NothingAtZero);
         assert!(caught(&case.run(&wrong)), "{name}: no value at lag 0");
         let Model { elasticity, memory, boundary, time_rule, .. } = setup(name).model;
         let levels = case.truth.levels(&case.setup, STEPS).expect("levels");

@@ -6,7 +6,7 @@
 
 mod shipped;
 
-use gronwall::contact::{MemoryTerm, Model, StepView};
+use gronwall::contact::{Model, StepView};
 use gronwall::formula::{Node, Point, Variable};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{MemoryKernel, Projection, VonMises, YieldLimit};
@@ -125,8 +125,7 @@ fn defects_in_time_leave_order_two() {
     let with_rule = |rule: Box<dyn TimeRule>| Model { time_rule: rule, ..setup("in-space").model };
     let with_kernel = |at_zero: f64| {
         let mut model = setup("in-space").model;
-        let memory = model.memory.take().expect("memory");
-        model.memory = Some(MemoryTerm { kernel: Box::new(Kernel { at_zero }), ..memory });
+        model.memory[0].kernel = Box::new(Kernel { at_zero });
         model
     };
     let (order, finest) = in_time(&sound, &data, &with_kernel(-1.0));

@@ -67,7 +67,7 @@ fn mismatch<P: Projection>(space: &Discretization, model: &Model<P>, pin: bool, 
     let u = state(space);
     let mut problem = ContactProblem::new(space, model);
     let load = vec![0.0; space.dofs()];
-    let memory = model.memory.as_ref().map_or(0.0, |term| WEIGHT * term.kernel.value(0.0));
+    let memory = model.memory.iter().map(|term| WEIGHT * term.kernel.value(0.0)).collect();
     let slot = LastSlot { zeta: WEIGHT, memory };
     let (mut seed, mut worst) = (7, 0f64);
     for _ in 0..5 {
@@ -75,7 +75,7 @@ fn mismatch<P: Projection>(space: &Discretization, model: &Model<P>, pin: bool, 
         let shifted = |sign: f64| -> Vec<f64> {
             u.iter().zip(&d).map(|(u, d)| u + sign * STEP * d).collect()
         };
-        problem.begin(slot, PAST, &load, None);
+        problem.begin(slot.clone(), PAST, &load, &[]);
         let plus = forces(&mut problem, &shifted(1.0));
         let minus = forces(&mut problem, &shifted(-1.0));
         let mut x: Vec<f64> =

@@ -10,7 +10,7 @@ mod shipped;
 use gronwall::contact::{
     ContactProblem, Discretization, LastSlot, Load, LoadError, Model, march, stress_force,
 };
-use gronwall::law::{NoProjection, VonMises, YieldLimit};
+use gronwall::law::{Isotropic, NoProjection, VonMises, YieldLimit};
 use gronwall::mesh::{Family, cuboid};
 use gronwall::setup::{Setup, constants};
 use gronwall::theory::bound::sampled::sample;
@@ -143,7 +143,10 @@ fn a_plane_scene_continued_along_z_has_the_plane_solution() {
             // Without memory there is no time error either.
             assert_eq!(error < 1e-12, terms == Terms::Law, "{error:e}");
         }
-        let wrong = |model: &mut Model<NoProjection>| model.elasticity.lambda *= 1.01;
+        let wrong = |model: &mut Model<NoProjection>| {
+            let more = |law: Isotropic| Isotropic { lambda: 1.01 * law.lambda, ..law };
+            model.elasticity = model.elasticity.map(more);
+        };
         assert!(against_plane(terms, wrong, Family::Structured, 4).0 > 1e-5);
     }
 }
@@ -256,7 +259,7 @@ fn the_tangent_is_the_derivative_of_the_force() {
     let model = Model { elasticity, memory, projection, boundary, time_rule };
     let mut problem = ContactProblem::new(&space, &model);
     let order = space.dofs();
-    problem.begin(LastSlot { zeta: 0.4, memory: -0.2 }, 0.3, &vec![0.0; order], None);
+    problem.begin(LastSlot { zeta: 0.4, memory: vec![-0.2] }, 0.3, &vec![0.0; order], &[]);
     let u: Vec<f64> = (0..order).map(|i| 0.2 * (1.7 * i as f64).sin()).collect();
     let v: Vec<f64> = (0..order).map(|i| (0.9 * i as f64).cos()).collect();
     let force = |problem: &mut ContactProblem<'_, _>, scale: f64| {

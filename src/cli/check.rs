@@ -30,6 +30,7 @@ impl Check {
                         findings.iter_mut().for_each(strong_form_is_no_measure);
                     }
                 }
+                findings.extend(interfaces(setup));
                 findings.extend(hypotheses(setup, &constants(setup)?));
             }
             Subject::Abstract(setup) => findings.extend(abstract_problem::findings(setup)),
@@ -87,6 +88,29 @@ fn mesh_quality(setup: &Setup) -> Finding {
         q.longest / q.shortest
     );
     Finding::new("mesh", Status::Fact, q.smallest_angle, text)
+}
+
+/// Whether the meshes of the sweep follow the boundaries of the regions.
+fn interfaces(setup: &Setup) -> Option<Finding> {
+    let sweep = setup.scene.sweep.as_ref()?;
+    if setup.body.material.regions.is_empty() {
+        return None;
+    }
+    let (mut fit, mut cut) = (Vec::new(), None);
+    for &n in &sweep.n {
+        match setup.check_regions(n as u32) {
+            Ok(()) => fit.push(n.to_string()),
+            Err(error) => cut = cut.or(Some(error)),
+        }
+    }
+    let subject = "mesh lines on interfaces";
+    Some(match cut {
+        None => {
+            let text = format!("no cell is cut on n = {}", fit.join(", "));
+            Finding::new(subject, Status::Verified, fit.len() as f64, text)
+        }
+        Some(error) => Finding::new(subject, Status::Failed, f64::NAN, error.to_string()),
+    })
 }
 
 /// The constants of the paper, with how each was obtained.

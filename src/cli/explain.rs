@@ -5,13 +5,14 @@ use clap::Args;
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
+use crate::scene::Memory;
 use crate::setup::{Setup, Subject};
 use crate::sweep::{Cost, Overrides, ScenePlan, predict};
 
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, algorithm, history, reference (n, steps, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
+    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -28,7 +29,7 @@ impl Explain {
             return abstract_problem::explain(&plan, self.json);
         };
         let constants = predicted_constants(&plan);
-        let (algorithm, history) = (algorithm(setup), history(setup));
+        let (algorithm, history, regions) = (algorithm(setup), history(setup), regions(setup));
         let costs = predict(setup, &plan)?;
         let cases: Vec<_> = plan
             .cases
@@ -59,6 +60,7 @@ impl Explain {
                 "scene": setup.scene.name,
                 "terms": terms(&setup.scene),
                 "truth": truth(&setup.scene),
+                "regions": regions.iter().map(|(json, _)| json).collect::<Vec<_>>(),
                 "algorithm": algorithm,
                 "history": history,
                 "reference": reference,
@@ -70,6 +72,7 @@ impl Explain {
         print_text(&format!("{}: {}", setup.scene.name, setup.scene.question));
         print_text(&format!("terms      {}", terms(&setup.scene).join(", ")));
         print_text(&format!("truth      {}", truth(&setup.scene)));
+        regions.iter().for_each(|(_, line)| print_text(&format!("region     {line}")));
         print_text(&format!("algorithm  {algorithm}"));
         print_text(&format!("history    {history}"));
         if let (Some(reference), Some(cost)) = (&reference, &costs.reference) {
@@ -106,7 +109,7 @@ fn duration(seconds: f64) -> String {
 
 fn algorithm(setup: &Setup) -> &'static str {
     let model = &setup.model;
-    if model.is_linear() && (model.memory.is_none() || model.memory_multiple().is_some()) {
+    if model.is_linear() && (model.memory.is_empty() || model.memory_multiple().is_some()) {
         "linear, memory a multiple of the elasticity: one factorization; loads that separate in time are solved once"
     } else if model.is_linear() {
         "linear: one factorization, one solve a step"
@@ -117,12 +120,34 @@ fn algorithm(setup: &Setup) -> &'static str {
     }
 }
 
+/// The named regions with the extreme eigenvalues of 𝒜 there, and what lies outside all of them.
+fn regions(setup: &Setup) -> Vec<(serde_json::Value, String)> {
+    let material = &setup.body.material;
+    if material.regions.is_empty() {
+        return Vec::new();
+    }
+    let named = material.regions.iter().map(|region| (region.name.as_str(), &region.elastic));
+    let all = std::iter::once(("elsewhere", &material.elastic)).chain(named);
+    all.map(|(name, elastic)| {
+        let (low, high) = elastic.eigenvalues(setup.scene.dimension);
+        let line =
+            format!("{name}: eigenvalues of the elasticity tensor from {low:.4} to {high:.4}");
+        (serde_json::json!({ "name": name, "eigenvalues": [low, high] }), line)
+    })
+    .collect()
+}
+
 fn history(setup: &Setup) -> String {
-    match &setup.body.material.memory {
-        None => "none".into(),
-        Some(memory) => match &memory.exponentials {
-            Some(terms) => format!("recursion, {} exponential(s), O(1) a step", terms.len()),
-            None => "direct trapezoidal sum, O(n) at step n".into(),
-        },
+    let of_term = |memory: &Memory| match &memory.exponentials {
+        Some(terms) => format!("recursion, {} exponential(s), O(1) a step", terms.len()),
+        None => "direct trapezoidal sum, O(n) at step n".into(),
+    };
+    match &setup.body.material.memory[..] {
+        [] => "none".into(),
+        [memory] => of_term(memory),
+        terms => {
+            let each: Vec<String> = terms.iter().map(of_term).collect();
+            format!("{} terms: {}", terms.len(), each.join("; "))
+        }
     }
 }

@@ -54,7 +54,10 @@ pub fn terms(scene: &Scene) -> Vec<&'static str> {
     let contact = body.contact.as_ref();
     let present = [
         (true, "elasticity"),
-        (body.material.memory.is_some(), "memory"),
+        (!body.material.regions.is_empty(), "regions"),
+        (body.material.is_anisotropic(), "anisotropy"),
+        (!body.material.memory.is_empty(), "memory"),
+        (body.material.memory.len() > 1, "several kernels"),
         (body.material.projection.is_some(), "projection"),
         (contact.is_some_and(|c| c.law.is_some()), "compliance"),
         (contact.is_some_and(|c| c.gap.is_some()), "gap"),

@@ -1,7 +1,7 @@
 //! Cell integrals: Bᵀσ, BᵀCB and their scatter.
 
 use super::{Discretization, Frames};
-use crate::law::Isotropic;
+use crate::law::Stiffness;
 
 /// The columns of B on a cell: the Mandel strain of each unit displacement, (d+1)·d of them.
 #[inline]
@@ -84,20 +84,20 @@ pub fn stress_force<const D: usize, const S: usize>(
     }
 }
 
-/// Adds the stiffness matrix of an isotropic tensor on the unknowns of `frames` to lower-triangle
+/// Adds the stiffness matrix of a tensor on the unknowns of `frames` to lower-triangle
 /// `values`.
-pub fn isotropic_stiffness<const D: usize, const S: usize>(
+pub fn stiffness_of<const D: usize, const S: usize>(
     space: &Discretization,
     frames: &Frames,
-    law: &Isotropic,
+    law: &impl Stiffness,
     values: &mut [f64],
 ) {
-    let matrix = law.matrix::<S>();
     let order = D * (D + 1);
     let mut local = [0.0; 144];
     for c in 0..space.mesh.cell_count() {
         let measure = space.geometry.measure[c];
         let gradients = space.geometry.gradients(c);
+        let matrix = law.matrix_on::<S>(space.region(c));
         cell_stiffness::<D, S>(gradients, &matrix, measure, &mut local[..order * order]);
         frames.rotate_cell(space.cell_nodes(c), &mut local[..order * order]);
         space.pattern.scatter::<D>(c, space.cell_nodes(c), &local[..order * order], values);

@@ -1,11 +1,11 @@
 //! All that depends on the mesh alone and is shared by the cases on it.
 
-use crate::law::Isotropic;
+use crate::law::Stiffness;
 use crate::linalg::{Analysis, BlockPattern, FactorError, nested_dissection};
 use crate::mesh::Mesh;
 use crate::space::{Geometry, Nodes};
 
-use super::{ContactTrace, Frames, isotropic_stiffness};
+use super::{ContactTrace, Frames, stiffness_of};
 
 /// V^h on one mesh: nodes, geometry, matrix pattern with its analysis, the trace on Γ3.
 #[derive(Debug)]
@@ -24,6 +24,8 @@ pub struct Discretization {
     pub trace: ContactTrace,
     /// Unknowns of the vertices of Γ3 whose normals are no axes.
     pub frames: Frames,
+    /// The region of each cell, region 0 being what belongs to no named one; empty if there are none.
+    pub regions: Vec<u8>,
 }
 
 impl Discretization {
@@ -39,12 +41,18 @@ impl Discretization {
             nodes.vertex[..nodes.free].iter().flat_map(|&v| mesh.vertex(v).to_vec()).collect();
         let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates))?;
         let (trace, frames) = ContactTrace::new(&mesh, &nodes, contact);
-        Ok(Self { mesh, nodes, geometry, pattern, analysis, trace, frames })
+        Ok(Self { mesh, nodes, geometry, pattern, analysis, trace, frames, regions: Vec::new() })
     }
 
     /// Number of unknowns.
     pub fn dofs(&self) -> usize {
         self.nodes.dofs()
+    }
+
+    /// The region of cell c.
+    #[inline]
+    pub fn region(&self, c: usize) -> usize {
+        self.regions.get(c).map_or(0, |&region| usize::from(region))
     }
 
     /// Nodes of cell c.
@@ -54,21 +62,21 @@ impl Discretization {
         &self.nodes.cells[stride * c..stride * (c + 1)]
     }
 
-    /// Lower-triangle values of the stiffness matrix of an isotropic tensor, in Cartesian components.
-    pub fn stiffness(&self, law: &Isotropic) -> Vec<f64> {
+    /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components.
+    pub fn stiffness(&self, law: &impl Stiffness) -> Vec<f64> {
         self.stiffness_in(law, &Frames::default())
     }
 
     /// The same on the unknowns of the contact problem.
-    pub fn stiffness_of_unknowns(&self, law: &Isotropic) -> Vec<f64> {
+    pub fn stiffness_of_unknowns(&self, law: &impl Stiffness) -> Vec<f64> {
         self.stiffness_in(law, &self.frames)
     }
 
-    fn stiffness_in(&self, law: &Isotropic, frames: &Frames) -> Vec<f64> {
+    fn stiffness_in(&self, law: &impl Stiffness, frames: &Frames) -> Vec<f64> {
         let mut values = vec![0.0; self.pattern.entries()];
         match self.mesh.dimension {
-            2 => isotropic_stiffness::<2, 3>(self, frames, law, &mut values),
-            _ => isotropic_stiffness::<3, 6>(self, frames, law, &mut values),
+            2 => stiffness_of::<2, 3>(self, frames, law, &mut values),
+            _ => stiffness_of::<3, 6>(self, frames, law, &mut values),
         }
         values
     }

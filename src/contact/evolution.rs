@@ -18,7 +18,8 @@ pub struct Evolution<'a, P> {
     grid: &'a TimeGrid,
     source: &'a mut dyn Load,
     problem: ContactProblem<'a, P>,
-    memory: Option<Memory>,
+    /// One a term of the memory, as the vectors below.
+    memory: Vec<Memory>,
     accumulated: Accumulated,
     /// Levels committed so far: the index n of the open one.
     committed: usize,
@@ -26,11 +27,11 @@ pub struct Evolution<'a, P> {
     past_zeta: f64,
     /// F_n, Cartesian.
     load: Vec<f64>,
-    /// Σ_{j<n} W_nj u_j while a level is open, Σ'_{j≤n} W_nj u_j after its commit, of
+    /// Σ_{j<n} W_nj u_j of each term while a level is open, Σ'_{j≤n} W_nj u_j after its commit, of
     /// unknowns padded to all nodes.
-    history: Vec<f64>,
+    history: Vec<Vec<f64>>,
     /// The same with a frozen last slot.
-    frozen_history: Vec<f64>,
+    frozen_history: Vec<Vec<f64>>,
     zeta: f64,
     /// Seconds in loads.
     pub seconds_load: f64,
@@ -47,19 +48,19 @@ impl<'a, P: Projection> Evolution<'a, P> {
         source: &'a mut dyn Load,
     ) -> Self {
         let rule = model.time_rule.as_ref();
-        let memory =
-            model.memory.as_ref().map(|term| Memory::new(&*term.kernel, rule, space.dofs()));
-        let remembered = if memory.is_some() { space.nodes.len() } else { 0 };
+        let terms = model.memory.iter();
+        let memory: Vec<Memory> =
+            terms.map(|term| Memory::new(&*term.kernel, rule, space.dofs())).collect();
         Self {
             problem: ContactProblem::new(space, model),
+            history: vec![vec![0.0; space.nodes.len()]; memory.len()],
+            frozen_history: vec![vec![0.0; space.dofs()]; memory.len()],
             memory,
             accumulated: Accumulated::default(),
             committed: 0,
             slot: LastSlot::default(),
             past_zeta: 0.0,
             load: vec![0.0; space.dofs()],
-            history: vec![0.0; remembered],
-            frozen_history: Vec::new(),
             zeta: 0.0,
             seconds_load: 0.0,
             peak_history_bytes: 0,
@@ -85,14 +86,13 @@ impl<'a, P: Projection> Evolution<'a, P> {
         &self.load
     }
 
-    /// Σ'_{j≤n} W_nj u_j of the last committed level as a nodal vector, where there is memory.
-    pub fn history(&self) -> Option<Cow<'_, [f64]>> {
-        self.memory.as_ref()?;
-        Some(if self.space.frames.is_empty() {
+    /// Σ'_{j≤n} W_nj u_j of the last committed level as nodal vectors, one a term of the memory.
+    pub fn history(&self) -> Cow<'_, [Vec<f64>]> {
+        if self.space.frames.is_empty() {
             Cow::Borrowed(&self.history)
         } else {
-            Cow::Owned(self.nodal(&self.history))
-        })
+            Cow::Owned(self.history.iter().map(|sum| self.nodal(sum)).collect())
+        }
     }
 
     /// A vector of unknowns as displacements of all nodes.
@@ -110,7 +110,7 @@ impl<'a, P: Projection> Evolution<'a, P> {
 
     /// Weights of the last slot of the open or last committed level.
     pub fn last_slot(&self) -> LastSlot {
-        self.slot
+        self.slot.clone()
     }
 
     /// Changes the weights of the last slot of the open level: a last step of another size after the
@@ -122,9 +122,9 @@ impl<'a, P: Projection> Evolution<'a, P> {
 
     fn begin_implicit(&mut self) {
         let dofs = self.space.dofs();
-        let past = self.memory.as_ref().filter(|_| self.committed > 0);
-        let past = past.map(|_| &self.history[..dofs]);
-        self.problem.begin(self.slot, self.past_zeta, &self.load, past);
+        let sums = if self.committed > 0 { &self.history[..] } else { &[] };
+        let past: Vec<&[f64]> = sums.iter().map(|sum| &sum[..dofs]).collect();
+        self.problem.begin(self.slot.clone(), self.past_zeta, &self.load, &past);
     }
 }
 
@@ -141,12 +141,15 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         self.source.assemble(self.grid.time(n), &mut self.load)?;
         self.seconds_load += start.elapsed().as_secs_f64();
         let rule = self.model.time_rule.as_ref();
-        self.slot = LastSlot { zeta: rule.weight(self.grid, n, n), memory: 0.0 };
-        self.past_zeta = self.accumulated.past(rule, self.grid);
-        if let (Some(memory), Some(term)) = (&self.memory, &self.model.memory) {
-            self.slot.memory = rule.kernel_weight(&Convolution(&*term.kernel), self.grid, n, n);
-            let dofs = self.space.dofs();
-            memory.past(&*term.kernel, rule, self.grid, &mut self.history[..dofs]);
+        let (grid, dofs) = (self.grid, self.space.dofs());
+        self.slot = LastSlot { zeta: rule.weight(grid, n, n), memory: Vec::new() };
+        self.past_zeta = self.accumulated.past(rule, grid);
+        for ((memory, term), sum) in
+            self.memory.iter().zip(&self.model.memory).zip(&mut self.history)
+        {
+            let own = rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n);
+            self.slot.memory.push(own);
+            memory.past(&*term.kernel, rule, grid, &mut sum[..dofs]);
         }
         self.begin_implicit();
         Ok(())
@@ -156,13 +159,13 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         let Some(eta) = eta else { return self.begin_implicit() };
         let dofs = self.space.dofs();
         let zeta = self.past_zeta + self.slot.zeta * self.norm(eta);
-        let past = self.memory.as_ref().map(|_| {
-            self.frozen_history.resize(dofs, 0.0);
-            self.frozen_history.copy_from_slice(&self.history[..dofs]);
-            axpy(self.slot.memory, eta, &mut self.frozen_history);
-            self.frozen_history.as_slice()
-        });
-        self.problem.begin(LastSlot::default(), zeta, &self.load, past);
+        let sums = self.frozen_history.iter_mut().zip(&self.history).zip(&self.slot.memory);
+        for ((frozen, sum), &own) in sums {
+            frozen.copy_from_slice(&sum[..dofs]);
+            axpy(own, eta, frozen);
+        }
+        let past: Vec<&[f64]> = self.frozen_history.iter().map(Vec::as_slice).collect();
+        self.problem.begin(LastSlot::default(), zeta, &self.load, &past);
     }
 
     fn commit(&mut self, solution: &StepState) {
@@ -170,11 +173,13 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         let strain_norm = self.problem.strain_norm();
         self.zeta = self.past_zeta + self.slot.zeta * strain_norm;
         self.accumulated.commit(self.grid, strain_norm);
-        if let Some(memory) = &mut self.memory {
+        let sums = self.history.iter_mut().zip(&self.slot.memory);
+        for (memory, (sum, &own)) in self.memory.iter_mut().zip(sums) {
             memory.commit(self.grid, &solution.u);
-            axpy(self.slot.memory, &solution.u, &mut self.history[..dofs]);
-            self.peak_history_bytes = self.peak_history_bytes.max(memory.bytes());
+            axpy(own, &solution.u, &mut sum[..dofs]);
         }
+        let bytes = self.memory.iter().map(Memory::bytes).sum();
+        self.peak_history_bytes = self.peak_history_bytes.max(bytes);
         self.committed += 1;
     }
 

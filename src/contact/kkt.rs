@@ -104,10 +104,11 @@ impl StepView<'_> {
     ) -> [f64; S] {
         let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
         let strain = strain_of::<S>(gradients, nodes, self.u);
-        let mut stress = model.elasticity.apply(&strain);
-        if let (Some(memory), Some(history)) = (&model.memory, self.history) {
+        let region = space.region(c);
+        let mut stress = model.elasticity.on(region).apply(&strain);
+        for (memory, history) in model.memory.iter().zip(self.history) {
             let remembered = strain_of::<S>(gradients, nodes, history);
-            let part = memory.tensor.apply(&remembered);
+            let part = memory.tensor.on(region).apply(&remembered);
             for (target, value) in stress.iter_mut().zip(part) {
                 *target += value;
             }

@@ -40,11 +40,12 @@ pub fn march<P: Projection>(
     let rule = model.time_rule.as_ref();
     let dofs = space.dofs();
     let beta = model.memory_multiple().unwrap_or(0.0);
-    let kernel = model.memory.as_ref().map(|term| &*term.kernel);
+    // One term at most: `march` sends no other scene here.
+    let kernel = model.memory.first().map(|term| &*term.kernel);
     let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, dofs));
     let mut response = Response::new(space, model, load, &mut info.work)?;
     let (mut force, mut u) = (vec![0.0; dofs], vec![0.0; space.nodes.len()]);
-    let mut history = vec![0.0; if memory.is_some() { space.nodes.len() } else { 0 }];
+    let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
     let mut accumulated = Accumulated::default();
     let nothing = vec![0.0; space.trace.points.len()];
     for n in 0..=grid.steps() {
@@ -54,7 +55,9 @@ pub fn march<P: Projection>(
         info.seconds_load += start.elapsed().as_secs_f64();
         let start = Instant::now();
         response.at(t, load, &force, space, &mut u[..dofs], &mut info.work);
-        if let (Some(memory), Some(kernel)) = (&mut memory, kernel) {
+        if let (Some(memory), Some(kernel), Some(history)) =
+            (&mut memory, kernel, history.first_mut())
+        {
             memory.past(kernel, rule, grid, &mut history[..dofs]);
             let implicit = rule.kernel_weight(&Convolution(kernel), grid, n, n);
             let scale = 1.0 + beta * implicit;
@@ -63,7 +66,7 @@ pub fn march<P: Projection>(
                 let source = StepError::Factor { iteration: 0, source };
                 return Err(FailedStep { n, t, source }.into());
             }
-            for (value, past) in u[..dofs].iter_mut().zip(&history) {
+            for (value, past) in u[..dofs].iter_mut().zip(history.iter()) {
                 *value = (*value - beta * past) / scale;
             }
             memory.commit(grid, &u[..dofs]);
@@ -78,7 +81,7 @@ pub fn march<P: Projection>(
             n,
             t,
             u: &u,
-            history: memory.as_ref().map(|_| history.as_slice()),
+            history: &history,
             zeta: accumulated.value(),
             kappa: f64::INFINITY,
             strain_norm,
@@ -138,11 +141,11 @@ impl Response {
         model: &Model<P>,
         force: &[f64],
         u: &[f64],
-        history: &[f64],
+        history: &[Vec<f64>],
     ) -> Floors {
         let beta = model.memory_multiple().unwrap_or(0.0);
         let mut combined = u[..space.dofs()].to_vec();
-        if !history.is_empty() {
+        if let Some(history) = history.first() {
             axpy(beta, &history[..space.dofs()], &mut combined);
         }
         let mut delta = vec![0.0; space.nodes.len()];

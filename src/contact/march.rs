@@ -15,8 +15,8 @@ pub struct StepView<'a> {
     pub t: f64,
     /// u_n as a nodal vector, clamped nodes included.
     pub u: &'a [f64],
-    /// Σ'_{j ≤ n} b(t_n - t_j) u_j as a nodal vector, where there is memory.
-    pub history: Option<&'a [f64]>,
+    /// Σ'_{j ≤ n} b(t_n - t_j) u_j as nodal vectors, one a term of the memory.
+    pub history: &'a [Vec<f64>],
     /// ζ_n, also for scenes without projection.
     pub zeta: f64,
     /// κ(ζ_n); infinite without projection.
@@ -99,7 +99,7 @@ pub fn march<P: Projection, S: StepSolver>(
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     let direct = solver.is_direct() && model.is_linear();
-    if direct && (model.memory.is_none() || model.memory_multiple().is_some()) {
+    if direct && (model.memory.is_empty() || model.memory_multiple().is_some()) {
         return linear::march(space, model, grid, load, observe);
     }
     let mut march = March::new(space, model, grid, load, solver);
@@ -194,7 +194,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             n,
             t,
             u: &self.nodal,
-            history: history.as_deref(),
+            history: &history,
             zeta,
             kappa: self.model.projection.limit().map_or(f64::INFINITY, |l| l.value(zeta)),
             strain_norm: self.evolution.problem().strain_norm(),

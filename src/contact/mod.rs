@@ -19,7 +19,7 @@ mod problem;
 mod trace;
 mod trace_constant;
 
-pub use assembly::{isotropic_stiffness, stress_force};
+pub use assembly::{stiffness_of, stress_force};
 pub use discretization::Discretization;
 pub use evolution::Evolution;
 pub use floor::{Floors, LevelFields, strain_distance};
@@ -28,7 +28,7 @@ pub use kkt::kkt_residual;
 pub use linear::strain_norm;
 pub use load::{Load, LoadError};
 pub use march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, march};
-pub use model::{Boundary, BoundaryRule, MemoryTerm, Model, OnContact};
+pub use model::{Boundary, BoundaryRule, MemoryTerm, Model, OnContact, relaxation};
 pub use open_level::OpenLevel;
 pub use problem::{ContactProblem, LastSlot};
 pub use trace::{ContactTrace, TracePoint, facet_measure};

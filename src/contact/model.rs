@@ -3,14 +3,23 @@
 use std::sync::Arc;
 
 use crate::history::TimeRule;
-use crate::law::{Isotropic, MemoryKernel, Potential, Projection, Scaled};
+use crate::law::{MemoryKernel, Potential, Projection, Scaled, TensorField};
 
-/// Memory ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds.
+/// A term ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds of the memory.
 pub struct MemoryTerm {
     /// b.
     pub kernel: Box<dyn MemoryKernel>,
     /// ℬ₀.
-    pub tensor: Isotropic,
+    pub tensor: TensorField,
+}
+
+/// ℬ(lag) = Σ b_i(lag) ℬ_i on S^d; none without memory.
+pub fn relaxation(terms: &[MemoryTerm], lag: f64, d: usize) -> Option<TensorField> {
+    let (first, others) = terms.split_first()?;
+    let start = first.tensor.scaled(first.kernel.value(lag));
+    let add =
+        |sum: TensorField, term: &MemoryTerm| sum.plus(term.kernel.value(lag), &term.tensor, d);
+    Some(others.iter().fold(start, add))
 }
 
 /// Where ∫_{Γ3} ∂j_ν(u_ν) v_ν is evaluated.
@@ -60,9 +69,9 @@ impl Boundary {
 /// The model of a scene; `P` is the projection term or [`crate::law::NoProjection`].
 pub struct Model<P> {
     /// 𝒜.
-    pub elasticity: Isotropic,
-    /// ℬ.
-    pub memory: Option<MemoryTerm>,
+    pub elasticity: TensorField,
+    /// ℬ(t) = Σ b_i(t) ℬ_i: one term where it is a scalar kernel times a tensor, none without memory.
+    pub memory: Vec<MemoryTerm>,
     /// μ and κ(ζ).
     pub projection: P,
     /// Contact; `None` if Γ3 is empty or carries neither law nor gap.
@@ -77,8 +86,18 @@ impl<P: Projection> Model<P> {
         self.projection.limit().is_none() && self.boundary.is_none()
     }
 
-    /// β with ℬ₀ = β𝒜, where that is so.
+    /// ‖ℬ(lag)‖ on S^d, the largest of all regions; zero without memory.
+    pub fn memory_norm(&self, lag: f64, d: usize) -> f64 {
+        match &self.memory[..] {
+            [] => 0.0,
+            [term] => term.kernel.value(lag).abs() * term.tensor.norm(d),
+            terms => relaxation(terms, lag, d).map_or(0.0, |tensor| tensor.norm(d)),
+        }
+    }
+
+    /// β with ℬ₀ = β𝒜, where there is one term and that is so.
     pub fn memory_multiple(&self) -> Option<f64> {
-        self.memory.as_ref().and_then(|memory| memory.tensor.multiple_of(&self.elasticity))
+        let [term] = &self.memory[..] else { return None };
+        term.tensor.multiple_of(&self.elasticity)
     }
 }

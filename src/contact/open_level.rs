@@ -15,8 +15,8 @@ pub struct OpenLevel<'a, P> {
     model: &'a Model<P>,
     evolution: Evolution<'a, P>,
     slot: LastSlot,
-    /// Stiffness of ℬ₀, empty without memory.
-    memory: Vec<f64>,
+    /// Stiffness of each ℬ₀, empty without memory.
+    memory: Vec<Vec<f64>>,
     /// Strain products G and their factor.
     gram: Vec<f64>,
     gram_factor: Factor,
@@ -42,10 +42,10 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
         let (mut gram_factor, mut workspace) =
             (space.analysis.factor(), space.analysis.workspace(1));
         space.analysis.factorize(&space.pattern, &gram, &mut gram_factor, &mut workspace)?;
-        let memory = model.memory.as_ref();
+        let terms = model.memory.iter();
         Ok(Self {
             slot: LastSlot::default(),
-            memory: memory.map_or(Vec::new(), |term| space.stiffness_of_unknowns(&term.tensor)),
+            memory: terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect(),
             gram,
             gram_factor,
             workspace,
@@ -56,21 +56,23 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
         })
     }
 
-    /// Adds -W ℬ₀ x as a force; nothing without memory.
+    /// Adds -Σ W ℬ₀ x as a force; nothing without memory.
     fn add_memory(&self, x: &[f64], out: &mut [f64]) {
-        if self.slot.memory != 0.0 {
-            let mut force = vec![0.0; x.len()];
-            self.space.pattern.multiply(&self.memory, x, &mut force);
-            axpy(-self.slot.memory, &force, out);
+        for (memory, &weight) in self.memory.iter().zip(&self.slot.memory) {
+            if weight != 0.0 {
+                let mut force = vec![0.0; x.len()];
+                self.space.pattern.multiply(memory, x, &mut force);
+                axpy(-weight, &force, out);
+            }
         }
     }
 }
 
 impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
     fn set_step(&mut self, k: f64) {
-        let at_zero = self.model.memory.as_ref().map_or(0.0, |term| term.kernel.value(0.0));
-        self.slot = LastSlot { zeta: 0.5 * k, memory: 0.5 * k * at_zero };
-        self.evolution.set_last_slot(self.slot);
+        let at_zero = self.model.memory.iter().map(|term| term.kernel.value(0.0));
+        self.slot = LastSlot { zeta: 0.5 * k, memory: at_zero.map(|b| 0.5 * k * b).collect() };
+        self.evolution.set_last_slot(self.slot.clone());
     }
 
     fn differentiate(&mut self, eta: &[f64], state: &StepState) -> Result<(), FactorError> {

@@ -11,7 +11,7 @@ use super::assembly::{cell_stiffness, stress_force};
 use super::boundary::boundary_graph;
 use super::compliance::FacetCompliance;
 use super::{Discretization, Model};
-use crate::law::{Isotropic, Projection};
+use crate::law::{Projection, TensorField};
 use crate::linalg::{FactorError, LinearWork, RankOne, SequenceSolver, norm};
 use crate::space::strain_of;
 use crate::tensor::contract;
@@ -30,12 +30,12 @@ pub struct Work {
 
 /// Weights of the last slot of the histories, through which F depends on u_n. Both are zero at n = 0
 /// and where the last slot is frozen.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct LastSlot {
     /// w_nn, of ‖ε(u_n)‖ in ζ_n (a time).
     pub zeta: f64,
-    /// W_nn = w_nn b(0), of ℬ₀ε(u_n) in the memory term (dimensionless).
-    pub memory: f64,
+    /// W_nn = w_nn b(0), of ℬ₀ε(u_n) in each term of the memory (dimensionless); empty means zero.
+    pub memory: Vec<f64>,
 }
 
 /// The contact problem on one mesh, at one time level after another.
@@ -46,11 +46,11 @@ pub struct ContactProblem<'a, P> {
     compliance: Option<FacetCompliance<'a>>,
     /// Positions of the rows and columns of the graph coordinates in the tangent.
     couplings: Vec<Vec<(u32, u32)>>,
-    /// Stiffness of 𝒜 and of ℬ₀.
+    /// Stiffness of 𝒜 and of each ℬ₀.
     elastic: Vec<f64>,
-    memory: Vec<f64>,
-    /// 𝒜 + W ℬ₀ as a law and as matrix values.
-    linear_law: Isotropic,
+    memory: Vec<Vec<f64>>,
+    /// 𝒜 + Σ W ℬ₀ as a law and as matrix values.
+    linear_law: TensorField,
     linear: Vec<f64>,
     solver: SequenceSolver<'a>,
     /// What the last tangent was made of: last slot, slopes, prescribed flags.
@@ -76,10 +76,8 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
     /// The problem of `model` on `space`, before the first time level.
     pub fn new(space: &'a Discretization, model: &'a Model<P>) -> Self {
         let elastic = space.stiffness_of_unknowns(&model.elasticity);
-        let memory = match &model.memory {
-            Some(term) => space.stiffness_of_unknowns(&term.tensor),
-            None => Vec::new(),
-        };
+        let terms = model.memory.iter();
+        let memory = terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect();
         let graph = boundary_graph(space, model, &elastic);
         let compliance =
             model.boundary.as_ref().and_then(|boundary| FacetCompliance::new(space, boundary));
@@ -90,7 +88,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         Self {
             solver: SequenceSolver::new(&space.analysis, &space.pattern),
             last: None,
-            linear_law: model.elasticity,
+            linear_law: model.elasticity.clone(),
             linear: elastic.clone(),
             elastic,
             memory,
@@ -118,14 +116,14 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
     }
 
     /// Opens a time level: weights of the last slot, the sum ζ_past, the load F_n (Cartesian), and the
-    /// history vector Σ_{j<n} w_nj b(t_n - t_j) u_j (of unknowns) where there is memory.
-    pub fn begin(&mut self, slot: LastSlot, past_zeta: f64, load: &[f64], past: Option<&[f64]>) {
+    /// history vectors Σ_{j<n} w_nj b(t_n - t_j) u_j (of unknowns) of each term of the memory.
+    pub fn begin(&mut self, slot: LastSlot, past_zeta: f64, load: &[f64], past: &[&[f64]]) {
         let start = Instant::now();
         self.load.copy_from_slice(load);
         self.space.frames.force_on_unknowns(&mut self.load);
-        if let Some(past) = past {
+        for (past, memory) in past.iter().zip(&self.memory) {
             let force = &mut self.nodal_force[..past.len()];
-            self.space.pattern.multiply(&self.memory, past, force);
+            self.space.pattern.multiply(memory, past, force);
             for (target, value) in self.load.iter_mut().zip(force) {
                 *target -= *value;
             }
@@ -141,13 +139,14 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
     }
 
     fn set_linear_part(&mut self) {
-        if let Some(term) = &self.model.memory {
-            let scale = self.slot.memory;
-            let (a, b) = (self.model.elasticity, term.tensor);
-            self.linear_law =
-                Isotropic { lambda: a.lambda + scale * b.lambda, mu: a.mu + scale * b.mu };
-            for ((target, a), b) in self.linear.iter_mut().zip(&self.elastic).zip(&self.memory) {
-                *target = a + scale * b;
+        self.linear_law = self.model.elasticity.clone();
+        self.linear.copy_from_slice(&self.elastic);
+        let d = self.space.mesh.dimension;
+        let terms = self.model.memory.iter().zip(&self.memory).zip(&self.slot.memory);
+        for ((term, stiffness), &scale) in terms {
+            self.linear_law = self.linear_law.plus(scale, &term.tensor, d);
+            for (target, b) in self.linear.iter_mut().zip(stiffness) {
+                *target += scale * b;
             }
         }
     }
@@ -201,7 +200,8 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             let measure = self.space.geometry.measure[c];
             let strain = strain_of::<S>(gradients, nodes, self.displacements());
             sum += measure * contract(&strain, &strain);
-            let stress = self.linear_law.apply(&strain).map(|s| measure * s);
+            let law = self.linear_law.on(self.space.region(c));
+            let stress = law.apply(&strain).map(|s| measure * s);
             stress_force::<D, S>(gradients, nodes, &stress, &mut self.nodal_force);
         }
         self.strain_norm = sum.sqrt();
@@ -228,7 +228,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         for c in 0..self.space.mesh.cell_count() {
             let strain = self.cell_strain::<S>(c);
             let measure = self.space.geometry.measure[c];
-            let mut stress = self.linear_law.apply(&strain);
+            let mut stress = self.linear_law.on(self.space.region(c)).apply(&strain);
             if let Some(extra) = self.model.projection.stress(&strain, kappa) {
                 for (target, value) in stress.iter_mut().zip(extra) {
                     *target += value;
@@ -357,7 +357,7 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
         let start = Instant::now();
         let flags: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
-        let now = (self.slot, slopes.to_vec(), flags);
+        let now = (self.slot.clone(), slopes.to_vec(), flags);
         // Without projection and compliance on facets the tangent is known from slot, slopes, pins.
         let constant = self.model.projection.limit().is_none() && self.compliance.is_none();
         let unchanged = constant && self.last.as_ref() == Some(&now);

@@ -4,7 +4,7 @@
 //! itself whether the elastic part of a step is monotone.
 
 use super::Discretization;
-use crate::law::Isotropic;
+use crate::law::Stiffness;
 use crate::linalg::{
     EigenError, Extreme, Factor, FactorError, LinearMap, Workspace, largest_eigenvalue, signed_unit,
 };
@@ -24,7 +24,7 @@ pub enum TraceMass {
 /// A stiffness matrix that cannot be factorized.
 pub fn trace_constant(
     space: &Discretization,
-    tensor: &Isotropic,
+    tensor: &impl Stiffness,
     mass: TraceMass,
 ) -> Result<Extreme, EigenError> {
     let stiffness = space.stiffness(tensor);

@@ -32,7 +32,7 @@ impl Terms {
         let projection = body.material.projection.as_ref().filter(|p| p.mu > 0.0);
         let contact = body.contact.as_ref();
         Self {
-            memory: body.material.memory.is_some(),
+            memory: !body.material.memory.is_empty(),
             projection: projection.is_some(),
             accumulation: projection.is_some_and(|projection| projection.lipschitz > 0.0),
             compliance: contact.is_some_and(|contact| contact.law.is_some()),

@@ -131,14 +131,19 @@ impl Design<'_> {
     fn memory_alone(&mut self) {
         let kept = Terms { memory: true, ..Terms::NONE };
         let control = 1.0 / self.scene.time.horizon;
-        let own = self.body.material.memory.as_ref();
+        // Of several terms none is taken alone: their course is that of the scene.
+        let own = &self.body.material.memory;
         let course = match self.scene.time.rule {
-            TimeRule::Trapezoid => own.map_or(Some(control), single_rate).map(Course::Fading),
+            TimeRule::Trapezoid => match &own[..] {
+                [] => Some(Course::Fading(control)),
+                [memory] => single_rate(memory).map(Course::Fading),
+                _ => None,
+            },
             // v is interpolated linearly and the kernel integrated exactly.
             TimeRule::ProductIntegration => Some(Course::Linear),
             TimeRule::CorrectedEnd { .. } => None,
         };
-        match (own, course) {
+        match (own.first(), course) {
             (Some(_), Some(course)) => self.exact("memory alone", kept, course, |scene| scene),
             (Some(_), None) if kept != self.terms => {
                 self.own_course("memory alone".into(), kept, None);

@@ -5,6 +5,7 @@
 
 use super::term::Terms;
 use crate::formula::{Graph, Node, Point, Scope, Variable};
+use crate::law::FourthOrder;
 use crate::scene::{
     Body, ContactScene, Data, Direction, Domain, Expectation, Hypothesis, LoadForm, Memory, Norm,
     Prediction, Projection, Scene, Sweep,
@@ -44,7 +45,7 @@ pub(super) fn with_terms(scene: &Scene, kept: Terms) -> Scene {
     let mut graph = std::mem::take(&mut scene.formulas);
     if let Some(body) = scene.body_mut() {
         if !kept.memory {
-            body.material.memory = None;
+            body.material.memory.clear();
         }
         if !kept.projection {
             body.material.projection = None;
@@ -149,19 +150,30 @@ fn interior(domain: &Domain) -> Vec<Point> {
     domain.inner_points(SAMPLES).into_iter().map(at).collect()
 }
 
+/// The Lamé numbers of an isotropic tensor; of another one, those of its smallest eigenvalue times the identity.
+fn isotropic(elastic: &FourthOrder, d: usize) -> [f64; 2] {
+    match elastic {
+        FourthOrder::Isotropic(law) => [law.lambda, law.mu],
+        FourthOrder::Full(_) => [0.0, 0.5 * elastic.eigenvalues(d).0],
+    }
+}
+
 /// The scene with memory b(t) = -exp(-t/T), ℬ₀ = 𝒜/4: a control where the scene has none.
 pub(super) fn with_memory(mut scene: Scene) -> Scene {
     let rate = 1.0 / scene.time.horizon;
     let text = format!("-exp(-({rate:?})*t)");
-    let mut graph = std::mem::take(&mut scene.formulas);
+    let (mut graph, d) = (std::mem::take(&mut scene.formulas), scene.dimension);
     if let (Ok(kernel), Some(body)) =
         (graph.parse(&text, &Scope::new(&[Variable::T])), scene.body_mut())
     {
         let exponentials = graph.exponential_sum(kernel);
         // Fading memory of unit time scale: its integral over [0, T] stays below 𝒜/4.
         let quarter = 0.25 * rate.min(1.0);
-        let (lambda, mu) = (quarter * body.material.lambda, quarter * body.material.mu);
-        body.material.memory = Some(Memory { kernel, exponentials, lambda, mu });
+        let share = |elastic: &FourthOrder| isotropic(elastic, d).map(|number| quarter * number);
+        let body = &mut body.material;
+        let [lambda, mu] = share(&body.elastic);
+        let regions = body.regions.iter().map(|region| share(&region.elastic)).collect();
+        body.memory = vec![Memory { kernel, exponentials, lambda, mu, regions }];
     }
     scene.formulas = graph;
     scene
@@ -180,7 +192,7 @@ pub(super) fn with_projection(mut scene: Scene) -> Scene {
         let (start, slope) = (0.5 * strain, 0.2 / horizon);
         let text = format!("{start:?} + {slope:?}*zeta");
         if let Ok(kappa) = graph.parse(&text, &Scope::new(&[Variable::Zeta])) {
-            let mu = body.material.mu;
+            let [_, mu] = isotropic(&body.material.elastic, 2);
             body.material.projection = Some(Projection { mu, kappa, lipschitz: slope });
         }
     }

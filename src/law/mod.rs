@@ -8,6 +8,7 @@ mod kernel;
 mod potential;
 mod projection;
 mod scaled;
+mod tensor_field;
 
 pub use curve::{Curve, Curved};
 pub use elasticity::Isotropic;
@@ -15,3 +16,4 @@ pub use kernel::{Convolution, ExponentialSum, HistoryKernel, MemoryKernel};
 pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError, graph_distance};
 pub use projection::{NoProjection, Projection, Response, VonMises, YieldLimit};
 pub use scaled::Scaled;
+pub use tensor_field::{FourthOrder, Stiffness, TensorField};

@@ -24,6 +24,8 @@ pub(super) struct InSpace {
     /// κ'(ζ).
     slope: Option<Node>,
     graph: crate::formula::Graph,
+    /// The region of each cell.
+    regions: Vec<usize>,
     states: RefCell<HashMap<u64, Rc<State>>>,
 }
 
@@ -33,8 +35,8 @@ struct State {
     strain: Vec<Mandel>,
     /// ‖ε‖_ℋ.
     norm: f64,
-    /// ε(∫ b(t-s) u ds), empty without memory.
-    memory: Vec<Mandel>,
+    /// ε(∫ b_i(t-s) u ds) of each term of the memory.
+    memory: Vec<Vec<Mandel>>,
     /// ζ, where κ depends on it.
     zeta: f64,
     /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
@@ -43,13 +45,14 @@ struct State {
 
 /// The past of a level: Σ' over exact values, and over the errors of earlier levels.
 struct Past {
-    memory: Vec<Mandel>,
+    /// One a term of the memory.
+    memory: Vec<Vec<Mandel>>,
     zeta: f64,
-    memory_error: Vec<Mandel>,
+    memory_error: Vec<Vec<Mandel>>,
     zeta_error: f64,
     /// The weights with which the level itself enters.
     own: f64,
-    own_memory: f64,
+    own_memory: Vec<f64>,
 }
 
 impl InSpace {
@@ -63,7 +66,8 @@ impl InSpace {
             .kappa
             .filter(|&kappa| graph.depends_on(kappa, Variable::Zeta))
             .map(|kappa| graph.derivative(kappa, Variable::Zeta));
-        Self { exact, space, truth, slope, graph, states: RefCell::default() }
+        let regions = exact.cell_regions(&space.mesh);
+        Self { exact, space, truth, slope, graph, regions, states: RefCell::default() }
     }
 
     /// Whether u(t) ∈ V^h, to rounding, at times that no scene has reason to single out.
@@ -101,18 +105,14 @@ impl InSpace {
         Ok(largest)
     }
 
-    fn b(&self, lag: f64) -> f64 {
+    fn b(&self, kernel: Node, lag: f64) -> f64 {
         let at = Point { t: lag, ..Point::default() };
-        self.exact.data.kernel.map_or(0.0, |kernel| self.exact.data.graph.evaluate(kernel, &at))
+        self.exact.data.graph.evaluate(kernel, &at)
     }
 
     fn at_zeta(&self, node: Option<Node>, zeta: f64, absent: f64) -> f64 {
         let at = Point { zeta, ..Point::default() };
         node.map_or(absent, |node| self.graph.evaluate(node, &at))
-    }
-
-    fn has_memory(&self) -> bool {
-        self.exact.data.material.memory.is_some() && self.exact.data.kernel.is_some()
     }
 
     fn state(&self, t: f64) -> Result<Rc<State>, NoConstant> {
@@ -121,7 +121,7 @@ impl InSpace {
         }
         let (u, memory) = self.truth.displacements(t)?;
         let strain = strains(&self.space, &u);
-        let memory = if memory.is_empty() { Vec::new() } else { strains(&self.space, &memory) };
+        let memory = memory.iter().map(|history| strains(&self.space, history)).collect();
         let zeta = if self.slope.is_some() { self.truth.zeta(t)? } else { 0.0 };
         let norm = inner(&self.space, &strain, &strain).sqrt();
         let contact = self.truth.contact_state(t);
@@ -140,22 +140,25 @@ impl InSpace {
     ) -> Past {
         let own = weight(times, n, n);
         let (mut zeta, mut zeta_error) = (own * states[n].norm, 0.0);
-        let length = self.space.nodes.len();
-        let (mut exact, mut error) = (vec![0.0; length], vec![0.0; length]);
-        let own_memory = if self.has_memory() { own * self.b(0.0) } else { 0.0 };
-        axpy(own_memory, &states[n].u, &mut exact);
         for j in 0..n {
             let w = weight(times, n, j);
             zeta += w * states[j].norm;
             zeta_error += w * of_norm[j];
-            if self.has_memory() {
-                let w = w * self.b(times[n] - times[j]);
+        }
+        let length = self.space.nodes.len();
+        let (mut memory, mut memory_error, mut own_memory) = (vec![], vec![], vec![]);
+        for &kernel in &self.exact.data.kernels {
+            let (mut exact, mut error) = (vec![0.0; length], vec![0.0; length]);
+            own_memory.push(own * self.b(kernel, 0.0));
+            axpy(own * self.b(kernel, 0.0), &states[n].u, &mut exact);
+            for j in 0..n {
+                let w = weight(times, n, j) * self.b(kernel, times[n] - times[j]);
                 axpy(w, &states[j].u, &mut exact);
                 axpy(w, &errors[j], &mut error);
             }
+            memory.push(strains(&self.space, &exact));
+            memory_error.push(strains(&self.space, &error));
         }
-        let memory = strains(&self.space, &exact);
-        let memory_error = strains(&self.space, &error);
         Past { memory, zeta, memory_error, zeta_error, own, own_memory }
     }
 
@@ -167,34 +170,38 @@ impl InSpace {
     ///
     /// with ρ the stress of the discrete history less that of the exact one.
     fn level(&self, t: f64, state: &State, past: &Past) -> Result<Vec<f64>, NoConstant> {
-        let (space, material) = (&self.space, &self.exact.data.material);
+        let space = &self.space;
         let kappa = self.exact.data.kappa;
         let (exact_kappa, own_kappa) = (
             self.at_zeta(kappa, state.zeta, f64::INFINITY),
             self.at_zeta(kappa, past.zeta, f64::INFINITY),
         );
         let slope = self.at_zeta(self.slope, past.zeta, 0.0);
-        let (lambda, mu) = material.memory.unwrap_or_default();
         let mut values = vec![0.0; space.pattern.entries()];
         let mut right = vec![0.0; space.nodes.len()];
         let (mut column, mut row) = (right.clone(), right.clone());
-        let nothing = [0.0; 3];
         for c in 0..space.mesh.cell_count() {
-            let strain = &state.strain[c];
-            let memory = state.memory.get(c).unwrap_or(&nothing);
-            let before = stress_of(material, strain, memory, exact_kappa);
-            let after = stress_of(material, strain, &past.memory[c], own_kappa);
-            let remembered = isotropic(lambda, mu, &past.memory_error[c]);
+            let (strain, material) = (&state.strain[c], self.exact.material_in(self.regions[c]));
+            let of_cell = |terms: &[Vec<Mandel>]| -> Vec<Mandel> {
+                terms.iter().map(|term| term[c]).collect()
+            };
+            let before = stress_of(material, strain, &of_cell(&state.memory), exact_kappa);
+            let after = stress_of(material, strain, &of_cell(&past.memory), own_kappa);
+            let mut tangent = by_strain(material, strain, own_kappa);
+            let mut remembered = [0.0; 3];
+            for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
+                let part = isotropic(lambda, mu, &past.memory_error[term][c]);
+                (0..3).for_each(|i| remembered[i] += part[i]);
+                for (i, line) in tangent.iter_mut().enumerate() {
+                    let unit = [0, 1, 2].map(|j| f64::from(u8::from(i == j)));
+                    let memory = isotropic(lambda, mu, &unit);
+                    (0..3).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
+                }
+            }
             let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
             let source = [0, 1, 2]
                 .map(|i| before[i] - after[i] - remembered[i] - by_zeta[i] * past.zeta_error);
             add_force(space, c, &source, &mut right);
-            let mut tangent = by_strain(material, strain, own_kappa);
-            for (i, line) in tangent.iter_mut().enumerate() {
-                let unit = [0, 1, 2].map(|j| f64::from(u8::from(i == j)));
-                let memory = isotropic(lambda, mu, &unit);
-                (0..3).for_each(|j| line[j] += past.own_memory * memory[j]);
-            }
             add_stiffness(space, c, &tangent, &mut values);
             if self.slope.is_some() && state.norm > 0.0 {
                 add_force(space, c, &by_zeta, &mut column);

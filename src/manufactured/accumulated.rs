@@ -31,6 +31,8 @@ struct Integrand {
     strain: Program,
     guards: Program,
     guard_count: usize,
+    /// Cuts of (0, height): uniform ones, and where a guard that depends on y alone changes sign.
+    cuts_in_y: Vec<f64>,
     /// Weight of each strain component in ‖ε‖².
     weights: Vec<f64>,
     size: [f64; 2],
@@ -48,8 +50,9 @@ impl AccumulatedStrain {
         needed: bool,
     ) -> Self {
         let integrand = needed.then(|| {
-            let guards: Vec<Node> = graph
-                .guards(strain)
+            let all = graph.guards(strain);
+            let cuts_in_y = cuts_in_y(graph, &all, horizon, size[1]);
+            let guards: Vec<Node> = all
                 .into_iter()
                 .filter(|&guard| {
                     graph.depends_on(guard, Variable::X) || graph.depends_on(guard, Variable::T)
@@ -57,6 +60,7 @@ impl AccumulatedStrain {
                 .collect();
             Integrand {
                 strain: Program::compile(graph, strain, horizon),
+                cuts_in_y,
                 guard_count: guards.len(),
                 guards: Program::compile(graph, &guards, horizon),
                 weights: super::symbolic::components(2)
@@ -139,7 +143,7 @@ impl Integrand {
             return parts.map(|(e, w)| w * polygon.sum_of_squares(e)).sum::<f64>().sqrt();
         }
         let xs = pieces(&self.cuts_in_x(t));
-        let ys = pieces(&uniform_cuts(self.size[1]));
+        let ys = pieces(&self.cuts_in_y);
         let points: Vec<[f64; 3]> =
             xs.iter().flat_map(|(x, _)| ys.iter().map(move |(y, _)| [*x, *y, 0.0])).collect();
         let mut out = vec![Vec::new(); self.weights.len()];
@@ -175,6 +179,25 @@ impl Integrand {
         cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * width);
         cuts
     }
+}
+
+fn cuts_in_y(graph: &mut Graph, guards: &[Node], horizon: f64, height: f64) -> Vec<f64> {
+    let alone = |guard: &Node| {
+        let others = [Variable::X, Variable::T];
+        others.iter().all(|&other| !graph.depends_on(*guard, other))
+    };
+    let fixed: Vec<Node> = guards.iter().copied().filter(alone).collect();
+    let program = Program::compile(graph, &fixed, horizon);
+    let mut cuts = uniform_cuts(height);
+    cuts.extend(sign_changes(0.0, height, WATCHES, |places| {
+        let points: Vec<[f64; 3]> = places.iter().map(|&y| [0.0, y, 0.0]).collect();
+        let mut values = vec![Vec::new(); fixed.len()];
+        program.bind(&points).evaluate(0.0, 0.0, &mut values);
+        values
+    }));
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * height);
+    cuts
 }
 
 fn uniform_cuts(length: f64) -> Vec<f64> {

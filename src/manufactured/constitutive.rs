@@ -1,37 +1,73 @@
-//! σ of (5.1) from ε, the memory integral H = ∫ b(t-s) ε ds and κ, on full D×D tensors.
+//! σ of (5.1) from ε, the memory integrals H_i = ∫ b_i(t-s) ε ds and κ, on full D×D tensors.
 
 use super::exact::MaterialNumbers;
 
 /// A full second-order tensor.
 pub type Tensor<const D: usize> = [[f64; D]; D];
 
-/// σ = 2μ_L ε + λ tr ε I + μ(ε - P_κ ε) + 2 μ_ℬ H + λ_ℬ tr H I (a stress).
+/// σ = 𝒜ε + μ(ε - P_κ ε) + Σ_i (2 μ_i H_i + λ_i tr H_i I) (a stress); 𝒜ε = 2μ_L ε + λ tr ε I unless 𝒜 is
+/// given in full. `memory` holds one H_i a term.
 pub fn stress<const D: usize>(
     material: &MaterialNumbers,
     strain: &Tensor<D>,
-    memory: &Tensor<D>,
+    memory: &[Tensor<D>],
     kappa: f64,
 ) -> Tensor<D> {
     let trace = |tensor: &Tensor<D>| (0..D).map(|i| tensor[i][i]).sum::<f64>();
-    let (trace_strain, trace_memory) = (trace(strain), trace(memory));
-    let mut out = [[0.0; D]; D];
-    for i in 0..D {
-        for j in 0..D {
-            out[i][j] = 2.0 * material.mu_l * strain[i][j];
-            if let Some((lambda, mu)) = material.memory {
-                out[i][j] += 2.0 * mu * memory[i][j];
-                if i == j {
-                    out[i][i] += lambda * trace_memory;
-                }
+    let trace_strain = trace(strain);
+    let mut out = match &material.full {
+        Some(mandel) => contracted(mandel, strain),
+        None => isotropic(material.lambda, material.mu_l, strain, trace_strain),
+    };
+    for (&(lambda, mu), history) in material.memory.iter().zip(memory) {
+        let part = isotropic(lambda, mu, history, trace(history));
+        for i in 0..D {
+            for j in 0..D {
+                out[i][j] += part[i][j];
             }
         }
-        out[i][i] += material.lambda * trace_strain;
     }
     if let Some(mu) = material.projection {
         let excess = projected_excess(strain, trace_strain, kappa);
         for i in 0..D {
             for j in 0..D {
                 out[i][j] += mu * excess[i][j];
+            }
+        }
+    }
+    out
+}
+
+/// 2 μ τ + λ tr τ I.
+fn isotropic<const D: usize>(lambda: f64, mu: f64, tensor: &Tensor<D>, trace: f64) -> Tensor<D> {
+    let mut out = tensor.map(|row| row.map(|entry| 2.0 * mu * entry));
+    for (i, row) in out.iter_mut().enumerate() {
+        row[i] += lambda * trace;
+    }
+    out
+}
+
+/// 𝒜_ijkl of a matrix in Mandel notation: an index pair i ≠ j carries √2.
+pub fn component(mandel: &[[f64; 6]; 6], d: usize, [i, j, k, l]: [usize; 4]) -> f64 {
+    let place = |i: usize, j: usize| match (i == j, d) {
+        (true, _) => (i, 1.0),
+        (false, 2) => (2, std::f64::consts::FRAC_1_SQRT_2),
+        // yz, xz, xy: the pair without axis m stands at 3 + m.
+        (false, _) => (6 - i - j, std::f64::consts::FRAC_1_SQRT_2),
+    };
+    let ((row, first), (column, second)) = (place(i, j), place(k, l));
+    mandel[row][column] * first * second
+}
+
+/// σ_ij = Σ_kl 𝒜_ijkl ε_kl.
+fn contracted<const D: usize>(mandel: &[[f64; 6]; 6], strain: &Tensor<D>) -> Tensor<D> {
+    let mut out = [[0.0; D]; D];
+    for (i, row) in out.iter_mut().enumerate() {
+        for (j, value) in row.iter_mut().enumerate() {
+            for (k, line) in strain.iter().enumerate() {
+                for (l, entry) in line.iter().enumerate() {
+                    *value += component(mandel, D, [i, j, k, l]) * entry;
+                }
             }
         }
     }

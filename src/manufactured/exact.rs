@@ -6,7 +6,7 @@ use super::AccumulatedStrain;
 use super::curve::CurveNumbers;
 use super::symbolic;
 use crate::formula::{Graph, Node, Program, Variable};
-use crate::mesh::Coarse;
+use crate::mesh::{Coarse, Mesh};
 
 /// Numbers of the material, as the scene states them.
 #[derive(Debug, Clone, PartialEq)]
@@ -15,10 +15,21 @@ pub struct MaterialNumbers {
     pub lambda: f64,
     /// μ_L.
     pub mu_l: f64,
-    /// (λ_ℬ, μ_ℬ).
-    pub memory: Option<(f64, f64)>,
+    /// 𝒜 in Mandel notation (the leading block of order d(d+1)/2) in place of λ and μ_L.
+    pub full: Option<[[f64; 6]; 6]>,
+    /// (λ_ℬ, μ_ℬ) of each term of the memory.
+    pub memory: Vec<(f64, f64)>,
     /// μ of the projection.
     pub projection: Option<f64>,
+}
+
+/// A part of the body with a material of its own; parts do not overlap.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegionNumbers {
+    /// A formula in the place, positive inside.
+    pub condition: Node,
+    /// Its material.
+    pub material: MaterialNumbers,
 }
 
 /// A piecewise linear law by its points and outer slopes, plus a curve.
@@ -66,10 +77,12 @@ pub struct ExactData {
     pub graph: Graph,
     /// u.
     pub u: Vec<Node>,
-    /// Material numbers.
+    /// Material numbers outside all regions.
     pub material: MaterialNumbers,
-    /// b(t).
-    pub kernel: Option<Node>,
+    /// Regions with other numbers.
+    pub regions: Vec<RegionNumbers>,
+    /// b_i(t), one a term of the memory.
+    pub kernels: Vec<Node>,
     /// κ(ζ).
     pub kappa: Option<Node>,
     /// Contact, if there is a Γ3 with law or gap.
@@ -111,13 +124,13 @@ pub struct Exact {
     pub data: ExactData,
     /// ε, upper components.
     pub strain: Vec<Node>,
-    /// H = ∫ b(t-s) ε ds; empty without memory.
+    /// H_i = ∫ b_i(t-s) ε ds, one term of the memory after another; empty without memory.
     pub memory: Vec<Node>,
     /// σ as formulas.
     pub stress: Vec<Node>,
     /// f0 = -Div σ.
     pub body_force: Vec<Node>,
-    /// [u, ε, H].
+    /// [u, ε, H_1, H_2, …].
     pub interior: Program,
     /// f0.
     pub forces: Program,
@@ -130,11 +143,17 @@ impl Exact {
     pub fn new(mut data: ExactData) -> Self {
         let graph = &mut data.graph;
         let strain = symbolic::strain(graph, &data.u);
-        let memory = match (data.kernel, data.material.memory) {
-            (Some(kernel), Some(_)) => symbolic::memory(graph, kernel, &strain),
-            _ => Vec::new(),
-        };
-        let stress = symbolic::stress(graph, &data.material, data.kappa, &strain, &memory);
+        let terms = data.kernels.iter();
+        let memory: Vec<Node> =
+            terms.flat_map(|&kernel| symbolic::memory(graph, kernel, &strain)).collect();
+        let mut stress = symbolic::stress(graph, &data.material, data.kappa, &strain, &memory);
+        let zero = graph.constant(0.0);
+        for region in &data.regions {
+            let inside = symbolic::stress(graph, &region.material, data.kappa, &strain, &memory);
+            for (outside, inside) in stress.iter_mut().zip(inside) {
+                *outside = graph.select_less(zero, region.condition, inside, *outside);
+            }
+        }
         let body_force = symbolic::body_force(graph, &stress);
         let outputs: Vec<Node> = data.u.iter().chain(&strain).chain(&memory).copied().collect();
         let interior = Program::compile(graph, &outputs, data.horizon);
@@ -149,6 +168,46 @@ impl Exact {
     /// Space dimension.
     pub fn dimension(&self) -> usize {
         self.data.u.len()
+    }
+
+    /// The region of each point, 0 for what lies in none of [`ExactData::regions`].
+    pub fn regions_at(&self, points: &[[f64; 3]]) -> Vec<usize> {
+        let mut found = vec![0; points.len()];
+        if self.data.regions.is_empty() {
+            return found;
+        }
+        let conditions: Vec<Node> = self.data.regions.iter().map(|r| r.condition).collect();
+        let mut graph = self.data.graph.clone();
+        let program = Program::compile(&mut graph, &conditions, self.data.horizon);
+        let mut values = vec![Vec::new(); conditions.len()];
+        program.bind(points).evaluate(0.0, 0.0, &mut values);
+        for (index, values) in values.iter().enumerate() {
+            for (own, value) in found.iter_mut().zip(values) {
+                if *value > 0.0 {
+                    *own = index + 1;
+                }
+            }
+        }
+        found
+    }
+
+    /// The region of each cell of a mesh, that of its centroid.
+    pub fn cell_regions(&self, mesh: &Mesh) -> Vec<usize> {
+        if self.data.regions.is_empty() {
+            return vec![0; mesh.cell_count()];
+        }
+        let centroid = vec![1.0 / (mesh.dimension + 1) as f64; mesh.dimension + 1];
+        let points: Vec<[f64; 3]> =
+            (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &centroid)).collect();
+        self.regions_at(&points)
+    }
+
+    /// The numbers of a region.
+    pub fn material_in(&self, region: usize) -> &MaterialNumbers {
+        match region {
+            0 => &self.data.material,
+            named => &self.data.regions[named - 1].material,
+        }
     }
 
     /// κ(ζ(t)), infinite without projection.

@@ -37,9 +37,10 @@ pub struct InterpolatedOnMesh {
     space: Arc<Discretization>,
     /// Where the scheme integrates ∂j_ν.
     rule: ComplianceRule,
-    /// [u_x, u_y, H u_x, H u_y] at the vertices in node order.
+    /// [u_x, u_y, H_1 u_x, H_1 u_y, …] at the vertices in node order.
     bound: Mutex<Bound>,
-    has_memory: bool,
+    /// Of each cell.
+    regions: Vec<usize>,
     /// Formulas on each side of Γ3, bound to its points of the trace.
     boundary: Vec<SidePoints>,
     /// Times in [0, T] at which a guard changes sign at some vertex, sorted.
@@ -55,11 +56,8 @@ impl InterpolatedOnMesh {
     pub fn new(exact: Arc<Exact>, space: Arc<Discretization>, rule: ComplianceRule) -> Self {
         let mut graph = exact.data.graph.clone();
         let mut outputs: Vec<Node> = exact.data.u.clone();
-        let has_memory = !exact.memory.is_empty();
-        if let (true, Some(kernel)) = (has_memory, exact.data.kernel) {
-            let memory: Vec<Node> =
-                exact.data.u.iter().map(|&u| graph.convolve(kernel, u)).collect();
-            outputs.extend(memory);
+        for &kernel in &exact.data.kernels {
+            outputs.extend(exact.data.u.iter().map(|&u| graph.convolve(kernel, u)));
         }
         let horizon = exact.data.horizon;
         let nodal = Program::compile(&mut graph, &outputs, horizon);
@@ -71,7 +69,7 @@ impl InterpolatedOnMesh {
         let boundary = side_points(&exact, &space);
         Self {
             bound: Mutex::new(nodal.bind(&points)),
-            has_memory,
+            regions: exact.cell_regions(&space.mesh),
             boundary,
             events,
             accumulated: RunningIntegral::new(horizon),
@@ -83,16 +81,17 @@ impl InterpolatedOnMesh {
         }
     }
 
-    /// u and ∫ b(t-s) u(s) ds as nodal vectors at time t; the second is empty without memory.
+    /// u and the ∫ b_i(t-s) u(s) ds, one a term of the memory, as nodal vectors at time t.
     ///
     /// # Errors
     /// A formula that is not finite at a vertex.
-    pub fn displacements(&self, t: f64) -> Result<(Vec<f64>, Vec<f64>), LoadError> {
-        let outputs = if self.has_memory { 4 } else { 2 };
+    pub fn displacements(&self, t: f64) -> Result<(Vec<f64>, Vec<Vec<f64>>), LoadError> {
+        let outputs = 2 + 2 * self.exact.data.kernels.len();
         let mut out = vec![Vec::new(); outputs];
         self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
         let nodes = self.space.nodes.vertex.len();
-        for (field, name) in out.iter().zip(["u_x", "u_y", "H u_x", "H u_y"]) {
+        let names = ["u_x", "u_y"].into_iter().chain(["H u_x", "H u_y"].into_iter().cycle());
+        for (field, name) in out.iter().zip(names) {
             if let Some(p) = field.iter().position(|v| !v.is_finite()) {
                 let x = self.space.mesh.vertex(self.space.nodes.vertex[p]);
                 let (x, y) = (x[0], x[1]);
@@ -102,7 +101,7 @@ impl InterpolatedOnMesh {
         let interleave = |a: usize| -> Vec<f64> {
             (0..nodes).flat_map(|p| [out[a][p], out[a + 1][p]]).collect()
         };
-        let memory = if self.has_memory { interleave(2) } else { Vec::new() };
+        let memory = (2..outputs).step_by(2).map(interleave).collect();
         Ok((interleave(0), memory))
     }
 
@@ -250,10 +249,11 @@ impl InterpolatedOnMesh {
         Ok(force)
     }
 
-    fn stress(&self, u: &[f64], memory: &[f64], kappa: f64, c: usize) -> Tensor<2> {
+    fn stress(&self, u: &[f64], memory: &[Vec<f64>], kappa: f64, c: usize) -> Tensor<2> {
         let strain = self.strain(u, c);
-        let remembered = if self.has_memory { self.strain(memory, c) } else { [[0.0; 2]; 2] };
-        constitutive::stress(&self.exact.data.material, &strain, &remembered, kappa)
+        let remembered: Vec<Tensor<2>> = memory.iter().map(|h| self.strain(h, c)).collect();
+        let material = self.exact.material_in(self.regions[c]);
+        constitutive::stress(material, &strain, &remembered, kappa)
     }
 
     fn compute_moments(&self, t: f64) -> Result<Moments, LoadError> {

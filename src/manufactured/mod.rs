@@ -39,7 +39,7 @@ pub use curve::CurveNumbers;
 pub use edge_compliance::ComplianceRule;
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
-    Polygon,
+    Polygon, RegionNumbers,
 };
 pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
 pub use interpolated::InterpolatedOnMesh;

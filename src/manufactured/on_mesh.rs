@@ -4,7 +4,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::constitutive::{self, Tensor};
-use super::exact::{Exact, LoadForm};
+use super::exact::{Exact, LoadForm, MaterialNumbers};
 use super::nodal_force::{add_stress, length};
 use super::reduction::{add_cell, project};
 use super::symbolic::components;
@@ -51,6 +51,8 @@ pub struct ExactOnMesh {
     contact: Vec<FacetGroup>,
     /// Facets of Γ2.
     traction: Vec<FacetGroup>,
+    /// Of each cell.
+    regions: Vec<usize>,
     loads: ByTime<Vec<f64>>,
     moments: ByTime<Moments>,
 }
@@ -62,6 +64,8 @@ struct FacetGroup {
     facets: Vec<usize>,
     /// The same facets by their numbers in the mesh.
     mesh_facets: Vec<usize>,
+    /// The regions of their midpoints.
+    regions: Vec<usize>,
     formulas: super::exact::BoundaryFormulas,
     points: Sampled,
     samples: Sampled,
@@ -93,6 +97,7 @@ impl ExactOnMesh {
             load_points: cell_points(&rules.load),
             force_points: cell_points(&rules.load),
             error_points: cell_points(&rules.error),
+            regions: exact.cell_regions(&space.mesh),
             contact,
             traction: facet_groups(&exact, &space, &free, &rules.side),
             exact,
@@ -103,20 +108,25 @@ impl ExactOnMesh {
         }
     }
 
-    /// Full ε and H at point p of interior outputs [u, ε, H].
-    fn tensors(&self, values: &[Vec<f64>], p: usize) -> (Tensor<2>, Tensor<2>) {
-        let mut strain = [[0.0; 2]; 2];
-        let mut memory = [[0.0; 2]; 2];
-        let has_memory = !self.exact.memory.is_empty();
-        for (at, &(i, j)) in components(2).iter().enumerate() {
-            strain[i][j] = values[2 + at][p];
-            strain[j][i] = strain[i][j];
-            if has_memory {
-                memory[i][j] = values[5 + at][p];
-                memory[j][i] = memory[i][j];
+    /// Full ε at point p of interior outputs [u, ε, H_1, …], the H_i to `memory`.
+    fn tensors(&self, values: &[Vec<f64>], p: usize, memory: &mut Vec<Tensor<2>>) -> Tensor<2> {
+        let list = components(2);
+        let tensor = |fields: &[Vec<f64>]| {
+            let mut tensor = [[0.0; 2]; 2];
+            for (field, &(i, j)) in fields.iter().zip(&list) {
+                tensor[i][j] = field[p];
+                tensor[j][i] = field[p];
             }
-        }
-        (strain, memory)
+            tensor
+        };
+        memory.clear();
+        memory.extend(values[2 + list.len()..].chunks(list.len()).map(tensor));
+        tensor(&values[2..])
+    }
+
+    /// The material of a cell.
+    fn material_of(&self, c: usize) -> &MaterialNumbers {
+        self.exact.material_in(self.regions[c])
     }
 
     fn interior(&self, points: &Sampled, t: f64) -> Result<Vec<Vec<f64>>, LoadError> {
@@ -131,13 +141,13 @@ impl ExactOnMesh {
         let values = self.interior(&self.load_points, t)?;
         let kappa = self.exact.kappa(t);
         let mut force = vec![0.0; space.nodes.len()];
+        let mut memory = Vec::new();
         let count = self.load_points.rule.weights.len();
         for c in 0..space.mesh.cell_count() {
             let mut mean = [[0.0; 2]; 2];
             for (q, weight) in self.load_points.rule.weights.iter().enumerate() {
-                let (strain, memory) = self.tensors(&values, count * c + q);
-                let stress =
-                    constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
+                let strain = self.tensors(&values, count * c + q, &mut memory);
+                let stress = constitutive::stress(self.material_of(c), &strain, &memory, kappa);
                 for (target, row) in mean.iter_mut().zip(&stress) {
                     target[0] += weight * row[0];
                     target[1] += weight * row[1];
@@ -210,13 +220,14 @@ impl ExactOnMesh {
         let values = self.interior(&group.strains, t)?;
         let kappa = self.exact.kappa(t);
         let rule = &group.strains.rule;
+        let mut memory = Vec::new();
         for (index, &facet) in group.mesh_facets.iter().enumerate() {
             let measure = length(&self.space.mesh, facet);
+            let material = self.exact.material_in(group.regions[index]);
             for (q, weight) in rule.weights.iter().enumerate() {
                 let p = rule.weights.len() * index + q;
-                let (strain, memory) = self.tensors(&values, p);
-                let stress =
-                    constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
+                let strain = self.tensors(&values, p, &mut memory);
+                let stress = constitutive::stress(material, &strain, &memory, kappa);
                 for (&vertex, shape) in self.space.mesh.facet(facet).iter().zip(&rule.points[q]) {
                     let node = self.space.nodes.of_vertex[vertex as usize] as usize;
                     for (i, row) in stress.iter().enumerate() {
@@ -250,12 +261,12 @@ impl ExactOnMesh {
         moments.strain.mean = Vec::with_capacity(3 * cells);
         moments.stress.mean = Vec::with_capacity(3 * cells);
         moments.displacement.corner = vec![0.0; 6 * cells];
+        let mut memory = Vec::new();
         let (mut strains, mut stresses) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count]);
         for c in 0..cells {
             for q in 0..count {
-                let (strain, memory) = self.tensors(values, count * c + q);
-                let stress =
-                    constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
+                let strain = self.tensors(values, count * c + q, &mut memory);
+                let stress = constitutive::stress(self.material_of(c), &strain, &memory, kappa);
                 strains[q] = mandel(&strain);
                 stresses[q] = mandel(&stress);
             }
@@ -350,7 +361,10 @@ fn facet_groups(
             points: (0..=FACET_SAMPLES).map(|s| facet_sample(s).to_vec()).collect(),
             weights: vec![0.0; FACET_SAMPLES + 1],
         };
+        let middle = |f: usize| space.mesh.point(space.mesh.facet(f), &[0.5, 0.5]);
+        let middles: Vec<[f64; 3]> = members.iter().map(|(_, f)| middle(*f)).collect();
         groups.push(FacetGroup {
+            regions: exact.regions_at(&middles),
             normal,
             facets: members.iter().map(|(position, _)| *position).collect(),
             mesh_facets: members.iter().map(|(_, f)| *f).collect(),

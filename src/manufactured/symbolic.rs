@@ -25,7 +25,7 @@ pub fn strain(graph: &mut Graph, u: &[Node]) -> Vec<Node> {
         .collect()
 }
 
-/// H = ∫_0^t b(t - s) ε ds for every component.
+/// H = ∫_0^t b(t - s) ε ds for every component, of one term of the memory.
 pub fn memory(graph: &mut Graph, kernel: Node, strain: &[Node]) -> Vec<Node> {
     strain.iter().map(|&e| graph.convolve(kernel, e)).collect()
 }
@@ -41,9 +41,16 @@ pub fn stress(
 ) -> Vec<Node> {
     let d = if strain.len() == 3 { 2 } else { 3 };
     let list = components(d);
-    let mut stress = isotropic(graph, d, material.lambda, material.mu_l, strain);
-    if let Some((lambda, mu)) = material.memory {
-        for (target, part) in stress.iter_mut().zip(isotropic(graph, d, lambda, mu, memory)) {
+    let mut stress = match &material.full {
+        Some(mandel) => anisotropic(graph, d, mandel, strain),
+        None => isotropic(graph, d, material.lambda, material.mu_l, strain),
+    };
+    for (&(lambda, mu), history) in material.memory.iter().zip(memory.chunks(strain.len())) {
+        // A term that another region has alone.
+        if (lambda, mu) == (0.0, 0.0) {
+            continue;
+        }
+        for (target, part) in stress.iter_mut().zip(isotropic(graph, d, lambda, mu, history)) {
             *target = graph.add(*target, part);
         }
     }
@@ -98,6 +105,23 @@ fn isotropic(graph: &mut Graph, d: usize, lambda: f64, mu: f64, tensor: &[Node])
             if i == j { graph.add(own, volumetric) } else { own }
         })
         .collect()
+}
+
+/// σ_ij = Σ_{k ≤ l} (2 - δ_kl) 𝒜_ijkl ε_kl.
+fn anisotropic(graph: &mut Graph, d: usize, mandel: &[[f64; 6]; 6], strain: &[Node]) -> Vec<Node> {
+    let list = components(d);
+    let row = |&(i, j): &(usize, usize)| {
+        let mut sum = graph.constant(0.0);
+        for (&(k, l), &e) in list.iter().zip(strain) {
+            let count = if k == l { 1.0 } else { 2.0 };
+            let entry = count * super::constitutive::component(mandel, d, [i, j, k, l]);
+            let entry = graph.constant(entry);
+            let term = graph.mul(entry, e);
+            sum = graph.add(sum, term);
+        }
+        sum
+    };
+    list.iter().map(row).collect()
 }
 
 /// f0 = -Div σ.

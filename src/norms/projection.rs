@@ -4,14 +4,14 @@
 
 use super::Moments;
 use crate::contact::{Discretization, stress_force};
-use crate::law::Isotropic;
+use crate::law::{Isotropic, TensorField};
 use crate::linalg::{Factor, FactorError, Workspace};
 use crate::space::strain_of;
 
 /// A on one mesh, factorized.
 pub struct ElasticProjection<'a> {
     space: &'a Discretization,
-    operator: Isotropic,
+    operator: TensorField,
     factor: Factor,
     workspace: Workspace,
 }
@@ -23,11 +23,12 @@ impl<'a> ElasticProjection<'a> {
     /// The factorization's.
     pub fn new(
         space: &'a Discretization,
-        elasticity: &Isotropic,
+        elasticity: &TensorField,
         mu: f64,
     ) -> Result<Self, FactorError> {
-        // 2 μ_L ε + μ ε: the identity adds μ/2 to the second Lamé number.
-        let operator = Isotropic { lambda: elasticity.lambda, mu: elasticity.mu + 0.5 * mu };
+        // 2 μ_L ε + μ ε: the identity has ½ as its second Lamé number.
+        let identity = TensorField::from(Isotropic { lambda: 0.0, mu: 0.5 });
+        let operator = elasticity.plus(mu, &identity, space.mesh.dimension);
         let values = space.stiffness(&operator);
         let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
         space.analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace)?;
@@ -65,7 +66,7 @@ impl<'a> ElasticProjection<'a> {
                 *value = mean - *value;
             }
             let measure = space.geometry.measure[c];
-            let stress = self.operator.apply(&difference).map(|s| measure * s);
+            let stress = self.operator.on(space.region(c)).apply(&difference).map(|s| measure * s);
             stress_force::<D, S>(gradients, nodes, &stress, &mut force);
         }
         let unknowns = &mut force[..space.dofs()];

@@ -1,90 +1,132 @@
-//! `[material]`: elasticity, and the optional memory and projection.
+//! `[material]`: elasticity, the optional memory and projection, and named regions with their own.
+
+use crate::formula::{Node, Scope, Variable};
+use crate::law::FourthOrder;
 
 use super::diagnostic::SceneError;
-use super::memory::Memory;
+use super::elastic::{Given, elastic};
+use super::memory::{self, Memory, Part};
 use super::projection::Projection;
 use super::reading::Reading;
 use super::written;
 
-/// The law (5.1): 𝒜ε = 2 mu ε + lambda tr(ε) I, with the terms that the scene has.
+/// The law (5.1) with the terms that the scene has.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// First Lamé coefficient λ_L.
-    pub lambda: f64,
-    /// Second Lamé coefficient μ_L > 0.
-    pub mu: f64,
-    pub memory: Option<Memory>,
+    /// 𝒜 outside all named regions, positive definite.
+    pub elastic: FourthOrder,
+    /// The terms of ℬ; empty without memory.
+    pub memory: Vec<Memory>,
     pub projection: Option<Projection>,
+    /// `[[material.region]]`, in file order.
+    pub regions: Vec<Region>,
 }
+
+/// A named part of the body with an elasticity of its own; a memory of its own is in [`Memory::regions`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    pub name: String,
+    /// A formula in the place, positive inside.
+    pub condition: Node,
+    pub elastic: FourthOrder,
+}
+
+/// Regions are numbered by a byte.
+const MOST_REGIONS: usize = 200;
 
 impl Material {
     pub(super) fn validate(
         reading: &mut Reading,
         written: &written::Material,
         horizon: f64,
+        dimension: usize,
     ) -> Result<Material, SceneError> {
-        let [lambda, mu] = lame(reading, written)?;
-        let memory = match &written.memory {
-            Some(memory) => Some(Memory::validate(reading, memory, horizon)?),
-            None => None,
+        let given = Given {
+            lambda: written.lambda,
+            mu: written.mu_l,
+            young: written.young,
+            poisson: written.poisson,
+            table: written.elasticity.as_ref(),
         };
+        let elastic = elastic(reading, "material", &given, dimension)?;
+        let base = match &written.memory {
+            Some(memory) => memory::parts(reading, "material.memory", memory, horizon, dimension)?,
+            None => Vec::new(),
+        };
+        let (mut regions, mut parts) = (Vec::new(), Vec::new());
+        for (index, region) in written.region.iter().enumerate() {
+            let (region, own) = Region::validate(reading, index, region, horizon, dimension)?;
+            if regions.iter().any(|other: &Region| other.name == region.name) {
+                let message = format!("two regions are called `{}`", region.name);
+                let key = format!("material.region.{index}.name");
+                return Err(reading.error(&key, message, "rename one of them"));
+            }
+            regions.push(region);
+            parts.push(own.unwrap_or_else(|| base.clone()));
+        }
+        if regions.len() > MOST_REGIONS {
+            let message =
+                format!("{} regions: at most {MOST_REGIONS} are told apart", regions.len());
+            return Err(reading.error("material.region", message, "merge regions of one material"));
+        }
+        let memory = memory::terms(reading, &base, &parts);
         let projection = match &written.projection {
             Some(projection) => Some(Projection::validate(reading, projection, horizon)?),
             None => None,
         };
-        Ok(Material { lambda, mu, memory, projection })
+        Ok(Material { elastic, memory, projection, regions })
+    }
+
+    /// True if 𝒜 is given in full somewhere.
+    pub fn is_anisotropic(&self) -> bool {
+        let mut elastic = self.regions.iter().map(|region| &region.elastic).chain([&self.elastic]);
+        elastic.any(|elastic| matches!(elastic, FourthOrder::Full(_)))
+    }
+
+    /// True where one isotropic tensor and one term of memory at most describe the whole body.
+    pub fn is_plain(&self) -> bool {
+        self.regions.is_empty()
+            && self.memory.len() <= 1
+            && matches!(self.elastic, FourthOrder::Isotropic(_))
     }
 }
 
-/// Exactly one of the pairs (lambda, mu_L) and (E, nu).
-fn lame(reading: &Reading, written: &written::Material) -> Result<[f64; 2], SceneError> {
-    match (written.lambda, written.mu_l, written.young, written.poisson) {
-        (Some(lambda), Some(mu), None, None) => elliptic(reading, lambda, mu),
-        (None, None, Some(young), Some(poisson)) => from_young(reading, young, poisson),
-        (lambda, mu, young, poisson) => {
-            let given = [("lambda", lambda), ("mu_L", mu), ("E", young), ("nu", poisson)];
-            let names: Vec<&str> =
-                given.iter().filter(|(_, value)| value.is_some()).map(|(name, _)| *name).collect();
-            let list = if names.is_empty() { "nothing".to_string() } else { names.join(", ") };
-            let message = format!("[material] gives {list}: elasticity needs exactly one pair");
-            Err(reading.error("material", message, "give lambda and mu_L, or E and nu"))
+impl Region {
+    /// A region, and its memory where it has one of its own.
+    fn validate(
+        reading: &mut Reading,
+        index: usize,
+        written: &written::Region,
+        horizon: f64,
+        dimension: usize,
+    ) -> Result<(Region, Option<Vec<Part>>), SceneError> {
+        let key = format!("material.region.{index}");
+        if written.name.trim().is_empty() {
+            let message = "a region needs a name";
+            return Err(reading.error(
+                &format!("{key}.name"),
+                message,
+                "for instance: name = \"layer\"",
+            ));
         }
+        let axes = [Variable::X, Variable::Y, Variable::Z];
+        let scope = Scope::new(&axes[..dimension]);
+        let condition = reading.formula(&format!("{key}.where"), &written.condition, &scope)?;
+        let given = Given {
+            lambda: written.lambda,
+            mu: written.mu_l,
+            young: written.young,
+            poisson: written.poisson,
+            table: written.elasticity.as_ref(),
+        };
+        let elastic = elastic(reading, &key, &given, dimension)?;
+        let own = match &written.memory {
+            Some(memory) => {
+                let key = format!("{key}.memory");
+                Some(memory::parts(reading, &key, memory, horizon, dimension)?)
+            }
+            None => None,
+        };
+        Ok((Region { name: written.name.clone(), condition, elastic }, own))
     }
-}
-
-/// m_𝒜 > 0 in two dimensions: the eigenvalues 2 mu and 2 mu + 2 lambda of 𝒜 on S² are positive.
-fn elliptic(reading: &Reading, lambda: f64, mu: f64) -> Result<[f64; 2], SceneError> {
-    reading.finite("material.lambda", lambda)?;
-    reading.finite("material.mu_L", mu)?;
-    if mu <= 0.0 {
-        let message = format!(
-            "mu_L = {mu} is not positive: the eigenvalue 2 mu_L of the elasticity tensor must be"
-        );
-        return Err(reading.error("material.mu_L", message, "give mu_L > 0"));
-    }
-    if lambda + mu <= 0.0 {
-        let message = format!(
-            "lambda + mu_L = {} is not positive: the eigenvalue 2 mu_L + 2 lambda of the elasticity tensor must be",
-            lambda + mu
-        );
-        return Err(reading.error("material.lambda", message, format!("give lambda > {}", -mu)));
-    }
-    Ok([lambda, mu])
-}
-
-/// Plane strain: λ = E ν/((1+ν)(1-2ν)), μ = E/(2(1+ν)).
-fn from_young(reading: &Reading, young: f64, poisson: f64) -> Result<[f64; 2], SceneError> {
-    reading.positive("material.E", young)?;
-    if !(poisson > -1.0 && poisson < 0.5) {
-        let message = format!("nu = {poisson} is outside (-1, 0.5)");
-        return Err(reading.error(
-            "material.nu",
-            message,
-            "at 0.5 the material is incompressible: give less, such as 0.3",
-        ));
-    }
-    Ok([
-        young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)),
-        young / (2.0 * (1.0 + poisson)),
-    ])
 }

@@ -155,7 +155,8 @@ fn validate_contact(
     reading.violates.clone_from(&heading.violates);
     let domain = Domain::validate(&reading, &file.domain, heading.dimension)?;
     let time = Time::validate(&reading, &file.time)?;
-    let material = Material::validate(&mut reading, &file.material, time.horizon)?;
+    let material =
+        Material::validate(&mut reading, &file.material, time.horizon, heading.dimension)?;
     if let Some(exact) = &file.exact {
         reading.parameters = parameters(&mut reading, &exact.parameters)?;
     }

@@ -144,17 +144,103 @@ pub struct Material {
     pub young: Option<f64>,
     #[serde(rename = "nu")]
     pub poisson: Option<f64>,
+    pub elasticity: Option<Elasticity>,
     pub memory: Option<Memory>,
     pub projection: Option<Projection>,
+    #[serde(default)]
+    pub region: Vec<Region>,
+}
+
+/// `elasticity = { kind = "orthotropic", normal = [4.0, 2.0], coupling = [1.0], shear = [0.8] }`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Elasticity {
+    pub kind: String,
+    pub mandel: Option<Vec<Vec<f64>>>,
+    pub normal: Option<Vec<f64>>,
+    pub coupling: Option<Vec<f64>>,
+    pub shear: Option<Vec<f64>>,
+}
+
+/// `[[material.region]]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Region {
+    pub name: String,
+    #[serde(rename = "where")]
+    pub condition: Formula,
+    pub lambda: Option<f64>,
+    #[serde(rename = "mu_L")]
+    pub mu_l: Option<f64>,
+    #[serde(rename = "E")]
+    pub young: Option<f64>,
+    #[serde(rename = "nu")]
+    pub poisson: Option<f64>,
+    pub elasticity: Option<Elasticity>,
+    pub memory: Option<Memory>,
 }
 
 /// `[material.memory]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Memory {
-    pub kernel: Formula,
-    pub lambda: f64,
-    pub mu: f64,
+    pub kernel: Option<Kernel>,
+    pub lambda: Option<f64>,
+    pub mu: Option<f64>,
+    pub bulk: Option<Kernel>,
+    pub shear: Option<Kernel>,
+}
+
+/// A memory kernel: a formula in t, or a table.
+#[derive(Debug, Clone)]
+pub enum Kernel {
+    Formula(Formula),
+    Table(KernelTable),
+}
+
+/// `kernel = { kind = "prony", terms = [[-0.5, 0.2], [-0.3, 2.0]] }`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct KernelTable {
+    pub kind: String,
+    pub amplitude: Option<f64>,
+    pub time: Option<f64>,
+    pub exponent: Option<f64>,
+    pub terms: Option<Vec<Vec<f64>>>,
+}
+
+impl<'de> Deserialize<'de> for Kernel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Kernel, D::Error> {
+        deserializer.deserialize_any(KernelVisitor)
+    }
+}
+
+struct KernelVisitor;
+
+impl<'de> de::Visitor<'de> for KernelVisitor {
+    type Value = Kernel;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        FormulaVisitor.expecting(f)?;
+        f.write_str(", or a table with a kind")
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Kernel, E> {
+        FormulaVisitor.visit_str(text).map(Kernel::Formula)
+    }
+
+    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Kernel, E> {
+        FormulaVisitor.visit_f64(value).map(Kernel::Formula)
+    }
+
+    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Kernel, E> {
+        FormulaVisitor.visit_i64(value).map(Kernel::Formula)
+    }
+
+    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Kernel, A::Error> {
+        let table = de::value::MapAccessDeserializer::new(map);
+        KernelTable::deserialize(table).map(Kernel::Table)
+    }
 }
 
 /// `[material.projection]`

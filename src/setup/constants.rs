@@ -1,10 +1,10 @@
 //! Constants of the contact problem (section 5 of the paper) that its step size depends on.
 
 use super::trace_family::{TraceFamily, trace_family};
-use super::{Setup, SetupError};
+use super::{Setup, SetupError, elasticity, memory_tensor};
 use crate::contact::TraceMass;
-use crate::formula::Point;
-use crate::law::Isotropic;
+use crate::formula::{Node, Point};
+use crate::law::{Isotropic, TensorField};
 use crate::vhi::StepBounds;
 
 /// Constants that the step-size bound and the smallness condition need.
@@ -103,8 +103,7 @@ pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
 pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
     let scene = &setup.scene;
     let material = &setup.body.material;
-    let elastic = Isotropic { lambda: material.lambda, mu: material.mu };
-    let (m_elastic, largest) = elastic.eigenvalues(scene.dimension);
+    let (m_elastic, largest) = elasticity(material).eigenvalues(scene.dimension);
     let mu = setup.projection_mu();
     let alpha_nu = alpha_nu(setup);
     let lipschitz_kappa =
@@ -136,21 +135,34 @@ pub(super) fn alpha_nu(setup: &Setup) -> f64 {
 
 fn memory_norms(setup: &Setup) -> MemoryNorms {
     let scene = &setup.scene;
-    let Some(memory) = &setup.body.material.memory else { return MemoryNorms::default() };
-    let tensor = Isotropic { lambda: memory.lambda, mu: memory.mu };
-    let (low, high) = tensor.eigenvalues(scene.dimension);
-    let size = low.abs().max(high.abs());
-    let kernel = |t: f64| scene.formulas.evaluate(memory.kernel, &Point { t, ..Point::default() });
+    let d = scene.dimension;
+    let terms: Vec<(Node, TensorField)> = setup
+        .body
+        .material
+        .memory
+        .iter()
+        .map(|memory| (memory.kernel, memory_tensor(memory)))
+        .collect();
+    // ℬ(t) = Σ b_i(t) ℬ_i.
+    let relaxation = |t: f64| {
+        let at = Point { t, ..Point::default() };
+        let b = |kernel: Node| scene.formulas.evaluate(kernel, &at);
+        let (first, others) = terms.split_first()?;
+        let start = first.1.scaled(b(first.0));
+        Some(others.iter().fold(start, |sum, (kernel, tensor)| sum.plus(b(*kernel), tensor, d)))
+    };
+    let Some(at_zero) = relaxation(0.0) else { return MemoryNorms::default() };
     let step = scene.time.horizon / f64::from(KERNEL_SAMPLES);
-    let largest =
-        (0..=KERNEL_SAMPLES).map(|i| kernel(step * f64::from(i)).abs()).fold(0.0, f64::max);
-    let at_zero = kernel(0.0);
-    let ends = (at_zero * low, at_zero * high);
+    let (mut operator, mut entries) = (0f64, 0f64);
+    for tensor in (0..=KERNEL_SAMPLES).filter_map(|i| relaxation(step * f64::from(i))) {
+        operator = operator.max(tensor.norm(d));
+        entries = entries.max(tensor.entry_sum(d));
+    }
     MemoryNorms {
-        operator: size * largest,
-        entries: tensor.entry_sum(scene.dimension) * largest,
-        at_zero: size * at_zero.abs(),
-        spectrum_at_zero: (ends.0.min(ends.1), ends.0.max(ends.1)),
+        operator,
+        entries,
+        at_zero: at_zero.norm(d),
+        spectrum_at_zero: at_zero.eigenvalues(d),
     }
 }
 

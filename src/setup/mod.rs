@@ -8,6 +8,7 @@ mod contraction;
 mod formulas;
 mod given_load;
 mod laws;
+mod material;
 mod mesh_data;
 mod regularity;
 mod rule_check;
@@ -29,6 +30,7 @@ pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
 pub use laws::law_numbers;
 use laws::potential;
+pub use material::{elasticity, memory_tensor};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
 pub use rule_check::RuleCheck;
@@ -37,13 +39,11 @@ pub use step_size::{StepRemark, check_step_sizes};
 pub use subject::Subject;
 pub use trace_family::{TraceFamily, trace_family};
 
-use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, MemoryTerm, Model};
+use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, Model};
 use crate::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
-use crate::law::{ExponentialSum, Isotropic, MemoryKernel, VonMises};
+use crate::law::VonMises;
 use crate::linalg::{EigenError, FactorError};
-use crate::manufactured::{
-    ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, MaterialNumbers, Polygon,
-};
+use crate::manufactured::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polygon};
 use crate::scene::{self, Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
 
 /// The model of a scene.
@@ -103,17 +103,39 @@ impl Setup {
         Ok(setup)
     }
 
-    /// V^h on the mesh n.
+    /// V^h on the mesh with n cells a unit length, with the regions of its cells.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`]; a cell that the boundary of a region cuts.
+    pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
+        let mut space = self.plain_space(n)?;
+        let material = &self.body.material;
+        space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
+        Ok(Arc::new(space))
+    }
+
+    /// The same without regions, for what does not depend on the material.
     ///
     /// # Errors
     /// [`SetupError::Mesh`].
-    pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
+    pub fn plain_space(&self, n: u32) -> Result<Discretization, SetupError> {
         let domain = &self.body.domain;
         let mesh = domain.mesh(n);
         let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
         Discretization::new(mesh, &clamped, &contact)
-            .map(Arc::new)
             .map_err(|source| SetupError::Mesh { n, source })
+    }
+
+    /// Whether the mesh lines of this mesh follow the boundaries of all regions.
+    ///
+    /// # Errors
+    /// A cell that is cut, or that two regions claim.
+    pub fn check_regions(&self, n: u32) -> Result<(), SceneError> {
+        let material = &self.body.material;
+        if material.regions.is_empty() {
+            return Ok(());
+        }
+        material::cell_regions(&self.scene, material, &self.body.domain.mesh(n), n).map(drop)
     }
 
     /// The model that the scene states, built anew: [`Self::model`] may hold other components.
@@ -128,12 +150,10 @@ impl Setup {
 
     /// Vectors of unknowns held for the history after N steps.
     pub fn history_vectors(&self, steps: u32) -> usize {
-        match &self.body.material.memory {
-            None => 0,
-            Some(memory) => {
-                memory.exponentials.as_ref().map_or(steps as usize + 1, |terms| terms.len() + 1)
-            }
-        }
+        let of_term = |memory: &scene::Memory| {
+            memory.exponentials.as_ref().map_or(steps as usize + 1, |terms| terms.len() + 1)
+        };
+        self.body.material.memory.iter().map(of_term).sum()
     }
 
     /// Where the compliance term is integrated; without contact the rule does not matter.
@@ -177,14 +197,6 @@ fn time_rule(time: &scene::Time) -> Box<dyn TimeRule> {
 fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
     let material = &body.material;
     let formulas = Arc::new(scene.formulas.clone());
-    let memory = material.memory.as_ref().map(|memory| MemoryTerm {
-        kernel: match &memory.exponentials {
-            Some(terms) => Box::new(ExponentialSum { terms: terms.clone() }),
-            None => Box::new(KernelFormula::new(formulas.clone(), memory.kernel))
-                as Box<dyn MemoryKernel>,
-        },
-        tensor: Isotropic { lambda: memory.lambda, mu: memory.mu },
-    });
     let projection =
         material.projection.as_ref().filter(|projection| projection.mu > 0.0).map(|projection| {
             VonMises {
@@ -209,8 +221,8 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
             },
         );
     Model {
-        elasticity: Isotropic { lambda: material.lambda, mu: material.mu },
-        memory,
+        elasticity: elasticity(material),
+        memory: material::memory_terms(material, &formulas),
         projection,
         boundary,
         time_rule: time_rule(&scene.time),
@@ -229,16 +241,13 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         selection: *selection,
     });
     let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
+    let (numbers, regions) = material::numbers(material);
     Some(Exact::new(ExactData {
         graph: scene.formulas.clone(),
         u: u.clone(),
-        material: MaterialNumbers {
-            lambda: material.lambda,
-            mu_l: material.mu,
-            memory: material.memory.as_ref().map(|memory| (memory.lambda, memory.mu)),
-            projection: projection.map(|projection| projection.mu),
-        },
-        kernel: material.memory.as_ref().map(|memory| memory.kernel),
+        material: numbers,
+        regions,
+        kernels: material.memory.iter().map(|memory| memory.kernel).collect(),
         kappa: projection.map(|projection| projection.kappa),
         contact,
         horizon: scene.time.horizon,

@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use super::Setup;
+use super::{Setup, elasticity};
 use crate::contact::{Discretization, Floors, LevelFields, LoadError, strain_norm};
-use crate::law::Isotropic;
+use crate::law::TensorField;
 use crate::manufactured::Truth;
 use crate::norms::{ElasticProjection, Moments};
 use crate::space::quadrature::TruthRules;
@@ -73,9 +73,8 @@ pub(super) fn rule_check(
             times.iter().map(at).collect::<Result<_, LoadError>>()?
         }
     };
-    let material = &setup.body.material;
-    let elasticity = Isotropic { lambda: material.lambda, mu: material.mu };
-    let floors = load_floors(space, &pairs, elasticity, setup.projection_mu())?;
+    let elastic = elasticity(&setup.body.material);
+    let floors = load_floors(space, &pairs, &elastic, setup.projection_mu())?;
     Ok(RuleCheck { floors, moments })
 }
 
@@ -83,10 +82,10 @@ pub(super) fn rule_check(
 fn load_floors(
     space: &Discretization,
     [own, stronger]: &[Vec<Arc<Vec<f64>>>; 2],
-    elasticity: Isotropic,
+    elasticity: &TensorField,
     mu: f64,
 ) -> Result<Floors, LoadError> {
-    let mut operator = ElasticProjection::new(space, &elasticity, mu)
+    let mut operator = ElasticProjection::new(space, elasticity, mu)
         .map_err(|error| LoadError::Reference { reason: error.to_string() })?;
     let still = LevelFields { u: vec![0.0; space.nodes.len()], ..LevelFields::default() };
     // Stresses follow strains by the stiffest modulus, on Γ3 those of the cells there.

@@ -1,8 +1,10 @@
 //! Trace constants on a family of meshes, and what their sequence tends to.
 
+use std::sync::Arc;
+
 use super::{Setup, SetupError};
 use crate::contact::{TraceMass, trace_constant};
-use crate::law::Isotropic;
+use crate::law::Stiffness;
 
 /// sup ‖v_ν‖²/(𝒞ε(v), ε(v)) on meshes, each twice as fine as the one before.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,13 +23,16 @@ pub struct TraceFamily {
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn trace_family(
     setup: &Setup,
-    tensor: &Isotropic,
+    tensor: &impl Stiffness,
     mass: TraceMass,
     levels: &[u32],
 ) -> Result<TraceFamily, SetupError> {
     let mut values = Vec::new();
     for &n in levels {
-        let space = setup.space(n)?;
+        let space = match tensor.is_uniform() {
+            true => setup.plain_space(n).map(Arc::new)?,
+            false => setup.space(n)?,
+        };
         let found = trace_constant(&space, tensor, mass)
             .map_err(|source| SetupError::Constant { n, source })?;
         values.push((n, found.value));

@@ -139,7 +139,7 @@ fn over_cells<P: Projection, const S: usize>(
     let (mut energy, mut yielding) = (0.0, 0);
     for c in 0..space.mesh.cell_count() {
         let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), view.u);
-        let stress = model.elasticity.apply(&strain);
+        let stress = model.elasticity.on(space.region(c)).apply(&strain);
         energy += 0.5 * space.geometry.measure[c] * contract(&stress, &strain);
         yielding += usize::from(view.yields::<P, S>(space, model, c));
     }

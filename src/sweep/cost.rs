@@ -34,7 +34,7 @@ impl Kind {
     /// The kind of a scene.
     pub fn of(setup: &Setup) -> Self {
         let model = &setup.model;
-        let multiple = model.memory.is_none() || model.memory_multiple().is_some();
+        let multiple = model.memory.is_empty() || model.memory_multiple().is_some();
         match (model.is_linear(), model.projection.is_none()) {
             (true, _) if multiple => Self::LinearMultiple,
             (true, _) => Self::Linear,

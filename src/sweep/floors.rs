@@ -81,10 +81,12 @@ impl MemoryKernel for DirectSum {
 /// The same scene with the direct sum in place of a recursion; none where there is no recursion.
 pub fn direct_history(mut setup: Setup) -> Option<Setup> {
     let recursive = setup.model.time_rule.is_trapezoidal();
-    let term = setup.model.memory.take().filter(|_| recursive)?;
-    term.kernel.exponentials()?;
-    let kernel = Box::new(DirectSum(term.kernel));
-    setup.model.memory = Some(MemoryTerm { kernel, tensor: term.tensor });
+    let terms = std::mem::take(&mut setup.model.memory);
+    if !recursive || terms.iter().all(|term| term.kernel.exponentials().is_none()) {
+        return None;
+    }
+    let direct = |term: MemoryTerm| MemoryTerm { kernel: Box::new(DirectSum(term.kernel)), ..term };
+    setup.model.memory = terms.into_iter().map(direct).collect();
     Some(setup)
 }
 

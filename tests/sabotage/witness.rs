@@ -305,7 +305,7 @@ impl<'a> Summed<'a> {
         // Without projection ζ is shown for information, and by the trapezoidal rule.
         let acts = self.program.model.projection.is_some();
         let mut off = if acts { (view.zeta - zeta).abs() / zeta.abs().max(1e-3) } else { 0.0 };
-        if let (Some(term), Some(shown)) = (&self.program.model.memory, view.history) {
+        if let ([term], [shown]) = (&self.program.model.memory[..], view.history) {
             let mut sum = vec![0.0; shown.len()];
             self.direct.past(&*term.kernel, rule, grid, &mut sum);
             self.direct.commit(grid, view.u);

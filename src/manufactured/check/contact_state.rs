@@ -79,6 +79,7 @@ fn sample(exact: &Exact, points: &[[f64; 3]], normal: [f64; 2], extremes: &mut E
     let formulas = exact.boundary(&normal);
     let has_law = exact.data.contact.as_ref().is_some_and(|contact| contact.law.is_some());
     let (mut bound, mut inside) = (formulas.program.bind(points), exact.interior.bind(points));
+    let regions = exact.regions_at(points);
     let mut values = vec![Vec::new(); 5];
     let mut fields = vec![Vec::new(); 5 + exact.memory.len()];
     for n in 0..=TIMES {
@@ -92,8 +93,9 @@ fn sample(exact: &Exact, points: &[[f64; 3]], normal: [f64; 2], extremes: &mut E
                 let at = |i: usize| fields[first + i][p];
                 [[at(0), at(1)], [at(1), at(2)]]
             };
-            let memory = if exact.memory.is_empty() { [[0.0; 2]; 2] } else { tensor(5) };
-            let sigma = stress(&exact.data.material, &tensor(2), &memory, kappa);
+            let terms = 0..exact.data.kernels.len();
+            let memory: Vec<_> = terms.map(|term| tensor(5 + 3 * term)).collect();
+            let sigma = stress(exact.material_in(regions[p]), &tensor(2), &memory, kappa);
             extremes.add(u_nu, pressure, gap, lambda, has_law);
             let traction = sigma.map(|row| row[0] * normal[0] + row[1] * normal[1]);
             let h3 = [traction[0] + pressure * normal[0], traction[1] + pressure * normal[1]];

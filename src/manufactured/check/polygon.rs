@@ -120,7 +120,11 @@ fn stresses(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<[[f64; 2]; 2]> {
         let at = |i: usize| out.get(first + i).map_or(0.0, |field| field[p]);
         [[at(0), at(1)], [at(1), at(2)]]
     };
-    let one = |p: usize| stress(&exact.data.material, &tensor(2, p), &tensor(5, p), kappa);
+    let (regions, terms) = (exact.regions_at(points), exact.data.kernels.len());
+    let one = |p: usize| {
+        let memory: Vec<_> = (0..terms).map(|term| tensor(5 + 3 * term, p)).collect();
+        stress(exact.material_in(regions[p]), &tensor(2, p), &memory, kappa)
+    };
     (0..points.len()).map(one).collect()
 }
 

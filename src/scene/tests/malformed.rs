@@ -6,26 +6,26 @@ use super::good::{BOX, EXACT, LOADED, refused};
 use crate::scene::{Scene, Source};
 
 /// One edit of a good text, and the message that it must give.
-struct Case {
+struct Case<'a> {
     from: &'static str,
-    to: &'static str,
+    to: &'a str,
     line: usize,
     column: usize,
     phrase: &'static str,
 }
 
-const fn case(
+const fn case<'a>(
     from: &'static str,
-    to: &'static str,
+    to: &'a str,
     line: usize,
     column: usize,
     phrase: &'static str,
-) -> Case {
+) -> Case<'a> {
     Case { from, to, line, column, phrase }
 }
 
 #[track_caller]
-fn check(good: &str, cases: &[Case]) {
+fn check(good: &str, cases: &[Case<'_>]) {
     for case in cases {
         assert_eq!(
             good.matches(case.from).count(),
@@ -112,6 +112,34 @@ fn time_and_material() {
         case("kappa = \"0.10 + 0.05*zeta\"", "kappa = \"0.10 - 0.05*zeta\"", 25, 9, "a yield bound must be finite and not negative"),
         case("kappa = \"0.10 + 0.05*zeta\"", "kappa = \"0.10 + sqrt(zeta)\"", 25, 9, "violates = [\"5.1\"]"),
         case("mu = 1.0\nkappa", "mu = -1.0\nkappa", 24, 6, "not be monotone"),
+    ]);
+}
+
+#[test]
+#[rustfmt::skip]
+fn memory_and_regions() {
+    let region = "mu_L = 1.0\n[[material.region]]\nname = \"a\"\nwhere = \"y - 0.25\"\n";
+    check(LOADED, &[
+        case("lambda = 0.25\n", "", 19, 1, "[material.memory] lacks the key `lambda`"),
+        case("lambda = 0.25\n", "bulk = \"-exp(-t)\"\n", 19, 1, "one kernel with its tensor, or the kernels of bulk and shear"),
+        case("kernel = \"-exp(-t)\"\nlambda = 0.25\nmu = 0.25\n", "", 19, 1, "one kernel with its tensor, or the kernels of bulk and shear"),
+        case("kernel = \"-exp(-t)\"\nlambda = 0.25\nmu = 0.25\n", "bulk = \"-1\"\nshear = \"log(t)\"\n", 21, 9, "the memory kernel is -inf at t = 0"),
+        case("\"-exp(-t)\"", "{ kind = \"pronny\" }", 20, 19, "did you mean `prony`?"),
+        case("\"-exp(-t)\"", "{ kind = \"prony\" }", 20, 10, "a Prony series without terms"),
+        case("\"-exp(-t)\"", "{ kind = \"prony\", terms = [[-1.0, 0.5], [-1.0]] }", 20, 51, "this one has 1 numbers"),
+        case("\"-exp(-t)\"", "{ kind = \"prony\", terms = [[-1.0, 0.0]] }", 20, 37, "is not positive"),
+        case("\"-exp(-t)\"", "{ kind = \"prony\", terms = [[-1.0, 0.5]], time = 2.0 }", 20, 59, "has no key `time`"),
+        case("\"-exp(-t)\"", "{ kind = \"power\", amplitude = -1.0, time = 1.0 }", 20, 10, "lacks the key `exponent`"),
+        case("\"-exp(-t)\"", "{ kind = \"power\", amplitude = -1.0, time = -1.0, exponent = 0.5 }", 20, 54, "`time` = -1 is not positive"),
+        case("mu_L = 1.0\n", "mu_L = 1.0\nelasticity = { kind = \"full\" }\n", 16, 1, "gives lambda, mu_L, elasticity"),
+        case("lambda = 1.0\nmu_L = 1.0\n", "elasticity = { kind = \"full\", mandel = [[1.0, 0.0], [0.0, 1.0]] }\n", 17, 40, "a 3 by 3 matrix here"),
+        case("lambda = 1.0\nmu_L = 1.0\n", "elasticity = { kind = \"full\", mandel = [[2.0, 0.0, 0.1], [0.0, 2.0, 0.0], [0.0, 0.0, 1.0]] }\n", 17, 40, "entry (1, 3) is 0.1, entry (3, 1) is 0"),
+        case("lambda = 1.0\nmu_L = 1.0\n", "elasticity = { kind = \"full\", mandel = [[2.0, 3.0, 0.0], [3.0, 2.0, 0.0], [0.0, 0.0, 1.0]] }\n", 17, 40, "its smallest eigenvalue m_A is -1.000000"),
+        case("lambda = 1.0\nmu_L = 1.0\n", "elasticity = { kind = \"orthotropic\", normal = [2.0, 3.0], coupling = [1.0] }\n", 17, 14, "`shear` of an orthotropic tensor needs 1"),
+        case("lambda = 1.0\nmu_L = 1.0\n", "elasticity = { kind = \"orthotropic\", normal = [2.0, 3.0], coupling = [2.5], shear = [1.0] }\n", 17, 14, "not positive definite"),
+        case("mu_L = 1.0\n", &format!("{region}lambda = 2.0\n"), 19, 1, "[[material.region]] gives lambda: elasticity needs exactly one pair"),
+        case("mu_L = 1.0\n", &format!("{region}E = 1.0\nnu = 0.3\n{}lambda = 1.0\nmu_L = 1.0\n", &region[11..]), 25, 8, "two regions are called `a`"),
+        case("mu_L = 1.0\n", &format!("{}E = 1.0\nnu = 0.3\n", region.replace("y - 0.25", "t - 0.25")), 21, 10, "`t` is not allowed here"),
     ]);
 }
 

@@ -36,7 +36,7 @@ impl Pure {
     fn stress(&self, x: f64, y: f64, t: f64) -> [f64; 2] {
         let [xx, yy, xy] = self.strain.map(|node| self.at(node, x, y, t));
         let mut stress = [3.0 * yy + xx, 2.0 * xy];
-        if self.scene.as_contact().unwrap().material.memory.is_some() {
+        if !self.scene.as_contact().unwrap().material.memory.is_empty() {
             let intervals = 40;
             let step = t / f64::from(intervals);
             for j in 0..=intervals {

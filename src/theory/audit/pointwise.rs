@@ -1,6 +1,7 @@
 //! Tensors of (5.8)-(5.10) at a point, in Mandel notation, apart from the solver's laws.
 
 use crate::formula::{Graph, Node, Point};
+use crate::law::FourthOrder;
 use crate::setup::Setup;
 
 /// A symmetric plane tensor (xx, yy, √2 xy).
@@ -28,18 +29,23 @@ pub struct Material {
 }
 
 impl Material {
-    /// The material of a scene.
-    pub fn new(setup: &Setup) -> Self {
+    /// The material of a scene; none unless it is plain: one isotropic tensor, one term of memory at most.
+    pub fn new(setup: &Setup) -> Option<Self> {
         let material = &setup.body.material;
+        let FourthOrder::Isotropic(law) = &material.elastic else { return None };
+        if !material.is_plain() {
+            return None;
+        }
+        let memory = material.memory.first();
         let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
-        Self {
-            elastic: [material.lambda, material.mu],
-            memory: material.memory.as_ref().map(|memory| [memory.lambda, memory.mu]),
+        Some(Self {
+            elastic: [law.lambda, law.mu],
+            memory: memory.map(|memory| [memory.lambda, memory.mu]),
             mu: projection.map_or(0.0, |projection| projection.mu),
             kappa: projection.map(|projection| projection.kappa),
-            kernel: material.memory.as_ref().map(|memory| memory.kernel),
+            kernel: memory.map(|memory| memory.kernel),
             graph: setup.scene.formulas.clone(),
-        }
+        })
     }
 
     /// A of (5.8): 𝒜ε + με.

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::ladder::BoundError;
 use crate::contact::{Discretization, TraceMass, trace_constant};
-use crate::law::{Isotropic, Potential};
+use crate::law::{Isotropic, Potential, Stiffness};
 use crate::setup::{Constants, Setup, TraceFamily, trace_family, with_trace_constant};
 
 /// How a number was obtained.
@@ -78,14 +78,14 @@ impl TraceConstants {
         let levels = if setup.scene.dimension == 2 { &LEVELS[..] } else { &LEVELS_IN_SPACE };
         let levels: Vec<u32> = levels.iter().copied().filter(fits).collect();
         let strain = Isotropic { lambda: 0.0, mu: 0.5 };
-        let family = |tensor: &Isotropic, mass| trace_family(setup, tensor, mass, &levels);
-        let both = |tensor: &Isotropic| {
-            Ok::<_, BoundError>([
-                family(tensor, TraceMass::Consistent)?,
-                family(tensor, TraceMass::Lumped)?,
-            ])
-        };
-        Ok(Some(Self { strain: both(&strain)?, energy: both(&setup.model.elasticity)? }))
+        let elastic = &setup.model.elasticity;
+        // Coarse meshes may not follow the boundaries of regions.
+        let follow: Vec<u32> =
+            levels.iter().copied().filter(|&n| setup.check_regions(n).is_ok()).collect();
+        Ok(Some(Self {
+            strain: both_masses(setup, &strain, &levels)?,
+            energy: both_masses(setup, elastic, &follow)?,
+        }))
     }
 
     /// The limit of a pair of families, and how far they and their own extrapolations lie apart.
@@ -94,6 +94,15 @@ impl TraceConstants {
         let own = pair[0].uncertainty.max(pair[1].uncertainty);
         (pair[0].limit, apart.max(own))
     }
+}
+
+fn both_masses(
+    setup: &Setup,
+    tensor: &impl Stiffness,
+    levels: &[u32],
+) -> Result<[TraceFamily; 2], BoundError> {
+    let family = |mass| trace_family(setup, tensor, mass, levels);
+    Ok([family(TraceMass::Consistent)?, family(TraceMass::Lumped)?])
 }
 
 /// The constants that judge the discrete problem on the mesh of `space`: c_j² is the largest of the
@@ -136,8 +145,8 @@ pub fn table(
     };
     let c = constants;
     let mut rows = vec![
-        proved("m_A", c.m_a, "smallest eigenvalue of the elasticity tensor + mu"),
-        proved("L_A", c.l_a, "largest eigenvalue of the elasticity tensor + mu"),
+        proved("m_A", c.m_a, "smallest eigenvalue of the elasticity tensor (of all regions) + mu"),
+        proved("L_A", c.l_a, "largest eigenvalue of the elasticity tensor (of all regions) + mu"),
         proved("alpha_phi", c.alpha_phi, "mu: the projection is nonexpansive"),
         proved("beta_phi", c.beta_phi, "max(mu L_kappa sqrt|Omega|, 1), for |r| + |theta| on Y"),
         proved("c_phi", 0.0, "(4.1): phi is linear in its last argument"),

@@ -1,7 +1,9 @@
 //! Linear scenes: the smallest k at which 𝒜 + (k/2)ℬ(0) is singular, on S^d and on V^h.
 
-use crate::contact::{Discretization, Model};
-use crate::law::{Isotropic, Projection};
+use nalgebra::DMatrix;
+
+use crate::contact::{Discretization, Model, relaxation};
+use crate::law::{FourthOrder, Projection};
 use crate::linalg::{
     EigenError, Factor, FactorError, LinearMap, Workspace, largest_eigenvalue, signed_unit,
 };
@@ -27,13 +29,14 @@ pub fn linear_loss<P: Projection>(
         return Ok(None);
     }
     let none = LinearLoss { tensors: f64::INFINITY, mesh: f64::INFINITY };
-    let Some(term) = &model.memory else { return Ok(Some(none)) };
-    let at_zero = term.kernel.value(0.0);
-    let minus = Isotropic { lambda: -at_zero * term.tensor.lambda, mu: -at_zero * term.tensor.mu };
     let d = space.mesh.dimension;
-    let eigenvalues = |law: &Isotropic| [2.0 * law.mu, 2.0 * law.mu + d as f64 * law.lambda];
-    let (elastic, memory) = (eigenvalues(&model.elasticity), eigenvalues(&minus));
-    let ratio = memory.iter().zip(elastic).map(|(b, a)| b / a).fold(0.0, f64::max);
+    let Some(at_zero) = relaxation(&model.memory, 0.0, d) else { return Ok(Some(none)) };
+    let minus = at_zero.scaled(-1.0);
+    let count = minus.regions().len().max(model.elasticity.regions().len());
+    let quotients: Vec<f64> = (0..count)
+        .flat_map(|region| quotients(minus.on(region), model.elasticity.on(region), d))
+        .collect();
+    let ratio = quotients.iter().copied().fold(0.0, f64::max);
     if ratio == 0.0 {
         return Ok(Some(none));
     }
@@ -41,7 +44,7 @@ pub fn linear_loss<P: Projection>(
     let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
     space.analysis.factorize(&space.pattern, &stiffness, &mut factor, &mut workspace)?;
     // Shifted by the smallest quotient on S^d, so that it is positive semidefinite.
-    let shift = memory.iter().zip(elastic).map(|(b, a)| b / a).fold(0.0, f64::min);
+    let shift = quotients.iter().copied().fold(0.0, f64::min);
     let memory = space.stiffness(&minus);
     let mut map = Quotient { space, stiffness, memory, shift, factor, workspace };
     let mut seed = 21;
@@ -49,6 +52,24 @@ pub fn linear_loss<P: Projection>(
     let largest = largest_eigenvalue(&mut map, &start)?.value + shift;
     let mesh = if largest > 0.0 { 2.0 / largest } else { f64::INFINITY };
     Ok(Some(LinearLoss { tensors: 2.0 / ratio, mesh }))
+}
+
+/// The eigenvalues of 𝒜⁻¹𝒞 on S^d, those of L⁻¹𝒞L⁻ᵀ with 𝒜 = LLᵀ; none if 𝒜 is not positive definite.
+fn quotients(tensor: &FourthOrder, elastic: &FourthOrder, d: usize) -> Vec<f64> {
+    if let (FourthOrder::Isotropic(b), FourthOrder::Isotropic(a)) = (tensor, elastic) {
+        // 2μ on deviators, 2μ + dλ on spheres.
+        let spheres = |lambda: f64, mu: f64| 2.0 * mu + d as f64 * lambda;
+        return vec![b.mu / a.mu, spheres(b.lambda, b.mu) / spheres(a.lambda, a.mu)];
+    }
+    let dense = |tensor: &FourthOrder| match d {
+        2 => DMatrix::from_fn(3, 3, |i, j| tensor.matrix::<3>()[i][j]),
+        _ => DMatrix::from_fn(6, 6, |i, j| tensor.matrix::<6>()[i][j]),
+    };
+    let Some(factor) = dense(elastic).cholesky() else { return Vec::new() };
+    let lower = factor.l();
+    let half = lower.solve_lower_triangular(&dense(tensor));
+    let both = half.and_then(|half| lower.solve_lower_triangular(&half.transpose()));
+    both.map_or_else(Vec::new, |both| both.symmetric_eigenvalues().iter().copied().collect())
 }
 
 /// K_𝒜⁻¹K_{-ℬ(0)} - shift, in the inner product of K_𝒜.

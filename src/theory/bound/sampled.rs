@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::ladder::BoundError;
 use crate::contact::{Boundary, Discretization, MemoryTerm, strain_norm, stress_force};
 use crate::history::{Accumulated, Memory, TimeGrid, Trapezoid};
-use crate::law::{Isotropic, Potential, Projection};
+use crate::law::{Isotropic, Potential, Projection, TensorField};
 use crate::linalg::{Factor, FactorError, Workspace, larger, signed_unit};
 use crate::setup::{Constants, Setup};
 use crate::space::strain_of;
@@ -78,7 +78,7 @@ fn sample_in<const D: usize, const S: usize>(
         rows.push(lipschitz_kappa(limit, constants.lipschitz_kappa, setup.scene.time.horizon));
     }
     let lipschitz = 1.0 + constants.memory.operator;
-    rows.push(fields.history(model.memory.as_ref(), setup.scene.time.horizon, lipschitz));
+    rows.push(fields.history(&model.memory, setup.scene.time.horizon, lipschitz));
     Ok(rows)
 }
 
@@ -212,7 +212,7 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
     }
 
     /// m_A and L_A of A = 𝒜 + μ, which is linear.
-    fn elasticity(&mut self, elastic: &Isotropic, constants: &Constants) -> [Sampled; 2] {
+    fn elasticity(&mut self, elastic: &TensorField, constants: &Constants) -> [Sampled; 2] {
         let (mut least, mut most) = (f64::INFINITY, 0f64);
         for _ in 0..SAMPLES {
             let u = self.displacement();
@@ -220,8 +220,9 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
             let mu = constants.alpha_phi;
             let stress: Tensors<S> = strain
                 .iter()
-                .map(|e| {
-                    let s = elastic.apply(e);
+                .enumerate()
+                .map(|(c, e)| {
+                    let s = elastic.on(self.space.region(c)).apply(e);
                     std::array::from_fn(|i| s[i] + mu * e[i])
                 })
                 .collect();
@@ -279,7 +280,7 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
     }
 
     /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the solver's own history sums.
-    pub fn history(&mut self, memory: Option<&MemoryTerm>, horizon: f64, declared: f64) -> Sampled {
+    pub fn history(&mut self, memory: &[MemoryTerm], horizon: f64, declared: f64) -> Sampled {
         let mut needed = 0f64;
         let samples = 40;
         for sample in 0..samples {
@@ -289,10 +290,11 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
         Sampled::new("Lipschitz constant of S", declared, needed, samples)
     }
 
-    fn history_ratio(&mut self, memory: Option<&MemoryTerm>, grid: &TimeGrid, still: bool) -> f64 {
+    fn history_ratio(&mut self, memory: &[MemoryTerm], grid: &TimeGrid, still: bool) -> f64 {
         let dofs = self.space.dofs();
         let mut zeta = [Accumulated::default(), Accumulated::default()];
-        let mut past = memory.map(|term| Memory::new(&*term.kernel, &Trapezoid, dofs));
+        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, dofs));
+        let mut past: Vec<Memory> = each.collect();
         let mut distance = Accumulated::default();
         let (mut history, mut needed) = (vec![0.0; self.space.nodes.len()], 0f64);
         let (fixed, direction) = (self.displacement(), self.displacement());
@@ -307,20 +309,19 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
             zeta[0].commit(grid, strain_norm(self.space, &u));
             zeta[1].commit(grid, strain_norm(self.space, &other));
             distance.commit(grid, strain_norm(self.space, &d));
-            let mut remembered = 0.0;
-            if let (Some(past), Some(term)) = (&mut past, memory) {
+            let last = if n == 0 { 0.0 } else { 0.5 * grid.step(n) };
+            let mut stress: Tensors<S> = vec![[0.0; S]; self.space.mesh.cell_count()];
+            for (past, term) in past.iter_mut().zip(memory) {
                 past.past(&*term.kernel, &Trapezoid, grid, &mut history[..dofs]);
                 past.commit(grid, &d[..dofs]);
-                let last = if n == 0 { 0.0 } else { 0.5 * grid.step(n) };
-                crate::linalg::axpy(
-                    last * term.kernel.value(0.0),
-                    &d[..dofs],
-                    &mut history[..dofs],
-                );
-                let strain = self.strains(&history);
-                let stress: Tensors<S> = strain.iter().map(|e| term.tensor.apply(e)).collect();
-                remembered = self.size(&stress);
+                let own = last * term.kernel.value(0.0);
+                crate::linalg::axpy(own, &d[..dofs], &mut history[..dofs]);
+                for (c, strain) in self.strains(&history).iter().enumerate() {
+                    let part = term.tensor.on(self.space.region(c)).apply(strain);
+                    stress[c].iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
+                }
             }
+            let remembered = self.size(&stress);
             if n > 0 {
                 let left = (zeta[0].value() - zeta[1].value()).abs() + remembered;
                 needed = larger(needed, left / distance.value());

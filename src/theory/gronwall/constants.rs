@@ -19,10 +19,8 @@ pub struct GronwallConstants {
     pub beta: f64,
     /// μ L_κ √|Ω|, with which ζ enters; zero if κ does not depend on ζ or there is no projection.
     pub yielding: f64,
-    /// Largest |eigenvalue| of ℬ₀ on S^d, times sup |b| over [0, T]; zero without memory.
+    /// sup ‖ℬ‖ over [0, T], operator norms on S^d; zero without memory.
     pub memory: f64,
-    /// The largest |eigenvalue| alone (a stress).
-    pub memory_tensor: f64,
 }
 
 /// The constants of (3.24) of any scene.
@@ -74,15 +72,11 @@ impl GronwallConstants {
         if !yielding.is_finite() {
             return Err(GronwallError::NotLipschitz { scene: name() });
         }
-        let memory_tensor = setup.model.memory.as_ref().map_or(0.0, |memory| {
-            let (low, high) = memory.tensor.eigenvalues(scene.dimension);
-            low.abs().max(high.abs())
-        });
-        if yielding == 0.0 && memory_tensor == 0.0 {
+        let (beta, memory) = (found.beta_phi, found.memory.operator);
+        if yielding == 0.0 && memory == 0.0 {
             return Err(GronwallError::NoHistory { scene: name() });
         }
-        let (beta, memory) = (found.beta_phi, found.memory.operator);
-        Ok(Self { m0, trace_bound, beta, yielding, memory, memory_tensor })
+        Ok(Self { m0, trace_bound, beta, yielding, memory })
     }
 
     /// As every scene states them. ‖S‖ is that of the parts the scene has: 1 for ζ, plus sup ‖ℬ‖.
@@ -100,7 +94,7 @@ impl GronwallConstants {
 
     /// True if there is a memory stress.
     pub fn has_memory(&self) -> bool {
-        self.memory_tensor > 0.0
+        self.memory > 0.0
     }
 
     /// The parts of the history on a grid: ζ with κ = 1, the memory stress with κ(n, j) =
@@ -111,8 +105,8 @@ impl GronwallConstants {
             let norms = KernelNorms::Constant(1.0);
             parts.push(HistoryPart { coefficient: self.yielding, norms, supremum: 1.0 });
         }
-        if let Some(memory) = setup.model.memory.as_ref().filter(|_| self.has_memory()) {
-            let norm = |lag: f64| memory.kernel.value(lag).abs() * self.memory_tensor;
+        if self.has_memory() {
+            let norm = |lag: f64| setup.model.memory_norm(lag, setup.scene.dimension);
             let norms = match setup.scene.time.grid {
                 scene::TimeGrid::Uniform => {
                     KernelNorms::Lags(grid.times().iter().map(|t| norm(*t)).collect())

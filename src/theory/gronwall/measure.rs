@@ -5,9 +5,9 @@ use super::GronwallError;
 use super::constants::GronwallConstants;
 use super::estimate::Estimate;
 use super::truth::{Level, TemporalTruth, difference};
-use crate::contact::{Discretization, Model, march, strain_distance, strain_norm};
+use crate::contact::{Discretization, MemoryTerm, Model, march, strain_distance, strain_norm};
 use crate::history::{Memory, TimeGrid, TimeRule, Trapezoid};
-use crate::law::{Isotropic, Projection};
+use crate::law::Projection;
 use crate::linalg::axpy;
 use crate::setup::{MeshData, Setup, TruthLoad};
 use crate::space::strain_of;
@@ -106,32 +106,47 @@ fn truncation_of_memory(
     grid: &TimeGrid,
     levels: &[Level],
 ) -> Vec<f64> {
-    let Some(term) = &setup.model.memory else { return vec![0.0; levels.len()] };
-    let (kernel, rule) = (&*term.kernel, &Trapezoid);
-    let length = space.nodes.len();
-    let mut history = Memory::new(kernel, rule, length);
+    let terms = &setup.model.memory;
+    if terms.is_empty() {
+        return vec![0.0; levels.len()];
+    }
+    let (rule, length) = (&Trapezoid, space.nodes.len());
+    let mut histories: Vec<Memory> =
+        terms.iter().map(|term| Memory::new(&*term.kernel, rule, length)).collect();
     let mut sum = vec![0.0; length];
     let mut defect = |(n, level): (usize, &Level)| {
-        history.past(kernel, rule, grid, &mut sum);
-        history.commit(grid, &level.u);
-        axpy(rule.weight(grid, n, n) * kernel.value(0.0), &level.u, &mut sum);
-        stress_norm(space, &term.tensor, &difference(&level.memory, &sum))
+        let missed = terms.iter().zip(&mut histories).zip(&level.memory);
+        let missed: Vec<Vec<f64>> = missed
+            .map(|((term, history), exact)| {
+                let kernel = &*term.kernel;
+                history.past(kernel, rule, grid, &mut sum);
+                history.commit(grid, &level.u);
+                axpy(rule.weight(grid, n, n) * kernel.value(0.0), &level.u, &mut sum);
+                difference(exact, &sum)
+            })
+            .collect();
+        stress_norm(space, terms, &missed)
     };
     levels.iter().enumerate().map(&mut defect).collect()
 }
 
-/// ‖ℬ₀ε(v)‖_ℋ of a nodal vector.
-fn stress_norm(space: &Discretization, tensor: &Isotropic, v: &[f64]) -> f64 {
-    fn sum<const S: usize>(space: &Discretization, tensor: &Isotropic, v: &[f64]) -> f64 {
+/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one a term of the memory.
+fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
+    fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
         let cell = |c| {
-            let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), v);
-            let stress = tensor.apply(&strain);
+            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+            let mut stress = [0.0; S];
+            for (term, v) in terms.iter().zip(v) {
+                let strain = strain_of::<S>(gradients, nodes, v);
+                let part = term.tensor.on(space.region(c)).apply(&strain);
+                stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
+            }
             space.geometry.measure[c] * contract(&stress, &stress)
         };
         (0..space.mesh.cell_count()).map(cell).sum()
     }
     match space.mesh.dimension {
-        2 => sum::<3>(space, tensor, v).sqrt(),
-        _ => sum::<6>(space, tensor, v).sqrt(),
+        2 => sum::<3>(space, terms, v).sqrt(),
+        _ => sum::<6>(space, terms, v).sqrt(),
     }
 }

@@ -27,8 +27,8 @@ pub struct Level {
     pub t: f64,
     /// u(t), a nodal vector.
     pub u: Vec<f64>,
-    /// ∫_0^t b(t - s) u(s) ds, a nodal vector (the fine sum for a reference); empty without memory.
-    pub memory: Vec<f64>,
+    /// ∫_0^t b(t - s) u(s) ds, a nodal vector a term of the memory (the fine sum for a reference).
+    pub memory: Vec<Vec<f64>>,
     /// ζ(t) (the fine sum for a reference); NaN where κ does not depend on it.
     pub zeta: f64,
 }
@@ -132,7 +132,7 @@ fn in_space(
             n: 0,
             t: level.t,
             u: &level.u,
-            history: (!level.memory.is_empty()).then_some(&level.memory),
+            history: &level.memory,
             zeta: level.zeta,
             kappa: crate::law::Projection::limit(&setup.model.projection)
                 .map_or(f64::INFINITY, |limit| limit.value(level.zeta)),
@@ -208,7 +208,7 @@ fn kept(
     let mut levels = Vec::new();
     data.march(setup, steps, &Newton::default(), &mut |view| {
         if view.n % stride as usize == 0 {
-            let memory = view.history.map_or_else(Vec::new, <[f64]>::to_vec);
+            let memory = view.history.to_vec();
             levels.push(Level { t: view.t, u: view.u.to_vec(), memory, zeta: view.zeta });
         }
         Ok(())

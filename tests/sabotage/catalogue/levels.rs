@@ -160,10 +160,10 @@ impl Shown {
             n,
             t,
             u: &self.u,
-            history: levels.history().map(|history| match history {
+            history: match levels.history() {
                 Cow::Borrowed(history) => history,
                 Cow::Owned(_) => panic!("the contact sides of the suite lie along axes"),
-            }),
+            },
             zeta,
             kappa: model.projection.limit().map_or(f64::INFINITY, |limit| limit.value(zeta)),
             strain_norm: levels.problem().strain_norm(),

@@ -25,6 +25,16 @@ fn fields(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<(Tensor<2>, Tensor<
 /// σ of a strain, a memory and κ, under the numbers of a material.
 type Law = fn(&MaterialNumbers, &Tensor<2>, &Tensor<2>, f64) -> Tensor<2>;
 
+/// The law itself, with one term of memory.
+fn sound(
+    material: &MaterialNumbers,
+    strain: &Tensor<2>,
+    memory: &Tensor<2>,
+    kappa: f64,
+) -> Tensor<2> {
+    stress(material, strain, &[*memory], kappa)
+}
+
 /// ∫ σ:ε(v) by a rule.
 fn volume(exact: &Exact, space: &Discretization, t: f64, rule: &Rule, law: Law) -> Vec<f64> {
     let cells = 0..space.mesh.cell_count();
@@ -63,7 +73,7 @@ fn traction(exact: &Exact, space: &Discretization, t: f64, from: f64, at: f64) -
             rule.points.iter().map(|b| [from, mesh.point(mesh.facet(f), b)[1], 0.0]).collect();
         let kappa = exact.kappa(t);
         for (q, (strain, memory)) in fields(exact, &points, t).iter().enumerate() {
-            let sigma = stress(&exact.data.material, strain, memory, kappa);
+            let sigma = sound(&exact.data.material, strain, memory, kappa);
             let scale = rule.weights[q] * facet_measure(mesh, f) * normal;
             for (&vertex, shape) in mesh.facet(f).iter().zip(&rule.points[q]) {
                 let node = space.nodes.of_vertex[vertex as usize] as usize;
@@ -101,7 +111,7 @@ fn degree_zero(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
         return Ok(site.sound.load(t)?.to_vec());
     }
     changed(site, t, |exact| {
-        let at = |rule: &Rule| volume(exact, site.space, t, rule, stress);
+        let at = |rule: &Rule| volume(exact, site.space, t, rule, sound);
         (at(&centroid()), at(&triangle_degree_4()))
     })
 }
@@ -110,9 +120,9 @@ fn memory_reversed(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
     changed(site, t, |exact| {
         let at = |law: Law| volume(exact, site.space, t, &triangle_degree_4(), law);
         let reversed: Law = |material, strain, memory, kappa| {
-            stress(material, strain, &memory.map(|row| row.map(|h| -h)), kappa)
+            stress(material, strain, &[memory.map(|row| row.map(|h| -h))], kappa)
         };
-        (at(reversed), at(stress))
+        (at(reversed), at(sound))
     })
 }
 
@@ -120,8 +130,8 @@ fn without_yield(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
     changed(site, t, |exact| {
         let at = |law: Law| volume(exact, site.space, t, &triangle_degree_4(), law);
         let elastic: Law =
-            |material, strain, memory, _| stress(material, strain, memory, f64::INFINITY);
-        (at(elastic), at(stress))
+            |material, strain, memory, _| sound(material, strain, memory, f64::INFINITY);
+        (at(elastic), at(sound))
     })
 }
 
@@ -159,7 +169,8 @@ fn other_body_force(mut setup: Setup) -> Setup {
             graph: data.graph.clone(),
             u: data.u.clone(),
             material,
-            kernel: data.kernel,
+            regions: data.regions.clone(),
+            kernels: data.kernels.clone(),
             kappa: data.kappa,
             contact: data.contact.clone(),
             horizon: data.horizon,
@@ -167,7 +178,8 @@ fn other_body_force(mut setup: Setup) -> Setup {
             polygon: data.polygon.clone(),
         })
     };
-    let other = rebuilt(|numbers| numbers.memory = numbers.memory.map(|(l, m)| (-l, -m)));
+    let other =
+        rebuilt(|numbers| numbers.memory = numbers.memory.iter().map(|(l, m)| (-l, -m)).collect());
     let own = rebuilt(|_| ());
     setup.exact = Some(Arc::new(Exact { forces: other.forces, ..own }));
     setup

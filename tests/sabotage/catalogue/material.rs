@@ -9,7 +9,7 @@ use gronwall::vhi::Newton;
 use super::{Defect, Term, marched};
 
 fn numbers(mut setup: Setup, change: fn(Isotropic) -> Isotropic) -> Setup {
-    setup.model.elasticity = change(setup.model.elasticity);
+    setup.model.elasticity = setup.model.elasticity.map(change);
     setup
 }
 
@@ -67,7 +67,9 @@ fn shear_twice(
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
     let Model { elasticity, memory, projection, boundary, time_rule } = setup.scene_model();
-    let projection = ShearTwice { sound: projection, mu: elasticity.mu };
+    // 2 μ_L ε_xy of a strain ε_xy = 1/√2.
+    let mu = 0.5 * elasticity.on(0).apply(&[0.0, 0.0, 1.0])[2];
+    let projection = ShearTwice { sound: projection, mu };
     let model = Model { elasticity, memory, projection, boundary, time_rule };
     let mut load = TruthLoad(&*data.truth);
     march(&data.space, &model, &setup.grid(steps), &mut load, &Newton::default(), observe)

@@ -19,16 +19,17 @@ impl MemoryKernel for Changed {
 }
 
 fn kernel(mut setup: Setup, change: fn(f64, f64) -> f64) -> Setup {
-    setup.model.memory = setup.model.memory.map(|MemoryTerm { kernel, tensor }| MemoryTerm {
+    let changed = |MemoryTerm { kernel, tensor }| MemoryTerm {
         kernel: Box::new(Changed { sound: kernel, change }),
         tensor,
-    });
+    };
+    setup.model.memory = setup.model.memory.into_iter().map(changed).collect();
     setup
 }
 
 fn tensor(mut setup: Setup, change: fn(Isotropic) -> Isotropic) -> Setup {
-    if let Some(memory) = &mut setup.model.memory {
-        memory.tensor = change(memory.tensor);
+    for memory in &mut setup.model.memory {
+        memory.tensor = memory.tensor.map(change);
     }
     setup
 }
@@ -50,7 +51,7 @@ impl MemoryKernel for OtherRates {
 }
 
 fn other_rates(mut setup: Setup) -> Setup {
-    setup.model.memory = setup.model.memory.map(|MemoryTerm { kernel, tensor }| {
+    let changed = |MemoryTerm { kernel, tensor }: MemoryTerm| {
         let terms = kernel
             .exponentials()
             .map(|terms| terms.iter().map(|&(a, c)| (a, 1.02 * c)).collect::<Vec<_>>());
@@ -60,7 +61,8 @@ fn other_rates(mut setup: Setup) -> Setup {
             }
             None => MemoryTerm { kernel, tensor },
         }
-    });
+    };
+    setup.model.memory = setup.model.memory.into_iter().map(changed).collect();
     setup
 }
 
@@ -72,7 +74,7 @@ pub fn defects() -> Vec<Defect> {
         of("memory twice as strong", |setup| kernel(setup, |b, _| 2.0 * b)),
         of("memory 1 % too strong", |setup| kernel(setup, |b, _| 1.01 * b)),
         of("no memory", |mut setup| {
-            setup.model.memory = None;
+            setup.model.memory.clear();
             setup
         }),
         of("memory without the trace of its tensor", |setup| {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::formula::{Graph, Scope, Variable};
-use crate::manufactured::{ContactFormulas, ExactData, MaterialNumbers};
+use crate::manufactured::{ContactFormulas, ExactData, MaterialNumbers, Status};
 
 /// u = (0, a(t) p(x) (1 - y)) on (0,1)², contact below. T is no power of two: t_n rounds.
 fn exact(amplitude: &str, profile: &str) -> Exact {
@@ -10,11 +10,28 @@ fn exact(amplitude: &str, profile: &str) -> Exact {
     let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
     let u = ["0".to_string(), format!("({amplitude})*({profile})*(1 - y)")];
     let u = u.map(|text| graph.parse(&text, &scope).expect("a formula")).to_vec();
-    let material = MaterialNumbers { lambda: 1.0, mu_l: 1.0, memory: None, projection: None };
+    let material = MaterialNumbers {
+        lambda: 1.0,
+        mu_l: 1.0,
+        full: None,
+        memory: Vec::new(),
+        projection: None,
+    };
+    let (regions, kernels) = (Vec::new(), Vec::new());
     let contact = Some(ContactFormulas::default());
     let (horizon, size) = (0.7, [1.0, 1.0]);
-    let (kernel, kappa, polygon) = (None, None, None);
-    Exact::new(ExactData { graph, u, material, kernel, kappa, contact, horizon, size, polygon })
+    Exact::new(ExactData {
+        graph,
+        u,
+        material,
+        regions,
+        kernels,
+        kappa: None,
+        contact,
+        horizon,
+        size,
+        polygon: None,
+    })
 }
 
 /// What is found, by the first word or words of its subject.

@@ -1,0 +1,309 @@
+//! Symmetric fourth-order tensors, constant on each region of the body: 𝒜, and the ℬ_i of
+//! ℬ(t) = Σ b_i(t) ℬ_i.
+
+use nalgebra::DMatrix;
+
+use super::Isotropic;
+use crate::tensor::Symmetric;
+
+/// A symmetric fourth-order tensor on S^d (a stress).
+#[derive(Debug, Clone, PartialEq)]
+pub enum FourthOrder {
+    /// By its Lamé numbers.
+    Isotropic(Isotropic),
+    /// By its symmetric S×S matrix in Mandel notation, the leading block of this one.
+    Full(Box<[[f64; 6]; 6]>),
+}
+
+impl FourthOrder {
+    /// 𝒜ε.
+    #[inline]
+    pub fn apply<const S: usize>(&self, strain: &Symmetric<S>) -> Symmetric<S> {
+        match self {
+            Self::Isotropic(law) => law.apply(strain),
+            Self::Full(matrix) => std::array::from_fn(|i| {
+                matrix[i].iter().zip(strain).map(|(entry, e)| entry * e).sum()
+            }),
+        }
+    }
+
+    /// The S×S matrix in Mandel notation.
+    pub fn matrix<const S: usize>(&self) -> [[f64; S]; S] {
+        match self {
+            Self::Isotropic(law) => law.matrix(),
+            Self::Full(matrix) => std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j])),
+        }
+    }
+
+    /// The S×S matrix as the leading block of a 6×6 one, S = d(d+1)/2.
+    fn block(&self, d: usize) -> [[f64; 6]; 6] {
+        let mut block = [[0.0; 6]; 6];
+        match (self, d) {
+            (Self::Full(matrix), _) => block = **matrix,
+            (Self::Isotropic(law), 2) => {
+                for (row, own) in block.iter_mut().zip(law.matrix::<3>()) {
+                    row[..3].copy_from_slice(&own);
+                }
+            }
+            (Self::Isotropic(law), _) => block = law.matrix::<6>(),
+        }
+        block
+    }
+
+    /// Smallest and largest eigenvalue on S^d.
+    pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
+        let matrix = match self {
+            Self::Isotropic(law) => return law.eigenvalues(d),
+            Self::Full(matrix) => matrix,
+        };
+        let order = d * (d + 1) / 2;
+        let dense = DMatrix::from_fn(order, order, |i, j| matrix[i][j]);
+        // Fixed order of the minimum and maximum: NaN in the matrix leaves (∞, -∞), which no check accepts.
+        let values = dense.symmetric_eigenvalues();
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
+            (low.min(value), high.max(value))
+        })
+    }
+
+    /// Σ |E_ijkl| over all d⁴ entries: a Mandel entry stands for 1, 2 or 4 of them, divided by 1, √2, 2.
+    pub fn entry_sum(&self, d: usize) -> f64 {
+        let matrix = match self {
+            Self::Isotropic(law) => return law.entry_sum(d),
+            Self::Full(matrix) => matrix,
+        };
+        let weight = |i: usize| if i < d { 1.0 } else { std::f64::consts::SQRT_2 };
+        let order = d * (d + 1) / 2;
+        let entry = |m: usize| {
+            let (i, j) = (m / order, m % order);
+            weight(i) * weight(j) * matrix[i][j].abs()
+        };
+        (0..order * order).map(entry).sum()
+    }
+
+    /// factor·self.
+    fn scaled(&self, factor: f64) -> Self {
+        match self {
+            Self::Isotropic(law) => {
+                let (lambda, mu) = (factor * law.lambda, factor * law.mu);
+                Self::Isotropic(Isotropic { lambda, mu })
+            }
+            Self::Full(matrix) => {
+                Self::Full(Box::new(matrix.map(|row| row.map(|entry| factor * entry))))
+            }
+        }
+    }
+
+    /// self + scale·other on S^d.
+    pub fn plus(&self, scale: f64, other: &Self, d: usize) -> Self {
+        if let (Self::Isotropic(a), Self::Isotropic(b)) = (self, other) {
+            let (lambda, mu) = (a.lambda + scale * b.lambda, a.mu + scale * b.mu);
+            return Self::Isotropic(Isotropic { lambda, mu });
+        }
+        let mut sum = self.block(d);
+        for (row, own) in sum.iter_mut().zip(other.block(d)) {
+            for (value, own) in row.iter_mut().zip(own) {
+                *value += scale * own;
+            }
+        }
+        Self::Full(Box::new(sum))
+    }
+
+    /// β with `self` = β·`other`, both isotropic, if there is one (to rounding).
+    fn multiple_of(&self, other: &Self) -> Option<f64> {
+        match (self, other) {
+            (Self::Isotropic(a), Self::Isotropic(b)) => a.multiple_of(b),
+            _ => None,
+        }
+    }
+}
+
+impl From<Isotropic> for FourthOrder {
+    fn from(law: Isotropic) -> Self {
+        Self::Isotropic(law)
+    }
+}
+
+/// What a stiffness matrix is made of: the Mandel matrix on a region.
+pub trait Stiffness {
+    /// The S×S matrix on a region.
+    fn matrix_on<const S: usize>(&self, region: usize) -> [[f64; S]; S];
+
+    /// True if it is the same on all regions.
+    fn is_uniform(&self) -> bool;
+}
+
+impl Stiffness for Isotropic {
+    fn matrix_on<const S: usize>(&self, _: usize) -> [[f64; S]; S] {
+        self.matrix()
+    }
+
+    fn is_uniform(&self) -> bool {
+        true
+    }
+}
+
+impl Stiffness for TensorField {
+    fn matrix_on<const S: usize>(&self, region: usize) -> [[f64; S]; S] {
+        self.on(region).matrix()
+    }
+
+    fn is_uniform(&self) -> bool {
+        self.regions.len() == 1
+    }
+}
+
+/// A tensor a region; region 0 is what belongs to no other one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TensorField {
+    /// One where the body is homogeneous.
+    regions: Vec<FourthOrder>,
+}
+
+impl<T: Into<FourthOrder>> From<T> for TensorField {
+    fn from(tensor: T) -> Self {
+        Self { regions: vec![tensor.into()] }
+    }
+}
+
+impl TensorField {
+    /// `base` on region 0 and `others` on the next ones.
+    pub fn new(base: FourthOrder, others: impl IntoIterator<Item = FourthOrder>) -> Self {
+        Self { regions: std::iter::once(base).chain(others).collect() }
+    }
+
+    /// The tensor on a region.
+    #[inline]
+    pub fn on(&self, region: usize) -> &FourthOrder {
+        match &self.regions[..] {
+            [everywhere] => everywhere,
+            regions => &regions[region],
+        }
+    }
+
+    /// The tensors, region 0 first; one where the body is homogeneous.
+    pub fn regions(&self) -> &[FourthOrder] {
+        &self.regions
+    }
+
+    /// Smallest and largest eigenvalue on S^d over all regions.
+    pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
+        let each = self.regions.iter().map(|tensor| tensor.eigenvalues(d));
+        each.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (a, b)| {
+            (low.min(a), high.max(b))
+        })
+    }
+
+    /// The largest operator norm on S^d of a region.
+    pub fn norm(&self, d: usize) -> f64 {
+        let (low, high) = self.eigenvalues(d);
+        low.abs().max(high.abs())
+    }
+
+    /// The largest Σ |E_ijkl| of a region.
+    pub fn entry_sum(&self, d: usize) -> f64 {
+        self.regions.iter().map(|tensor| tensor.entry_sum(d)).fold(0.0, f64::max)
+    }
+
+    /// factor·self.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { regions: self.regions.iter().map(|tensor| tensor.scaled(factor)).collect() }
+    }
+
+    /// self + scale·other on S^d, region by region.
+    pub fn plus(&self, scale: f64, other: &Self, d: usize) -> Self {
+        let count = self.regions.len().max(other.regions.len());
+        let sum = |region| self.on(region).plus(scale, other.on(region), d);
+        Self { regions: (0..count).map(sum).collect() }
+    }
+
+    /// β with `self` = β·`other` on every region, if there is one (to rounding).
+    pub fn multiple_of(&self, other: &Self) -> Option<f64> {
+        let count = self.regions.len().max(other.regions.len());
+        let beta = self.on(0).multiple_of(other.on(0))?;
+        // The next regions may round β otherwise: a last digit, as within one tensor.
+        let same = |region| {
+            let own = self.on(region).multiple_of(other.on(region));
+            own.is_some_and(|own| (own - beta).abs() <= 4.0 * f64::EPSILON * beta.abs())
+        };
+        (1..count).all(same).then_some(beta)
+    }
+
+    /// The same with every isotropic tensor changed.
+    pub fn map(&self, change: impl Fn(Isotropic) -> Isotropic) -> Self {
+        let each = self.regions.iter().map(|tensor| match tensor {
+            FourthOrder::Isotropic(law) => FourthOrder::Isotropic(change(*law)),
+            full => full.clone(),
+        });
+        Self { regions: each.collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAW: Isotropic = Isotropic { lambda: 1.3, mu: 0.7 };
+
+    fn full(d: usize) -> FourthOrder {
+        FourthOrder::Full(Box::new(FourthOrder::from(LAW).block(d)))
+    }
+
+    /// An isotropic tensor written out in full is the same tensor, in both dimensions.
+    #[test]
+    fn both_forms_of_an_isotropic_tensor_agree() {
+        for d in [2, 3] {
+            let (a, b) = (FourthOrder::from(LAW), full(d));
+            let ((low, high), (own_low, own_high)) = (a.eigenvalues(d), b.eigenvalues(d));
+            assert!((low - own_low).abs() < 1e-13 && (high - own_high).abs() < 1e-13);
+            assert!((a.entry_sum(d) - b.entry_sum(d)).abs() < 1e-13);
+        }
+        let strain = [0.1, -0.4, 0.25, 0.3, 0.2, -0.1];
+        let (a, b) = (LAW.apply(&strain), full(3).apply(&strain));
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15));
+        let plane = [0.1, -0.4, 0.25];
+        let (a, b) = (LAW.apply(&plane), full(2).apply(&plane));
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15));
+    }
+
+    /// By hand: [[2, 1], [1, 2]] has 1 and 3, the shear entry is 5.
+    #[test]
+    fn eigenvalues_of_a_full_matrix() {
+        let mut matrix = [[0.0; 6]; 6];
+        (matrix[0][0], matrix[1][1], matrix[2][2]) = (2.0, 2.0, 5.0);
+        (matrix[0][1], matrix[1][0]) = (1.0, 1.0);
+        let (low, high) = FourthOrder::Full(Box::new(matrix)).eigenvalues(2);
+        assert!((low - 1.0).abs() < 1e-14 && (high - 5.0).abs() < 1e-14);
+        matrix[0][2] = 3.0;
+        matrix[2][0] = 3.0;
+        assert!(FourthOrder::Full(Box::new(matrix)).eigenvalues(2).0 < 0.0);
+    }
+
+    #[test]
+    fn regions_keep_their_own_tensors() {
+        let soft = Isotropic { lambda: 0.1, mu: 0.2 };
+        let field = TensorField::new(LAW.into(), [soft.into()]);
+        assert_eq!(field.on(1), &FourthOrder::Isotropic(soft));
+        let ((low, high), expected) = (field.eigenvalues(2), (0.4, 4.0));
+        assert!((low - expected.0).abs() < 1e-15 && (high - expected.1).abs() < 1e-15);
+        assert_eq!(TensorField::from(LAW).on(7), &FourthOrder::Isotropic(LAW));
+        let sum = field.plus(2.0, &TensorField::from(soft), 2);
+        let FourthOrder::Isotropic(sum) = sum.on(1) else { panic!("isotropic") };
+        assert!((sum.lambda - 0.3).abs() < 1e-15 && (sum.mu - 0.6).abs() < 1e-15);
+        let mixed = field.plus(1.0, &full(2).into(), 2);
+        let twice = LAW.apply(&[1.0, 0.0, 0.5]).map(|s| 2.0 * s);
+        let found = mixed.on(0).apply(&[1.0, 0.0, 0.5]);
+        assert!(twice.iter().zip(found).all(|(a, b)| (a - b).abs() < 1e-14));
+    }
+
+    /// A multiple on one region only is none.
+    #[test]
+    fn a_multiple_is_one_on_every_region() {
+        let twice = |law: Isotropic| Isotropic { lambda: 2.0 * law.lambda, mu: 2.0 * law.mu };
+        let soft = Isotropic { lambda: 0.1, mu: 0.2 };
+        let field = TensorField::new(LAW.into(), [soft.into()]);
+        assert_eq!(field.map(twice).multiple_of(&field), Some(2.0));
+        let other = TensorField::new(twice(LAW).into(), [soft.into()]);
+        assert_eq!(other.multiple_of(&field), None);
+        assert_eq!(TensorField::from(LAW).multiple_of(&full(2).into()), None);
+    }
+}
