@@ -96,7 +96,7 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
 
 #[test]
 fn the_tangent_is_the_derivative_of_the_force() {
-    let family = Family::Perturbed { amplitude: 0.1, seed: 3 };
+    let family = Family::Perturbed { amplitude: 0.1, seed: 3, axes: [true; 3] };
     let plane = halves(rectangle([1.0, 1.0], 4, family), &["top"]);
     let solid = halves(cuboid([1.0, 1.0, 1.0], 2, family), &["top"]);
     for space in [&plane, &solid] {
