@@ -19,8 +19,8 @@
 //! | u_n^{kh} | `u` | d numbers a node, free nodes first | length |
 //! | ε(u) | `strain` | d(d+1)/2 numbers a cell, Mandel ([`tensor`]) | 1 |
 //! | σ | `stress` | like ε | stress |
-//! | 𝒜, ℬ₀ | [`law::Isotropic`] | two Lamé numbers | stress |
-//! | b(t) | [`law::MemoryKernel`] | ℝ₊ → ℝ | 1/time |
+//! | 𝒜, ℬ_i | [`law::TensorField`] | a tensor a region, two Lamé numbers or S×S | stress |
+//! | b_i(t) | [`law::MemoryKernel`] | ℝ₊ → ℝ, ℬ(t) = Σ b_i(t) ℬ_i | 1/time |
 //! | μ, κ(ζ) | [`law::VonMises`], [`law::YieldLimit`] | | stress, strain |
 //! | ζ | `zeta` ([`history::Accumulated`]) | one number a time | time |
 //! | ∂j_ν, α_ν | [`law::Potential`] | interval a vertex of Γ3 | pressure, pressure/length |

@@ -202,6 +202,12 @@ impl Exact {
         self.regions_at(&points)
     }
 
+    /// The region of each of some facets of a plane mesh, that of its midpoint.
+    pub fn facet_regions(&self, mesh: &Mesh, facets: &[usize]) -> Vec<usize> {
+        let middle = |&f: &usize| mesh.point(mesh.facet(f), &[0.5, 0.5]);
+        self.regions_at(&facets.iter().map(middle).collect::<Vec<_>>())
+    }
+
     /// The numbers of a region.
     pub fn material_in(&self, region: usize) -> &MaterialNumbers {
         match region {

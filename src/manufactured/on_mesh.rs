@@ -121,11 +121,6 @@ impl ExactOnMesh {
         tensor(&values[2..])
     }
 
-    /// The material of a cell.
-    fn material_of(&self, c: usize) -> &MaterialNumbers {
-        self.exact.material_in(self.regions[c])
-    }
-
     fn interior(&self, points: &Sampled, t: f64) -> Result<Vec<Vec<f64>>, LoadError> {
         let outputs = 5 + self.exact.memory.len();
         let values = points.evaluate(&self.exact.interior, outputs, t, 0.0);
@@ -141,10 +136,10 @@ impl ExactOnMesh {
         let mut memory = Vec::new();
         let count = self.load_points.rule.weights.len();
         for c in 0..space.mesh.cell_count() {
-            let mut mean = [[0.0; 2]; 2];
+            let (mut mean, material) = ([[0.0; 2]; 2], self.exact.material_in(self.regions[c]));
             for (q, weight) in self.load_points.rule.weights.iter().enumerate() {
                 let strain = self.tensors(&values, count * c + q, &mut memory);
-                let stress = constitutive::stress(self.material_of(c), &strain, &memory, kappa);
+                let stress = constitutive::stress(material, &strain, &memory, kappa);
                 for (target, row) in mean.iter_mut().zip(&stress) {
                     target[0] += weight * row[0];
                     target[1] += weight * row[1];
@@ -261,9 +256,10 @@ impl ExactOnMesh {
         let mut memory = Vec::new();
         let (mut strains, mut stresses) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count]);
         for c in 0..cells {
+            let material = self.exact.material_in(self.regions[c]);
             for q in 0..count {
                 let strain = self.tensors(values, count * c + q, &mut memory);
-                let stress = constitutive::stress(self.material_of(c), &strain, &memory, kappa);
+                let stress = constitutive::stress(material, &strain, &memory, kappa);
                 strains[q] = mandel(&strain);
                 stresses[q] = mandel(&stress);
             }
@@ -363,13 +359,12 @@ fn facet_groups(
             points: (0..=FACET_SAMPLES).map(|s| facet_sample(s).to_vec()).collect(),
             weights: vec![0.0; FACET_SAMPLES + 1],
         };
-        let middle = |f: usize| space.mesh.point(space.mesh.facet(f), &[0.5, 0.5]);
-        let middles: Vec<[f64; 3]> = members.iter().map(|(_, f)| middle(*f)).collect();
+        let facets: Vec<usize> = members.iter().map(|(_, f)| *f).collect();
         groups.push(FacetGroup {
-            regions: exact.regions_at(&middles),
+            regions: exact.facet_regions(&space.mesh, &facets),
             normal,
             facets: members.iter().map(|(position, _)| *position).collect(),
-            mesh_facets: members.iter().map(|(_, f)| *f).collect(),
+            mesh_facets: facets,
             formulas: exact.boundary(&normal),
             points: sampled(rule.clone()),
             samples: sampled(samples),

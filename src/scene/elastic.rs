@@ -4,6 +4,7 @@ use crate::law::{FourthOrder, Isotropic};
 
 use super::diagnostic::SceneError;
 use super::reading::Reading;
+use super::wording::heading;
 use super::written;
 
 /// What `[material]` and a region give of 𝒜.
@@ -35,10 +36,7 @@ pub(super) fn elastic(
                 .collect();
             names.extend(table.map(|_| "elasticity"));
             let list = if names.is_empty() { "nothing".to_string() } else { names.join(", ") };
-            let part = match key.rsplit_once('.') {
-                Some((list, index)) if index.parse::<usize>().is_ok() => format!("[[{list}]]"),
-                _ => format!("[{key}]"),
-            };
+            let part = heading(key);
             let message = format!("{part} gives {list}: elasticity needs exactly one pair");
             Err(reading.error(
                 key,

@@ -128,8 +128,11 @@ fn plain_type(name: &str) -> String {
 }
 
 /// How a dotted name of a table reads in a message: `[material.memory]`, `[[predicts]]`.
-fn heading(part: &str) -> String {
-    if part.starts_with("predicts.") { "[[predicts]]".to_string() } else { format!("[{part}]") }
+pub(super) fn heading(part: &str) -> String {
+    match part.rsplit_once('.') {
+        Some((list, index)) if index.parse::<usize>().is_ok() => format!("[[{list}]]"),
+        _ => format!("[{part}]"),
+    }
 }
 
 /// The pieces of a message between backticks.

@@ -31,18 +31,19 @@ fn exact(vertices: &[[f64; 2]], u: [&str; 2], yields: bool) -> Exact {
     let in_zeta = Scope::new(&[Variable::Zeta]);
     let kappa = yields.then(|| graph.parse("0.1 + zeta", &in_zeta).expect("a formula"));
     let projection = yields.then_some(1.0);
-    let (full, memory) = (None, Vec::new());
-    let material = MaterialNumbers { lambda: 1.3, mu_l: 0.7, full, memory, projection };
+    let material =
+        MaterialNumbers { lambda: 1.3, mu_l: 0.7, full: None, memory: Vec::new(), projection };
     let [low, high] = coarse.bounds();
     let size = [high[0] - low[0], high[1] - low[1]];
     let (clamped, contact) = (vec![count - 1], vec![0]);
     let polygon = Some(Polygon { coarse: Arc::new(coarse), clamped, contact });
-    let (kernels, horizon, contact) = (Vec::new(), 1.0, Some(ContactFormulas::default()));
+    let (regions, kernels) = (Vec::new(), Vec::new());
+    let (horizon, contact) = (1.0, Some(ContactFormulas::default()));
     Exact::new(ExactData {
         graph,
         u,
         material,
-        regions: Vec::new(),
+        regions,
         kernels,
         kappa,
         contact,
