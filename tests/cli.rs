@@ -263,10 +263,15 @@ const SOLVED: [&str; 17] = [
     "dofs",
 ];
 /// Later additions.
-const ADDED: [&str; 6] = [
+const ADDED: [&str; 11] = [
+    "compliance_pressure",
     "contact_half_width",
+    "contraction",
+    "contraction_bound",
+    "convex_problems",
     "factorizations",
     "fixed_point_iterations",
+    "jump_vertices",
     "linear_solves",
     "peak_pressure",
     "pressure_spread",

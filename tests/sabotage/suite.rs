@@ -126,7 +126,7 @@ impl Trial {
             Subject::Contact(sound) => {
                 let meshes = ns.iter().map(|&n| {
                     let data = MeshData::new(&sound, n, None).unwrap_or_else(|e| panic!("{e}"));
-                    (n, data.space, Arc::from(data.truth))
+                    (n, data.space, data.truth)
                 });
                 let meshes = meshes.collect();
                 Body::Contact { sound, meshes }

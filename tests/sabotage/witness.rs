@@ -37,7 +37,7 @@ impl Stage {
     fn new(name: &str, n: u32) -> Self {
         let sound = setup(name);
         let data = MeshData::new(&sound, n, None).unwrap_or_else(|error| panic!("{error}"));
-        Self { space: data.space, truth: Arc::from(data.truth), sound }
+        Self { space: data.space, truth: data.truth, sound }
     }
 
     /// The defective program with what it works on.

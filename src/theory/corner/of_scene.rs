@@ -74,8 +74,8 @@ impl End {
 }
 
 /// The corners of a plane body of one isotropic material; empty in space, and where the material is another: an
-/// interface that meets the boundary is a singular point of its own kind. Memory and projection are left out: where the memory tensor is no
-/// multiple of the elasticity the exponents belong to the instantaneous response.
+/// interface that meets the boundary is a singular point of its own kind. Memory and projection are left out:
+/// where the memory tensor is no multiple of the elasticity the exponents belong to the instantaneous response.
 pub fn corners(body: &ContactScene) -> Vec<Corner> {
     let domain = &body.domain;
     if domain.dimension() != 2 {
