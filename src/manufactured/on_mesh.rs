@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::constitutive::{self, Tensor};
 use super::contact_samples::StatePoints;
-use super::exact::{Exact, LoadForm, MaterialNumbers};
+use super::exact::{Exact, LoadForm};
 use super::nodal_force::{add_stress, length};
 use super::reduction::{add_cell, project};
 use super::symbolic::components;
