@@ -61,10 +61,9 @@ const SHARED: [(&str, &str, &[&str]); 5] = [
         "norms",
         &[
             "CellConstants",
-            "FACET_SAMPLES",
             "Moments",
             "Piecewise",
-            "facet_sample",
+            "facet_samples",
             "is_locked",
             "linear_projection",
         ],

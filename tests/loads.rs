@@ -139,7 +139,7 @@ fn changed(setup: &Setup, change: impl Fn(&mut ExactData)) -> Arc<Exact> {
         kappa: data.kappa,
         contact: data.contact.clone(),
         horizon: data.horizon,
-        size: data.size,
+        size: data.size.clone(),
     };
     change(&mut copy);
     Arc::new(Exact::new(copy))

@@ -9,11 +9,10 @@ use super::sign_changes::sign_changes;
 use crate::formula::{Graph, Node, Program, Variable};
 use crate::space::quadrature::gauss_legendre;
 
-/// Gauss points a piece in x and y. A quarter of the domain with 14 points resolves sin(4πx)
-/// squared to rounding.
-const SPACE_POINTS: usize = 14;
-/// Pieces of the domain in x and in y before cuts at guards.
-const SPACE_PIECES: usize = 3;
+/// Gauss points a piece and direction, and pieces before cuts at guards, in the plane and in space. A quarter
+/// of the domain with 14 points resolves sin(4πx) squared to rounding, half of it with 8 sin(πx) squared.
+const PLANE: [usize; 2] = [14, 3];
+const SPACE: [usize; 2] = [8, 2];
 /// Intervals of the domain, and of a panel in time, in which guards are watched.
 const WATCHES: usize = 48;
 const TIME_WATCHES: usize = 8;
@@ -31,7 +30,9 @@ struct Integrand {
     guard_count: usize,
     /// Weight of each strain component in ‖ε‖².
     weights: Vec<f64>,
-    size: [f64; 2],
+    size: Vec<f64>,
+    /// Whether ε varies along z; a strain that does not is looked at in one plane.
+    along_z: bool,
 }
 
 impl AccumulatedStrain {
@@ -40,7 +41,7 @@ impl AccumulatedStrain {
         graph: &mut Graph,
         strain: &[Node],
         horizon: f64,
-        size: [f64; 2],
+        size: &[f64],
         needed: bool,
     ) -> Self {
         let integrand = needed.then(|| {
@@ -55,11 +56,12 @@ impl AccumulatedStrain {
                 strain: Program::compile(graph, strain, horizon),
                 guard_count: guards.len(),
                 guards: Program::compile(graph, &guards, horizon),
-                weights: super::symbolic::components(2)
+                weights: super::symbolic::components(size.len())
                     .into_iter()
                     .map(|(i, j)| if i == j { 1.0 } else { 2.0 })
                     .collect(),
-                size,
+                size: size.to_vec(),
+                along_z: strain.iter().any(|&e| graph.depends_on(e, Variable::Z)),
             }
         });
         Self { integrand, integral: RunningIntegral::new(horizon) }
@@ -105,31 +107,50 @@ impl Integrand {
 
     /// ‖ε(u(t))‖_ℋ.
     fn norm(&self, t: f64) -> f64 {
-        let xs = pieces(&self.cuts_in_x(t));
-        let ys = pieces(&uniform_cuts(self.size[1]));
-        let points: Vec<[f64; 3]> =
-            xs.iter().flat_map(|(x, _)| ys.iter().map(move |(y, _)| [*x, *y, 0.0])).collect();
+        let count = self.rule()[0];
+        let xs = pieces(&self.cuts_in_x(t), count);
+        let across = |length: f64| pieces(&self.uniform_cuts(length), count);
+        let ys = across(self.size[1]);
+        let zs = match self.size.get(2) {
+            None => vec![(0.0, 1.0)],
+            Some(&depth) if self.along_z => across(depth),
+            Some(&depth) => vec![(0.5 * depth, depth)],
+        };
+        let lines = || ys.iter().flat_map(|y| zs.iter().map(move |z| (y, z)));
+        let points: Vec<[f64; 3]> = xs
+            .iter()
+            .flat_map(|(x, _)| lines().map(move |((y, _), (z, _))| [*x, *y, *z]))
+            .collect();
         let mut out = vec![Vec::new(); self.weights.len()];
         self.strain.bind(&points).evaluate(t, 0.0, &mut out);
         let mut sum = 0.0;
-        for (i, (_, wx)) in xs.iter().enumerate() {
+        for (slice, (_, wx)) in xs.iter().enumerate() {
+            let first = slice * ys.len() * zs.len();
             let mut column = 0.0;
-            for (j, (_, wy)) in ys.iter().enumerate() {
-                let p = i * ys.len() + j;
+            for (p, ((_, wy), (_, wz))) in (first..).zip(lines()) {
                 let squares: f64 =
                     out.iter().zip(&self.weights).map(|(e, w)| w * e[p] * e[p]).sum();
-                column += wy * squares;
+                column += wy * wz * squares;
             }
             sum += wx * column;
         }
         sum.sqrt()
     }
 
+    fn rule(&self) -> [usize; 2] {
+        if self.size.len() == 2 { PLANE } else { SPACE }
+    }
+
+    fn uniform_cuts(&self, length: f64) -> Vec<f64> {
+        let count = self.rule()[1];
+        (0..=count).map(|i| length * i as f64 / count as f64).collect()
+    }
+
     /// Cuts of (0, a) where a guard changes sign at time t, or did at time 0: the relaxation
     /// integrals keep a kink where a zone began.
     fn cuts_in_x(&self, t: f64) -> Vec<f64> {
         let width = self.size[0];
-        let mut cuts = uniform_cuts(width);
+        let mut cuts = self.uniform_cuts(width);
         for time in [t, 0.0] {
             cuts.extend(sign_changes(0.0, width, WATCHES, |places| {
                 let points: Vec<[f64; 3]> = places.iter().map(|&x| [x, 0.0, 0.0]).collect();
@@ -144,13 +165,9 @@ impl Integrand {
     }
 }
 
-fn uniform_cuts(length: f64) -> Vec<f64> {
-    (0..=SPACE_PIECES).map(|i| length * i as f64 / SPACE_PIECES as f64).collect()
-}
-
 /// Gauss points and weights on the pieces between cuts.
-fn pieces(cuts: &[f64]) -> Vec<(f64, f64)> {
-    let rule = gauss_legendre(SPACE_POINTS);
+fn pieces(cuts: &[f64], count: usize) -> Vec<(f64, f64)> {
+    let rule = gauss_legendre(count);
     let mut out = Vec::new();
     for pair in cuts.windows(2) {
         let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));

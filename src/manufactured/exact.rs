@@ -68,8 +68,8 @@ pub struct ExactData {
     pub contact: Option<ContactFormulas>,
     /// T.
     pub horizon: f64,
-    /// Box that contains the domain.
-    pub size: [f64; 2],
+    /// Box that contains the domain, one length a dimension.
+    pub size: Vec<f64>,
 }
 
 /// An exact solution with its compiled formulas.
@@ -107,7 +107,7 @@ impl Exact {
         let interior = Program::compile(graph, &outputs, data.horizon);
         let forces = Program::compile(graph, &body_force, data.horizon);
         let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
-        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, data.size, needs_zeta);
+        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, &data.size, needs_zeta);
         Self { strain, memory, stress, body_force, interior, forces, zeta, data }
     }
 

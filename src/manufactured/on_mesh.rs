@@ -1,43 +1,20 @@
 //! An exact solution on a mesh: load vectors and moments, each computed once a time and shared by
 //! all cases on the mesh.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-use super::constitutive::{self, Tensor};
+use super::constitutive::{self, Tensor, full, mandel};
 use super::exact::{Exact, LoadForm};
-use super::nodal_force::{add_stress, length};
+use super::facet_group::{FacetGroup, facet_groups};
+use super::nodal_force::{add_stress, facet_measure};
 use super::reduction::{add_cell, project};
-use super::symbolic::components;
+use super::sampled::{Sampled, finite, tensor_names, vector_names};
 use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError};
-use crate::formula::Bound;
-use crate::norms::{FACET_SAMPLES, Moments, Piecewise, facet_sample, is_locked};
+use crate::norms::{Moments, Piecewise, facet_samples, is_locked};
 use crate::space::quadrature::{Rule, TruthRules};
 
-/// Points with their formulas bound to them.
-struct Sampled {
-    rule: Rule,
-    points: Vec<[f64; 3]>,
-    bound: Mutex<Option<Bound>>,
-}
-
-impl Sampled {
-    /// Values of all outputs at all points at time t.
-    fn evaluate(
-        &self,
-        program: &crate::formula::Program,
-        outputs: usize,
-        t: f64,
-        zeta: f64,
-    ) -> Vec<Vec<f64>> {
-        let mut out = vec![Vec::new(); outputs];
-        let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
-        bound.get_or_insert_with(|| program.bind(&self.points)).evaluate(t, zeta, &mut out);
-        out
-    }
-}
-
-/// A plane exact solution on one mesh.
+/// An exact solution on one mesh of its dimension.
 pub struct ExactOnMesh {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
@@ -55,19 +32,6 @@ pub struct ExactOnMesh {
     moments: ByTime<Moments>,
 }
 
-/// Facets with one normal.
-struct FacetGroup {
-    normal: [f64; 2],
-    /// Positions in the list that was grouped: for Γ3 those of the trace.
-    facets: Vec<usize>,
-    /// The same facets by their numbers in the mesh.
-    mesh_facets: Vec<usize>,
-    formulas: super::exact::BoundaryFormulas,
-    points: Sampled,
-    samples: Sampled,
-    strains: Sampled,
-}
-
 impl ExactOnMesh {
     /// Binds the formulas of `exact` to the points of `rules` on `space`; `traction` are the sides
     /// of Γ2.
@@ -79,13 +43,8 @@ impl ExactOnMesh {
         rules: &TruthRules,
     ) -> Self {
         let cell_points = |rule: &Rule| {
-            let points = (0..space.mesh.cell_count())
-                .flat_map(|c| {
-                    let cell = space.mesh.cell(c);
-                    rule.points.iter().map(|b| space.mesh.point(cell, b)).collect::<Vec<_>>()
-                })
-                .collect();
-            Sampled { rule: rule.clone(), points, bound: Mutex::new(None) }
+            let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
+            Sampled::new(&space.mesh, cells, rule)
         };
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
@@ -103,44 +62,38 @@ impl ExactOnMesh {
         }
     }
 
-    /// Full ε and H at point p of interior outputs [u, ε, H].
-    fn tensors(&self, values: &[Vec<f64>], p: usize) -> (Tensor<2>, Tensor<2>) {
-        let mut strain = [[0.0; 2]; 2];
-        let mut memory = [[0.0; 2]; 2];
-        let has_memory = !self.exact.memory.is_empty();
-        for (at, &(i, j)) in components(2).iter().enumerate() {
-            strain[i][j] = values[2 + at][p];
-            strain[j][i] = strain[i][j];
-            if has_memory {
-                memory[i][j] = values[5 + at][p];
-                memory[j][i] = memory[i][j];
-            }
-        }
-        (strain, memory)
+    /// σ at point p of interior outputs [u, ε, H].
+    #[inline]
+    fn stress<const D: usize>(&self, values: &[Vec<f64>], p: usize, kappa: f64) -> Tensor<D> {
+        let memory = match self.exact.memory.is_empty() {
+            true => [[0.0; D]; D],
+            false => full(&values[D + self.exact.strain.len()..], p),
+        };
+        constitutive::stress(&self.exact.data.material, &full(&values[D..], p), &memory, kappa)
     }
 
     fn interior(&self, points: &Sampled, t: f64) -> Result<Vec<Vec<f64>>, LoadError> {
-        let outputs = 5 + self.exact.memory.len();
+        let d = self.exact.dimension();
+        let outputs = d + self.exact.strain.len() + self.exact.memory.len();
         let values = points.evaluate(&self.exact.interior, outputs, t, 0.0);
-        finite(&values, &points.points, t, &["u_x", "u_y", "ε_xx", "ε_xy", "ε_yy"])?;
+        let names = [vector_names("u", d), tensor_names("ε", d)].concat();
+        finite(&values, &points.points, d, t, &names)?;
         Ok(values)
     }
 
-    fn weak_load(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+    fn weak_load<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let space = &self.space;
         let values = self.interior(&self.load_points, t)?;
         let kappa = self.exact.kappa(t);
         let mut force = vec![0.0; space.nodes.len()];
         let count = self.load_points.rule.weights.len();
         for c in 0..space.mesh.cell_count() {
-            let mut mean = [[0.0; 2]; 2];
+            let mut mean = [[0.0; D]; D];
             for (q, weight) in self.load_points.rule.weights.iter().enumerate() {
-                let (strain, memory) = self.tensors(&values, count * c + q);
-                let stress =
-                    constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
-                for (target, row) in mean.iter_mut().zip(&stress) {
-                    target[0] += weight * row[0];
-                    target[1] += weight * row[1];
+                let stress = self.stress::<D>(&values, count * c + q, kappa);
+                for (target, value) in mean.as_flattened_mut().iter_mut().zip(stress.as_flattened())
+                {
+                    *target += weight * value;
                 }
             }
             add_stress(&space.mesh, c, space.cell_nodes(c), &mean, &mut force);
@@ -152,19 +105,20 @@ impl ExactOnMesh {
 
     /// Adds ∫_{Γ3} c v_ν by the error rule of the facets.
     fn add_contact_pressure(&self, t: f64, force: &mut [f64]) -> Result<(), LoadError> {
+        let d = self.space.mesh.dimension;
         for group in &self.contact {
             let values = group.contact_values(&group.points, t)?;
             let count = group.points.rule.weights.len();
             for (index, &facet) in group.mesh_facets.iter().enumerate() {
-                let measure = length(&self.space.mesh, facet);
+                let measure = facet_measure(&self.space.mesh, facet);
                 for (q, weight) in group.points.rule.weights.iter().enumerate() {
                     let pressure = weight * measure * values[1][count * index + q];
                     for (&vertex, shape) in
                         self.space.mesh.facet(facet).iter().zip(&group.points.rule.points[q])
                     {
                         let node = self.space.nodes.of_vertex[vertex as usize] as usize;
-                        for i in 0..2 {
-                            force[2 * node + i] += pressure * group.normal[i] * shape;
+                        for i in 0..d {
+                            force[d * node + i] += pressure * group.normal[i] * shape;
                         }
                     }
                 }
@@ -173,27 +127,27 @@ impl ExactOnMesh {
         Ok(())
     }
 
-    fn strong_load(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+    fn strong_load<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let space = &self.space;
         let zeta = self.exact.zeta.at(t);
         let points = &self.force_points;
-        let values = points.evaluate(&self.exact.forces, 2, t, zeta);
-        finite(&values, &points.points, t, &["f0_x", "f0_y"])?;
+        let values = points.evaluate(&self.exact.forces, D, t, zeta);
+        finite(&values, &points.points, D, t, &vector_names("f0", D))?;
         let mut force = vec![0.0; space.nodes.len()];
         let count = points.rule.weights.len();
         for c in 0..space.mesh.cell_count() {
             let measure = space.geometry.measure[c];
             for (q, weight) in points.rule.weights.iter().enumerate() {
                 for (&node, shape) in space.cell_nodes(c).iter().zip(&points.rule.points[q]) {
-                    for i in 0..2 {
-                        force[2 * node as usize + i] +=
+                    for i in 0..D {
+                        force[D * node as usize + i] +=
                             weight * measure * shape * values[i][count * c + q];
                     }
                 }
             }
         }
         for group in self.traction.iter().chain(&self.contact) {
-            self.add_boundary_stress(group, t, &mut force)?;
+            self.add_boundary_stress::<D>(group, t, &mut force)?;
         }
         self.add_contact_pressure(t, &mut force)?;
         force.truncate(space.dofs());
@@ -201,7 +155,7 @@ impl ExactOnMesh {
     }
 
     /// Adds ∫ (σν)·v over a group of facets.
-    fn add_boundary_stress(
+    fn add_boundary_stress<const D: usize>(
         &self,
         group: &FacetGroup,
         t: f64,
@@ -211,17 +165,15 @@ impl ExactOnMesh {
         let kappa = self.exact.kappa(t);
         let rule = &group.strains.rule;
         for (index, &facet) in group.mesh_facets.iter().enumerate() {
-            let measure = length(&self.space.mesh, facet);
+            let measure = facet_measure(&self.space.mesh, facet);
             for (q, weight) in rule.weights.iter().enumerate() {
                 let p = rule.weights.len() * index + q;
-                let (strain, memory) = self.tensors(&values, p);
-                let stress =
-                    constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
+                let stress = self.stress::<D>(&values, p, kappa);
                 for (&vertex, shape) in self.space.mesh.facet(facet).iter().zip(&rule.points[q]) {
                     let node = self.space.nodes.of_vertex[vertex as usize] as usize;
                     for (i, row) in stress.iter().enumerate() {
-                        let traction = row[0] * group.normal[0] + row[1] * group.normal[1];
-                        force[2 * node + i] += weight * measure * shape * traction;
+                        let traction: f64 = row.iter().zip(&group.normal).map(|(s, n)| s * n).sum();
+                        force[D * node + i] += weight * measure * shape * traction;
                     }
                 }
             }
@@ -229,44 +181,46 @@ impl ExactOnMesh {
         Ok(())
     }
 
-    fn compute_moments(&self, t: f64) -> Result<Moments, LoadError> {
+    fn compute_moments<const D: usize>(&self, t: f64) -> Result<Moments, LoadError> {
         let values = self.interior(&self.error_points, t)?;
-        let mut moments = self.cell_moments(&values, self.exact.kappa(t));
+        let mut moments = self.cell_moments::<D>(&values, self.exact.kappa(t));
         let facets = self.space.trace.measure.len();
-        moments.normal.corner = vec![0.0; 2 * facets];
-        moments.pressure.corner = vec![0.0; 2 * facets];
-        moments.locked = vec![false; facets * (FACET_SAMPLES + 1)];
+        moments.normal.corner = vec![0.0; D * facets];
+        moments.pressure.corner = vec![0.0; D * facets];
+        moments.locked = vec![false; facets * facet_samples(D).len()];
         for group in &self.contact {
             self.facet_moments(group, t, &mut moments)?;
         }
         Ok(moments)
     }
 
-    fn cell_moments(&self, values: &[Vec<f64>], kappa: f64) -> Moments {
+    fn cell_moments<const D: usize>(&self, values: &[Vec<f64>], kappa: f64) -> Moments {
         let space = &self.space;
         let rule = &self.error_points.rule;
         let (count, cells) = (rule.weights.len(), space.mesh.cell_count());
+        let numbers = self.exact.strain.len();
         let mut moments = Moments::default();
-        moments.strain.mean = Vec::with_capacity(3 * cells);
-        moments.stress.mean = Vec::with_capacity(3 * cells);
-        moments.displacement.corner = vec![0.0; 6 * cells];
-        let (mut strains, mut stresses) = (vec![[0.0; 3]; count], vec![[0.0; 3]; count]);
+        moments.strain.mean = Vec::with_capacity(numbers * cells);
+        moments.stress.mean = Vec::with_capacity(numbers * cells);
+        let corners = D * (D + 1);
+        moments.displacement.corner = vec![0.0; corners * cells];
+        let (mut strains, mut stresses) = (Vec::new(), Vec::new());
         for c in 0..cells {
+            strains.clear();
+            stresses.clear();
             for q in 0..count {
-                let (strain, memory) = self.tensors(values, count * c + q);
-                let stress =
-                    constitutive::stress(&self.exact.data.material, &strain, &memory, kappa);
-                strains[q] = mandel(&strain);
-                stresses[q] = mandel(&stress);
+                let p = count * c + q;
+                mandel(&full::<D>(&values[D..], p), &mut strains);
+                mandel(&self.stress::<D>(values, p, kappa), &mut stresses);
             }
             let measure = space.geometry.measure[c];
             add_cell(&strains, &rule.weights, measure, &mut moments.strain);
             add_cell(&stresses, &rule.weights, measure, &mut moments.stress);
-            for i in 0..2 {
+            for i in 0..D {
                 let at = &values[i][count * c..count * (c + 1)];
-                let corner = &mut moments.displacement.corner[6 * c..6 * (c + 1)];
+                let corner = &mut moments.displacement.corner[corners * c..corners * (c + 1)];
                 moments.displacement.rest +=
-                    measure * project(at, rule, |a, v| corner[2 * a + i] = v);
+                    measure * project(at, rule, |a, v| corner[D * a + i] = v);
             }
         }
         moments
@@ -280,19 +234,18 @@ impl ExactOnMesh {
     ) -> Result<(), LoadError> {
         let values = group.contact_values(&group.points, t)?;
         let samples = group.contact_values(&group.samples, t)?;
-        let rule = &group.points.rule;
-        let count = rule.weights.len();
+        let (rule, corners) = (&group.points.rule, self.space.mesh.dimension);
+        let (count, sampled) = (rule.weights.len(), group.samples.rule.points.len());
         for (index, &f) in group.facets.iter().enumerate() {
             let measure = self.space.trace.measure[f];
             for (field, target) in [(0, &mut moments.normal), (1, &mut moments.pressure)] {
                 let at = &values[field][count * index..count * (index + 1)];
                 let Piecewise { corner, rest } = target;
-                *rest += measure * project(at, rule, |a, v| corner[2 * f + a] = v);
+                *rest += measure * project(at, rule, |a, v| corner[corners * f + a] = v);
             }
-            for s in 0..=FACET_SAMPLES {
-                let p = (FACET_SAMPLES + 1) * index + s;
-                moments.locked[(FACET_SAMPLES + 1) * f + s] =
-                    is_locked(samples[0][p], samples[2][p]);
+            for s in 0..sampled {
+                let p = sampled * index + s;
+                moments.locked[sampled * f + s] = is_locked(samples[0][p], samples[2][p]);
             }
         }
         Ok(())
@@ -301,94 +254,20 @@ impl ExactOnMesh {
 
 impl Truth for ExactOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        self.loads.get_or(t, || match self.form {
-            LoadForm::Weak => self.weak_load(t),
-            LoadForm::Strong => self.strong_load(t),
-        })
+        let load = match (self.form, self.space.mesh.dimension) {
+            (LoadForm::Weak, 2) => Self::weak_load::<2>,
+            (LoadForm::Weak, _) => Self::weak_load::<3>,
+            (LoadForm::Strong, 2) => Self::strong_load::<2>,
+            (LoadForm::Strong, _) => Self::strong_load::<3>,
+        };
+        self.loads.get_or(t, || load(self, t))
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        self.moments.get_or(t, || self.compute_moments(t))
-    }
-}
-
-impl FacetGroup {
-    /// [u_ν, c, g, ξ, λ] at the points.
-    fn contact_values(&self, points: &Sampled, t: f64) -> Result<Vec<Vec<f64>>, LoadError> {
-        let values = points.evaluate(&self.formulas.program, 5, t, 0.0);
-        finite(&values[..2], &points.points, t, &["u_ν", "ξ + λ"])?;
-        Ok(values)
-    }
-}
-
-/// Groups mesh facets by side, hence by normal.
-fn facet_groups(
-    exact: &Exact,
-    space: &Discretization,
-    mesh_facets: &[u32],
-    rule: &Rule,
-) -> Vec<FacetGroup> {
-    let mut groups = Vec::new();
-    for side in 0..space.mesh.sides.len() {
-        let members: Vec<(usize, usize)> = mesh_facets
-            .iter()
-            .enumerate()
-            .filter(|(_, f)| space.mesh.facet_side[**f as usize] as usize == side)
-            .map(|(position, &f)| (position, f as usize))
-            .collect();
-        if members.is_empty() {
-            continue;
-        }
-        let normal = [space.mesh.side_normal[2 * side], space.mesh.side_normal[2 * side + 1]];
-        let sampled = |rule: Rule| {
-            let points = members
-                .iter()
-                .flat_map(|(_, f)| {
-                    let facet = space.mesh.facet(*f);
-                    rule.points.iter().map(|b| space.mesh.point(facet, b)).collect::<Vec<_>>()
-                })
-                .collect();
-            Sampled { rule, points, bound: Mutex::new(None) }
+        let moments = match self.space.mesh.dimension {
+            2 => Self::compute_moments::<2>,
+            _ => Self::compute_moments::<3>,
         };
-        let samples = Rule {
-            points: (0..=FACET_SAMPLES).map(|s| facet_sample(s).to_vec()).collect(),
-            weights: vec![0.0; FACET_SAMPLES + 1],
-        };
-        groups.push(FacetGroup {
-            normal,
-            facets: members.iter().map(|(position, _)| *position).collect(),
-            mesh_facets: members.iter().map(|(_, f)| *f).collect(),
-            formulas: exact.boundary(&normal),
-            points: sampled(rule.clone()),
-            samples: sampled(samples),
-            strains: sampled(rule.clone()),
-        });
+        self.moments.get_or(t, || moments(self, t))
     }
-    groups
-}
-
-fn mandel(tensor: &Tensor<2>) -> [f64; 3] {
-    [tensor[0][0], tensor[1][1], std::f64::consts::SQRT_2 * tensor[0][1]]
-}
-
-/// Refuses values that are not finite, naming the place.
-fn finite(
-    values: &[Vec<f64>],
-    points: &[[f64; 3]],
-    t: f64,
-    names: &[&str],
-) -> Result<(), LoadError> {
-    for (field, name) in values.iter().zip(names) {
-        if let Some(p) = field.iter().position(|v| !v.is_finite()) {
-            let [x, y, _] = points[p];
-            return Err(LoadError::NotFinite {
-                what: (*name).to_string(),
-                value: field[p],
-                x,
-                y,
-                t,
-            });
-        }
-    }
-    Ok(())
 }

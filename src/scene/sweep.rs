@@ -56,11 +56,6 @@ impl Sweep {
             whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
         }
         let reference = match &written.reference {
-            Some(_) if domain.size.len() == 3 => {
-                let message = "a reference run in dimension 3 is not available yet";
-                let hint = "remove it; sweep solve needs none";
-                return Err(reading.error("sweep.reference", message, hint));
-            }
             Some(reference) => Some(Reference::validate(reading, reference, domain, &n, &steps)?),
             None => None,
         };

@@ -3,17 +3,17 @@
 use super::{AbstractSetup, Setup, SetupError};
 use crate::formula::{Node, Point};
 use crate::manufactured::{
-    Finding, SideOfRectangle, Status, regularity_in_space, regularity_in_time, second_difference,
+    Finding, SideOfBox, Status, regularity_in_space, regularity_in_time, second_difference,
 };
 use crate::scene::{AbstractScene, ContactScene, Hypothesis, Scene, Side};
 
-/// The sides of a scene's rectangle.
-pub fn sides(body: &ContactScene) -> Vec<SideOfRectangle> {
-    Side::of(2)
+/// The sides of a scene's rectangle or box.
+pub fn sides(body: &ContactScene) -> Vec<SideOfBox> {
+    Side::of(body.domain.size.len())
         .iter()
         .copied()
-        .map(|side| SideOfRectangle {
-            normal: [side.normal()[0], side.normal()[1]],
+        .map(|side| SideOfBox {
+            normal: side.normal(),
             clamped: body.domain.clamped.contains(&side),
             contact: body.domain.contact.contains(&side),
         })

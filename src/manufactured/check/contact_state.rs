@@ -1,12 +1,13 @@
 //! Contact state on Γ3: signs, complementarity, which states occur, and whether h3 vanishes.
 
-use super::{Finding, SideOfRectangle, Status};
-use crate::manufactured::constitutive::stress;
+use super::{Finding, SideOfBox, Status, places};
+use crate::manufactured::constitutive::{full, stress};
 use crate::manufactured::{ContactFormulas, Exact};
 use crate::norms::is_locked;
 
-/// Samples along a side and in time.
+/// Samples along an edge, along each direction of a face, and in time.
 const ALONG: usize = 200;
+const ON_FACE: usize = 32;
 const TIMES: usize = 40;
 /// |h3| below this share of the largest stress on Γ3 is rounding of the formulas.
 const PURE: f64 = 1e-9;
@@ -29,13 +30,16 @@ struct Extremes {
     samples: usize,
 }
 
-pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
+pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     if exact.data.contact.is_none() {
         return Vec::new();
     }
     let mut extremes = Extremes { penetration: f64::NEG_INFINITY, ..Extremes::default() };
     for side in sides.iter().filter(|side| side.contact) {
-        sample(exact, side, &mut extremes);
+        match exact.dimension() {
+            2 => sample::<2>(exact, side, &mut extremes),
+            _ => sample::<3>(exact, side, &mut extremes),
+        }
     }
     let Extremes { penetration, tension, complementarity, pressure, sourced, stress, .. } =
         extremes;
@@ -65,14 +69,16 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
     findings
 }
 
-fn sample(exact: &Exact, side: &SideOfRectangle, extremes: &mut Extremes) {
-    let formulas = exact.boundary(&side.normal);
+fn sample<const D: usize>(exact: &Exact, side: &SideOfBox, extremes: &mut Extremes) {
+    let normal = side.normal;
+    let formulas = exact.boundary(&normal[..D]);
     let has_law = exact.data.contact.as_ref().is_some_and(|contact| contact.law.is_some());
-    let points: Vec<[f64; 3]> =
-        (0..=ALONG).map(|i| side.point(exact.data.size, i as f64 / ALONG as f64)).collect();
+    let (size, count) = (&exact.data.size, if D == 2 { ALONG } else { ON_FACE });
+    let points = side.points(size, |axis| places(size[axis], count));
     let (mut bound, mut inside) = (formulas.program.bind(&points), exact.interior.bind(&points));
     let mut values = vec![Vec::new(); 5];
-    let mut fields = vec![Vec::new(); 5 + exact.memory.len()];
+    let first = D + exact.strain.len();
+    let mut fields = vec![Vec::new(); first + exact.memory.len()];
     for n in 0..=TIMES {
         let t = exact.data.horizon * n as f64 / TIMES as f64;
         bound.evaluate(t, 0.0, &mut values);
@@ -80,17 +86,18 @@ fn sample(exact: &Exact, side: &SideOfRectangle, extremes: &mut Extremes) {
         let kappa = exact.kappa(t);
         for p in 0..points.len() {
             let [u_nu, pressure, gap, _, lambda] = [0, 1, 2, 3, 4].map(|i| values[i][p]);
-            let tensor = |first: usize| {
-                let at = |i: usize| fields[first + i][p];
-                [[at(0), at(1)], [at(1), at(2)]]
+            let memory = match exact.memory.is_empty() {
+                true => [[0.0; D]; D],
+                false => full(&fields[first..], p),
             };
-            let memory = if exact.memory.is_empty() { [[0.0; 2]; 2] } else { tensor(5) };
-            let sigma = stress(&exact.data.material, &tensor(2), &memory, kappa);
+            let sigma = stress(&exact.data.material, &full(&fields[D..], p), &memory, kappa);
             extremes.add(u_nu, pressure, gap, lambda, has_law);
-            let normal = side.normal;
-            let traction = sigma.map(|row| row[0] * normal[0] + row[1] * normal[1]);
-            let h3 = [traction[0] + pressure * normal[0], traction[1] + pressure * normal[1]];
-            extremes.sourced = extremes.sourced.max(h3[0].hypot(h3[1]));
+            let h3 = (0..D).map(|i| {
+                let traction: f64 = sigma[i].iter().zip(&normal).map(|(s, n)| s * n).sum();
+                traction + pressure * normal[i]
+            });
+            let h3 = h3.map(|component| component * component).sum::<f64>().sqrt();
+            extremes.sourced = extremes.sourced.max(h3);
             extremes.stress = sigma.iter().flatten().fold(extremes.stress, |m, s| m.max(s.abs()));
         }
     }

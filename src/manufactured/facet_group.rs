@@ -1,0 +1,76 @@
+//! The facets of Γ2 and Γ3 of an exact solution, in groups of one outward normal.
+
+use super::exact::{BoundaryFormulas, Exact};
+use super::sampled::{Sampled, finite};
+use crate::contact::{Discretization, LoadError};
+use crate::norms::facet_samples;
+use crate::space::quadrature::Rule;
+
+/// Facets with one normal.
+pub(super) struct FacetGroup {
+    /// ν, padded with zeros.
+    pub(super) normal: [f64; 3],
+    /// Positions in the list that was grouped: for Γ3 those of the trace.
+    pub(super) facets: Vec<usize>,
+    /// The same facets by their numbers in the mesh.
+    pub(super) mesh_facets: Vec<usize>,
+    formulas: BoundaryFormulas,
+    /// For [u_ν, c, …], for the locked set, and for ε.
+    pub(super) points: Sampled,
+    pub(super) samples: Sampled,
+    pub(super) strains: Sampled,
+    dimension: usize,
+}
+
+impl FacetGroup {
+    /// [u_ν, c, g, ξ, λ] at the points.
+    pub(super) fn contact_values(
+        &self,
+        points: &Sampled,
+        t: f64,
+    ) -> Result<Vec<Vec<f64>>, LoadError> {
+        let values = points.evaluate(&self.formulas.program, 5, t, 0.0);
+        let names = ["u_ν", "ξ + λ"].map(String::from);
+        finite(&values[..2], &points.points, self.dimension, t, &names)?;
+        Ok(values)
+    }
+}
+
+/// Groups mesh facets by side, hence by normal.
+pub(super) fn facet_groups(
+    exact: &Exact,
+    space: &Discretization,
+    mesh_facets: &[u32],
+    rule: &Rule,
+) -> Vec<FacetGroup> {
+    let (mesh, d) = (&space.mesh, space.mesh.dimension);
+    let samples = facet_samples(d);
+    let samples = Rule { weights: vec![0.0; samples.len()], points: samples };
+    let mut groups = Vec::new();
+    for side in 0..mesh.sides.len() {
+        let members: Vec<(usize, usize)> = mesh_facets
+            .iter()
+            .enumerate()
+            .filter(|(_, f)| mesh.facet_side[**f as usize] as usize == side)
+            .map(|(position, &f)| (position, f as usize))
+            .collect();
+        if members.is_empty() {
+            continue;
+        }
+        let mut normal = [0.0; 3];
+        normal[..d].copy_from_slice(&mesh.side_normal[d * side..d * (side + 1)]);
+        let sampled =
+            |rule: &Rule| Sampled::new(mesh, members.iter().map(|(_, f)| mesh.facet(*f)), rule);
+        groups.push(FacetGroup {
+            normal,
+            formulas: exact.boundary(&normal[..d]),
+            points: sampled(rule),
+            samples: sampled(&samples),
+            strains: sampled(rule),
+            facets: members.iter().map(|(position, _)| *position).collect(),
+            mesh_facets: members.iter().map(|(_, f)| *f).collect(),
+            dimension: d,
+        });
+    }
+    groups
+}
