@@ -92,8 +92,8 @@ pub(super) fn on_course(scene: Scene, course: Course) -> Scene {
     if let Some(body) = scene.body_mut()
         && let Data::Exact { u, multiplier, selection, .. } = &mut body.data
     {
-        let size = [body.domain.size[0], body.domain.size[1]];
-        let at = largest_state(&mut graph, u, horizon, size);
+        let size = body.domain.size.clone();
+        let at = largest_state(&mut graph, u, horizon, &size);
         let factor = factor(&mut graph, course, horizon);
         for component in u.iter_mut() {
             let profile = graph.instant(*component, at);
@@ -125,7 +125,7 @@ fn factor(graph: &mut Graph, course: Course, horizon: f64) -> Node {
 }
 
 /// Of the quarters of [0, T] the one at which u is largest on a few points.
-fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, size: [f64; 2]) -> f64 {
+fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, size: &[f64]) -> f64 {
     let quarters = [1.0, 0.75, 0.5, 0.25].map(|part| part * horizon);
     let extent = |graph: &mut Graph, t: f64| -> f64 {
         let state: Vec<Node> = u.iter().map(|&node| graph.instant(node, t)).collect();
@@ -144,12 +144,14 @@ fn largest_state(graph: &mut Graph, u: &[Node], horizon: f64, size: [f64; 2]) ->
     best.0
 }
 
-fn interior(size: [f64; 2]) -> Vec<Point> {
+fn interior(size: &[f64]) -> Vec<Point> {
     let part = |i: u32| (f64::from(i) + 0.5) / f64::from(SAMPLES);
     (0..SAMPLES * SAMPLES)
         .map(|i| Point {
             x: size[0] * part(i / SAMPLES),
             y: size[1] * part(i % SAMPLES),
+            // Of a box a plane off its middle.
+            z: size.get(2).map_or(0.0, |depth| 0.4 * depth),
             ..Point::default()
         })
         .collect()
@@ -180,8 +182,8 @@ pub(super) fn with_projection(mut scene: Scene) -> Scene {
     if let Some(body) = scene.body_mut()
         && let Data::Exact { u, .. } = &body.data
     {
-        let size = [body.domain.size[0], body.domain.size[1]];
-        let strain = mean_gradient(&mut graph, u, horizon, size);
+        let size = body.domain.size.clone();
+        let strain = mean_gradient(&mut graph, u, horizon, &size);
         // Half of a mean strain, and a fifth more over [0, T].
         let (start, slope) = (0.5 * strain, 0.2 / horizon);
         let text = format!("{start:?} + {slope:?}*zeta");
@@ -195,10 +197,10 @@ pub(super) fn with_projection(mut scene: Scene) -> Scene {
 }
 
 /// Mean of |Du| at t = T, by its exact derivatives.
-fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, size: [f64; 2]) -> f64 {
+fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, size: &[f64]) -> f64 {
     let mut parts = Vec::new();
     for &component in u {
-        for variable in [Variable::X, Variable::Y] {
+        for variable in [Variable::X, Variable::Y, Variable::Z] {
             let state = graph.instant(component, t);
             parts.push(graph.derivative(state, variable));
         }

@@ -1,8 +1,9 @@
 //! The facets of Γ2 and Γ3 of an exact solution, in groups of one outward normal.
 
 use super::exact::{BoundaryFormulas, Exact};
-use super::sampled::{Sampled, finite};
+use super::sampled::Sampled;
 use crate::contact::{Discretization, LoadError};
+use crate::mesh::Mesh;
 use crate::norms::facet_samples;
 use crate::space::quadrature::Rule;
 
@@ -19,20 +20,18 @@ pub(super) struct FacetGroup {
     pub(super) points: Sampled,
     pub(super) samples: Sampled,
     pub(super) strains: Sampled,
-    dimension: usize,
 }
 
 impl FacetGroup {
     /// [u_ν, c, g, ξ, λ] at the points.
     pub(super) fn contact_values(
         &self,
+        mesh: &Mesh,
         points: &Sampled,
         t: f64,
     ) -> Result<Vec<Vec<f64>>, LoadError> {
-        let values = points.evaluate(&self.formulas.program, 5, t, 0.0);
         let names = ["u_ν", "ξ + λ"].map(String::from);
-        finite(&values[..2], &points.points, self.dimension, t, &names)?;
-        Ok(values)
+        points.evaluate(mesh, (&self.formulas.program, 5), t, &names)
     }
 }
 
@@ -60,7 +59,7 @@ pub(super) fn facet_groups(
         let mut normal = [0.0; 3];
         normal[..d].copy_from_slice(&mesh.side_normal[d * side..d * (side + 1)]);
         let sampled =
-            |rule: &Rule| Sampled::new(mesh, members.iter().map(|(_, f)| mesh.facet(*f)), rule);
+            |rule: &Rule| Sampled::new(members.iter().map(|(_, f)| mesh.facet(*f)), rule);
         groups.push(FacetGroup {
             normal,
             formulas: exact.boundary(&normal[..d]),
@@ -69,7 +68,6 @@ pub(super) fn facet_groups(
             strains: sampled(rule),
             facets: members.iter().map(|(position, _)| *position).collect(),
             mesh_facets: members.iter().map(|(_, f)| *f).collect(),
-            dimension: d,
         });
     }
     groups

@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::constitutive::{self, Tensor, mandel};
 use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
 use super::exact::Exact;
+use super::linear::gradient_of;
 use super::nodal_force::{add_stress, facet_measure};
 use super::running_integral::RunningIntegral;
 use super::sampled::vector_names;
@@ -318,24 +319,6 @@ impl Truth for InterpolatedOnMesh {
         };
         self.moments.get_or(t, || moments(self, t))
     }
-}
-
-/// ∇f of a linear function from its rises along the edges that leave one corner of a simplex.
-fn gradient_of<const D: usize>(edges: &[[f64; D]; D], rise: &[f64; D]) -> [f64; D] {
-    if D == 2 {
-        let (p, q) = (edges[0], edges[1]);
-        let determinant = p[0] * q[1] - p[1] * q[0];
-        let (a, b) = (rise[0], rise[1]);
-        let gradient = [(a * q[1] - b * p[1]) / determinant, (b * p[0] - a * q[0]) / determinant];
-        return std::array::from_fn(|i| gradient[i]);
-    }
-    // By Cramer's rule the gradient is Σ rise_a e_b × e_c / det, (a, b, c) in cyclic order.
-    let cross = |a: usize, i: usize| {
-        let (e, f) = (edges[(a + 1) % 3], edges[(a + 2) % 3]);
-        e[(i + 1) % 3] * f[(i + 2) % 3] - e[(i + 2) % 3] * f[(i + 1) % 3]
-    };
-    let determinant: f64 = (0..D).map(|i| edges[0][i] * cross(0, i)).sum();
-    std::array::from_fn(|i| (0..D).map(|a| rise[a] * cross(a, i)).sum::<f64>() / determinant)
 }
 
 /// The points of the trace, by side.

@@ -21,6 +21,7 @@ mod exact;
 mod facet_group;
 mod finite_exact;
 mod interpolated;
+pub mod linear;
 pub mod nodal_force;
 mod on_mesh;
 mod reduction;

@@ -8,9 +8,10 @@ use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
 use super::nodal_force::{add_stress, facet_measure};
 use super::reduction::{add_cell, project};
-use super::sampled::{Sampled, finite, tensor_names, vector_names};
+use super::sampled::{Sampled, tensor_names, vector_names};
 use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError};
+use crate::formula::Program;
 use crate::norms::{Moments, Piecewise, facet_samples, is_locked};
 use crate::space::quadrature::{Rule, TruthRules};
 
@@ -44,7 +45,7 @@ impl ExactOnMesh {
     ) -> Self {
         let cell_points = |rule: &Rule| {
             let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
-            Sampled::new(&space.mesh, cells, rule)
+            Sampled::new(cells, rule)
         };
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
@@ -72,32 +73,31 @@ impl ExactOnMesh {
         constitutive::stress(&self.exact.data.material, &full(&values[D..], p), &memory, kappa)
     }
 
-    fn interior(&self, points: &Sampled, t: f64) -> Result<Vec<Vec<f64>>, LoadError> {
+    /// The formulas of [u, ε, H], how many they are, and the names of those that must be finite.
+    fn interior(&self) -> ((&Program, usize), Vec<String>) {
         let d = self.exact.dimension();
         let outputs = d + self.exact.strain.len() + self.exact.memory.len();
-        let values = points.evaluate(&self.exact.interior, outputs, t, 0.0);
         let names = [vector_names("u", d), tensor_names("ε", d)].concat();
-        finite(&values, &points.points, d, t, &names)?;
-        Ok(values)
+        ((&self.exact.interior, outputs), names)
     }
 
     fn weak_load<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let space = &self.space;
-        let values = self.interior(&self.load_points, t)?;
         let kappa = self.exact.kappa(t);
         let mut force = vec![0.0; space.nodes.len()];
-        let count = self.load_points.rule.weights.len();
-        for c in 0..space.mesh.cell_count() {
-            let mut mean = [[0.0; D]; D];
-            for (q, weight) in self.load_points.rule.weights.iter().enumerate() {
-                let stress = self.stress::<D>(&values, count * c + q, kappa);
-                for (target, value) in mean.as_flattened_mut().iter_mut().zip(stress.as_flattened())
-                {
-                    *target += weight * value;
+        let rule = &self.load_points.rule;
+        let (program, names) = self.interior();
+        self.load_points.each_block(&space.mesh, program, (t, 0.0), &names, |cells, values| {
+            for (index, c) in cells.enumerate() {
+                let mut mean = [[0.0; D]; D];
+                for (q, weight) in rule.weights.iter().enumerate() {
+                    let stress = self.stress::<D>(values, rule.weights.len() * index + q, kappa);
+                    let pairs = mean.as_flattened_mut().iter_mut().zip(stress.as_flattened());
+                    pairs.for_each(|(target, value)| *target += weight * value);
                 }
+                add_stress(&space.mesh, c, space.cell_nodes(c), &mean, &mut force);
             }
-            add_stress(&space.mesh, c, space.cell_nodes(c), &mean, &mut force);
-        }
+        })?;
         self.add_contact_pressure(t, &mut force)?;
         force.truncate(space.dofs());
         Ok(force)
@@ -107,7 +107,7 @@ impl ExactOnMesh {
     fn add_contact_pressure(&self, t: f64, force: &mut [f64]) -> Result<(), LoadError> {
         let d = self.space.mesh.dimension;
         for group in &self.contact {
-            let values = group.contact_values(&group.points, t)?;
+            let values = group.contact_values(&self.space.mesh, &group.points, t)?;
             let count = group.points.rule.weights.len();
             for (index, &facet) in group.mesh_facets.iter().enumerate() {
                 let measure = facet_measure(&self.space.mesh, facet);
@@ -130,22 +130,23 @@ impl ExactOnMesh {
     fn strong_load<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let space = &self.space;
         let zeta = self.exact.zeta.at(t);
-        let points = &self.force_points;
-        let values = points.evaluate(&self.exact.forces, D, t, zeta);
-        finite(&values, &points.points, D, t, &vector_names("f0", D))?;
         let mut force = vec![0.0; space.nodes.len()];
-        let count = points.rule.weights.len();
-        for c in 0..space.mesh.cell_count() {
-            let measure = space.geometry.measure[c];
-            for (q, weight) in points.rule.weights.iter().enumerate() {
-                for (&node, shape) in space.cell_nodes(c).iter().zip(&points.rule.points[q]) {
-                    for i in 0..D {
-                        force[D * node as usize + i] +=
-                            weight * measure * shape * values[i][count * c + q];
+        let rule = &self.load_points.rule;
+        let (program, names) = ((&self.exact.forces, D), vector_names("f0", D));
+        self.force_points.each_block(&space.mesh, program, (t, zeta), &names, |cells, values| {
+            for (index, c) in cells.enumerate() {
+                let measure = space.geometry.measure[c];
+                for (q, weight) in rule.weights.iter().enumerate() {
+                    let p = rule.weights.len() * index + q;
+                    for (&node, shape) in space.cell_nodes(c).iter().zip(&rule.points[q]) {
+                        for i in 0..D {
+                            force[D * node as usize + i] +=
+                                weight * measure * shape * values[i][p];
+                        }
                     }
                 }
             }
-        }
+        })?;
         for group in self.traction.iter().chain(&self.contact) {
             self.add_boundary_stress::<D>(group, t, &mut force)?;
         }
@@ -161,7 +162,8 @@ impl ExactOnMesh {
         t: f64,
         force: &mut [f64],
     ) -> Result<(), LoadError> {
-        let values = self.interior(&group.strains, t)?;
+        let (program, names) = self.interior();
+        let values = group.strains.evaluate(&self.space.mesh, program, t, &names)?;
         let kappa = self.exact.kappa(t);
         let rule = &group.strains.rule;
         for (index, &facet) in group.mesh_facets.iter().enumerate() {
@@ -182,8 +184,7 @@ impl ExactOnMesh {
     }
 
     fn compute_moments<const D: usize>(&self, t: f64) -> Result<Moments, LoadError> {
-        let values = self.interior(&self.error_points, t)?;
-        let mut moments = self.cell_moments::<D>(&values, self.exact.kappa(t));
+        let mut moments = self.cell_moments::<D>(t)?;
         let facets = self.space.trace.measure.len();
         moments.normal.corner = vec![0.0; D * facets];
         moments.pressure.corner = vec![0.0; D * facets];
@@ -194,8 +195,8 @@ impl ExactOnMesh {
         Ok(moments)
     }
 
-    fn cell_moments<const D: usize>(&self, values: &[Vec<f64>], kappa: f64) -> Moments {
-        let space = &self.space;
+    fn cell_moments<const D: usize>(&self, t: f64) -> Result<Moments, LoadError> {
+        let (space, kappa) = (&self.space, self.exact.kappa(t));
         let rule = &self.error_points.rule;
         let (count, cells) = (rule.weights.len(), space.mesh.cell_count());
         let numbers = self.exact.strain.len();
@@ -205,25 +206,27 @@ impl ExactOnMesh {
         let corners = D * (D + 1);
         moments.displacement.corner = vec![0.0; corners * cells];
         let (mut strains, mut stresses) = (Vec::new(), Vec::new());
-        for c in 0..cells {
-            strains.clear();
-            stresses.clear();
-            for q in 0..count {
-                let p = count * c + q;
-                mandel(&full::<D>(&values[D..], p), &mut strains);
-                mandel(&self.stress::<D>(values, p, kappa), &mut stresses);
+        let (program, names) = self.interior();
+        self.error_points.each_block(&space.mesh, program, (t, 0.0), &names, |cells, values| {
+            for (index, c) in cells.enumerate() {
+                strains.clear();
+                stresses.clear();
+                for p in count * index..count * (index + 1) {
+                    mandel(&full::<D>(&values[D..], p), &mut strains);
+                    mandel(&self.stress::<D>(values, p, kappa), &mut stresses);
+                }
+                let measure = space.geometry.measure[c];
+                add_cell(&strains, &rule.weights, measure, &mut moments.strain);
+                add_cell(&stresses, &rule.weights, measure, &mut moments.stress);
+                for (i, field) in values[..D].iter().enumerate() {
+                    let at = &field[count * index..count * (index + 1)];
+                    let corner = &mut moments.displacement.corner[corners * c..corners * (c + 1)];
+                    moments.displacement.rest +=
+                        measure * project(at, rule, |a, v| corner[D * a + i] = v);
+                }
             }
-            let measure = space.geometry.measure[c];
-            add_cell(&strains, &rule.weights, measure, &mut moments.strain);
-            add_cell(&stresses, &rule.weights, measure, &mut moments.stress);
-            for i in 0..D {
-                let at = &values[i][count * c..count * (c + 1)];
-                let corner = &mut moments.displacement.corner[corners * c..corners * (c + 1)];
-                moments.displacement.rest +=
-                    measure * project(at, rule, |a, v| corner[D * a + i] = v);
-            }
-        }
-        moments
+        })?;
+        Ok(moments)
     }
 
     fn facet_moments(
@@ -232,8 +235,8 @@ impl ExactOnMesh {
         t: f64,
         moments: &mut Moments,
     ) -> Result<(), LoadError> {
-        let values = group.contact_values(&group.points, t)?;
-        let samples = group.contact_values(&group.samples, t)?;
+        let values = group.contact_values(&self.space.mesh, &group.points, t)?;
+        let samples = group.contact_values(&self.space.mesh, &group.samples, t)?;
         let (rule, corners) = (&group.points.rule, self.space.mesh.dimension);
         let (count, sampled) = (rule.weights.len(), group.samples.rule.points.len());
         for (index, &f) in group.facets.iter().enumerate() {

@@ -163,7 +163,7 @@ fn other_body_force(mut setup: Setup) -> Setup {
             kappa: data.kappa,
             contact: data.contact.clone(),
             horizon: data.horizon,
-            size: data.size,
+            size: data.size.clone(),
         })
     };
     let other = rebuilt(|numbers| numbers.memory = numbers.memory.map(|(l, m)| (-l, -m)));
