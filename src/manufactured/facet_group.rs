@@ -58,8 +58,7 @@ pub(super) fn facet_groups(
         }
         let mut normal = [0.0; 3];
         normal[..d].copy_from_slice(&mesh.side_normal[d * side..d * (side + 1)]);
-        let sampled =
-            |rule: &Rule| Sampled::new(members.iter().map(|(_, f)| mesh.facet(*f)), rule);
+        let sampled = |rule: &Rule| Sampled::new(members.iter().map(|(_, f)| mesh.facet(*f)), rule);
         groups.push(FacetGroup {
             normal,
             formulas: exact.boundary(&normal[..d]),

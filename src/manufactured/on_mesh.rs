@@ -133,20 +133,26 @@ impl ExactOnMesh {
         let mut force = vec![0.0; space.nodes.len()];
         let rule = &self.load_points.rule;
         let (program, names) = ((&self.exact.forces, D), vector_names("f0", D));
-        self.force_points.each_block(&space.mesh, program, (t, zeta), &names, |cells, values| {
-            for (index, c) in cells.enumerate() {
-                let measure = space.geometry.measure[c];
-                for (q, weight) in rule.weights.iter().enumerate() {
-                    let p = rule.weights.len() * index + q;
-                    for (&node, shape) in space.cell_nodes(c).iter().zip(&rule.points[q]) {
-                        for i in 0..D {
-                            force[D * node as usize + i] +=
-                                weight * measure * shape * values[i][p];
+        self.force_points.each_block(
+            &space.mesh,
+            program,
+            (t, zeta),
+            &names,
+            |cells, values| {
+                for (index, c) in cells.enumerate() {
+                    let measure = space.geometry.measure[c];
+                    for (q, weight) in rule.weights.iter().enumerate() {
+                        let p = rule.weights.len() * index + q;
+                        for (&node, shape) in space.cell_nodes(c).iter().zip(&rule.points[q]) {
+                            for i in 0..D {
+                                force[D * node as usize + i] +=
+                                    weight * measure * shape * values[i][p];
+                            }
                         }
                     }
                 }
-            }
-        })?;
+            },
+        )?;
         for group in self.traction.iter().chain(&self.contact) {
             self.add_boundary_stress::<D>(group, t, &mut force)?;
         }
