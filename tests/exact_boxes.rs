@@ -139,7 +139,7 @@ fn by_another_rule(exact: &Exact, data: &MeshData, t: f64, u: &[f64]) -> [f64; 2
 
 #[test]
 fn errors_are_those_of_another_integral() {
-    for (name, allowed) in [("sourced-box", 1e-12), ("pure-box", 1e-9)] {
+    for name in ["sourced-box", "pure-box"] {
         let setup = setup(name);
         let (exact, data) = (exact(&setup), on_mesh(&setup, 2));
         let mut level = 0;
@@ -147,9 +147,9 @@ fn errors_are_those_of_another_integral() {
             let moments = data.truth.moments(view.t).expect("moments");
             let found = step_errors(&data.space, &setup.model, view, &moments);
             let [v, l2] = by_another_rule(&exact, &data, view.t, view.u);
-            // Squares of strains of degree 6 at most in the first scene, 8 with small terms in the second.
-            assert!(relative(found.v, v) < allowed, "{name}: {} {v}", found.v);
-            assert!(relative(found.l2, l2) < allowed, "{name}: {} {l2}", found.l2);
+            // Squares of strains have degree 6, within both rules; those of u 8, beyond the weaker one, on cells of size ½.
+            assert!(relative(found.v, v) < 1e-11, "{name}: {} {v}", found.v);
+            assert!(relative(found.l2, l2) < 1e-4, "{name}: {} {l2}", found.l2);
             level += 1;
         })
         .unwrap_or_else(|error| panic!("{error}"));
@@ -341,6 +341,10 @@ fn checks_pass_and_see_wrong_data() {
         let lost: Vec<_> = all.iter().copied().filter(|side| side.normal[2] != 1.0).collect();
         assert_eq!(lost.len(), 5);
         assert!(failed(&sound, &lost) > 0, "{name}");
+        if name == "affine-box" {
+            // Its stress is constant: in balance whatever the modulus.
+            continue;
+        }
         // A shear modulus of the numerical law that is not the one of the formulas.
         drop(sound);
         let mut exact =
