@@ -122,7 +122,7 @@ fn with_material(change: impl Fn(&mut MaterialNumbers)) -> Exact {
         kappa: data.kappa,
         contact: data.contact.clone(),
         horizon: data.horizon,
-        size: data.size,
+        size: data.size.clone(),
         polygon: data.polygon.clone(),
     })
 }

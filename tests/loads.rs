@@ -140,7 +140,7 @@ fn changed(setup: &Setup, change: impl Fn(&mut ExactData)) -> Arc<Exact> {
         kappa: data.kappa,
         contact: data.contact.clone(),
         horizon: data.horizon,
-        size: data.size,
+        size: data.size.clone(),
         polygon: data.polygon.clone(),
     };
     change(&mut copy);

@@ -5,17 +5,16 @@
 pub enum LoadError {
     /// A formula gave no finite number.
     #[error(
-        "{what} is {value} at ({x}, {y}), t = {t}: the formula must be finite on the domain and its time interval"
+        "{what} is {value} at {}, t = {t}: the formula must be finite on the domain and its time interval",
+        in_parentheses(place)
     )]
     NotFinite {
         /// The quantity.
         what: String,
         /// Its value.
         value: f64,
-        /// The place.
-        x: f64,
-        /// The place.
-        y: f64,
+        /// The place, one coordinate a dimension.
+        place: Vec<f64>,
         /// The time.
         t: f64,
     },
@@ -31,6 +30,11 @@ pub enum LoadError {
         /// What is missing.
         reason: String,
     },
+}
+
+fn in_parentheses(place: &[f64]) -> String {
+    let words: Vec<String> = place.iter().map(f64::to_string).collect();
+    format!("({})", words.join(", "))
 }
 
 /// The load of a scene on one mesh.

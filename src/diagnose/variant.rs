@@ -204,7 +204,7 @@ pub(super) fn with_projection(mut scene: Scene) -> Scene {
 fn mean_gradient(graph: &mut Graph, u: &[Node], t: f64, points: &[Point]) -> f64 {
     let mut parts = Vec::new();
     for &component in u {
-        for variable in [Variable::X, Variable::Y] {
+        for variable in [Variable::X, Variable::Y, Variable::Z] {
             let state = graph.instant(component, t);
             parts.push(graph.derivative(state, variable));
         }

@@ -19,7 +19,7 @@ pub enum NoConstant {
     #[error("both steps are refined: constants are predicted along h alone and along k alone")]
     Joint,
     /// I_h u is not closer to u_h than to u.
-    #[error("the mesh is no grid of translated triangles, so the interpolant is not superclose")]
+    #[error("the mesh is no grid of translated simplices, so the interpolant is not superclose")]
     Mesh,
     /// u is not in H², or U^h is not in U.
     #[error("a hypothesis of (5.26) is violated: the interpolation error is not the whole error")]

@@ -9,15 +9,15 @@ use super::NoConstant;
 use super::cells::{Mandel, add_force, add_stiffness, inner, strains};
 use super::interpolation::InterpolationError;
 use super::law_slope::{Answer, answer};
-use super::tangent::{by_kappa, by_strain, isotropic, stress_of};
+use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::weight;
 use crate::contact::Discretization;
 use crate::formula::{Node, Point, Variable};
 use crate::linalg::{axpy, dot};
 use crate::manufactured::{ComplianceRule, Exact, InterpolatedOnMesh};
 
-/// A contact scene on one mesh.
-pub(super) struct InSpace {
+/// A contact scene on one mesh, with tensors of S numbers.
+pub(super) struct InSpace<const S: usize> {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
     truth: InterpolatedOnMesh,
@@ -26,17 +26,17 @@ pub(super) struct InSpace {
     graph: crate::formula::Graph,
     /// The region of each cell.
     regions: Vec<usize>,
-    states: RefCell<HashMap<u64, Rc<State>>>,
+    states: RefCell<HashMap<u64, Rc<State<S>>>>,
 }
 
 /// I_h u with its exact histories at one time.
-struct State {
+struct State<const S: usize> {
     u: Vec<f64>,
-    strain: Vec<Mandel>,
+    strain: Vec<Mandel<S>>,
     /// ‖ε‖_ℋ.
     norm: f64,
     /// ε(∫ b_i(t-s) u ds) of each term of the memory.
-    memory: Vec<Vec<Mandel>>,
+    memory: Vec<Vec<Mandel<S>>>,
     /// ζ, where κ depends on it.
     zeta: f64,
     /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
@@ -44,18 +44,18 @@ struct State {
 }
 
 /// The past of a level: Σ' over exact values, and over the errors of earlier levels.
-struct Past {
+struct Past<const S: usize> {
     /// One a term of the memory.
-    memory: Vec<Vec<Mandel>>,
+    memory: Vec<Vec<Mandel<S>>>,
     zeta: f64,
-    memory_error: Vec<Vec<Mandel>>,
+    memory_error: Vec<Vec<Mandel<S>>>,
     zeta_error: f64,
     /// The weights with which the level itself enters.
     own: f64,
     own_memory: Vec<f64>,
 }
 
-impl InSpace {
+impl<const S: usize> InSpace<S> {
     /// Binds the exact solution to the mesh of `space`.
     pub(super) fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
         // The rule matters to loads alone, which are not asked for here.
@@ -82,7 +82,7 @@ impl InSpace {
 
     /// max_n ‖ε(e_n)‖ on a grid.
     pub(super) fn largest_error(&self, times: &[f64]) -> Result<f64, NoConstant> {
-        let states: Vec<Rc<State>> =
+        let states: Vec<Rc<State<S>>> =
             times.iter().map(|&t| self.state(t)).collect::<Result<_, _>>()?;
         let mut errors: Vec<Vec<f64>> = vec![vec![0.0; self.space.nodes.len()]];
         // (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
@@ -91,7 +91,7 @@ impl InSpace {
         for n in 1..times.len() {
             let past = self.past(times, n, &states, &errors, &of_norm);
             let error = self.level(times[n], &states[n], &past)?;
-            let strain = strains(&self.space, &error);
+            let strain: Vec<Mandel<S>> = strains(&self.space, &error);
             let norm = inner(&self.space, &strain, &strain).sqrt();
             let own = inner(&self.space, &states[n].strain, &strain) / states[n].norm;
             // Where ε vanishes the norm of its neighbour is the error's own.
@@ -115,12 +115,12 @@ impl InSpace {
         node.map_or(absent, |node| self.graph.evaluate(node, &at))
     }
 
-    fn state(&self, t: f64) -> Result<Rc<State>, NoConstant> {
+    fn state(&self, t: f64) -> Result<Rc<State<S>>, NoConstant> {
         if let Some(known) = self.states.borrow().get(&t.to_bits()) {
             return Ok(known.clone());
         }
         let (u, memory) = self.truth.displacements(t)?;
-        let strain = strains(&self.space, &u);
+        let strain: Vec<Mandel<S>> = strains(&self.space, &u);
         let memory = memory.iter().map(|history| strains(&self.space, history)).collect();
         let zeta = if self.slope.is_some() { self.truth.zeta(t)? } else { 0.0 };
         let norm = inner(&self.space, &strain, &strain).sqrt();
@@ -134,10 +134,10 @@ impl InSpace {
         &self,
         times: &[f64],
         n: usize,
-        states: &[Rc<State>],
+        states: &[Rc<State<S>>],
         errors: &[Vec<f64>],
         of_norm: &[f64],
-    ) -> Past {
+    ) -> Past<S> {
         let own = weight(times, n, n);
         let (mut zeta, mut zeta_error) = (own * states[n].norm, 0.0);
         for j in 0..n {
@@ -169,7 +169,7 @@ impl InSpace {
     /// ```
     ///
     /// with ρ the stress of the discrete history less that of the exact one.
-    fn level(&self, t: f64, state: &State, past: &Past) -> Result<Vec<f64>, NoConstant> {
+    fn level(&self, t: f64, state: &State<S>, past: &Past<S>) -> Result<Vec<f64>, NoConstant> {
         let space = &self.space;
         let kappa = self.exact.data.kappa;
         let (exact_kappa, own_kappa) = (
@@ -182,25 +182,25 @@ impl InSpace {
         let (mut column, mut row) = (right.clone(), right.clone());
         for c in 0..space.mesh.cell_count() {
             let (strain, material) = (&state.strain[c], self.exact.material_in(self.regions[c]));
-            let of_cell = |terms: &[Vec<Mandel>]| -> Vec<Mandel> {
+            let of_cell = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
                 terms.iter().map(|term| term[c]).collect()
             };
             let before = stress_of(material, strain, &of_cell(&state.memory), exact_kappa);
             let after = stress_of(material, strain, &of_cell(&past.memory), own_kappa);
             let mut tangent = by_strain(material, strain, own_kappa);
-            let mut remembered = [0.0; 3];
+            let mut remembered = [0.0; S];
             for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
                 let part = isotropic(lambda, mu, &past.memory_error[term][c]);
-                (0..3).for_each(|i| remembered[i] += part[i]);
+                (0..S).for_each(|i| remembered[i] += part[i]);
                 for (i, line) in tangent.iter_mut().enumerate() {
-                    let unit = [0, 1, 2].map(|j| f64::from(u8::from(i == j)));
-                    let memory = isotropic(lambda, mu, &unit);
-                    (0..3).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
+                    let memory = isotropic(lambda, mu, &unit::<S>(i));
+                    (0..S).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
                 }
             }
             let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
-            let source = [0, 1, 2]
-                .map(|i| before[i] - after[i] - remembered[i] - by_zeta[i] * past.zeta_error);
+            let source: Mandel<S> = std::array::from_fn(|i| {
+                before[i] - after[i] - remembered[i] - by_zeta[i] * past.zeta_error
+            });
             add_force(space, c, &source, &mut right);
             add_stiffness(space, c, &tangent, &mut values);
             if self.slope.is_some() && state.norm > 0.0 {
@@ -213,7 +213,7 @@ impl InSpace {
     }
 
     /// Adds the slopes of the law at the vertices; holds the vertices whose u_ν does not move.
-    fn add_contact(&self, state: &State, values: &mut [f64]) {
+    fn add_contact(&self, state: &State<S>, values: &mut [f64]) {
         let law = self.exact.data.contact.as_ref().and_then(|contact| contact.law.as_ref());
         let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
         for (point, &[normal, _, _, xi, lambda]) in

@@ -1,6 +1,6 @@
 //! The error that a sound scheme has on a case, to leading order, from the exact solution alone.
 //!
-//! In space it is the interpolation error ‖ε(u - I_h u)‖ (`interpolation`): on meshes of translated triangles I_h u is
+//! In space it is the interpolation error ‖ε(u - I_h u)‖ (`interpolation`): on meshes of translated simplices I_h u is
 //! closer to u_h than either is to u. In time it solves the linearised scheme with what the trapezoidal rule misses of
 //! the exact history as its source (`in_space` on V^h, `finite` in ℝ^m):
 //!
@@ -21,12 +21,18 @@ mod finite;
 mod in_space;
 mod interpolation;
 mod law_slope;
+mod quadratic;
 mod tangent;
 mod time;
 
 pub use error::NoConstant;
-pub use interpolation::{InterpolationError, interpolation_constant, interpolation_form};
+pub use interpolation::{InterpolationError, interpolation_constant};
+pub use quadratic::QuadraticError;
 
+use std::sync::Arc;
+
+use crate::contact::Discretization;
+use crate::manufactured::Exact;
 use crate::scene::{Data, Direction, Hypothesis, MeshFamily, Norm, TimeRule};
 use crate::setup::{AbstractSetup, Setup, Subject};
 
@@ -154,24 +160,44 @@ fn in_time_direction(
         }
         other => return Err(NoConstant::Norm { norm: other.name() }),
     };
-    let horizon = setup.scene.time.horizon;
     let mut points = Vec::with_capacity(cases.len());
     let mut ns: Vec<u32> = cases.iter().filter_map(|case| case.n).collect();
     ns.sort_unstable();
     ns.dedup();
+    let in_space = measured.norm == Norm::VMax && !interpolated;
     for n in ns {
         let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
-        let h = space.mesh.h();
-        let body = in_space::InSpace::new(exact.clone(), space);
-        if measured.norm == Norm::VMax && !interpolated && !body.holds_the_solution(horizon) {
-            return Err(NoConstant::NotInSpace);
-        }
-        for &case in cases.iter().filter(|case| case.n == Some(n)) {
-            let times = time::times(&setup.scene.time, case.steps);
-            let error = share * body.largest_error(&times)?;
-            let (h, k) = (Some(h), time::largest_step(&times));
-            points.push(LeadingError { case, h, k, error });
-        }
+        let own: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
+        let on_mesh = match space.mesh.dimension {
+            2 => time_errors::<3>,
+            _ => time_errors::<6>,
+        };
+        points.extend(
+            on_mesh(setup, exact, space, &own, in_space)?
+                .into_iter()
+                .map(|point| LeadingError { error: share * point.error, ..point }),
+        );
     }
     Ok(LeadingErrors { points, limit: None, tolerance })
+}
+
+/// The leading time errors of the cases of one mesh; where `in_space`, u(t) must be in V^h.
+fn time_errors<const S: usize>(
+    setup: &Setup,
+    exact: &Arc<Exact>,
+    space: Arc<Discretization>,
+    cases: &[Case],
+    in_space: bool,
+) -> Result<Vec<LeadingError>, NoConstant> {
+    let body = in_space::InSpace::<S>::new(exact.clone(), space);
+    if in_space && !body.holds_the_solution(setup.scene.time.horizon) {
+        return Err(NoConstant::NotInSpace);
+    }
+    let error = |&case: &Case| {
+        let times = time::times(&setup.scene.time, case.steps);
+        let error = body.largest_error(&times)?;
+        let h = case.n.map(|n| 1.0 / f64::from(n));
+        Ok(LeadingError { case, h, k: time::largest_step(&times), error })
+    };
+    cases.iter().map(error).collect()
 }

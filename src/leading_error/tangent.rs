@@ -6,26 +6,43 @@ use super::cells::{Mandel, product};
 use crate::manufactured::MaterialNumbers;
 use crate::manufactured::constitutive::{Tensor, stress};
 
+/// Space dimension of tensors with S numbers.
+const fn dimension(numbers: usize) -> usize {
+    if numbers == 3 { 2 } else { 3 }
+}
+
 /// The trace as a Mandel vector.
-const TRACE: Mandel = [1.0, 1.0, 0.0];
+fn trace<const S: usize>() -> Mandel<S> {
+    std::array::from_fn(|i| f64::from(u8::from(i < dimension(S))))
+}
+
+/// The i-th of the orthonormal tensors.
+pub(super) fn unit<const S: usize>(i: usize) -> Mandel<S> {
+    std::array::from_fn(|j| f64::from(u8::from(i == j)))
+}
 
 /// 2 μ τ + λ tr τ I.
-pub(super) fn isotropic(lambda: f64, mu: f64, tensor: &Mandel) -> Mandel {
-    let volume = lambda * product(&TRACE, tensor);
-    [0, 1, 2].map(|i| 2.0 * mu * tensor[i] + volume * TRACE[i])
+pub(super) fn isotropic<const S: usize>(lambda: f64, mu: f64, tensor: &Mandel<S>) -> Mandel<S> {
+    let trace = trace::<S>();
+    let volume = lambda * product(&trace, tensor);
+    std::array::from_fn(|i| 2.0 * mu * tensor[i] + volume * trace[i])
 }
 
 /// Dσ/Dε at a strain: 𝒜 + μ[(1 - κ/‖e‖) I_dev + κ e⊗e/‖e‖³] beyond ‖e‖ = ‖ε^D‖ = κ.
-pub(super) fn by_strain(material: &MaterialNumbers, strain: &Mandel, kappa: f64) -> [Mandel; 3] {
-    let unit = |i: usize| [0, 1, 2].map(|j| f64::from(u8::from(i == j)));
-    let mut tangent = match &material.full {
-        Some(mandel) => [0, 1, 2].map(|i| [mandel[i][0], mandel[i][1], mandel[i][2]]),
-        None => [0, 1, 2].map(|i| isotropic(material.lambda, material.mu_l, &unit(i))),
+pub(super) fn by_strain<const S: usize>(
+    material: &MaterialNumbers,
+    strain: &Mandel<S>,
+    kappa: f64,
+) -> [Mandel<S>; S] {
+    let mut tangent: [Mandel<S>; S] = match &material.full {
+        Some(mandel) => std::array::from_fn(|i| std::array::from_fn(|j| mandel[i][j])),
+        None => std::array::from_fn(|i| isotropic(material.lambda, material.mu_l, &unit(i))),
     };
     let Some((mu, direction, length)) = beyond(material, strain, kappa) else { return tangent };
-    for i in 0..3 {
-        for j in 0..3 {
-            let deviator = unit(i)[j] - 0.5 * TRACE[i] * TRACE[j];
+    let (trace, share) = (trace::<S>(), 1.0 / dimension(S) as f64);
+    for i in 0..S {
+        for j in 0..S {
+            let deviator = unit::<S>(i)[j] - share * trace[i] * trace[j];
             let along = direction[i] * direction[j];
             tangent[i][j] += mu * (deviator - kappa / length * (deviator - along));
         }
@@ -34,35 +51,70 @@ pub(super) fn by_strain(material: &MaterialNumbers, strain: &Mandel, kappa: f64)
 }
 
 /// ∂σ/∂κ = -μ e/‖e‖ beyond the ball.
-pub(super) fn by_kappa(material: &MaterialNumbers, strain: &Mandel, kappa: f64) -> Mandel {
+pub(super) fn by_kappa<const S: usize>(
+    material: &MaterialNumbers,
+    strain: &Mandel<S>,
+    kappa: f64,
+) -> Mandel<S> {
     match beyond(material, strain, kappa) {
         Some((mu, direction, _)) => direction.map(|e| -mu * e),
-        None => [0.0; 3],
+        None => [0.0; S],
     }
 }
 
 /// μ, e/‖e‖ and ‖e‖ where the deviator is longer than κ.
-fn beyond(material: &MaterialNumbers, strain: &Mandel, kappa: f64) -> Option<(f64, Mandel, f64)> {
-    let mean = 0.5 * product(&TRACE, strain);
-    let deviator = [strain[0] - mean, strain[1] - mean, strain[2]];
+fn beyond<const S: usize>(
+    material: &MaterialNumbers,
+    strain: &Mandel<S>,
+    kappa: f64,
+) -> Option<(f64, Mandel<S>, f64)> {
+    let trace = trace::<S>();
+    let mean = product(&trace, strain) / dimension(S) as f64;
+    let deviator: Mandel<S> = std::array::from_fn(|i| strain[i] - mean * trace[i]);
     let length = product(&deviator, &deviator).sqrt();
     let mu = material.projection.filter(|_| length > kappa)?;
     Some((mu, deviator.map(|e| e / length), length))
 }
 
 /// σ of strain and memory integrals, one a term, by [`stress`].
-pub(super) fn stress_of(
+pub(super) fn stress_of<const S: usize>(
     material: &MaterialNumbers,
-    strain: &Mandel,
-    memory: &[Mandel],
+    strain: &Mandel<S>,
+    memory: &[Mandel<S>],
     kappa: f64,
-) -> Mandel {
-    let full = |[xx, yy, xy]: Mandel| -> Tensor<2> {
-        [[xx, FRAC_1_SQRT_2 * xy], [FRAC_1_SQRT_2 * xy, yy]]
+) -> Mandel<S> {
+    match S {
+        3 => stress_in::<2, S>(material, strain, memory, kappa),
+        _ => stress_in::<3, S>(material, strain, memory, kappa),
+    }
+}
+
+fn stress_in<const D: usize, const S: usize>(
+    material: &MaterialNumbers,
+    strain: &Mandel<S>,
+    memory: &[Mandel<S>],
+    kappa: f64,
+) -> Mandel<S> {
+    // The shear (i, j): xy in the plane; in space yz, xz, xy after the diagonal.
+    let place = |i: usize, j: usize| if D == 2 { 2 } else { 6 - i - j };
+    let full = |tensor: &Mandel<S>| -> Tensor<D> {
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| match i == j {
+                true => tensor[i],
+                false => FRAC_1_SQRT_2 * tensor[place(i, j)],
+            })
+        })
     };
-    let memory: Vec<Tensor<2>> = memory.iter().map(|history| full(*history)).collect();
-    let [[xx, xy], [yx, yy]] = stress(material, &full(*strain), &memory, kappa);
-    [xx, yy, FRAC_1_SQRT_2 * (xy + yx)]
+    let memory: Vec<Tensor<D>> = memory.iter().map(full).collect();
+    let sigma = stress(material, &full(strain), &memory, kappa);
+    let mut out = [0.0; S];
+    for i in 0..D {
+        out[i] = sigma[i][i];
+        for j in i + 1..D {
+            out[place(i, j)] = FRAC_1_SQRT_2 * (sigma[i][j] + sigma[j][i]);
+        }
+    }
+    out
 }
 
 #[cfg(test)]
@@ -70,8 +122,7 @@ mod tests {
     use super::*;
 
     /// Central differences of the stress itself, inside the ball and beyond it.
-    #[test]
-    fn derivatives_agree_with_differences_of_the_stress() {
+    fn against_differences<const S: usize>(strain: Mandel<S>) {
         let material = MaterialNumbers {
             lambda: 0.7,
             mu_l: 1.3,
@@ -79,23 +130,33 @@ mod tests {
             memory: vec![(0.25, 0.4)],
             projection: Some(0.9),
         };
-        let strain = [0.11, -0.06, 0.08];
+        let size = |difference: Mandel<S>| difference.iter().fold(0.0, |m: f64, d| m.max(d.abs()));
         for kappa in [0.05, 0.1, 0.5] {
             let tangent = by_strain(&material, &strain, kappa);
-            let at = |strain: &Mandel, kappa: f64| stress_of(&material, strain, &[], kappa);
-            let slope = |up: Mandel, down: Mandel| [0, 1, 2].map(|i| (up[i] - down[i]) / 2e-6);
-            for j in 0..3 {
-                let moved = |d: f64| [0, 1, 2].map(|i| strain[i] + if i == j { d } else { 0.0 });
+            let at = |strain: &Mandel<S>, kappa: f64| stress_of(&material, strain, &[], kappa);
+            let slope = |up: Mandel<S>, down: Mandel<S>| -> Mandel<S> {
+                std::array::from_fn(|i| (up[i] - down[i]) / 2e-6)
+            };
+            for j in 0..S {
+                let moved = |d: f64| -> Mandel<S> {
+                    std::array::from_fn(|i| strain[i] + if i == j { d } else { 0.0 })
+                };
                 let column = slope(at(&moved(1e-6), kappa), at(&moved(-1e-6), kappa));
                 // Truncation (1e-6/0.1)², rounding 1e-16/1e-6.
-                assert!((0..3).all(|i| (column[i] - tangent[i][j]).abs() < 1e-8), "{kappa} {j}");
+                assert!(size(std::array::from_fn(|i| column[i] - tangent[i][j])) < 1e-8, "{kappa}");
             }
             let column = slope(at(&strain, kappa + 1e-6), at(&strain, kappa - 1e-6));
             let own = by_kappa(&material, &strain, kappa);
-            assert!((0..3).all(|i| (column[i] - own[i]).abs() < 1e-8), "{kappa}");
-            let memory = stress_of(&material, &[0.0; 3], &[strain], kappa);
+            assert!(size(std::array::from_fn(|i| column[i] - own[i])) < 1e-8, "{kappa}");
+            let memory = stress_of(&material, &[0.0; S], &[strain], kappa);
             let own = isotropic(0.25, 0.4, &strain);
-            assert!((0..3).all(|i| (memory[i] - own[i]).abs() < 1e-15));
+            assert!(size(std::array::from_fn(|i| memory[i] - own[i])) < 1e-15);
         }
+    }
+
+    #[test]
+    fn derivatives_agree_with_differences_of_the_stress() {
+        against_differences([0.11, -0.06, 0.08]);
+        against_differences([0.11, -0.06, 0.03, 0.08, -0.05, 0.04]);
     }
 }

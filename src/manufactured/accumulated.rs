@@ -11,11 +11,10 @@ use crate::formula::{Graph, Node, Program, Variable};
 use crate::mesh::Coarse;
 use crate::space::quadrature::gauss_legendre;
 
-/// Gauss points a piece in x and y. A quarter of the domain with 14 points resolves sin(4πx)
-/// squared to rounding.
-const SPACE_POINTS: usize = 14;
-/// Pieces of the domain in x and in y before cuts at guards.
-const SPACE_PIECES: usize = 3;
+/// Gauss points a piece and direction, and pieces before cuts at guards, in the plane and in space. A quarter
+/// of the domain with 14 points resolves sin(4πx) squared to rounding, half of it with 8 sin(πx) squared.
+const PLANE: [usize; 2] = [14, 3];
+const SPACE: [usize; 2] = [8, 2];
 /// Intervals of the domain, and of a panel in time, in which guards are watched.
 const WATCHES: usize = 48;
 const TIME_WATCHES: usize = 8;
@@ -35,7 +34,9 @@ struct Integrand {
     cuts_in_y: Vec<f64>,
     /// Weight of each strain component in ‖ε‖².
     weights: Vec<f64>,
-    size: [f64; 2],
+    size: Vec<f64>,
+    /// Whether ε varies along z; a strain that does not is looked at in one plane.
+    along_z: bool,
     /// Points with weights of a domain that is no rectangle, and the corners where guards are watched.
     polygon: Option<(PolygonPoints, Vec<[f64; 3]>)>,
 }
@@ -46,12 +47,12 @@ impl AccumulatedStrain {
         graph: &mut Graph,
         strain: &[Node],
         horizon: f64,
-        size: [f64; 2],
+        size: &[f64],
         needed: bool,
     ) -> Self {
         let integrand = needed.then(|| {
             let all = graph.guards(strain);
-            let cuts_in_y = cuts_in_y(graph, &all, horizon, size[1]);
+            let cuts_in_y = cuts_in_y(graph, &all, horizon, size[1], rule(size.len())[1]);
             let guards: Vec<Node> = all
                 .into_iter()
                 .filter(|&guard| {
@@ -63,11 +64,12 @@ impl AccumulatedStrain {
                 cuts_in_y,
                 guard_count: guards.len(),
                 guards: Program::compile(graph, &guards, horizon),
-                weights: super::symbolic::components(2)
+                weights: super::symbolic::components(size.len())
                     .into_iter()
                     .map(|(i, j)| if i == j { 1.0 } else { 2.0 })
                     .collect(),
-                size,
+                size: size.to_vec(),
+                along_z: strain.iter().any(|&e| graph.depends_on(e, Variable::Z)),
                 polygon: None,
             }
         });
@@ -142,20 +144,29 @@ impl Integrand {
             let parts = out.iter().zip(&self.weights);
             return parts.map(|(e, w)| w * polygon.sum_of_squares(e)).sum::<f64>().sqrt();
         }
-        let xs = pieces(&self.cuts_in_x(t));
-        let ys = pieces(&self.cuts_in_y);
-        let points: Vec<[f64; 3]> =
-            xs.iter().flat_map(|(x, _)| ys.iter().map(move |(y, _)| [*x, *y, 0.0])).collect();
+        let [count, parts] = rule(self.size.len());
+        let xs = pieces(&self.cuts_in_x(t), count);
+        let ys = pieces(&self.cuts_in_y, count);
+        let zs = match self.size.get(2) {
+            None => vec![(0.0, 1.0)],
+            Some(&depth) if self.along_z => pieces(&uniform_cuts(depth, parts), count),
+            Some(&depth) => vec![(0.5 * depth, depth)],
+        };
+        let lines = || ys.iter().flat_map(|y| zs.iter().map(move |z| (y, z)));
+        let points: Vec<[f64; 3]> = xs
+            .iter()
+            .flat_map(|(x, _)| lines().map(move |((y, _), (z, _))| [*x, *y, *z]))
+            .collect();
         let mut out = vec![Vec::new(); self.weights.len()];
         self.strain.bind(&points).evaluate(t, 0.0, &mut out);
         let mut sum = 0.0;
-        for (i, (_, wx)) in xs.iter().enumerate() {
+        for (slice, (_, wx)) in xs.iter().enumerate() {
+            let first = slice * ys.len() * zs.len();
             let mut column = 0.0;
-            for (j, (_, wy)) in ys.iter().enumerate() {
-                let p = i * ys.len() + j;
+            for (p, ((_, wy), (_, wz))) in (first..).zip(lines()) {
                 let squares: f64 =
                     out.iter().zip(&self.weights).map(|(e, w)| w * e[p] * e[p]).sum();
-                column += wy * squares;
+                column += wy * wz * squares;
             }
             sum += wx * column;
         }
@@ -166,7 +177,7 @@ impl Integrand {
     /// integrals keep a kink where a zone began.
     fn cuts_in_x(&self, t: f64) -> Vec<f64> {
         let width = self.size[0];
-        let mut cuts = uniform_cuts(width);
+        let mut cuts = uniform_cuts(width, rule(self.size.len())[1]);
         for time in [t, 0.0] {
             cuts.extend(sign_changes(0.0, width, WATCHES, |places| {
                 let points: Vec<[f64; 3]> = places.iter().map(|&x| [x, 0.0, 0.0]).collect();
@@ -181,14 +192,22 @@ impl Integrand {
     }
 }
 
-fn cuts_in_y(graph: &mut Graph, guards: &[Node], horizon: f64, height: f64) -> Vec<f64> {
+/// Cuts of (0, height), uniform ones and where a guard that depends on y alone changes sign; `parts` is the number of
+/// uniform pieces.
+fn cuts_in_y(
+    graph: &mut Graph,
+    guards: &[Node],
+    horizon: f64,
+    height: f64,
+    parts: usize,
+) -> Vec<f64> {
     let alone = |guard: &Node| {
-        let others = [Variable::X, Variable::T];
+        let others = [Variable::X, Variable::Z, Variable::T];
         others.iter().all(|&other| !graph.depends_on(*guard, other))
     };
     let fixed: Vec<Node> = guards.iter().copied().filter(alone).collect();
     let program = Program::compile(graph, &fixed, horizon);
-    let mut cuts = uniform_cuts(height);
+    let mut cuts = uniform_cuts(height, parts);
     cuts.extend(sign_changes(0.0, height, WATCHES, |places| {
         let points: Vec<[f64; 3]> = places.iter().map(|&y| [0.0, y, 0.0]).collect();
         let mut values = vec![Vec::new(); fixed.len()];
@@ -200,13 +219,18 @@ fn cuts_in_y(graph: &mut Graph, guards: &[Node], horizon: f64, height: f64) -> V
     cuts
 }
 
-fn uniform_cuts(length: f64) -> Vec<f64> {
-    (0..=SPACE_PIECES).map(|i| length * i as f64 / SPACE_PIECES as f64).collect()
+fn uniform_cuts(length: f64, parts: usize) -> Vec<f64> {
+    (0..=parts).map(|i| length * i as f64 / parts as f64).collect()
+}
+
+/// [`PLANE`] or [`SPACE`].
+fn rule(dimension: usize) -> [usize; 2] {
+    if dimension == 2 { PLANE } else { SPACE }
 }
 
 /// Gauss points and weights on the pieces between cuts.
-fn pieces(cuts: &[f64]) -> Vec<(f64, f64)> {
-    let rule = gauss_legendre(SPACE_POINTS);
+fn pieces(cuts: &[f64], count: usize) -> Vec<(f64, f64)> {
+    let rule = gauss_legendre(count);
     let mut out = Vec::new();
     for pair in cuts.windows(2) {
         let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));

@@ -88,3 +88,65 @@ fn projected_excess<const D: usize>(strain: &Tensor<D>, trace: f64, kappa: f64) 
     }
     deviator.map(|row| row.map(|e| e - kappa * e / length))
 }
+
+/// The symmetric tensor whose upper components, row by row, are the first fields of `values` at point p.
+#[inline]
+pub fn full<const D: usize>(values: &[Vec<f64>], p: usize) -> Tensor<D> {
+    let mut tensor = [[0.0; D]; D];
+    let mut fields = values.iter();
+    for i in 0..D {
+        for j in i..D {
+            // A missing field would be a wrong number of outputs: NaN shows it in every norm.
+            tensor[i][j] = fields.next().map_or(f64::NAN, |field| field[p]);
+            tensor[j][i] = tensor[i][j];
+        }
+    }
+    tensor
+}
+
+/// Appends a symmetric tensor in the notation of moments: the diagonal, then √2 times yz, xz, xy (in the
+/// plane xy).
+#[inline]
+pub fn mandel<const D: usize>(tensor: &Tensor<D>, out: &mut Vec<f64>) {
+    out.extend((0..D).map(|i| tensor[i][i]));
+    let off: &[(usize, usize)] = if D == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] };
+    out.extend(off.iter().map(|&(i, j)| std::f64::consts::SQRT_2 * tensor[i][j]));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_keep_the_frobenius_product() {
+        let list = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|value| vec![0.0, value]);
+        let tensor: Tensor<3> = full(&list, 1);
+        assert_eq!(tensor, [[1.0, 2.0, 3.0], [2.0, 4.0, 5.0], [3.0, 5.0, 6.0]]);
+        let mut numbers = Vec::new();
+        mandel(&tensor, &mut numbers);
+        assert_eq!(numbers[..3], [1.0, 4.0, 6.0]);
+        assert!((numbers[3] / numbers[5] - 2.5).abs() < 1e-15 && numbers.len() == 6);
+        let squares: f64 = tensor.as_flattened().iter().map(|s| s * s).sum();
+        assert!((numbers.iter().map(|s| s * s).sum::<f64>() - squares).abs() < 1e-12);
+        // One shear component dropped is a wrong number of fields.
+        assert!(full::<3>(&list[..5], 1)[2][2].is_nan());
+    }
+
+    /// diag(1, 2, 6) in ℝ³: tr/3 = 3, so the deviator is diag(-2, -1, 3), of length √14. Its plane part alone,
+    /// diag(1, 2) in ℝ², has the deviator diag(-½, ½).
+    #[test]
+    fn the_projection_takes_the_trace_of_its_dimension() {
+        let material = MaterialNumbers {
+            lambda: 0.0,
+            mu_l: 0.0,
+            full: None,
+            memory: vec![],
+            projection: Some(1.0),
+        };
+        let strain = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 6.0]];
+        let sigma = stress(&material, &strain, &[], 0.5 * 14f64.sqrt());
+        assert!((0..3).all(|i| (sigma[i][i] - [-1.0, -0.5, 1.5][i]).abs() < 1e-15), "{sigma:?}");
+        let plane = stress(&material, &[[1.0, 0.0], [0.0, 2.0]], &[], 0.5 * 0.5f64.sqrt());
+        assert!((plane[0][0] + 0.25).abs() < 1e-15 && (plane[1][1] - 0.25).abs() < 1e-15);
+    }
+}

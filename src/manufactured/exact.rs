@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::AccumulatedStrain;
+use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
 use super::symbolic;
 use crate::formula::{Graph, Node, Program, Variable};
@@ -89,9 +90,10 @@ pub struct ExactData {
     pub contact: Option<ContactFormulas>,
     /// T.
     pub horizon: f64,
-    /// Box that contains the domain: the domain itself, from the origin, if it is no `polygon`.
-    pub size: [f64; 2],
-    /// The domain, where it is no rectangle.
+    /// Box that contains the domain, one length a dimension: the domain itself, from the origin, if it is no
+    /// `polygon`.
+    pub size: Vec<f64>,
+    /// The domain, where it is no rectangle or box.
     pub polygon: Option<Polygon>,
 }
 
@@ -160,7 +162,7 @@ impl Exact {
         let forces = Program::compile(graph, &body_force, data.horizon);
         let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
         let polygon = data.polygon.as_ref().map(|polygon| &*polygon.coarse);
-        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, data.size, needs_zeta)
+        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, &data.size, needs_zeta)
             .over(polygon);
         Self { strain, memory, stress, body_force, interior, forces, zeta, data }
     }
@@ -202,10 +204,24 @@ impl Exact {
         self.regions_at(&points)
     }
 
-    /// The region of each of some facets of a plane mesh, that of its midpoint.
+    /// The region of each of some facets of a mesh, that of its centroid.
     pub fn facet_regions(&self, mesh: &Mesh, facets: &[usize]) -> Vec<usize> {
-        let middle = |&f: &usize| mesh.point(mesh.facet(f), &[0.5, 0.5]);
+        let centroid = vec![1.0 / mesh.dimension as f64; mesh.dimension];
+        let middle = |&f: &usize| mesh.point(mesh.facet(f), &centroid);
         self.regions_at(&facets.iter().map(middle).collect::<Vec<_>>())
+    }
+
+    /// ε at point p of the values of [`Self::interior`] and, into `memory`, the histories H_i there.
+    pub fn tensors<const D: usize>(
+        &self,
+        values: &[Vec<f64>],
+        p: usize,
+        memory: &mut Vec<Tensor<D>>,
+    ) -> Tensor<D> {
+        let count = self.strain.len();
+        memory.clear();
+        memory.extend(values[D + count..].chunks(count).map(|fields| full(fields, p)));
+        full(&values[D..], p)
     }
 
     /// The numbers of a region.

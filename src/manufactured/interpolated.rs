@@ -5,25 +5,28 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::constitutive::{self, Tensor};
+use super::constitutive::{self, Tensor, mandel};
 use super::contact_samples::StatePoints;
-use super::edge_compliance::{ComplianceRule, edge_moments};
+use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
 use super::exact::Exact;
-use super::nodal_force::{add_stress, length};
+use super::linear::gradient_of;
+use super::nodal_force::{add_stress, facet_measure};
 use super::running_integral::RunningIntegral;
+use super::sampled::vector_names;
 use super::sign_changes::sign_changes;
 use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError};
 use crate::formula::{Bound, Node, Point, Program};
 use crate::mesh::PlanePart;
-use crate::norms::{ContactSamples, FACET_SAMPLES, Moments, facet_sample, is_locked};
+use crate::norms::{ContactSamples, Moments, facet_samples, is_locked};
 
 /// Intervals of the horizon in which guards are watched.
 const WATCHES: usize = 64;
 
 /// [u_ν, ξ + λ, g, …] at points of the trace with one normal.
 struct SidePoints {
-    normal: [f64; 2],
+    /// ν, padded with zeros.
+    normal: [f64; 3],
     members: Vec<usize>,
     /// Facets of the trace.
     facets: Vec<usize>,
@@ -38,7 +41,7 @@ pub struct InterpolatedOnMesh {
     space: Arc<Discretization>,
     /// Where the scheme integrates ∂j_ν.
     rule: ComplianceRule,
-    /// [u_x, u_y, H_1 u_x, H_1 u_y, …] at the vertices in node order.
+    /// The components of u, then those of each H_i u, at the vertices in node order.
     bound: Mutex<Bound>,
     /// Of each cell.
     regions: Vec<usize>,
@@ -89,53 +92,60 @@ impl InterpolatedOnMesh {
     /// # Errors
     /// A formula that is not finite at a vertex.
     pub fn displacements(&self, t: f64) -> Result<(Vec<f64>, Vec<Vec<f64>>), LoadError> {
-        let outputs = 2 + 2 * self.exact.data.kernels.len();
-        let mut out = vec![Vec::new(); outputs];
+        let d = self.space.mesh.dimension;
+        let mut out = vec![Vec::new(); d * (1 + self.exact.data.kernels.len())];
         self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
         let nodes = self.space.nodes.vertex.len();
-        let names = ["u_x", "u_y"].into_iter().chain(["H u_x", "H u_y"].into_iter().cycle());
-        for (field, name) in out.iter().zip(names) {
+        let remembered = vector_names("H u", d);
+        let names = vector_names("u", d).into_iter().chain(remembered.into_iter().cycle());
+        for (field, what) in out.iter().zip(names) {
             if let Some(p) = field.iter().position(|v| !v.is_finite()) {
-                let x = self.space.mesh.vertex(self.space.nodes.vertex[p]);
-                let (x, y) = (x[0], x[1]);
-                return Err(LoadError::NotFinite { what: name.into(), value: field[p], x, y, t });
+                let place = self.space.mesh.vertex(self.space.nodes.vertex[p]).to_vec();
+                return Err(LoadError::NotFinite { what, value: field[p], place, t });
             }
         }
-        let interleave = |a: usize| -> Vec<f64> {
-            (0..nodes).flat_map(|p| [out[a][p], out[a + 1][p]]).collect()
+        let interleave = |fields: &[Vec<f64>]| -> Vec<f64> {
+            (0..nodes).flat_map(|p| fields.iter().map(move |field| field[p])).collect()
         };
-        let memory = (2..outputs).step_by(2).map(interleave).collect();
-        Ok((interleave(0), memory))
+        let (u, memory) = out.split_at(d);
+        Ok((interleave(u), memory.chunks(d).map(interleave).collect()))
     }
 
     /// ε of a nodal vector on cell c, as a full tensor: from differences along the edges, apart
     /// from the solver's shape gradients.
-    fn strain(&self, nodal: &[f64], c: usize) -> Tensor<2> {
-        let cell = self.space.mesh.cell(c);
-        let corner = [0, 1, 2].map(|a| self.space.mesh.vertex(cell[a]));
-        let value = |a: usize, i: usize| {
-            nodal[2 * self.space.nodes.of_vertex[cell[a] as usize] as usize + i]
+    fn strain<const D: usize>(&self, nodal: &[f64], c: usize) -> Tensor<D> {
+        let mesh = &self.space.mesh;
+        let cell = mesh.cell(c);
+        let rise = |a: usize, i: usize| {
+            let at =
+                |a: usize| nodal[D * self.space.nodes.of_vertex[cell[a] as usize] as usize + i];
+            at(a) - at(0)
         };
-        let (p, q) = (
-            [corner[1][0] - corner[0][0], corner[1][1] - corner[0][1]],
-            [corner[2][0] - corner[0][0], corner[2][1] - corner[0][1]],
-        );
-        let determinant = p[0] * q[1] - p[1] * q[0];
-        let mut gradient = [[0.0; 2]; 2];
-        for (i, row) in gradient.iter_mut().enumerate() {
-            let (a, b) = (value(1, i) - value(0, i), value(2, i) - value(0, i));
-            *row = [(a * q[1] - b * p[1]) / determinant, (b * p[0] - a * q[0]) / determinant];
-        }
-        let shear = 0.5 * (gradient[0][1] + gradient[1][0]);
-        [[gradient[0][0], shear], [shear, gradient[1][1]]]
+        let corner = |a: usize| mesh.vertex(cell[a]);
+        let edges: [[f64; D]; D] =
+            std::array::from_fn(|a| std::array::from_fn(|i| corner(a + 1)[i] - corner(0)[i]));
+        let gradient: [[f64; D]; D] =
+            std::array::from_fn(|i| gradient_of(&edges, &std::array::from_fn(|a| rise(a + 1, i))));
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| match i == j {
+                true => gradient[i][i],
+                false => 0.5 * (gradient[i.min(j)][i.max(j)] + gradient[i.max(j)][i.min(j)]),
+            })
+        })
     }
 
-    fn strain_norm(&self, t: f64) -> Result<f64, LoadError> {
+    fn strain_norm<const D: usize>(&self, t: f64) -> Result<f64, LoadError> {
         let (u, _) = self.displacements(t)?;
         let mut sum = 0.0;
         for c in 0..self.space.mesh.cell_count() {
-            let e = self.strain(&u, c);
-            let square = e[0][0] * e[0][0] + 2.0 * e[0][1] * e[0][1] + e[1][1] * e[1][1];
+            let strain: Tensor<D> = self.strain(&u, c);
+            let mut square = 0.0;
+            for i in 0..D {
+                square += strain[i][i] * strain[i][i];
+                for j in i + 1..D {
+                    square += 2.0 * strain[i][j] * strain[i][j];
+                }
+            }
             sum += self.space.geometry.measure[c] * square;
         }
         Ok(sum.sqrt())
@@ -149,7 +159,11 @@ impl InterpolatedOnMesh {
         let events = |from: f64, to: f64| {
             self.events.iter().copied().filter(|&s| s > from && s < to).collect()
         };
-        self.accumulated.at(t, events, |s| self.strain_norm(s))
+        let norm = match self.space.mesh.dimension {
+            2 => Self::strain_norm::<2>,
+            _ => Self::strain_norm::<3>,
+        };
+        self.accumulated.at(t, events, |s| norm(self, s))
     }
 
     fn kappa(&self, t: f64) -> Result<f64, LoadError> {
@@ -186,50 +200,61 @@ impl InterpolatedOnMesh {
             }
             let Some(law) = on_facets else { continue };
             for &f in &side.facets {
-                let ends = [0, 1].map(|a| self.space.trace.facet(f)[a] as usize);
-                let normal = ends.map(|i| {
-                    let at = side.members.iter().position(|&member| member == i);
-                    at.map_or(f64::NAN, |at| values[0][at])
-                });
-                let vertices = ends.map(|i| self.space.trace.points[i].vertex);
-                let shift = |x: f64| self.shift(&vertices, x);
-                let scale = |x: f64| self.scale(&vertices, x);
-                let moments = edge_moments(law, self.rule, normal, shift, scale);
-                let size = length(&self.space.mesh, self.space.trace.mesh_facet[f] as usize);
-                for (i, moment) in ends.into_iter().zip(moments) {
-                    self.add_normal_force(i, side.normal, size * moment, force);
+                let corners = self.space.trace.facet(f);
+                let normal: Vec<f64> = corners
+                    .iter()
+                    .map(|&i| {
+                        let at = side.members.iter().position(|&member| member == i as usize);
+                        at.map_or(f64::NAN, |at| values[0][at])
+                    })
+                    .collect();
+                let vertices: Vec<u32> =
+                    corners.iter().map(|&i| self.space.trace.points[i as usize].vertex).collect();
+                let moments = match normal[..] {
+                    [a, b] => {
+                        let shift = |x: f64| self.shift(&vertices, &[1.0 - x, x]);
+                        let scale = |x: f64| self.scale(&vertices, &[1.0 - x, x]);
+                        edge_moments(law, self.rule, [a, b], shift, scale).to_vec()
+                    }
+                    _ => {
+                        let shift = |b: &[f64]| self.shift(&vertices, b);
+                        triangle_moments(law, &normal, shift, |b| self.scale(&vertices, b))
+                    }
+                };
+                let size = facet_measure(&self.space.mesh, self.space.trace.mesh_facet[f] as usize);
+                for (&i, moment) in corners.iter().zip(moments) {
+                    self.add_normal_force(i as usize, side.normal, size * moment, force);
                 }
             }
         }
     }
 
     /// Adds a force along the outward normal at a point of the trace.
-    fn add_normal_force(&self, i: usize, normal: [f64; 2], size: f64, force: &mut [f64]) {
+    fn add_normal_force(&self, i: usize, normal: [f64; 3], size: f64, force: &mut [f64]) {
+        let d = self.space.mesh.dimension;
         let vertex = self.space.trace.points[i].vertex;
         let node = self.space.nodes.of_vertex[vertex as usize] as usize;
-        for (j, component) in normal.iter().enumerate() {
-            force[2 * node + j] += size * component;
+        for (j, component) in normal[..d].iter().enumerate() {
+            force[d * node + j] += size * component;
         }
     }
 
-    /// s at a place of an edge.
-    fn shift(&self, vertices: &[u32], place: f64) -> f64 {
+    /// s at a place of a facet.
+    fn shift(&self, vertices: &[u32], barycentric: &[f64]) -> f64 {
         let contact = self.exact.data.contact.as_ref();
-        contact
-            .and_then(|contact| contact.shift)
-            .map_or(0.0, |shift| self.on_edge(shift, vertices, place))
+        let shift = contact.and_then(|contact| contact.shift);
+        shift.map_or(0.0, |shift| self.on_facet(shift, vertices, barycentric))
     }
 
-    /// c at a place of an edge.
-    fn scale(&self, vertices: &[u32], place: f64) -> f64 {
+    /// c at a place of a facet.
+    fn scale(&self, vertices: &[u32], barycentric: &[f64]) -> f64 {
         let contact = self.exact.data.contact.as_ref();
-        contact
-            .and_then(|contact| contact.scale)
-            .map_or(1.0, |scale| self.on_edge(scale, vertices, place))
+        let scale = contact.and_then(|contact| contact.scale);
+        scale.map_or(1.0, |scale| self.on_facet(scale, vertices, barycentric))
     }
 
-    fn on_edge(&self, node: Node, vertices: &[u32], place: f64) -> f64 {
-        let [x, y, z] = self.space.mesh.point(vertices, &[1.0 - place, place]);
+    fn on_facet(&self, node: Node, vertices: &[u32], barycentric: &[f64]) -> f64 {
+        let [x, y, z] = self.space.mesh.point(vertices, barycentric);
         self.exact.data.graph.evaluate(node, &Point { x, y, z, ..Point::default() })
     }
 
@@ -238,13 +263,13 @@ impl InterpolatedOnMesh {
         self.contact_state(t).into_iter().map(|at| at[1]).collect()
     }
 
-    fn compute_load(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+    fn compute_load<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let (u, memory) = self.displacements(t)?;
         let kappa = self.kappa(t)?;
         let space = &self.space;
         let mut force = vec![0.0; space.nodes.len()];
         for c in 0..space.mesh.cell_count() {
-            let stress = self.stress(&u, &memory, kappa, c);
+            let stress: Tensor<D> = self.stress(&u, &memory, kappa, c);
             add_stress(&space.mesh, c, space.cell_nodes(c), &stress, &mut force);
         }
         self.add_contact_pressure(t, &mut force);
@@ -252,33 +277,43 @@ impl InterpolatedOnMesh {
         Ok(force)
     }
 
-    fn stress(&self, u: &[f64], memory: &[Vec<f64>], kappa: f64, c: usize) -> Tensor<2> {
+    fn stress<const D: usize>(
+        &self,
+        u: &[f64],
+        memory: &[Vec<f64>],
+        kappa: f64,
+        c: usize,
+    ) -> Tensor<D> {
         let strain = self.strain(u, c);
-        let remembered: Vec<Tensor<2>> = memory.iter().map(|h| self.strain(h, c)).collect();
+        let remembered: Vec<Tensor<D>> = memory.iter().map(|h| self.strain(h, c)).collect();
         let material = self.exact.material_in(self.regions[c]);
         constitutive::stress(material, &strain, &remembered, kappa)
     }
 
-    fn compute_moments(&self, t: f64) -> Result<Moments, LoadError> {
+    fn compute_moments<const D: usize>(&self, t: f64) -> Result<Moments, LoadError> {
         let (u, memory) = self.displacements(t)?;
         let kappa = self.kappa(t)?;
         let mut moments = Moments::default();
         for c in 0..self.space.mesh.cell_count() {
-            moments.strain.mean.extend(mandel(&self.strain(&u, c)));
-            moments.stress.mean.extend(mandel(&self.stress(&u, &memory, kappa, c)));
+            mandel(&self.strain::<D>(&u, c), &mut moments.strain.mean);
+            mandel(&self.stress::<D>(&u, &memory, kappa, c), &mut moments.stress.mean);
             for &node in self.space.cell_nodes(c) {
-                moments.displacement.corner.extend(&u[2 * node as usize..2 * node as usize + 2]);
+                moments.displacement.corner.extend(&u[D * node as usize..][..D]);
             }
         }
         let state = self.contact_state(t);
+        let samples = facet_samples(D);
         for f in 0..self.space.trace.measure.len() {
-            let ends = self.space.trace.facet(f);
-            let [a, b] = [state[ends[0] as usize], state[ends[1] as usize]];
-            moments.normal.corner.extend([a[0], b[0]]);
-            moments.pressure.corner.extend([a[1], b[1]]);
-            for s in 0..=FACET_SAMPLES {
-                let [p, q] = facet_sample(s);
-                moments.locked.push(is_locked(p * a[0] + q * b[0], p * a[2] + q * b[2]));
+            let at = self.space.trace.facet(f).iter().map(|&i| state[i as usize]);
+            moments.normal.corner.extend(at.clone().map(|at| at[0]));
+            moments.pressure.corner.extend(at.clone().map(|at| at[1]));
+            for b in &samples {
+                let linear = |field: usize| -> f64 {
+                    // A gap of ∞ has no part in a corner that does not count.
+                    let parts = b.iter().zip(at.clone()).filter(|(b, _)| **b > 0.0);
+                    parts.map(|(b, at)| b * at[field]).sum()
+                };
+                moments.locked.push(is_locked(linear(0), linear(2)));
             }
         }
         Ok(moments)
@@ -295,26 +330,33 @@ impl SidePoints {
 
 impl Truth for InterpolatedOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        self.loads.get_or(t, || self.compute_load(t))
+        let load = match self.space.mesh.dimension {
+            2 => Self::compute_load::<2>,
+            _ => Self::compute_load::<3>,
+        };
+        self.loads.get_or(t, || load(self, t))
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        self.moments.get_or(t, || self.compute_moments(t))
+        let moments = match self.space.mesh.dimension {
+            2 => Self::compute_moments::<2>,
+            _ => Self::compute_moments::<3>,
+        };
+        self.moments.get_or(t, || moments(self, t))
     }
 
     fn contact_samples(&self, t: f64) -> Result<Option<ContactSamples>, LoadError> {
+        if self.space.mesh.dimension != 2 {
+            return Ok(None);
+        }
         let points = || StatePoints::new(&self.exact, &self.space, true);
         Ok(Some(self.state_points.get_or_init(points).at(t)))
     }
 }
 
-fn mandel(tensor: &Tensor<2>) -> [f64; 3] {
-    [tensor[0][0], tensor[1][1], std::f64::consts::SQRT_2 * tensor[0][1]]
-}
-
 /// The points of the trace, by side and normal.
 fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
-    let (mesh, trace) = (&space.mesh, &space.trace);
+    let (mesh, trace, d) = (&space.mesh, &space.trace, space.mesh.dimension);
     let of_part = |part: PlanePart| {
         let facets = part.members;
         let mut members: Vec<usize> =
@@ -323,13 +365,14 @@ fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
         members.dedup();
         let points: Vec<[f64; 3]> =
             members.iter().map(|&i| mesh.point(&[trace.points[i].vertex], &[1.0])).collect();
-        let normal = [part.normal[0], part.normal[1]];
-        let formulas = exact.boundary(&normal);
+        let mut normal = [0.0; 3];
+        normal[..d].copy_from_slice(&part.normal[..d]);
+        let formulas = exact.boundary(&normal[..d]);
         let mut of_vertex = HashMap::new();
         for &f in &facets {
             let facet = trace.mesh_facet[f] as usize;
             for &vertex in mesh.facet(facet) {
-                *of_vertex.entry(vertex).or_insert(0.0) += 0.5 * length(mesh, facet);
+                *of_vertex.entry(vertex).or_insert(0.0) += facet_measure(mesh, facet) / d as f64;
             }
         }
         let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();

@@ -20,21 +20,23 @@ mod curve;
 mod double_exponential;
 mod edge_compliance;
 mod exact;
+mod facet_group;
 mod finite_exact;
 mod interpolated;
+pub mod linear;
 pub mod nodal_force;
 mod on_mesh;
 mod polygon_points;
 mod reduction;
 mod running_integral;
+mod sampled;
 mod sign_changes;
 mod symbolic;
 mod truth;
 
 pub use accumulated::AccumulatedStrain;
 pub use check::{
-    Finding, SideOfRectangle, Status, check, regularity_in_space, regularity_in_time,
-    second_difference,
+    Finding, SideOfBox, Status, check, regularity_in_space, regularity_in_time, second_difference,
 };
 pub use curve::CurveNumbers;
 pub use edge_compliance::ComplianceRule;

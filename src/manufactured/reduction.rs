@@ -3,19 +3,20 @@
 use crate::norms::{CellConstants, linear_projection};
 use crate::space::quadrature::Rule;
 
-/// Adds the mean of a tensor field on one cell, and the squared distance to it.
-pub fn add_cell(values: &[[f64; 3]], weights: &[f64], measure: f64, out: &mut CellConstants) {
-    let mut mean = [0.0; 3];
-    for (value, weight) in values.iter().zip(weights) {
-        for i in 0..3 {
-            mean[i] += weight * value[i];
-        }
+/// Adds the mean of a tensor field on one cell, and the squared distance to it; `values` holds the tensors
+/// point by point, one for each of `weights`.
+pub fn add_cell(values: &[f64], weights: &[f64], measure: f64, out: &mut CellConstants) {
+    let numbers = values.len() / weights.len();
+    let mut mean = [0.0; 6];
+    let mean = &mut mean[..numbers];
+    for (value, weight) in values.chunks_exact(numbers).zip(weights) {
+        mean.iter_mut().zip(value).for_each(|(mean, value)| *mean += weight * value);
     }
-    for (value, weight) in values.iter().zip(weights) {
-        let square: f64 = (0..3).map(|i| (value[i] - mean[i]).powi(2)).sum();
+    for (value, weight) in values.chunks_exact(numbers).zip(weights) {
+        let square: f64 = value.iter().zip(&*mean).map(|(v, m)| (v - m).powi(2)).sum();
         out.rest += measure * weight * square;
     }
-    out.mean.extend(mean);
+    out.mean.extend_from_slice(mean);
 }
 
 /// Linear projection of sampled values on one simplex; returns the mean squared remainder.

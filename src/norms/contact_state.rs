@@ -1,7 +1,6 @@
 //! Errors on the parts of Γ3 where the truth is open, on a branch of the law, at a jump or locked, and
 //! the measure by which contact sets differ.
 
-use super::moments::FACET_SAMPLES;
 use crate::contact::{Discretization, StepView};
 use crate::space::quadrature::{Rule, edge};
 
@@ -39,17 +38,18 @@ pub struct ContactSamples {
     pub gap: Vec<f64>,
 }
 
-/// Gauss points in each of the intervals into which a facet is divided.
+/// Parts of an edge, and Gauss points in each.
+const PARTS: usize = 8;
 const POINTS: usize = 3;
 
-/// The rule by which errors are split: an edge in [`FACET_SAMPLES`] parts, each with three Gauss points.
+/// The rule by which errors are split: an edge in eight parts, each with three Gauss points.
 /// Within a part exact for degree 5; where the edge of a zone cuts a part, that part is shared among the
 /// states by its points, an error in measure of at most h/8.
 pub fn state_rule() -> Rule {
     let part = edge(POINTS);
-    let count = FACET_SAMPLES as f64;
+    let count = PARTS as f64;
     let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
-    for s in 0..FACET_SAMPLES {
+    for s in 0..PARTS {
         for (point, weight) in part.points.iter().zip(&part.weights) {
             let place = (s as f64 + point[1]) / count;
             rule.points.push(vec![1.0 - place, place]);

@@ -1,6 +1,6 @@
 //! Errors at one time level, from the discrete solution and the moments of the truth.
 
-use super::moments::{FACET_SAMPLES, Moments, facet_sample, hausdorff};
+use super::moments::{Moments, facet_samples, hausdorff};
 use crate::contact::{Discretization, Model, StepView};
 use crate::law::Projection;
 use crate::space::strain_of;
@@ -107,8 +107,8 @@ fn facets(space: &Discretization, view: &StepView<'_>, truth: &Moments, errors: 
     errors.pressure = pressure.sqrt();
 }
 
-/// Hausdorff distance of the exact and the discrete locked set, on samples of the facets of Γ3
-/// (plane scenes). The discrete set holds its locked vertices and the edges between two of them.
+/// Hausdorff distance of the exact and the discrete locked set, on samples of the facets of Γ3. The discrete
+/// set holds its locked vertices, and the edges and triangles whose vertices are all locked.
 fn contact_set<P: Projection>(
     space: &Discretization,
     model: &Model<P>,
@@ -116,27 +116,41 @@ fn contact_set<P: Projection>(
     truth: &Moments,
 ) -> f64 {
     let Some(boundary) = &model.boundary else { return 0.0 };
-    if space.mesh.dimension != 2 || truth.locked.is_empty() {
+    if truth.locked.is_empty() {
         return 0.0;
     }
+    let samples = facet_samples(space.trace.stride);
     let (mut points, mut discrete) = (Vec::new(), Vec::new());
     for f in 0..space.trace.measure.len() {
         let members = space.trace.facet(f);
         let vertices: Vec<u32> =
             members.iter().map(|&i| space.trace.points[i as usize].vertex).collect();
-        let ends = [0, 1].map(|a| {
-            let gap = (boundary.gap)(space.mesh.point(&[vertices[a]], &[1.0]));
-            is_locked(space.trace.normal(members[a] as usize, view.u), gap)
-        });
-        for s in 0..=FACET_SAMPLES {
-            points.push(space.mesh.point(&vertices, &facet_sample(s)));
-            discrete.push(match s {
-                0 => ends[0],
-                FACET_SAMPLES => ends[1],
-                _ => ends[0] && ends[1],
-            });
+        let locked: Vec<bool> = members
+            .iter()
+            .zip(&vertices)
+            .map(|(&i, &vertex)| {
+                let gap = (boundary.gap)(space.mesh.point(&[vertex], &[1.0]));
+                is_locked(space.trace.normal(i as usize, view.u), gap)
+            })
+            .collect();
+        for b in &samples {
+            points.push(space.mesh.point(&vertices, b));
+            discrete.push(b.iter().zip(&locked).all(|(b, locked)| *b == 0.0 || *locked));
         }
     }
-    let diameter = space.trace.measure.iter().sum();
-    hausdorff(&points, &truth.locked, &discrete, diameter)
+    hausdorff(&points, &truth.locked, &discrete, diameter(space, &points))
+}
+
+/// The distance of two sets of which one is empty: the length of Γ3, in space the diagonal of its box.
+fn diameter(space: &Discretization, points: &[[f64; 3]]) -> f64 {
+    if space.mesh.dimension == 2 {
+        return space.trace.measure.iter().sum();
+    }
+    let range = |i: usize| {
+        let ends = points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+            [low.min(p[i]), high.max(p[i])]
+        });
+        (ends[1] - ends[0]).powi(2)
+    };
+    (0..3).map(range).sum::<f64>().sqrt()
 }

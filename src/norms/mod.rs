@@ -5,11 +5,11 @@ mod errors;
 mod moments;
 mod projection;
 mod reference;
+mod refinement;
 
 pub use contact_state::{ContactSamples, ContactState, StateErrors, state_errors, state_rule};
 pub use errors::{StepErrors, is_locked, step_errors};
-pub use moments::{
-    CellConstants, FACET_SAMPLES, Moments, Piecewise, facet_sample, hausdorff, linear_projection,
-};
+pub use moments::{CellConstants, Moments, Piecewise, facet_samples, hausdorff, linear_projection};
 pub use projection::ElasticProjection;
 pub use reference::{ReferenceError, ReferenceRun, Trajectory};
+pub use refinement::Refinement;

@@ -37,17 +37,24 @@ pub struct Moments {
     pub normal: Piecewise,
     /// ξ + λ on the facets of Γ3.
     pub pressure: Piecewise,
-    /// Whether u_ν = g, at [`FACET_SAMPLES`] + 1 equidistant points of each facet of Γ3.
+    /// Whether u_ν = g, at the [`facet_samples`] of each facet of Γ3.
     pub locked: Vec<bool>,
 }
 
-/// Intervals into which a facet is divided when contact sets are compared.
-pub const FACET_SAMPLES: usize = 8;
+/// Intervals into which an edge, and the edges of a triangle, are divided when contact sets are compared.
+const SAMPLES: [usize; 2] = [8, 4];
 
-/// Barycentric coordinates of sample s on an edge.
-pub fn facet_sample(s: usize) -> [f64; 2] {
-    let b = s as f64 / FACET_SAMPLES as f64;
-    [1.0 - b, b]
+/// Barycentric coordinates of the points of a facet with `corners` vertices at which contact sets are
+/// compared: equidistant along its edges, the corners among them.
+pub fn facet_samples(corners: usize) -> Vec<Vec<f64>> {
+    let [along, across] = SAMPLES;
+    if corners == 2 {
+        let at = |s: usize| s as f64 / along as f64;
+        return (0..=along).map(|s| vec![1.0 - at(s), at(s)]).collect();
+    }
+    let at = |s: usize| s as f64 / across as f64;
+    let row = |j: usize| (0..=across - j).map(move |i| vec![at(across - i - j), at(i), at(j)]);
+    (0..=across).flat_map(row).collect()
 }
 
 /// Corner values of Πf on a simplex of `corners` vertices from its moments m_a = mean of f λ_a:
@@ -97,6 +104,17 @@ mod tests {
             let mut out = vec![0.0; values.len()];
             linear_projection(&moments, &mut out);
             assert!(out.iter().zip(&values).all(|(o, v)| (o - v).abs() < 1e-14));
+        }
+    }
+
+    #[test]
+    fn samples_of_a_facet_are_its_grid() {
+        for (corners, count) in [(2, 9), (3, 15)] {
+            let samples = facet_samples(corners);
+            assert_eq!(samples.len(), count);
+            assert!(samples.iter().all(|b| b.len() == corners && b.iter().sum::<f64>() == 1.0));
+            let at_corner = samples.iter().filter(|b| b.contains(&1.0)).count();
+            assert_eq!(at_corner, corners);
         }
     }
 

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use super::moments::{CellConstants, FACET_SAMPLES, Moments, Piecewise, facet_sample};
-use crate::contact::{ContactTrace, Discretization, Model, StepView};
+use super::moments::{CellConstants, Moments, Piecewise};
+use super::refinement::Refinement;
+use crate::contact::{Discretization, Model, StepView};
 use crate::law::Projection;
-use crate::mesh::nested;
 use crate::space::strain_of;
-use crate::tensor::contract;
 
 /// Displacements of a run at selected times, as nodal vectors.
 #[derive(Debug, Clone, Default)]
@@ -73,9 +72,11 @@ impl ReferenceRun {
         };
         let points = 0..space.trace.points.len();
         let normal: Vec<f64> = points.clone().map(|i| space.trace.normal(i, view.u)).collect();
-        let stress = (0..space.mesh.cell_count())
-            .flat_map(|c| view.stress::<P, 3>(space, model, c))
-            .collect();
+        let cells = 0..space.mesh.cell_count();
+        let stress = match space.mesh.dimension {
+            2 => cells.flat_map(|c| view.stress::<P, 3>(space, model, c)).collect(),
+            _ => cells.flat_map(|c| view.stress::<P, 6>(space, model, c)).collect(),
+        };
         let locked = points
             .clone()
             .map(|i| gap(i).is_some_and(|g| super::is_locked(normal[i], g)))
@@ -84,225 +85,166 @@ impl ReferenceRun {
         self.levels.push(Level { t: view.t, u: view.u.to_vec(), stress, normal, pressure, locked });
     }
 
-    /// The moments of the level at time t on a coarser structured mesh of the same domain.
+    /// Where the run's mesh lies in a coarser one.
     ///
     /// # Errors
-    /// Meshes that are not nested, a time that was not kept.
-    pub fn moments(&self, coarse: &Discretization, t: f64) -> Result<Moments, ReferenceError> {
+    /// Meshes that are not nested.
+    pub fn refinement(&self, coarse: &Discretization) -> Result<Refinement, ReferenceError> {
+        Refinement::new(&self.space, coarse)
+    }
+
+    /// The moments of the level at time t on the coarser mesh of `refinement`.
+    ///
+    /// # Errors
+    /// A time that was not kept.
+    pub fn moments(
+        &self,
+        refinement: &Refinement,
+        coarse: &Discretization,
+        t: f64,
+    ) -> Result<Moments, ReferenceError> {
         let close = |level: &&Level| (level.t - t).abs() <= 1e-9 * t.abs().max(1e-300);
         let level = self.levels.iter().find(close).ok_or(ReferenceError::NoSuchTime { t })?;
-        let (n, fine) = (coarse.mesh.n, self.space.mesh.n);
-        if fine % n != 0 {
-            return Err(ReferenceError::NotNested { coarse: n, fine });
-        }
-        let own = nested(&self.space.mesh, &coarse.mesh);
-        if own.is_none() && self.space.mesh.refinement.is_some() {
-            return Err(ReferenceError::NotNested { coarse: n, fine });
-        }
-        let parent = match &own {
-            Some(own) => own.parent.clone(),
-            None => parents(&self.space, coarse),
+        let strain = match self.space.mesh.dimension {
+            2 => self.strains::<3>(level),
+            _ => self.strains::<6>(level),
         };
-        let along = match &own {
-            Some(own) => self.along_refined(coarse, own.ratio),
-            None => self.along_structured(coarse),
-        };
-        let mut moments = Moments::default();
-        self.cell_moments(level, coarse, &parent, &mut moments);
-        facet_moments(level, coarse, &along, &mut moments);
-        Ok(moments)
-    }
-
-    fn cell_moments(
-        &self,
-        level: &Level,
-        coarse: &Discretization,
-        parent: &[u32],
-        moments: &mut Moments,
-    ) {
-        let fine = &self.space;
-        let strain: Vec<f64> = (0..fine.mesh.cell_count())
-            .flat_map(|c| strain_of::<3>(fine.geometry.gradients(c), fine.cell_nodes(c), &level.u))
-            .collect();
-        moments.strain = constants(fine, coarse, parent, &strain);
-        moments.stress = constants(fine, coarse, parent, &level.stress);
-        // u and λ_a are linear on a fine cell: the edge midpoints integrate u λ_a and u² exactly.
-        let cells = coarse.mesh.cell_count();
-        let (mut moment, mut square) = (vec![0.0; 6 * cells], 0.0);
-        for c in 0..fine.mesh.cell_count() {
-            let p = parent[c] as usize;
-            let (cell, nodes) = (fine.mesh.cell(c), fine.cell_nodes(c));
-            let share = fine.geometry.measure[c] / coarse.geometry.measure[p];
-            for (a, b) in [(0, 1), (1, 2), (2, 0)] {
-                let x = fine.mesh.point(&[cell[a], cell[b]], &[0.5, 0.5]);
-                let barycentric = barycentric(coarse, p, &x);
-                for i in 0..2 {
-                    let value = 0.5
-                        * (level.u[2 * nodes[a] as usize + i] + level.u[2 * nodes[b] as usize + i]);
-                    for (m, weight) in barycentric.iter().enumerate() {
-                        moment[6 * p + 2 * m + i] += share / 3.0 * value * weight;
-                    }
-                    square += fine.geometry.measure[c] / 3.0 * value * value;
-                }
-            }
-        }
-        let mut corner = vec![0.0; 6 * cells];
-        for c in 0..cells {
-            for i in 0..2 {
-                let own = [0, 1, 2].map(|a| moment[6 * c + 2 * a + i]);
-                let mut out = [0.0; 3];
-                super::linear_projection(&own, &mut out);
-                for a in 0..3 {
-                    corner[6 * c + 2 * a + i] = out[a];
-                    square -= coarse.geometry.measure[c] * own[a] * out[a];
-                }
-            }
-        }
-        moments.displacement = Piecewise { corner, rest: square.max(0.0) };
-    }
-
-    /// The points of the run's trace along each coarse facet, by place on a rectangle.
-    fn along_structured(&self, coarse: &Discretization) -> Vec<Vec<usize>> {
-        let along = along_trace(&self.space.mesh, &self.space.trace);
-        let index: std::collections::BTreeMap<u64, usize> =
-            along.iter().enumerate().map(|(i, x)| (key(x), i)).collect();
-        let refinement = (self.space.mesh.n / coarse.mesh.n) as usize;
-        let of_facet = |f: usize| {
-            let ends: Vec<u32> = coarse
-                .trace
-                .facet(f)
-                .iter()
-                .map(|&i| coarse.trace.points[i as usize].vertex)
-                .collect();
-            let point = |s: f64| coarse.mesh.point(&ends, &[1.0 - s, s]);
-            (0..=refinement)
-                .map(|s| {
-                    let x = point(s as f64 / refinement as f64);
-                    index.get(&key(&x)).copied().unwrap_or(0)
+        let constants = |field: &[f64]| self.constants(refinement, coarse, field);
+        let (fine, run) = (&self.space, refinement);
+        let displacement = |c: usize| {
+            let nodes = fine.cell_nodes(c).iter();
+            nodes
+                .flat_map(|&node| {
+                    level.u[fine.mesh.dimension * node as usize..]
+                        .iter()
+                        .take(fine.mesh.dimension)
+                        .copied()
                 })
                 .collect()
         };
-        (0..coarse.trace.measure.len()).map(of_facet).collect()
-    }
-
-    /// The same by counting, on refinements of one coarse triangulation: a corner of two contact sides
-    /// has a point for each.
-    fn along_refined(&self, coarse: &Discretization, ratio: usize) -> Vec<Vec<usize>> {
-        let trace = &self.space.trace;
-        let of_facet = |&facet: &u32| {
-            let first = trace.mesh_facet.partition_point(|&own| own < facet * ratio as u32);
-            let begin = |s: usize| trace.facet(first + s)[0] as usize;
-            let end = trace.facet(first + ratio - 1)[1] as usize;
-            (0..ratio).map(begin).chain([end]).collect()
+        let cells = Pieces {
+            parent: &run.cell_parent,
+            measure: &fine.geometry.measure,
+            coarse: &coarse.geometry.measure,
+            at_corners: &|c: usize| {
+                let at = |v: &u32| {
+                    run.cells
+                        .barycentric(run.cell_parent[c] as usize, &fine.mesh.point(&[*v], &[1.0]))
+                };
+                fine.mesh.cell(c).iter().map(at).collect()
+            },
         };
-        coarse.trace.mesh_facet.iter().map(of_facet).collect()
-    }
-}
-
-/// Moments on the facets; `along` are the points of the run's trace along each.
-fn facet_moments(
-    level: &Level,
-    coarse: &Discretization,
-    along: &[Vec<usize>],
-    moments: &mut Moments,
-) {
-    let facets = coarse.trace.measure.len();
-    let (mut normal, mut pressure) = (Piecewise::default(), Piecewise::default());
-    moments.locked = Vec::with_capacity(facets * (FACET_SAMPLES + 1));
-    for (f, at) in along.iter().enumerate() {
-        let measure = coarse.trace.measure[f];
-        project_on_edge(at, &level.normal, measure, &mut normal);
-        project_on_edge(at, &level.pressure, measure, &mut pressure);
-        for s in 0..=FACET_SAMPLES {
-            let place = facet_sample(s)[1] * (at.len() - 1) as f64;
-            let (low, high) = (place.floor() as usize, place.ceil() as usize);
-            moments.locked.push(level.locked[at[low]] && level.locked[at[high]]);
-        }
-    }
-    moments.normal = normal;
-    moments.pressure = pressure;
-}
-
-/// Cell means over the coarse cells of a field that is constant on fine cells.
-fn constants(
-    fine: &Discretization,
-    coarse: &Discretization,
-    parent: &[u32],
-    field: &[f64],
-) -> CellConstants {
-    let mut mean = vec![0.0; 3 * coarse.mesh.cell_count()];
-    for (c, value) in field.chunks_exact(3).enumerate() {
-        let p = parent[c] as usize;
-        let share = fine.geometry.measure[c] / coarse.geometry.measure[p];
-        for i in 0..3 {
-            mean[3 * p + i] += share * value[i];
-        }
-    }
-    let mut rest = 0.0;
-    for (c, value) in field.chunks_exact(3).enumerate() {
-        let p = parent[c] as usize;
-        let difference: [f64; 3] = std::array::from_fn(|i| value[i] - mean[3 * p + i]);
-        rest += fine.geometry.measure[c] * contract(&difference, &difference);
-    }
-    CellConstants { mean, rest }
-}
-
-/// L² projection onto linears of a function that is linear between equidistant points of an edge.
-fn project_on_edge(at: &[usize], values: &[f64], measure: f64, out: &mut Piecewise) {
-    let pieces = at.len() - 1;
-    let (mut moment, mut square) = ([0.0; 2], 0.0);
-    for s in 0..pieces {
-        let (a, b) = (values[at[s]], values[at[s + 1]]);
-        // Simpson's rule is exact for the product of two linear functions.
-        for (place, weight) in [(0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0)] {
-            let value = a + place * (b - a);
-            let x = (s as f64 + place) / pieces as f64;
-            moment[0] += weight / pieces as f64 * value * (1.0 - x);
-            moment[1] += weight / pieces as f64 * value * x;
-            square += weight / pieces as f64 * value * value;
-        }
-    }
-    let mut corner = [0.0; 2];
-    super::linear_projection(&moment, &mut corner);
-    let projected = moment[0] * corner[0] + moment[1] * corner[1];
-    out.rest += measure * (square - projected).max(0.0);
-    out.corner.extend(corner);
-}
-
-/// The coarse cell that holds each fine cell, by centroids on the structured mesh.
-fn parents(fine: &Discretization, coarse: &Discretization) -> Vec<u32> {
-    let n = f64::from(coarse.mesh.n);
-    let width =
-        (0..coarse.mesh.vertices()).map(|v| coarse.mesh.vertex(v as u32)[0]).fold(0.0, f64::max);
-    let columns = (width * n).round() as u32;
-    (0..fine.mesh.cell_count())
-        .map(|c| {
-            let third = 1.0 / 3.0;
-            let x = fine.mesh.point(fine.mesh.cell(c), &[third, third, third]);
-            let (i, j) = ((x[0] * n).floor(), (x[1] * n).floor());
-            let upper = u32::from(x[1] * n - j > x[0] * n - i);
-            2 * (j as u32 * columns + i as u32) + upper
+        let facets = Pieces {
+            parent: &run.facet_parent,
+            measure: &fine.trace.measure,
+            coarse: &coarse.trace.measure,
+            at_corners: &|f: usize| {
+                let at = |&i: &u32| {
+                    let x = fine.mesh.point(&[fine.trace.points[i as usize].vertex], &[1.0]);
+                    run.facets.barycentric(run.facet_parent[f] as usize, &x)
+                };
+                fine.trace.facet(f).iter().map(at).collect()
+            },
+        };
+        let on_trace = |values: &[f64]| {
+            facets.project(1, |f| fine.trace.facet(f).iter().map(|&i| values[i as usize]).collect())
+        };
+        let locked = |members: &Vec<u32>| members.iter().all(|&i| level.locked[i as usize]);
+        Ok(Moments {
+            strain: constants(&strain),
+            stress: constants(&level.stress),
+            displacement: cells.project(fine.mesh.dimension, displacement),
+            normal: on_trace(&level.normal),
+            pressure: on_trace(&level.pressure),
+            locked: run.sample_members.iter().map(locked).collect(),
         })
-        .collect()
-}
-
-fn barycentric(space: &Discretization, c: usize, x: &[f64; 3]) -> [f64; 3] {
-    let gradients = space.geometry.gradients(c);
-    let origin = space.mesh.vertex(space.mesh.cell(c)[0]);
-    let mut out = [0.0; 3];
-    for a in 1..3 {
-        out[a] = (0..2).map(|i| gradients[2 * a + i] * (x[i] - origin[i])).sum();
     }
-    out[0] = 1.0 - out[1] - out[2];
-    out
+
+    fn strains<const S: usize>(&self, level: &Level) -> Vec<f64> {
+        let fine = &self.space;
+        let strain = |c| strain_of::<S>(fine.geometry.gradients(c), fine.cell_nodes(c), &level.u);
+        (0..fine.mesh.cell_count()).flat_map(strain).collect()
+    }
+
+    /// Cell means over the coarse cells of a tensor field that is constant on fine cells.
+    fn constants(
+        &self,
+        refinement: &Refinement,
+        coarse: &Discretization,
+        field: &[f64],
+    ) -> CellConstants {
+        let (fine, parent) = (&self.space, &refinement.cell_parent);
+        let numbers = field.len() / fine.mesh.cell_count();
+        let mut mean = vec![0.0; numbers * coarse.mesh.cell_count()];
+        let own = |p: u32| numbers * p as usize..numbers * (p as usize + 1);
+        for (c, value) in field.chunks_exact(numbers).enumerate() {
+            let share = fine.geometry.measure[c] / coarse.geometry.measure[parent[c] as usize];
+            mean[own(parent[c])].iter_mut().zip(value).for_each(|(m, v)| *m += share * v);
+        }
+        let mut rest = 0.0;
+        for (c, value) in field.chunks_exact(numbers).enumerate() {
+            let differences = value.iter().zip(&mean[own(parent[c])]).map(|(v, m)| v - m);
+            rest += fine.geometry.measure[c] * differences.map(|d| d * d).sum::<f64>();
+        }
+        CellConstants { mean, rest }
+    }
 }
 
-fn along_trace(mesh: &crate::mesh::Mesh, trace: &ContactTrace) -> Vec<[f64; 3]> {
-    trace.points.iter().map(|point| mesh.point(&[point.vertex], &[1.0])).collect()
+/// Fine simplices in coarse ones.
+struct Pieces<'a> {
+    parent: &'a [u32],
+    measure: &'a [f64],
+    /// Measures of the coarse simplices.
+    coarse: &'a [f64],
+    /// Coordinates of the corners of a fine simplex in its parent.
+    at_corners: &'a dyn Fn(usize) -> Vec<Vec<f64>>,
 }
 
-/// A key of a point that two nested meshes agree on, whatever their rounding.
-fn key(x: &[f64; 3]) -> u64 {
-    let digit = |v: f64| ((v * 1e7).round() as i64 as u64) & 0xffff_ffff;
-    digit(x[0]) << 32 | digit(x[1])
+impl Pieces<'_> {
+    /// L² projection onto linears on the coarse simplices of a field with `components` numbers a point that is
+    /// linear on the fine ones; `values` gives those at the corners of one.
+    ///
+    /// Both f and λ_a are linear on a fine simplex of N corners, where the mean of a product f g is
+    /// (Σ f_i g_i + Σ f_i Σ g_i)/(N(N+1)).
+    fn project(&self, components: usize, values: impl Fn(usize) -> Vec<f64>) -> Piecewise {
+        let Some(corners) =
+            (0..self.parent.len().min(1)).map(|s| (self.at_corners)(s).len()).next()
+        else {
+            return Piecewise::default();
+        };
+        let scale = 1.0 / (corners * (corners + 1)) as f64;
+        let product = |f: &[f64], g: &[f64]| {
+            let sums = f.iter().sum::<f64>() * g.iter().sum::<f64>();
+            scale * (f.iter().zip(g).map(|(f, g)| f * g).sum::<f64>() + sums)
+        };
+        let mut moment = vec![0.0; components * corners * self.coarse.len()];
+        let mut square = 0.0;
+        for (s, &parent) in self.parent.iter().enumerate() {
+            let (at, values) = ((self.at_corners)(s), values(s));
+            let share = self.measure[s] / self.coarse[parent as usize];
+            for i in 0..components {
+                let own: Vec<f64> = values.chunks_exact(components).map(|v| v[i]).collect();
+                square += self.measure[s] * product(&own, &own);
+                for a in 0..corners {
+                    let hat: Vec<f64> = at.iter().map(|b| b[a]).collect();
+                    let first = components * corners * parent as usize;
+                    moment[first + components * a + i] += share * product(&own, &hat);
+                }
+            }
+        }
+        let mut corner = vec![0.0; moment.len()];
+        let mut out = vec![0.0; corners];
+        for (p, measure) in self.coarse.iter().enumerate() {
+            for i in 0..components {
+                let place = |a: usize| components * (corners * p + a) + i;
+                let own: Vec<f64> = (0..corners).map(|a| moment[place(a)]).collect();
+                super::linear_projection(&own, &mut out);
+                for a in 0..corners {
+                    corner[place(a)] = out[a];
+                    square -= measure * own[a] * out[a];
+                }
+            }
+        }
+        Piecewise { corner, rest: square.max(0.0) }
+    }
 }

@@ -57,11 +57,6 @@ impl Data {
         contact: Option<&Contact>,
     ) -> Result<Data, SceneError> {
         match (&file.exact, &file.loads) {
-            (Some(_), None) if domain.dimension() == 3 => {
-                let message = "an exact solution in dimension 3 is not available yet";
-                let hint = "give [loads], and solve the scene with sweep solve";
-                Err(reading.error("exact", message, hint))
-            }
             (Some(exact), None) => exact_solution(reading, exact, domain.dimension(), contact),
             (None, Some(loads)) => given_loads(reading, loads, domain, time),
             (Some(_), Some(_)) => {
@@ -107,7 +102,7 @@ fn exact_solution(
     }
     let known = [("weak", LoadForm::Weak), ("strong", LoadForm::Strong)];
     let form = reading.choice("exact.form", written.form.as_deref().unwrap_or("weak"), &known)?;
-    let scope = definitions(reading, &written.define)?;
+    let scope = definitions(reading, &written.define, dimension)?;
     let u = reading.vector("exact.u", &written.u, dimension, &scope)?;
     let mut optional = |key, formula: &Option<_>| {
         formula.as_ref().map(|formula| reading.formula(key, formula, &scope)).transpose()

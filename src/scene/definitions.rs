@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::formula::{Graph, Node, Scope, Variable};
 
+use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::written::Formula;
@@ -35,12 +36,15 @@ pub(super) fn parameters(
     Ok(parameters)
 }
 
-/// The scope of the exact solution: x, y, t, the parameters, and each named quantity, which may use the ones before it.
+/// The scope of the exact solution: the space variables, t, the parameters, and each named quantity, which may use the ones before it.
 pub(super) fn definitions(
     reading: &mut Reading,
     written: &BTreeMap<String, Formula>,
+    dimension: usize,
 ) -> Result<Scope, SceneError> {
-    definitions_in(reading, written, &[Variable::X, Variable::Y, Variable::T])
+    let mut variables = AXES[..dimension].to_vec();
+    variables.push(Variable::T);
+    definitions_in(reading, written, &variables)
 }
 
 /// The same with other variables.

@@ -207,8 +207,13 @@ impl Domain {
         match &self.shape {
             Shape::Box => {
                 let part = |i: u32| (f64::from(i) + 0.5) / f64::from(count);
-                let at =
-                    |i: u32| [self.size[0] * part(i / count), self.size[1] * part(i % count), 0.0];
+                // In space the planes take turns.
+                let depth = self.size.get(2).copied().unwrap_or(0.0);
+                let planes = count.saturating_sub(1).max(1);
+                let at = |i: u32| {
+                    let [x, y] = [part(i / count), part(i % count)];
+                    [self.size[0] * x, self.size[1] * y, depth * part(i % planes)]
+                };
                 (0..count * count).map(at).collect()
             }
             Shape::Refined(coarse) => {

@@ -58,11 +58,6 @@ impl Sweep {
             whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
         }
         let reference = match &written.reference {
-            Some(_) if domain.dimension() == 3 => {
-                let message = "a reference run in dimension 3 is not available yet";
-                let hint = "remove it; sweep solve needs none";
-                return Err(reading.error("sweep.reference", message, hint));
-            }
             Some(_) if !domain.mesh.nests() => {
                 let message = "a reference run on meshes that do not nest: the mesh n is no part of the reference's";
                 let hint = "use the structured mesh, or an exact solution";

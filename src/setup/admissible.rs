@@ -7,8 +7,9 @@ use crate::formula::{Point, Program};
 use crate::manufactured::Exact;
 use crate::scene::{Face, Hypothesis, SceneError, Side};
 
-/// Samples along a side and in time.
+/// Samples along an edge, along each direction of a face, and in time.
 const ALONG: u32 = 64;
+const ON_FACE: u32 = 16;
 const TIMES: u32 = 32;
 /// Rounding of formulas, relative to the size of the numbers compared.
 const ROUNDING: f64 = 1e-9;
@@ -52,7 +53,11 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
 }
 
 fn side_points(setup: &Setup, side: Side) -> Vec<[f64; 3]> {
-    setup.body.domain.points_on(side, ALONG)
+    setup.body.domain.points_on(side, samples_along(setup))
+}
+
+fn samples_along(setup: &Setup) -> u32 {
+    if setup.scene.dimension == 2 { ALONG } else { ON_FACE }
 }
 
 /// Calls `visit` with place, time and the values of all outputs at every sample.
@@ -76,8 +81,9 @@ fn visit(
     Ok(())
 }
 
-fn place(at: &Point) -> String {
-    format!("at ({:.4}, {:.4}), t = {:.4}", at.x, at.y, at.t)
+fn place(setup: &Setup, at: &Point) -> String {
+    let coordinates = [at.x, at.y, at.z].map(|x| format!("{x:.4}"));
+    format!("at ({}), t = {:.4}", coordinates[..setup.scene.dimension].join(", "), at.t)
 }
 
 /// u = 0 on Γ1.
@@ -98,8 +104,10 @@ fn clamped(setup: &Setup, exact: &Exact) -> Result<(), SetupError> {
             };
             let key = format!("exact.u.{component}");
             let value = u[component];
-            let message =
-                format!("the exact displacement is {value:.3e} {} on a clamped side", place(at));
+            let message = format!(
+                "the exact displacement is {value:.3e} {} on a clamped side",
+                place(setup, at)
+            );
             let hint = "multiply it by a function that vanishes there, such as (1 - y)";
             Err(setup.scene.error(&key, message, hint).into())
         })?;
@@ -114,20 +122,22 @@ fn interior(setup: &Setup) -> Vec<[f64; 3]> {
 /// u_ν ≤ g, λ ≥ 0, λ(g - u_ν) = 0, ξ ∈ ∂j_ν(u_ν) on a plane piece of Γ3.
 fn contact_state(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError> {
     let formulas = exact.boundary(&face.normal[..setup.scene.dimension]);
-    let (points, horizon) = (face.points(ALONG), setup.scene.time.horizon);
+    let (points, horizon) = (face.points(samples_along(setup)), setup.scene.time.horizon);
     visit(&formulas.program, 5, &points, horizon, |at, values| {
         let &[u_nu, _, gap, xi, lambda] = values else { return Ok(()) };
         let scene = &setup.scene;
         if lambda.is_nan() || lambda < 0.0 {
-            let message =
-                format!("the multiplier is {lambda:.3e} {}: it must not be negative", place(at));
+            let message = format!(
+                "the multiplier is {lambda:.3e} {}: it must not be negative",
+                place(setup, at)
+            );
             let hint = "a multiplier is a pressure: lambda >= 0, and it vanishes where u_nu < g";
             return Err(scene.error("exact.multiplier", message, hint).into());
         }
         if u_nu.is_nan() || u_nu - gap > ROUNDING * gap.abs().max(f64::MIN_POSITIVE) {
             let message = format!(
                 "the exact solution violates u_nu <= g: u_nu = {u_nu:.6}, g = {gap:.6} {}",
-                place(at)
+                place(setup, at)
             );
             let hint = "lower the displacement on the contact side or raise the gap";
             return Err(scene.error("exact.u", message, hint).into());
@@ -135,7 +145,7 @@ fn contact_state(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupE
         if gap.is_finite() && lambda > 0.0 && gap - u_nu > ROUNDING * gap.abs() {
             let message = format!(
                 "the multiplier is {lambda:.3e} where u_nu = {u_nu:.6} is below g = {gap:.6}, {}",
-                place(at)
+                place(setup, at)
             );
             let hint = "complementarity: lambda (u_nu - g) = 0, so lambda > 0 only where u_nu = g";
             return Err(scene.error("exact.multiplier", message, hint).into());
@@ -155,7 +165,7 @@ fn selection(setup: &Setup, at: &Point, u_nu: f64, xi: f64) -> Result<(), SceneE
     }
     let message = format!(
         "xi = {xi:.6} is not in the subdifferential [{lo:.6}, {hi:.6}] at u_nu = {u_nu:.6}, {}",
-        place(at)
+        place(setup, at)
     );
     let hint = "state exact.selection within the interval of the law at u_nu - shift";
     Err(setup.scene.error("exact.selection", message, hint))

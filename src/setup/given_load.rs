@@ -1,12 +1,12 @@
 //! Loads given as formulas f0, f2, and the reference run that stands for their solution.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::contact::{Discretization, LoadError, facet_measure};
 use crate::formula::{Graph, Node, Point, Program};
 use crate::manufactured::Truth;
-use crate::norms::{Moments, ReferenceRun};
+use crate::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
 use crate::scene::Side;
 use crate::space::quadrature::TruthRules;
 
@@ -110,9 +110,9 @@ impl GivenLoad {
         force.truncate(space.dofs());
         if let Some(dof) = force.iter().position(|f| !f.is_finite()) {
             let vertex = space.nodes.vertex[dof / space.nodes.dimension];
-            let x = space.mesh.vertex(vertex);
+            let place = space.mesh.vertex(vertex).to_vec();
             let what = "the load near a vertex".to_string();
-            return Err(LoadError::NotFinite { what, value: force[dof], x: x[0], y: x[1], t });
+            return Err(LoadError::NotFinite { what, value: force[dof], place, t });
         }
         Ok(force)
     }
@@ -166,6 +166,8 @@ pub struct ReferenceTruth {
     load: GivenLoad,
     basis: Option<Vec<Vec<f64>>>,
     reference: Option<Arc<ReferenceRun>>,
+    /// Where the mesh of the reference lies in this one.
+    refinement: OnceLock<Result<Refinement, ReferenceError>>,
     moments: Mutex<HashMap<u64, Arc<Moments>>>,
 }
 
@@ -179,7 +181,8 @@ impl ReferenceTruth {
         let basis = load
             .basis()
             .map(|basis| basis.iter().map(|vector| vector[..space.dofs()].to_vec()).collect());
-        Self { space, load, basis, reference, moments: Mutex::default() }
+        let (refinement, moments) = (OnceLock::new(), Mutex::default());
+        Self { space, load, basis, reference, refinement, moments }
     }
 }
 
@@ -202,9 +205,11 @@ impl Truth for ReferenceTruth {
             return Ok(known.clone());
         }
         let reference = self.reference.as_ref().ok_or(LoadError::NoTruth { t })?;
-        let moments = reference
-            .moments(&self.space, t)
-            .map_err(|error| LoadError::Reference { reason: error.to_string() })?;
+        let refused = |error: &ReferenceError| LoadError::Reference { reason: error.to_string() };
+        let refinement = self.refinement.get_or_init(|| reference.refinement(&self.space));
+        let refinement = refinement.as_ref().map_err(refused)?;
+        let moments =
+            reference.moments(refinement, &self.space, t).map_err(|error| refused(&error))?;
         Ok(lock().entry(t.to_bits()).or_insert(Arc::new(moments)).clone())
     }
 }

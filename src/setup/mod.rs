@@ -251,7 +251,7 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         kappa: projection.map(|projection| projection.kappa),
         contact,
         horizon: scene.time.horizon,
-        size: [body.domain.size[0], body.domain.size[1]],
+        size: body.domain.size.clone(),
         polygon: match &body.domain.shape {
             Shape::Box => None,
             Shape::Refined(coarse) => Some(Polygon {

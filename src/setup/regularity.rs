@@ -3,15 +3,15 @@
 use super::{AbstractSetup, Setup, SetupError};
 use crate::formula::{Node, Point};
 use crate::manufactured::{
-    Finding, SideOfRectangle, Status, regularity_in_space, regularity_in_time, second_difference,
+    Finding, SideOfBox, Status, regularity_in_space, regularity_in_time, second_difference,
 };
 use crate::scene::{AbstractScene, ContactScene, Face, Hypothesis, Scene, Shape, Side};
 
-/// The sides of a scene's rectangle; none of another shape.
-pub fn sides(body: &ContactScene) -> Vec<SideOfRectangle> {
+/// The sides of a scene's rectangle or box; none of another shape.
+pub fn sides(body: &ContactScene) -> Vec<SideOfBox> {
     let of = |side: Side| {
-        let own = move |face: Face| SideOfRectangle {
-            normal: [face.normal[0], face.normal[1]],
+        let own = move |face: Face| SideOfBox {
+            normal: face.normal,
             clamped: body.domain.clamped.contains(&side),
             contact: body.domain.contact.contains(&side),
         };

@@ -16,6 +16,7 @@ use crate::contact::Discretization;
 use crate::formula::Variable;
 use crate::scene::{Data, Norm};
 use crate::setup::{AbstractSetup, Setup, SetupError};
+use crate::space::quadrature::TruthRules;
 
 /// How a level of a scene is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,9 +77,12 @@ const FACTOR: [f64; 2] = [2.8e-9, 1.5e-11];
 /// Seconds a cell and iteration in vectors, and a cell and level in KKT residual and errors.
 const VECTORS: f64 = 50e-9;
 const MEASURING: f64 = 50e-9;
-/// Seconds a cell and time in formulas at 6 points for a load, at 12 points for the moments of the truth.
-const LOAD: f64 = 0.7e-6;
-const MOMENTS: f64 = 1.5e-6;
+/// Seconds a point and time in formulas, for a load and for the moments of the truth in the plane, where u, ε and its
+/// memory are 8 fields; in space they are 15.
+const LOAD: f64 = 0.7e-6 / 6.0;
+const MOMENTS: f64 = 1.5e-6 / 12.0;
+/// What the 12 × 12 matrices of a tetrahedron take over the 6 × 6 ones of a triangle, in assembly.
+const TETRAHEDRON: f64 = 4.0;
 /// Seconds for ζ of the exact solution, once a scene whose κ depends on it: adaptive quadrature in time and space.
 const ZETA: f64 = 0.3;
 /// Seconds a time where u lives in V^h: ζ by adaptive quadrature, on small meshes.
@@ -90,10 +94,10 @@ const REFERENCE: f64 = 43e-9;
 
 /// Bytes of the program itself with its report.
 const PROGRAM: f64 = 16e6;
-/// Bytes a cell in stored values of formulas: 18 points with some 24 values of 8 bytes.
-const FORMULAS: f64 = 18.0 * 24.0 * 8.0;
-/// Numbers a cell of the moments at one time: means of ε and σ, u at three corners.
-const MOMENT_NUMBERS: f64 = 12.0;
+/// Bytes a point in stored values of formulas, some 24 values of 8 bytes, and the points of a mesh and rule from which
+/// on they are not stored.
+const FORMULAS: f64 = 24.0 * 8.0;
+const MOST_STORED: f64 = 2_097_152.0;
 /// From this order on factors are kept in single precision, see `linalg`.
 const SINGLE_FROM: usize = 4000;
 
@@ -141,10 +145,12 @@ pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> 
         let run = march(setup, space, n, steps);
         let kept = f64::from(plan.kept_steps().min(steps)) + 1.0;
         // u and σ of the levels that cases look at.
-        let levels = 8.0 * kept * (space.dofs() + 3 * space.mesh.cell_count()) as f64;
+        let tensors = tensor_numbers(space) * space.mesh.cell_count();
+        let levels = 8.0 * kept * (space.dofs() + tensors) as f64;
         Cost { memory_bytes: PROGRAM + run.memory_bytes + levels, ..run }
     });
     let per_time = truth(setup, plan, &spaces);
+    let check = RuleRatios::of(setup.scene.dimension);
     let mut order: Vec<usize> = (0..plan.cases.len()).collect();
     let finest = |c: usize| {
         let timed = plan.cases[c].norms.contains(&Norm::VTimeMax);
@@ -166,14 +172,14 @@ pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> 
             loads.extend(times(setup, finer));
         }
         let [load, moment, formulas] = per_time(n);
-        let numbers = MOMENT_NUMBERS * space.mesh.cell_count() as f64 + space.dofs() as f64;
+        let numbers = (moment_numbers(space) * space.mesh.cell_count() + space.dofs()) as f64;
         cost.memory_bytes += PROGRAM + formulas + 8.0 * numbers * moments.len() as f64;
         cost.memory_bytes += reference.map_or(0.0, |run| run.memory_bytes - PROGRAM);
         if setup.exact.is_some() && !known.contains_key(&n) {
-            // The rules are compared once a mesh, at two times: loads at 6 and 12 points, moments at 16.
-            cost.seconds += 2.0 * (3.0 * load + 4.0 / 3.0 * moment);
+            // The rules are compared once a mesh, at two times: loads by both, moments by the next.
+            cost.seconds += 2.0 * ((1.0 + check.load) * load + check.error * moment);
         }
-        cost.memory_bytes += 16.0 / 18.0 * formulas;
+        cost.memory_bytes += check.formulas * formulas;
         let [known_loads, known_moments] = known.entry(n).or_default();
         let fresh = |set: &mut HashSet<u64>, times: HashSet<u64>| {
             times.into_iter().filter(|&t| set.insert(t)).count() as f64
@@ -188,6 +194,39 @@ pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> 
         cost.seconds += zeta(setup);
     }
     Ok(PlanCost { cases: cases.into_iter().flatten().collect(), reference })
+}
+
+/// Numbers of a tensor.
+fn tensor_numbers(space: &Discretization) -> usize {
+    let d = space.mesh.dimension;
+    d * (d + 1) / 2
+}
+
+/// Numbers a cell of the moments at one time: means of ε and σ, u at the corners.
+fn moment_numbers(space: &Discretization) -> usize {
+    let d = space.mesh.dimension;
+    2 * tensor_numbers(space) + d * (d + 1)
+}
+
+/// Points a cell of the rules of loads and errors.
+fn points(rules: &TruthRules) -> [f64; 2] {
+    [&rules.load, &rules.error].map(|rule| rule.weights.len() as f64)
+}
+
+/// What the next rules have over the usual ones: points for loads, for errors, and those for errors over all usual ones.
+struct RuleRatios {
+    load: f64,
+    error: f64,
+    formulas: f64,
+}
+
+impl RuleRatios {
+    fn of(dimension: usize) -> Self {
+        let ([load, error], [next_load, next_error]) =
+            (points(&TruthRules::of(dimension)), points(&TruthRules::stronger(dimension)));
+        let formulas = next_error / (load + error);
+        Self { load: next_load / load, error: next_error / error, formulas }
+    }
 }
 
 /// Predicted CPU seconds of a case of an abstract scene: N exact states and solves, and direct sums
@@ -214,11 +253,18 @@ fn truth<'a>(
     plan: &'a ScenePlan,
     spaces: &'a HashMap<u32, std::sync::Arc<Discretization>>,
 ) -> impl Fn(u32) -> [f64; 3] + 'a {
+    let [load, error] = points(&TruthRules::of(setup.scene.dimension));
     move |n| {
         let cells = |n: u32| spaces[&n].mesh.cell_count() as f64;
+        let stored = [load, error].map(|points| points * cells(n)).into_iter();
+        let stored: f64 = stored.filter(|points| *points <= MOST_STORED).sum();
         match &setup.body.data {
             Data::Exact { interpolated: true, .. } => [INTERPOLATED, 0.0, 0.0],
-            Data::Exact { .. } => [LOAD * cells(n), MOMENTS * cells(n), FORMULAS * cells(n)],
+            Data::Exact { .. } => {
+                let d = setup.scene.dimension;
+                let cost = (d + d * (d + 1)) as f64 / 8.0 * cells(n);
+                [LOAD * load * cost, MOMENTS * error * cost, FORMULAS * stored]
+            }
             Data::Loads { .. } => {
                 let moments = plan.reference.map_or(0.0, |r| REFERENCE * cells(r.n as u32));
                 [0.0, moments, 0.0]
@@ -252,7 +298,8 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
         Kind::LinearMultiple | Kind::Linear => 0.0,
         Kind::Contact | Kind::Projection => VECTORS,
     };
-    let per_iteration = (kind.assembly() + vectors) * cells + kind.solve() * entries;
+    let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
+    let per_iteration = (shape * kind.assembly() + vectors) * cells + kind.solve() * entries;
     let single = dofs >= SINGLE_FROM && matches!(kind, Kind::Contact | Kind::Projection);
     let history = setup.history_vectors(steps) * dofs * 8;
     // Factor and scratch of half its size; five matrices with their index; some thirty vectors.

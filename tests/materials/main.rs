@@ -30,7 +30,7 @@ fn rebuilt(name: &str, change: fn(&mut ExactData)) -> Exact {
         kappa: data.kappa,
         contact: data.contact.clone(),
         horizon: data.horizon,
-        size: data.size,
+        size: data.size.clone(),
         polygon: data.polygon.clone(),
     };
     change(&mut copy);

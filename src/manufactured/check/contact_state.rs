@@ -1,13 +1,14 @@
 //! Contact state on Γ3: signs, complementarity, which states occur, and whether h3 vanishes.
 
 use super::polygon::{self, along};
-use super::{Finding, SideOfRectangle, Status};
+use super::{Finding, SideOfBox, Status, places};
 use crate::manufactured::constitutive::stress;
 use crate::manufactured::{ContactFormulas, Exact};
 use crate::norms::is_locked;
 
-/// Samples along a side and in time.
+/// Samples along an edge, along each direction of a face, and in time.
 const ALONG: usize = 200;
+const ON_FACE: usize = 32;
 const TIMES: usize = 40;
 /// |h3| below this share of the largest stress or pressure on Γ3 is rounding of the formulas.
 const PURE: f64 = 1e-9;
@@ -30,7 +31,7 @@ struct Extremes {
     samples: usize,
 }
 
-pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
+pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     if exact.data.contact.is_none() {
         return Vec::new();
     }
@@ -39,13 +40,17 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
     if let Some(polygon) = &exact.data.polygon {
         for ([p, q], normal) in polygon::contact_segments(polygon) {
             let points: Vec<[f64; 3]> = (0..=ALONG).map(|i| along(p, q, place(i))).collect();
-            sample(exact, &points, normal, &mut extremes);
+            sample::<2>(exact, &points, [normal[0], normal[1], 0.0], &mut extremes);
         }
     }
     for side in sides.iter().filter(|side| side.contact) {
-        let points: Vec<[f64; 3]> =
-            (0..=ALONG).map(|i| side.point(exact.data.size, place(i))).collect();
-        sample(exact, &points, side.normal, &mut extremes);
+        let (size, count) =
+            (&exact.data.size, if exact.dimension() == 2 { ALONG } else { ON_FACE });
+        let points = side.points(size, |axis| places(size[axis], count));
+        match exact.dimension() {
+            2 => sample::<2>(exact, &points, side.normal, &mut extremes),
+            _ => sample::<3>(exact, &points, side.normal, &mut extremes),
+        }
     }
     let Extremes { penetration, tension, complementarity, pressure, sourced, stress, .. } =
         extremes;
@@ -75,13 +80,18 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> 
     findings
 }
 
-fn sample(exact: &Exact, points: &[[f64; 3]], normal: [f64; 2], extremes: &mut Extremes) {
-    let formulas = exact.boundary(&normal);
+fn sample<const D: usize>(
+    exact: &Exact,
+    points: &[[f64; 3]],
+    normal: [f64; 3],
+    extremes: &mut Extremes,
+) {
+    let formulas = exact.boundary(&normal[..D]);
     let has_law = exact.data.contact.as_ref().is_some_and(|contact| contact.law.is_some());
     let (mut bound, mut inside) = (formulas.program.bind(points), exact.interior.bind(points));
-    let regions = exact.regions_at(points);
+    let (regions, mut memory) = (exact.regions_at(points), Vec::new());
     let mut values = vec![Vec::new(); 5];
-    let mut fields = vec![Vec::new(); 5 + exact.memory.len()];
+    let mut fields = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
     for n in 0..=TIMES {
         let t = exact.data.horizon * n as f64 / TIMES as f64;
         bound.evaluate(t, 0.0, &mut values);
@@ -89,17 +99,15 @@ fn sample(exact: &Exact, points: &[[f64; 3]], normal: [f64; 2], extremes: &mut E
         let kappa = exact.kappa(t);
         for p in 0..points.len() {
             let [u_nu, pressure, gap, _, lambda] = [0, 1, 2, 3, 4].map(|i| values[i][p]);
-            let tensor = |first: usize| {
-                let at = |i: usize| fields[first + i][p];
-                [[at(0), at(1)], [at(1), at(2)]]
-            };
-            let terms = 0..exact.data.kernels.len();
-            let memory: Vec<_> = terms.map(|term| tensor(5 + 3 * term)).collect();
-            let sigma = stress(exact.material_in(regions[p]), &tensor(2), &memory, kappa);
+            let strain = exact.tensors::<D>(&fields, p, &mut memory);
+            let sigma = stress(exact.material_in(regions[p]), &strain, &memory, kappa);
             extremes.add(u_nu, pressure, gap, lambda, has_law);
-            let traction = sigma.map(|row| row[0] * normal[0] + row[1] * normal[1]);
-            let h3 = [traction[0] + pressure * normal[0], traction[1] + pressure * normal[1]];
-            extremes.sourced = extremes.sourced.max(h3[0].hypot(h3[1]));
+            let h3 = (0..D).map(|i| {
+                let traction: f64 = sigma[i].iter().zip(&normal).map(|(s, n)| s * n).sum();
+                traction + pressure * normal[i]
+            });
+            let h3 = h3.map(|component| component * component).sum::<f64>().sqrt();
+            extremes.sourced = extremes.sourced.max(h3);
             extremes.stress = sigma.iter().flatten().fold(extremes.stress, |m, s| m.max(s.abs()));
         }
     }

@@ -5,23 +5,24 @@
 //! where guards change sign in x. σ may jump across such a line (a kink of u): the strong form then
 //! lacks ∫ [σ]e_x·v, which is measured and reported apart.
 
-use super::{Finding, SideOfRectangle, Status, times};
-use crate::formula::{Graph, Node, Program, Scope, Variable};
-use crate::manufactured::constitutive::stress;
+use super::{Finding, SideOfBox, Status, times};
+use crate::formula::{Graph, Node, Program, Scope};
+use crate::manufactured::constitutive::{Tensor, full, stress};
 use crate::manufactured::sign_changes::sign_changes;
-use crate::manufactured::{Exact, symbolic::AXES, symbolic::components};
+use crate::manufactured::{Exact, symbolic::AXES};
 use crate::space::quadrature::gauss_legendre;
 
-/// Gauss points a piece and pieces a direction.
+/// Gauss points a piece and pieces a direction, in the plane and in space.
 const POINTS: usize = 6;
-const PIECES: usize = 32;
+const PIECES: [usize; 2] = [32, 6];
 /// Intervals of a line on which the yield function is watched.
 const YIELD_WATCHES: usize = 96;
 /// Agreement demanded without projection: rounding of some 1e5 terms.
 const ROUNDING: f64 = 1e-10;
 /// With projection f0 jumps across the yield curve. Lines across it are cut there; what remains are
-/// the few places where the curve runs along a line: a square root there leaves (1/PIECES)^1.5 of
-/// the jump, some 5e-3, spread over the sum of absolute terms.
+/// the few places where the curve runs along a line: a square root there leaves (1/32)^1.5 of
+/// the jump, some 5e-3, spread over the sum of absolute terms. The six pieces in space leave (1/6)^1.5 of it on
+/// a curve of a surface, about one column of pieces in 36.
 const UNRESOLVED_JUMP: f64 = 1e-3;
 
 /// Values of the three integrals for one test function and time.
@@ -33,11 +34,18 @@ struct Balance {
     absolute: f64,
 }
 
-pub(super) fn strong_against_weak(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
+pub(super) fn strong_against_weak(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
+    match exact.dimension() {
+        2 => compare::<2>(exact, sides),
+        _ => compare::<3>(exact, sides),
+    }
+}
+
+fn compare<const D: usize>(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     let tests = TestFunctions::new(exact, sides);
     let (mut bare, mut repaired, mut jump) = (0.0f64, 0.0f64, 0.0f64);
     for t in times(exact) {
-        for balance in balances(exact, sides, &tests, t) {
+        for balance in balances::<D>(exact, sides, &tests, t) {
             let scale = balance.absolute.max(f64::MIN_POSITIVE);
             bare = worst(bare, (balance.strong - balance.weak) / scale);
             repaired = worst(repaired, (balance.strong + balance.interface - balance.weak) / scale);
@@ -65,74 +73,94 @@ fn worst(known: f64, value: f64) -> f64 {
     if value.is_nan() { f64::INFINITY } else { known.max(value.abs()) }
 }
 
-/// v = φ·m e_i with φ the product of distances to the clamped sides and m ∈ {1, x, y}.
+/// v = φ·m e_i with φ the product of distances to the clamped sides and m one of 1, x, y, ….
 struct TestFunctions {
-    /// For each test function [v, ∂_x v, ∂_y v], scalar; used in both components.
+    /// For each test function [v, ∂_x v, ∂_y v, …], scalar; used in all components.
     program: Program,
     count: usize,
 }
 
 impl TestFunctions {
-    fn new(exact: &Exact, sides: &[SideOfRectangle]) -> Self {
-        let size = exact.data.size;
+    fn new(exact: &Exact, sides: &[SideOfBox]) -> Self {
+        let size = &exact.data.size;
+        let names = &["x", "y", "z"][..size.len()];
         let mut graph = Graph::new();
         let mut distance = String::from("1");
         for side in sides.iter().filter(|side| side.clamped) {
-            distance += match side.normal {
-                [nx, _] if nx < 0.0 => "*x".to_string(),
-                [nx, _] if nx > 0.0 => format!("*({} - x)", size[0]),
-                [_, ny] if ny < 0.0 => "*y".to_string(),
-                _ => format!("*({} - y)", size[1]),
-            }
-            .as_str();
+            let name = names[side.axis()];
+            distance += &match side.level(size) {
+                0.0 => format!("*{name}"),
+                level => format!("*({level} - {name})"),
+            };
         }
-        let scope = Scope::new(&[Variable::X, Variable::Y]);
+        let scope = Scope::new(&AXES[..size.len()]);
         let mut outputs: Vec<Node> = Vec::new();
-        for factor in ["1", "x", "y"] {
+        for factor in ["1"].iter().chain(names) {
             // The texts are built from numbers and the names above: they parse.
             if let Ok(v) = graph.parse(&format!("{distance}*{factor}"), &scope) {
-                let (dx, dy) = (graph.derivative(v, Variable::X), graph.derivative(v, Variable::Y));
-                outputs.extend([v, dx, dy]);
+                outputs.push(v);
+                outputs.extend(AXES[..size.len()].iter().map(|&axis| graph.derivative(v, axis)));
             }
         }
-        let count = outputs.len() / 3;
+        let count = outputs.len() / (1 + size.len());
         Self { program: Program::compile(&mut graph, &outputs, exact.data.horizon), count }
     }
 
-    fn at(&self, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
-        let mut out = vec![Vec::new(); 3 * self.count];
+    /// [v, ∂_x v, …] of the test functions, one after the other.
+    fn at<const D: usize>(&self, points: &[[f64; 3]]) -> Vec<Vec<f64>> {
+        let mut out = vec![Vec::new(); (D + 1) * self.count];
         self.program.bind(points).evaluate(0.0, 0.0, &mut out);
         out
     }
 }
 
-fn balances(
+fn balances<const D: usize>(
     exact: &Exact,
-    sides: &[SideOfRectangle],
+    sides: &[SideOfBox],
     tests: &TestFunctions,
     t: f64,
 ) -> Vec<Balance> {
-    let mut balances = vec![Balance::default(); 2 * tests.count];
+    let size = &exact.data.size;
+    let mut balances = vec![Balance::default(); D * tests.count];
     let guards = guard_lines(exact, t, 0);
     let cut = |axis: usize, at: &[f64]| {
-        let size = exact.data.size[axis];
-        let mut cuts: Vec<f64> = (0..=PIECES).map(|i| size * i as f64 / PIECES as f64).collect();
+        let pieces = PIECES[D - 2];
+        let mut cuts: Vec<f64> =
+            (0..=pieces).map(|i| size[axis] * i as f64 / pieces as f64).collect();
         cuts.extend(at);
         cuts.sort_by(f64::total_cmp);
-        cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-13 * size);
+        cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-13 * size[axis]);
         cuts
     };
-    let xs = on_pieces(&cut(0, &guards));
     let along_y = cut(1, &guard_lines(exact, t, 1));
-    let ys = on_pieces(&along_y);
-    volume(exact, tests, t, &columns(exact, t, &xs, &along_y), &mut balances);
+    let mut along = vec![on_pieces(&cut(0, &guards)), on_pieces(&along_y)];
+    along.extend((2..D).map(|axis| on_pieces(&cut(axis, &guard_lines(exact, t, axis)))));
+    volume::<D>(exact, tests, t, &columns::<D>(exact, t, &along, &along_y), &mut balances);
     for side in sides.iter().filter(|side| !side.clamped) {
-        boundary(exact, tests, t, side, &xs, &ys, &mut balances);
+        boundary::<D>(exact, tests, t, side, &along, &mut balances);
     }
     for &x in &guards {
-        interface(exact, tests, t, x, &ys, &mut balances);
+        interface::<D>(exact, tests, t, x, &along, &mut balances);
     }
     balances
+}
+
+/// The product of places with weights along all axes but `fixed`, which has the value `level`.
+fn across(along: &[Vec<(f64, f64)>], fixed: usize, level: f64) -> Vec<([f64; 3], f64)> {
+    let mut start = [0.0; 3];
+    start[fixed] = level;
+    let mut points = vec![(start, 1.0)];
+    for (axis, places) in along.iter().enumerate().filter(|&(axis, _)| axis != fixed) {
+        let with = |(point, weight): ([f64; 3], f64)| {
+            places.iter().map(move |&(place, w)| {
+                let mut point = point;
+                point[axis] = place;
+                (point, weight * w)
+            })
+        };
+        points = points.into_iter().flat_map(with).collect();
+    }
+    points
 }
 
 fn on_pieces(cuts: &[f64]) -> Vec<(f64, f64)> {
@@ -145,66 +173,60 @@ fn on_pieces(cuts: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// σ at points, from the numerical law.
-fn stresses(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<[[f64; 2]; 2]> {
-    let mut out = vec![Vec::new(); 5 + exact.memory.len()];
+fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<Tensor<D>> {
+    let mut out = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
     exact.interior.bind(points).evaluate(t, 0.0, &mut out);
     let kappa = exact.kappa(t);
-    let (regions, terms) = (exact.regions_at(points), exact.data.kernels.len());
-    let tensor = |first: usize, p: usize| {
-        let mut tensor = [[0.0; 2]; 2];
-        for (at, &(i, j)) in components(2).iter().enumerate() {
-            tensor[i][j] = out[first + at][p];
-            tensor[j][i] = tensor[i][j];
-        }
-        tensor
-    };
+    let (regions, mut memory) = (exact.regions_at(points), Vec::new());
     (0..points.len())
         .map(|p| {
-            let memory: Vec<_> = (0..terms).map(|term| tensor(5 + 3 * term, p)).collect();
-            stress(exact.material_in(regions[p]), &tensor(2, p), &memory, kappa)
+            let strain = exact.tensors::<D>(&out, p, &mut memory);
+            stress(exact.material_in(regions[p]), &strain, &memory, kappa)
         })
         .collect()
 }
 
-/// Quadrature points (x, y) with weights: on each line x = const, y is cut where the yield function
-/// changes sign, since f0 jumps there.
-fn columns(exact: &Exact, t: f64, xs: &[(f64, f64)], along_y: &[f64]) -> Vec<([f64; 3], f64)> {
+/// Quadrature points with weights: on each line along y, y is cut where the yield function changes sign,
+/// since f0 jumps there.
+fn columns<const D: usize>(
+    exact: &Exact,
+    t: f64,
+    along: &[Vec<(f64, f64)>],
+    along_y: &[f64],
+) -> Vec<([f64; 3], f64)> {
+    let lines = across(along, 1, 0.0);
     let mut out = Vec::new();
-    for (&(x, wx), roots) in xs.iter().zip(yield_points(exact, t, xs)) {
+    for (&(line, weight), roots) in lines.iter().zip(yield_points::<D>(exact, t, &lines)) {
         let mut cuts = along_y.to_vec();
         cuts.extend(roots);
         cuts.sort_by(f64::total_cmp);
-        out.extend(on_pieces(&cuts).into_iter().map(|(y, wy)| ([x, y, 0.0], wx * wy)));
+        out.extend(on_pieces(&cuts).into_iter().map(|(y, w)| ([line[0], y, line[2]], weight * w)));
     }
     out
 }
 
-/// For each x the places y where ‖ε^D‖ - κ changes sign, by simultaneous bisection.
-fn yield_points(exact: &Exact, t: f64, xs: &[(f64, f64)]) -> Vec<Vec<f64>> {
-    let mut roots = vec![Vec::new(); xs.len()];
+/// For each line along y the places where ‖ε^D‖ - κ changes sign, by simultaneous bisection.
+fn yield_points<const D: usize>(exact: &Exact, t: f64, lines: &[([f64; 3], f64)]) -> Vec<Vec<f64>> {
+    let mut roots = vec![Vec::new(); lines.len()];
     let kappa = exact.kappa(t);
     if exact.data.material.projection.is_none() || !kappa.is_finite() {
         return roots;
     }
     let beyond = |points: &[[f64; 3]]| -> Vec<bool> {
-        let mut out = vec![Vec::new(); 5 + exact.memory.len()];
+        let mut out = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
         exact.interior.bind(points).evaluate(t, 0.0, &mut out);
-        let deviator = |p: usize| {
-            let half = 0.5 * (out[2][p] - out[4][p]);
-            (2.0 * half * half + 2.0 * out[3][p] * out[3][p]).sqrt()
-        };
-        (0..points.len()).map(|p| deviator(p) > kappa).collect()
+        (0..points.len()).map(|p| deviator_norm::<D>(&full(&out[D..], p)) > kappa).collect()
     };
     let height = exact.data.size[1];
-    let watch = |i: usize, j: usize| [xs[i].0, height * j as f64 / YIELD_WATCHES as f64, 0.0];
-    let points: Vec<[f64; 3]> = (0..xs.len())
+    let at = |i: usize, y: f64| [lines[i].0[0], y, lines[i].0[2]];
+    let points: Vec<[f64; 3]> = (0..lines.len())
         .flat_map(|i| (0..=YIELD_WATCHES).map(move |j| (i, j)))
-        .map(|(i, j)| watch(i, j))
+        .map(|(i, j)| at(i, height * j as f64 / YIELD_WATCHES as f64))
         .collect();
     let flags = beyond(&points);
     // (line, low, high, flag at low) of every bracket.
     let mut brackets = Vec::new();
-    for i in 0..xs.len() {
+    for i in 0..lines.len() {
         for j in 0..YIELD_WATCHES {
             let at = i * (YIELD_WATCHES + 1) + j;
             if flags[at] != flags[at + 1] {
@@ -214,7 +236,7 @@ fn yield_points(exact: &Exact, t: f64, xs: &[(f64, f64)]) -> Vec<Vec<f64>> {
     }
     for _ in 0..50 {
         let middles: Vec<[f64; 3]> =
-            brackets.iter().map(|&(i, low, high, _)| [xs[i].0, 0.5 * (low + high), 0.0]).collect();
+            brackets.iter().map(|&(i, low, high, _)| at(i, 0.5 * (low + high))).collect();
         for ((bracket, middle), flag) in brackets.iter_mut().zip(&middles).zip(beyond(&middles)) {
             if flag == bracket.3 {
                 bracket.1 = middle[1];
@@ -229,7 +251,19 @@ fn yield_points(exact: &Exact, t: f64, xs: &[(f64, f64)]) -> Vec<Vec<f64>> {
     roots
 }
 
-fn volume(
+/// ‖ε^D‖.
+fn deviator_norm<const D: usize>(strain: &Tensor<D>) -> f64 {
+    let mean = (0..D).map(|i| strain[i][i]).sum::<f64>() / D as f64;
+    let mut squares = 0.0;
+    for (i, row) in strain.iter().enumerate() {
+        for (j, &e) in row.iter().enumerate() {
+            squares += if i == j { (e - mean).powi(2) } else { e * e };
+        }
+    }
+    squares.sqrt()
+}
+
+fn volume<const D: usize>(
     exact: &Exact,
     tests: &TestFunctions,
     t: f64,
@@ -237,82 +271,84 @@ fn volume(
     balances: &mut [Balance],
 ) {
     let points: Vec<[f64; 3]> = columns.iter().map(|(point, _)| *point).collect();
-    let sigma = stresses(exact, &points, t);
-    let mut force = vec![Vec::new(); 2];
+    let sigma = stresses::<D>(exact, &points, t);
+    let mut force = vec![Vec::new(); D];
     exact.forces.bind(&points).evaluate(t, exact.zeta.at(t), &mut force);
-    let v = tests.at(&points);
+    let v = tests.at::<D>(&points);
     for (p, (_, weight)) in columns.iter().enumerate() {
         for test in 0..tests.count {
-            let [value, dx, dy] = [0, 1, 2].map(|a| v[3 * test + a][p]);
-            for component in 0..2 {
+            let value = v[(D + 1) * test][p];
+            let slope: [f64; D] = std::array::from_fn(|j| v[(D + 1) * test + 1 + j][p]);
+            for component in 0..D {
                 let row = sigma[p][component];
-                let balance = &mut balances[2 * test + component];
-                balance.weak += weight * (row[0] * dx + row[1] * dy);
+                let balance = &mut balances[D * test + component];
+                let terms = row.iter().zip(&slope).map(|(s, d)| s * d);
+                balance.weak += weight * terms.clone().sum::<f64>();
                 balance.strong += weight * force[component][p] * value;
-                let internal = (row[0] * dx).abs() + (row[1] * dy).abs();
+                let internal = terms.map(f64::abs).sum::<f64>();
                 balance.absolute += weight * (internal + (force[component][p] * value).abs());
             }
         }
     }
 }
 
-fn boundary(
+fn boundary<const D: usize>(
     exact: &Exact,
     tests: &TestFunctions,
     t: f64,
-    side: &SideOfRectangle,
-    xs: &[(f64, f64)],
-    ys: &[(f64, f64)],
+    side: &SideOfBox,
+    along: &[Vec<(f64, f64)>],
     balances: &mut [Balance],
 ) {
-    let size = exact.data.size;
-    let along = if side.normal[0] != 0.0 { ys } else { xs };
-    let points: Vec<[f64; 3]> =
-        along.iter().map(|(s, _)| side.point(size, s / side.length(size))).collect();
-    let sigma = stresses(exact, &points, t);
-    let v = tests.at(&points);
-    for (p, (_, weight)) in along.iter().enumerate() {
+    let places = across(along, side.axis(), side.level(&exact.data.size));
+    let points: Vec<[f64; 3]> = places.iter().map(|(point, _)| *point).collect();
+    let sigma = stresses::<D>(exact, &points, t);
+    let v = tests.at::<D>(&points);
+    for (p, (_, weight)) in places.iter().enumerate() {
         for test in 0..tests.count {
-            for component in 0..2 {
+            for component in 0..D {
                 let row = sigma[p][component];
-                let traction = row[0] * side.normal[0] + row[1] * side.normal[1];
-                balances[2 * test + component].strong += weight * traction * v[3 * test][p];
+                let traction: f64 = row.iter().zip(&side.normal).map(|(s, n)| s * n).sum();
+                balances[D * test + component].strong += weight * traction * v[(D + 1) * test][p];
             }
         }
     }
 }
 
-/// What a jump of σ across the line x = `x` adds: -Div σ contains -[σ]e_x on it.
-fn interface(
+/// What a jump of σ across x = `x` adds: -Div σ contains -[σ]e_x on it.
+fn interface<const D: usize>(
     exact: &Exact,
     tests: &TestFunctions,
     t: f64,
     x: f64,
-    ys: &[(f64, f64)],
+    along: &[Vec<(f64, f64)>],
     balances: &mut [Balance],
 ) {
     // One-sided values: far enough not to touch the line, near enough for a difference of 1e-11.
     let offset = 1e-11 * exact.data.size[0];
-    let at = |x: f64| ys.iter().map(|(y, _)| [x, *y, 0.0]).collect::<Vec<_>>();
-    let (left, right) = (stresses(exact, &at(x - offset), t), stresses(exact, &at(x + offset), t));
-    let v = tests.at(&at(x));
-    for (p, (_, weight)) in ys.iter().enumerate() {
+    let places = across(along, 0, x);
+    let at = |x: f64| places.iter().map(|(p, _)| [x, p[1], p[2]]).collect::<Vec<_>>();
+    let left = stresses::<D>(exact, &at(x - offset), t);
+    let right = stresses::<D>(exact, &at(x + offset), t);
+    let v = tests.at::<D>(&at(x));
+    for (p, (_, weight)) in places.iter().enumerate() {
         for test in 0..tests.count {
-            for component in 0..2 {
+            for component in 0..D {
                 let jump = right[p][component][0] - left[p][component][0];
                 // A difference of rounding size is no jump.
                 if jump.abs() > 1e-8 {
-                    balances[2 * test + component].interface -= weight * jump * v[3 * test][p];
+                    let part = weight * jump * v[(D + 1) * test][p];
+                    balances[D * test + component].interface -= part;
                 }
             }
         }
     }
 }
 
-/// Whether a region has a boundary that is no line x = const or y = const: quadrature is not cut there.
+/// Whether a region has a boundary across no axis alone: quadrature is not cut there.
 fn has_slanted_regions(exact: &Exact) -> bool {
     let graph = &exact.data.graph;
-    let slanted = |node| graph.depends_on(node, AXES[0]) && graph.depends_on(node, AXES[1]);
+    let slanted = |node| AXES.iter().filter(|&&axis| graph.depends_on(node, axis)).count() > 1;
     exact.data.regions.iter().any(|region| slanted(region.condition))
 }
 
@@ -327,7 +363,8 @@ fn guard_lines(exact: &Exact, t: f64, axis: usize) -> Vec<f64> {
         .into_iter()
         .chain(named)
         .filter(|&guard| {
-            graph.depends_on(guard, AXES[axis]) && !graph.depends_on(guard, AXES[1 - axis])
+            let depends = AXES.map(|axis| graph.depends_on(guard, axis));
+            (0..3).all(|i| depends[i] == (i == axis))
         })
         .collect();
     let program = Program::compile(&mut graph, &guards, exact.data.horizon);
@@ -335,7 +372,11 @@ fn guard_lines(exact: &Exact, t: f64, axis: usize) -> Vec<f64> {
     let mut lines = Vec::new();
     for time in [t, 0.0] {
         lines.extend(sign_changes(0.0, width, 64, |places| {
-            let place = |&at: &f64| if axis == 0 { [at, 0.0, 0.0] } else { [0.0, at, 0.0] };
+            let place = |&at: &f64| {
+                let mut point = [0.0; 3];
+                point[axis] = at;
+                point
+            };
             let points: Vec<[f64; 3]> = places.iter().map(place).collect();
             let mut values = vec![Vec::new(); guards.len()];
             program.bind(&points).evaluate(time, 0.0, &mut values);

@@ -57,36 +57,65 @@ impl Finding {
     }
 }
 
-/// A side of the rectangle in the checks.
+/// A side of the rectangle or box in the checks.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SideOfRectangle {
-    /// Outward normal.
-    pub normal: [f64; 2],
+pub struct SideOfBox {
+    /// Outward normal, an axis, padded with zeros.
+    pub normal: [f64; 3],
     /// True on Γ1.
     pub clamped: bool,
     /// True on Γ3.
     pub contact: bool,
 }
 
-impl SideOfRectangle {
-    /// The point at fraction s of the side of a rectangle of the given size.
-    pub fn point(&self, size: [f64; 2], s: f64) -> [f64; 3] {
-        let [nx, ny] = self.normal;
-        if nx != 0.0 {
-            [if nx > 0.0 { size[0] } else { 0.0 }, s * size[1], 0.0]
-        } else {
-            [s * size[0], if ny > 0.0 { size[1] } else { 0.0 }, 0.0]
-        }
+impl SideOfBox {
+    /// The axis of the normal.
+    pub fn axis(&self) -> usize {
+        (0..3).find(|&i| self.normal[i] != 0.0).unwrap_or(0)
     }
 
-    /// Its length in a rectangle of the given size.
-    pub fn length(&self, size: [f64; 2]) -> f64 {
-        if self.normal[0] != 0.0 { size[1] } else { size[0] }
+    /// The coordinate along the normal, in a box of the given size.
+    pub fn level(&self, size: &[f64]) -> f64 {
+        let axis = self.axis();
+        if self.normal[axis] > 0.0 { size[axis] } else { 0.0 }
+    }
+
+    /// The axes along the side, in order.
+    pub fn along(&self, size: &[f64]) -> Vec<usize> {
+        (0..size.len()).filter(|&axis| axis != self.axis()).collect()
+    }
+
+    /// Its length or area.
+    pub fn measure(&self, size: &[f64]) -> f64 {
+        self.along(size).iter().map(|&axis| size[axis]).product()
+    }
+
+    /// Points of the side: the product of `places(axis)` over the axes along it, the last of which varies
+    /// fastest.
+    pub fn points(&self, size: &[f64], places: impl Fn(usize) -> Vec<f64>) -> Vec<[f64; 3]> {
+        let mut start = [0.0; 3];
+        start[self.axis()] = self.level(size);
+        self.along(size).into_iter().fold(vec![start], |points, axis| {
+            let places = places(axis);
+            let with = |point: [f64; 3]| {
+                places.iter().map(move |&place| {
+                    let mut point = point;
+                    point[axis] = place;
+                    point
+                })
+            };
+            points.into_iter().flat_map(with).collect()
+        })
     }
 }
 
-/// All checks of an exact solution, on a rectangle with these sides or on its polygon.
-pub fn check(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
+/// `count` + 1 equidistant places of [0, length], ends included.
+fn places(length: f64, count: usize) -> Vec<f64> {
+    (0..=count).map(|i| i as f64 / count as f64 * length).collect()
+}
+
+/// All checks of an exact solution, on a rectangle or box with these sides or on its polygon.
+pub fn check(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     let mut findings = match &exact.data.polygon {
         None => loads::strong_against_weak(exact, sides),
         Some(polygon) => {

@@ -136,7 +136,7 @@ pub(super) fn zeta(exact: &Exact, polygon: &Polygon) -> Option<Finding> {
         return None;
     }
     let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
-    let size = exact.data.size;
+    let size = &exact.data.size;
     let finer = AccumulatedStrain::new(&mut graph, &exact.strain, horizon, size, true)
         .over_finer(&polygon.coarse)
         .at(horizon);
@@ -185,7 +185,7 @@ pub(super) fn space_derivative(
             }
         }
     }
-    let [width, height] = exact.data.size;
+    let [width, height] = [exact.data.size[0], exact.data.size[1]];
     let floor = rounding(size, (width * height).sqrt(), width.min(height) / FINE as f64);
     judge(subject, "the difference quotient in L2", &quotients, floor)
 }

@@ -2,9 +2,10 @@
 //! quotient that settles belongs to a bounded derivative, one that grows does not.
 
 use super::smoothness::{FINE, STRIDES, judge, largest, rounding, second_difference, worst};
-use super::{Finding, SideOfRectangle, polygon, times};
+use super::{Finding, SideOfBox, polygon, times};
 use crate::formula::{Point, Program};
 use crate::manufactured::Exact;
+use crate::manufactured::symbolic::components;
 
 /// Lines across the direction of differences in time.
 const LINES: usize = 12;
@@ -12,10 +13,14 @@ const LINES: usize = 12;
 /// sides: singularities sit at corners and sides, and the nearest lines are 1e-5 away from these.
 const GRADED_LINES: usize = 16;
 const GRADING: i32 = 5;
+/// The same in space, across each of two directions.
+const GRADED_IN_SPACE: usize = 8;
 /// Points across the direction in which zones move, for the derivatives in time.
 const ACROSS_ZONES: usize = 96;
+/// Lines along each direction of a face.
+const ON_FACE: usize = 12;
 
-pub(super) fn regularity(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
+pub(super) fn regularity(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     let mut findings = time_derivatives(exact).to_vec();
     let [in_space, normal] = space_findings(exact, sides);
     findings.extend(in_space);
@@ -35,11 +40,11 @@ pub fn regularity_in_time(exact: &Exact) -> Vec<Finding> {
 }
 
 /// What (5.25) asks for.
-pub fn regularity_in_space(exact: &Exact, sides: &[SideOfRectangle]) -> Vec<Finding> {
+pub fn regularity_in_space(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     space_findings(exact, sides).concat()
 }
 
-fn space_findings(exact: &Exact, sides: &[SideOfRectangle]) -> [Vec<Finding>; 2] {
+fn space_findings(exact: &Exact, sides: &[SideOfBox]) -> [Vec<Finding>; 2] {
     let traces = match (&exact.data.contact, &exact.data.polygon) {
         (None, _) => Vec::new(),
         (_, Some(polygon)) => polygon::normal_traces(exact, polygon),
@@ -66,20 +71,22 @@ fn time_derivatives(exact: &Exact) -> [Finding; 2] {
     let (points, areas) = match &exact.data.polygon {
         Some(polygon) => polygon::in_time(polygon),
         None => {
-            let points = grid(exact, ACROSS_ZONES, LINES / 2);
-            let area = cell_area(exact, points.len());
+            let points = grid(exact);
+            let area = exact.data.measure() / points.len() as f64;
             let count = points.len();
             (points, vec![area; count])
         }
     };
     let mut bound = exact.interior.bind(&points);
-    let mut out = vec![Vec::new(); 5 + exact.memory.len()];
+    let d = exact.dimension();
+    let own = d..d + exact.strain.len();
+    let mut out = vec![Vec::new(); own.end + exact.memory.len()];
     let count = FINE / 3;
     let step = exact.data.horizon / count as f64;
     let history: Vec<Vec<f64>> = (0..=count)
         .map(|n| {
             bound.evaluate(step * n as f64, 0.0, &mut out);
-            out[2..5].concat()
+            out[own.clone()].concat()
         })
         .collect();
     let (mut second, mut variation) = ([0.0f64; 4], [0.0f64; 4]);
@@ -95,8 +102,10 @@ fn time_derivatives(exact: &Exact) -> [Finding; 2] {
                     a[at] - 2.0 * b[at] + c[at]
                 };
                 // Shear counts twice in the Frobenius norm.
-                let square =
-                    component(0).powi(2) + 2.0 * component(1).powi(2) + component(2).powi(2);
+                let weighted = components(d).into_iter().enumerate().map(|(at, (i, j))| {
+                    if i == j { component(at).powi(2) } else { 2.0 * component(at).powi(2) }
+                });
+                let square: f64 = weighted.sum();
                 sum += areas[p] * square;
                 *bend += square.sqrt() / delta;
             }
@@ -122,7 +131,7 @@ enum Field {
     Stress,
 }
 
-/// ‖f(· + δe) - f‖/δ in L², in both directions, at three times.
+/// ‖f(· + δe) - f‖/δ in L², in all directions, at three times.
 fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
     if let Some(polygon) = &exact.data.polygon {
         let values = |points: &[[f64; 3]], t: f64| field_values(exact, field, points, t);
@@ -130,7 +139,7 @@ fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
     }
     let (mut quotients, mut size) = ([0.0f64; 4], 0.0f64);
     for t in times(exact) {
-        for direction in 0..2 {
+        for direction in 0..exact.dimension() {
             let (points, weights) = gathered(exact, direction);
             let values = field_values(exact, field, &points, t);
             let regions = exact.regions_at(&points);
@@ -151,8 +160,9 @@ fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
             }
         }
     }
-    let [width, height] = exact.data.size;
-    let floor = rounding(size, (width * height).sqrt(), width.min(height) / FINE as f64);
+    let lengths = &exact.data.size;
+    let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+    let floor = rounding(size, lengths.iter().product::<f64>().sqrt(), shortest / FINE as f64);
     judge(subject, "the difference quotient in L2", &quotients, floor)
 }
 
@@ -173,11 +183,27 @@ fn field_values(exact: &Exact, field: Field, points: &[[f64; 3]], t: f64) -> Vec
     out
 }
 
-/// ‖second difference of u_ν along Γ3‖/δ² in L².
-fn normal_trace(exact: &Exact, side: &SideOfRectangle) -> Finding {
-    let size = exact.data.size;
-    let program = exact.boundary(&side.normal).program;
-    normal_trace_along(exact, &program, side.length(size), |s| side.point(size, s))
+/// ‖second difference of u_ν along Γ3‖/δ² in L², in each direction of the side.
+fn normal_trace(exact: &Exact, side: &SideOfBox) -> Finding {
+    let size = &exact.data.size;
+    let program = exact.boundary(&side.normal[..size.len()]).program;
+    let mut bends = TraceBends::default();
+    for axis in side.along(size) {
+        let lines = |other: usize| match other == axis {
+            true => vec![0.0],
+            false => (0..ON_FACE).map(|i| size[other] * middle(i, ON_FACE)).collect(),
+        };
+        let along = |start: [f64; 3]| {
+            (0..=FINE).map(move |i| {
+                let mut point = start;
+                point[axis] = i as f64 / FINE as f64 * size[axis];
+                point
+            })
+        };
+        let points: Vec<[f64; 3]> = side.points(size, lines).into_iter().flat_map(along).collect();
+        bends.add(exact, &program, &points, size[axis], side.measure(size));
+    }
+    bends.finding()
 }
 
 /// The same along a straight line of the given length, whose points `at` gives by their fraction of it.
@@ -188,24 +214,55 @@ pub(super) fn normal_trace_along(
     at: impl Fn(f64) -> [f64; 3],
 ) -> Finding {
     let points: Vec<[f64; 3]> = (0..=FINE).map(|i| at(i as f64 / FINE as f64)).collect();
-    let mut bound = program.bind(&points);
-    let mut out = vec![Vec::new(); 5];
-    let (mut quotients, mut extent) = ([0.0f64; 4], 0.0f64);
-    for t in times(exact) {
-        bound.evaluate(t, 0.0, &mut out);
-        let u_nu = &out[0];
-        extent = worst(extent, largest(u_nu));
-        for (quotient, stride) in quotients.iter_mut().zip(STRIDES) {
-            let delta = length * stride as f64 / FINE as f64;
-            let second =
-                |i: usize| (u_nu[i - stride] - 2.0 * u_nu[i] + u_nu[i + stride]) / delta.powi(2);
-            let sum: f64 = (stride..=FINE - stride).map(|i| second(i).powi(2)).sum();
-            let mean = length / FINE as f64;
-            *quotient = worst(*quotient, (mean * sum).sqrt());
+    let mut bends = TraceBends::default();
+    bends.add(exact, program, &points, length, length);
+    bends.finding()
+}
+
+/// Second difference quotients of u_ν, the largest over directions and times.
+#[derive(Default)]
+struct TraceBends {
+    quotients: [f64; 4],
+    floor: f64,
+}
+
+impl TraceBends {
+    /// Adds lines of [`FINE`] intervals each, of the given length, on a part of Γ3 of the given measure.
+    fn add(
+        &mut self,
+        exact: &Exact,
+        program: &Program,
+        points: &[[f64; 3]],
+        length: f64,
+        measure: f64,
+    ) {
+        let mut bound = program.bind(points);
+        let (mut out, mut extent) = (vec![Vec::new(); 5], 0.0f64);
+        let lines = points.len() / (FINE + 1);
+        for t in times(exact) {
+            bound.evaluate(t, 0.0, &mut out);
+            extent = worst(extent, largest(&out[0]));
+            for (quotient, stride) in self.quotients.iter_mut().zip(STRIDES) {
+                let delta = length * stride as f64 / FINE as f64;
+                let mut sum = 0.0;
+                for u_nu in out[0].chunks(FINE + 1) {
+                    let second = |i: usize| {
+                        (u_nu[i - stride] - 2.0 * u_nu[i] + u_nu[i + stride]) / delta.powi(2)
+                    };
+                    sum += (stride..=FINE - stride).map(|i| second(i).powi(2)).sum::<f64>();
+                }
+                let mean = measure / (FINE * lines) as f64;
+                *quotient = worst(*quotient, (mean * sum).sqrt());
+            }
         }
+        let step = length / FINE as f64;
+        self.floor = self.floor.max(rounding(extent, measure.sqrt(), step.powi(2)));
     }
-    let floor = rounding(extent, length.sqrt(), (length / FINE as f64).powi(2));
-    judge("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2", &quotients, floor)
+
+    fn finding(&self) -> Finding {
+        let (subject, what) = ("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2");
+        judge(subject, what, &self.quotients, self.floor)
+    }
 }
 
 /// max |b''| by second differences, of each term of the memory.
@@ -219,36 +276,58 @@ fn kernels(exact: &Exact) -> impl Iterator<Item = Finding> {
 /// Points along lines in a direction, [`FINE`] midpoints a line, and the area that stands for each
 /// point of a line; the lines gather at the sides.
 fn gathered(exact: &Exact, direction: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
-    let size = exact.data.size;
+    let size = &exact.data.size;
+    let graded = if size.len() == 2 { GRADED_LINES } else { GRADED_IN_SPACE };
     let place = |i: usize| {
-        let x = 2.0 * i as f64 / GRADED_LINES as f64;
+        let x = 2.0 * i as f64 / graded as f64;
         let half = |x: f64| 0.5 * x.powi(GRADING);
         if x <= 1.0 { half(x) } else { 1.0 - half(2.0 - x) }
     };
+    // Where a line crosses the other directions, and the part of their product that it stands for.
+    let mut crossings = vec![([0.0; 3], 1.0)];
+    for across in (0..size.len()).filter(|&axis| axis != direction) {
+        let strip = |(point, share): ([f64; 3], f64)| {
+            (0..graded).map(move |line| {
+                let (from, to) = (place(line), place(line + 1));
+                let mut point = point;
+                point[across] = size[across] * 0.5 * (from + to);
+                (point, share * (to - from))
+            })
+        };
+        crossings = crossings.into_iter().flat_map(strip).collect();
+    }
     let (mut points, mut weights) = (Vec::new(), Vec::new());
-    for line in 0..GRADED_LINES {
-        let (from, to) = (place(line), place(line + 1));
-        weights.push((to - from) * size[0] * size[1] / FINE as f64);
+    for (crossing, share) in crossings {
+        weights.push(size.iter().fold(share, |weight, length| weight * length) / FINE as f64);
         points.extend((0..FINE).map(|i| {
-            let along = size[direction] * (i as f64 + 0.5) / FINE as f64;
-            let across = size[1 - direction] * 0.5 * (from + to);
-            if direction == 0 { [along, across, 0.0] } else { [across, along, 0.0] }
+            let mut point = crossing;
+            point[direction] = size[direction] * (i as f64 + 0.5) / FINE as f64;
+            point
         }));
     }
     (points, weights)
 }
 
-/// Midpoints of nx × ny equal cells of the rectangle.
-fn grid(exact: &Exact, nx: usize, ny: usize) -> Vec<[f64; 3]> {
-    let [width, height] = exact.data.size;
-    let middle = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
-    (0..nx)
-        .flat_map(|i| (0..ny).map(move |j| [width * middle(i, nx), height * middle(j, ny), 0.0]))
-        .collect()
+fn middle(i: usize, n: usize) -> f64 {
+    (i as f64 + 0.5) / n as f64
 }
 
-fn cell_area(exact: &Exact, cells: usize) -> f64 {
-    exact.data.size[0] * exact.data.size[1] / cells as f64
+/// Midpoints of equal cells of the domain, many of them along x.
+fn grid(exact: &Exact) -> Vec<[f64; 3]> {
+    let size = &exact.data.size;
+    let mut points = vec![[0.0; 3]];
+    for (axis, length) in size.iter().enumerate() {
+        let count = if axis == 0 { ACROSS_ZONES } else { LINES / 2 };
+        let with = |point: [f64; 3]| {
+            (0..count).map(move |i| {
+                let mut point = point;
+                point[axis] = length * middle(i, count);
+                point
+            })
+        };
+        points = points.into_iter().flat_map(with).collect();
+    }
+    points
 }
 
 #[cfg(test)]

@@ -35,6 +35,14 @@ pub enum AuditError {
         /// The scene.
         scene: String,
     },
+    /// Its integrals cut triangles and edges.
+    #[error(
+        "scene `{scene}` is one in space, and the integrals of the audit cut triangles and edges: choose a plane scene"
+    )]
+    Dimension {
+        /// The scene.
+        scene: String,
+    },
     /// The set-up failed.
     #[error(transparent)]
     Setup(#[from] SetupError),

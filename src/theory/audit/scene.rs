@@ -53,6 +53,9 @@ impl SceneAudit {
     /// # Errors
     /// [`AuditError`]: no exact solution, a run without result.
     pub fn new(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Self, AuditError> {
+        if setup.scene.dimension != 2 {
+            return Err(AuditError::Dimension { scene: setup.scene.name.clone() });
+        }
         let constants = AuditConstants::new(setup)?;
         let mut cases = Vec::new();
         for &n in ns {

@@ -174,7 +174,7 @@ fn other_body_force(mut setup: Setup) -> Setup {
             kappa: data.kappa,
             contact: data.contact.clone(),
             horizon: data.horizon,
-            size: data.size,
+            size: data.size.clone(),
             polygon: data.polygon.clone(),
         })
     };

@@ -34,7 +34,7 @@ fn exact(vertices: &[[f64; 2]], u: [&str; 2], yields: bool) -> Exact {
     let material =
         MaterialNumbers { lambda: 1.3, mu_l: 0.7, full: None, memory: Vec::new(), projection };
     let [low, high] = coarse.bounds();
-    let size = [high[0] - low[0], high[1] - low[1]];
+    let size = vec![high[0] - low[0], high[1] - low[1]];
     let (clamped, contact) = (vec![count - 1], vec![0]);
     let polygon = Some(Polygon { coarse: Arc::new(coarse), clamped, contact });
     let (regions, kernels) = (Vec::new(), Vec::new());

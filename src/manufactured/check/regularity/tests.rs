@@ -19,7 +19,7 @@ fn exact(amplitude: &str, profile: &str) -> Exact {
     };
     let (regions, kernels) = (Vec::new(), Vec::new());
     let contact = Some(ContactFormulas::default());
-    let (horizon, size) = (0.7, [1.0, 1.0]);
+    let (horizon, size) = (0.7, vec![1.0, 1.0]);
     Exact::new(ExactData {
         graph,
         u,
@@ -36,7 +36,7 @@ fn exact(amplitude: &str, profile: &str) -> Exact {
 
 /// What is found, by the first word or words of its subject.
 fn statuses(amplitude: &str, profile: &str) -> [Status; 3] {
-    let bottom = SideOfRectangle { normal: [0.0, -1.0], clamped: false, contact: true };
+    let bottom = SideOfBox { normal: [0.0, -1.0, 0.0], clamped: false, contact: true };
     let findings = regularity(&exact(amplitude, profile), &[bottom]);
     ["u in W2,inf", "eps(u')", "u_nu in H2"].map(|subject| {
         let own = findings.iter().find(|finding| finding.subject.starts_with(subject));
@@ -77,6 +77,41 @@ fn it_is_the_floor_that_tells_rounding_from_growth() {
     assert_eq!(judge("", "", &growing, floor).status, YES);
     assert_eq!(judge("", "", &growing, 0.0).status, NO);
     assert!(found.value > floor / 1e3, "the floor is not orders above what it covers");
+}
+
+/// u = (0, t² p(x) q(z) (1 - y), 0) on a box: a kink is seen along either direction of Γ3, and in the gradient.
+#[test]
+fn both_directions_of_a_face_are_looked_at() {
+    let found = |profile: &str| {
+        let mut graph = Graph::new();
+        let scope = Scope::new(&[Variable::X, Variable::Y, Variable::Z, Variable::T]);
+        let u = ["0".to_string(), format!("t^2*({profile})*(1 - y)"), "0".to_string()];
+        let u = u.map(|text| graph.parse(&text, &scope).expect("a formula")).to_vec();
+        let (full, memory, projection) = (None, Vec::new(), None);
+        let material = MaterialNumbers { lambda: 1.0, mu_l: 1.0, full, memory, projection };
+        let (contact, size) = (Some(ContactFormulas::default()), vec![1.0, 1.0, 0.5]);
+        let data = ExactData {
+            graph,
+            u,
+            material,
+            regions: Vec::new(),
+            kernels: Vec::new(),
+            kappa: None,
+            contact,
+            horizon: 0.7,
+            size,
+            polygon: None,
+        };
+        let bottom = SideOfBox { normal: [0.0, -1.0, 0.0], clamped: false, contact: true };
+        let findings = regularity(&Exact::new(data), &[bottom]);
+        ["u in H2", "u_nu in H2"].map(|subject| {
+            let own = findings.iter().find(|finding| finding.subject.starts_with(subject));
+            own.expect("a finding").status
+        })
+    };
+    assert_eq!(found("1 + x^2*z^2"), [YES; 2]);
+    assert_eq!(found("abs(x - 0.4)"), [NO; 2]);
+    assert_eq!(found("abs(z - 0.2)"), [NO; 2]);
 }
 
 #[test]

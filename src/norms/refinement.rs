@@ -1,0 +1,210 @@
+//! Where the simplices of a finer, nested mesh lie in a coarser one.
+
+use std::collections::HashMap;
+
+use super::moments::facet_samples;
+use super::reference::ReferenceError;
+use crate::contact::Discretization;
+use crate::mesh::Mesh;
+
+/// How far a vertex may lie outside the simplex that holds it, in barycentric coordinates and in lengths
+/// of the first edge: rounding of vertex positions over a cell, far below any distance that is meant.
+const INSIDE: f64 = 1e-6;
+
+/// Parents of the cells and facets of a finer mesh.
+pub struct Refinement {
+    /// The coarse cells, for barycentric coordinates in them.
+    pub(super) cells: Simplices,
+    /// The coarse facets of Γ3.
+    pub(super) facets: Simplices,
+    /// The coarse cell that holds each fine cell, the coarse facet of Γ3 that holds each fine one.
+    pub(super) cell_parent: Vec<u32>,
+    pub(super) facet_parent: Vec<u32>,
+    /// For each sample of each coarse facet, the points of the fine trace between which it lies.
+    pub(super) sample_members: Vec<Vec<u32>>,
+}
+
+impl Refinement {
+    /// Finds all parents.
+    ///
+    /// # Errors
+    /// A fine cell or facet that lies in no coarse one.
+    pub fn new(fine: &Discretization, coarse: &Discretization) -> Result<Self, ReferenceError> {
+        let refused = ReferenceError::NotNested { coarse: coarse.mesh.n, fine: fine.mesh.n };
+        let all_cells = |mesh: &Mesh| -> Vec<Vec<u32>> {
+            (0..mesh.cell_count()).map(|c| mesh.cell(c).to_vec()).collect()
+        };
+        let all_facets = |space: &Discretization| -> Vec<Vec<u32>> {
+            let facets = space.trace.mesh_facet.iter();
+            facets.map(|&f| space.mesh.facet(f as usize).to_vec()).collect()
+        };
+        let cells = Simplices::new(&coarse.mesh, &all_cells(&coarse.mesh));
+        let facets = Simplices::new(&coarse.mesh, &all_facets(coarse));
+        let fine_facets = all_facets(fine);
+        let parents = |coarse: &Simplices, simplices: &[Vec<u32>]| -> Option<Vec<u32>> {
+            simplices.iter().map(|simplex| coarse.holding(&fine.mesh, simplex)).collect()
+        };
+        let cell_parent = parents(&cells, &all_cells(&fine.mesh)).ok_or(refused.clone())?;
+        let facet_parent = parents(&facets, &fine_facets).ok_or(refused.clone())?;
+        let own = Simplices::new(&fine.mesh, &fine_facets);
+        let mut children: Vec<Vec<u32>> = vec![Vec::new(); facets.corners.len()];
+        for (f, &parent) in facet_parent.iter().enumerate() {
+            children[parent as usize].push(f as u32);
+        }
+        let mut sample_members = Vec::new();
+        for (f, children) in children.iter().enumerate() {
+            let corners = coarse.mesh.facet(coarse.trace.mesh_facet[f] as usize);
+            for b in facet_samples(coarse.trace.stride) {
+                let x = coarse.mesh.point(corners, &b);
+                let Some((child, at)) = own.nearest(&x, children.iter().copied()) else {
+                    return Err(refused);
+                };
+                let members = fine.trace.facet(child as usize).iter().zip(at);
+                let near = members.filter(|(_, b)| *b > INSIDE).map(|(&member, _)| member);
+                sample_members.push(near.collect());
+            }
+        }
+        Ok(Self { cells, facets, cell_parent, facet_parent, sample_members })
+    }
+}
+
+/// Simplices of a mesh that can be searched for a point.
+pub(super) struct Simplices {
+    corners: Vec<Vec<[f64; 3]>>,
+    /// For each simplex the vectors g_a with λ_a(x) = g_a · (x - x_0), a ≥ 1.
+    dual: Vec<Vec<[f64; 3]>>,
+    /// Simplices by the boxes that theirs meet.
+    boxes: HashMap<[i64; 3], Vec<u32>>,
+    width: f64,
+}
+
+impl Simplices {
+    fn new(mesh: &Mesh, simplices: &[Vec<u32>]) -> Self {
+        let corners: Vec<Vec<[f64; 3]>> = simplices
+            .iter()
+            .map(|simplex| simplex.iter().map(|&v| mesh.point(&[v], &[1.0])).collect())
+            .collect();
+        let dual = corners.iter().map(|corners| dual(corners)).collect();
+        let longest = |corners: &Vec<[f64; 3]>| {
+            corners[1..].iter().map(|x| distance(x, &corners[0])).fold(0.0, f64::max)
+        };
+        let width = corners.iter().map(longest).fold(f64::MIN_POSITIVE, f64::max);
+        let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+        for (s, corners) in corners.iter().enumerate() {
+            let end = |i: usize, pick: fn(f64, f64) -> f64, away: f64| {
+                let values = corners.iter().map(|x| x[i]);
+                values.reduce(pick).map_or(0, |x| ((x + away) / width).floor() as i64)
+            };
+            let range =
+                |i: usize| end(i, f64::min, -INSIDE * width)..=end(i, f64::max, INSIDE * width);
+            for x in range(0) {
+                for y in range(1) {
+                    for z in range(2) {
+                        boxes.entry([x, y, z]).or_default().push(s as u32);
+                    }
+                }
+            }
+        }
+        Self { corners, dual, boxes, width }
+    }
+
+    /// Barycentric coordinates of a point in simplex s.
+    pub(super) fn barycentric(&self, s: usize, x: &[f64; 3]) -> Vec<f64> {
+        let origin = &self.corners[s][0];
+        let at = |g: &[f64; 3]| (0..3).map(|i| g[i] * (x[i] - origin[i])).sum::<f64>();
+        let mut out = vec![0.0];
+        out.extend(self.dual[s].iter().map(at));
+        out[0] = 1.0 - out[1..].iter().sum::<f64>();
+        out
+    }
+
+    /// Of some simplices the one that holds a point best, if one holds it, with the coordinates in it.
+    fn nearest(&self, x: &[f64; 3], among: impl Iterator<Item = u32>) -> Option<(u32, Vec<f64>)> {
+        let inside = |s: u32| {
+            let b = self.barycentric(s as usize, x);
+            let mut off = *x;
+            for (corner, b) in self.corners[s as usize].iter().zip(&b) {
+                off.iter_mut().zip(corner).for_each(|(off, c)| *off -= b * c);
+            }
+            let away = distance(&off, &[0.0; 3]) / self.width;
+            let depth = b.iter().copied().fold(f64::INFINITY, f64::min) - away;
+            (depth, s, b)
+        };
+        let best = among.map(inside).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (best.0 >= -INSIDE).then_some((best.1, best.2))
+    }
+
+    /// The simplex that holds all corners of a simplex of another mesh.
+    fn holding(&self, mesh: &Mesh, simplex: &[u32]) -> Option<u32> {
+        let share = 1.0 / simplex.len() as f64;
+        let centre = mesh.point(simplex, &vec![share; simplex.len()]);
+        let key = centre.map(|x| (x / self.width).floor() as i64);
+        let (parent, _) = self.nearest(&centre, self.boxes.get(&key)?.iter().copied())?;
+        let corners = simplex.iter().map(|&v| mesh.point(&[v], &[1.0]));
+        let all = corners.map(|x| self.nearest(&x, std::iter::once(parent)));
+        all.into_iter().all(|found| found.is_some()).then_some(parent)
+    }
+}
+
+/// The g_a of a simplex: rows of G⁻¹E with E its edges from the first corner and G = E Eᵀ.
+fn dual(corners: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let edges =
+        nalgebra::DMatrix::from_fn(corners.len() - 1, 3, |a, i| corners[a + 1][i] - corners[0][i]);
+    let gram = &edges * edges.transpose();
+    let inverse = gram
+        .try_inverse()
+        .unwrap_or_else(|| nalgebra::DMatrix::zeros(edges.nrows(), edges.nrows()));
+    let dual = inverse * edges;
+    (0..dual.nrows()).map(|a| [0, 1, 2].map(|i| dual[(a, i)])).collect()
+}
+
+fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Family, cuboid, rectangle};
+
+    fn space(mesh: Mesh) -> Discretization {
+        let sides = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
+        Discretization::new(mesh, &sides[..1], &sides[1..]).expect("an analysis")
+    }
+
+    fn structured(dimension: usize, n: u32) -> Discretization {
+        space(match dimension {
+            2 => rectangle([1.0, 0.5], n, Family::Structured),
+            _ => cuboid([1.0, 0.5, 1.0], n, Family::Structured),
+        })
+    }
+
+    #[test]
+    fn parents_share_their_measure_among_their_children() {
+        for d in [2, 3] {
+            let (fine, coarse) = (structured(d, 6), structured(d, 2));
+            let found = Refinement::new(&fine, &coarse).expect("a refinement");
+            let mut left = coarse.geometry.measure.clone();
+            for (c, &parent) in found.cell_parent.iter().enumerate() {
+                left[parent as usize] -= fine.geometry.measure[c];
+            }
+            // 27 roundings of numbers below 1.
+            assert!(left.iter().all(|rest| rest.abs() < 1e-14), "{d}");
+            let mut left = coarse.trace.measure.clone();
+            for (f, &parent) in found.facet_parent.iter().enumerate() {
+                left[parent as usize] -= fine.trace.measure[f];
+            }
+            assert!(left.iter().all(|rest| rest.abs() < 1e-14), "{d}");
+        }
+    }
+
+    #[test]
+    fn meshes_that_are_not_nested_are_refused() {
+        for d in [2, 3] {
+            assert!(Refinement::new(&structured(d, 6), &structured(d, 4)).is_err());
+        }
+        let family = Family::Perturbed { amplitude: 0.1, seed: 3, axes: [true; 3] };
+        let moved = space(cuboid([1.0, 0.5, 1.0], 8, family));
+        assert!(Refinement::new(&moved, &structured(3, 4)).is_err());
+    }
+}
