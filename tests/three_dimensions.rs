@@ -165,8 +165,9 @@ fn the_time_order_is_two_on_a_perturbed_mesh() {
 
 /// A box as a scene file states it, its body force and its traction on the side z = 0.
 fn pressed(body: &str, front: &str) -> Setup {
-    let scene = edited(&text("punch-box"), "body = [\"0\", \"-3*t*(x + 0.5*z)\", \"0\"]", body);
-    setup_of(format!("{scene}\ntraction = {{ front = {front} }}\n"))
+    let loads = format!("{body}\ntraction = {{ front = {front} }}");
+    let given = "body = [\"0\", \"-3*t*(x + 0.5*z)\", \"0\"]";
+    setup_of(edited(&text("punch-box"), given, &loads))
 }
 
 /// F(v) of formulas for v = (1-y) e_i, which is in V^h, against integrals by hand.
