@@ -106,7 +106,7 @@ fn a_corner_singularity_is_told_from_a_smooth_field() {
     };
     let smooth = ["t*x^2*y", "t*sin(x + y)"];
     assert_eq!(status(smooth), [Status::Verified; 2]);
-    // r^0.3 at the re-entrant corner; r^0.54 is hidden by its smooth surroundings.
+    // r^0.3 at the re-entrant corner.
     let singular = ["0", "t*((x - 1)^2 + (y - 1)^2)^0.15"];
     assert_eq!(status(singular)[0], Status::Weak);
     // A kink of u_ν along the contact edge y = 0.
