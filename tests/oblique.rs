@@ -165,7 +165,7 @@ fn a_wrong_normal_or_load_is_seen() {
 
 /// Errors are differences of fields a hundred times as large, which agree to [`ROUNDING`] and better; formulas in turned
 /// coordinates round their arguments.
-const OF_ERRORS: f64 = 1e-10;
+const OF_ERRORS: f64 = 1e-9;
 
 #[test]
 fn a_turned_scene_file_has_the_same_errors() {

@@ -81,10 +81,10 @@ pub struct Heading {
 pub struct Domain {
     pub shape: String,
     pub size: Option<Vec<f64>>,
-    pub vertices: Option<Vec<[f64; 2]>>,
+    pub vertices: Option<Vec<Vec<f64>>>,
     pub sides: Option<Vec<String>>,
-    pub points: Option<Vec<[f64; 2]>>,
-    pub triangles: Option<Vec<[i64; 3]>>,
+    pub points: Option<Vec<Vec<f64>>>,
+    pub triangles: Option<Vec<Vec<i64>>>,
     pub file: Option<String>,
     #[serde(default)]
     pub clamped: Vec<String>,
@@ -103,7 +103,7 @@ pub struct Mesh {
     pub amplitude: Option<f64>,
     pub seed: Option<i64>,
     pub axes: Option<Vec<String>>,
-    pub corner: Option<[f64; 2]>,
+    pub corner: Option<Vec<f64>>,
     pub exponent: Option<f64>,
 }
 

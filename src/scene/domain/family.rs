@@ -1,5 +1,6 @@
 //! `[domain] mesh`: how the vertices of the meshes are placed.
 
+use super::polygon::point;
 use super::{Domain, Shape};
 use crate::mesh::{Family, vertex_at};
 use crate::scene::diagnostic::SceneError;
@@ -120,7 +121,8 @@ fn graded(
     domain: &Domain,
 ) -> Result<MeshFamily, SceneError> {
     let key = "domain.mesh.corner";
-    let corner = reading.needed(key, mesh.corner, &mesh.kind, "corner = [0.0, 0.0]")?;
+    let corner = reading.needed(key, mesh.corner.as_deref(), &mesh.kind, "corner = [0.0, 0.0]")?;
+    let corner = point(reading, key, corner)?;
     let exponent =
         reading.needed("domain.mesh.exponent", mesh.exponent, &mesh.kind, "exponent = 2.0")?;
     if !(1.0..=STEEPEST).contains(&exponent) {

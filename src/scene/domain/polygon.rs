@@ -9,13 +9,9 @@ use crate::scene::written;
 pub(super) fn polygon(
     reading: &Reading,
     written: &written::Domain,
-    boundary: &[[f64; 2]],
+    boundary: &[Vec<f64>],
 ) -> Result<Coarse, SceneError> {
-    for (i, vertex) in boundary.iter().enumerate() {
-        for (axis, value) in vertex.iter().enumerate() {
-            reading.finite(&format!("domain.vertices.{i}.{axis}"), *value)?;
-        }
-    }
+    let boundary = &places(reading, "domain.vertices", boundary)?[..];
     let triangles = triangulate(boundary).map_err(|error| refused(reading, &error))?;
     let mut vertices = boundary.to_vec();
     let triangles = match &written.triangles {
@@ -28,7 +24,8 @@ pub(super) fn polygon(
             }
         },
         Some(own) => {
-            vertices.extend(written.points.iter().flatten());
+            let inner = written.points.as_deref().unwrap_or_default();
+            vertices.extend(places(reading, "domain.points", inner)?);
             numbered(reading, own, vertices.len())?
         }
     };
@@ -49,13 +46,36 @@ pub(super) fn polygon(
     })
 }
 
+/// Points of the plane.
+fn places(reading: &Reading, key: &str, written: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, SceneError> {
+    written
+        .iter()
+        .enumerate()
+        .map(|(i, place)| point(reading, &format!("{key}.{i}"), place))
+        .collect()
+}
+
+/// A point of the plane: two finite numbers.
+pub(super) fn point(reading: &Reading, key: &str, place: &[f64]) -> Result<[f64; 2], SceneError> {
+    let &[x, y] = place else {
+        let message = format!("{} numbers, a point of the plane has two", place.len());
+        return Err(reading.error(key, message, "write [x, y]"));
+    };
+    Ok([reading.finite(&format!("{key}.0"), x)?, reading.finite(&format!("{key}.1"), y)?])
+}
+
 /// Triangles of the file, their numbers checked.
 fn numbered(
     reading: &Reading,
-    written: &[[i64; 3]],
+    written: &[Vec<i64>],
     count: usize,
 ) -> Result<Vec<[u32; 3]>, SceneError> {
-    let one = |(t, triangle): (usize, &[i64; 3])| {
+    let one = |(t, triangle): (usize, &Vec<i64>)| {
+        if triangle.len() != 3 {
+            let message = format!("{} numbers, a triangle has three vertices", triangle.len());
+            let key = format!("domain.triangles.{t}");
+            return Err(reading.error(&key, message, "write [i, j, k]"));
+        }
         let mut own = [0; 3];
         for (a, &value) in triangle.iter().enumerate() {
             own[a] = match u32::try_from(value) {
