@@ -111,8 +111,7 @@ impl ExactOnMesh {
         let tensor = |fields: &[Vec<f64>]| {
             let mut tensor = [[0.0; 2]; 2];
             for (field, &(i, j)) in fields.iter().zip(&list) {
-                tensor[i][j] = field[p];
-                tensor[j][i] = field[p];
+                (tensor[i][j], tensor[j][i]) = (field[p], field[p]);
             }
             tensor
         };
