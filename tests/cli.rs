@@ -218,7 +218,7 @@ fn list_explain_and_check_have_their_json() {
     }
     let plan = json(&sweep(&["explain", "affine", "--json"]));
     let own = ["scene", "terms", "truth", "algorithm", "history", "reference", "cases"];
-    keys(&plan, &[&own[..], &["constants", "corners"]].concat());
+    keys(&plan, &[&own[..], &["constants", "corners", "regions"]].concat());
     let cases = plan["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5);
     for case in cases {

@@ -14,7 +14,7 @@ use program::{Folder, code, command, stderr, stdout, sweep, timeless};
 use shipped::{edited, text};
 
 fn scenes(folder: &Folder) -> [String; 2] {
-    let mild = edited(&text("pure-mild"), "n = [16, 32, 64, 128]", "n = [4, 8, 16]");
+    let mild = edited(&text("pure-mild"), "n = [16, 32, 64, 96]", "n = [4, 8, 16]");
     let signorini = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [4, 8, 16, 32]");
     [folder.file("pure-mild.toml", &mild), folder.file("signorini.toml", &signorini)]
 }

@@ -2,7 +2,6 @@
 //! strain, memory, ζ and stress are those of the interpolant, constant on each cell, and
 //! ∫_{Γ3} c v_ν takes the boundary rule of the scheme. The error is the time error alone.
 
-use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::constitutive::{self, Tensor, mandel};
@@ -13,27 +12,15 @@ use super::linear::gradient_of;
 use super::nodal_force::{add_stress, facet_measure};
 use super::running_integral::RunningIntegral;
 use super::sampled::vector_names;
+use super::side_points::{SidePoints, side_points};
 use super::sign_changes::sign_changes;
 use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError};
 use crate::formula::{Bound, Node, Point, Program};
-use crate::mesh::PlanePart;
 use crate::norms::{ContactSamples, Moments, facet_samples, is_locked};
 
 /// Intervals of the horizon in which guards are watched.
 const WATCHES: usize = 64;
-
-/// [u_ν, ξ + λ, g, …] at points of the trace with one normal.
-struct SidePoints {
-    /// ν, padded with zeros.
-    normal: [f64; 3],
-    members: Vec<usize>,
-    /// Facets of the trace.
-    facets: Vec<usize>,
-    /// ∫ φ over the side, of each member.
-    weights: Vec<f64>,
-    bound: Mutex<Bound>,
-}
 
 /// The nodal interpolant of an exact solution on one mesh.
 pub struct InterpolatedOnMesh {
@@ -320,14 +307,6 @@ impl InterpolatedOnMesh {
     }
 }
 
-impl SidePoints {
-    fn evaluate(&self, t: f64) -> Vec<Vec<f64>> {
-        let mut out = vec![Vec::new(); 5];
-        self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
-        out
-    }
-}
-
 impl Truth for InterpolatedOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
         let load = match self.space.mesh.dimension {
@@ -352,34 +331,6 @@ impl Truth for InterpolatedOnMesh {
         let points = || StatePoints::new(&self.exact, &self.space, true);
         Ok(Some(self.state_points.get_or_init(points).at(t)))
     }
-}
-
-/// The points of the trace, by side and normal.
-fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
-    let (mesh, trace, d) = (&space.mesh, &space.trace, space.mesh.dimension);
-    let of_part = |part: PlanePart| {
-        let facets = part.members;
-        let mut members: Vec<usize> =
-            facets.iter().flat_map(|&f| trace.facet(f)).map(|&i| i as usize).collect();
-        members.sort_unstable();
-        members.dedup();
-        let points: Vec<[f64; 3]> =
-            members.iter().map(|&i| mesh.point(&[trace.points[i].vertex], &[1.0])).collect();
-        let mut normal = [0.0; 3];
-        normal[..d].copy_from_slice(&part.normal[..d]);
-        let formulas = exact.boundary(&normal[..d]);
-        let mut of_vertex = HashMap::new();
-        for &f in &facets {
-            let facet = trace.mesh_facet[f] as usize;
-            for &vertex in mesh.facet(facet) {
-                *of_vertex.entry(vertex).or_insert(0.0) += facet_measure(mesh, facet) / d as f64;
-            }
-        }
-        let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
-        let bound = Mutex::new(formulas.program.bind(&points));
-        SidePoints { normal, facets, weights, bound, members }
-    };
-    mesh.plane_parts(&trace.mesh_facet).into_iter().map(of_part).collect()
 }
 
 /// Times at which a guard changes sign at some vertex.

@@ -30,6 +30,7 @@ mod polygon_points;
 mod reduction;
 mod running_integral;
 mod sampled;
+mod side_points;
 mod sign_changes;
 mod symbolic;
 mod truth;

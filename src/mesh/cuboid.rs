@@ -52,7 +52,6 @@ pub fn cuboid(size: [f64; 3], n: u32, family: Family) -> Mesh {
         coordinates,
         cell_region: vec![0; cells.len() / 4],
         regions: vec![WHOLE.to_string()],
-        refinement: None,
         cells,
         facets,
         facet_normal: facet_side.iter().flat_map(|&side| SIDES[side as usize].1).collect(),

@@ -17,7 +17,7 @@ pub use gmsh::{Fault, GmshError, read_gmsh};
 pub use grading::vertex_at;
 pub use quality::Quality;
 pub use rectangle::{Family, rectangle};
-pub use subdivision::{Nested, Refinement, nested, refined};
+pub use subdivision::refined;
 pub use triangulation::{PolygonError, triangulate};
 
 /// The region of a mesh that has only one.
@@ -48,8 +48,6 @@ pub struct Mesh {
     pub cell_region: Vec<u32>,
     /// Names of the regions; generated meshes have one, [`WHOLE`].
     pub regions: Vec<String>,
-    /// The coarse triangulation, where there is one.
-    pub refinement: Option<Refinement>,
 }
 
 /// Facets of one side with one normal.

@@ -70,7 +70,6 @@ pub fn rectangle(size: [f64; 2], n: u32, family: Family) -> Mesh {
         coordinates,
         cell_region: vec![0; cells.len() / 3],
         regions: vec![WHOLE.to_string()],
-        refinement: None,
         cells,
         facets,
         facet_normal: facet_side.iter().flat_map(|&side| SIDES[side as usize].1).collect(),

@@ -2,22 +2,13 @@
 //!
 //! The cells of a coarse triangle stand together, those of the strip along its first edge first; the
 //! facets of a coarse boundary edge stand together as well, from its first end to its second. So meshes
-//! n and m of one coarse triangulation nest by counting if n divides m.
+//! n and m of one coarse triangulation nest if n divides m.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{Coarse, Family, Mesh, grading};
 use crate::linalg::signed_unit;
-
-/// Where a mesh comes from.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Refinement {
-    /// What is refined.
-    pub coarse: Arc<Coarse>,
-    /// True if the cells are the congruent ones, so that finer meshes refine this one.
-    pub congruent: bool,
-}
 
 /// The mesh with n parts of every edge of `coarse`.
 pub fn refined(coarse: &Arc<Coarse>, n: u32, family: Family) -> Mesh {
@@ -56,10 +47,6 @@ pub fn refined(coarse: &Arc<Coarse>, n: u32, family: Family) -> Mesh {
         facet_side,
         facet_normal,
         sides: coarse.sides.clone(),
-        refinement: Some(Refinement {
-            coarse: coarse.clone(),
-            congruent: family == Family::Structured,
-        }),
     };
     match family {
         Family::Structured => {}
@@ -180,45 +167,6 @@ fn perturb(mesh: &mut Mesh, amplitude: f64, seed: u64, axes: [bool; 3]) {
     }
 }
 
-/// How the cells and facets of a mesh lie in those of a coarser one.
-pub struct Nested {
-    /// The coarse cell of each fine cell.
-    pub parent: Vec<u32>,
-    /// Fine facets a coarse facet: those of coarse facet f are f·ratio…(f + 1)·ratio, along it.
-    pub ratio: usize,
-}
-
-/// Counts how `fine` refines `coarse`; none where it does not, or where either mesh is no congruent
-/// refinement.
-pub fn nested(fine: &Mesh, coarse: &Mesh) -> Option<Nested> {
-    let (of_fine, of_coarse) = (fine.refinement.as_ref()?, coarse.refinement.as_ref()?);
-    let same = of_fine.coarse == of_coarse.coarse && of_fine.congruent && of_coarse.congruent;
-    if !same || !fine.n.is_multiple_of(coarse.n) {
-        return None;
-    }
-    let (n, ratio) = (coarse.n, fine.n / coarse.n);
-    let mut parent = Vec::with_capacity(fine.cell_count());
-    for triangle in 0..of_fine.coarse.triangles.len() as u32 {
-        for j in 0..fine.n {
-            for i in 0..fine.n - j {
-                // The centroids in thirds of a fine part.
-                parent.push(triangle * n * n + cell_at(n, ratio, 3 * i + 1, 3 * j + 1));
-                if i + j + 2 <= fine.n {
-                    parent.push(triangle * n * n + cell_at(n, ratio, 3 * i + 2, 3 * j + 2));
-                }
-            }
-        }
-    }
-    Some(Nested { parent, ratio: ratio as usize })
-}
-
-/// The cell of a triangle with n parts an edge that holds a point given in thirds of 1/ratio of a part.
-fn cell_at(n: u32, ratio: u32, x: u32, y: u32) -> u32 {
-    let (i, j) = (x / (3 * ratio), y / (3 * ratio));
-    let upper = u32::from(x % (3 * ratio) + y % (3 * ratio) > 3 * ratio);
-    j * (2 * n - j) + 2 * i + upper
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -296,37 +244,5 @@ mod tests {
             let along = normal[0] * (q[0] - p[0]) + normal[1] * (q[1] - p[1]);
             assert!(out > 0.1 && along.abs() < 1e-15, "facet {f}");
         }
-    }
-
-    /// Every fine cell lies in its parent and every fine facet on its own, by coordinates.
-    #[test]
-    fn meshes_nest_by_counting() {
-        let coarse = l_shape();
-        for (n, m) in [(1, 4), (2, 6), (3, 3), (4, 12)] {
-            let [mesh, fine] = [n, m].map(|n| refined(&coarse, n, Family::Structured));
-            let found = nested(&fine, &mesh).unwrap();
-            for (c, &parent) in found.parent.iter().enumerate() {
-                let x = fine.point(fine.cell(c), &[1.0 / 3.0; 3]);
-                let [p, q, r] = [0, 1, 2].map(|a| mesh.vertex(mesh.cell(parent as usize)[a]));
-                let left = |a: &[f64], b: &[f64]| {
-                    (b[0] - a[0]) * (x[1] - a[1]) - (b[1] - a[1]) * (x[0] - a[0]) > 0.0
-                };
-                assert!(left(p, q) && left(q, r) && left(r, p), "{n} {m}: cell {c} in {parent}");
-            }
-            for f in 0..mesh.facet_side.len() {
-                for s in 0..=found.ratio {
-                    let place = s as f64 / found.ratio as f64;
-                    let x = mesh.point(mesh.facet(f), &[1.0 - place, place]);
-                    let own = (f * found.ratio + s).min((f + 1) * found.ratio - 1);
-                    let end = fine.facet(own)[usize::from(s == found.ratio)];
-                    let y = fine.vertex(end);
-                    assert!((x[0] - y[0]).abs() + (x[1] - y[1]).abs() < 1e-14, "facet {f} {s}");
-                }
-            }
-        }
-        let [mesh, fine] = [2, 5].map(|n| refined(&coarse, n, Family::Structured));
-        assert!(nested(&fine, &mesh).is_none());
-        let moved = refined(&coarse, 4, FAMILIES[1]);
-        assert!(nested(&moved, &mesh).is_none());
     }
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::moments::{CellConstants, Moments, Piecewise};
-use super::refinement::Refinement;
+use super::refinement::{Parents, Refinement};
 use crate::contact::{Discretization, Model, StepView};
 use crate::law::Projection;
 use crate::space::strain_of;
@@ -110,53 +110,32 @@ impl ReferenceRun {
             _ => self.strains::<6>(level),
         };
         let constants = |field: &[f64]| self.constants(refinement, coarse, field);
-        let (fine, run) = (&self.space, refinement);
-        let displacement = |c: usize| {
-            let nodes = fine.cell_nodes(c).iter();
-            nodes
-                .flat_map(|&node| {
-                    level.u[fine.mesh.dimension * node as usize..]
-                        .iter()
-                        .take(fine.mesh.dimension)
-                        .copied()
-                })
-                .collect()
-        };
+        let (fine, d) = (&self.space, self.space.mesh.dimension);
         let cells = Pieces {
-            parent: &run.cell_parent,
+            parents: &refinement.cells,
             measure: &fine.geometry.measure,
             coarse: &coarse.geometry.measure,
-            at_corners: &|c: usize| {
-                let at = |v: &u32| {
-                    run.cells
-                        .barycentric(run.cell_parent[c] as usize, &fine.mesh.point(&[*v], &[1.0]))
-                };
-                fine.mesh.cell(c).iter().map(at).collect()
-            },
         };
         let facets = Pieces {
-            parent: &run.facet_parent,
+            parents: &refinement.facets,
             measure: &fine.trace.measure,
             coarse: &coarse.trace.measure,
-            at_corners: &|f: usize| {
-                let at = |&i: &u32| {
-                    let x = fine.mesh.point(&[fine.trace.points[i as usize].vertex], &[1.0]);
-                    run.facets.barycentric(run.facet_parent[f] as usize, &x)
-                };
-                fine.trace.facet(f).iter().map(at).collect()
-            },
+        };
+        let displacement = |c: usize, corner: usize, i: usize| {
+            level.u[d * fine.cell_nodes(c)[corner] as usize + i]
         };
         let on_trace = |values: &[f64]| {
-            facets.project(1, |f| fine.trace.facet(f).iter().map(|&i| values[i as usize]).collect())
+            let at = |f: usize, corner: usize, _| values[fine.trace.facet(f)[corner] as usize];
+            facets.project(1, at)
         };
         let locked = |members: &Vec<u32>| members.iter().all(|&i| level.locked[i as usize]);
         Ok(Moments {
             strain: constants(&strain),
             stress: constants(&level.stress),
-            displacement: cells.project(fine.mesh.dimension, displacement),
+            displacement: cells.project(d, displacement),
             normal: on_trace(&level.normal),
             pressure: on_trace(&level.pressure),
-            locked: run.sample_members.iter().map(locked).collect(),
+            locked: refinement.sample_members.iter().map(locked).collect(),
         })
     }
 
@@ -173,7 +152,7 @@ impl ReferenceRun {
         coarse: &Discretization,
         field: &[f64],
     ) -> CellConstants {
-        let (fine, parent) = (&self.space, &refinement.cell_parent);
+        let (fine, parent) = (&self.space, &refinement.cells.of);
         let numbers = field.len() / fine.mesh.cell_count();
         let mut mean = vec![0.0; numbers * coarse.mesh.cell_count()];
         let own = |p: u32| numbers * p as usize..numbers * (p as usize + 1);
@@ -190,55 +169,54 @@ impl ReferenceRun {
     }
 }
 
+/// Corners of a tetrahedron.
+const MOST_CORNERS: usize = 4;
+
 /// Fine simplices in coarse ones.
 struct Pieces<'a> {
-    parent: &'a [u32],
+    parents: &'a Parents,
     measure: &'a [f64],
     /// Measures of the coarse simplices.
     coarse: &'a [f64],
-    /// Coordinates of the corners of a fine simplex in its parent.
-    at_corners: &'a dyn Fn(usize) -> Vec<Vec<f64>>,
 }
 
 impl Pieces<'_> {
     /// L² projection onto linears on the coarse simplices of a field with `components` numbers a point that is
-    /// linear on the fine ones; `values` gives those at the corners of one.
+    /// linear on the fine ones; `value` gives the one at a corner of a fine simplex.
     ///
     /// Both f and λ_a are linear on a fine simplex of N corners, where the mean of a product f g is
     /// (Σ f_i g_i + Σ f_i Σ g_i)/(N(N+1)).
-    fn project(&self, components: usize, values: impl Fn(usize) -> Vec<f64>) -> Piecewise {
-        let Some(corners) =
-            (0..self.parent.len().min(1)).map(|s| (self.at_corners)(s).len()).next()
-        else {
+    fn project(&self, components: usize, value: impl Fn(usize, usize, usize) -> f64) -> Piecewise {
+        let corners = self.parents.corners;
+        if corners == 0 {
             return Piecewise::default();
-        };
+        }
         let scale = 1.0 / (corners * (corners + 1)) as f64;
         let product = |f: &[f64], g: &[f64]| {
             let sums = f.iter().sum::<f64>() * g.iter().sum::<f64>();
             scale * (f.iter().zip(g).map(|(f, g)| f * g).sum::<f64>() + sums)
         };
         let mut moment = vec![0.0; components * corners * self.coarse.len()];
-        let mut square = 0.0;
-        for (s, &parent) in self.parent.iter().enumerate() {
-            let (at, values) = ((self.at_corners)(s), values(s));
+        let (mut square, mut own, mut out) = (0.0, [0.0; MOST_CORNERS], [0.0; MOST_CORNERS]);
+        let (own, out) = (&mut own[..corners], &mut out[..corners]);
+        let hats = self.parents.hats.chunks_exact(corners * corners);
+        for (s, (&parent, hats)) in self.parents.of.iter().zip(hats).enumerate() {
             let share = self.measure[s] / self.coarse[parent as usize];
+            let first = components * corners * parent as usize;
             for i in 0..components {
-                let own: Vec<f64> = values.chunks_exact(components).map(|v| v[i]).collect();
-                square += self.measure[s] * product(&own, &own);
-                for a in 0..corners {
-                    let hat: Vec<f64> = at.iter().map(|b| b[a]).collect();
-                    let first = components * corners * parent as usize;
-                    moment[first + components * a + i] += share * product(&own, &hat);
+                own.iter_mut().enumerate().for_each(|(corner, own)| *own = value(s, corner, i));
+                square += self.measure[s] * product(own, own);
+                for (a, hat) in hats.chunks_exact(corners).enumerate() {
+                    moment[first + components * a + i] += share * product(own, hat);
                 }
             }
         }
         let mut corner = vec![0.0; moment.len()];
-        let mut out = vec![0.0; corners];
         for (p, measure) in self.coarse.iter().enumerate() {
             for i in 0..components {
                 let place = |a: usize| components * (corners * p + a) + i;
-                let own: Vec<f64> = (0..corners).map(|a| moment[place(a)]).collect();
-                super::linear_projection(&own, &mut out);
+                own.iter_mut().enumerate().for_each(|(a, own)| *own = moment[place(a)]);
+                super::linear_projection(own, out);
                 for a in 0..corners {
                     corner[place(a)] = out[a];
                     square -= measure * own[a] * out[a];

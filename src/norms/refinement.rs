@@ -13,15 +13,39 @@ const INSIDE: f64 = 1e-6;
 
 /// Parents of the cells and facets of a finer mesh.
 pub struct Refinement {
-    /// The coarse cells, for barycentric coordinates in them.
-    pub(super) cells: Simplices,
-    /// The coarse facets of Γ3.
-    pub(super) facets: Simplices,
-    /// The coarse cell that holds each fine cell, the coarse facet of Γ3 that holds each fine one.
-    pub(super) cell_parent: Vec<u32>,
-    pub(super) facet_parent: Vec<u32>,
+    /// The fine cells in the coarse ones.
+    pub(super) cells: Parents,
+    /// The fine facets of Γ3 in the coarse ones.
+    pub(super) facets: Parents,
     /// For each sample of each coarse facet, the points of the fine trace between which it lies.
     pub(super) sample_members: Vec<Vec<u32>>,
+}
+
+/// The coarse simplex that holds each fine one, and where.
+pub(super) struct Parents {
+    /// The parent of each fine simplex.
+    pub(super) of: Vec<u32>,
+    /// Of each fine simplex the values of the hat functions of its parent at its corners, those of one function one
+    /// after the other.
+    pub(super) hats: Vec<f64>,
+    /// Corners of a simplex.
+    pub(super) corners: usize,
+}
+
+impl Parents {
+    /// None where a fine simplex lies in no coarse one.
+    fn new(coarse: &Simplices, mesh: &Mesh, fine: &[Vec<u32>]) -> Option<Self> {
+        let of = fine.iter().map(|simplex| coarse.holding(mesh, simplex));
+        let of: Vec<u32> = of.collect::<Option<_>>()?;
+        let corners = fine.first().map_or(0, Vec::len);
+        let mut hats = Vec::with_capacity(corners * corners * of.len());
+        for (simplex, &parent) in fine.iter().zip(&of) {
+            let at = |v: &u32| coarse.barycentric(parent as usize, &mesh.point(&[*v], &[1.0]));
+            let at: Vec<Vec<f64>> = simplex.iter().map(at).collect();
+            hats.extend((0..corners).flat_map(|a| at.iter().map(move |b| b[a])));
+        }
+        Some(Self { of, hats, corners })
+    }
 }
 
 impl Refinement {
@@ -38,17 +62,16 @@ impl Refinement {
             let facets = space.trace.mesh_facet.iter();
             facets.map(|&f| space.mesh.facet(f as usize).to_vec()).collect()
         };
-        let cells = Simplices::new(&coarse.mesh, &all_cells(&coarse.mesh));
-        let facets = Simplices::new(&coarse.mesh, &all_facets(coarse));
         let fine_facets = all_facets(fine);
-        let parents = |coarse: &Simplices, simplices: &[Vec<u32>]| -> Option<Vec<u32>> {
-            simplices.iter().map(|simplex| coarse.holding(&fine.mesh, simplex)).collect()
+        let parents = |simplices: &[Vec<u32>], own: &[Vec<u32>]| {
+            let coarse = Simplices::new(&coarse.mesh, simplices);
+            Parents::new(&coarse, &fine.mesh, own).ok_or(refused.clone())
         };
-        let cell_parent = parents(&cells, &all_cells(&fine.mesh)).ok_or(refused.clone())?;
-        let facet_parent = parents(&facets, &fine_facets).ok_or(refused.clone())?;
+        let cells = parents(&all_cells(&coarse.mesh), &all_cells(&fine.mesh))?;
+        let facets = parents(&all_facets(coarse), &fine_facets)?;
         let own = Simplices::new(&fine.mesh, &fine_facets);
-        let mut children: Vec<Vec<u32>> = vec![Vec::new(); facets.corners.len()];
-        for (f, &parent) in facet_parent.iter().enumerate() {
+        let mut children: Vec<Vec<u32>> = vec![Vec::new(); coarse.trace.mesh_facet.len()];
+        for (f, &parent) in facets.of.iter().enumerate() {
             children[parent as usize].push(f as u32);
         }
         let mut sample_members = Vec::new();
@@ -64,12 +87,12 @@ impl Refinement {
                 sample_members.push(near.collect());
             }
         }
-        Ok(Self { cells, facets, cell_parent, facet_parent, sample_members })
+        Ok(Self { cells, facets, sample_members })
     }
 }
 
 /// Simplices of a mesh that can be searched for a point.
-pub(super) struct Simplices {
+struct Simplices {
     corners: Vec<Vec<[f64; 3]>>,
     /// For each simplex the vectors g_a with λ_a(x) = g_a · (x - x_0), a ≥ 1.
     dual: Vec<Vec<[f64; 3]>>,
@@ -109,7 +132,7 @@ impl Simplices {
     }
 
     /// Barycentric coordinates of a point in simplex s.
-    pub(super) fn barycentric(&self, s: usize, x: &[f64; 3]) -> Vec<f64> {
+    fn barycentric(&self, s: usize, x: &[f64; 3]) -> Vec<f64> {
         let origin = &self.corners[s][0];
         let at = |g: &[f64; 3]| (0..3).map(|i| g[i] * (x[i] - origin[i])).sum::<f64>();
         let mut out = vec![0.0];
@@ -165,7 +188,9 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Family, cuboid, rectangle};
+    use std::sync::Arc;
+
+    use crate::mesh::{BoundaryEdge, Coarse, Family, cuboid, rectangle, refined, triangulate};
 
     fn space(mesh: Mesh) -> Discretization {
         let sides = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
@@ -185,13 +210,13 @@ mod tests {
             let (fine, coarse) = (structured(d, 6), structured(d, 2));
             let found = Refinement::new(&fine, &coarse).expect("a refinement");
             let mut left = coarse.geometry.measure.clone();
-            for (c, &parent) in found.cell_parent.iter().enumerate() {
+            for (c, &parent) in found.cells.of.iter().enumerate() {
                 left[parent as usize] -= fine.geometry.measure[c];
             }
             // 27 roundings of numbers below 1.
             assert!(left.iter().all(|rest| rest.abs() < 1e-14), "{d}");
             let mut left = coarse.trace.measure.clone();
-            for (f, &parent) in found.facet_parent.iter().enumerate() {
+            for (f, &parent) in found.facets.of.iter().enumerate() {
                 left[parent as usize] -= fine.trace.measure[f];
             }
             assert!(left.iter().all(|rest| rest.abs() < 1e-14), "{d}");
@@ -206,5 +231,41 @@ mod tests {
         let family = Family::Perturbed { amplitude: 0.1, seed: 3, axes: [true; 3] };
         let moved = space(cuboid([1.0, 0.5, 1.0], 8, family));
         assert!(Refinement::new(&moved, &structured(3, 4)).is_err());
+    }
+
+    /// An L with contact on the two sides that meet in its reentrant corner.
+    fn l_shape(n: u32, family: Family) -> Discretization {
+        let vertices = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let triangles = triangulate(&vertices).expect("a polygon");
+        let coarse = Coarse {
+            region: vec![0; triangles.len()],
+            regions: vec!["body".into()],
+            triangles,
+            edges: (0..6).map(|i| BoundaryEdge { ends: [i, (i + 1) % 6], side: i }).collect(),
+            sides: (0..6).map(|i| format!("s{i}")).collect(),
+            vertices,
+        };
+        let mesh = refined(&Arc::new(coarse), n, family);
+        Discretization::new(mesh, &[0], &[2, 3]).expect("an analysis")
+    }
+
+    #[test]
+    fn refined_polygons_nest_and_moved_ones_do_not() {
+        let of = |n: u32| l_shape(n, Family::Structured);
+        let (fine, coarse) = (of(6), of(2));
+        let found = Refinement::new(&fine, &coarse).expect("a refinement");
+        for (f, &parent) in found.facets.of.iter().enumerate() {
+            // On the side of its parent: the corner has a point on each.
+            let side = |space: &Discretization, f: usize| {
+                space.mesh.facet_side[space.trace.mesh_facet[f] as usize]
+            };
+            assert_eq!(side(&fine, f), side(&coarse, parent as usize));
+        }
+        assert!(Refinement::new(&of(5), &coarse).is_err());
+        let perturbed = Family::Perturbed { amplitude: 0.1, seed: 3, axes: [true; 3] };
+        let graded = Family::Graded { corner: [1.0, 1.0], exponent: 2.5 };
+        for family in [perturbed, graded] {
+            assert!(Refinement::new(&l_shape(6, family), &coarse).is_err(), "{family:?}");
+        }
     }
 }

@@ -19,6 +19,9 @@ const SAFETY: f64 = 1.5;
 /// Parts of [0, T] at whose ends rules are compared: once fronts are on their way, once at the end,
 /// where some scenes have no front left.
 const TIMES: u32 = 2;
+/// The same on meshes of few cells: a front passes through few of them, and two times may both miss it.
+const TIMES_ON_FEW: u32 = 4;
+const FEW: usize = 4096;
 
 /// Two times are the same within rounding.
 const SAME_TIME: f64 = 1e-9;
@@ -53,7 +56,8 @@ pub(super) fn rule_check(
     truth: impl Fn(TruthRules) -> Result<Arc<dyn Truth>, LoadError>,
 ) -> Result<RuleCheck, LoadError> {
     let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
-    let parts = steps.map_or(TIMES, |&steps| TIMES.min(steps as u32));
+    let most = if space.mesh.cell_count() <= FEW { TIMES_ON_FEW } else { TIMES };
+    let parts = steps.map_or(most, |&steps| most.min(steps as u32));
     let times: Vec<f64> =
         (1..=parts).map(|i| setup.scene.time.horizon * f64::from(i) / f64::from(parts)).collect();
     let loads = |truth: &dyn Truth| -> Result<Vec<Arc<Vec<f64>>>, LoadError> {

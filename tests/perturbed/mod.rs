@@ -23,7 +23,7 @@ enum Steps {
 }
 
 /// The scenes whose prediction rests on a time grid, and why.
-const BOUND_TO_THEIR_STEPS: [(&str, Steps, &str); 17] = [
+const BOUND_TO_THEIR_STEPS: [(&str, Steps, &str); 18] = [
     ("abstract-contact", Steps::Own, "events at any time: k² in the mean over many doublings"),
     ("abstract-random", Steps::Own, "errors scatter like 1/√N: order 2 in the mean of many"),
     ("affine-random", Steps::Own, "errors scatter like 1/√N: order 2 in the mean of many"),
@@ -48,6 +48,7 @@ const BOUND_TO_THEIR_STEPS: [(&str, Steps, &str); 17] = [
         "jump at T/3, which doubled steps of equal length keep in its place",
     ),
     ("broken-kink", Steps::OwnGrid, "kink at T/3"),
+    ("zone-appears-in-time", Steps::Own, "an event at any time: the error scatters between levels"),
     ("broken-zeta", Steps::OwnGrid, "kink of the rate of ζ at T/3"),
 ];
 
@@ -89,10 +90,13 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     let bound = BOUND_TO_THEIR_STEPS.iter().find(|(name, ..)| *name == scene.name);
     let freedom = bound.map_or(Steps::Any, |(_, freedom, _)| *freedom);
     let in_time = scene.predicts.iter().any(|p| p.variable != Direction::H);
+    let mut own_mesh = false;
     if let Body::Contact(body) = &mut scene.body {
-        // One run in four keeps the structured mesh, and a reference run needs it.
+        // A reference run needs nested meshes, regions mesh lines on their boundaries.
         let nests = scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
-        if draws.below(4) > 0 && !nests {
+        own_mesh = nests || !body.material.regions.is_empty();
+        // One run in four keeps the structured mesh.
+        if draws.below(4) > 0 && !own_mesh {
             let amplitude = draws.between(0.02, LARGEST_AMPLITUDE);
             let axes =
                 if KEEP_COLUMNS.contains(&&*scene.name) { [false, true, false] } else { [true; 3] };
@@ -109,7 +113,7 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
         _ => TimeGrid::Graded { exponent: draws.between(1.0, 2.5) },
     };
     let Some(sweep) = &mut scene.sweep else { return scene };
-    let n = shifted(&mut draws, &sweep.n);
+    let n = if own_mesh { sweep.n.clone() } else { shifted(&mut draws, &sweep.n) };
     let moved = |[first, last]: [usize; 2]| {
         // A window of levels means the same levels, shifted.
         let at = |value: usize| {
