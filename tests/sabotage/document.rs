@@ -140,9 +140,9 @@ sound program has no switch for it, and passes every gate. Each runs on small gr
 abstract ones, chosen so that every term acts. *Unresolved* counts as caught, since the sound program passes there; an
 interval that misses by less than 0.005 does not.
 
-Two of the scenes are shipped ones with other numbers: in the scenes of the main job λ and μ_L are equal, in 𝒜 and in ℬ, so
-that *Lamé numbers exchanged* would pass them all (`long-growing`, which is marked long, tells them apart); and none reaches
-beyond the last point of the law, or has a shift whose loss moves an order.
+Two of the scenes are shipped ones with other numbers: where λ and μ_L are equal, *Lamé numbers exchanged* would pass (in the
+main job `layered`, `prony` and `bulk-shear` tell them apart); and few reach beyond the last point of the law, or have a
+shift whose loss moves an order.
 
 `make sabotage` also runs `sweep diagnose` on each defect of the solver that spoils a verdict, on the first scene where it
 does, and fails if fewer than four of five have their term named.
