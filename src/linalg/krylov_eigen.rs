@@ -68,6 +68,9 @@ const SETTLED: f64 = 1e-13;
 const RESIDUAL: f64 = 1e-6;
 /// The same for maps that are not self-adjoint, where errors are not squared.
 const SETTLED_RADIUS: f64 = 1e-9;
+/// What is still accepted of such a map when the iteration has run out, where many eigenvalues lie close to the
+/// largest: factors are printed to six digits.
+const SETTLED_AT_LIMIT: f64 = 1e-7;
 /// An imaginary part below this share of the radius is rounding of a nearly double real eigenvalue.
 const REAL: f64 = 1e-6;
 /// An invariant subspace: the next vector is rounding.
@@ -143,7 +146,8 @@ pub fn spectrum(map: &mut dyn LinearMap, start: &[f64]) -> Result<Spectrum, Eige
         let rightmost = real.map(|z| z.re).fold(f64::NEG_INFINITY, f64::max);
         let off = (radius - last.0).abs().max((rightmost - last.1).abs());
         let (change, iterations) = (off / radius, m as u32);
-        if invariant || change <= SETTLED_RADIUS || radius == 0.0 {
+        let settled = if m < LIMIT { SETTLED_RADIUS } else { SETTLED_AT_LIMIT };
+        if invariant || change <= settled || radius == 0.0 {
             return Ok(Spectrum { radius, rightmost, iterations });
         }
         if m >= LIMIT || radius.is_nan() {

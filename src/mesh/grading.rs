@@ -1,7 +1,7 @@
 //! Meshes that gather at a corner: the vertices at the fraction s of the way from the corner to the
 //! opposite edge of a coarse triangle go to the fraction s^γ.
 //!
-//! For u ~ r^s near the corner, γ ≥ 1/s restores the order h of a smooth field (I. Babuška, R. B. Kellogg,
+//! For u ~ r^s near the corner, γ > 1/s restores the order h of a smooth field (I. Babuška, R. B. Kellogg,
 //! J. Pitkäranta, Numer. Math. 33 (1979)). Vertices of nested meshes coincide; cells do not, since the
 //! lines between vertices at different distances are moved too: no reference run on a graded mesh.
 
