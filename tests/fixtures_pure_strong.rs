@@ -7,7 +7,7 @@ mod shipped;
 
 use gronwall::formula::Point;
 use gronwall::manufactured::constitutive::{self, Tensor};
-use gronwall::manufactured::{Exact, ExactData, MaterialNumbers};
+use gronwall::manufactured::{Exact, MaterialNumbers};
 use serde_json::Value;
 use shipped::{fixture, number, setup};
 
@@ -109,22 +109,9 @@ fn the_two_evaluations_of_the_stress_agree() {
 
 /// The same scene with other numbers of the material.
 fn with_material(change: impl Fn(&mut MaterialNumbers)) -> Exact {
-    let sound = exact();
-    let data = &sound.data;
-    let mut material = data.material.clone();
-    change(&mut material);
-    Exact::new(ExactData {
-        graph: data.graph.clone(),
-        u: data.u.clone(),
-        material,
-        regions: data.regions.clone(),
-        kernels: data.kernels.clone(),
-        kappa: data.kappa,
-        contact: data.contact.clone(),
-        horizon: data.horizon,
-        size: data.size.clone(),
-        polygon: data.polygon.clone(),
-    })
+    let mut data = exact().data.clone();
+    change(&mut data.material);
+    Exact::new(data)
 }
 
 /// A change of one number of the material.

@@ -73,6 +73,7 @@ pub enum LoadForm {
 }
 
 /// What defines an exact solution.
+#[derive(Clone)]
 pub struct ExactData {
     /// Owner of all formulas.
     pub graph: Graph,

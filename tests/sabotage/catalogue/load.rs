@@ -162,21 +162,9 @@ fn stronger(site: &Site<'_>, t: f64) -> Result<Vec<f64>, LoadError> {
 fn other_body_force(mut setup: Setup) -> Setup {
     let Some(sound) = &setup.exact else { return setup };
     let rebuilt = |change: fn(&mut MaterialNumbers)| {
-        let data = &sound.data;
-        let mut material = data.material.clone();
-        change(&mut material);
-        Exact::new(ExactData {
-            graph: data.graph.clone(),
-            u: data.u.clone(),
-            material,
-            regions: data.regions.clone(),
-            kernels: data.kernels.clone(),
-            kappa: data.kappa,
-            contact: data.contact.clone(),
-            horizon: data.horizon,
-            size: data.size.clone(),
-            polygon: data.polygon.clone(),
-        })
+        let mut data = sound.data.clone();
+        change(&mut data.material);
+        Exact::new(data)
     };
     let other =
         rebuilt(|numbers| numbers.memory = numbers.memory.iter().map(|(l, m)| (-l, -m)).collect());
