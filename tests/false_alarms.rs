@@ -18,7 +18,9 @@ use gronwall::history::{TimeGrid, TimeRule};
 use gronwall::record::CaseRecord;
 use gronwall::scene::{Direction, Registry, Scene};
 use gronwall::setup::Subject;
-use gronwall::sweep::{Overrides, Progress, ScenePlan, foresee, judge_scene, run_sweep};
+use gronwall::sweep::{
+    OutputDirectory, Overrides, Progress, ScenePlan, foresee, judge_scene, run_sweep,
+};
 use gronwall::verdict::{Decision, Verdict};
 use perturbed::{Draws, perturbed};
 use program::Folder;
@@ -69,7 +71,8 @@ fn gate(scenes: &[Scene], seed: u64, defect: Option<Defect>) -> Vec<Outcome> {
     };
     let plans: Vec<ScenePlan> = scenes.iter().map(plan).collect();
     let folder = Folder::new("false-alarms");
-    let records = run_sweep(&plans, &folder.at("run"), threads, false, &Silent)
+    let out = OutputDirectory::take(&folder.at("run")).unwrap_or_else(|error| panic!("{error}"));
+    let records = run_sweep(&plans, &out, threads, false, &Silent)
         .unwrap_or_else(|error| panic!("run {seed}: {error}"));
     let judge = |plan: &ScenePlan| -> Vec<Outcome> {
         judge_scene(plan.scene(), &records, &plan.keys(), &foresee(&plan.subject, &records))
@@ -233,8 +236,18 @@ fn kept(scenes: &[Scene]) -> PathBuf {
     folder
 }
 
-/// Scenes that cost half of a run: they take part in every fourth.
-const DEAR: [&str; 3] = ["pure-mild", "pure-strong", "sourced"];
+/// Scenes of more than a CPU second a run, two thirds of the whole: they take part in every fourth.
+const DEAR: [&str; 9] = [
+    "affine-random",
+    "broken-trace",
+    "in-space",
+    "l-shape",
+    "pure-mild",
+    "pure-strong",
+    "sourced",
+    "sourced-box",
+    "steady",
+];
 
 /// Run `seed` from its file, or computed and kept.
 fn resumed(folder: &Path, scenes: &[Scene], seed: u64) -> Vec<Outcome> {

@@ -44,6 +44,8 @@ fn names(folder: &Folder) -> Vec<String> {
     let mut names: Vec<String> = entries
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
         .collect();
+    // Of no interest to a reader.
+    names.retain(|name| name != ".lock");
     names.sort();
     names
 }

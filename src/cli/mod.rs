@@ -88,6 +88,9 @@ enum CliError {
     /// A sweep could not be run.
     #[error("error: {0}")]
     Sweep(#[from] crate::sweep::SweepError),
+    /// The directory of a sweep cannot be had.
+    #[error("error: {0}")]
+    Output(#[from] crate::sweep::OutputError),
     /// A report could not be written.
     #[error("error: {0}")]
     Report(#[from] crate::report::ReportError),

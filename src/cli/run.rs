@@ -9,13 +9,13 @@ use super::github::annotate;
 use super::interrupt::{on_interrupt, quoted};
 use super::{CliError, Scenes, no_case, print_json, print_text};
 use crate::fit::AgainstReference;
-use crate::record::{CaseRecord, counted};
+use crate::record::{CaseRecord, RecordError, counted};
 use crate::report::{SceneSummary, write_all, write_junit};
 use crate::scene::Scene;
 use crate::setup::Subject;
 use crate::sweep::{
-    Overrides, Provenance, ScenePlan, foresee, judge_scene, reference_error, reference_in_words,
-    run_more, run_sweep, scene_summary,
+    OutputDirectory, Overrides, Provenance, ScenePlan, SweepError, foresee, judge_scene,
+    reference_error, reference_in_words, run_more, run_sweep, scene_summary,
 };
 use crate::verdict::{
     Baseline, Comparison, Verdict, compare_with_baseline, exit_code, failures, render_table,
@@ -170,6 +170,8 @@ pub(super) struct Swept {
     comparison: Option<Comparison>,
     /// Scenes with given loads, and what their reference runs hide.
     references: Vec<(String, AgainstReference)>,
+    /// The report is written to it as well.
+    _out: OutputDirectory,
 }
 
 impl What {
@@ -207,12 +209,22 @@ impl What {
             Some(jobs) => usize::from(jobs),
             None => std::thread::available_parallelism().map_or(1, usize::from),
         };
-        on_interrupt(&self.out, &self.resuming(scenes))?;
+        let resuming = self.resuming(scenes);
+        let out = OutputDirectory::take(&self.out)?;
+        on_interrupt(&self.out, &resuming)?;
+        // Nothing computed is lost: what is recorded is there, whatever stopped the writing.
+        let stopped = |error: SweepError| match error {
+            SweepError::Record(error @ RecordError::Io { .. }) => CliError::Other(format!(
+                "{error}\nfinished cases are kept in {}\ngo on with: {resuming}",
+                self.out.display()
+            )),
+            error => error.into(),
+        };
         let progress = super::progress::Display::new();
         if resume {
             restore_added(&mut plans, &self.out)?;
         }
-        let mut records = run_sweep(&plans, &self.out, jobs, resume, &progress)?;
+        let mut records = run_sweep(&plans, &out, jobs, resume, &progress).map_err(stopped)?;
         let judged = |plans: &[ScenePlan], records: &[CaseRecord]| -> Vec<Verdict> {
             let of = |plan: &ScenePlan| {
                 let foreseen = foresee(&plan.subject, records);
@@ -223,7 +235,7 @@ impl What {
         let mut verdicts = judged(&plans, &records);
         while self.extend && super::extension::extended(&mut plans, &verdicts, self.budget)? {
             let progress = super::progress::Display::new();
-            records = run_more(&plans, records, &self.out, jobs, &progress)?;
+            records = run_more(&plans, records, &out, jobs, &progress).map_err(stopped)?;
             verdicts = judged(&plans, &records);
         }
         let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
@@ -233,7 +245,7 @@ impl What {
         let found =
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
         let references = plans.iter().filter_map(found).collect();
-        Ok(Swept { records, verdicts, summaries, provenance, comparison, references })
+        Ok(Swept { records, verdicts, summaries, provenance, comparison, references, _out: out })
     }
 
     /// The baseline of this run. That of the default folder knows nothing of scenes elsewhere.

@@ -79,14 +79,9 @@ impl ScenePlan {
         case: &CasePlan,
         run: impl FnOnce() -> Result<CaseRecord, String>,
     ) -> CaseRecord {
-        let reason = match catch_unwind(AssertUnwindSafe(run)) {
-            Ok(Ok(record)) => return record,
-            Ok(Err(reason)) => reason,
-            Err(panic) => {
-                let text = panic.downcast_ref::<String>().map(String::as_str);
-                let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-                format!("internal error: {}", text.unwrap_or("unknown"))
-            }
+        let reason = match without_panic(run) {
+            Ok(record) => return record,
+            Err(reason) => reason,
         };
         let (scene, k) = (self.scene(), self.subject.grid(case.steps).largest_step());
         let body = scene.as_contact();
@@ -143,6 +138,15 @@ impl ScenePlan {
     pub fn kept_steps(&self) -> u32 {
         self.cases.iter().map(|case| case.steps).fold(1, lowest_common_multiple)
     }
+}
+
+/// What `run` says; a panic is an error with its text.
+pub fn without_panic<T>(run: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+        Err(format!("internal error: {}", text.unwrap_or("unknown")))
+    })
 }
 
 /// The fewest steps of a grid that has the times of both.

@@ -1,11 +1,13 @@
 //! Runs the cases of many scenes on a few threads, longest first, and records each as it ends.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use super::{Provenance, ResumeError, resume, run_abstract_case, run_contact_case};
+use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE, without_panic};
+use super::{
+    OutputDirectory, Provenance, ResumeError, resume, run_abstract_case, run_contact_case,
+};
 use crate::norms::ReferenceRun;
 use crate::record::{CaseRecord, Journal, RecordError, counted};
 use crate::report::{ReportError, remove_earlier};
@@ -21,7 +23,7 @@ pub enum SweepError {
     /// The old records cannot be resumed.
     #[error(transparent)]
     Resume(#[from] ResumeError),
-    /// The directory cannot be made or written.
+    /// A file of the directory cannot be written or removed.
     #[error("{}: {reason}", path.display())]
     Directory { path: PathBuf, reason: String },
     /// What an earlier report left cannot be removed.
@@ -61,15 +63,15 @@ struct Shared<'a> {
 /// Returns all records, sorted by scene, n and steps.
 ///
 /// # Errors
-/// Files only: a case that fails is a record.
+/// Files only: a case that fails is a record. Where a record cannot be written no further case begins.
 pub fn run_sweep(
     plans: &[ScenePlan],
-    out: &Path,
+    out: &OutputDirectory,
     jobs: usize,
     keep: bool,
     progress: &dyn Progress,
 ) -> Result<Vec<CaseRecord>, SweepError> {
-    let known = if keep { resume(out, plans)? } else { Vec::new() };
+    let known = if keep { resume(out.path(), plans)? } else { Vec::new() };
     run_more(plans, known, out, jobs, progress)
 }
 
@@ -80,7 +82,7 @@ pub fn run_sweep(
 pub fn run_more(
     plans: &[ScenePlan],
     known: Vec<CaseRecord>,
-    out: &Path,
+    out: &OutputDirectory,
     jobs: usize,
     progress: &dyn Progress,
 ) -> Result<Vec<CaseRecord>, SweepError> {
@@ -106,6 +108,10 @@ pub fn run_more(
             for _ in 0..jobs {
                 scope.spawn(|_| {
                     while let Some(job) = wave.get(next.fetch_add(1, Ordering::Relaxed)) {
+                        // What cannot be recorded need not be computed.
+                        if sweep.failed() {
+                            break;
+                        }
                         sweep.execute(job);
                     }
                 });
@@ -120,10 +126,14 @@ pub fn run_more(
     Ok(records)
 }
 
-/// Makes the directory, its provenance, and the journal with the records that are kept.
-fn prepare(plans: &[ScenePlan], out: &Path, known: &[CaseRecord]) -> Result<Journal, SweepError> {
+/// Writes the provenance, and the journal with the records that are kept.
+fn prepare(
+    plans: &[ScenePlan],
+    out: &OutputDirectory,
+    known: &[CaseRecord],
+) -> Result<Journal, SweepError> {
+    let out = out.path();
     let refused = |(path, reason)| SweepError::Directory { path, reason };
-    std::fs::create_dir_all(out).map_err(|error| refused((out.to_owned(), error.to_string())))?;
     let table = out.join("cases.csv");
     // Killed at any point, the directory must hold no table without its provenance, and nothing of
     // an old table beside a new one: page, pictures, verdicts and the old table go first, the new
@@ -192,6 +202,7 @@ impl Sweep<'_> {
                 let what = format!("{} reference", self.shared[s].plan.scene().name);
                 self.progress.started(&what);
                 if let Subject::Contact(setup) = &self.shared[s].plan.subject {
+                    // Its failure is that of each case.
                     let _ = self.shared[s].reference(setup);
                 }
                 self.progress.finished(&what, None);
@@ -212,8 +223,17 @@ impl Sweep<'_> {
         }
     }
 
+    /// A record could not be written.
+    fn failed(&self) -> bool {
+        self.failure.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
     fn keep(&self, record: CaseRecord) {
         let mut journal = self.journal.lock().unwrap_or_else(PoisonError::into_inner);
+        // The failed write may have left half a line: a line after it would make the table unreadable.
+        if self.failed() {
+            return;
+        }
         if let Err(error) = journal.append(&record) {
             self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
         }
@@ -237,7 +257,11 @@ impl<'a> Shared<'a> {
             };
             let (n, steps) = (reference.n as u32, reference.steps as u32);
             let every = (steps / self.plan.kept_steps()).max(1);
-            reference_run(setup, n, steps, every).map(Arc::new).map_err(|error| error.to_string())
+            without_panic(|| {
+                reference_run(setup, n, steps, every)
+                    .map(Arc::new)
+                    .map_err(|error| error.to_string())
+            })
         })
     }
 

@@ -54,7 +54,19 @@ const BOUND_TO_THEIR_STEPS: [(&str, Steps, &str); 18] = [
 
 /// Scenes whose exact histories depend on x and t alone: where vertices keep their x, there are as many of them as there
 /// are columns, and not as many as there are points, which costs a hundred times as much.
-const KEEP_COLUMNS: [&str; 5] = ["compliance", "pure-mild", "pure-strong", "signorini", "sourced"];
+const KEEP_COLUMNS: [&str; 11] = [
+    "broken-gap",
+    "compliance",
+    "law-exponential",
+    "law-jump",
+    "law-power",
+    "law-rational",
+    "law-scaled",
+    "pure-mild",
+    "pure-strong",
+    "signorini",
+    "sourced",
+];
 
 /// Seeded numbers.
 pub struct Draws(u64);

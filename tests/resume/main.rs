@@ -1,15 +1,20 @@
 //! Source: the contract of `sweep run`: an interrupted sweep loses nothing, `--resume` skips what is there.
 //! Goal: killed or interrupted at several moments and resumed, the records are those of an uninterrupted run; Ctrl-C
-//!   says how to go on; a torn last line is cut; records of another text of the scene are refused.
+//!   says how to go on; a torn last line is cut; records of another text of the scene or another version are refused.
+//!   Faults of the machine and of a solver have a file of their own.
 //! Data: pure-mild and signorini on small grids, 16 cases.
 
+mod faults;
+#[path = "../program/mod.rs"]
 mod program;
+#[path = "../shipped/mod.rs"]
 mod shipped;
 
 use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
+use gronwall::linalg::signed_unit;
 use program::{Folder, code, command, stderr, stdout, sweep, timeless};
 use shipped::{edited, text};
 
@@ -110,6 +115,45 @@ fn interrupt_after(arguments: &[&str], table: &Path, rows: usize) -> (Option<i32
     (output.status.code(), stderr(&output))
 }
 
+/// Seeded numbers: the moments are chance, and the same in each run of the test but for the machine's speed.
+#[test]
+fn fifty_kills_at_random_moments_lose_nothing() {
+    let folder = Folder::new("fifty");
+    let scenes = scenes(&folder);
+    let whole = folder.argument("whole");
+    let start = Instant::now();
+    finish(&arguments(&scenes, &whole));
+    let takes = start.elapsed();
+    let expected = timeless(&folder.at("whole/cases.csv"));
+    let (mut kills, mut sweeps, mut seed) = (0, 0, 20);
+    while kills < 50 {
+        // Sweeps into one directory after another; each is killed until it comes to its end.
+        let out = folder.argument(&format!("sweep-{sweeps}"));
+        let table = folder.at(&format!("sweep-{sweeps}/cases.csv"));
+        let mut resuming = arguments(&scenes, &out);
+        resuming.push("--resume");
+        while kills < 50 {
+            let mut child = command(&resuming)
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn()
+                .expect("a process");
+            std::thread::sleep(takes.mul_f64(0.5 * (1.0 + signed_unit(&mut seed))));
+            if child.try_wait().expect("a status").is_some() {
+                break;
+            }
+            child.kill().expect("SIGKILL");
+            child.wait().expect("a status");
+            kills += 1;
+        }
+        finish(&resuming);
+        assert_eq!(timeless(&table), expected, "after {kills} kills");
+        sweeps += 1;
+        // A sweep takes half of its time between kills: one in three, at least, comes to its end early.
+        assert!(sweeps < 500, "{kills} kills in {sweeps} sweeps");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_says_how_to_go_on_and_does() {
@@ -190,4 +234,27 @@ fn records_of_another_text_are_refused() {
     // With the text restored the records are good again, and nothing is left to run.
     folder.file("signorini.toml", &original);
     assert_eq!(recorded(&finish(&resuming)), 16);
+}
+
+#[test]
+fn records_of_another_version_are_refused() {
+    let folder = Folder::new("version");
+    let scenes = scenes(&folder);
+    let out = folder.argument("out");
+    let mut resuming = arguments(&scenes, &out);
+    finish(&resuming);
+    resuming.push("--resume");
+    let provenance = folder.at("out/provenance.json");
+    let own = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    let text = std::fs::read_to_string(&provenance).expect("the provenance");
+    std::fs::write(&provenance, edited(&text, &own, "\"version\": \"0.0.7\"")).expect("written");
+    let output = sweep(&resuming);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    let message = stderr(&output);
+    assert!(message.contains("version 0.0.7") && message.contains("--out"), "{message}");
+    // Records whose origin nobody knows.
+    std::fs::remove_file(&provenance).expect("removed");
+    let output = sweep(&resuming);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    assert!(stderr(&output).contains("without provenance.json"), "{}", stderr(&output));
 }
