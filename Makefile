@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test lint bench gate baseline sabotage sabotage-check ci false-alarms opt-levels mutants clean-reports
+.PHONY: scenes help run test lint bench gate baseline sabotage sabotage-check ci false-alarms fuzz opt-levels mutants clean-reports
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -48,6 +48,9 @@ ci: ## what has to be green before a merge: lint, test, gate, sabotage, each ben
 # A build of its own number: an interrupted run goes on where it stopped, a changed program starts anew.
 false-alarms: ## the gate over 200 seeded perturbations (RUNS=40 for fewer): no verdict may fail
 	$(CARGO) test --release --test false_alarms -- --ignored --nocapture
+
+fuzz: ## damaged scenes, formulas, meshes and tables, ten million each (RUNS=..., SEED=...): no panic, no hang
+	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --test fuzz -- --nocapture
 
 opt-levels: ## records and verdicts of optimisation levels 0 to 3: bit-identical
 	tests/opt_levels.sh

@@ -76,7 +76,8 @@ impl Damage<'_> {
     fn text(&mut self) -> String {
         let own = self.below(self.corpus.len());
         let mut bytes = self.corpus[own].clone().into_bytes();
-        for _ in 0..=self.below(6) {
+        let times = [0, 0, 1, 5][self.below(4)];
+        for _ in 0..=self.below(times + 1) {
             let part = self.part(bytes.len());
             match self.below(8) {
                 0 if !bytes.is_empty() => {
@@ -231,7 +232,7 @@ fn no_formula_breaks_parser_derivative_or_tape() {
         let rate = graph.derivative(slope, Variable::T);
         let at = Point { x: 0.3, y: -0.2, z: 0.1, t: 0.4, zeta: 0.5 };
         let mut out = vec![Vec::new(); 3];
-        let mut bound = Program::compile(&mut graph, &[node, slope, rate], 1.0);
+        let bound = Program::compile(&mut graph, &[node, slope, rate], 1.0);
         bound.bind(&[[0.3, -0.2, 0.1], [0.0; 3]]).evaluate(0.4, 0.5, &mut out);
         let _ = graph.evaluate(node, &at);
         out.iter().all(|values| values.len() == 2)

@@ -139,7 +139,7 @@ impl Sections {
                 for _ in 0..groups {
                     let second: i64 = tokens.number("a physical group")?;
                     // Gmsh marks a reversed orientation by the sign.
-                    let second = second.abs();
+                    let second = second.saturating_abs();
                     match group {
                         Some(first) if (1..=2).contains(&dimension) => {
                             let tag = tag.unsigned_abs();
@@ -206,7 +206,7 @@ impl Sections {
             for i in 0..tags {
                 let tag: i64 = tokens.number("a tag")?;
                 if i == 0 && tag != 0 {
-                    group = Some(tag.abs());
+                    group = Some(tag.saturating_abs());
                 }
             }
             self.element(tokens, span, dimension, corners, group)?;

@@ -74,7 +74,16 @@ fn no_damage_ends_in_a_panic() {
         let mut start = 0;
         for word in text.split_inclusive(char::is_whitespace) {
             let end = start + word.trim_end().len();
-            for other in ["", "-1", "0", "99999999999999999999", "1e999", "\u{3bc}", "\""] {
+            for other in [
+                "",
+                "-1",
+                "0",
+                "99999999999999999999",
+                "-9223372036854775808",
+                "1e999",
+                "\u{3bc}",
+                "\"",
+            ] {
                 let damaged = format!("{}{other}{}", &text[..start], &text[end..]);
                 let _ = read_gmsh(&damaged);
             }
