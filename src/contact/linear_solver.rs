@@ -1,0 +1,94 @@
+//! Which linear solver a run uses: a factor of each Jacobian, or conjugate gradients with multigrid.
+
+use super::{Discretization, Model};
+use crate::law::Projection;
+use crate::linalg::{
+    FactorError, Levels, MultigridSequence, NodeFrame, SequenceSolver, TangentSolver,
+};
+use crate::mesh::Nesting;
+
+/// A solver of the linear systems of a run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LinearSolver {
+    /// Sparse Cholesky factors.
+    Direct,
+    /// Conjugate gradients with a multigrid cycle; meshes that refine a coarser one.
+    Multigrid,
+}
+
+/// Unknowns from which on a run in three dimensions takes multigrid.
+pub const MULTIGRID_FROM: usize = 20_000;
+/// Levels are added until this many unknowns are left: their factor costs less than a sweep of the next level.
+const COARSEST: usize = 1_000;
+/// With more unknowns than this on the coarsest level its factor is no small matter, and a mesh has no use for levels.
+const LARGEST_COARSEST: usize = 8_000;
+
+impl LinearSolver {
+    /// The solver of a run of `steps` steps.
+    pub fn of<P: Projection>(space: &Discretization, model: &Model<P>, steps: usize) -> Self {
+        let _ = (model, steps);
+        let wanted = space.linear_solver.unwrap_or({
+            match space.mesh.dimension == 3 && space.dofs() >= MULTIGRID_FROM {
+                true => Self::Multigrid,
+                false => Self::Direct,
+            }
+        });
+        match wanted == Self::Multigrid && space.levels().is_some() {
+            true => Self::Multigrid,
+            false => Self::Direct,
+        }
+    }
+
+    /// A solver of Jacobians on `space`: factors where the mesh has no levels.
+    pub fn on(self, space: &Discretization) -> TangentSolver<'_> {
+        match self.levels(space) {
+            Some(levels) => {
+                TangentSolver::Multigrid(MultigridSequence::new(levels, &space.pattern).into())
+            }
+            None => TangentSolver::Direct(SequenceSolver::new(&space.analysis, &space.pattern)),
+        }
+    }
+
+    /// The levels it works on.
+    pub(super) fn levels(self, space: &Discretization) -> Option<&Levels> {
+        match self {
+            Self::Multigrid => space.levels(),
+            Self::Direct => None,
+        }
+    }
+
+    /// The name by which a command takes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Multigrid => "multigrid",
+        }
+    }
+}
+
+/// The levels below a space whose mesh refines as `nesting` says; none where it refines nothing, or not often enough.
+///
+/// # Errors
+/// The analysis of the coarsest matrix.
+pub(super) fn levels(
+    space: &Discretization,
+    nesting: &Nesting,
+) -> Result<Option<Levels>, FactorError> {
+    let d = space.mesh.dimension;
+    let (mut parents, mut nesting) = (Vec::new(), nesting.clone());
+    let mut unknowns = space.dofs();
+    while unknowns > COARSEST
+        && let Some((next, coarser)) = nesting.coarsened()
+    {
+        unknowns = d * next.iter().flatten().max().map_or(0, |&last| last as usize + 1);
+        parents.push(next);
+        nesting = coarser;
+    }
+    let free = &space.nodes.vertex[..space.nodes.free];
+    let coordinates: Vec<f64> = free.iter().flat_map(|&v| space.mesh.vertex(v).to_vec()).collect();
+    let frames = space.frames.rows();
+    let frames = frames.map(|(node, rows)| NodeFrame { node, rows }).collect();
+    let levels =
+        Levels::new(&space.pattern, &space.nodes.of_vertex, &parents, &coordinates, frames)?;
+    Ok(levels.filter(|levels| levels.coarsest_unknowns() <= LARGEST_COARSEST))
+}
