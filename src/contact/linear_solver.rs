@@ -18,24 +18,27 @@ pub enum LinearSolver {
 
 /// Unknowns from which on a run in three dimensions takes multigrid.
 pub const MULTIGRID_FROM: usize = 20_000;
+/// Unknowns a solve from which on the factor that serves all solves costs more than they do without one: about 15
+/// solves at 104,544 unknowns; a factor in three dimensions grows with the square of the unknowns, a solve in
+/// proportion to them.
+const UNKNOWNS_A_SOLVE: usize = 7_000;
 /// Levels are added until this many unknowns are left: their factor costs less than a sweep of the next level.
 const COARSEST: usize = 1_000;
 /// With more unknowns than this on the coarsest level its factor is no small matter, and a mesh has no use for levels.
 const LARGEST_COARSEST: usize = 8_000;
 
 impl LinearSolver {
-    /// The solver of a run of `steps` steps.
+    /// The solver of a run of `steps` steps: the one that `space` names, or the cheaper one by size and number of
+    /// solves with one matrix. Factors where the mesh has no levels.
     pub fn of<P: Projection>(space: &Discretization, model: &Model<P>, steps: usize) -> Self {
-        let _ = (model, steps);
-        let wanted = space.linear_solver.unwrap_or({
-            match space.mesh.dimension == 3 && space.dofs() >= MULTIGRID_FROM {
-                true => Self::Multigrid,
-                false => Self::Direct,
-            }
-        });
-        match wanted == Self::Multigrid && space.levels().is_some() {
-            true => Self::Multigrid,
-            false => Self::Direct,
+        // Linear runs have one matrix; a step of the others factorizes anew about once.
+        let solves = if model.is_linear() { steps + 1 } else { 1 };
+        let least = MULTIGRID_FROM.max(UNKNOWNS_A_SOLVE * solves);
+        let large = space.mesh.dimension == 3 && space.dofs() >= least;
+        let by_size = if large { Self::Multigrid } else { Self::Direct };
+        match space.linear_solver.unwrap_or(by_size) {
+            Self::Multigrid if space.levels().is_some() => Self::Multigrid,
+            _ => Self::Direct,
         }
     }
 

@@ -158,7 +158,7 @@ fn trial<C: Parts>(
 
 /// Products of some thousand numbers of single precision, each rounded to 6e-8.
 const SYMMETRIC: f64 = 1e-5;
-/// Some 12 iterations for a residual of 1e-8 are usual for V(1,1) (0.2 a step); held coordinates cost a few.
+/// Conjugate gradients with V(1,1) take a digit in two iterations, on any mesh.
 const FEW: u32 = 18;
 
 fn cube(n: usize) -> (Body, Levels) {
@@ -178,16 +178,16 @@ fn few_iterations_on_any_mesh_and_a_symmetric_cycle() {
         let held = body.hold(|[i, _, l]| 3 * i < n + 2 || (i * l) % 5 == 3);
         let (outcome, skew) = trial(&body, &levels, &held, Symmetric);
         println!("n = {n}, {} held: {outcome:?} {skew:.1e}", held.len());
-        assert!(outcome.unwrap() <= FEW + 6 && skew < SYMMETRIC);
+        assert!(outcome.unwrap() <= FEW && skew < SYMMETRIC);
     }
 }
 
 #[test]
-fn axes_that_do_not_divide_stay_and_cost_iterations() {
+fn axes_that_do_not_divide_stay() {
     let body = Body::new([8, 5, 8], 1.0);
     let (outcome, skew) = trial(&body, &body.levels([true, false, true]), &[], Symmetric);
     println!("8 x 5 x 8: {outcome:?}");
-    assert!(outcome.unwrap() <= 40 && skew < SYMMETRIC);
+    assert!(outcome.unwrap() <= FEW && skew < SYMMETRIC);
 }
 
 /// No sweep after the correction.
@@ -218,18 +218,41 @@ fn unsymmetric_parts_are_seen() {
 }
 
 #[test]
-fn a_wrong_weight_and_a_forgotten_held_unknown_cost_iterations() {
-    let few = |outcome: Result<u32, FactorError>| outcome.is_ok_and(|count| count <= FEW + 6);
-    let (mut body, mut levels) = cube(16);
-    let held = body.hold(|[i, _, _]| i < 9);
-    assert!(few(trial(&body, &levels, &held, Symmetric).0));
-    let forgotten = trial(&body, &levels, &[], Symmetric).0;
-    println!("{forgotten:?}");
-    assert!(!few(forgotten));
+fn a_wrong_weight_costs_iterations() {
+    let (body, mut levels) = cube(16);
     levels.transfers.iter_mut().for_each(|transfer| transfer.weight = 0.4);
-    let wrong = trial(&body, &levels, &held, Symmetric).0;
+    let wrong = trial(&body, &levels, &[], Symmetric).0;
     println!("{wrong:?}");
-    assert!(!few(wrong));
+    assert!(wrong.map_or(true, |count| count > FEW));
+}
+
+#[test]
+fn held_unknowns_are_on_no_coarse_level() {
+    let (mut body, levels) = cube(8);
+    let held = body.hold(|[i, _, _]| i < 5);
+    // Their equations say nothing to others: coarse matrices must not know of them.
+    let coarse = |factor: f64, named: &[usize]| {
+        let mut values = body.values.clone();
+        held.iter().for_each(|&dof| values[body.pattern.diagonal(dof)] *= factor);
+        let mut cycle = Multigrid::new(Symmetric, &levels, &body.pattern);
+        cycle.set(&values, named).unwrap();
+        cycle.values
+    };
+    assert_eq!(coarse(1.0, &held), coarse(3.0, &held));
+    assert_ne!(coarse(1.0, &held[1..]), coarse(3.0, &held[1..]));
+    // Solved exactly, and moved by no correction.
+    let mut cycle = Multigrid::new(Symmetric, &levels, &body.pattern);
+    cycle.set(&body.values, &held).unwrap();
+    let mut x = random(body.pattern.order(), 4);
+    let right: Vec<f64> = held.iter().map(|&dof| x[dof]).collect();
+    cycle.cycle(&mut x);
+    for (&dof, right) in held.iter().zip(right) {
+        let exact = right / body.values[body.pattern.diagonal(dof)];
+        assert!((x[dof] - exact).abs() <= 1e-6 * exact.abs());
+    }
+    // Coarse levels that leave out free unknowns as well are worse.
+    let more: Vec<usize> = (0..body.pattern.order()).filter(|dof| dof % 3 == 1).collect();
+    assert!(trial(&body, &levels, &more, Symmetric).0.map_or(true, |count| count > FEW));
 }
 
 /// Negative on one entry, on a mode that only coarse levels see, and in between.
