@@ -221,15 +221,19 @@ fn list_explain_and_check_have_their_json() {
     keys(&plan, &[&own[..], &["constants", "corners", "regions"]].concat());
     let cases = plan["cases"].as_array().expect("cases");
     assert_eq!(cases.len(), 5);
+    let predicted = ["seconds_predicted", "memory_bytes_predicted"];
     for case in cases {
-        let predicted = ["seconds_predicted", "memory_bytes_predicted"];
-        keys(case, &[&["n", "steps", "dofs", "history_bytes", "norms"][..], &predicted].concat());
+        keys(
+            case,
+            &[&["n", "steps", "dofs", "linear_solver", "history_bytes", "norms"][..], &predicted]
+                .concat(),
+        );
         assert!(predicted.iter().all(|key| case[key].as_f64().is_some_and(|value| value > 0.0)));
         // 4 × 4 squares, 25 vertices, 5 of them clamped, two unknowns each.
         assert_eq!(case["dofs"], 40);
     }
     let punch = json(&sweep(&["explain", "punch", "--json"]));
-    keys(&punch["reference"], &["n", "steps", "seconds_predicted", "memory_bytes_predicted"]);
+    keys(&punch["reference"], &[&["n", "steps", "linear_solver"][..], &predicted].concat());
     assert!(plan["reference"].is_null());
     let check = json(&sweep(&["check", "affine", "--json"]));
     keys(&check, &["scene", "findings"]);
@@ -263,7 +267,7 @@ const SOLVED: [&str; 17] = [
     "dofs",
 ];
 /// Later additions.
-const ADDED: [&str; 11] = [
+const ADDED: [&str; 13] = [
     "compliance_pressure",
     "contact_half_width",
     "contraction",
@@ -272,6 +276,8 @@ const ADDED: [&str; 11] = [
     "factorizations",
     "fixed_point_iterations",
     "jump_vertices",
+    "linear_iterations",
+    "linear_solver",
     "linear_solves",
     "peak_pressure",
     "pressure_spread",

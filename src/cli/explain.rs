@@ -1,19 +1,22 @@
 //! `sweep explain`: what a scene requires, and which algorithm and storage that selects.
 
+use std::collections::BTreeSet;
+
 use clap::Args;
 
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
+use crate::contact::LinearSolver;
 use crate::scene::{Data, Memory};
 use crate::setup::{Setup, Subject};
-use crate::sweep::{Cost, Overrides, ScenePlan, predict};
+use crate::sweep::{Cost, Overrides, PlanCost, ScenePlan, predict};
 use crate::theory::corner::{Corner, corners};
 
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
+    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, linear_solver: direct or multigrid, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -46,6 +49,7 @@ impl Explain {
                     "n": case.n,
                     "steps": case.steps,
                     "dofs": cost.dofs,
+                    "linear_solver": cost.linear_solver.name(),
                     "history_bytes": setup.history_vectors(case.steps) * cost.dofs * 8,
                     "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
                     "seconds_predicted": cost.seconds,
@@ -57,6 +61,7 @@ impl Explain {
             serde_json::json!({
                 "n": reference.n,
                 "steps": reference.steps,
+                "linear_solver": cost.linear_solver.name(),
                 "seconds_predicted": cost.seconds,
                 "memory_bytes_predicted": cost.memory_bytes.round() as u64,
             })
@@ -81,6 +86,7 @@ impl Explain {
         print_text(&format!("truth      {}", truth(&setup.scene)));
         regions.iter().for_each(|(_, line)| print_text(&format!("region     {line}")));
         print_text(&format!("algorithm  {algorithm}"));
+        print_text(&format!("linear     {}", linear_solvers(&plan, &costs)));
         print_text(&format!("history    {history}"));
         if let (Some(reference), Some(cost)) = (&reference, &costs.reference) {
             let run = format!("n = {}, N = {}", reference["n"], reference["steps"]);
@@ -130,6 +136,31 @@ fn least_order(corners: &[Corner]) -> Option<f64> {
 
 fn predicted(cost: &Cost) -> String {
     format!("about {} of CPU time, {:.0} MB", duration(cost.seconds), cost.memory_bytes / 1e6)
+}
+
+/// The linear solver of all runs, or the meshes with each of the two.
+fn linear_solvers(plan: &ScenePlan, costs: &PlanCost) -> String {
+    let own = plan.cases.iter().map(|case| case.n.unwrap_or_default());
+    let ns = own.chain(plan.reference.map(|reference| reference.n as u32));
+    let solvers = costs.cases.iter().chain(&costs.reference).map(|cost| cost.linear_solver);
+    let all: Vec<(u32, LinearSolver)> = ns.zip(solvers).collect();
+    let on = |wanted: LinearSolver| {
+        let meshes: BTreeSet<u32> =
+            all.iter().filter(|(_, own)| *own == wanted).map(|(n, _)| *n).collect();
+        meshes.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+    };
+    let names = [
+        (LinearSolver::Direct, "Cholesky factors"),
+        (LinearSolver::Multigrid, "conjugate gradients with multigrid"),
+    ];
+    let used: Vec<_> = names.iter().filter(|(solver, _)| !on(*solver).is_empty()).collect();
+    match used[..] {
+        [(_, name)] => (*name).to_string(),
+        _ => {
+            let each = used.iter().map(|(solver, name)| format!("{name} for n = {}", on(*solver)));
+            each.collect::<Vec<_>>().join("; ")
+        }
+    }
 }
 
 fn duration(seconds: f64) -> String {

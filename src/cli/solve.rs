@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
-use crate::contact::{CaseInfo, StepView};
+use crate::contact::{CaseInfo, LinearSolver, StepView};
 use crate::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
@@ -19,7 +19,7 @@ use crate::vhi::{
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
 )]
 pub struct Solve {
     /// Name of a scene, or path of a TOML file
@@ -35,6 +35,9 @@ pub struct Solve {
     /// part of j explicit, which converges where (2.9) holds
     #[arg(long, value_enum, default_value_t = Solver::Newton)]
     solver: Solver,
+    /// Solver of the linear systems; without it the size of the problem decides
+    #[arg(long, value_enum)]
+    linear_solver: Option<LinearChoice>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -49,6 +52,24 @@ enum Solver {
     Newton,
     FixedPoint,
     Decomposition,
+}
+
+/// The solver of the linear systems.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum LinearChoice {
+    /// Sparse Cholesky factors
+    Direct,
+    /// Conjugate gradients with a multigrid cycle
+    Multigrid,
+}
+
+impl From<LinearChoice> for LinearSolver {
+    fn from(choice: LinearChoice) -> Self {
+        match choice {
+            LinearChoice::Direct => Self::Direct,
+            LinearChoice::Multigrid => Self::Multigrid,
+        }
+    }
 }
 
 impl StepSolver for Solver {
@@ -78,9 +99,18 @@ impl Solve {
             super::progress::remark(&subject.scene().name, &remark);
         }
         match (subject, self.n) {
-            (Subject::Contact(setup), Some(n)) => self.contact(&setup, n),
+            (Subject::Contact(mut setup), Some(n)) => {
+                setup.linear_solver = self.linear_solver.map(LinearSolver::from);
+                self.contact(&setup, n)
+            }
             (Subject::Abstract(setup), n) => {
                 abstract_problem::no_mesh(&setup.scene, n)?;
+                if self.linear_solver.is_some() {
+                    let name = &setup.scene.name;
+                    return Err(other(format!(
+                        "{name}: --linear-solver is for bodies; an abstract scene has a few coordinates and no mesh"
+                    )));
+                }
                 let bound =
                     self.decomposes().then(|| abstract_decomposition_bound(&setup, self.steps));
                 self.remark_on(&setup.scene.name, bound);
@@ -110,6 +140,7 @@ impl Solve {
         setup.scene.check_cells(n)?;
         let start = Instant::now();
         let data = MeshData::new(setup, n, None)?;
+        self.check_levels(setup, n, &data)?;
         let bound = match self.decomposes() {
             true => Some(decomposition_bound(setup, &data.space, n, self.steps)?),
             false => None,
@@ -143,8 +174,20 @@ impl Solve {
             series.finish().map_err(other)?;
         }
         let state = last.ok_or_else(|| other("the run ended before its last step"))?;
-        self.print(&state, &info, bound, seconds, data.space.dofs())?;
+        let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
+        self.print(&state, &info, bound, seconds, (data.space.dofs(), solver))?;
         Ok(0)
+    }
+
+    fn check_levels(&self, setup: &Setup, n: u32, data: &MeshData) -> Result<(), CliError> {
+        if setup.linear_solver != Some(LinearSolver::Multigrid) || data.space.levels().is_some() {
+            return Ok(());
+        }
+        let name = &setup.scene.name;
+        Err(other(format!(
+            "{name} n = {n}: multigrid needs coarser meshes that this one refines, down to few unknowns; take an n with more factors of 2 (rectangles, boxes, polygons; {} unknowns here), or --linear-solver direct",
+            data.space.dofs()
+        )))
     }
 
     fn print(
@@ -153,7 +196,7 @@ impl Solve {
         info: &CaseInfo,
         bound: Option<f64>,
         seconds: f64,
-        dofs: usize,
+        (dofs, solver): (usize, LinearSolver),
     ) -> Result<(), CliError> {
         let mut document = serde_json::to_value(state).map_err(other)?;
         if let Some(object) = document.as_object_mut() {
@@ -164,6 +207,8 @@ impl Solve {
             object.insert("contraction_bound".into(), bound.into());
             object.insert("factorizations".into(), info.work.linear.factorizations.into());
             object.insert("linear_solves".into(), info.work.linear.solves.into());
+            object.insert("linear_solver".into(), solver.name().into());
+            object.insert("linear_iterations".into(), info.work.linear.iterations.into());
             object.insert("kkt_residual".into(), info.kkt_residual.into());
             object.insert("seconds".into(), seconds.into());
             object.insert("dofs".into(), dofs.into());

@@ -1,11 +1,14 @@
 //! All that depends on the mesh alone and is shared by the cases on it.
 
+use std::sync::OnceLock;
+
 use crate::law::Stiffness;
-use crate::linalg::{Analysis, BlockPattern, FactorError, nested_dissection};
-use crate::mesh::Mesh;
+use crate::linalg::{Analysis, BlockPattern, FactorError, Levels, nested_dissection};
+use crate::mesh::{Mesh, Nesting};
 use crate::space::{Geometry, Nodes};
 
-use super::{ContactTrace, Frames, stiffness_of};
+use super::linear_solver::levels;
+use super::{ContactTrace, Frames, LinearSolver, stiffness_of};
 
 /// V^h on one mesh: nodes, geometry, matrix pattern with its analysis, the trace on Γ3.
 #[derive(Debug)]
@@ -26,6 +29,11 @@ pub struct Discretization {
     pub frames: Frames,
     /// The region of each cell, region 0 being what belongs to no named one; empty if there are none.
     pub regions: Vec<u8>,
+    /// The coarser mesh that the mesh refines, if it is known.
+    pub nesting: Nesting,
+    /// The linear solver of runs on this mesh, where it is not left to [`LinearSolver::of`].
+    pub linear_solver: Option<LinearSolver>,
+    levels: OnceLock<Result<Option<Levels>, FactorError>>,
 }
 
 impl Discretization {
@@ -41,7 +49,27 @@ impl Discretization {
             nodes.vertex[..nodes.free].iter().flat_map(|&v| mesh.vertex(v).to_vec()).collect();
         let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates))?;
         let (trace, frames) = ContactTrace::new(&mesh, &nodes, contact);
-        Ok(Self { mesh, nodes, geometry, pattern, analysis, trace, frames, regions: Vec::new() })
+        let (regions, nesting, linear_solver) = (Vec::new(), Nesting::Unknown, None);
+        let levels = OnceLock::new();
+        Ok(Self {
+            mesh,
+            nodes,
+            geometry,
+            pattern,
+            analysis,
+            trace,
+            frames,
+            regions,
+            nesting,
+            linear_solver,
+            levels,
+        })
+    }
+
+    /// Patterns and transfers of coarser meshes, made when they are first asked for; none where the mesh refines
+    /// nothing that is known, or their analysis fails.
+    pub fn levels(&self) -> Option<&Levels> {
+        self.levels.get_or_init(|| levels(self, &self.nesting)).as_ref().ok()?.as_ref()
     }
 
     /// Number of unknowns.

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::time::Instant;
 
 use super::problem::LastSlot;
-use super::{CaseError, ContactProblem, Discretization, Load, Model, strain_norm};
+use super::{CaseError, ContactProblem, Discretization, LinearSolver, Load, Model, strain_norm};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
 use crate::linalg::{FactorError, axpy};
@@ -52,7 +52,11 @@ impl<'a, P: Projection> Evolution<'a, P> {
         let memory: Vec<Memory> =
             terms.map(|term| Memory::new(&*term.kernel, rule, space.dofs())).collect();
         Self {
-            problem: ContactProblem::new(space, model),
+            problem: ContactProblem::new(space, model).solved_by(LinearSolver::of(
+                space,
+                model,
+                grid.steps(),
+            )),
             history: vec![vec![0.0; space.nodes.len()]; memory.len()],
             frozen_history: vec![vec![0.0; space.dofs()]; memory.len()],
             memory,

@@ -75,6 +75,11 @@ impl Frames {
         self.frames.is_empty()
     }
 
+    /// Nodes that have unknowns of their own, with N by rows.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
+        self.frames.iter().map(|frame| (frame.node, frame.normals.transpose().as_slice().to_vec()))
+    }
+
     /// u = B w of a vector by nodes, in place.
     pub fn to_cartesian(&self, vector: &mut [f64]) {
         self.each(vector, |frame, own| &frame.basis * own);

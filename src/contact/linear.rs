@@ -6,20 +6,20 @@
 use std::time::Instant;
 
 use super::floor::Accepted;
+use super::inverse::Inverse;
 use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
-use super::problem::Work;
-use super::{Discretization, Floors, Load, Model, kkt_residual};
+use super::work::Work;
+use super::{Discretization, Floors, LinearSolver, Load, Model, kkt_residual};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
-use crate::linalg::{Factor, FactorError, Workspace, axpy};
+use crate::linalg::{FactorError, LinearWork, axpy};
 use crate::space::strain_of;
 use crate::tensor::contract;
 use crate::vhi::{FailedStep, Newton, StepError};
 
 /// K⁻¹F(t): a solve a step, or a sum of few solutions.
-struct Response {
-    factor: Factor,
-    workspace: Workspace,
+struct Response<'a> {
+    inverse: Inverse<'a>,
     /// K⁻¹F_i where F = Σ a_i(t) F_i.
     basis: Option<Vec<Vec<f64>>>,
     factors: Vec<f64>,
@@ -43,7 +43,9 @@ pub fn march<P: Projection>(
     // One term at most: `march` sends no other scene here.
     let kernel = model.memory.first().map(|term| &*term.kernel);
     let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, dofs));
-    let mut response = Response::new(space, model, load, &mut info.work)?;
+    let solver = LinearSolver::of(space, model, grid.steps());
+    let mut response = Response::new(space, model, solver, load, &mut info.work)?;
+    let seconds_basis = response.inverse.work().seconds_solve;
     let (mut force, mut u) = (vec![0.0; dofs], vec![0.0; space.nodes.len()]);
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
     let mut accumulated = Accumulated::default();
@@ -54,7 +56,8 @@ pub fn march<P: Projection>(
         load.assemble(t, &mut force)?;
         info.seconds_load += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        response.at(t, load, &force, space, &mut u[..dofs], &mut info.work);
+        let solved = response.at(t, load, &force, &mut u[..dofs]);
+        solved.map_err(|source| failed(n, t, source))?;
         if let (Some(memory), Some(kernel), Some(history)) =
             (&mut memory, kernel, history.first_mut())
         {
@@ -62,9 +65,7 @@ pub fn march<P: Projection>(
             let implicit = rule.kernel_weight(&Convolution(kernel), grid, n, n);
             let scale = 1.0 + beta * implicit;
             if scale.is_nan() || scale <= 0.0 {
-                let source = FactorError::NotPositiveDefinite { dof: 0 };
-                let source = StepError::Factor { iteration: 0, source };
-                return Err(FailedStep { n, t, source }.into());
+                return Err(failed(n, t, FactorError::NotPositiveDefinite { dof: 0 }).into());
             }
             for (value, past) in u[..dofs].iter_mut().zip(history.iter()) {
                 *value = (*value - beta * past) / scale;
@@ -96,42 +97,34 @@ pub fn march<P: Projection>(
         observe(&view)?;
     }
     info.floors = response.floors(space, model, &force, &u, &history);
+    let seconds_solve = seconds_basis + info.work.linear.seconds_solve;
+    info.work.linear = LinearWork { seconds_solve, ..response.inverse.work() };
     Ok(info)
 }
 
-impl Response {
+fn failed(n: usize, t: f64, source: FactorError) -> FailedStep {
+    FailedStep { n, t, source: StepError::Factor { iteration: 0, source } }
+}
+
+impl<'a> Response<'a> {
     fn new<P: Projection>(
-        space: &Discretization,
+        space: &'a Discretization,
         model: &Model<P>,
+        solver: LinearSolver,
         load: &dyn Load,
         work: &mut Work,
     ) -> Result<Self, CaseError> {
         let start = Instant::now();
         let stiffness = space.stiffness(&model.elasticity);
         work.seconds_assemble += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
-        space.analysis.factorize(&space.pattern, &stiffness, &mut factor, &mut workspace).map_err(
-            |source| FailedStep {
-                n: 0,
-                t: 0.0,
-                source: StepError::Factor { iteration: 0, source },
-            },
-        )?;
-        work.linear.factorizations += 1;
-        work.linear.seconds_factor += start.elapsed().as_secs_f64();
-        let start = Instant::now();
-        let basis = load.basis().map(|basis| {
-            let mut basis = basis.to_vec();
-            for vector in &mut basis {
-                space.analysis.solve(&factor, vector, &mut workspace);
-                work.linear.solves += 1;
-            }
-            basis
-        });
-        work.linear.seconds_solve += start.elapsed().as_secs_f64();
+        let at_start = |source| failed(0, 0.0, source);
+        let mut inverse = Inverse::new(space, solver, stiffness).map_err(at_start)?;
+        let mut basis = load.basis().map(<[Vec<f64>]>::to_vec);
+        for vector in basis.iter_mut().flatten() {
+            inverse.solve(vector).map_err(at_start)?;
+        }
         let factors = vec![0.0; basis.as_ref().map_or(0, Vec::len)];
-        Ok(Self { factor, workspace, basis, factors })
+        Ok(Self { inverse, basis, factors })
     }
 
     /// Floors from the correction that one more solve at the last step would make.
@@ -160,7 +153,7 @@ impl Response {
         let scale = diagonal.map(|f| f * f).sum::<f64>().sqrt() + crate::linalg::norm(force);
         let tolerance = Newton::default().rounding_units * f64::EPSILON * scale;
         let accepted = Accepted { residual: crate::linalg::norm(&delta), tolerance };
-        space.analysis.solve(&self.factor, &mut delta[..space.dofs()], &mut self.workspace);
+        self.inverse.estimate(&mut delta[..space.dofs()]);
         let largest = model.elasticity.eigenvalues(space.mesh.dimension).1;
         Floors::new(space, &delta, u, accepted, largest)
     }
@@ -171,10 +164,8 @@ impl Response {
         t: f64,
         load: &dyn Load,
         force: &[f64],
-        space: &Discretization,
         out: &mut [f64],
-        work: &mut Work,
-    ) {
+    ) -> Result<(), FactorError> {
         match &self.basis {
             Some(basis) => {
                 load.factors(t, &mut self.factors);
@@ -182,11 +173,11 @@ impl Response {
                 for (vector, factor) in basis.iter().zip(&self.factors) {
                     axpy(*factor, vector, out);
                 }
+                Ok(())
             }
             None => {
                 out.copy_from_slice(force);
-                space.analysis.solve(&self.factor, out, &mut self.workspace);
-                work.linear.solves += 1;
+                self.inverse.solve(out)
             }
         }
     }

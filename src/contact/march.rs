@@ -1,7 +1,7 @@
 //! The march in time: Problem 14 step after step, with the history committed after convergence.
 
 use super::floor::Accepted;
-use super::problem::Work;
+use super::work::Work;
 use super::{Discretization, Evolution, Floors, Load, LoadError, Model, kkt_residual, linear};
 use crate::history::TimeGrid;
 use crate::law::Projection;

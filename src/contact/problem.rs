@@ -10,23 +10,13 @@ use std::time::Instant;
 use super::assembly::{cell_stiffness, stress_force};
 use super::boundary::boundary_graph;
 use super::compliance::FacetCompliance;
-use super::{Discretization, Model};
+use super::work::Work;
+use super::{Discretization, LinearSolver, Model};
 use crate::law::{Projection, TensorField};
-use crate::linalg::{FactorError, LinearWork, RankOne, SequenceSolver, norm};
+use crate::linalg::{FactorError, RankOne, TangentSolver, norm};
 use crate::space::strain_of;
 use crate::tensor::contract;
 use crate::vhi::{BoundaryGraph, StepInequality};
-
-/// Counters and times of the solver's parts.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Work {
-    /// Evaluations of F.
-    pub residuals: u32,
-    /// Seconds in residuals and tangents.
-    pub seconds_assemble: f64,
-    /// Factorizations and solves.
-    pub linear: LinearWork,
-}
 
 /// Weights of the last slot of the histories, through which F depends on u_n. Both are zero at n = 0
 /// and where the last slot is frozen.
@@ -52,7 +42,7 @@ pub struct ContactProblem<'a, P> {
     /// 𝒜 + Σ W ℬ₀ as a law and as matrix values.
     linear_law: TensorField,
     linear: Vec<f64>,
-    solver: SequenceSolver<'a>,
+    solver: TangentSolver<'a>,
     /// What the last tangent was made of: last slot, slopes, prescribed flags.
     last: Option<(LastSlot, Vec<f64>, Vec<bool>)>,
     /// Load minus memory of the past.
@@ -73,7 +63,7 @@ pub struct ContactProblem<'a, P> {
 }
 
 impl<'a, P: Projection> ContactProblem<'a, P> {
-    /// The problem of `model` on `space`, before the first time level.
+    /// The problem of `model` on `space`, before the first time level, with factors of its Jacobians.
     pub fn new(space: &'a Discretization, model: &'a Model<P>) -> Self {
         let elastic = space.stiffness_of_unknowns(&model.elasticity);
         let terms = model.memory.iter();
@@ -86,7 +76,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         let needs_strains = model.projection.limit().is_some();
         let tensor = if space.mesh.dimension == 2 { 3 } else { 6 };
         Self {
-            solver: SequenceSolver::new(&space.analysis, &space.pattern),
+            solver: LinearSolver::Direct.on(space),
             last: None,
             linear_law: model.elasticity.clone(),
             linear: elastic.clone(),
@@ -113,6 +103,11 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             compliance,
             couplings,
         }
+    }
+
+    /// The same with another linear solver.
+    pub fn solved_by(self, solver: LinearSolver) -> Self {
+        Self { solver: solver.on(self.space), ..self }
     }
 
     /// Opens a time level: weights of the last slot, the sum ζ_past, the load F_n (Cartesian), and the
@@ -169,7 +164,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
 
     /// Counters and times so far.
     pub fn work(&self) -> Work {
-        Work { linear: self.solver.work, ..self.work }
+        Work { linear: self.solver.work(), ..self.work }
     }
 
     fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {
@@ -374,6 +369,7 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
             tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;
         }
         self.prescribe(prescribed, &mut tangent, &mut rank_one);
+        self.solver.hold(self.fixed.iter().map(|&(dof, _)| dof));
         self.last = Some(now);
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
         self.solver.prepare(tangent, rank_one, unchanged)

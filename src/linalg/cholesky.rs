@@ -17,11 +17,22 @@ use super::pattern::BlockPattern;
 /// Why a factorization was not possible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FactorError {
-    /// A pivot was not positive: the matrix is not positive definite.
+    /// A pivot was not positive, or a direction p of an iteration had pᵀAp ≤ 0: the matrix is not positive
+    /// definite.
     #[error("the tangent matrix is not positive definite (first at unknown {dof})")]
     NotPositiveDefinite {
-        /// The unknown.
+        /// The unknown of the pivot, or of the largest entry of the direction.
         dof: usize,
+    },
+    /// An iteration ended before its residual was small.
+    #[error(
+        "conjugate gradients still have {residual:.1e} of their residual after {iterations} iterations; `--linear-solver direct` factorizes instead"
+    )]
+    NotReached {
+        /// Iterations.
+        iterations: u32,
+        /// Norm of the residual over that of the first one.
+        residual: f64,
     },
     /// The numbers handed in were not finite.
     #[error("the tangent matrix has an entry that is not a finite number")]

@@ -1,20 +1,28 @@
-//! Sparse symmetric matrices over node blocks, their assembly, and the Cholesky factorization.
+//! Sparse symmetric matrices over node blocks, their assembly, Cholesky factorization and multigrid.
 
 mod cholesky;
+mod conjugate_gradient;
 mod dissection;
 mod gmres;
 mod krylov_eigen;
+mod multigrid;
+mod multigrid_sequence;
 mod pattern;
 mod random;
 mod sequence;
+mod tangent_solver;
 
 pub use cholesky::{Analysis, Factor, FactorError, Real, Workspace};
+pub use conjugate_gradient::{Directions, conjugate_gradients};
 pub use dissection::nested_dissection;
 pub use gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
 pub use krylov_eigen::{EigenError, Extreme, LinearMap, Spectrum, largest_eigenvalue, spectrum};
+pub use multigrid::{Levels, NodeFrame};
+pub use multigrid_sequence::MultigridSequence;
 pub use pattern::BlockPattern;
 pub use random::signed_unit;
 pub use sequence::{LinearWork, RankOne, SequenceSolver};
+pub use tangent_solver::TangentSolver;
 
 /// Σ a_i b_i, summed in order.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -29,17 +29,7 @@ impl BlockPattern {
     /// (`dimension` + 1 node numbers each; numbers from `free` on are clamped and left out).
     pub fn new(cells: &[u32], dimension: usize, free: usize) -> Self {
         let (first, neighbours) = larger_neighbours(cells, dimension + 1, free);
-        let (mut columns, mut rows) = (vec![0u32], Vec::new());
-        for b in 0..free {
-            let list = &neighbours[first[b] as usize..first[b + 1] as usize];
-            for j in 0..dimension {
-                rows.extend((j..dimension).map(|i| (dimension * b + i) as u32));
-                for &a in list {
-                    rows.extend((0..dimension).map(|i| (dimension * a as usize + i) as u32));
-                }
-                columns.push(rows.len() as u32);
-            }
-        }
+        let (columns, rows) = columns(dimension, &first, &neighbours);
         let mut slots = Vec::with_capacity(cells.len() * dimension / 2);
         for cell in cells.chunks_exact(dimension + 1) {
             for b in 1..=dimension {
@@ -58,6 +48,18 @@ impl BlockPattern {
         Self { dimension, columns, rows, first, neighbours, slots }
     }
 
+    /// Pattern of matrices over nodes with the given sorted larger neighbours, which nothing is scattered to.
+    pub fn of_neighbours(dimension: usize, lists: &[Vec<u32>]) -> Self {
+        let mut pattern = Self::new(&[], dimension, lists.len());
+        pattern.first = vec![0];
+        for list in lists {
+            pattern.neighbours.extend(list);
+            pattern.first.push(pattern.neighbours.len() as u32);
+        }
+        (pattern.columns, pattern.rows) = columns(dimension, &pattern.first, &pattern.neighbours);
+        pattern
+    }
+
     /// Order of the matrix.
     pub fn order(&self) -> usize {
         self.columns.len() - 1
@@ -71,6 +73,19 @@ impl BlockPattern {
     /// Larger neighbours of a free node.
     pub fn larger_neighbours(&self, node: usize) -> &[u32] {
         &self.neighbours[self.first[node] as usize..self.first[node + 1] as usize]
+    }
+
+    /// Nodes without clamped ones.
+    pub fn nodes(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    /// Position of the first entry of column j of the diagonal block of a node, and of the block below it that
+    /// belongs to its larger neighbour number `slot`.
+    #[inline]
+    pub(super) fn in_column(&self, node: usize, j: usize, slot: Option<usize>) -> usize {
+        let start = self.columns[self.dimension * node + j] as usize;
+        slot.map_or(start, |slot| start + self.dimension - j + self.dimension * slot)
     }
 
     /// Adds `weight`·`local` to `values`, where `local[(a, i), (b, j)]` is the symmetric matrix of
@@ -177,6 +192,22 @@ impl BlockPattern {
     pub fn dimension(&self) -> usize {
         self.dimension
     }
+}
+
+/// Column starts and row numbers of the lower triangle.
+fn columns(dimension: usize, first: &[u32], neighbours: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let (mut columns, mut rows) = (vec![0u32], Vec::new());
+    for b in 0..first.len() - 1 {
+        let list = &neighbours[first[b] as usize..first[b + 1] as usize];
+        for j in 0..dimension {
+            rows.extend((j..dimension).map(|i| (dimension * b + i) as u32));
+            for &a in list {
+                rows.extend((0..dimension).map(|i| (dimension * a as usize + i) as u32));
+            }
+            columns.push(rows.len() as u32);
+        }
+    }
+    (columns, rows)
 }
 
 /// Sorted larger neighbours of every free node, as (starts, list).

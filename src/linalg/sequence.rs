@@ -26,8 +26,10 @@ pub struct RankOne {
 pub struct LinearWork {
     /// Numerical factorizations, in either precision.
     pub factorizations: u32,
-    /// Passes over a factor.
+    /// Passes over a factor, or solves without one.
     pub solves: u32,
+    /// Iterations of solves without a factor.
+    pub iterations: u32,
     /// Seconds in factorizations.
     pub seconds_factor: f64,
     /// Seconds in solves.

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Coarse, Family, Mesh, grading};
+use super::{Coarse, Family, Mesh, Parents, grading};
 use crate::linalg::signed_unit;
 
 /// The mesh with n parts of every edge of `coarse`.
@@ -59,6 +59,24 @@ pub fn refined(coarse: &Arc<Coarse>, n: u32, family: Family) -> Mesh {
         }
     }
     mesh
+}
+
+/// The vertices of mesh n/2 of which each vertex of mesh n is one, or halves the edge between two.
+pub(super) fn parents(coarse: &Arc<Coarse>, n: u32) -> Parents {
+    let (mut fine, mut half) = (Vertices::new(coarse, n), Vertices::new(coarse, n / 2));
+    let mut parents = vec![[0; 2]; fine.count() as usize];
+    for triangle in 0..coarse.triangles.len() {
+        let (number, of_half) = (fine.of_triangle(triangle), half.of_triangle(triangle));
+        for j in 0..=n {
+            for i in 0..=n - j {
+                // Edges run along i, along j, and where i + j does not change.
+                let (low, high) = (i / 2, i.div_ceil(2));
+                parents[number(i, j) as usize] =
+                    [of_half(high, j / 2), of_half(low, j.div_ceil(2))];
+            }
+        }
+    }
+    parents
 }
 
 /// The vertices of a refined mesh.

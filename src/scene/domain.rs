@@ -12,7 +12,7 @@ pub use family::MeshFamily;
 pub use side::{Face, Side};
 
 use crate::formula::Point;
-use crate::mesh::{Coarse, Mesh, cuboid, rectangle, refined};
+use crate::mesh::{Coarse, Mesh, Nesting, cuboid, rectangle, refined};
 
 use super::diagnostic::SceneError;
 use super::reading::{Reading, evenly};
@@ -172,6 +172,14 @@ impl Domain {
             (Shape::Refined(coarse), _) => refined(coarse, n, family),
             (Shape::Box, &[a, b, c]) => cuboid([a, b, c], n, family),
             (Shape::Box, _) => rectangle([self.size[0], self.size[1]], n, family),
+        }
+    }
+
+    /// What the mesh n refines.
+    pub fn nesting(&self, n: u32) -> Nesting {
+        match &self.shape {
+            Shape::Refined(coarse) => Nesting::Refined { coarse: coarse.clone(), parts: n },
+            Shape::Box => Nesting::of_box(&self.size, n),
         }
     }
 

@@ -39,7 +39,7 @@ pub use step_size::{StepRemark, check_step_sizes};
 pub use subject::Subject;
 pub use trace_family::{TraceFamily, trace_family};
 
-use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, Model};
+use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, Model};
 use crate::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use crate::law::VonMises;
 use crate::linalg::{EigenError, FactorError};
@@ -81,6 +81,8 @@ pub struct Setup {
     pub exact: Option<Arc<Exact>>,
     /// The solver that is measured; [`NewtonMarch`] unless another takes its place.
     pub scheme: Arc<dyn Scheme>,
+    /// The linear solver of its runs, where it is not left to [`LinearSolver::of`].
+    pub linear_solver: Option<LinearSolver>,
 }
 
 impl Setup {
@@ -98,7 +100,8 @@ impl Setup {
         let body = body.clone();
         let model = model(&scene, &body);
         let exact = exact(&scene, &body).map(Arc::new);
-        let setup = Self { scene, body, model, exact, scheme: Arc::new(NewtonMarch) };
+        let scheme = Arc::new(NewtonMarch);
+        let setup = Self { scene, body, model, exact, scheme, linear_solver: None };
         admissible(&setup)?;
         Ok(setup)
     }
@@ -122,8 +125,10 @@ impl Setup {
         let domain = &self.body.domain;
         let mesh = domain.mesh(n);
         let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
-        Discretization::new(mesh, &clamped, &contact)
-            .map_err(|source| SetupError::Mesh { n, source })
+        let mut space = Discretization::new(mesh, &clamped, &contact)
+            .map_err(|source| SetupError::Mesh { n, source })?;
+        (space.nesting, space.linear_solver) = (domain.nesting(n), self.linear_solver);
+        Ok(space)
     }
 
     /// Whether the mesh lines of this mesh follow the boundaries of all regions.

@@ -12,7 +12,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use crate::contact::Discretization;
+use crate::contact::{Discretization, LinearSolver};
 use crate::formula::Variable;
 use crate::scene::{Data, Norm};
 use crate::setup::{AbstractSetup, Setup, SetupError};
@@ -62,6 +62,17 @@ impl Kind {
         }
     }
 
+    /// Iterations of conjugate gradients in one of Newton's method: four digits, for two right sides with a rank-one
+    /// piece; all digits of a linear scene, of few right sides where loads separate.
+    fn cycles(self) -> f64 {
+        match self {
+            Self::LinearMultiple => 4.0,
+            Self::Linear => 30.0,
+            Self::Contact => 8.0,
+            Self::Projection => 14.0,
+        }
+    }
+
     /// Seconds an entry of the factor and iteration: one direct solve, or two to three with GMRES.
     fn solve(self) -> f64 {
         match self {
@@ -72,6 +83,11 @@ impl Kind {
     }
 }
 
+/// Seconds an entry of the matrix: of an iteration of conjugate gradients with its cycle, and of all coarse matrices.
+const CYCLE: f64 = 10e-9;
+const COARSE_MATRICES: f64 = 20e-9;
+/// Bytes an entry of the matrix in its levels: all in single precision, coarse ones in double precision with index.
+const MULTIGRID_BYTES: f64 = 8.0;
 /// Seconds of a factorization an entry of the factor and a multiplication.
 const FACTOR: [f64; 2] = [2.8e-9, 1.5e-11];
 /// Seconds a cell and iteration in vectors, and a cell and level in KKT residual and errors.
@@ -106,6 +122,8 @@ const SINGLE_FROM: usize = 4000;
 pub struct Cost {
     /// Unknowns.
     pub dofs: usize,
+    /// The solver of the linear systems.
+    pub linear_solver: LinearSolver,
     /// Newton iterations over all levels, without finer runs for the time error.
     pub iterations: f64,
     /// Factorizations, likewise.
@@ -292,27 +310,50 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
     let crossed = f64::from(n) * setup.scene.time.horizon / f64::from(steps);
     let [iterations, factorizations] = kind.work(crossed, f64::from(steps)).map(|w| w * levels);
     let (cells, dofs) = (space.mesh.cell_count() as f64, space.dofs());
-    let entries = space.analysis.factor_entries() as f64;
-    let factor = FACTOR[0] * entries + FACTOR[1] * space.analysis.multiplications();
+    let linear_solver = LinearSolver::of(space, &setup.model, steps as usize);
+    let (linear, linear_bytes) = linear(kind, linear_solver, space, [iterations, factorizations]);
     let vectors = match kind {
         Kind::LinearMultiple | Kind::Linear => 0.0,
         Kind::Contact | Kind::Projection => VECTORS,
     };
     let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
-    let per_iteration = (shape * kind.assembly() + vectors) * cells + kind.solve() * entries;
-    let single = dofs >= SINGLE_FROM && matches!(kind, Kind::Contact | Kind::Projection);
+    let per_iteration = (shape * kind.assembly() + vectors) * cells;
     let history = setup.history_vectors(steps) * dofs * 8;
-    // Factor and scratch of half its size; five matrices with their index; some thirty vectors.
-    let memory_bytes = 1.5 * entries * if single { 4.0 } else { 8.0 }
-        + 52.0 * space.pattern.entries() as f64
-        + 240.0 * dofs as f64
-        + history as f64;
+    // Five matrices with their index; some thirty vectors.
+    let memory_bytes =
+        linear_bytes + 52.0 * space.pattern.entries() as f64 + 240.0 * dofs as f64 + history as f64;
     Cost {
         dofs,
+        linear_solver,
         iterations,
         factorizations,
-        seconds: iterations * per_iteration + factorizations * factor + MEASURING * cells * levels,
+        seconds: iterations * per_iteration + linear + MEASURING * cells * levels,
         memory_bytes,
+    }
+}
+
+/// Seconds in the linear systems of a march with so many iterations and factorizations, and bytes.
+fn linear(
+    kind: Kind,
+    solver: LinearSolver,
+    space: &Discretization,
+    [iterations, factorizations]: [f64; 2],
+) -> (f64, f64) {
+    let newton = matches!(kind, Kind::Contact | Kind::Projection);
+    match solver {
+        LinearSolver::Direct => {
+            let entries = space.analysis.factor_entries() as f64;
+            let factor = FACTOR[0] * entries + FACTOR[1] * space.analysis.multiplications();
+            let single = space.dofs() >= SINGLE_FROM && newton;
+            // The factor and scratch of half its size.
+            let bytes = 1.5 * entries * if single { 4.0 } else { 8.0 };
+            (iterations * kind.solve() * entries + factorizations * factor, bytes)
+        }
+        LinearSolver::Multigrid => {
+            let entries = space.pattern.entries() as f64;
+            let seconds = entries * iterations * (CYCLE * kind.cycles() + COARSE_MATRICES);
+            (seconds, MULTIGRID_BYTES * entries)
+        }
     }
 }
 

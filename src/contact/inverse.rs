@@ -1,0 +1,103 @@
+//! K⁻¹ of one positive definite matrix, to rounding.
+
+use std::time::Instant;
+
+use super::{Discretization, LinearSolver};
+use crate::linalg::{Factor, FactorError, LinearWork, MultigridSequence, Workspace, norm};
+use crate::vhi::Newton;
+
+/// By a factor in double precision, or without.
+pub(super) enum Inverse<'a> {
+    Direct { space: &'a Discretization, factor: Factor, workspace: Workspace, work: LinearWork },
+    Multigrid { space: &'a Discretization, values: Vec<f64>, sequence: Box<MultigridSequence<'a>> },
+}
+
+/// Residual of one solve over its right side: further digits come from solving for what is left.
+const FORCING: f64 = 1e-8;
+/// A correction that leaves more than this of the residual has met rounding.
+const STANDSTILL: f64 = 0.5;
+
+impl<'a> Inverse<'a> {
+    /// Of the matrix with these lower-triangle `values`.
+    ///
+    /// # Errors
+    /// A matrix that is not positive definite.
+    pub(super) fn new(
+        space: &'a Discretization,
+        solver: LinearSolver,
+        values: Vec<f64>,
+    ) -> Result<Self, FactorError> {
+        if let Some(levels) = solver.levels(space) {
+            let mut sequence = Box::new(MultigridSequence::new(levels, &space.pattern));
+            sequence.prepare(values.clone(), None, false)?;
+            return Ok(Self::Multigrid { space, values, sequence });
+        }
+        let start = Instant::now();
+        let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
+        space.analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace)?;
+        let seconds_factor = start.elapsed().as_secs_f64();
+        let work = LinearWork { factorizations: 1, seconds_factor, ..LinearWork::default() };
+        Ok(Self::Direct { space, factor, workspace, work })
+    }
+
+    /// K⁻¹ b in place.
+    ///
+    /// # Errors
+    /// Those of the iteration.
+    pub(super) fn solve(&mut self, rhs: &mut [f64]) -> Result<(), FactorError> {
+        match self {
+            Self::Direct { space, factor, workspace, work } => {
+                let start = Instant::now();
+                space.analysis.solve(factor, rhs, workspace);
+                work.solves += 1;
+                work.seconds_solve += start.elapsed().as_secs_f64();
+            }
+            Self::Multigrid { space, values, sequence } => {
+                let diagonal = |dof: usize, x: f64| values[space.pattern.diagonal(dof)] * x;
+                let size = norm(rhs);
+                let mut residual = rhs.to_vec();
+                let (mut image, mut last) = (vec![0.0; rhs.len()], f64::INFINITY);
+                let mut correction = residual.clone();
+                let mut x = vec![0.0; rhs.len()];
+                loop {
+                    let forces = x.iter().enumerate().map(|(dof, x)| diagonal(dof, *x).powi(2));
+                    let scale = forces.sum::<f64>().sqrt() + size;
+                    let left = norm(&residual);
+                    // The tolerance of Newton's method; or as far as rounding lets a solve come.
+                    let small = Newton::default().rounding_units * f64::EPSILON * scale;
+                    if left <= small || left > STANDSTILL * last {
+                        break;
+                    }
+                    last = left;
+                    correction.copy_from_slice(&residual);
+                    sequence.solve(&mut correction, (0.3 * small / left).max(FORCING))?;
+                    x.iter_mut().zip(&correction).for_each(|(x, by)| *x += by);
+                    space.pattern.multiply(values, &x, &mut image);
+                    for ((own, b), f) in residual.iter_mut().zip(&*rhs).zip(&image) {
+                        *own = b - f;
+                    }
+                }
+                rhs.copy_from_slice(&x);
+            }
+        }
+        Ok(())
+    }
+
+    /// The same without the last digits, for estimates; not a number where it fails.
+    pub(super) fn estimate(&mut self, rhs: &mut [f64]) {
+        match self {
+            Self::Direct { space, factor, workspace, .. } => {
+                space.analysis.solve(factor, rhs, workspace);
+            }
+            Self::Multigrid { sequence, .. } => sequence.solve_again(rhs),
+        }
+    }
+
+    /// Counters and times.
+    pub(super) fn work(&self) -> LinearWork {
+        match self {
+            Self::Direct { work, .. } => *work,
+            Self::Multigrid { sequence, .. } => sequence.work,
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! Solves with Jacobians K + a bᵀ by conjugate gradients with a multigrid cycle for K, and Sherman and Morrison's
+//! formula for the rank-one piece. No factor but that of the coarsest matrix is held.
+
+use std::time::Instant;
+
+use super::cholesky::FactorError;
+use super::conjugate_gradient::{Directions, conjugate_gradients};
+use super::gmres::Preconditioned;
+use super::multigrid::{Levels, Multigrid, Symmetric};
+use super::pattern::BlockPattern;
+use super::sequence::{LinearWork, RankOne};
+use super::{axpy, dot, norm};
+
+/// Iterations after which a solve is given up: some 12 are usual, and 100 with λ/μ_L = 1000.
+const LIMIT: u32 = 600;
+/// Solves of the remaining residual until it is small: the recursive residual of conjugate gradients departs from the
+/// true one by rounding, and what is asked for may be close to that.
+const ROUNDS: usize = 4;
+/// Residual of the direction K⁻¹a before anything is asked of it, over a: the sign of 1 + bᵀK⁻¹a needs no more.
+const ROUGHLY: f64 = 1e-2;
+/// Residual of [`MultigridSequence::solve_again`]: what it estimates is multiplied by safety factors.
+const ESTIMATE: f64 = 1e-3;
+
+/// Solver for a sequence of Jacobians.
+pub struct MultigridSequence<'a> {
+    cycle: Multigrid<'a>,
+    pattern: &'a BlockPattern,
+    /// The present K, whether the cycle is made of it, and the unknowns held by an own equation.
+    values: Vec<f64>,
+    ready: bool,
+    held: Vec<usize>,
+    rank_one: Option<RankOne>,
+    /// K⁻¹a of the last solve: the next one starts there.
+    response: Vec<f64>,
+    vectors: Directions,
+    /// Counters and times: a factorization is that of the coarsest matrix.
+    pub work: LinearWork,
+}
+
+/// K with its cycle.
+struct Matrix<'s, 'a> {
+    pattern: &'a BlockPattern,
+    values: &'s [f64],
+    cycle: &'s mut Multigrid<'a>,
+}
+
+impl Preconditioned for Matrix<'_, '_> {
+    fn apply(&mut self, x: &[f64], out: &mut [f64]) {
+        self.pattern.multiply(self.values, x, out);
+    }
+
+    fn precondition(&mut self, x: &mut [f64]) {
+        self.cycle.cycle(x);
+    }
+}
+
+impl<'a> MultigridSequence<'a> {
+    /// A solver without a Jacobian yet.
+    pub fn new(levels: &'a Levels, pattern: &'a BlockPattern) -> Self {
+        Self {
+            cycle: Multigrid::new(Symmetric, levels, pattern),
+            pattern,
+            values: Vec::new(),
+            ready: false,
+            held: Vec::new(),
+            rank_one: None,
+            response: Vec::new(),
+            vectors: Directions::default(),
+            work: LinearWork::default(),
+        }
+    }
+
+    /// Takes lower-triangle values of K out, to be refilled and handed back to [`Self::prepare`].
+    pub fn take_values(&mut self) -> Vec<f64> {
+        std::mem::take(&mut self.values)
+    }
+
+    /// The unknowns whose rows and columns in the next K have their diagonal entry alone.
+    pub fn hold(&mut self, dofs: impl Iterator<Item = usize>) {
+        self.held.clear();
+        self.held.extend(dofs);
+    }
+
+    /// The Jacobian K + a bᵀ for the next solves; `unchanged` says that K is the last one.
+    ///
+    /// # Errors
+    /// A matrix that is seen not to be positive definite.
+    pub fn prepare(
+        &mut self,
+        values: Vec<f64>,
+        rank_one: Option<RankOne>,
+        unchanged: bool,
+    ) -> Result<(), FactorError> {
+        self.values = values;
+        self.rank_one = rank_one;
+        if unchanged && self.ready {
+            return Ok(());
+        }
+        let start = Instant::now();
+        self.ready = false;
+        let outcome = self.cycle.set(&self.values, &self.held);
+        self.work.factorizations += 1;
+        self.work.seconds_factor += start.elapsed().as_secs_f64();
+        self.ready = outcome.is_ok();
+        outcome
+    }
+
+    /// Solves with the present Jacobian in place, to a residual of at most `forcing` times the right side.
+    ///
+    /// # Errors
+    /// A matrix that is not positive definite, a piece a bᵀ that makes the Jacobian singular, iterations without end.
+    pub fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+        let start = Instant::now();
+        let target = forcing * norm(rhs);
+        let outcome = match self.rank_one.take() {
+            None => self.solve_matrix(rhs, target),
+            Some(rank_one) => {
+                let outcome = self.solve_with(&rank_one, rhs, target);
+                self.rank_one = Some(rank_one);
+                outcome
+            }
+        };
+        self.work.seconds_solve += start.elapsed().as_secs_f64();
+        outcome
+    }
+
+    /// x = K⁻¹r - c y with y = K⁻¹a, c = bᵀK⁻¹r/(1 + bᵀy): the residual is that of the first solve minus c times
+    /// that of the second.
+    fn solve_with(
+        &mut self,
+        rank_one: &RankOne,
+        rhs: &mut [f64],
+        target: f64,
+    ) -> Result<(), FactorError> {
+        self.solve_matrix(rhs, 0.5 * target)?;
+        let along = dot(&rank_one.b, rhs);
+        let mut response = std::mem::take(&mut self.response);
+        response.resize(rhs.len(), 0.0);
+        self.held.iter().for_each(|&dof| response[dof] = 0.0);
+        let mut wanted = (0.5 * target / along.abs()).min(ROUGHLY * norm(&rank_one.a));
+        let factor = loop {
+            self.improve(&rank_one.a, &mut response, wanted)?;
+            let denominator = 1.0 + dot(&rank_one.b, &response);
+            // K⁻¹ and K + a bᵀ share their sign as long as the step has one solution (bound (3.4)).
+            if denominator.is_nan() || denominator <= 0.0 {
+                return Err(FactorError::SingularInZeta { denominator });
+            }
+            let factor = along / denominator;
+            if factor.abs() * wanted <= 0.5 * target {
+                break factor;
+            }
+            wanted = 0.4 * target / factor.abs();
+        };
+        axpy(-factor, &response, rhs);
+        self.response = response;
+        Ok(())
+    }
+
+    /// K⁻¹ r in place to a residual of at most `target`. Held unknowns have equations of their own.
+    fn solve_matrix(&mut self, rhs: &mut [f64], target: f64) -> Result<(), FactorError> {
+        let mut x = vec![0.0; rhs.len()];
+        for &dof in &self.held {
+            x[dof] = rhs[dof] / self.values[self.pattern.diagonal(dof)];
+        }
+        self.improve(rhs, &mut x, target)?;
+        rhs.copy_from_slice(&x);
+        Ok(())
+    }
+
+    /// Improves x until the residual r - Kx is at most `target`.
+    fn improve(&mut self, rhs: &[f64], x: &mut [f64], target: f64) -> Result<(), FactorError> {
+        let Self { cycle, pattern, values, vectors, work, held, .. } = self;
+        let mut matrix = Matrix { pattern, values, cycle };
+        let mut residual = vec![0.0; rhs.len()];
+        let mut last = f64::INFINITY;
+        for round in 0..ROUNDS {
+            matrix.apply(x, &mut residual);
+            residual.iter_mut().zip(rhs).for_each(|(own, r)| *own = r - *own);
+            held.iter().for_each(|&dof| residual[dof] = 0.0);
+            let size = norm(&residual);
+            // Also where rounding lets nothing more be won; the level then judges by its own residual.
+            if size <= target || (round > 0 && size > 0.5 * last) {
+                break;
+            }
+            last = size;
+            work.iterations +=
+                conjugate_gradients(&mut matrix, &mut residual, x, target, LIMIT, vectors)?;
+            work.solves += 1;
+        }
+        Ok(())
+    }
+
+    /// Diagonal entry of the present K.
+    pub fn diagonal(&self, dof: usize) -> f64 {
+        self.values[self.pattern.diagonal(dof)]
+    }
+
+    /// An estimate of (the present K)⁻¹ r, not a number where there is none; nothing before the first K.
+    pub fn solve_again(&mut self, rhs: &mut [f64]) {
+        if !self.ready {
+            return;
+        }
+        let target = ESTIMATE * norm(rhs);
+        if self.solve_matrix(rhs, target).is_err() {
+            rhs.fill(f64::NAN);
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! The solver of a sequence of Jacobians: with a factor of each, or without.
+
+use super::cholesky::FactorError;
+use super::multigrid_sequence::MultigridSequence;
+use super::sequence::{LinearWork, RankOne, SequenceSolver};
+
+/// One of the two; methods are those of [`SequenceSolver`].
+pub enum TangentSolver<'a> {
+    /// Cholesky factors.
+    Direct(SequenceSolver<'a>),
+    /// Conjugate gradients with multigrid.
+    Multigrid(Box<MultigridSequence<'a>>),
+}
+
+impl TangentSolver<'_> {
+    /// A new time level begins.
+    pub fn begin_level(&mut self) {
+        if let Self::Direct(solver) = self {
+            solver.begin_level();
+        }
+    }
+
+    /// Lower-triangle values of K, to be refilled and handed back to [`Self::prepare`].
+    pub fn take_values(&mut self) -> Vec<f64> {
+        match self {
+            Self::Direct(solver) => solver.take_values(),
+            Self::Multigrid(solver) => solver.take_values(),
+        }
+    }
+
+    /// The unknowns whose rows and columns in the next K have their diagonal entry alone.
+    pub fn hold(&mut self, dofs: impl Iterator<Item = usize>) {
+        if let Self::Multigrid(solver) = self {
+            solver.hold(dofs);
+        }
+    }
+
+    /// The Jacobian K + a bᵀ for the next solves.
+    ///
+    /// # Errors
+    /// A matrix that is not positive definite.
+    pub fn prepare(
+        &mut self,
+        values: Vec<f64>,
+        rank_one: Option<RankOne>,
+        unchanged: bool,
+    ) -> Result<(), FactorError> {
+        match self {
+            Self::Direct(solver) => solver.prepare(values, rank_one, unchanged),
+            Self::Multigrid(solver) => solver.prepare(values, rank_one, unchanged),
+        }
+    }
+
+    /// Solves in place, to a residual of at most `forcing` times the right side.
+    ///
+    /// # Errors
+    /// As [`Self::prepare`]; a rank-one piece that makes the Jacobian singular.
+    pub fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+        match self {
+            Self::Direct(solver) => solver.solve(rhs, forcing),
+            Self::Multigrid(solver) => solver.solve(rhs, forcing),
+        }
+    }
+
+    /// Diagonal entry of the present K.
+    pub fn diagonal(&self, dof: usize) -> f64 {
+        match self {
+            Self::Direct(solver) => solver.diagonal(dof),
+            Self::Multigrid(solver) => solver.diagonal(dof),
+        }
+    }
+
+    /// K⁻¹ r with the last factor, or an estimate of it; nothing before the first K.
+    pub fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
+        match self {
+            Self::Direct(solver) => solver.solve_with_last_factor(rhs),
+            Self::Multigrid(solver) => solver.solve_again(rhs),
+        }
+    }
+
+    /// Counters and times.
+    pub fn work(&self) -> LinearWork {
+        match self {
+            Self::Direct(solver) => solver.work,
+            Self::Multigrid(solver) => solver.work,
+        }
+    }
+}
