@@ -188,7 +188,7 @@ impl CaseFloors {
 }
 
 /// The floor of a norm; that of contact sets is not known.
-pub(super) fn floor_in(floors: &Floors, norm: Norm) -> f64 {
+pub fn floor_in(floors: &Floors, norm: Norm) -> f64 {
     match norm {
         Norm::VMax | Norm::VTimeMax | Norm::VProjectionMax => floors.v,
         Norm::L2Max => floors.l2,
