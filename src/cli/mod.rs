@@ -7,6 +7,7 @@ mod bound;
 mod check;
 mod constants;
 mod diagnose;
+mod estimate;
 mod explain;
 mod extension;
 mod fit;

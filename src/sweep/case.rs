@@ -108,7 +108,7 @@ fn measure(
 pub(super) const ERROR_RULE: f64 = 2.0;
 
 /// The norms of one level that have a floor.
-pub(super) fn as_floors(errors: &StepErrors) -> Floors {
+pub fn as_floors(errors: &StepErrors) -> Floors {
     let StepErrors { v, l2, stress, trace, pressure, .. } = *errors;
     Floors { v, l2, stress, trace, pressure }
 }

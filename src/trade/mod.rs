@@ -3,6 +3,7 @@
 
 mod cost_model;
 mod error_model;
+pub mod estimate;
 mod extrapolation;
 mod grid;
 mod knob;
