@@ -1,6 +1,7 @@
 //! Speed against accuracy, measured: runs over the knobs that a scene offers, models of error and cost, the cheapest
 //! way to an error, and what each knob buys; and the error of a single run from coarser ones.
 
+mod composition;
 mod cost_model;
 mod error_model;
 pub mod estimate;
@@ -16,6 +17,7 @@ mod study;
 mod target;
 mod trial;
 
+pub use composition::Composition;
 pub use cost_model::{CostModel, CostSample, NoCost};
 pub use error_model::{ErrorModel, Term};
 pub use extrapolation::{Extrapolated, in_space, in_time};

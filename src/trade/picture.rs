@@ -2,7 +2,7 @@
 
 use super::{Knob, Study, Trial, front};
 use crate::record::norm_label;
-use crate::report::{Axis, Chart, Datum, Part, ReportError, Scale, Series};
+use crate::report::{Axis, Chart, Datum, Key, Part, ReportError, Scale, Series};
 
 impl Study {
     /// The picture; none without two runs.
@@ -43,7 +43,9 @@ impl Study {
             .filter_map(place)
             .collect();
         if !turned.is_empty() {
-            chart.series.push(Series::new("another knob turned", vec![Part::Hollow(turned)]));
+            let hollow = Series::new("", vec![Part::Hollow(turned)]);
+            chart.series.push(Series { grey: true, ..hollow });
+            chart.keys.push(Key::Hollow("another knob turned".into()));
         }
         let all: Vec<Datum> = self.trials.iter().filter_map(place).collect();
         let best: Vec<Datum> = front(&all).into_iter().map(|i| all[i]).collect();

@@ -1,9 +1,9 @@
-//! The trade of a scene: a grid of runs, each knob at two of them, and what the numbers say.
+//! The trade of a scene: a grid of runs, each knob at three of them, and what the numbers say.
 
 use super::measure::Bench;
 use super::optimum::{Coupling, along_path, coupling};
 use super::trial::{Table, TableError};
-use super::{CostModel, CostSample, ErrorModel, Knob, Price, Trial, Variant, knobs};
+use super::{Composition, CostModel, CostSample, ErrorModel, Knob, Price, Trial, Variant, knobs};
 use crate::fit::{Point, Sample};
 use crate::scene::{Data, Norm};
 use crate::setup::{SetupError, Subject, check_step_sizes};
@@ -55,6 +55,8 @@ pub struct Study {
     pub error: Result<ErrorModel, String>,
     /// What it costs, likewise.
     pub cost: Result<CostModel, String>,
+    /// The cost as a sum of parts, for predictions.
+    pub composition: Option<Composition>,
     /// The path of optima.
     pub coupling: Option<Coupling>,
     /// The price list.
@@ -120,6 +122,10 @@ impl Study {
         let setup = &bench.plain.setup;
         let on_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
         let (error, cost) = models(&trials, &differences(bench, plan), on_mesh);
+        let composition = cost.as_ref().ok().and_then(|_| {
+            let runs = cost_samples(&trials);
+            Composition::fit(&runs, setup.scene.dimension, setup.scene.time.horizon)
+        });
         let both = error.as_ref().ok().zip(cost.as_ref().ok());
         let coupling = both.and_then(|(error, cost)| coupling(error, cost));
         let best = coupling.map(|path| path.exponent);
@@ -141,6 +147,7 @@ impl Study {
             trials,
             error,
             cost,
+            composition,
             coupling,
             paths,
         }
@@ -157,13 +164,13 @@ fn plain(trials: &[Trial]) -> impl Iterator<Item = &Trial> + Clone {
     trials.iter().filter(move |trial| trial.knob == name)
 }
 
-/// Two runs at which knobs are turned: the dearest that the budget bears `runs` times, and the one with the next coarser
-/// mesh and the same steps, to see whether a price depends on the mesh.
+/// Runs at which knobs are turned: the dearest that the budget bears `runs` times, the one with the next coarser mesh and
+/// the same steps, and the one with the fewest steps on the same mesh, to see on what a price depends.
 fn places(trials: &[Trial], runs: u32, budget: f64) -> Vec<[u32; 2]> {
     let done = |trial: &&Trial| trial.done().is_some();
     let seconds = |trial: &Trial| trial.done().map_or(f64::INFINITY, |run| run.seconds);
-    // The second run costs less than the first.
-    let borne = |trial: &&Trial| 2.0 * f64::from(runs) * seconds(trial) <= budget;
+    // The others cost less than the first.
+    let borne = |trial: &&Trial| 3.0 * f64::from(runs) * seconds(trial) <= budget;
     let by_time = |a: &&Trial, b: &&Trial| seconds(a).total_cmp(&seconds(b));
     let first = plain(trials).filter(done).filter(borne).max_by(by_time);
     let Some(first) = first.or_else(|| plain(trials).filter(done).min_by(by_time)) else {
@@ -171,7 +178,9 @@ fn places(trials: &[Trial], runs: u32, budget: f64) -> Vec<[u32; 2]> {
     };
     let coarser = plain(trials).filter(done).filter(|t| t.steps == first.steps && t.n < first.n);
     let second = coarser.max_by_key(|trial| trial.n);
-    [Some(first), second].into_iter().flatten().map(|trial| [trial.n, trial.steps]).collect()
+    let fewer = plain(trials).filter(done).filter(|t| t.n == first.n && t.steps < first.steps);
+    let third = fewer.min_by_key(|trial| trial.steps);
+    [Some(first), second, third].into_iter().flatten().map(|trial| [trial.n, trial.steps]).collect()
 }
 
 /// C k^q without space error on the finest mesh, from runs with k and k/r: ‖u_k - u_{k/r}‖ = C k^q (1 - r^-q). The
@@ -206,10 +215,13 @@ fn models(
         .clone()
         .map(|(t, run)| Point { h: t.h, k: t.k, error: run.error, floor: run.floor })
         .collect();
-    let samples: Vec<CostSample> =
-        runs.map(|(t, run)| CostSample { h: t.h, k: t.k, seconds: run.seconds }).collect();
     let error = ErrorModel::fit(&points, differences, on_mesh);
-    (error, CostModel::fit(&samples).map_err(|error| error.to_string()))
+    (error, CostModel::fit(&cost_samples(trials)).map_err(|error| error.to_string()))
+}
+
+fn cost_samples(trials: &[Trial]) -> Vec<CostSample> {
+    let sample = |t: &Trial| Some(CostSample { h: t.h, k: t.k, seconds: t.done()?.seconds });
+    plain(trials).filter_map(sample).collect()
 }
 
 /// Steps against their halves at the dearest run, and every knob against the run as written.

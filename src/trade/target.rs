@@ -1,6 +1,6 @@
 //! "Which n and N for this error?": the cheapest whole numbers that the models allow.
 
-use super::{CostModel, ErrorModel};
+use super::ErrorModel;
 
 /// What may be chosen from.
 pub struct Choices<'a> {
@@ -68,13 +68,14 @@ pub enum NoAnswer {
     },
 }
 
-/// The cheapest choice whose predicted error is at most `target`.
+/// The cheapest choice whose predicted error is at most `target`; `seconds` is the cost at (h, k), growing with either
+/// refinement.
 ///
 /// # Errors
 /// [`NoAnswer`].
 pub fn cheapest(
     error: &ErrorModel,
-    cost: &CostModel,
+    seconds: &dyn Fn(f64, f64) -> f64,
     target: f64,
     choices: &Choices<'_>,
 ) -> Result<Answer, NoAnswer> {
@@ -86,12 +87,12 @@ pub fn cheapest(
     for n in (least[0]..=most[0]).filter(|&n| (choices.cells)(n)) {
         let h = (choices.h)(n);
         // Where N is the smallest, cost still grows with n: no later n can do better.
-        if best.is_some_and(|b| cost.seconds(h, (choices.k)(least[1])) > b.seconds) {
+        if best.is_some_and(|b| seconds(h, (choices.k)(least[1])) > b.seconds) {
             break;
         }
         let Some(steps) = steps(error, target, h, choices) else { continue };
         let k = (choices.k)(steps);
-        let found = Answer { n, steps, error: error.error(h, k), seconds: cost.seconds(h, k) };
+        let found = Answer { n, steps, error: error.error(h, k), seconds: seconds(h, k) };
         if best.is_none_or(|best| found.seconds < best.seconds) {
             best = Some(found);
         }
@@ -130,12 +131,11 @@ fn steps(error: &ErrorModel, target: f64, h: f64, choices: &Choices<'_>) -> Opti
 mod tests {
     use super::super::Term;
     use super::*;
-    use crate::fit::{Estimate, Interval, Model};
+    use crate::fit::{Interval, Model};
 
-    fn models() -> (ErrorModel, CostModel) {
+    fn models() -> (ErrorModel, fn(f64, f64) -> f64) {
         let term =
             |constant, order| Some(Term { constant, order, interval: Interval::around(order, 0.0) });
-        let estimate = |value| Estimate { value, interval: Interval::around(value, 0.0) };
         let error = ErrorModel {
             model: Model::RootSumSquare,
             space: term(0.5, 1.0),
@@ -143,8 +143,7 @@ mod tests {
             source: String::new(),
             residual: 0.0,
         };
-        let (space, time) = (estimate(2.2), estimate(0.9));
-        (error, CostModel { base: 0.0, constant: 1e-6, space, time, residual: 0.0 })
+        (error, |h, k| 1e-6 * h.powf(-2.2) * k.powf(-0.9))
     }
 
     const ALL: Choices<'_> = Choices {
@@ -164,13 +163,13 @@ mod tests {
             (Choices { ..ALL }, 0.1),
             (Choices { cells: &|n| n % 8 == 0, steps: &|steps| 64 % steps == 0, ..ALL }, 0.03),
         ] {
-            let found = cheapest(&error, &cost, target, &choices).expect("an answer");
+            let found = cheapest(&error, &|h, k| cost(h, k), target, &choices).expect("an answer");
             let mut least = f64::INFINITY;
             for n in (4..=200).filter(|&n| (choices.cells)(n)) {
                 for steps in (2..=100).filter(|&steps| (choices.steps)(steps)) {
                     let (h, k) = (1.0 / f64::from(n), 1.0 / f64::from(steps));
                     if error.error(h, k) <= target {
-                        least = least.min(cost.seconds(h, k));
+                        least = least.min(cost(h, k));
                     }
                 }
             }
@@ -184,10 +183,10 @@ mod tests {
     fn nonsense_and_the_unreachable_are_refused() {
         let (error, cost) = models();
         for target in [0.0, -1.0, f64::NAN] {
-            let refused = cheapest(&error, &cost, target, &ALL);
+            let refused = cheapest(&error, &|h, k| cost(h, k), target, &ALL);
             assert!(matches!(refused, Err(NoAnswer::NotPositive { .. })));
         }
-        let refused = cheapest(&error, &cost, 0.002, &ALL).expect_err("h = 1/200 leaves 0.0025");
+        let refused = cheapest(&error, &|h, k| cost(h, k), 0.002, &ALL).expect_err("h = 1/200 leaves 0.0025");
         assert!(matches!(refused, NoAnswer::OutOfReach { n: 200, least, .. } if least > 0.0025));
     }
 }

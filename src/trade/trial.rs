@@ -35,8 +35,8 @@ pub struct Outcome {
     pub slowest: f64,
     /// How often it was run.
     pub repeats: u32,
-    /// Seconds of the fastest repeat in loads.
-    pub seconds_load: f64,
+    /// The part of it that went into loads.
+    pub load_share: f64,
     /// Peak memory of a process that does this run alone, predicted.
     pub bytes: f64,
     /// Bytes that the history took, counted.
@@ -69,7 +69,7 @@ const COLUMNS: [&str; 20] = [
     "cpu_seconds",
     "cpu_slowest",
     "repeats",
-    "seconds_load",
+    "load_share",
     "predicted_bytes",
     "history_bytes",
     "newton_iterations",
@@ -152,7 +152,7 @@ fn row(scene: &str, norm: &str, trial: &Trial) -> [String; COLUMNS.len()] {
         number(|o| o.seconds),
         number(|o| o.slowest),
         count(|o| o.repeats.into()),
-        number(|o| o.seconds_load),
+        number(|o| o.load_share),
         number(|o| o.bytes),
         count(|o| o.history_bytes as u64),
         count(|o| o.newton_iterations.into()),
@@ -170,7 +170,7 @@ pub(super) fn trial(knob: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) 
         seconds,
         slowest: seconds,
         repeats: 1,
-        seconds_load: 0.0,
+        load_share: 0.0,
         bytes: 0.0,
         history_bytes: 0,
         newton_iterations: 0,

@@ -98,9 +98,16 @@ impl Answered {
         };
         let choices =
             Choices { least: [n0, steps0], most, h: &h, k: &k, cells: &cells, steps: &steps };
-        let (knob, factors) = best_knob(setup, study);
+        let sum = study.composition.as_ref();
+        let seconds = |h: f64, k: f64| {
+            sum.map_or_else(|| cost.seconds(h, k), |composition| composition.seconds(h, k))
+        };
+        let mut choice = cheapest(error, &seconds, target, &choices).map_err(other)?;
+        let (knob, factors) = best_knob(setup, study, choice);
         let inner = target / factors[1].max(1.0);
-        let mut choice = cheapest(error, cost, inner, &choices).map_err(other)?;
+        if inner < target {
+            choice = cheapest(error, &seconds, inner, &choices).map_err(other)?;
+        }
         choice.seconds *= factors[0];
         choice.error *= factors[1];
         let space = setup.space(choice.n)?;
@@ -181,9 +188,9 @@ impl Answered {
     }
 }
 
-/// The knob that saves most time at next to no error, with its factors of time and error; the worse of the runs where
-/// it was turned. Extrapolation in k is another scheme, and is left to the reader of the price list.
-fn best_knob(setup: &Setup, study: &Study) -> (Knob, [f64; 2]) {
+/// The knob that saves most time at next to no error, with its factors of time and error in the run nearest to the
+/// answer; it must save time wherever it was turned. Extrapolation in k is another scheme, and is left to the reader of the price list.
+fn best_knob(setup: &Setup, study: &Study, choice: Answer) -> (Knob, [f64; 2]) {
     let factors = |knob: Knob| -> Option<[f64; 2]> {
         let own: Vec<_> = study.prices.iter().filter(|price| price.what == knob.name()).collect();
         let serves = |price: &&crate::trade::Price| {
@@ -191,9 +198,12 @@ fn best_knob(setup: &Setup, study: &Study) -> (Knob, [f64; 2]) {
         };
         let all = !own.is_empty() && own.iter().all(serves);
         all.then(|| {
-            // Of the dearest run where it was turned: the answer is more like it than like a cheaper one.
-            let last = own.iter().max_by_key(|price| (price.n, price.steps));
-            last.map_or([1.0; 2], |price| [1.0 / price.speed, 1.0 + price.error])
+            let away = |price: &crate::trade::Price| {
+                let ratio = |a: u32, b: u32| (f64::from(a) / f64::from(b)).ln().abs();
+                ratio(price.n, choice.n) + ratio(price.steps, choice.steps)
+            };
+            let nearest = own.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            nearest.map_or([1.0; 2], |price| [1.0 / price.speed, 1.0 + price.error])
         })
     };
     let turned = knobs(setup).into_iter().filter_map(|knob| Some((knob, factors(knob)?)));

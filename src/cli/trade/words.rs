@@ -52,7 +52,7 @@ fn table(trials: &[Trial]) -> Table {
                 format!("{:.4e}", run.error),
                 format!("{:.4}", run.seconds),
                 format!("+{:.0} %", 100.0 * (run.slowest / run.seconds - 1.0)),
-                format!("{:.0} %", 100.0 * run.seconds_load / run.seconds),
+                format!("{:.0} %", 100.0 * run.load_share),
                 megabytes(run.bytes),
                 if best.contains(&i) { "*".into() } else { String::new() },
             ]),
@@ -123,6 +123,12 @@ fn print_models(study: &Study) {
         )),
         Err(reason) => print_text(&format!("cost: no model, {reason}")),
     }
+    if let Some(sum) = &study.composition {
+        let [constant, cell, level, factor, factors] = sum.parts;
+        print_text(&format!(
+            "      for predictions {constant:.1e} s + {cell:.1e} s a cell + {level:.1e} s a cell and level + {factor:.1e} s an operation of a factorization + {factors:.1e} s one and level (cells h^-d, operations h^-3(d-1))"
+        ));
+    }
     if let Some(path) = &study.coupling {
         print_text(&format!(
             "cheapest coupling: k = {:.3} h^{:.3}, where space has {:.0} % of the error (of its square, for root-sum-square); an error E costs E^-{:.2}",
@@ -180,6 +186,7 @@ pub(super) fn document(study: &Study, extrapolations: &[Extrapolated]) -> Value 
             }),
             Err(reason) => json!({ "reason": reason }),
         },
+        "composition": study.composition.as_ref().map(|sum| sum.parts),
         "coupling": study.coupling.map(|path| json!({
             "exponent": path.exponent,
             "factor": path.factor,
@@ -228,7 +235,7 @@ fn trial(trial: &Trial, on_front: bool) -> Value {
             "cpu_seconds": run.seconds,
             "cpu_slowest": run.slowest,
             "repeats": run.repeats,
-            "seconds_load": run.seconds_load,
+            "load_share": run.load_share,
             "predicted_bytes": run.bytes,
             "history_bytes": run.history_bytes,
             "newton_iterations": run.newton_iterations,
