@@ -35,7 +35,9 @@ pub(super) fn execute(setup: &Setup, n: u32, steps: u32, as_json: bool) -> Resul
     for (norm, own) in &estimates {
         print_text(&norm_words(&found, *norm, own));
     }
-    print_text("\nquantities at t = T: value, bound of its distance to the limit, extrapolated value, orders in h and k");
+    print_text(
+        "\nquantities at t = T: value, bound of its distance to the limit, extrapolated value, orders in h and k",
+    );
     for own in &quantities {
         print_text(&quantity_words(own));
     }

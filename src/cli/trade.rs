@@ -62,13 +62,15 @@ impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
         let norm = self.norm()?;
-        let target = self.target.as_deref().map(|text| answer::Target::read(text, norm)).transpose()?;
+        let target =
+            self.target.as_deref().map(|text| answer::Target::read(text, norm)).transpose()?;
         let plain = self.as_written(&scene, norm)?;
         let plan = self.plan(&plain)?;
         let mut bench = Bench::new(plain, norm, self.repeats)?;
         std::fs::create_dir_all(&self.out)
             .map_err(|error| other(format!("{}: {error}", self.out.display())))?;
-        let mut table = Table::create(&self.at(&scene, "csv"), &scene.name, norm.name()).map_err(other)?;
+        let mut table =
+            Table::create(&self.at(&scene, "csv"), &scene.name, norm.name()).map_err(other)?;
         let mut heard = |trial: &crate::trade::Trial| eprintln!("{}", words::row(trial));
         let study = Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(other)?;
         let extrapolations: Vec<Extrapolated> =
@@ -134,7 +136,10 @@ impl TradeCommand {
         check_truth(&plain.setup)?;
         let on_contact = plain.setup.model.boundary.is_some();
         if norm.needs_contact() && !on_contact {
-            return Err(other(format!("`{}` is a norm on Γ3, and the scene has none", norm.name())));
+            return Err(other(format!(
+                "`{}` is a norm on Γ3, and the scene has none",
+                norm.name()
+            )));
         }
         Ok(plain)
     }
@@ -170,7 +175,8 @@ fn check_truth(setup: &Setup) -> Result<(), CliError> {
     if setup.exact.is_some() || reference {
         return Ok(());
     }
-    let message = "the scene has neither an exact solution nor a reference run: no error can be measured";
+    let message =
+        "the scene has neither an exact solution nor a reference run: no error can be measured";
     let hint = "add reference = { n = …, steps = … } to [sweep]; `sweep solve --estimate` estimates the error of one run";
     Err(setup.scene.error("scene.name", message, hint).into())
 }

@@ -41,7 +41,9 @@ pub enum NoCost {
         found: usize,
     },
     /// One value of h or k, or a path: the exponents trade places.
-    #[error("the runs are one mesh, one number of steps or one path: the exponents of h and k cannot be told apart")]
+    #[error(
+        "the runs are one mesh, one number of steps or one path: the exponents of h and k cannot be told apart"
+    )]
     OneDirection,
 }
 
@@ -166,7 +168,10 @@ mod tests {
         // t₀ is tried in hundredths of the fastest run.
         assert!((found.base / 0.004 - 1.0).abs() < 0.03, "{}", found.base);
         assert!((found.space.value - 2.0).abs() < 0.05 && (found.time.value - 1.0).abs() < 0.05);
-        assert!((found.seconds(1.0 / 64.0, 1.0 / 32.0) / law(1.0 / 64.0, 1.0 / 32.0) - 1.0).abs() < 0.02);
+        assert!(
+            (found.seconds(1.0 / 64.0, 1.0 / 32.0) / law(1.0 / 64.0, 1.0 / 32.0) - 1.0).abs()
+                < 0.02
+        );
     }
 
     /// n² + n³ is no power law: the interval reaches the exponent of the finest meshes.

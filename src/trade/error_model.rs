@@ -1,8 +1,8 @@
 //! The error of a scene as a function of both steps, from the runs of a trade.
 
 use crate::fit::{
-    Correction, Direction, Interval, Model, Point, Sample, joint_fits, local_slopes, order_interval, same_level,
-    samples,
+    Correction, Direction, Interval, Model, Point, Sample, joint_fits, local_slopes,
+    order_interval, same_level, samples,
 };
 
 /// C s^p of one step s.
@@ -62,8 +62,9 @@ impl ErrorModel {
     }
 
     /// Fits the errors of a grid. Where both terms show, by the joint fit of `fit`; where one hides below the other,
-    /// the visible one from the line on the finest level of the other step, and a hidden term of k from `differences`:
-    /// C k^q without space error, of runs on one mesh.
+    /// the visible one from a line (in h on the finest k; in k on the coarsest h, which is the mesh to take then), and a
+    /// hidden term of k from `differences`: C k^q without space error, of runs on one mesh. `on_mesh` says that the data
+    /// depend on the mesh, so that h has no error.
     ///
     /// # Errors
     /// What is missing, in words.
@@ -77,7 +78,7 @@ impl ErrorModel {
             }
         };
         let line = |direction: Direction| -> Result<Term, String> {
-            let points = finest(points, direction);
+            let points = line_of(points, direction);
             let samples = samples(&points, direction).map_err(|error| error.to_string())?;
             term(&samples, direction)
         };
@@ -119,14 +120,13 @@ impl ErrorModel {
     }
 }
 
-/// The runs on the finest level of the other step.
-fn finest(points: &[Point], direction: Direction) -> Vec<Point> {
-    let other = |p: &Point| match direction {
-        Direction::Space => p.k,
-        Direction::Time => p.h,
+/// The runs on the finest k, or on the coarsest h.
+fn line_of(points: &[Point], direction: Direction) -> Vec<Point> {
+    let (other, level): (fn(&Point) -> f64, f64) = match direction {
+        Direction::Space => (|p| p.k, points.iter().map(|p| p.k).fold(f64::INFINITY, f64::min)),
+        Direction::Time => (|p| p.h, points.iter().map(|p| p.h).fold(0.0, f64::max)),
     };
-    let least = points.iter().map(other).fold(f64::INFINITY, f64::min);
-    points.iter().filter(|p| same_level(other(p), least)).copied().collect()
+    points.iter().filter(|p| same_level(other(p), level)).copied().collect()
 }
 
 fn term(samples: &[Sample], direction: Direction) -> Result<Term, String> {
@@ -156,7 +156,8 @@ mod tests {
 
     fn grid(error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
         let steps = |list: [u32; 4]| list.map(|n| 1.0 / f64::from(n));
-        let pairs = steps([8, 16, 32, 64]).into_iter().flat_map(|h| steps([4, 8, 16, 32]).map(|k| (h, k)));
+        let pairs =
+            steps([8, 16, 32, 64]).into_iter().flat_map(|h| steps([4, 8, 16, 32]).map(|k| (h, k)));
         pairs.map(|(h, k)| Point { h, k, error: error(h, k), floor: 0.0 }).collect()
     }
 
@@ -205,7 +206,8 @@ mod tests {
 
     #[test]
     fn what_space_takes_is_not_left_for_time() {
-        let term = |constant, order| Term { constant, order, interval: Interval::around(order, 0.0) };
+        let term =
+            |constant, order| Term { constant, order, interval: Interval::around(order, 0.0) };
         let found = ErrorModel {
             model: Model::RootSumSquare,
             space: Some(term(1.0, 1.0)),

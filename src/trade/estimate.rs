@@ -65,7 +65,9 @@ impl Part {
             return Self::Below(FLOORS * floor);
         }
         if fine <= FLOORS * floor {
-            let text = format!("the last difference {fine:.1e} is not above {FLOORS} floors of {floor:.1e}");
+            let text = format!(
+                "the last difference {fine:.1e} is not above {FLOORS} floors of {floor:.1e}"
+            );
             return Self::Unknown(text);
         }
         let order = (coarse / fine).log2();
@@ -181,7 +183,8 @@ mod tests {
     #[test]
     fn aligned_errors_are_found_with_their_order() {
         // u_h = u + C h²: e = 1, d₁ = 3, d₂ = 12.
-        let (order, value, interval) = known(&Part::of([3.0, 12.0], 0.0, Some(2.0), Alignment::Aligned));
+        let (order, value, interval) =
+            known(&Part::of([3.0, 12.0], 0.0, Some(2.0), Alignment::Aligned));
         assert!((order - 2.0).abs() < 1e-15 && (value - 1.0).abs() < 1e-15);
         assert!(interval.contains(1.0) && interval.lo > 0.5 && interval.hi < 1.7);
         // The estimate of orthogonal errors does not hold them.

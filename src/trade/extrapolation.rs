@@ -42,7 +42,8 @@ pub fn in_time(study: &Study) -> Option<Extrapolated> {
     let n = study.trials.iter().filter(|t| t.knob == name).map(|t| t.n).max()?;
     let error = |trial: &Trial| trial.done().map(|run| run.error);
     let rows = study.plain().filter(|trial| trial.n == n).filter_map(|own| {
-        let other = study.trials.iter().find(|t| t.knob == name && t.n == n && t.steps == own.steps);
+        let other =
+            study.trials.iter().find(|t| t.knob == name && t.n == n && t.steps == own.steps);
         Some((own.k, error(own)?, other.and_then(error)))
     });
     let what = format!("(4 u_k - u_2k)/3 on n = {n}, V_max");

@@ -2,7 +2,7 @@
 //! orders and exponents have something to rest on, and no more than the budget bears.
 
 use super::Variant;
-use crate::setup::{SetupError, Subject};
+use crate::setup::{SetupError, Subject, check_step_sizes};
 use crate::sweep::{Overrides, ScenePlan, predict};
 
 /// Levels of each direction that orders need.
@@ -27,7 +27,11 @@ pub fn own_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2]
     let reference = sweep.and_then(|sweep| sweep.reference).filter(|_| plain.setup.exact.is_none());
     let finest = reference.map_or([u32::MAX; 2], |r| [r.n as u32 / 2, r.steps as u32 / 2]);
     let cells = |n: u32| n <= finest[0] && scene.check_cases(&[n], &[]).is_ok();
-    let steps = |steps: u32| steps <= finest[1] && scene.check_cases(&[], &[steps]).is_ok();
+    let subject = Subject::new(scene.clone())?;
+    let steps = |steps: u32| {
+        let safe = || check_step_sizes(&subject, &[steps]).is_ok();
+        steps <= finest[1] && scene.check_cases(&[], &[steps]).is_ok() && safe()
+    };
     let mut ns = completed(list(|sweep| &sweep.n, [8, 16, 32]), LEAST[0], &cells);
     let mut numbers = completed(list(|sweep| &sweep.steps, [4, 8, 16]), LEAST[1], &steps);
     ns.truncate(MOST[0]);

@@ -70,7 +70,8 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
     if law.is_some_and(|law| !law.is_set_valued()) {
         let rules = [BoundaryRule::Vertex, BoundaryRule::Gauss, BoundaryRule::Exact].into_iter();
         let other = rules.filter(|&rule| rule != setup.rule());
-        found.extend(other.filter(|rule| d == 2 || *rule != BoundaryRule::Exact).map(Knob::Contact));
+        found
+            .extend(other.filter(|rule| d == 2 || *rule != BoundaryRule::Exact).map(Knob::Contact));
     }
     let recursive = body.material.memory.iter().any(|memory| memory.exponentials.is_some());
     if recursive && setup.scene.time.rule == TimeRule::Trapezoid {

@@ -168,7 +168,8 @@ impl Bench {
                     return Err(LoadError::Reference { reason });
                 };
                 let pairs = finer.iter().zip(u);
-                let sum: Vec<f64> = pairs.map(|(fine, coarse)| fine + (fine - coarse) / 3.0).collect();
+                let sum: Vec<f64> =
+                    pairs.map(|(fine, coarse)| fine + (fine - coarse) / 3.0).collect();
                 worst = worst.max(strain_error(&judge.space, &sum, &*judge.truth.moments(*t)?));
             }
             Ok(worst)

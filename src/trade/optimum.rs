@@ -80,8 +80,9 @@ mod tests {
     use crate::fit::{Estimate, Interval, Model};
 
     fn error(model: Model, [ch, p]: [f64; 2], [ck, q]: [f64; 2]) -> ErrorModel {
-        let term =
-            |constant, order| Some(Term { constant, order, interval: Interval::around(order, 0.0) });
+        let term = |constant, order| {
+            Some(Term { constant, order, interval: Interval::around(order, 0.0) })
+        };
         let source = String::new();
         ErrorModel { model, space: term(ch, p), time: term(ck, q), source, residual: 0.0 }
     }

@@ -27,7 +27,8 @@ impl Study {
         for n in ns {
             let data: Vec<Datum> =
                 self.plain().filter(|trial| trial.n == n).filter_map(place).collect();
-            let series = Series::new(format!("n = {n}"), vec![Part::Line(data.clone()), Part::Points(data)]);
+            let series =
+                Series::new(format!("n = {n}"), vec![Part::Line(data.clone()), Part::Points(data)]);
             chart.series.push(series);
         }
         let name = Knob::Extrapolated.name();

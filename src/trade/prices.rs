@@ -99,7 +99,11 @@ mod tests {
             let turned = trial("loads of degree 1", [64, 16], error, seconds);
             Price::of(turned.knob.clone(), &plain, &turned).expect("a price")
         };
-        assert!(price(0.5001, 1.0).words().starts_with("loads of degree 1: buys 3.10x time for +0.020 % error"));
+        assert!(
+            price(0.5001, 1.0)
+                .words()
+                .starts_with("loads of degree 1: buys 3.10x time for +0.020 % error")
+        );
         assert!(price(0.25, 6.2).words().contains("costs 2.00x time for -50 % error"));
         assert!(price(0.5 + 1e-8, 1.0).words().contains("for 0 % error"));
         // A run beats another only where all of its repeats do.
@@ -115,9 +119,13 @@ mod tests {
 
     #[test]
     fn changes_have_two_digits() {
-        for (change, words) in
-            [(0.000123, "+0.012 %"), (-0.0456, "-4.6 %"), (1.0, "+100 %"), (0.0, "0 %"), (0.0099, "+0.99 %")]
-        {
+        for (change, words) in [
+            (0.000123, "+0.012 %"),
+            (-0.0456, "-4.6 %"),
+            (1.0, "+100 %"),
+            (0.0, "0 %"),
+            (0.0099, "+0.99 %"),
+        ] {
             assert_eq!(percent(change), words);
         }
     }

@@ -134,8 +134,9 @@ mod tests {
     use crate::fit::{Interval, Model};
 
     fn models() -> (ErrorModel, fn(f64, f64) -> f64) {
-        let term =
-            |constant, order| Some(Term { constant, order, interval: Interval::around(order, 0.0) });
+        let term = |constant, order| {
+            Some(Term { constant, order, interval: Interval::around(order, 0.0) })
+        };
         let error = ErrorModel {
             model: Model::RootSumSquare,
             space: term(0.5, 1.0),
@@ -186,7 +187,8 @@ mod tests {
             let refused = cheapest(&error, &|h, k| cost(h, k), target, &ALL);
             assert!(matches!(refused, Err(NoAnswer::NotPositive { .. })));
         }
-        let refused = cheapest(&error, &|h, k| cost(h, k), 0.002, &ALL).expect_err("h = 1/200 leaves 0.0025");
+        let refused =
+            cheapest(&error, &|h, k| cost(h, k), 0.002, &ALL).expect_err("h = 1/200 leaves 0.0025");
         assert!(matches!(refused, NoAnswer::OutOfReach { n: 200, least, .. } if least > 0.0025));
     }
 }

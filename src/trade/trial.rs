@@ -105,8 +105,7 @@ impl Table {
         let failed =
             |error: std::io::Error| TableError { path: path.into(), reason: error.to_string() };
         let file = std::fs::File::create(path).map_err(failed)?;
-        let mut table =
-            Self { file, path: path.into(), scene: scene.into(), norm: norm.into() };
+        let mut table = Self { file, path: path.into(), scene: scene.into(), norm: norm.into() };
         table.write(COLUMNS.map(str::to_owned))?;
         Ok(table)
     }
@@ -204,12 +203,16 @@ mod tests {
         }
         // Read while the table is still open: what a killed program leaves.
         let mut reader = csv::Reader::from_path(&path).expect("a table");
-        let rows: Vec<csv::StringRecord> = reader.records().map(|row| row.expect("a row")).collect();
+        let rows: Vec<csv::StringRecord> =
+            reader.records().map(|row| row.expect("a row")).collect();
         std::fs::remove_file(&path).expect("no file left");
         let at = |row: usize, name: &str| {
             rows[row][COLUMNS.iter().position(|own| *own == name).expect("a column")].to_owned()
         };
-        assert_eq!((rows.len(), at(0, "error"), at(0, "cpu_seconds")), (2, "0.5".into(), "2".into()));
+        assert_eq!(
+            (rows.len(), at(0, "error"), at(0, "cpu_seconds")),
+            (2, "0.5".into(), "2".into())
+        );
         assert_eq!((at(0, "status"), at(1, "status")), ("converged".into(), "failed".into()));
         // A failed run carries no error and no time.
         assert_eq!((at(1, "error"), at(1, "cpu_seconds")), (String::new(), String::new()));

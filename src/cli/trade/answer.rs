@@ -1,5 +1,8 @@
 //! `--target E` and `--confirm`: the cheapest n, N and knob for an error, and the same run for real.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+
 use serde_json::{Value, json};
 
 use super::super::{CliError, Scenes};
@@ -77,8 +80,10 @@ impl Answered {
             Target::Relative(part) => part * study.size,
         };
         let words = |what: &str, reason: &String| other(format!("no answer: {what}: {reason}"));
-        let error = study.error.as_ref().map_err(|reason| words("the errors have no model", reason))?;
-        let cost = study.cost.as_ref().map_err(|reason| words("the times have no model", reason))?;
+        let error =
+            study.error.as_ref().map_err(|reason| words("the errors have no model", reason))?;
+        let cost =
+            study.cost.as_ref().map_err(|reason| words("the times have no model", reason))?;
         let floor = study.plain().filter_map(|trial| Some(trial.done()?.floor)).fold(0.0, f64::max);
         if target <= FLOORS_ABOVE * floor {
             return Err(other(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }));
@@ -90,9 +95,14 @@ impl Answered {
         let h = |n: u32| setup.body.domain.h(n);
         let k = |steps: u32| setup.grid(steps).largest_step();
         let cells = |n: u32| setup.scene.check_cases(&[n], &[]).is_ok();
-        let steps = |steps: u32| {
-            setup.scene.check_cases(&[], &[steps]).is_ok() && step_is_safe(setup, steps)
+        let subject = Subject::new(setup.scene.clone())?;
+        // Whether (3.4) and solvability leave a number of steps: asked once for each.
+        let known: RefCell<HashMap<u32, bool>> = RefCell::default();
+        let safe = |steps: u32| {
+            let verdict = || check_step_sizes(&subject, &[steps]).is_ok();
+            *known.borrow_mut().entry(steps).or_insert_with(verdict)
         };
+        let steps = |steps: u32| setup.scene.check_cases(&[], &[steps]).is_ok() && safe(steps);
         let [Some(&n0), Some(&steps0)] = [plan.n.first(), plan.steps.first()] else {
             return Err(other("no answer: nothing was run"));
         };
@@ -114,7 +124,10 @@ impl Answered {
         let bytes = run_cost(setup, &space, choice.n, choice.steps).memory_bytes;
         let beyond = |name: &str, value: u32, list: &[u32]| {
             let most = list.iter().copied().max().filter(|&most| value > most)?;
-            Some(format!("{name} is {:.1} times the largest that was run", f64::from(value) / f64::from(most)))
+            Some(format!(
+                "{name} is {:.1} times the largest that was run",
+                f64::from(value) / f64::from(most)
+            ))
         };
         let parts = [beyond("n", choice.n, &plan.n), beyond("N", choice.steps, &plan.steps)];
         let parts: Vec<String> = parts.into_iter().flatten().collect();
@@ -157,9 +170,10 @@ impl Answered {
         let best = self.optimum.map_or(String::new(), |optimum| {
             format!("; real numbers would be h = {}, k = {}", real(optimum.h), real(optimum.k))
         });
-        let warning = self.extrapolates.as_ref().map_or(String::new(), |text| {
-            format!("\n  beyond what was measured: {text}")
-        });
+        let warning = self
+            .extrapolates
+            .as_ref()
+            .map_or(String::new(), |text| format!("\n  beyond what was measured: {text}"));
         format!(
             "\ntarget {:.4e} in {}{part}: n = {n}, N = {steps}, {} (h = {:.5}, k = {:.5}{best})\n  predicted: error {error:.4e}, {seconds:.3} CPU s, {}{warning}",
             self.target,
@@ -182,7 +196,8 @@ impl Answered {
         let variant = own.ok_or_else(|| other("the scene does not have the knob of the answer"))?;
         bench.repeats = CONFIRMING;
         let trial = bench.trial(&variant, self.choice.n, self.choice.steps);
-        let run = trial.outcome.map_err(|reason| other(format!("the answer does not run: {reason}")))?;
+        let run =
+            trial.outcome.map_err(|reason| other(format!("the answer does not run: {reason}")))?;
         let bytes = peak_of_a_process(scenes, scene, self.choice);
         Ok(Confirmed { error: run.error, seconds: run.seconds, slowest: run.slowest, bytes })
     }
@@ -209,12 +224,6 @@ fn best_knob(setup: &Setup, study: &Study, choice: Answer) -> (Knob, [f64; 2]) {
     let turned = knobs(setup).into_iter().filter_map(|knob| Some((knob, factors(knob)?)));
     let best = turned.min_by(|a, b| a.1[0].total_cmp(&b.1[0]));
     best.unwrap_or((Knob::AsWritten, [1.0; 2]))
-}
-
-/// Whether (3.4) and solvability leave a number of steps.
-fn step_is_safe(setup: &Setup, steps: u32) -> bool {
-    let subject = Subject::new(setup.scene.clone());
-    subject.is_ok_and(|subject| check_step_sizes(&subject, &[steps]).is_ok())
 }
 
 /// The peak resident size of a process that does the run alone, by the scene as written; none where the system does not

@@ -91,12 +91,9 @@ pub(super) fn print(study: &Study, extrapolations: &[Extrapolated]) {
 
 fn print_models(study: &Study) {
     let term = |name: &str, term: &Option<Term>| match term {
-        Some(term) => format!(
-            "{:.4e} {name}^{:.3} {}",
-            term.constant,
-            term.order,
-            bracketed(term.interval)
-        ),
+        Some(term) => {
+            format!("{:.4e} {name}^{:.3} {}", term.constant, term.order, bracketed(term.interval))
+        }
         None => format!("no term of {name}"),
     };
     match &study.error {
@@ -141,7 +138,8 @@ fn print_models(study: &Study) {
 }
 
 fn print_paths(study: &Study) {
-    let text = |value: Option<f64>| value.map_or("unknown".into(), |value| format!("E^-{value:.2}"));
+    let text =
+        |value: Option<f64>| value.map_or("unknown".into(), |value| format!("E^-{value:.2}"));
     for (s, model, measured) in &study.paths {
         print_text(&format!(
             "  along k ~ h^{s:.2}: cost {} by the models, {} between the ends of the grid",
@@ -158,9 +156,8 @@ pub(super) fn document(study: &Study, extrapolations: &[Extrapolated]) -> Value 
     let term = |term: &Option<Term>| {
         term.map(|t| json!({ "constant": t.constant, "order": t.order, "interval": interval(t.interval) }))
     };
-    let estimate = |e: &crate::fit::Estimate| {
-        json!({ "exponent": e.value, "interval": interval(e.interval) })
-    };
+    let estimate =
+        |e: &crate::fit::Estimate| json!({ "exponent": e.value, "interval": interval(e.interval) });
     json!({
         "scene": study.scene,
         "norm": study.norm.name(),

@@ -70,9 +70,9 @@ pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, Setup
         .flatten()
         .flatten()
         .fold(own.floors, |floors, run| floors.max(run.floors));
-    let time = in_time.as_ref().map(|[half, quarter]| {
-        [distance(&data, &own, half), distance(&data, half, quarter)]
-    });
+    let time = in_time
+        .as_ref()
+        .map(|[half, quarter]| [distance(&data, &own, half), distance(&data, half, quarter)]);
     let space = in_space.as_ref().map(|[half, quarter]| [half.apart, quarter.apart]);
     let read = |pair: &Option<[Floors; 2]>, norm: Norm| {
         pair.map_or([f64::NAN; 2], |pair| pair.map(|floors| floor_in(&floors, norm)))
@@ -114,12 +114,7 @@ fn split<T>(outcome: Result<T, String>) -> (Option<T>, Option<String>) {
 }
 
 /// Half and a quarter of the steps on the same mesh.
-fn time_companions(
-    setup: &Setup,
-    data: &MeshData,
-    n: u32,
-    steps: u32,
-) -> Result<[Run; 2], String> {
+fn time_companions(setup: &Setup, data: &MeshData, n: u32, steps: u32) -> Result<[Run; 2], String> {
     if !steps.is_multiple_of(4) {
         return Err(format!("N = {steps} is no multiple of 4"));
     }
@@ -144,9 +139,8 @@ fn space_companions(setup: &Setup, n: u32, steps: u32, own: &Run) -> Result<[Run
         return Err(format!("the domain has no mesh with n = {}", n / 4));
     }
     let companion = |own: u32, finer: &Run| -> Result<Run, String> {
-        let failed = |error: &dyn std::fmt::Display| {
-            format!("the companion with n = {own} fails: {error}")
-        };
+        let failed =
+            |error: &dyn std::fmt::Display| format!("the companion with n = {own} fails: {error}");
         let data = MeshData::new(setup, own, None).map_err(|error| failed(&error))?;
         run(setup, &data, own, [steps, steps], Some(&finer.kept)).map_err(|error| failed(&error))
     };
@@ -178,9 +172,8 @@ fn run(
             return Ok(());
         }
         if let Some((finer, refinement)) = finer.zip(refinement.as_ref()) {
-            let truth = finer
-                .moments(refinement, &data.space, view.t)
-                .map_err(|error| refused(&error))?;
+            let truth =
+                finer.moments(refinement, &data.space, view.t).map_err(|error| refused(&error))?;
             apart = apart.max(as_floors(&step_errors(&data.space, &setup.model, view, &truth)));
         }
         kept.keep(&setup.model, view);
@@ -190,7 +183,8 @@ fn run(
         }
         Ok(())
     })?;
-    let missing = || LoadError::Reference { reason: format!("the run on n = {n} has no last level") };
+    let missing =
+        || LoadError::Reference { reason: format!("the run on n = {n} has no last level") };
     Ok(Run { levels, state: state.ok_or_else(missing)?, floors: info.floors, kept, apart })
 }
 
