@@ -222,10 +222,11 @@ fn the_bound_of_a_quantity_contains_its_limit() {
         let truth = data.truth.moments(setup.scene.time.horizon).expect("the truth is finite");
         let exact = strain_error(&data.space, &vec![0.0; data.space.nodes.len()], &truth);
         let found = companions(&setup, n, steps).unwrap_or_else(|error| panic!("{error}"));
-        let own = found.quantities.iter().find(|own| own.0 == "strain_norm").expect("a quantity");
-        let estimate = quantity(&own.0, own.1, own.2, own.3);
+        let own =
+            found.quantities.iter().find(|own| own.name == "strain_norm").expect("a quantity");
+        let estimate = quantity(&own.name, own.space, own.time, own.value);
         let bound = estimate.uncertainty.unwrap_or_else(|| panic!("{name}: {estimate:?}"));
-        let away = (own.3 - exact).abs();
+        let away = (own.value - exact).abs();
         println!("{name}: |eps(u)| is {away:.2e} from its limit, bound {bound:.2e}");
         // The quadrature of the truth's own norm is good to 1e-6 here.
         assert!(away <= bound + 1e-6 * exact, "{name}: {away:e} {estimate:?}");

@@ -18,7 +18,7 @@ pub(super) fn execute(setup: &Setup, n: u32, steps: u32, as_json: bool) -> Resul
     let quantities: Vec<QuantityEstimate> = found
         .quantities
         .iter()
-        .map(|(name, space, time, value)| quantity(name, *space, *time, *value))
+        .map(|own| quantity(&own.name, own.space, own.time, own.value))
         .collect();
     if as_json {
         print_json(&json!({

@@ -114,7 +114,7 @@ impl Bench {
             bytes,
             history_bytes: info.peak_history_bytes,
             newton_iterations: info.newton_iterations,
-            factorizations: info.work.linear.factorizations as u32,
+            factorizations: info.work.linear.factorizations,
         })
     }
 

@@ -187,7 +187,7 @@ fn places(trials: &[Trial], runs: u32, budget: f64) -> Vec<[u32; 2]> {
 /// factor is that of the order which the differences themselves show.
 fn differences(bench: &Bench, plan: &Plan) -> Vec<Sample> {
     let Some(&n) = plan.n.last() else { return Vec::new() };
-    let ratio = |pair: &[u32]| (pair[1] % pair[0] == 0).then(|| pair[1] / pair[0]);
+    let ratio = |pair: &[u32]| pair[1].is_multiple_of(pair[0]).then(|| pair[1] / pair[0]);
     let Some(r) = plan.steps.windows(2).next().and_then(ratio) else { return Vec::new() };
     let pairs = plan.steps.windows(2).take_while(|pair| ratio(pair) == Some(r));
     let apart: Vec<Sample> = pairs

@@ -16,12 +16,25 @@ pub struct Companions {
     pub state: FinalState,
     /// Differences in each norm.
     pub norms: Vec<NormDifferences>,
-    /// Scalars of the state with their values on [4h, 2h, h] and [4k, 2k, k].
-    pub quantities: Vec<(String, Option<[f64; 3]>, Option<[f64; 3]>, f64)>,
+    /// Scalars of the state.
+    pub quantities: Vec<Scalar>,
     /// Why there are no companions in h, and in k.
     pub missing: [Option<String>; 2],
     /// The data depend on the mesh, so that each mesh has a solution of its own and h no error.
     pub own_on_each_mesh: bool,
+}
+
+/// A named quantity in a run and its companions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scalar {
+    /// Its name, see [`FinalState`].
+    pub name: String,
+    /// On [4h, 2h, h]; none without companions.
+    pub space: Option<[f64; 3]>,
+    /// On [4k, 2k, k], likewise.
+    pub time: Option<[f64; 3]>,
+    /// In the run.
+    pub value: f64,
 }
 
 /// The differences [d₁, d₂] of one norm, of the two finest runs and of the two coarser ones.
@@ -95,7 +108,7 @@ pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, Setup
             false => triple(&in_space, &name, value),
         };
         let time = triple(&in_time, &name, value);
-        (name, space, time, value)
+        Scalar { name, space, time, value }
     });
     Ok(Companions {
         norms: norms.collect(),
