@@ -143,7 +143,7 @@ impl Study {
             norm: bench.norm,
             horizon: setup.scene.time.horizon,
             size: bench.size,
-            prices: prices(&trials),
+            prices: prices(&trials, on_mesh),
             trials,
             error,
             cost,
@@ -225,7 +225,7 @@ fn cost_samples(trials: &[Trial]) -> Vec<CostSample> {
 }
 
 /// Steps against their halves at the dearest run, and every knob against the run as written.
-fn prices(trials: &[Trial]) -> Vec<Price> {
+fn prices(trials: &[Trial], on_mesh: bool) -> Vec<Price> {
     let at = |n: u32, steps: u32| plain(trials).find(|t| t.n == n && t.steps == steps);
     let done = |trial: &&Trial| trial.done().is_some();
     let finest = plain(trials).filter(done).max_by_key(|trial| (trial.n, trial.steps));
@@ -235,7 +235,8 @@ fn prices(trials: &[Trial]) -> Vec<Price> {
             ("half the cells", (finest.n / 2, finest.steps)),
             ("half the steps", (finest.n, finest.steps / 2)),
         ];
-        for (what, (n, steps)) in others {
+        // Where each mesh has a solution of its own, half the cells are another problem.
+        for (what, (n, steps)) in others.into_iter().skip(usize::from(on_mesh)) {
             let coarse = at(n, steps);
             found.extend(coarse.and_then(|coarse| Price::of(what.into(), finest, coarse)));
         }
