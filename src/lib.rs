@@ -53,6 +53,7 @@
 //! | [`fit`], [`verdict`] | orders with intervals; predictions judged |
 //! | [`report`] | pictures, page, JUnit |
 //! | [`sweep`] | cases, threads, records, resume |
+//! | [`trade`] | speed against accuracy: knobs, cost and error models, optima; the error of a run from coarser ones |
 //! | [`theory`] | the theorems' constants, bounds and inequalities as runs |
 //! | [`diagnose`] | variants of a scene that name the term at fault |
 //! | [`cli`] | the commands |
@@ -79,5 +80,6 @@ pub mod space;
 pub mod sweep;
 pub mod tensor;
 pub mod theory;
+pub mod trade;
 pub mod verdict;
 pub mod vhi;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gronwall::scene::{Registry, Scene};
 
 /// Each module imports only those before it.
-const ORDER: [&str; 24] = [
+const ORDER: [&str; 25] = [
     "tensor",
     "record",
     "linalg",
@@ -30,6 +30,7 @@ const ORDER: [&str; 24] = [
     "verdict",
     "report",
     "sweep",
+    "trade",
     "theory",
     "diagnose",
     "cli",

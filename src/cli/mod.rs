@@ -7,6 +7,7 @@ mod bound;
 mod check;
 mod constants;
 mod diagnose;
+mod estimate;
 mod explain;
 mod extension;
 mod fit;
@@ -19,6 +20,7 @@ mod progress;
 mod report;
 mod run;
 mod solve;
+mod trade;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -70,6 +72,8 @@ enum Command {
     Gronwall(gronwall::Gronwall),
     /// Measure the floors of a scene's errors: solver, history, quadrature, reference
     Floors(floors::FloorsCommand),
+    /// Speed against accuracy: work-precision over the knobs of a scene, cost model, best n and N
+    Trade(trade::TradeCommand),
     /// Fit orders to a table with columns h, k, error
     Fit(fit::Fit),
     /// Rebuild every output from the records in a directory, without solving
@@ -117,6 +121,7 @@ pub fn main() -> ExitCode {
         Command::Bound(bound) => bound.execute(&scenes),
         Command::Gronwall(gronwall) => gronwall.execute(&scenes),
         Command::Floors(floors) => floors.execute(&scenes),
+        Command::Trade(trade) => trade.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Report(report) => report.execute(&scenes),
     };

@@ -19,7 +19,7 @@ use crate::vhi::{
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, seconds, dofs (all at t = T unless the name says otherwise)."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run). docs/TRADE.md explains them."
 )]
 pub struct Solve {
     /// Name of a scene, or path of a TOML file
@@ -41,6 +41,10 @@ pub struct Solve {
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Estimate the error of this run in h and k from coarser companions (2h, 4h and 2k, 4k), for
+    /// scenes without an exact solution; n and N must be multiples of 4
+    #[arg(long, conflicts_with_all = ["vtu", "solver"])]
+    estimate: bool,
     /// Write one VTU file a step and a .pvd index into this directory
     #[arg(long, value_name = "DIR")]
     vtu: Option<PathBuf>,
@@ -101,7 +105,16 @@ impl Solve {
         match (subject, self.n) {
             (Subject::Contact(mut setup), Some(n)) => {
                 setup.linear_solver = self.linear_solver.map(LinearSolver::from);
+                if self.estimate {
+                    setup.scene.check_cells(n)?;
+                    return super::estimate::execute(&setup, n, self.steps, self.json);
+                }
                 self.contact(&setup, n)
+            }
+            (Subject::Abstract(setup), _) if self.estimate => {
+                let hint = "sweep run measures its error against the exact solution";
+                let message = "--estimate needs a mesh";
+                Err(setup.scene.error("scene.kind", message, hint).into())
             }
             (Subject::Abstract(setup), n) => {
                 abstract_problem::no_mesh(&setup.scene, n)?;
@@ -212,6 +225,7 @@ impl Solve {
             object.insert("kkt_residual".into(), info.kkt_residual.into());
             object.insert("seconds".into(), seconds.into());
             object.insert("dofs".into(), dofs.into());
+            object.insert("peak_resident_bytes".into(), peak_resident_bytes().into());
         }
         if self.json {
             return print_json(&document);
@@ -224,6 +238,14 @@ impl Solve {
         }
         Ok(())
     }
+}
+
+/// The most memory that this process held, where the system keeps it (Linux).
+fn peak_resident_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kibibytes)
 }
 
 fn other(error: impl std::fmt::Display) -> CliError {

@@ -77,6 +77,22 @@ fn cells<P: Projection, const D: usize, const S: usize>(
     StepErrors { v: v.sqrt(), l2: l2.sqrt(), stress: stress.sqrt(), ..StepErrors::default() }
 }
 
+/// ‖ε(u - v)‖ of a nodal vector v alone, which need be no level of a run: v = 0 gives ‖ε(u)‖.
+pub fn strain_error(space: &Discretization, v: &[f64], truth: &Moments) -> f64 {
+    fn squares<const S: usize>(space: &Discretization, v: &[f64], truth: &Moments) -> f64 {
+        let cell = |c: usize| {
+            let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), v);
+            space.geometry.measure[c] * squared_distance(&strain, &truth.strain.mean[S * c..])
+        };
+        (0..space.mesh.cell_count()).map(cell).sum()
+    }
+    let cells = match space.mesh.dimension {
+        2 => squares::<3>(space, v, truth),
+        _ => squares::<6>(space, v, truth),
+    };
+    (cells + truth.strain.rest).sqrt()
+}
+
 fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }

@@ -108,7 +108,7 @@ fn measure(
 pub(super) const ERROR_RULE: f64 = 2.0;
 
 /// The norms of one level that have a floor.
-pub(super) fn as_floors(errors: &StepErrors) -> Floors {
+pub fn as_floors(errors: &StepErrors) -> Floors {
     let StepErrors { v, l2, stress, trace, pressure, .. } = *errors;
     Floors { v, l2, stress, trace, pressure }
 }
@@ -188,7 +188,7 @@ impl CaseFloors {
 }
 
 /// The floor of a norm; that of contact sets is not known.
-pub(super) fn floor_in(floors: &Floors, norm: Norm) -> f64 {
+pub fn floor_in(floors: &Floors, norm: Norm) -> f64 {
     match norm {
         Norm::VMax | Norm::VTimeMax | Norm::VProjectionMax => floors.v,
         Norm::L2Max => floors.l2,

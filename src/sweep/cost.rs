@@ -214,6 +214,30 @@ pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> 
     Ok(PlanCost { cases: cases.into_iter().flatten().collect(), reference })
 }
 
+/// What one run takes without measuring its error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunCost {
+    /// Peak memory of a process that does this run alone.
+    pub memory_bytes: f64,
+    /// What the history has of it.
+    pub history_bytes: f64,
+}
+
+/// The memory of one run, mesh, loads and march, as `sweep solve` does it.
+pub fn run_cost(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> RunCost {
+    let run = march(setup, space, n, steps);
+    let [load, _] = points(&TruthRules::of(setup.scene.dimension));
+    let points = load * space.mesh.cell_count() as f64;
+    let formulas = match &setup.body.data {
+        Data::Exact { interpolated: false, .. } if points <= MOST_STORED => FORMULAS * points,
+        _ => 0.0,
+    };
+    RunCost {
+        memory_bytes: PROGRAM + run.memory_bytes + formulas,
+        history_bytes: (setup.history_vectors(steps) * space.dofs() * 8) as f64,
+    }
+}
+
 /// Numbers of a tensor.
 fn tensor_numbers(space: &Discretization) -> usize {
     let d = space.mesh.dimension;

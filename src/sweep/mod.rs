@@ -14,8 +14,8 @@ mod resume;
 mod run;
 
 pub use abstract_case::run_abstract_case;
-pub use case::run_contact_case;
-pub use cost::{Cost, Kind, PlanCost, predict};
+pub use case::{as_floors, floor_in, run_contact_case};
+pub use cost::{Cost, Kind, PlanCost, RunCost, predict, run_cost};
 pub use extend::{AddedCase, ROUNDS, Step, extend, words};
 pub use floors::{FloorPart, FloorRow, abstract_floors, contact_floors, direct_history};
 pub use judging::{foresee, foresee_plan, judge_scene, scene_summary};

@@ -1,0 +1,123 @@
+//! `sweep solve --estimate`: the error of one run from its coarser companions.
+
+use serde_json::{Value, json};
+
+use super::{CliError, print_json, print_text};
+use crate::fit::Interval;
+use crate::scene::Norm;
+use crate::setup::Setup;
+use crate::trade::estimate::{
+    Companions, Estimate, Part, QuantityEstimate, companions, norm_estimate, quantity,
+};
+
+/// Runs a case with its companions and prints what they say of its error.
+pub(super) fn execute(setup: &Setup, n: u32, steps: u32, as_json: bool) -> Result<u8, CliError> {
+    let found = companions(setup, n, steps)?;
+    let estimates: Vec<(Norm, Estimate)> =
+        found.norms.iter().map(|own| (own.norm, norm_estimate(setup, &found, own))).collect();
+    let quantities: Vec<QuantityEstimate> = found
+        .quantities
+        .iter()
+        .map(|own| quantity(&own.name, own.space, own.time, own.value))
+        .collect();
+    if as_json {
+        print_json(&json!({
+            "scene": setup.scene.name,
+            "n": n,
+            "steps": steps,
+            "norms": estimates.iter().map(|(norm, own)| norm_json(&found, *norm, own)).collect::<Vec<_>>(),
+            "quantities": quantities.iter().map(quantity_json).collect::<Vec<_>>(),
+            "state": found.state,
+        }))?;
+        return Ok(0);
+    }
+    print_text(&format!("{} n = {n}, N = {steps}: estimated error of this run", setup.scene.name));
+    for (norm, own) in &estimates {
+        print_text(&norm_words(&found, *norm, own));
+    }
+    print_text(
+        "\nquantities at t = T: value, bound of its distance to the limit, extrapolated value, orders in h and k",
+    );
+    for own in &quantities {
+        print_text(&quantity_words(own));
+    }
+    Ok(0)
+}
+
+fn bracketed(interval: Interval) -> String {
+    format!("[{:.3e}, {:.3e}]", interval.lo, interval.hi)
+}
+
+fn part_words(part: &Part) -> String {
+    match part {
+        Part::Below(0.0) => "none".into(),
+        Part::Below(bound) => format!("below {bound:.1e} (rounding)"),
+        Part::Known { order, value, interval } => {
+            format!("{value:.3e} in {} (order {order:.2})", bracketed(*interval))
+        }
+        Part::Unknown(_) => "unknown".into(),
+    }
+}
+
+/// Of the V norm the error is given as a part of ‖ε(u(T))‖ as well.
+fn relative(found: &Companions, norm: Norm, value: f64) -> Option<f64> {
+    let size = found.state.strain_norm;
+    (norm == Norm::VMax && size > 0.0).then(|| value / size)
+}
+
+fn norm_words(found: &Companions, norm: Norm, own: &Estimate) -> String {
+    let parts = format!("h: {}; k: {}", part_words(&own.space), part_words(&own.time));
+    match own.total() {
+        Some((value, interval)) => {
+            let part = relative(found, norm, value)
+                .map_or(String::new(), |part| format!(", {:.2} % of |eps(u(T))|", 100.0 * part));
+            format!("{:<17} {value:.3e} in {}{part}  ({parts})", norm.name(), bracketed(interval))
+        }
+        None => format!("{:<17} unknown: {}", norm.name(), own.reasons().join("; ")),
+    }
+}
+
+fn quantity_words(own: &QuantityEstimate) -> String {
+    let order = |order: Option<f64>| order.map_or("-".into(), |order| format!("{order:.2}"));
+    let [h, k] = own.orders.map(order);
+    match (own.uncertainty, own.extrapolated) {
+        (Some(bound), Some(limit)) => {
+            format!("{:<24} {:.8}  ± {bound:.1e}  {limit:.8}  {h} {k}", own.name, own.value)
+        }
+        _ => {
+            let reason = own.reason.as_deref().unwrap_or("no companions");
+            format!("{:<24} {:.8}  unknown: {reason}", own.name, own.value)
+        }
+    }
+}
+
+fn norm_json(found: &Companions, norm: Norm, own: &Estimate) -> Value {
+    let part = |part: &Part| match part {
+        Part::Below(bound) => json!({ "value": 0.0, "interval": [0.0, bound] }),
+        Part::Known { order, value, interval } => {
+            json!({ "order": order, "value": value, "interval": [interval.lo, interval.hi] })
+        }
+        Part::Unknown(reason) => json!({ "reason": reason }),
+    };
+    let total = own.total();
+    json!({
+        "norm": norm.name(),
+        "value": total.map(|(value, _)| value),
+        "interval": total.map(|(_, interval)| [interval.lo, interval.hi]),
+        "relative": total.and_then(|(value, _)| relative(found, norm, value)),
+        "space": part(&own.space),
+        "time": part(&own.time),
+        "unknown": own.reasons(),
+    })
+}
+
+fn quantity_json(own: &QuantityEstimate) -> Value {
+    json!({
+        "name": own.name,
+        "value": own.value,
+        "extrapolated": own.extrapolated,
+        "uncertainty": own.uncertainty,
+        "orders": own.orders,
+        "reason": own.reason,
+    })
+}

@@ -1,0 +1,191 @@
+//! `sweep trade`: speed against accuracy over the knobs of a scene, and the cheapest way to an error.
+
+mod answer;
+mod words;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use serde_json::{Value, json};
+
+use super::{CliError, Scenes, print_json, print_text};
+use crate::record::replace_file;
+use crate::scene::{Norm, Scene};
+use crate::setup::Setup;
+use crate::trade::{
+    Bench, Extrapolated, Knob, NORMS, Plan, Study, Table, Variant, in_space, in_time, own_grid,
+};
+
+/// `sweep trade`.
+#[derive(Args)]
+#[command(
+    after_help = "Each case is run --repeats times from nothing (mesh, analysis, loads, march); its time is the least CPU time of the thread, errors are measured in a run of their own. Knobs beside h and k are turned one at a time at three cases. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row as soon as its case ends; failures have status `failed`), SCENE-trade.json, SCENE-trade.svg.\n\nJSON keys with --json: scene, norm, size (largest strain norm of the truth), trials (knob, n, steps, h, k, dofs, error, floor, cpu_seconds, cpu_slowest, repeats, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, front), error_model (model, space and time with constant, order, interval; source, residual), cost_model (base, constant, space and time with exponent and interval; residual), composition (seconds a run, a cell, a cell and level, an operation of a factorization, one and level), coupling (exponent, factor, space_share, cost_exponent), paths (exponent, modelled, measured), prices (what, n, steps, speed, range, error, bytes, words), extrapolation (what, step, rows, orders), answer (target, n, steps, h, k, knob, error, cpu_seconds, bytes, optimum, extrapolates), confirmed (error, cpu_seconds, cpu_slowest, bytes, ratios). Exit code 2: no error can be measured, or none of the wanted size is in reach."
+)]
+pub struct TradeCommand {
+    /// Name of a scene, or path of a TOML file
+    scene: String,
+    /// Cells per unit length [default: the scene's, completed to three and cut to --budget]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
+    n: Option<Vec<u32>>,
+    /// Numbers N of time steps [default: likewise]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    steps: Option<Vec<u32>>,
+    /// Norm of the errors: V_max, L2_max, trace_L2_max, pressure_L2_max or stress_L2_max
+    #[arg(long, default_value = "V_max")]
+    norm: String,
+    /// Runs of a case for the clock
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
+    repeats: u32,
+    /// CPU seconds, as predicted, that the grid may take, and again the knobs
+    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
+    budget: f64,
+    /// Say which n, N and knobs reach this error at least cost; `1%` is a hundredth of the largest
+    /// strain norm of the truth (V_max alone), a plain number is an error in the norm
+    #[arg(long, value_name = "E")]
+    target: Option<String>,
+    /// Run the answer and print predicted against real (CPU time: the least of five runs)
+    #[arg(long, requires = "target")]
+    confirm: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Directory for table, JSON and picture
+    #[arg(long, value_name = "DIR", default_value = "reports/latest/trade")]
+    out: PathBuf,
+}
+
+fn other(error: impl std::fmt::Display) -> CliError {
+    CliError::Other(error.to_string())
+}
+
+impl TradeCommand {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let scene = scenes.scene(&self.scene)?;
+        let norm = self.norm()?;
+        let target =
+            self.target.as_deref().map(|text| answer::Target::read(text, norm)).transpose()?;
+        let plain = self.as_written(&scene, norm)?;
+        let plan = self.plan(&plain)?;
+        let mut bench = Bench::new(plain, norm, self.repeats)?;
+        std::fs::create_dir_all(&self.out)
+            .map_err(|error| other(format!("{}: {error}", self.out.display())))?;
+        let mut table =
+            Table::create(&self.at(&scene, "csv"), &scene.name, norm.name()).map_err(other)?;
+        let mut heard = |trial: &crate::trade::Trial| eprintln!("{}", words::row(trial));
+        let study = Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(other)?;
+        let extrapolations: Vec<Extrapolated> =
+            [in_time(&study), in_space(&bench, &study)].into_iter().flatten().collect();
+        let mut document = words::document(&study, &extrapolations);
+        if !self.json {
+            words::print(&study, &extrapolations);
+        }
+        // What was measured is on disk before a target can be refused.
+        self.write(&scene, &document)?;
+        if let Some(svg) = study.svg()? {
+            save(&self.at(&scene, "svg"), svg.as_bytes())?;
+        }
+        if let Some(target) = target {
+            let found = answer::Answered::new(&bench, &study, &plan, target)?;
+            document["answer"] = found.json();
+            if !self.json {
+                print_text(&found.words(&study));
+            }
+            if self.confirm {
+                let confirmed = found.confirm(&mut bench, scenes, &self.scene)?;
+                document["confirmed"] = confirmed.json(&found);
+                if !self.json {
+                    print_text(&confirmed.words(&found));
+                }
+            }
+            self.write(&scene, &document)?;
+        }
+        if self.json {
+            print_json(&document)?;
+        } else {
+            print_text(&format!("table: {}", self.at(&scene, "csv").display()));
+        }
+        Ok(0)
+    }
+
+    fn at(&self, scene: &Scene, ending: &str) -> PathBuf {
+        self.out.join(format!("{}-trade.{ending}", scene.name))
+    }
+
+    fn write(&self, scene: &Scene, document: &Value) -> Result<(), CliError> {
+        let text = serde_json::to_string_pretty(document).map_err(other)?;
+        save(&self.at(scene, "json"), format!("{text}\n").as_bytes())
+    }
+
+    fn norm(&self) -> Result<Norm, CliError> {
+        NORMS.into_iter().find(|norm| norm.name() == self.norm).ok_or_else(|| {
+            let known: Vec<&str> = NORMS.iter().map(|norm| norm.name()).collect();
+            other(format!("no norm `{}` here: choose one of {}", self.norm, known.join(", ")))
+        })
+    }
+
+    /// The scene as written, if errors can be measured in it.
+    fn as_written(&self, scene: &Scene, norm: Norm) -> Result<Variant, CliError> {
+        if scene.as_contact().is_none() {
+            let message = "an abstract problem has one step and no mesh to trade against";
+            let hint = "sweep run measures its errors over k";
+            return Err(scene.error("scene.kind", message, hint).into());
+        }
+        let Some(plain) = Variant::new(scene, Knob::AsWritten)? else {
+            return Err(other("the scene as written cannot be run"));
+        };
+        check_truth(&plain.setup)?;
+        let on_contact = plain.setup.model.boundary.is_some();
+        if norm.needs_contact() && !on_contact {
+            return Err(other(format!(
+                "`{}` is a norm on Γ3, and the scene has none",
+                norm.name()
+            )));
+        }
+        Ok(plain)
+    }
+
+    fn plan(&self, plain: &Variant) -> Result<Plan, CliError> {
+        let scene = &plain.setup.scene;
+        if self.budget.is_nan() || self.budget <= 0.0 {
+            return Err(other(format!("`{}` is no number of seconds", self.budget)));
+        }
+        let own = match (&self.n, &self.steps) {
+            (Some(_), Some(_)) => [Vec::new(), Vec::new()],
+            _ => own_grid(plain, self.repeats + 1, self.budget)?,
+        };
+        let listed = |given: &Option<Vec<u32>>, own: &Vec<u32>| {
+            let mut list = given.clone().unwrap_or_else(|| own.clone());
+            list.sort_unstable();
+            list.dedup();
+            list
+        };
+        let plan = Plan {
+            n: listed(&self.n, &own[0]),
+            steps: listed(&self.steps, &own[1]),
+            budget: self.budget,
+        };
+        scene.check_cases(&plan.n, &plan.steps)?;
+        Ok(plan)
+    }
+}
+
+/// Refuses a scene in which no error can be measured.
+fn check_truth(setup: &Setup) -> Result<(), CliError> {
+    let reference = setup.scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
+    if setup.exact.is_some() || reference {
+        return Ok(());
+    }
+    let message =
+        "the scene has neither an exact solution nor a reference run: no error can be measured";
+    let hint = "add reference = { n = …, steps = … } to [sweep]; `sweep solve --estimate` estimates the error of one run";
+    Err(setup.scene.error("scene.name", message, hint).into())
+}
+
+fn save(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
+    replace_file(path, bytes).map_err(|error| other(format!("{}: {error}", path.display())))
+}
+
+/// JSON has no infinity: it becomes null.
+fn finite(value: f64) -> Value {
+    if value.is_finite() { json!(value) } else { Value::Null }
+}

@@ -1,0 +1,234 @@
+//! What a run may do otherwise than its scene says, one thing at a time, and which of it a scene offers.
+
+use crate::contact::{BoundaryRule, CaseError, CaseInfo, Observer};
+use crate::scene::{Data, LoadForm, Scene, TimeRule};
+use crate::setup::{MeshData, Setup, SetupError};
+use crate::space::quadrature::{Rule, TruthRules};
+use crate::sweep::direct_history;
+use crate::vhi::Newton;
+
+/// One departure from the scene as written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Knob {
+    /// None.
+    AsWritten,
+    /// Newton's method ends at this residual, relative to the forces.
+    Tolerance(f64),
+    /// Loads in the cells by a rule of this degree.
+    LoadDegree(u32),
+    /// Loads from σ (weak) or from -div σ and σν (strong).
+    Form(LoadForm),
+    /// Where the compliance is integrated.
+    Contact(BoundaryRule),
+    /// The history summed directly in place of the recursion.
+    DirectHistory,
+    /// (4 u_k - u_2k)/3 at the times of 2k, of the two runs: Richardson's extrapolation in k for order 2.
+    Extrapolated,
+}
+
+/// Residuals at which Newton's method may end. The loosest ones may fail the separate check of the KKT
+/// system, which is a row of the table as well.
+const TOLERANCES: [f64; 3] = [1e-12, 1e-10, 1e-8];
+
+impl Knob {
+    /// Its name in tables.
+    pub fn name(self) -> String {
+        match self {
+            Self::AsWritten => "as written".into(),
+            Self::Tolerance(value) => format!("tolerance {value:.0e}"),
+            Self::LoadDegree(degree) => format!("loads of degree {degree}"),
+            Self::Form(LoadForm::Weak) => "weak loads".into(),
+            Self::Form(LoadForm::Strong) => "strong loads".into(),
+            Self::Contact(BoundaryRule::Vertex) => "contact by vertices".into(),
+            Self::Contact(BoundaryRule::Gauss) => "contact by Gauss points".into(),
+            Self::Contact(BoundaryRule::Exact) => "contact exact".into(),
+            Self::DirectHistory => "history direct".into(),
+            Self::Extrapolated => "Richardson in k".into(),
+        }
+    }
+}
+
+/// The knobs of a scene beside h and k. What it lacks it does not offer.
+pub fn knobs(setup: &Setup) -> Vec<Knob> {
+    let (body, d) = (&setup.body, setup.scene.dimension);
+    let projected = setup.projection_mu() > 0.0;
+    let contact = body.contact.as_ref().filter(|c| c.gap.is_some() || c.law.is_some());
+    let mut found = Vec::new();
+    if projected || contact.is_some() {
+        found.extend(TOLERANCES.map(Knob::Tolerance));
+    }
+    if let Data::Exact { interpolated: false, form, .. } = &body.data {
+        let degrees = if d == 2 { [1, 2, 6] } else { [1, 2, 8] };
+        found.extend(degrees.map(Knob::LoadDegree));
+        found.push(Knob::Form(match form {
+            LoadForm::Weak => LoadForm::Strong,
+            LoadForm::Strong => LoadForm::Weak,
+        }));
+    }
+    // A jump has no value at a point that is held there; edges are cut in the plane alone.
+    let law = contact.and_then(|contact| contact.law.as_ref());
+    if law.is_some_and(|law| !law.is_set_valued()) {
+        let rules = [BoundaryRule::Vertex, BoundaryRule::Gauss, BoundaryRule::Exact].into_iter();
+        let other = rules.filter(|&rule| rule != setup.rule());
+        found
+            .extend(other.filter(|rule| d == 2 || *rule != BoundaryRule::Exact).map(Knob::Contact));
+    }
+    let recursive = body.material.memory.iter().any(|memory| memory.exponentials.is_some());
+    if recursive && setup.scene.time.rule == TimeRule::Trapezoid {
+        found.push(Knob::DirectHistory);
+    }
+    found
+}
+
+/// A scene with one knob turned.
+pub struct Variant {
+    /// Which.
+    pub knob: Knob,
+    /// The scene that way.
+    pub setup: Setup,
+    rules: TruthRules,
+    newton: Option<Newton>,
+}
+
+impl Variant {
+    /// Turns a knob of a scene; none where the scene does not have it.
+    ///
+    /// # Errors
+    /// Those of a setup.
+    pub fn new(scene: &Scene, knob: Knob) -> Result<Option<Self>, SetupError> {
+        let mut setup = Setup::new(scene.clone())?;
+        let (mut rules, mut newton) = (TruthRules::of(scene.dimension), None);
+        match knob {
+            Knob::AsWritten | Knob::Extrapolated => {}
+            Knob::Tolerance(value) => {
+                let rounding_units = value / f64::EPSILON;
+                newton = Some(Newton { rounding_units, ..Newton::default() });
+            }
+            Knob::LoadDegree(degree) => rules.load = load_rule(scene.dimension, degree),
+            Knob::Form(wanted) => match &mut setup.body.data {
+                Data::Exact { form, .. } => *form = wanted,
+                Data::Loads { .. } => return Ok(None),
+            },
+            Knob::Contact(rule) => match &mut setup.model.boundary {
+                Some(boundary) => boundary.rule = rule,
+                None => return Ok(None),
+            },
+            Knob::DirectHistory => match direct_history(setup) {
+                Some(direct) => setup = direct,
+                None => return Ok(None),
+            },
+        }
+        Ok(Some(Self { knob, setup, rules, newton }))
+    }
+
+    /// Mesh and loads, from nothing.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`].
+    pub fn on_mesh(&self, n: u32) -> Result<MeshData, SetupError> {
+        MeshData::with_rules(&self.setup, n, None, &self.rules)
+    }
+
+    /// One run.
+    ///
+    /// # Errors
+    /// The solver's.
+    pub fn march(
+        &self,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        match &self.newton {
+            Some(newton) => data.march(&self.setup, steps, newton, observe),
+            None => self.setup.scheme.march(&self.setup, data, steps, observe),
+        }
+    }
+}
+
+/// The rule of a degree: 1 and 2 are the centroid and the rule of d + 1 points; the degrees of the usual rules (4, in
+/// space 5) and of the next ones (6, in space 8) are theirs.
+fn load_rule(dimension: usize, degree: u32) -> Rule {
+    let corners = dimension + 1;
+    match degree {
+        0 | 1 => Rule { points: vec![vec![1.0 / corners as f64; corners]], weights: vec![1.0] },
+        2 => {
+            // Barycentric (a, …, a, 1 - d a): a² summed over the corners has its mean 2/((d+1)(d+2)) for
+            // a = (1 - 1/√(d+2))/(d+1).
+            let a = (1.0 - 1.0 / ((dimension + 2) as f64).sqrt()) / corners as f64;
+            let point = |corner: usize| {
+                let mut point = vec![a; corners];
+                point[corner] = 1.0 - dimension as f64 * a;
+                point
+            };
+            let weights = vec![1.0 / corners as f64; corners];
+            Rule { points: (0..corners).map(point).collect(), weights }
+        }
+        3..=5 => TruthRules::of(dimension).load,
+        _ => TruthRules::stronger(dimension).load,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scene(name: &str) -> Scene {
+        let path = format!("{}/manufactured/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        Scene::read(path.as_ref()).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn offered(name: &str) -> Vec<String> {
+        let setup = Setup::new(scene(name)).unwrap_or_else(|error| panic!("{error}"));
+        knobs(&setup).into_iter().map(Knob::name).collect()
+    }
+
+    #[test]
+    fn a_scene_offers_what_it_has() {
+        assert_eq!(
+            offered("pure-mild"),
+            [
+                "tolerance 1e-12",
+                "tolerance 1e-10",
+                "tolerance 1e-8",
+                "loads of degree 1",
+                "loads of degree 2",
+                "loads of degree 6",
+                "strong loads",
+                "contact by Gauss points",
+                "contact exact",
+                "history direct",
+            ]
+        );
+        // No law, no rule for it; loads given as formulas are what they are.
+        assert!(!offered("signorini").iter().any(|knob| knob.starts_with("contact")));
+        assert_eq!(offered("linear-punch"), ["history direct"]);
+        // Nothing is integrated where u lives in V^h, and the plane alone cuts edges.
+        assert!(!offered("in-space").iter().any(|knob| knob.contains("loads")));
+        assert!(!offered("pure-box").iter().any(|knob| knob == "contact exact"));
+    }
+
+    /// Mean of a polynomial over the simplex: ∏ α_i! d!/(d + Σα)!.
+    #[test]
+    fn rules_have_their_degree_and_no_more() {
+        let mean = |rule: &Rule, powers: [i32; 2]| -> f64 {
+            let value = |p: &Vec<f64>| p[0].powi(powers[0]) * p[1].powi(powers[1]);
+            rule.points.iter().zip(&rule.weights).map(|(p, w)| w * value(p)).sum()
+        };
+        for d in [2usize, 3] {
+            let exact = |powers: [i32; 2]| {
+                let factorial = |n: i32| (1..=n).map(f64::from).product::<f64>();
+                let d = d as i32;
+                let top = factorial(powers[0]) * factorial(powers[1]) * factorial(d);
+                top / factorial(d + powers[0] + powers[1])
+            };
+            let off = |degree: u32, powers: [i32; 2]| {
+                (mean(&load_rule(d, degree), powers) - exact(powers)).abs()
+            };
+            // A few roundings of numbers below 1; a missed degree is 1e-3 and more.
+            assert!(off(1, [1, 0]) < 1e-15 && off(1, [2, 0]) > 1e-3);
+            assert!(off(2, [2, 0]) < 1e-15 && off(2, [1, 1]) < 1e-15 && off(2, [3, 0]) > 1e-4);
+            assert!(off(6, [5, 1]) < 1e-14);
+        }
+    }
+}

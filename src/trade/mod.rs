@@ -1,0 +1,32 @@
+//! Speed against accuracy, measured: runs over the knobs that a scene offers, models of error and cost, the cheapest
+//! way to an error, and what each knob buys; and the error of a single run from coarser ones.
+
+mod composition;
+mod cost_model;
+mod error_model;
+pub mod estimate;
+mod extrapolation;
+mod grid;
+mod knob;
+mod measure;
+mod optimum;
+mod pareto;
+mod picture;
+mod prices;
+mod study;
+mod target;
+mod trial;
+
+pub use composition::Composition;
+pub use cost_model::{CostModel, CostSample, NoCost};
+pub use error_model::{ErrorModel, Term};
+pub use extrapolation::{Extrapolated, in_space, in_time};
+pub use grid::own_grid;
+pub use knob::{Knob, Variant, knobs};
+pub use measure::{Bench, NORMS};
+pub use optimum::{Coupling, Optimum, along_path, coupling, optimum};
+pub use pareto::front;
+pub use prices::Price;
+pub use study::{Plan, Study, TradeError};
+pub use target::{Answer, Choices, NoAnswer, cheapest};
+pub use trial::{Outcome, Table, TableError, Trial};
