@@ -5,6 +5,7 @@
 
 use std::time::Instant;
 
+use super::combination::Combination;
 use super::floor::Accepted;
 use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
 use super::problem::Work;
@@ -42,8 +43,14 @@ pub fn march<P: Projection>(
     let beta = model.memory_multiple().unwrap_or(0.0);
     // One term at most: `march` sends no other scene here.
     let kernel = model.memory.first().map(|term| &*term.kernel);
-    let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, dofs));
     let mut response = Response::new(space, model, load, &mut info.work)?;
+    // The solutions that all levels are combinations of, where the load separates.
+    let mut combination =
+        response.basis.as_ref().map(|basis| Combination::new(space, model, basis));
+    let few = response.factors.len();
+    let (mut past, mut coefficients) = (vec![0.0; few], vec![0.0; few]);
+    let length = if combination.is_some() { few } else { dofs };
+    let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, grid, length));
     let (mut force, mut u) = (vec![0.0; dofs], vec![0.0; space.nodes.len()]);
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
     let mut accumulated = Accumulated::default();
@@ -54,26 +61,43 @@ pub fn march<P: Projection>(
         load.assemble(t, &mut force)?;
         info.seconds_load += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        response.at(t, load, &force, space, &mut u[..dofs], &mut info.work);
+        let implicit =
+            kernel.map_or(0.0, |kernel| rule.kernel_weight(&Convolution(kernel), grid, n, n));
+        let scale = 1.0 + beta * implicit;
+        if scale.is_nan() || scale <= 0.0 {
+            let source = FactorError::NotPositiveDefinite { dof: 0 };
+            let source = StepError::Factor { iteration: 0, source };
+            return Err(FailedStep { n, t, source }.into());
+        }
+        match &combination {
+            Some(_) => load.factors(t, &mut coefficients),
+            None => response.solve(&force, space, &mut u[..dofs], &mut info.work),
+        }
         if let (Some(memory), Some(kernel), Some(history)) =
             (&mut memory, kernel, history.first_mut())
         {
-            memory.past(kernel, rule, grid, &mut history[..dofs]);
-            let implicit = rule.kernel_weight(&Convolution(kernel), grid, n, n);
-            let scale = 1.0 + beta * implicit;
-            if scale.is_nan() || scale <= 0.0 {
-                let source = FactorError::NotPositiveDefinite { dof: 0 };
-                let source = StepError::Factor { iteration: 0, source };
-                return Err(FailedStep { n, t, source }.into());
-            }
-            for (value, past) in u[..dofs].iter_mut().zip(history.iter()) {
+            let (past, now) = match &combination {
+                Some(_) => (&mut past[..], &mut coefficients[..]),
+                None => (&mut history[..dofs], &mut u[..dofs]),
+            };
+            memory.past(kernel, rule, grid, past);
+            for (value, past) in now.iter_mut().zip(past.iter()) {
                 *value = (*value - beta * past) / scale;
             }
-            memory.commit(grid, &u[..dofs]);
-            axpy(implicit, &u[..dofs], &mut history[..dofs]);
+            memory.commit(grid, now);
+            axpy(implicit, now, past);
             info.peak_history_bytes = info.peak_history_bytes.max(memory.bytes());
         }
-        let strain_norm = strain_norm(space, &u);
+        let strain_norm = match &combination {
+            Some(combination) => {
+                combination.combine(&coefficients, &mut u);
+                if let Some(history) = history.first_mut() {
+                    combination.combine(&past, history);
+                }
+                combination.strain_norm(space, &coefficients, &u)
+            }
+            None => strain_norm(space, &u),
+        };
         accumulated.commit(grid, strain_norm);
         info.work.linear.seconds_solve += start.elapsed().as_secs_f64();
         info.newton_iterations += 1;
@@ -88,7 +112,10 @@ pub fn march<P: Projection>(
             compliance: &nothing,
             multiplier: &nothing,
         };
-        let residual = kkt_residual(space, model, &view, &force);
+        let residual = match &mut combination {
+            Some(combination) => combination.kkt_residual(space, &coefficients, &past, &force),
+            None => kkt_residual(space, model, &view, &force),
+        };
         if residual.is_nan() || residual > KKT_ALLOWED {
             return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
         }
@@ -165,30 +192,11 @@ impl Response {
         Floors::new(space, &delta, u, accepted, largest)
     }
 
-    /// `out` ← K⁻¹F(t), where `force` is F(t).
-    fn at(
-        &mut self,
-        t: f64,
-        load: &dyn Load,
-        force: &[f64],
-        space: &Discretization,
-        out: &mut [f64],
-        work: &mut Work,
-    ) {
-        match &self.basis {
-            Some(basis) => {
-                load.factors(t, &mut self.factors);
-                out.fill(0.0);
-                for (vector, factor) in basis.iter().zip(&self.factors) {
-                    axpy(*factor, vector, out);
-                }
-            }
-            None => {
-                out.copy_from_slice(force);
-                space.analysis.solve(&self.factor, out, &mut self.workspace);
-                work.linear.solves += 1;
-            }
-        }
+    /// `out` ← K⁻¹F.
+    fn solve(&mut self, force: &[f64], space: &Discretization, out: &mut [f64], work: &mut Work) {
+        out.copy_from_slice(force);
+        space.analysis.solve(&self.factor, out, &mut self.workspace);
+        work.linear.solves += 1;
     }
 }
 

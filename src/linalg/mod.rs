@@ -1,20 +1,24 @@
 //! Sparse symmetric matrices over node blocks, their assembly, and the Cholesky factorization.
 
 mod cholesky;
+mod dense;
 mod dissection;
 mod gmres;
 mod krylov_eigen;
 mod pattern;
 mod random;
 mod sequence;
+mod substitution;
 
 pub use cholesky::{Analysis, Factor, FactorError, Real, Workspace};
+pub use dense::DenseCholesky;
 pub use dissection::nested_dissection;
 pub use gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
 pub use krylov_eigen::{EigenError, Extreme, LinearMap, Spectrum, largest_eigenvalue, spectrum};
 pub use pattern::BlockPattern;
 pub use random::signed_unit;
 pub use sequence::{LinearWork, RankOne, SequenceSolver};
+pub use substitution::Front;
 
 /// Σ a_i b_i, summed in order.
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
