@@ -29,6 +29,7 @@ struct Supernode<'a, T> {
 }
 
 impl<T: Real> Supernode<'_, T> {
+    #[inline(always)]
     fn height(&self) -> usize {
         self.width + self.below.len()
     }
@@ -57,35 +58,18 @@ impl Analysis {
     /// Solves L y = x in place in the columns before `cut`; what they leave of the right side stands
     /// behind it. `x` is in the order of the factor.
     pub fn forward<T: Real>(&self, factor: &Factor<T>, cut: usize, x: &mut [T], f: &mut Front<T>) {
-        let Some(symbolic) = self.supernodes() else { return };
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                for s in 0..symbolic.n_supernodes() {
-                    let node = supernode(symbolic, factor, s);
-                    if node.start >= cut {
-                        break;
-                    }
-                    eliminate(&node, cut, x, &mut f.rows);
-                }
-            },
-        );
+        if let Some(symbolic) = self.supernodes() {
+            let rows = &mut f.rows;
+            pulp::Arch::new().dispatch(Pass { symbolic, factor, cut, x, rows, forward: true });
+        }
     }
 
     /// Solves Lᵀ z = y in place in the columns before `cut`; what stands behind it is taken as solved.
     pub fn backward<T: Real>(&self, factor: &Factor<T>, cut: usize, x: &mut [T], f: &mut Front<T>) {
-        let Some(symbolic) = self.supernodes() else { return };
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || {
-                for s in (0..symbolic.n_supernodes()).rev() {
-                    let node = supernode(symbolic, factor, s);
-                    if node.start < cut {
-                        substitute(&node, cut, x, &mut f.rows);
-                    }
-                }
-            },
-        );
+        if let Some(symbolic) = self.supernodes() {
+            let rows = &mut f.rows;
+            pulp::Arch::new().dispatch(Pass { symbolic, factor, cut, x, rows, forward: false });
+        }
     }
 
     /// The triangle of L behind `cut`, full and by columns: it is the factor of the Schur complement on
@@ -107,6 +91,41 @@ impl Analysis {
             }
         }
         triangle
+    }
+}
+
+/// One pass over the supernodes, compiled for the vector units that a machine may have.
+struct Pass<'a, T> {
+    symbolic: &'a SymbolicSupernodalCholesky<u32>,
+    factor: &'a Factor<T>,
+    cut: usize,
+    x: &'a mut [T],
+    rows: &'a mut Vec<T>,
+    forward: bool,
+}
+
+impl<T: Real> pulp::WithSimd for Pass<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        let count = self.symbolic.n_supernodes();
+        if self.forward {
+            for s in 0..count {
+                let node = supernode(self.symbolic, self.factor, s);
+                if node.start >= self.cut {
+                    break;
+                }
+                eliminate(&node, self.cut, self.x, self.rows);
+            }
+        } else {
+            for s in (0..count).rev() {
+                let node = supernode(self.symbolic, self.factor, s);
+                if node.start < self.cut {
+                    substitute(&node, self.cut, self.x, self.rows);
+                }
+            }
+        }
     }
 }
 
@@ -251,4 +270,81 @@ fn total<T: Real>(lanes: [T; LANES]) -> T {
         half /= 2;
     }
     lanes[0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{BlockPattern, nested_dissection};
+    use super::*;
+
+    fn chain(last: &[u32]) -> (BlockPattern, Vec<f64>, Analysis) {
+        let cells: Vec<u32> = (0..68).flat_map(|i| [i, i + 1, i + 2]).collect();
+        let pattern = BlockPattern::new(&cells, 2, 70);
+        let mut values = vec![0.0; pattern.entries()];
+        for dof in 0..140 {
+            values[pattern.diagonal(dof)] = 5.0 + (dof as f64).sin();
+            for other in dof.saturating_sub(3)..dof {
+                values[pattern.position(dof, other).expect("neighbours")] = -0.6;
+            }
+        }
+        let coordinates: Vec<f64> = (0..140).map(|i| f64::from(i / 2)).collect();
+        let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates, last));
+        (pattern, values, analysis.expect("a small pattern"))
+    }
+
+    /// Whole passes solve, in both precisions; a cut forward pass leaves the condensed right side, and the last
+    /// triangle is the factor of the Schur complement: together they give the solution on the last unknowns.
+    #[test]
+    fn passes_solve_and_condense() {
+        let last = [21, 3, 77, 139, 60];
+        let (pattern, values, analysis) = chain(&last);
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace(1));
+        analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
+        let exact: Vec<f64> = (0..140).map(|i| (f64::from(i) * 0.7).sin()).collect();
+        let mut b = vec![0.0; 140];
+        pattern.multiply(&values, &exact, &mut b);
+        let in_order = |x: &[f64]| -> Vec<f64> {
+            analysis.order().iter().map(|&dof| x[dof as usize]).collect()
+        };
+        let (wanted, mut front) = (in_order(&exact), Front::default());
+        let close = |x: &[f64], tolerance: f64| {
+            x.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < tolerance)
+        };
+        let mut x = in_order(&b);
+        analysis.forward(&factor, 140, &mut x, &mut front);
+        analysis.backward(&factor, 140, &mut x, &mut front);
+        assert!(close(&x, 1e-13));
+        let cut = 140 - last.len();
+        let mut x = in_order(&b);
+        analysis.forward(&factor, cut, &mut x, &mut front);
+        let triangle = analysis.last_triangle(&factor, cut);
+        let size = last.len();
+        // L₂₂L₂₂ᵀ times the exact values is the condensed right side.
+        for i in 0..size {
+            let mut row = 0.0;
+            for j in 0..size {
+                let entry: f64 =
+                    (0..=i.min(j)).map(|k| triangle[size * k + i] * triangle[size * k + j]).sum();
+                row += entry * wanted[cut + j];
+            }
+            assert!((row - x[cut + i]).abs() < 1e-12, "{i}");
+        }
+        x[cut..].copy_from_slice(&wanted[cut..]);
+        analysis.backward(&factor, cut, &mut x, &mut front);
+        assert!(close(&x, 1e-13));
+        // A wrong value behind the cut is carried through.
+        x[cut] += 1e-6;
+        analysis.backward(&factor, cut, &mut x, &mut front);
+        assert!(!close(&x, 1e-8));
+        let single: Vec<f32> = values.iter().map(|value| *value as f32).collect();
+        let mut factor = analysis.factor::<f32>();
+        analysis.factorize(&pattern, &single, &mut factor, &mut workspace).unwrap();
+        let mut y: Vec<f32> = in_order(&b).iter().map(|value| *value as f32).collect();
+        let mut front = Front::default();
+        analysis.forward(&factor, 140, &mut y, &mut front);
+        analysis.backward(&factor, 140, &mut y, &mut front);
+        let y: Vec<f64> = y.into_iter().map(f64::from).collect();
+        // Single precision times a condition number of about 10.
+        assert!(close(&y, 1e-5) && !close(&y, 1e-12));
+    }
 }
