@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test lint bench gate baseline sabotage sabotage-check ci false-alarms fuzz opt-levels mutants clean-reports
+.PHONY: scenes help run test lint bench compare gate baseline sabotage sabotage-check ci false-alarms fuzz opt-levels mutants clean-reports
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -21,6 +21,13 @@ lint: ## formatting, clippy and rustdoc, every warning an error
 
 bench: ## all benchmarks (see benches/README.md); BENCH=... goes to criterion
 	$(CARGO) bench --bench '*' -- $(BENCH)
+
+COMPARE := target/compare
+compare: ## scikit-fem beside this program on the punch scenes, in one run; CASES="punch:64:64 ..." for others
+	test -x $(COMPARE)/bin/python || python3 -m venv $(COMPARE)
+	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy
+	$(CARGO) build --release --bin sweep
+	$(COMPARE)/bin/python benches/compare/side_by_side.py target/release/sweep $(CASES)
 
 gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 	$(SWEEP) gate --junit reports/latest/junit.xml

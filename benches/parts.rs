@@ -4,10 +4,11 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use gronwall::contact::march;
+use gronwall::contact::{march, march_in_volume};
 use gronwall::fit::{Correction, Direction, Point, order_interval, samples};
 use gronwall::history::{Memory, TimeGrid, Trapezoid};
-use gronwall::law::ExponentialSum;
+use gronwall::law::{ExponentialSum, MemoryKernel, Projection};
+use gronwall::linalg::Front;
 use gronwall::record::{CaseRecord, L2_MAX, NormError, STRESS_L2_MAX, Status, V_MAX, V_TIME_MAX};
 use gronwall::scene::Scene;
 use gronwall::setup::{MeshData, Setup, TruthLoad};
@@ -71,6 +72,14 @@ fn linear_algebra(c: &mut Criterion) {
     c.bench_function("solve n=64", |b| {
         b.iter(|| space.analysis.solve(&factor, black_box(&mut x), &mut workspace));
     });
+    let (mut front, whole) = (Front::default(), x.len());
+    c.bench_function("solve by own substitution n=64", |b| {
+        b.iter(|| {
+            x.fill(1.0);
+            space.analysis.forward(&factor, whole, black_box(&mut x), &mut front);
+            space.analysis.backward(&factor, whole, black_box(&mut x), &mut front);
+        });
+    });
 }
 
 /// The history of 256 steps, as a sum and as a recursion.
@@ -88,7 +97,67 @@ fn history(c: &mut Criterion) {
     };
     c.bench_function("history: direct sum, N=256", |b| b.iter(|| run(Memory::direct())));
     c.bench_function("history: recursion, N=256", |b| {
-        b.iter(|| run(Memory::new(&kernel, &Trapezoid, u.len())));
+        b.iter(|| run(Memory::new(&kernel, &Trapezoid, &grid, u.len())));
+    });
+}
+
+/// The sums over 4,096 steps of a kernel that is no sum of exponentials, by interpolation.
+fn fast_history(c: &mut Criterion) {
+    struct Power;
+    impl MemoryKernel for Power {
+        fn value(&self, lag: f64) -> f64 {
+            -(1.0 + 4.0 * lag).powf(-1.5)
+        }
+    }
+    let grid = TimeGrid::uniform(1.0, 4096);
+    let u = vec![0.5; 100];
+    c.bench_function("history: interpolated kernel, N=4096", |b| {
+        b.iter(|| {
+            let mut memory = Memory::new(&Power, &Trapezoid, &grid, u.len());
+            let mut past = vec![0.0; u.len()];
+            for _ in 0..=grid.steps() {
+                memory.past(&Power, &Trapezoid, &grid, &mut past);
+                memory.commit(&grid, &u);
+            }
+            past
+        });
+    });
+}
+
+/// Cell matrices of one tensor scattered into the pattern; stress and tangent of the projection at many strains.
+fn assembly(c: &mut Criterion) {
+    let setup = setup("punch");
+    let space = setup.space(64).unwrap_or_else(|error| panic!("{error}"));
+    c.bench_function("assembly: stiffness n=64", |b| {
+        b.iter(|| space.stiffness(black_box(&setup.model.elasticity)));
+    });
+    let strains: Vec<[f64; 3]> =
+        (0..4096).map(|i| [0.2, -0.1, 0.3].map(|e: f64| e * f64::from(i) / 4096.0)).collect();
+    c.bench_function("projection: response at 4096 strains", |b| {
+        b.iter(|| {
+            let responses = strains.iter().map(|e| setup.model.projection.response(e, 0.1));
+            responses.flatten().map(|response| response.tangent[0][0]).sum::<f64>()
+        });
+    });
+}
+
+/// The march of `elastic-punch` on Γ3 and in the volume: what condensation is worth.
+fn condensed(c: &mut Criterion) {
+    let setup = setup("elastic-punch");
+    let data = MeshData::new(&setup, 32, None).unwrap_or_else(|error| panic!("{error}"));
+    let grid = setup.grid(16);
+    let newton = Newton::default();
+    c.bench_function("contact: 16 steps condensed, n=32", |b| {
+        b.iter(|| {
+            let mut load = TruthLoad(&*data.truth);
+            march(&data.space, &setup.model, &grid, &mut load, &newton, &mut |_| Ok(()))
+        });
+    });
+    c.bench_function("contact: 16 steps in the volume, n=32", |b| {
+        b.iter(|| {
+            let mut load = TruthLoad(&*data.truth);
+            march_in_volume(&data.space, &setup.model, &grid, &mut load, &newton, &mut |_| Ok(()))
+        });
     });
 }
 
@@ -147,5 +216,16 @@ fn judging(c: &mut Criterion) {
     });
 }
 
-criterion_group!(parts, tape, cases, linear_algebra, history, fit, judging);
+criterion_group!(
+    parts,
+    tape,
+    cases,
+    linear_algebra,
+    history,
+    fast_history,
+    assembly,
+    condensed,
+    fit,
+    judging
+);
 criterion_main!(parts);

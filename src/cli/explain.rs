@@ -7,7 +7,8 @@ use clap::Args;
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
-use crate::contact::LinearSolver;
+use crate::contact::{LinearSolver, Plan};
+use crate::history::{FAST_ERROR, FAST_FROM};
 use crate::scene::{Data, Memory};
 use crate::setup::{Setup, Subject};
 use crate::sweep::{Cost, Overrides, PlanCost, ScenePlan, predict};
@@ -169,14 +170,23 @@ fn duration(seconds: f64) -> String {
 
 fn algorithm(setup: &Setup) -> &'static str {
     let model = &setup.model;
-    if model.is_linear() && (model.memory.is_empty() || model.memory_multiple().is_some()) {
-        "linear, memory a multiple of the elasticity: one factorization; loads that separate in time are solved once"
-    } else if model.is_linear() {
-        "linear: one factorization, one solve a step"
-    } else if model.projection.is_none() {
-        "semismooth Newton with active set; the factor is reused while the active set stays"
-    } else {
-        "semismooth Newton with active set, rank-one zeta piece; one factorization a step, reused by GMRES"
+    match Plan::foreseen(model) {
+        Plan::Recursion => {
+            "linear, memory a multiple of the elasticity or absent: one factorization; loads that separate in time are solved once, and a level is a recursion on their coefficients"
+        }
+        Plan::Newton if model.is_linear() => "linear: one factorization, one solve a step",
+        Plan::Condensed if Plan::changes_factor(model) => {
+            "contact condensed onto Gamma3: one factorization a step size, semismooth Newton with active set on the unknowns of Gamma3, one solve a step in the volume"
+        }
+        Plan::Condensed => {
+            "contact condensed onto Gamma3: one factorization, semismooth Newton with active set on the unknowns of Gamma3, one solve a step in the volume"
+        }
+        Plan::Newton if model.projection.is_none() => {
+            "semismooth Newton with active set; the factor is reused while the active set stays, and by GMRES after"
+        }
+        Plan::Newton => {
+            "semismooth Newton with active set, rank-one zeta piece; a factorization serves GMRES until its extra iterations have cost a new one"
+        }
     }
 }
 
@@ -198,9 +208,15 @@ fn regions(setup: &Setup) -> Vec<(serde_json::Value, String)> {
 }
 
 fn history(setup: &Setup) -> String {
+    let trapezoidal = setup.model.time_rule.is_trapezoidal();
     let of_term = |memory: &Memory| match &memory.exponentials {
-        Some(terms) => format!("recursion, {} exponential(s), O(1) a step", terms.len()),
-        None => "direct trapezoidal sum, O(n) at step n".into(),
+        Some(terms) if trapezoidal => {
+            format!("recursion, {} exponential(s), O(1) a step", terms.len())
+        }
+        None if trapezoidal => format!(
+            "direct trapezoidal sum, O(n) at step n; from {FAST_FROM} steps on O(1) a step by interpolation of the kernel to {FAST_ERROR:.0e}, where it is smooth"
+        ),
+        _ => "direct sum by the rule's own weights, O(n) at step n".into(),
     };
     match &setup.body.material.memory[..] {
         [] => "none".into(),

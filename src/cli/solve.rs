@@ -90,8 +90,9 @@ impl StepSolver for Solver {
         }
     }
 
-    fn is_direct(&self) -> bool {
-        matches!(self, Self::Newton)
+    fn newton(&self) -> Option<&Newton> {
+        const NEWTON: Newton = Newton::standard();
+        matches!(self, Self::Newton).then_some(&NEWTON)
     }
 }
 

@@ -47,8 +47,10 @@ impl Discretization {
         let pattern = BlockPattern::new(&nodes.cells, mesh.dimension, nodes.free);
         let coordinates: Vec<f64> =
             nodes.vertex[..nodes.free].iter().flat_map(|&v| mesh.vertex(v).to_vec()).collect();
-        let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates))?;
         let (trace, frames) = ContactTrace::new(&mesh, &nodes, contact);
+        // The unknowns of Γ3 come last: a factor then condenses onto them.
+        let order = nested_dissection(&pattern, &coordinates, &trace.unknowns());
+        let analysis = Analysis::new(&pattern, &order)?;
         let (regions, nesting, linear_solver) = (Vec::new(), Nesting::Unknown, None);
         let levels = OnceLock::new();
         Ok(Self {

@@ -50,7 +50,7 @@ impl<'a, P: Projection> Evolution<'a, P> {
         let rule = model.time_rule.as_ref();
         let terms = model.memory.iter();
         let memory: Vec<Memory> =
-            terms.map(|term| Memory::new(&*term.kernel, rule, space.dofs())).collect();
+            terms.map(|term| Memory::new(&*term.kernel, rule, grid, space.dofs())).collect();
         Self {
             problem: ContactProblem::new(space, model).solved_by(LinearSolver::of(
                 space,
@@ -149,7 +149,7 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         self.slot = LastSlot { zeta: rule.weight(grid, n, n), memory: Vec::new() };
         self.past_zeta = self.accumulated.past(rule, grid);
         for ((memory, term), sum) in
-            self.memory.iter().zip(&self.model.memory).zip(&mut self.history)
+            self.memory.iter_mut().zip(&self.model.memory).zip(&mut self.history)
         {
             let own = rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n);
             self.slot.memory.push(own);

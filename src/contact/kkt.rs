@@ -25,22 +25,39 @@ pub fn kkt_residual<P: Projection>(
     }
 }
 
+/// ∫ σ : ε(v) as a nodal vector, σ the stress that `view` shows.
+pub(super) fn internal_force<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+) -> Vec<f64> {
+    match space.mesh.dimension {
+        2 => internal_force_in::<P, 2, 3>(space, model, view),
+        _ => internal_force_in::<P, 3, 6>(space, model, view),
+    }
+}
+
+fn internal_force_in<P: Projection, const D: usize, const S: usize>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+) -> Vec<f64> {
+    let mut force = vec![0.0; space.nodes.len()];
+    for c in 0..space.mesh.cell_count() {
+        let stress = view.stress::<P, S>(space, model, c).map(|s| s * space.geometry.measure[c]);
+        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+        stress_force::<D, S>(gradients, nodes, &stress, &mut force);
+    }
+    force
+}
+
 fn evaluate<P: Projection, const D: usize, const S: usize>(
     space: &Discretization,
     model: &Model<P>,
     view: &StepView<'_>,
     load: &[f64],
 ) -> f64 {
-    let mut balance = vec![0.0; space.nodes.len()];
-    for c in 0..space.mesh.cell_count() {
-        let stress = view.stress::<P, S>(space, model, c).map(|s| s * space.geometry.measure[c]);
-        stress_force::<D, S>(
-            space.geometry.gradients(c),
-            space.cell_nodes(c),
-            &stress,
-            &mut balance,
-        );
-    }
+    let mut balance = internal_force_in::<P, D, S>(space, model, view);
     let mut scale = largest(&balance).max(largest(load));
     add_contact_forces(space, model, view, &mut balance);
     for (force, load) in balance.iter_mut().zip(load) {

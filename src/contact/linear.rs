@@ -5,6 +5,7 @@
 
 use std::time::Instant;
 
+use super::combination::Combination;
 use super::floor::Accepted;
 use super::inverse::Inverse;
 use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
@@ -22,7 +23,6 @@ struct Response<'a> {
     inverse: Inverse<'a>,
     /// K⁻¹F_i where F = Σ a_i(t) F_i.
     basis: Option<Vec<Vec<f64>>>,
-    factors: Vec<f64>,
 }
 
 /// Solves all steps of a linear case and shows each to `observe`.
@@ -42,10 +42,16 @@ pub fn march<P: Projection>(
     let beta = model.memory_multiple().unwrap_or(0.0);
     // One term at most: `march` sends no other scene here.
     let kernel = model.memory.first().map(|term| &*term.kernel);
-    let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, dofs));
     let solver = LinearSolver::of(space, model, grid.steps());
     let mut response = Response::new(space, model, solver, load, &mut info.work)?;
     let seconds_basis = response.inverse.work().seconds_solve;
+    // The solutions that all levels are combinations of, where the load separates.
+    let mut combination =
+        response.basis.as_ref().map(|basis| Combination::new(space, model, basis));
+    let few = response.basis.as_ref().map_or(0, Vec::len);
+    let (mut past, mut coefficients) = (vec![0.0; few], vec![0.0; few]);
+    let length = if combination.is_some() { few } else { dofs };
+    let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, grid, length));
     let (mut force, mut u) = (vec![0.0; dofs], vec![0.0; space.nodes.len()]);
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
     let mut accumulated = Accumulated::default();
@@ -56,25 +62,45 @@ pub fn march<P: Projection>(
         load.assemble(t, &mut force)?;
         info.seconds_load += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let solved = response.at(t, load, &force, &mut u[..dofs]);
-        solved.map_err(|source| failed(n, t, source))?;
+        let implicit =
+            kernel.map_or(0.0, |kernel| rule.kernel_weight(&Convolution(kernel), grid, n, n));
+        let scale = 1.0 + beta * implicit;
+        if scale.is_nan() || scale <= 0.0 {
+            return Err(failed(n, t, FactorError::NotPositiveDefinite { dof: 0 }).into());
+        }
+        match &combination {
+            Some(_) => load.factors(t, &mut coefficients),
+            None => {
+                u[..dofs].copy_from_slice(&force);
+                let solved = response.inverse.solve(&mut u[..dofs]);
+                solved.map_err(|source| failed(n, t, source))?;
+            }
+        }
         if let (Some(memory), Some(kernel), Some(history)) =
             (&mut memory, kernel, history.first_mut())
         {
-            memory.past(kernel, rule, grid, &mut history[..dofs]);
-            let implicit = rule.kernel_weight(&Convolution(kernel), grid, n, n);
-            let scale = 1.0 + beta * implicit;
-            if scale.is_nan() || scale <= 0.0 {
-                return Err(failed(n, t, FactorError::NotPositiveDefinite { dof: 0 }).into());
-            }
-            for (value, past) in u[..dofs].iter_mut().zip(history.iter()) {
+            let (past, now) = match &combination {
+                Some(_) => (&mut past[..], &mut coefficients[..]),
+                None => (&mut history[..dofs], &mut u[..dofs]),
+            };
+            memory.past(kernel, rule, grid, past);
+            for (value, past) in now.iter_mut().zip(past.iter()) {
                 *value = (*value - beta * past) / scale;
             }
-            memory.commit(grid, &u[..dofs]);
-            axpy(implicit, &u[..dofs], &mut history[..dofs]);
+            memory.commit(grid, now);
+            axpy(implicit, now, past);
             info.peak_history_bytes = info.peak_history_bytes.max(memory.bytes());
         }
-        let strain_norm = strain_norm(space, &u);
+        let strain_norm = match &combination {
+            Some(combination) => {
+                combination.combine(&coefficients, &mut u);
+                if let Some(history) = history.first_mut() {
+                    combination.combine(&past, history);
+                }
+                combination.strain_norm(space, &coefficients, &u)
+            }
+            None => strain_norm(space, &u),
+        };
         accumulated.commit(grid, strain_norm);
         info.work.linear.seconds_solve += start.elapsed().as_secs_f64();
         info.newton_iterations += 1;
@@ -89,7 +115,10 @@ pub fn march<P: Projection>(
             compliance: &nothing,
             multiplier: &nothing,
         };
-        let residual = kkt_residual(space, model, &view, &force);
+        let residual = match &mut combination {
+            Some(combination) => combination.kkt_residual(space, &coefficients, &past, &force),
+            None => kkt_residual(space, model, &view, &force),
+        };
         if residual.is_nan() || residual > KKT_ALLOWED {
             return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
         }
@@ -123,8 +152,7 @@ impl<'a> Response<'a> {
         for vector in basis.iter_mut().flatten() {
             inverse.solve(vector).map_err(at_start)?;
         }
-        let factors = vec![0.0; basis.as_ref().map_or(0, Vec::len)];
-        Ok(Self { inverse, basis, factors })
+        Ok(Self { inverse, basis })
     }
 
     /// Floors from the correction that one more solve at the last step would make.
@@ -156,30 +184,6 @@ impl<'a> Response<'a> {
         self.inverse.estimate(&mut delta[..space.dofs()]);
         let largest = model.elasticity.eigenvalues(space.mesh.dimension).1;
         Floors::new(space, &delta, u, accepted, largest)
-    }
-
-    /// `out` ← K⁻¹F(t), where `force` is F(t).
-    fn at(
-        &mut self,
-        t: f64,
-        load: &dyn Load,
-        force: &[f64],
-        out: &mut [f64],
-    ) -> Result<(), FactorError> {
-        match &self.basis {
-            Some(basis) => {
-                load.factors(t, &mut self.factors);
-                out.fill(0.0);
-                for (vector, factor) in basis.iter().zip(&self.factors) {
-                    axpy(*factor, vector, out);
-                }
-                Ok(())
-            }
-            None => {
-                out.copy_from_slice(force);
-                self.inverse.solve(out)
-            }
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! Which linear solver a run uses: a factor of each Jacobian, or conjugate gradients with multigrid.
 
-use super::{Discretization, Model};
+use super::{Discretization, Model, Plan};
 use crate::law::Projection;
 use crate::linalg::{
     FactorError, Levels, MultigridSequence, NodeFrame, SequenceSolver, TangentSolver,
@@ -42,8 +42,9 @@ impl LinearSolver {
     /// The solver of a run of `steps` steps: the one that `space` names, or the cheaper one by size and number of
     /// solves with one matrix. Factors where the mesh has no levels.
     pub fn of<P: Projection>(space: &Discretization, model: &Model<P>, steps: usize) -> Self {
-        // Linear runs have one matrix; a step of the others factorizes anew about once.
-        let solves = if model.is_linear() { steps + 1 } else { 1 };
+        // Linear runs and condensed ones have one matrix; a step of the others factorizes anew about once.
+        let one = model.is_linear() || Plan::foreseen(model) == Plan::Condensed;
+        let solves = if one { steps + 1 } else { 1 };
         let least = MULTIGRID_FROM.max(UNKNOWNS_A_SOLVE * solves);
         let large = space.mesh.dimension == 3 && space.dofs() >= least;
         let by_size = if large { Self::Multigrid } else { Self::Direct };

@@ -1,11 +1,16 @@
 //! The march in time: Problem 14 step after step, with the history committed after convergence.
 
 use super::floor::Accepted;
+use super::plan::Plan;
 use super::work::Work;
-use super::{Discretization, Evolution, Floors, Load, LoadError, Model, kkt_residual, linear};
+use super::{
+    Discretization, Evolution, Floors, Load, LoadError, Model, condensed, kkt_residual, linear,
+};
 use crate::history::TimeGrid;
 use crate::law::Projection;
-use crate::vhi::{FailedStep, Piece, StepInequality, StepSolver, Stepper};
+use crate::vhi::{
+    BoundaryGraph, FailedStep, Piece, StepInequality, StepSolver, StepState, Stepper,
+};
 
 /// The solution at one time level, as an observer sees it.
 pub struct StepView<'a> {
@@ -98,10 +103,30 @@ pub fn march<P: Projection, S: StepSolver>(
     solver: &S,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let direct = solver.is_direct() && model.is_linear();
-    if direct && (model.memory.is_empty() || model.memory_multiple().is_some()) {
-        return linear::march(space, model, grid, load, observe);
+    match Plan::of(space, model, grid.steps(), solver.newton().is_some()) {
+        Plan::Recursion => return linear::march(space, model, grid, load, observe),
+        Plan::Condensed => {
+            if let Some(newton) = solver.newton() {
+                return condensed::march(space, model, grid, load, newton, observe);
+            }
+        }
+        Plan::Newton => {}
     }
+    march_in_volume(space, model, grid, load, solver, observe)
+}
+
+/// The same level by level in the volume, whatever shorter way there is.
+///
+/// # Errors
+/// As [`march`].
+pub fn march_in_volume<P: Projection, S: StepSolver>(
+    space: &Discretization,
+    model: &Model<P>,
+    grid: &TimeGrid,
+    load: &mut dyn Load,
+    solver: &S,
+    observe: &mut Observer<'_>,
+) -> Result<CaseInfo, CaseError> {
     let mut march = March::new(space, model, grid, load, solver);
     for n in 0..=grid.steps() {
         march.step(n, grid.time(n), observe)?;
@@ -187,7 +212,13 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
         let state = &self.stepper.state;
         self.nodal[..state.u.len()].copy_from_slice(&state.u);
         self.space.frames.to_cartesian(&mut self.nodal);
-        self.split_pressures();
+        split_pressures(
+            self.space,
+            self.model,
+            self.evolution.graph(),
+            state,
+            [&mut self.compliance, &mut self.multiplier],
+        );
         let zeta = self.evolution.zeta();
         let history = self.evolution.history();
         let view = StepView {
@@ -208,33 +239,38 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
         self.info.kkt_residual = self.info.kkt_residual.max(residual);
         observe(&view)
     }
+}
 
-    /// c = ξ + λ: at the bound ξ is the least element of ∂j_ν(g) and λ the rest, elsewhere ξ is all.
-    fn split_pressures(&mut self) {
-        let Some(boundary) = &self.model.boundary else { return };
-        let (graph, state) = (self.evolution.graph(), &self.stepper.state);
-        let mut next = 0;
-        for (i, point) in self.space.trace.points.iter().enumerate() {
-            if point.clamped {
-                continue;
-            }
-            let pressure = state.pressure[next];
-            let at = &graph.coordinates[next];
-            let normal = graph.normal(next, &state.u);
-            let piece = graph.piece(next, normal + at.gamma * pressure);
-            next += 1;
-            if boundary.rule == super::BoundaryRule::Vertex {
-                self.compliance[i] = match piece {
-                    Piece::Pinned { value, lo, .. } if value == at.gap => lo,
-                    _ => pressure,
-                };
-                self.multiplier[i] = pressure - self.compliance[i];
-            } else {
-                let x = self.space.mesh.point(&[point.vertex], &[1.0]);
-                let law = boundary.potential_at(x);
-                self.compliance[i] = law.subdifferential(normal - at.shift).0;
-                self.multiplier[i] = pressure;
-            }
+/// c = ξ + λ: at the bound ξ is the least element of ∂j_ν(g) and λ the rest, elsewhere ξ is all.
+pub(super) fn split_pressures<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    graph: &BoundaryGraph,
+    state: &StepState,
+    [compliance, multiplier]: [&mut [f64]; 2],
+) {
+    let Some(boundary) = &model.boundary else { return };
+    let mut next = 0;
+    for (i, point) in space.trace.points.iter().enumerate() {
+        if point.clamped {
+            continue;
+        }
+        let pressure = state.pressure[next];
+        let at = &graph.coordinates[next];
+        let normal = graph.normal(next, &state.u);
+        let piece = graph.piece(next, normal + at.gamma * pressure);
+        next += 1;
+        if boundary.rule == super::BoundaryRule::Vertex {
+            compliance[i] = match piece {
+                Piece::Pinned { value, lo, .. } if value == at.gap => lo,
+                _ => pressure,
+            };
+            multiplier[i] = pressure - compliance[i];
+        } else {
+            let x = space.mesh.point(&[point.vertex], &[1.0]);
+            let law = boundary.potential_at(x);
+            compliance[i] = law.subdifferential(normal - at.shift).0;
+            multiplier[i] = pressure;
         }
     }
 }

@@ -124,7 +124,6 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             }
         }
         self.past_zeta = past_zeta;
-        self.solver.begin_level();
         let changed = slot.memory != self.slot.memory;
         self.slot = slot;
         if changed {

@@ -70,6 +70,17 @@ impl ContactTrace {
         (trace, frames)
     }
 
+    /// The unknowns that carry u_ν at the free points, in the order of the points, each once.
+    pub fn unknowns(&self) -> Vec<u32> {
+        let mut unknowns: Vec<u32> = Vec::new();
+        for point in self.points.iter().filter(|point| !point.clamped) {
+            if !unknowns.contains(&point.unknown) {
+                unknowns.push(point.unknown);
+            }
+        }
+        unknowns
+    }
+
     /// A vertex whose normals are all axes keeps its Cartesian unknowns, another gets a frame.
     fn choose_unknowns(
         &mut self,

@@ -3,7 +3,7 @@
 //! ℬ₀ε(·) is linear, so the history tensor of a cell is ℬ₀ of the strain of one history vector: a
 //! vector of unknowns is kept a step (direct sum) or an exponential (recursion), not a tensor a cell.
 
-use super::{TimeGrid, TimeRule};
+use super::{FastConvolution, TimeGrid, TimeRule};
 use crate::law::{Convolution, MemoryKernel};
 use crate::linalg::axpy;
 
@@ -26,12 +26,25 @@ pub enum Memory {
         /// n.
         committed: usize,
     },
+    /// The kernel interpolated between clusters of levels.
+    Fast(Box<FastConvolution>),
 }
 
+/// Steps from which on a general kernel is interpolated: a direct sum is about 300 vectors a step then, as
+/// many as the other takes.
+pub const FAST_FROM: usize = 512;
+/// Relative error of an interpolated kernel: far below the floors of solvers, 1e-12 and more.
+pub const FAST_ERROR: f64 = 1e-13;
+
 impl Memory {
-    /// Recursion where the kernel is a sum of exponentials and the rule is the trapezoidal one,
-    /// else the direct sum.
-    pub fn new(kernel: &dyn MemoryKernel, rule: &dyn TimeRule, dofs: usize) -> Self {
+    /// Recursion where the kernel is a sum of exponentials, interpolation for other kernels on long grids where
+    /// it reaches [`FAST_ERROR`], both with the trapezoidal rule; else the direct sum.
+    pub fn new(
+        kernel: &dyn MemoryKernel,
+        rule: &dyn TimeRule,
+        grid: &TimeGrid,
+        dofs: usize,
+    ) -> Self {
         match kernel.exponentials() {
             Some(terms) if rule.is_trapezoidal() => Self::Recursive {
                 terms: terms.to_vec(),
@@ -39,6 +52,12 @@ impl Memory {
                 last: vec![0.0; dofs],
                 committed: 0,
             },
+            None if rule.is_trapezoidal() && grid.steps() >= FAST_FROM => {
+                match FastConvolution::new(kernel, grid, dofs, FAST_ERROR) {
+                    Some(fast) => Self::Fast(Box::new(fast)),
+                    None => Self::direct(),
+                }
+            }
             _ => Self::direct(),
         }
     }
@@ -53,12 +72,13 @@ impl Memory {
         match self {
             Self::Direct { past } => past.len(),
             Self::Recursive { committed, .. } => *committed,
+            Self::Fast(fast) => fast.committed(),
         }
     }
 
     /// `out` ← Σ_{j < n} w_{nj} b(t_n - t_j) u_j for the next step n.
     pub fn past(
-        &self,
+        &mut self,
         kernel: &dyn MemoryKernel,
         rule: &dyn TimeRule,
         grid: &TimeGrid,
@@ -83,6 +103,7 @@ impl Memory {
                     axpy(factor * 0.5 * k, last, out);
                 }
             }
+            Self::Fast(fast) => fast.past(kernel, grid, out),
         }
     }
 
@@ -103,6 +124,7 @@ impl Memory {
                 last.copy_from_slice(u);
                 *committed += 1;
             }
+            Self::Fast(fast) => fast.commit(grid, u),
         }
     }
 
@@ -113,6 +135,7 @@ impl Memory {
             Self::Recursive { states, last, .. } => {
                 states.iter().map(Vec::len).sum::<usize>() + last.len()
             }
+            Self::Fast(fast) => fast.numbers(),
         };
         vectors * size_of::<f64>()
     }
@@ -127,7 +150,7 @@ mod tests {
     /// Direct sum and recursion on one grid; the largest relative difference over all steps.
     fn difference(grid: &TimeGrid, kernel: &ExponentialSum) -> f64 {
         let mut direct = Memory::direct();
-        let mut recursive = Memory::new(kernel, &Trapezoid, 2);
+        let mut recursive = Memory::new(kernel, &Trapezoid, grid, 2);
         assert!(matches!(recursive, Memory::Recursive { .. }));
         let (mut a, mut b, mut worst) = ([0.0; 2], [0.0; 2], 0f64);
         let mut size = 0f64;
@@ -165,7 +188,8 @@ mod tests {
         }
         let kernel = ExponentialSum { terms: vec![(-1.0, 1.0)] };
         let grid = TimeGrid::uniform(1.0, 10);
-        let (mut right, mut wrong) = (Memory::direct(), Memory::new(&kernel, &NoFirstTerm, 1));
+        let (mut right, mut wrong) =
+            (Memory::direct(), Memory::new(&kernel, &NoFirstTerm, &grid, 1));
         assert!(matches!(wrong, Memory::Direct { .. }));
         right.commit(&grid, &[1.0]);
         wrong.commit(&grid, &[1.0]);
@@ -179,7 +203,8 @@ mod tests {
     fn bytes_and_steps_are_counted() {
         let grid = TimeGrid::uniform(1.0, 4);
         let kernel = ExponentialSum { terms: vec![(-1.0, 1.0), (0.5, 0.0), (2.0, 3.0)] };
-        let (mut direct, mut recursive) = (Memory::direct(), Memory::new(&kernel, &Trapezoid, 2));
+        let (mut direct, mut recursive) =
+            (Memory::direct(), Memory::new(&kernel, &Trapezoid, &grid, 2));
         for n in 0..4 {
             assert_eq!((direct.committed(), recursive.committed()), (n, n));
             // u_0, …, u_{n-1}; three states and u_{n-1}.
@@ -194,7 +219,7 @@ mod tests {
     fn the_past_overwrites_what_was_there() {
         let grid = TimeGrid::uniform(1.0, 4);
         let kernel = ExponentialSum { terms: vec![(1.0, 0.0)] };
-        let mut memory = Memory::new(&kernel, &Trapezoid, 1);
+        let mut memory = Memory::new(&kernel, &Trapezoid, &grid, 1);
         let mut out = [7.0];
         memory.past(&kernel, &Trapezoid, &grid, &mut out);
         assert_eq!(out, [0.0]);

@@ -2,6 +2,7 @@
 
 mod cholesky;
 mod conjugate_gradient;
+mod dense;
 mod dissection;
 mod gmres;
 mod krylov_eigen;
@@ -10,10 +11,12 @@ mod multigrid_sequence;
 mod pattern;
 mod random;
 mod sequence;
+mod substitution;
 mod tangent_solver;
 
 pub use cholesky::{Analysis, Factor, FactorError, Real, Workspace};
 pub use conjugate_gradient::{Directions, conjugate_gradients};
+pub use dense::DenseCholesky;
 pub use dissection::nested_dissection;
 pub use gmres::{Krylov, KrylovInfo, Preconditioned, gmres};
 pub use krylov_eigen::{EigenError, Extreme, LinearMap, Spectrum, largest_eigenvalue, spectrum};
@@ -22,6 +25,7 @@ pub use multigrid_sequence::MultigridSequence;
 pub use pattern::BlockPattern;
 pub use random::signed_unit;
 pub use sequence::{LinearWork, RankOne, SequenceSolver};
+pub use substitution::Front;
 pub use tangent_solver::TangentSolver;
 
 /// Σ a_i b_i, summed in order.

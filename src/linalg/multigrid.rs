@@ -58,7 +58,7 @@ impl Levels {
         if last.nodes() == 0 {
             return Ok(None);
         }
-        let coarsest = Analysis::new(last, &nested_dissection(last, &coordinates))?;
+        let coarsest = Analysis::new(last, &nested_dissection(last, &coordinates, &[]))?;
         Ok(Some(Self { transfers, patterns, coarsest, frames }))
     }
 

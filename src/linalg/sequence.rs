@@ -10,6 +10,7 @@ use std::time::Instant;
 use super::cholesky::{Analysis, Factor, FactorError, Workspace};
 use super::gmres::{Krylov, Preconditioned, gmres};
 use super::pattern::BlockPattern;
+use super::substitution::Front;
 use super::{axpy, dot};
 
 /// The rank-one piece a bᵀ.
@@ -39,17 +40,23 @@ pub struct LinearWork {
 /// From this order on the factor is kept in single precision. Below it a factor (some 0.1 MB at
 /// n = 16) stays in cache, and a direct solve beats two iterations.
 const SINGLE_FROM: usize = 4000;
-/// A solve that took more iterations than this asks for a new factorization: in the plane one costs
-/// about four applications of operator and preconditioner.
-const GOOD: u32 = 4;
+/// Iterations that a factor of the present Jacobian takes as well, in single precision.
+const LEAST: u32 = 2;
 /// Iterations after which a factor is given up at once.
-const LIMIT: usize = 12;
+const LIMIT: usize = 24;
+
+/// Iterations of GMRES that one factorization costs, from the work of either: 0.05 multiplications an entry of
+/// the factor is what the two took on meshes of n = 64 and 128 (6 and 9 iterations).
+fn worth(analysis: &Analysis) -> u32 {
+    let entries = (analysis.factor_entries() as f64).max(1.0);
+    (2.0 + 0.05 * analysis.multiplications() / entries) as u32
+}
 
 /// A factor, in the precision it is kept in. Single precision holds that of K/`scale`, so that no
 /// unit of force leaves its range.
 enum Stored {
-    Double(Factor<f64>),
-    Single { factor: Factor<f32>, scale: f64, buffer: Vec<f32> },
+    Double { factor: Factor<f64>, ordered: Vec<f64>, front: Front<f64> },
+    Single { factor: Factor<f32>, scale: f64, ordered: Vec<f32>, front: Front<f32> },
 }
 
 /// Solver for a sequence of nearby Jacobians.
@@ -60,8 +67,10 @@ pub struct SequenceSolver<'a> {
     stored: Option<Stored>,
     /// True if the stored factor is the double-precision one of the present Jacobian.
     exact: bool,
-    /// Iterations of the last solve since the factorization; `None` asks for a new one.
-    iterations: Option<u32>,
+    /// Iterations beyond [`LEAST`] of all solves since the factorization.
+    extra: u32,
+    /// Iterations that a factorization costs.
+    worth: u32,
     /// K⁻¹a/(1 + bᵀK⁻¹a) and b of the factorized Jacobian.
     correction: Option<(Vec<f64>, Vec<f64>)>,
     krylov: Krylov,
@@ -81,18 +90,14 @@ impl<'a> SequenceSolver<'a> {
             workspace: analysis.workspace(2),
             stored: None,
             exact: false,
-            iterations: None,
+            extra: 0,
+            worth: worth(analysis),
             correction: None,
             krylov: Krylov::default(),
             values: Vec::new(),
             rank_one: None,
             work: LinearWork::default(),
         }
-    }
-
-    /// The stored factor is of an earlier time level: the next Jacobian gets its own.
-    pub fn begin_level(&mut self) {
-        self.iterations = None;
     }
 
     /// Takes lower-triangle values of K out, to be refilled and handed back to [`Self::prepare`].
@@ -117,7 +122,9 @@ impl<'a> SequenceSolver<'a> {
             return Ok(());
         }
         self.exact = false;
-        if self.stored.is_some() && self.iterations.is_some_and(|iterations| iterations <= GOOD) {
+        // An old factor serves until its extra iterations have cost a new one: at most twice the least cost,
+        // whatever comes.
+        if self.stored.is_some() && self.extra < self.worth {
             return Ok(());
         }
         self.factorize(self.pattern.order() >= SINGLE_FROM)
@@ -132,7 +139,7 @@ impl<'a> SequenceSolver<'a> {
         self.work.seconds_factor += start.elapsed().as_secs_f64();
         match outcome {
             Ok(()) => {
-                self.iterations = Some(0);
+                self.extra = 0;
                 self.correct()
             }
             // Single precision may call a barely definite matrix indefinite.
@@ -147,27 +154,27 @@ impl<'a> SequenceSolver<'a> {
     }
 
     fn factorize_double(&mut self) -> Result<(), FactorError> {
-        let mut factor = match self.stored.take() {
-            Some(Stored::Double(factor)) => factor,
-            _ => self.analysis.factor(),
+        let (mut factor, ordered, front) = match self.stored.take() {
+            Some(Stored::Double { factor, ordered, front }) => (factor, ordered, front),
+            _ => (self.analysis.factor(), Vec::new(), Front::default()),
         };
         self.analysis.factorize(self.pattern, &self.values, &mut factor, &mut self.workspace)?;
-        self.stored = Some(Stored::Double(factor));
+        self.stored = Some(Stored::Double { factor, ordered, front });
         self.exact = true;
         Ok(())
     }
 
     fn factorize_single(&mut self) -> Result<(), FactorError> {
-        let (mut factor, mut buffer) = match self.stored.take() {
-            Some(Stored::Single { factor, buffer, .. }) => (factor, buffer),
-            _ => (self.analysis.factor(), Vec::new()),
+        let (mut factor, mut ordered, front) = match self.stored.take() {
+            Some(Stored::Single { factor, ordered, front, .. }) => (factor, ordered, front),
+            _ => (self.analysis.factor(), Vec::new(), Front::default()),
         };
         let diagonal = |dof: usize| self.values[self.pattern.diagonal(dof)].abs();
         let scale = (0..self.pattern.order()).map(diagonal).fold(f64::MIN_POSITIVE, f64::max);
-        buffer.clear();
-        buffer.extend(self.values.iter().map(|value| (value / scale) as f32));
-        self.analysis.factorize(self.pattern, &buffer, &mut factor, &mut self.workspace)?;
-        self.stored = Some(Stored::Single { factor, scale, buffer });
+        ordered.clear();
+        ordered.extend(self.values.iter().map(|value| (value / scale) as f32));
+        self.analysis.factorize(self.pattern, &ordered, &mut factor, &mut self.workspace)?;
+        self.stored = Some(Stored::Single { factor, scale, ordered, front });
         Ok(())
     }
 
@@ -190,18 +197,29 @@ impl<'a> SequenceSolver<'a> {
     /// x ← (factorized K)⁻¹ x.
     fn apply_factor(&mut self, x: &mut [f64]) {
         let start = Instant::now();
+        let (analysis, whole) = (self.analysis, x.len());
         match &mut self.stored {
             None => {}
-            Some(Stored::Double(factor)) => self.analysis.solve(factor, x, &mut self.workspace),
-            Some(Stored::Single { factor, scale, buffer }) => {
+            Some(Stored::Double { factor, ordered, front }) => {
+                ordered.clear();
+                ordered.extend(analysis.order().iter().map(|&dof| x[dof as usize]));
+                analysis.forward(factor, whole, ordered, front);
+                analysis.backward(factor, whole, ordered, front);
+                for (&value, &dof) in ordered.iter().zip(analysis.order()) {
+                    x[dof as usize] = value;
+                }
+            }
+            Some(Stored::Single { factor, scale, ordered, front }) => {
                 // The right side is scaled to one as well: only its direction needs single range.
                 let size = x.iter().fold(0.0f64, |size, value| size.max(value.abs()));
                 if size > 0.0 && size.is_finite() {
-                    buffer.clear();
-                    buffer.extend(x.iter().map(|value| (value / size) as f32));
-                    self.analysis.solve(factor, &mut buffer[..], &mut self.workspace);
-                    for (target, value) in x.iter_mut().zip(&*buffer) {
-                        *target = f64::from(*value) * (size / *scale);
+                    ordered.clear();
+                    let order = analysis.order().iter();
+                    ordered.extend(order.map(|&dof| (x[dof as usize] / size) as f32));
+                    analysis.forward(factor, whole, ordered, front);
+                    analysis.backward(factor, whole, ordered, front);
+                    for (&value, &dof) in ordered.iter().zip(analysis.order()) {
+                        x[dof as usize] = f64::from(value) * (size / *scale);
                     }
                 }
             }
@@ -232,7 +250,7 @@ impl<'a> SequenceSolver<'a> {
         let saved = rhs.to_vec();
         let info = gmres(self, rhs, forcing, LIMIT, &mut krylov);
         self.krylov = krylov;
-        self.iterations = Some(info.iterations);
+        self.extra += info.iterations.saturating_sub(LEAST);
         if info.relative_residual <= forcing {
             return Ok(());
         }
@@ -293,7 +311,8 @@ mod tests {
         if indefinite {
             values[pattern.diagonal(77)] = -scale;
         }
-        let analysis = Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates)).unwrap();
+        let analysis =
+            Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates, &[])).unwrap();
         let mut solver = SequenceSolver::new(&analysis, &pattern);
         let exact: Vec<f64> = (0..pattern.order()).map(|i| ((i % 13) as f64) - 6.0).collect();
         let unit = |k: f64| exact.iter().map(|x| scale * k * x.sin() / 6000.0).collect::<Vec<_>>();

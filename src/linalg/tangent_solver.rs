@@ -13,13 +13,6 @@ pub enum TangentSolver<'a> {
 }
 
 impl TangentSolver<'_> {
-    /// A new time level begins.
-    pub fn begin_level(&mut self) {
-        if let Self::Direct(solver) = self {
-            solver.begin_level();
-        }
-    }
-
     /// Lower-triangle values of K, to be refilled and handed back to [`Self::prepare`].
     pub fn take_values(&mut self) -> Vec<f64> {
         match self {

@@ -40,11 +40,16 @@ pub use subject::Subject;
 pub use trace_family::{TraceFamily, trace_family};
 
 use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, Model};
-use crate::history::{CorrectedEnd, ProductIntegration, TimeGrid, TimeRule, Trapezoid};
+use crate::history::{
+    CorrectedEnd, FAST_FROM, FastConvolution, ProductIntegration, TimeGrid, TimeRule, Trapezoid,
+};
 use crate::law::VonMises;
 use crate::linalg::{EigenError, FactorError};
 use crate::manufactured::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polygon};
 use crate::scene::{self, Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
+
+/// Nodes a cluster that an interpolated kernel needs where it is smooth.
+const NODES: usize = 16;
 
 /// The model of a scene.
 pub type SceneModel = Model<Option<VonMises<YieldFormula>>>;
@@ -153,10 +158,17 @@ impl Setup {
         time_grid(&self.scene.time, steps)
     }
 
-    /// Vectors of unknowns held for the history after N steps.
+    /// Vectors of unknowns held for the history after N steps; of interpolated kernels with as many nodes as
+    /// smooth ones need.
     pub fn history_vectors(&self, steps: u32) -> usize {
         let of_term = |memory: &scene::Memory| {
-            memory.exponentials.as_ref().map_or(steps as usize + 1, |terms| terms.len() + 1)
+            let all = steps as usize + 1;
+            let trapezoidal = self.model.time_rule.is_trapezoidal();
+            match &memory.exponentials {
+                Some(terms) if trapezoidal => terms.len() + 1,
+                None if trapezoidal && all > FAST_FROM => FastConvolution::vectors(all - 1, NODES),
+                _ => all,
+            }
         };
         self.body.material.memory.iter().map(of_term).sum()
     }

@@ -12,7 +12,7 @@
 use std::collections::{HashMap, HashSet};
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use crate::contact::{Discretization, LinearSolver};
+use crate::contact::{Discretization, LinearSolver, Plan};
 use crate::formula::Variable;
 use crate::scene::{Data, Norm};
 use crate::setup::{AbstractSetup, Setup, SetupError};
@@ -25,7 +25,9 @@ pub enum Kind {
     LinearMultiple,
     /// One factor for all levels, one solve a level.
     Linear,
-    /// Active set without projection.
+    /// Active set on Γ3 alone, one factor where memory is a multiple of the elasticity.
+    Condensed,
+    /// Active set without projection, in the volume.
     Contact,
     /// Active set and projection.
     Projection,
@@ -39,6 +41,7 @@ impl Kind {
         match (model.is_linear(), model.projection.is_none()) {
             (true, _) if multiple => Self::LinearMultiple,
             (true, _) => Self::Linear,
+            (false, true) if Plan::foreseen(model) == Plan::Condensed => Self::Condensed,
             (false, true) => Self::Contact,
             (false, false) => Self::Projection,
         }
@@ -48,15 +51,16 @@ impl Kind {
     fn work(self, cells: f64, steps: f64) -> [f64; 2] {
         match self {
             Self::LinearMultiple | Self::Linear => [1.0, 1.0 / (steps + 1.0)],
+            Self::Condensed => [(2.0 * cells.powf(0.35)).max(0.1), 1.0 / (steps + 1.0)],
             Self::Contact => [2.0 * cells.powf(0.35), 0.95 * cells.powf(0.4)].map(|w| w.max(0.1)),
-            Self::Projection => [4.3 * cells.powf(0.18), (1.9 * cells.powf(0.22)).max(1.0)],
+            Self::Projection => [4.3 * cells.powf(0.18), 0.5 * cells.powf(0.5)],
         }
     }
 
     /// Seconds a cell and iteration in residuals and tangents.
     fn assembly(self) -> f64 {
         match self {
-            Self::LinearMultiple | Self::Linear => 2e-9,
+            Self::LinearMultiple | Self::Linear | Self::Condensed => 2e-9,
             Self::Contact => 15e-9,
             Self::Projection => 58e-9,
         }
@@ -68,7 +72,7 @@ impl Kind {
         match self {
             Self::LinearMultiple => 4.0,
             Self::Linear => 30.0,
-            Self::Contact => 8.0,
+            Self::Condensed | Self::Contact => 8.0,
             Self::Projection => 14.0,
         }
     }
@@ -77,7 +81,7 @@ impl Kind {
     fn solve(self) -> f64 {
         match self {
             Self::LinearMultiple => 0.15e-9,
-            Self::Linear => 1.2e-9,
+            Self::Linear | Self::Condensed => 1.2e-9,
             Self::Contact | Self::Projection => 2.2e-9,
         }
     }
@@ -329,15 +333,26 @@ fn zeta(setup: &Setup) -> f64 {
 
 /// One march without its truth.
 fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
-    let kind = Kind::of(setup);
+    let linear_solver = LinearSolver::of(space, &setup.model, steps as usize);
+    let kind = match Kind::of(setup) {
+        // Condensation takes a factor.
+        Kind::Condensed if linear_solver == LinearSolver::Multigrid => Kind::Contact,
+        kind => kind,
+    };
     let levels = f64::from(steps) + 1.0;
     let crossed = f64::from(n) * setup.scene.time.horizon / f64::from(steps);
-    let [iterations, factorizations] = kind.work(crossed, f64::from(steps)).map(|w| w * levels);
+    let [iterations, mut factorizations] = kind.work(crossed, f64::from(steps)).map(|w| w * levels);
+    if kind == Kind::Condensed && Plan::changes_factor(&setup.model) {
+        // The weight of the last slot is zero at first, then that of the step.
+        let uniform = matches!(setup.scene.time.grid, crate::scene::TimeGrid::Uniform);
+        factorizations = if uniform { levels.min(2.0) } else { levels };
+    }
+    // A condensed level passes the factor once, whatever its iterations on Γ3 are.
+    let passes = if kind == Kind::Condensed { levels } else { iterations };
     let (cells, dofs) = (space.mesh.cell_count() as f64, space.dofs());
-    let linear_solver = LinearSolver::of(space, &setup.model, steps as usize);
-    let (linear, linear_bytes) = linear(kind, linear_solver, space, [iterations, factorizations]);
+    let (linear, linear_bytes) = linear(kind, linear_solver, space, [passes, factorizations]);
     let vectors = match kind {
-        Kind::LinearMultiple | Kind::Linear => 0.0,
+        Kind::LinearMultiple | Kind::Linear | Kind::Condensed => 0.0,
         Kind::Contact | Kind::Projection => VECTORS,
     };
     let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
@@ -351,7 +366,7 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
         linear_solver,
         iterations,
         factorizations,
-        seconds: iterations * per_iteration + linear + MEASURING * cells * levels,
+        seconds: passes * per_iteration + linear + MEASURING * cells * levels,
         memory_bytes,
     }
 }

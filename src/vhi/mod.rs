@@ -3,6 +3,7 @@
 //! decomposition of Remark 3. Nothing here knows a mesh.
 
 mod decomposition;
+mod extrapolation;
 mod fixed_point;
 mod frozen_derivative;
 mod graph;
@@ -14,6 +15,7 @@ mod step_bounds;
 mod stepper;
 
 pub use decomposition::Decomposition;
+pub use extrapolation::Extrapolation;
 pub use fixed_point::FixedPoint;
 pub use frozen_derivative::FrozenDerivative;
 pub use graph::{BoundaryGraph, Coordinate, Piece};

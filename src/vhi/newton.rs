@@ -13,11 +13,8 @@ pub struct Newton {
 }
 
 impl Default for Newton {
-    /// 60 iterations: ten times what a step takes. The computed residual has a floor of 1 to 4
-    /// units of rounding on meshes of n = 4…256 (sums of up to 7 cells and 3 strain terms); 16
-    /// stays above it without giving away digits.
     fn default() -> Self {
-        Self { max_iterations: 60, rounding_units: 16.0 }
+        Self::standard()
     }
 }
 
@@ -79,6 +76,13 @@ const FORCING: f64 = 1e-4;
 const FORCING_SHARE: f64 = 0.3;
 
 impl Newton {
+    /// 60 iterations: ten times what a step takes. The computed residual has a floor of 1 to 4
+    /// units of rounding on meshes of n = 4…256 (sums of up to 7 cells and 3 strain terms); 16
+    /// stays above it without giving away digits.
+    pub const fn standard() -> Self {
+        Self { max_iterations: 60, rounding_units: 16.0 }
+    }
+
     /// Solves one time level from the start value in `state`.
     ///
     /// # Errors

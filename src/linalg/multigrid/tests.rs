@@ -267,7 +267,7 @@ fn a_matrix_that_is_not_positive_definite_is_an_error_on_every_scale() {
         }
         let natural: Vec<f64> = body.coordinates.clone();
         let analysis =
-            Analysis::new(&body.pattern, &nested_dissection(&body.pattern, &natural)).unwrap();
+            Analysis::new(&body.pattern, &nested_dissection(&body.pattern, &natural, &[])).unwrap();
         let mut factor = analysis.factor::<f64>();
         let direct = analysis.factorize(
             &body.pattern,

@@ -293,7 +293,7 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
     fn history_ratio(&mut self, memory: &[MemoryTerm], grid: &TimeGrid, still: bool) -> f64 {
         let dofs = self.space.dofs();
         let mut zeta = [Accumulated::default(), Accumulated::default()];
-        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, dofs));
+        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, grid, dofs));
         let mut past: Vec<Memory> = each.collect();
         let mut distance = Accumulated::default();
         let (mut history, mut needed) = (vec![0.0; self.space.nodes.len()], 0f64);

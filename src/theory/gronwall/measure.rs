@@ -112,7 +112,7 @@ fn truncation_of_memory(
     }
     let (rule, length) = (&Trapezoid, space.nodes.len());
     let mut histories: Vec<Memory> =
-        terms.iter().map(|term| Memory::new(&*term.kernel, rule, length)).collect();
+        terms.iter().map(|term| Memory::new(&*term.kernel, rule, grid, length)).collect();
     let mut sum = vec![0.0; length];
     let mut defect = |(n, level): (usize, &Level)| {
         let missed = terms.iter().zip(&mut histories).zip(&level.memory);

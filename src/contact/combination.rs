@@ -1,0 +1,127 @@
+//! Linear scenes with ℬ₀ = β𝒜 or without memory, whose loads separate in time, F(t) = Σ a_i(t) F_i: with
+//! w_i = K⁻¹F_i all displacements are u_n = Σ c_i w_i, and
+//!
+//!   c(n) = (a(t_n) - β Σ_{j<n} W_nj c(j)) / (1 + βW_nn)
+//!
+//! is a recursion on a few numbers. A level costs sums of a few vectors; strains and stresses are evaluated once,
+//! for each w_i, and enter the force balance and ‖ε(u_n)‖ by their linear combinations.
+
+use super::Discretization;
+use super::kkt::internal_force;
+use super::linear::strain_norm;
+use super::march::StepView;
+use super::model::Model;
+use crate::law::Projection;
+use crate::linalg::{axpy, larger, largest};
+use crate::space::strain_of;
+use crate::tensor::contract;
+
+/// The w_i with what is linear in them.
+pub struct Combination {
+    /// w_i as nodal vectors.
+    solutions: Vec<Vec<f64>>,
+    /// ∫ 𝒜ε(w_i) : ε(v) and ∫ ℬ₀ε(w_i) : ε(v), from strains.
+    elastic: Vec<Vec<f64>>,
+    remembered: Vec<Vec<f64>>,
+    /// (ε(w_i), ε(w_j)), row by row.
+    gram: Vec<f64>,
+    balance: Vec<f64>,
+}
+
+/// A ‖ε(u)‖² that is this share of the squares it is the sum of has lost digits, and is computed from u.
+const CANCELLED: f64 = 1e-4;
+
+impl Combination {
+    /// Evaluates what is linear in the solutions.
+    pub fn new<P: Projection>(
+        space: &Discretization,
+        model: &Model<P>,
+        solutions: &[Vec<f64>],
+    ) -> Self {
+        let padded = |vector: &Vec<f64>| {
+            let mut nodal = vector.clone();
+            nodal.resize(space.nodes.len(), 0.0);
+            nodal
+        };
+        let solutions: Vec<Vec<f64>> = solutions.iter().map(padded).collect();
+        let zero = vec![0.0; space.nodes.len()];
+        let nothing = vec![0.0; space.trace.points.len()];
+        let forces = |u: &[f64], history: &[Vec<f64>]| {
+            let view = StepView {
+                n: 0,
+                t: 0.0,
+                u,
+                history,
+                zeta: 0.0,
+                kappa: f64::INFINITY,
+                strain_norm: 0.0,
+                compliance: &nothing,
+                multiplier: &nothing,
+            };
+            internal_force(space, model, &view)
+        };
+        let elastic = solutions.iter().map(|w| forces(w, &[])).collect();
+        let remembered = match model.memory.is_empty() {
+            true => Vec::new(),
+            false => solutions.iter().map(|w| forces(&zero, std::slice::from_ref(w))).collect(),
+        };
+        let pairs = solutions.iter().flat_map(|a| solutions.iter().map(move |b| (a, b)));
+        let gram = pairs.map(|(a, b)| strain_product(space, a, b)).collect();
+        let balance = vec![0.0; space.nodes.len()];
+        Self { solutions, elastic, remembered, gram, balance }
+    }
+
+    /// `out` ← Σ c_i w_i.
+    pub fn combine(&self, c: &[f64], out: &mut [f64]) {
+        out.fill(0.0);
+        for (c, solution) in c.iter().zip(&self.solutions) {
+            axpy(*c, solution, out);
+        }
+    }
+
+    /// ‖ε(u)‖ of u = Σ c_i w_i.
+    pub fn strain_norm(&self, space: &Discretization, c: &[f64], u: &[f64]) -> f64 {
+        let count = c.len();
+        let product = |i: usize, j: usize| c[i] * c[j] * self.gram[count * i + j];
+        let square: f64 = (0..count * count).map(|ij| product(ij / count, ij % count)).sum();
+        let squares: f64 = (0..count).map(|i| product(i, i)).sum();
+        if square >= CANCELLED * squares { square.sqrt() } else { strain_norm(space, u) }
+    }
+
+    /// What [`super::kkt_residual`] is of u = Σ c_i w_i with the history Σ d_i w_i, without contact.
+    pub fn kkt_residual(
+        &mut self,
+        space: &Discretization,
+        c: &[f64],
+        d: &[f64],
+        load: &[f64],
+    ) -> f64 {
+        self.balance.fill(0.0);
+        let parts = c.iter().zip(&self.elastic).chain(d.iter().zip(&self.remembered));
+        for (factor, force) in parts {
+            axpy(*factor, force, &mut self.balance);
+        }
+        let scale = largest(&self.balance).max(largest(load));
+        let mut worst = 0.0;
+        for (force, load) in self.balance.iter().zip(load).take(space.dofs()) {
+            worst = larger(worst, (force - load).abs());
+        }
+        if scale > 0.0 { worst / scale } else { worst }
+    }
+}
+
+/// (ε(v), ε(w)) of nodal vectors.
+fn strain_product(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
+    fn sum<const S: usize>(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
+        let cell = |c| {
+            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+            let strain = |v| strain_of::<S>(gradients, nodes, v);
+            space.geometry.measure[c] * contract(&strain(v), &strain(w))
+        };
+        (0..space.mesh.cell_count()).map(cell).sum()
+    }
+    match space.mesh.dimension {
+        2 => sum::<3>(space, v, w),
+        _ => sum::<6>(space, v, w),
+    }
+}

@@ -1,0 +1,53 @@
+//! The cheapest exact way to march a scene, from the terms it has.
+
+use super::{BoundaryRule, Discretization, LinearSolver, Model, condensed};
+use crate::law::Projection;
+
+/// How the levels of a scene are solved. All ways that apply have the same discrete solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Plan {
+    /// Linear, memory a multiple of the elasticity or absent: one factor, coefficient vectors.
+    Recursion,
+    /// Contact without projection: one factor, a small full problem on Γ3 a level.
+    Condensed,
+    /// Newton's method in the volume.
+    Newton,
+}
+
+impl Plan {
+    /// The plan of a run of `steps` steps; only a solver that is Newton's method alone (`newton`) may be replaced.
+    pub fn of<P: Projection>(
+        space: &Discretization,
+        model: &Model<P>,
+        steps: usize,
+        newton: bool,
+    ) -> Self {
+        // What is condensed is a factor.
+        let direct = || LinearSolver::of(space, model, steps) == LinearSolver::Direct;
+        match Self::foreseen(model) {
+            Self::Condensed if !(condensed::applies(space, model) && direct()) => Self::Newton,
+            plan if newton => plan,
+            _ => Self::Newton,
+        }
+    }
+
+    /// The plan on meshes on which Γ3 is small beside the body, as it is in the plane.
+    pub fn foreseen<P: Projection>(model: &Model<P>) -> Self {
+        let multiple = model.memory.is_empty() || model.memory_multiple().is_some();
+        let at_vertices = model.boundary.as_ref().is_some_and(|boundary| {
+            boundary.rule == BoundaryRule::Vertex || boundary.potential.is_absent()
+        });
+        if model.is_linear() && multiple {
+            Self::Recursion
+        } else if model.projection.limit().is_none() && at_vertices {
+            Self::Condensed
+        } else {
+            Self::Newton
+        }
+    }
+
+    /// Whether the matrix of a level depends on the weight of its last slot by more than a factor.
+    pub fn changes_factor<P: Projection>(model: &Model<P>) -> bool {
+        !model.memory.is_empty() && model.memory_multiple().is_none()
+    }
+}

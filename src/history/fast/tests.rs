@@ -1,0 +1,101 @@
+//! Interpolated sums against direct ones.
+
+use super::super::{Memory, Trapezoid};
+use super::*;
+
+/// A kernel by a function.
+struct By(fn(f64) -> f64);
+impl MemoryKernel for By {
+    fn value(&self, lag: f64) -> f64 {
+        self.0(lag)
+    }
+}
+
+/// Largest difference to the direct sum, over the largest sum; `fast` marches with `own`.
+fn difference(fast: &mut FastConvolution, own: &By, kernel: &By, grid: &TimeGrid) -> f64 {
+    let mut direct = Memory::direct();
+    let (mut a, mut b, mut worst, mut size) = ([0.0; 2], [0.0; 2], 0f64, 0f64);
+    for n in 0..=grid.steps() {
+        direct.past(kernel, &Trapezoid, grid, &mut a);
+        fast.past(own, grid, &mut b);
+        for i in 0..2 {
+            worst = larger(worst, (a[i] - b[i]).abs());
+            size = size.max(a[i].abs());
+        }
+        let t = grid.time(n);
+        let u = [(7.0 * t).sin() + 0.2, t * t - 0.3];
+        direct.commit(grid, &u);
+        fast.commit(grid, &u);
+    }
+    worst / size
+}
+
+const KERNELS: [By; 4] = [
+    By(|lag| -1.0 / (1.0 + lag / 0.1).powf(1.5)),
+    By(|lag| lag.sqrt()),
+    By(|lag| (-20.0 * lag).exp()),
+    By(|lag| (9.0 * lag).cos()),
+];
+
+#[test]
+fn interpolated_sums_are_the_direct_ones_on_any_grid() {
+    for kernel in &KERNELS {
+        for grid in [
+            TimeGrid::uniform(1.0, 1000),
+            TimeGrid::graded(2.0, 700, 2.0),
+            TimeGrid::random(1.0, 531, 3),
+            TimeGrid::uniform(1.0, 768),
+            TimeGrid::uniform(1.0, 30),
+        ] {
+            let mut fast = FastConvolution::new(kernel, &grid, 2, 1e-13).expect("smooth kernels");
+            assert!(fast.error <= 1e-13);
+            // The error of the kernel, and rounding of a thousand terms.
+            let off = difference(&mut fast, kernel, kernel, &grid);
+            assert!(off < 1e-12, "{off} N = {}", grid.steps());
+        }
+    }
+}
+
+/// What the check before the first step says bounds what happens, also where nodes are too few.
+#[test]
+fn the_stated_error_is_that_of_the_sums() {
+    let (kernel, grid) = (&KERNELS[1], TimeGrid::uniform(1.0, 1200));
+    let mut coarse = FastConvolution::with_nodes(6, &grid, 0);
+    let stated = coarse.largest_error(kernel, &grid);
+    let mut coarse = FastConvolution::with_nodes(6, &grid, 2);
+    let off = difference(&mut coarse, kernel, kernel, &grid);
+    // Errors of either sign add up to less than the largest; the largest is met between checked places.
+    assert!(off < 2.0 * stated && off > 1e-3 * stated, "{off} {stated}");
+    assert!(stated > 1e-8);
+}
+
+/// A kernel with a kink away from zero lag is not smooth there: it stays with the direct sum.
+#[test]
+fn kernels_that_are_not_smooth_are_refused() {
+    let kink = By(|lag| (lag - 0.37).abs());
+    let grid = TimeGrid::uniform(1.0, 1000);
+    assert!(FastConvolution::new(&kink, &grid, 1, 1e-13).is_none());
+    assert!(matches!(Memory::new(&kink, &Trapezoid, &grid, 1), Memory::Direct { .. }));
+    let nan = By(|lag| if lag > 0.5 { f64::NAN } else { 1.0 });
+    assert!(FastConvolution::new(&nan, &grid, 1, 1e-13).is_none());
+    assert!(matches!(Memory::new(&KERNELS[0], &Trapezoid, &grid, 1), Memory::Fast(_)));
+}
+
+/// Another kernel by 1e-9 is seen by the comparison above.
+#[test]
+fn a_wrong_kernel_is_seen() {
+    let wrong = By(|lag| lag.sqrt() * (1.0 + 1e-9));
+    let grid = TimeGrid::uniform(1.0, 1000);
+    let mut fast = FastConvolution::new(&wrong, &grid, 2, 1e-13).expect("a smooth kernel");
+    assert!(difference(&mut fast, &wrong, &KERNELS[1], &grid) > 1e-10);
+}
+
+#[test]
+fn memory_grows_with_the_logarithm_of_the_steps() {
+    let bytes = |steps: u32| {
+        let grid = TimeGrid::uniform(1.0, steps);
+        FastConvolution::with_nodes(16, &grid, 3).numbers() / 3
+    };
+    assert_eq!([1024, 4096, 16384].map(bytes), [464, 624, 784]);
+    assert_eq!(FastConvolution::vectors(4096, 16), 624);
+}

@@ -1,0 +1,47 @@
+//! Start values of a level from the last ones.
+
+use super::StepState;
+
+/// Levels through which start values are extrapolated.
+const LEVELS: usize = 3;
+
+/// The last solutions (u, c) with their times, newest first.
+#[derive(Debug, Clone, Default)]
+pub struct Extrapolation {
+    last: Vec<(f64, StepState)>,
+}
+
+impl Extrapolation {
+    /// Keeps the solution at t.
+    pub fn keep(&mut self, t: f64, state: &StepState) {
+        if self.last.len() == LEVELS {
+            self.last.rotate_right(1);
+            self.last[0].0 = t;
+            self.last[0].1.clone_from(state);
+        } else {
+            self.last.insert(0, (t, state.clone()));
+        }
+    }
+
+    /// u and c through the last levels, exact for quadratics on any grid; `state` is left as it is before
+    /// the first level.
+    pub fn start(&self, t: f64, state: &mut StepState) {
+        let last = &self.last;
+        if last.is_empty() {
+            return;
+        }
+        let mut weights = [0.0; LEVELS];
+        for (a, weight) in weights.iter_mut().enumerate().take(last.len()) {
+            let others = (0..last.len()).filter(|&b| b != a);
+            *weight = others.map(|b| (t - last[b].0) / (last[a].0 - last[b].0)).product();
+        }
+        let blend = |pick: fn(&StepState) -> &[f64], out: &mut [f64]| {
+            out.fill(0.0);
+            for ((_, state), weight) in last.iter().zip(&weights) {
+                crate::linalg::axpy(*weight, pick(state), out);
+            }
+        };
+        blend(|state| &state.u, &mut state.u);
+        blend(|state| &state.pressure, &mut state.pressure);
+    }
+}
