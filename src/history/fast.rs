@@ -166,7 +166,7 @@ impl FastConvolution {
     fn prepare(&mut self, kernel: &dyn MemoryKernel, grid: &TimeGrid, n: usize) {
         let (dofs, nodes) = (self.dofs, self.nodes);
         let leaf = n / self.leaf;
-        for l in (0..self.sizes.len()).rev().filter(|l| leaf % (1 << l) == 0) {
+        for l in (0..self.sizes.len()).rev().filter(|l| leaf.is_multiple_of(1 << l)) {
             let c = leaf >> l;
             let own = self.interval(grid, l, c);
             let parent = self.interval(grid, l + 1, c / 2);
@@ -233,13 +233,13 @@ impl FastConvolution {
         let weight = Trapezoid.weight(grid, n + 1, n);
         let shapes = self.shapes.at(x);
         let own = &mut self.sizes[0].moments[leaf % HELD];
-        if n % self.leaf == 0 {
+        if n.is_multiple_of(self.leaf) {
             own.fill(0.0);
         }
         for (shape, moment) in shapes.iter().zip(own.chunks_exact_mut(dofs)) {
             axpy(weight * shape, u, moment);
         }
-        if (n + 1) % self.leaf == 0 {
+        if (n + 1).is_multiple_of(self.leaf) {
             self.gather(grid, leaf);
         }
     }
@@ -248,14 +248,14 @@ impl FastConvolution {
     fn gather(&mut self, grid: &TimeGrid, leaf: usize) {
         let (dofs, nodes) = (self.dofs, self.nodes);
         for l in 0..self.sizes.len().saturating_sub(1) {
-            if (leaf + 1) % (1 << l) != 0 {
+            if !(leaf + 1).is_multiple_of(1 << l) {
                 break;
             }
             let c = leaf >> l;
             let (own, parent) = (self.interval(grid, l, c), self.interval(grid, l + 1, c / 2));
             let (small, large) = self.sizes.split_at_mut(l + 1);
             let target = &mut large[0].moments[(c / 2) % HELD];
-            if c % 2 == 0 {
+            if c.is_multiple_of(2) {
                 target.fill(0.0);
             }
             for (p, from) in small[l].moments[c % HELD].chunks_exact(dofs).enumerate() {

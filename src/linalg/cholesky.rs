@@ -1,7 +1,7 @@
 //! Sparse Cholesky factorization (faer, supernodal, one thread): analysis once a pattern, numbers
 //! often. One thread inside a factorization keeps results bit-identical on any machine load.
 
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, Sub, SubAssign};
 
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::LltError;
@@ -76,6 +76,9 @@ pub trait Real:
     + Sub<Output = Self>
     + Mul<Output = Self>
     + Div<Output = Self>
+    + AddAssign
+    + SubAssign
+    + DivAssign
 {
     /// Zero.
     const ZERO: Self;

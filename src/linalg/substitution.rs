@@ -157,31 +157,31 @@ fn eliminate<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &m
         let (own, rest) = rows[j..].split_at_mut(COLUMNS);
         for a in 0..COLUMNS {
             let column = node.column(j + a, j + a);
-            own[a] = own[a] / column[0];
+            own[a] /= column[0];
             for b in a + 1..COLUMNS {
-                own[b] = own[b] - column[b - a] * own[a];
+                own[b] -= column[b - a] * own[a];
             }
         }
         let c: [&[T]; COLUMNS] = std::array::from_fn(|a| node.column(j + a, j + COLUMNS));
         let w: [T; COLUMNS] = std::array::from_fn(|a| own[a]);
         for ((((value, c0), c1), c2), c3) in rest.iter_mut().zip(c[0]).zip(c[1]).zip(c[2]).zip(c[3])
         {
-            *value = *value - ((*c0 * w[0] + *c1 * w[1]) + (*c2 * w[2] + *c3 * w[3]));
+            *value -= (*c0 * w[0] + *c1 * w[1]) + (*c2 * w[2] + *c3 * w[3]);
         }
         j += COLUMNS;
     }
     while j < columns {
         let column = node.column(j, j);
         let (own, rest) = rows[j..].split_at_mut(1);
-        own[0] = own[0] / column[0];
+        own[0] /= column[0];
         for (value, entry) in rest.iter_mut().zip(&column[1..]) {
-            *value = *value - *entry * own[0];
+            *value -= *entry * own[0];
         }
         j += 1;
     }
     x[start..start + width].copy_from_slice(&rows[..width]);
     for (&row, value) in node.below.iter().zip(&rows[width..]) {
-        x[row as usize] = x[row as usize] + *value;
+        x[row as usize] += *value;
     }
 }
 
@@ -194,7 +194,7 @@ fn substitute<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &
     rows.extend(node.below.iter().map(|&row| x[row as usize]));
     let columns = width.min(cut - start);
     let mut j = columns;
-    while j % COLUMNS != 0 {
+    while !j.is_multiple_of(COLUMNS) {
         j -= 1;
         let column = node.column(j, j);
         let (own, rest) = rows[j..].split_at_mut(1);
@@ -208,7 +208,7 @@ fn substitute<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &
             let column = node.column(j + a, j + a);
             let mut value = own[a] - sums[a];
             for b in a + 1..COLUMNS {
-                value = value - column[b - a] * own[b];
+                value -= column[b - a] * own[b];
             }
             own[a] = value / column[0];
         }
@@ -224,7 +224,7 @@ fn product<T: Real>(a: &[T], b: &[T]) -> T {
     let (a_rest, b_rest) = (a_blocks.remainder(), b_blocks.remainder());
     for (a, b) in a_blocks.zip(b_blocks) {
         for l in 0..LANES {
-            lanes[l] = lanes[l] + a[l] * b[l];
+            lanes[l] += a[l] * b[l];
         }
     }
     let rest = a_rest.iter().zip(b_rest).fold(T::ZERO, |sum, (a, b)| sum + *a * *b);
@@ -242,7 +242,7 @@ fn products<T: Real>(c: [&[T]; COLUMNS], x: &[T]) -> [T; COLUMNS] {
         for a in 0..COLUMNS {
             let (c, x) = (&c[a][at..at + LANES], &x[at..at + LANES]);
             for l in 0..LANES {
-                lanes[a][l] = lanes[a][l] + c[l] * x[l];
+                lanes[a][l] += c[l] * x[l];
             }
         }
         at += LANES;
@@ -251,7 +251,7 @@ fn products<T: Real>(c: [&[T]; COLUMNS], x: &[T]) -> [T; COLUMNS] {
     let mut rest = [T::ZERO; COLUMNS];
     while at < x.len() {
         for a in 0..COLUMNS {
-            rest[a] = rest[a] + c[a][at] * x[at];
+            rest[a] += c[a][at] * x[at];
         }
         at += 1;
     }
@@ -265,7 +265,7 @@ fn total<T: Real>(lanes: [T; LANES]) -> T {
     let mut half = LANES / 2;
     while half > 0 {
         for l in 0..half {
-            lanes[l] = lanes[l] + lanes[l + half];
+            lanes[l] += lanes[l + half];
         }
         half /= 2;
     }

@@ -7,7 +7,8 @@
 //! to 5.3 s); on grids that had no part in the rates it is 0.7 to 1.4 of the
 //! CPU time of a process that runs one case (9 cases, 0.6 s to 5.7 s). Another machine moves all of them
 //! together. Predicted over measured memory, the peak resident size of a process that runs a single case, is 0.81 to
-//! 1.31 (9 cases, 26 to 297 MiB).
+//! 1.31 (9 cases, 26 to 297 MiB). The rates were taken before contact was condensed onto Γ3 and before factors served
+//! several levels; the counts of either are those of today.
 
 use std::collections::{HashMap, HashSet};
 
@@ -53,7 +54,7 @@ impl Kind {
             Self::LinearMultiple | Self::Linear => [1.0, 1.0 / (steps + 1.0)],
             Self::Condensed => [(2.0 * cells.powf(0.35)).max(0.1), 1.0 / (steps + 1.0)],
             Self::Contact => [2.0 * cells.powf(0.35), 0.95 * cells.powf(0.4)].map(|w| w.max(0.1)),
-            Self::Projection => [4.3 * cells.powf(0.18), 0.5 * cells.powf(0.5)],
+            Self::Projection => [4.3 * cells.powf(0.18), 0.95 * cells.powf(0.33)],
         }
     }
 
