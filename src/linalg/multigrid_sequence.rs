@@ -11,7 +11,7 @@ use super::pattern::BlockPattern;
 use super::sequence::{LinearWork, RankOne};
 use super::{axpy, dot, norm};
 
-/// Iterations after which a solve is given up: some 12 are usual, and 100 with λ/μ_L = 1000.
+/// Iterations after which a solve is given up: 5 are usual for four digits, and 58 with λ/μ_L = 1000.
 const LIMIT: u32 = 600;
 /// Solves of the remaining residual until it is small: the recursive residual of conjugate gradients departs from the
 /// true one by rounding, and what is asked for may be close to that.

@@ -74,7 +74,7 @@ impl Kind {
             Self::LinearMultiple => 4.0,
             Self::Linear => 30.0,
             Self::Condensed | Self::Contact => 8.0,
-            Self::Projection => 14.0,
+            Self::Projection => 11.0,
         }
     }
 
@@ -89,7 +89,7 @@ impl Kind {
 }
 
 /// Seconds an entry of the matrix: of an iteration of conjugate gradients with its cycle, and of all coarse matrices.
-const CYCLE: f64 = 10e-9;
+const CYCLE: f64 = 8e-9;
 const COARSE_MATRICES: f64 = 20e-9;
 /// Bytes an entry of the matrix in its levels: all in single precision, coarse ones in double precision with index.
 const MULTIGRID_BYTES: f64 = 8.0;

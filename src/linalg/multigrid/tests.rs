@@ -172,12 +172,10 @@ fn few_iterations_on_any_mesh_and_a_symmetric_cycle() {
     for n in [4, 8, 16] {
         let (mut body, levels) = cube(n);
         let (outcome, skew) = trial(&body, &levels, &[], Symmetric);
-        println!("n = {n}: {outcome:?} {skew:.1e}");
         assert!(outcome.unwrap() <= FEW && skew < SYMMETRIC);
         // A held zone with a boundary between coarse vertices, and single vertices.
         let held = body.hold(|[i, _, l]| 3 * i < n + 2 || (i * l) % 5 == 3);
         let (outcome, skew) = trial(&body, &levels, &held, Symmetric);
-        println!("n = {n}, {} held: {outcome:?} {skew:.1e}", held.len());
         assert!(outcome.unwrap() <= FEW && skew < SYMMETRIC);
     }
 }
@@ -186,7 +184,6 @@ fn few_iterations_on_any_mesh_and_a_symmetric_cycle() {
 fn axes_that_do_not_divide_stay() {
     let body = Body::new([8, 5, 8], 1.0);
     let (outcome, skew) = trial(&body, &body.levels([true, false, true]), &[], Symmetric);
-    println!("8 x 5 x 8: {outcome:?}");
     assert!(outcome.unwrap() <= FEW && skew < SYMMETRIC);
 }
 
@@ -213,7 +210,6 @@ fn unsymmetric_parts_are_seen() {
     let (body, levels) = cube(8);
     let one_sided = trial(&body, &levels, &[], OneSided).1;
     let injected = trial(&body, &levels, &[], Injected).1;
-    println!("{one_sided:.1e} {injected:.1e}");
     assert!(one_sided > 100.0 * SYMMETRIC && injected > 100.0 * SYMMETRIC);
 }
 
@@ -222,7 +218,6 @@ fn a_wrong_weight_costs_iterations() {
     let (body, mut levels) = cube(16);
     levels.transfers.iter_mut().for_each(|transfer| transfer.weight = 0.4);
     let wrong = trial(&body, &levels, &[], Symmetric).0;
-    println!("{wrong:?}");
     assert!(wrong.map_or(true, |count| count > FEW));
 }
 
@@ -276,7 +271,6 @@ fn a_matrix_that_is_not_positive_definite_is_an_error_on_every_scale() {
             &mut analysis.workspace(1),
         );
         let found = trial(&body, &levels, &[], Symmetric).0;
-        println!("reach {reach}: {direct:?} {found:?}");
         assert!(matches!(direct, Err(FactorError::NotPositiveDefinite { .. })));
         assert!(matches!(found, Err(FactorError::NotPositiveDefinite { .. })));
     }
