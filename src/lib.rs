@@ -35,7 +35,7 @@
 //! |---|---|
 //! | [`tensor`] | symmetric tensors in Mandel notation |
 //! | [`record`] | what one case produced; the waist between computing and judging |
-//! | [`linalg`] | sparse matrices on node blocks, Cholesky factorization, GMRES |
+//! | [`linalg`] | sparse matrices on node blocks, Cholesky factorization, GMRES, multigrid |
 //! | [`mesh`] | simplex meshes and their sides |
 //! | [`space`] | P1 geometry, node numbering, quadrature |
 //! | [`law`] | elasticity, projection, memory kernels, contact potentials |
