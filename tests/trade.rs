@@ -17,7 +17,7 @@ use gronwall::trade::estimate::{
 use gronwall::trade::front;
 use program::{Folder, code, json, stderr, stdout, sweep};
 use serde_json::Value;
-use shipped::{edited, on_mesh, setup, text};
+use shipped::{on_mesh, setup, text};
 
 /// Whether a list of points is the front of all, by comparing each with each.
 fn is_front(points: &[(f64, f64)], found: &[usize]) -> bool {
@@ -129,11 +129,9 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
 #[test]
 fn nonsense_ends_in_one_message() {
     let folder = Folder::new("trade-refused");
-    let blind = {
-        let line =
-            text("punch").lines().find(|l| l.starts_with("reference")).expect("a line").to_owned();
-        folder.file("punch.toml", &edited(&text("punch"), &line, ""))
-    };
+    let punch = text("punch");
+    let blind = punch.split("[sweep]").next().expect("a scene");
+    let blind = folder.file("punch.toml", blind);
     let out = folder.argument("out");
     let small = ["--n", "4,8,16", "--steps", "2,4,8", "--repeats", "1", "--out", &out];
     for (arguments, message) in [
@@ -157,8 +155,8 @@ fn nonsense_ends_in_one_message() {
         assert_eq!(stdout(&output), "", "{arguments:?}");
     }
     // Out of reach: what was measured is kept, and the message says what the least is.
-    for target in ["1e-30", "1e-11"] {
-        let output = sweep(&[&["trade", "affine", "--target", target][..], &small].concat());
+    for (scene, target) in [("affine", "1e-30"), ("compliance", "1e-6")] {
+        let output = sweep(&[&["trade", scene, "--target", target][..], &small].concat());
         assert_eq!(code(&output), 2, "{}", stdout(&output));
         assert!(stderr(&output).contains("out of reach"), "{}", stderr(&output));
     }

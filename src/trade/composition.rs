@@ -93,7 +93,10 @@ mod tests {
         }
         let (h, k) = (1.0 / 256.0, 1.0 / 40.0);
         assert!((found.seconds(h, k) / law(h, k) - 1.0).abs() < 1e-3);
-        // One power law misses the cube there.
+        // One power law misses a cube that overtakes a square.
+        let law = |h: f64, k: f64| (2e-6 * h.powi(-2) + 3e-8 * h.powi(-3)) * (1.0 / k + 1.0);
+        let found = Composition::fit(&runs(law), 2, 1.0).expect("a composition");
+        assert!((found.seconds(h, k) / law(h, k) - 1.0).abs() < 1e-3);
         let plane = super::super::CostModel::fit(&runs(law)).expect("a cost");
         assert!((plane.seconds(h, k) / law(h, k) - 1.0).abs() > 0.1);
     }
