@@ -82,7 +82,7 @@ fn fnv_1a(bytes: impl Iterator<Item = u8>) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use super::fnv_1a;
+    use super::{Source, fnv_1a};
 
     /// Values of the reference implementation by Fowler, Noll and Vo.
     #[test]
@@ -90,5 +90,13 @@ mod tests {
         assert_eq!(fnv_1a(b"".iter().copied()), 0xcbf2_9ce4_8422_2325);
         assert_eq!(fnv_1a(b"a".iter().copied()), 0xaf63_dc4c_8601_ec8c);
         assert_eq!(fnv_1a(b"foobar".iter().copied()), 0x8594_4171_f739_67e8);
+    }
+
+    /// Records of one mesh are not those of another.
+    #[test]
+    fn the_mesh_is_part_of_the_hash() {
+        let of = |mesh: &str| Source::from_text("a.toml", "text").with_mesh(mesh.into()).hash;
+        let plain = Source::from_text("a.toml", "text").hash;
+        assert!(of("one") == of("one") && of("one") != of("two") && of("one") != plain);
     }
 }
