@@ -39,7 +39,7 @@ pub(super) fn refined(solid: &Solid, n: u32) -> Mesh {
                     at[axis] += 1;
                     points[step + 1] = at;
                 }
-                if points.iter().any(|[i, j, l]| i > &n || j > i || l > j) {
+                if points.iter().any(|&[i, j, l]| i > n || j > i || l > j) {
                     continue;
                 }
                 let mut cell = points.map(|[i, j, l]| {

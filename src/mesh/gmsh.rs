@@ -75,7 +75,7 @@ pub enum Fault {
     Domain(CoarseError),
     /// Tetrahedra and triangles that make no body.
     #[error("{0}")]
-    Body(SolidError),
+    Body(Box<SolidError>),
 }
 
 /// Lines of a file that stand for coordinates off the plane by rounding of the mesh generator.
@@ -178,7 +178,7 @@ impl File<'_> {
                 At::Cell(cell) => self.elements(3).nth(cell),
                 At::Face(face) => named().nth(face),
             };
-            self.fault(element, Fault::Body(error))
+            self.fault(element, Fault::Body(Box::new(error)))
         })
     }
 

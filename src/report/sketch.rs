@@ -40,6 +40,9 @@ pub enum Ink {
     Curve(usize),
 }
 
+/// Corners, y upwards, with the ink and its opacity.
+pub type Area = (Vec<(f64, f64)>, Ink, f64);
+
 /// A line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stroke {
@@ -53,7 +56,7 @@ pub struct Stroke {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sketch {
     /// Light areas in the colour of an ink, drawn first, each with its opacity.
-    pub areas: Vec<(Vec<(f64, f64)>, Ink, f64)>,
+    pub areas: Vec<Area>,
     /// Lines, the first below the others.
     pub strokes: Vec<Stroke>,
     /// Words at the left margin, at the heights of places.

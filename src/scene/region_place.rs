@@ -85,8 +85,8 @@ fn smallest_coordinate(graph: &mut Graph, coarse: &CoarseMesh, simplex: usize) -
     for a in 0..d {
         let at_corner: f64 = (0..d).map(|i| inverse[(a, i)] * corners[0][i]).sum();
         let mut own = graph.constant(-at_corner);
-        for i in 0..d {
-            let (slope, axis) = (graph.constant(inverse[(a, i)]), graph.variable(AXES[i]));
+        for (i, &axis) in AXES.iter().enumerate().take(d) {
+            let (slope, axis) = (graph.constant(inverse[(a, i)]), graph.variable(axis));
             let term = graph.mul(slope, axis);
             own = graph.add(own, term);
         }

@@ -116,11 +116,9 @@ fn lines(mesh: &Mesh) -> Vec<Stroke> {
     let mut edges = Vec::new();
     for c in 0..mesh.cell_count() {
         let corners = mesh.cell(c);
-        for a in 0..corners.len() {
-            for b in 0..a {
-                edges.push([corners[a].min(corners[b]), corners[a].max(corners[b])]);
-            }
-        }
+        let pairs =
+            corners.iter().enumerate().flat_map(|(a, p)| corners[..a].iter().map(move |q| (p, q)));
+        edges.extend(pairs.map(|(&p, &q)| [p.min(q), p.max(q)]));
     }
     edges.sort_unstable();
     edges.dedup();

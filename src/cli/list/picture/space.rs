@@ -26,11 +26,14 @@ fn flat(x: [f64; 3]) -> (f64, f64) {
 /// A plane piece at an edge: its normal and what holds there.
 type Beside = ([f64; 3], Ink);
 
+/// The ends of an edge with the pieces that meet there.
+type Edge = ([[f64; 3]; 2], Vec<Beside>);
+
 pub(super) fn sketch(scene: &Scene, body: &ContactScene) -> Sketch {
     let mut sketch = Sketch::default();
     let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
     let key = |x: [f64; 3]| x.map(|x| (x / (SAME * extent)).round() as i64);
-    let mut edges: BTreeMap<[[i64; 3]; 2], ([[f64; 3]; 2], Vec<Beside>)> = BTreeMap::new();
+    let mut edges: BTreeMap<[[i64; 3]; 2], Edge> = BTreeMap::new();
     for (ink, sides) in parts(body) {
         for (corners, normal) in sides.iter().flat_map(|&side| polygons(body, side)) {
             let opacity = if ink == Ink::Traction { 0.07 } else { 0.35 };
