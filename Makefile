@@ -35,8 +35,9 @@ gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 baseline: ## record errors and work of all scenes in reports/baseline.json; prints what changes
 	$(SWEEP) baseline
 
-scenes: ## docs/SCENES.md from the scene files
+scenes: ## docs/SCENES.md and its pictures from the scene files
 	$(SWEEP) list --markdown > docs/SCENES.md
+	$(SWEEP) list --pictures docs/scenes
 
 sabotage: ## every seeded defect against every gate, about two minutes; writes docs/SABOTAGE.md
 	SABOTAGE_WRITE=1 $(CARGO) test --release --test sabotage -- --ignored --nocapture --test-threads 1

@@ -17,7 +17,7 @@ use nalgebra::DVector;
 use shipped::{edited, errors, on_mesh, run, setup, text};
 
 fn abstract_of(text: String) -> AbstractSetup {
-    let scene = Scene::from_source(Source::from_text("edited.toml", text));
+    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
     AbstractSetup::new(scene.unwrap_or_else(|error| panic!("{error}")))
         .unwrap_or_else(|error| panic!("{error}"))
 }

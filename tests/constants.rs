@@ -45,7 +45,7 @@ fn constant(verdict: &Verdict) -> Constant {
 }
 
 fn abstract_of(name: &str) -> AbstractSetup {
-    let scene = Scene::from_source(Source::from_text("scene.toml", text(name)));
+    let scene = Scene::from_source(Source::from_text("manufactured/scene.toml", text(name)));
     AbstractSetup::new(scene.unwrap_or_else(|error| panic!("{error}")))
         .unwrap_or_else(|error| panic!("{error}"))
 }

@@ -21,7 +21,7 @@ use gronwall::vhi::Newton;
 use shipped::{edited, text};
 
 fn scene(text: String) -> Scene {
-    let scene = Scene::from_source(Source::from_text("edited.toml", text));
+    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
     scene.unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -439,4 +439,21 @@ fn the_inference_is_by_elimination() {
     assert_eq!(found(&[(both, Fail), (&[Elasticity], Fail)]), one(Elasticity));
     let three: [&[Suspect]; 3] = [&[Memory], &[Gap], &[Projection]];
     assert_eq!(found(&three.map(|s| (s, Fail))), Finding::Unexplained);
+}
+
+/// r^0.7447 is not in H²: what the trials ask of it is an order, and no constant from interpolation.
+#[test]
+fn a_singular_solution_is_asked_for_its_order_alone() {
+    let four = edited(&text("corner"), "n = [24, 48, 96]", "n = [12, 24, 48, 96]");
+    let found = diagnose(&scene(four), &|setup| setup, true).unwrap_or_else(|e| panic!("{e}"));
+    show("corner", &found.outcomes);
+    assert_eq!(found.finding, Some(Finding::NothingFails), "{}", found.sentence);
+    let order = found.outcomes.iter().find(|outcome| outcome.name == "all terms, in h");
+    let order = order.expect("a trial in h");
+    assert_eq!(order.decision, Decision::Pass, "{}", order.reason);
+    assert!(!order.reason.contains("C_h"), "{}", order.reason);
+    // Of a smooth solution the constant is asked for.
+    let smooth = diagnose(&shipped_scene("viscoelastic"), &|setup| setup, true).expect("a scene");
+    let order = smooth.outcomes.iter().find(|outcome| outcome.name == "all terms, in h");
+    assert!(order.is_some_and(|order| order.reason.contains("C_h is ")));
 }

@@ -306,7 +306,8 @@ fn the_decomposition_agrees_with_newton_on_every_scene_with_contact() {
     names.sort();
     let (mut compared, mut concave) = (0, 0);
     for name in names {
-        let scene = Scene::from_source(Source::from_text(format!("{name}.toml"), text(&name)));
+        let scene =
+            Scene::from_source(Source::from_text(format!("manufactured/{name}.toml"), text(&name)));
         let scene = scene.unwrap_or_else(|error| panic!("{error}"));
         let Body::Contact(body) = &scene.body else { continue };
         if body.contact.as_ref().is_none_or(|c| c.law.is_none() && c.gap.is_none()) {

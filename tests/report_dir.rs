@@ -73,6 +73,23 @@ fn report_needs_no_file_of_the_scene() {
     }
 }
 
+/// The text of the mesh file is kept as well.
+#[test]
+fn report_needs_no_mesh_file() {
+    let folder = Folder::new("mesh");
+    let mesh = std::fs::read_to_string(shipped::path("frustum").with_extension("msh"));
+    let mesh = folder.file("frustum.msh", &mesh.expect("the mesh of a shipped scene"));
+    let path = folder.file("mine.toml", &text("frustum"));
+    assert_eq!(run(&folder, "run", &[&path], &["--n", "2,3"]), 1, "two meshes leave it open");
+    std::fs::remove_file(&path).and_then(|()| std::fs::remove_file(&mesh)).expect("removed");
+    let verdict = folder.at("out/verdict.json");
+    let before = std::fs::read(&verdict).expect("a file");
+    std::fs::remove_file(&verdict).expect("removed");
+    let output = sweep(&["report", &folder.argument("out")]);
+    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    assert!(std::fs::read(&verdict).expect("a file") == before, "verdict.json differs");
+}
+
 /// Records are judged by the text they were made with, or not at all.
 #[test]
 fn report_refuses_records_of_another_text() {

@@ -1,8 +1,14 @@
 //! `sweep list`: the scenes with their terms and predicted orders.
 
+mod picture;
+
+use std::path::PathBuf;
+
 use clap::Args;
 
 use super::{CliError, Scenes, print_json, print_text};
+use crate::record::{counted, replace_file};
+use crate::report::ReportError;
 use crate::scene::{Body, Data, Scene};
 
 /// `sweep list`.
@@ -17,14 +23,20 @@ pub struct List {
     /// Print the page docs/SCENES.md: a table in Markdown
     #[arg(long, conflicts_with = "json")]
     markdown: bool,
+    /// Write a picture of each scene, NAME.svg, into this directory
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["json", "markdown"])]
+    pictures: Option<PathBuf>,
 }
 
 /// What stands above the table of the page.
-const PAGE: &str = "# All scenes\n\nPrinted by `sweep list --markdown` (`make scenes`) from the files under [manufactured](../manufactured); a test compares.\n[manufactured/REFERENCES.md](../manufactured/REFERENCES.md) says where the formulas come from. *long*: runs with `--all` or by name.\n\n| scene | question | terms | truth | predicted |\n|---|---|---|---|---|";
+const PAGE: &str = "# All scenes\n\nPrinted by `sweep list --markdown` (`make scenes`) from the files under [manufactured](../manufactured); a test compares.\n[manufactured/REFERENCES.md](../manufactured/REFERENCES.md) says where the formulas come from. *long*: runs with `--all` or by name.\n\nThe pictures show the body with its boundary parts and, for an exact solution, the body moved by u(T) times the factor named; of an\nabstract scene the components of u over t.\n\n| | scene | question | terms | truth | predicted |\n|---|---|---|---|---|---|";
 
 impl List {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let all = scenes.select(&[])?;
+        if let Some(folder) = &self.pictures {
+            return pictures(&all, folder);
+        }
         if self.json {
             let rows: Vec<_> = all.iter().map(row).collect();
             print_json(&serde_json::Value::Array(rows))?;
@@ -47,6 +59,19 @@ impl List {
     }
 }
 
+/// A picture of each scene; those that another program put into the folder stay.
+fn pictures(scenes: &[Scene], folder: &std::path::Path) -> Result<u8, CliError> {
+    let failed = |path: &std::path::Path, source| ReportError::Io { path: path.into(), source };
+    std::fs::create_dir_all(folder).map_err(|source| failed(folder, source))?;
+    for scene in scenes {
+        let path = folder.join(format!("{}.svg", scene.name));
+        let svg = picture::picture(scene)?;
+        replace_file(&path, svg.as_bytes()).map_err(|source| failed(&path, source))?;
+    }
+    print_text(&format!("{} in {}", counted(scenes.len(), "picture"), folder.display()));
+    Ok(0)
+}
+
 /// A row of the page.
 fn line_of_page(scene: &Scene) -> String {
     let Scene { name, question, .. } = scene;
@@ -59,7 +84,8 @@ fn line_of_page(scene: &Scene) -> String {
     let cell = |text: &str| text.replace('|', "\\|");
     let (question, orders, terms) = (cell(question), cell(&orders), terms(scene).join(", "));
     let link = format!("[`{name}`](../manufactured/{name}.toml)");
-    format!("| {link}{mark} | {question} | {terms} | {} | {orders} |", truth(scene))
+    let picture = format!("<img src=\"scenes/{name}.svg\" width=\"240\" alt=\"{name}\">");
+    format!("| {picture} | {link}{mark} | {question} | {terms} | {} | {orders} |", truth(scene))
 }
 
 fn row(scene: &Scene) -> serde_json::Value {

@@ -4,11 +4,11 @@
 //! lines. The integral over Ω is cut where a guard changes sign along x, the integral over time
 //! where a guard changes sign at an end of Ω. Pieces take Gauss-Legendre rules.
 
-use super::polygon_points::PolygonPoints;
 use super::running_integral::RunningIntegral;
 use super::sign_changes::sign_changes;
+use super::simplex_points::SimplexPoints;
 use crate::formula::{Graph, Node, Program, Variable};
-use crate::mesh::Coarse;
+use crate::mesh::CoarseMesh;
 use crate::space::quadrature::gauss_legendre;
 
 /// Gauss points a piece and direction, and pieces before cuts at guards, in the plane and in space. A quarter
@@ -37,8 +37,8 @@ struct Integrand {
     size: Vec<f64>,
     /// Whether ε varies along z; a strain that does not is looked at in one plane.
     along_z: bool,
-    /// Points with weights of a domain that is no rectangle, and the corners where guards are watched.
-    polygon: Option<(PolygonPoints, Vec<[f64; 3]>)>,
+    /// Points with weights of a domain that is no rectangle or box, and the corners where guards are watched.
+    polytope: Option<(SimplexPoints, Vec<[f64; 3]>)>,
 }
 
 impl AccumulatedStrain {
@@ -70,26 +70,25 @@ impl AccumulatedStrain {
                     .collect(),
                 size: size.to_vec(),
                 along_z: strain.iter().any(|&e| graph.depends_on(e, Variable::Z)),
-                polygon: None,
+                polytope: None,
             }
         });
         Self { integrand, integral: RunningIntegral::new(horizon) }
     }
 
-    /// The same over the triangles of a polygon in place of the rectangle; none leaves it.
-    pub(super) fn over(mut self, polygon: Option<&Coarse>) -> Self {
-        if let (Some(integrand), Some(coarse)) = (&mut self.integrand, polygon) {
-            let corners = coarse.vertices.iter().map(|&[x, y]| [x, y, 0.0]).collect();
-            integrand.polygon = Some((PolygonPoints::fine(coarse), corners));
+    /// The same over coarse simplices in place of the rectangle or box; none leaves it.
+    pub(super) fn over(mut self, polytope: Option<&CoarseMesh>) -> Self {
+        if let (Some(integrand), Some(coarse)) = (&mut self.integrand, polytope) {
+            integrand.polytope = Some((SimplexPoints::fine(coarse), coarse.vertices()));
         }
         self
     }
 
-    /// The same on triangles of half the size: what the rule leaves out shows in the difference.
-    pub(super) fn over_finer(mut self, coarse: &Coarse) -> Self {
+    /// The same by a finer rule: what the rule leaves out shows in the difference.
+    pub(super) fn over_finer(mut self, coarse: &CoarseMesh) -> Self {
         self = self.over(Some(coarse));
-        if let Some((points, _)) = self.integrand.as_mut().and_then(|own| own.polygon.as_mut()) {
-            *points = PolygonPoints::finer(coarse);
+        if let Some((points, _)) = self.integrand.as_mut().and_then(|own| own.polytope.as_mut()) {
+            *points = SimplexPoints::finer(coarse);
         }
         self
     }
@@ -114,7 +113,7 @@ impl AccumulatedStrain {
 impl Integrand {
     /// Times in (from, to) at which a guard changes sign at an end of the domain.
     fn events(&self, from: f64, to: f64) -> Vec<f64> {
-        let ends = match &self.polygon {
+        let ends = match &self.polytope {
             None => vec![[0.0, 0.0, 0.0], [self.size[0], 0.0, 0.0]],
             Some((_, corners)) => corners.clone(),
         };
@@ -138,11 +137,11 @@ impl Integrand {
 
     /// ‖ε(u(t))‖_ℋ.
     fn norm(&self, t: f64) -> f64 {
-        if let Some((polygon, _)) = &self.polygon {
+        if let Some((polytope, _)) = &self.polytope {
             let mut out = vec![Vec::new(); self.weights.len()];
-            self.strain.bind(&polygon.points).evaluate(t, 0.0, &mut out);
+            self.strain.bind(&polytope.points).evaluate(t, 0.0, &mut out);
             let parts = out.iter().zip(&self.weights);
-            return parts.map(|(e, w)| w * polygon.sum_of_squares(e)).sum::<f64>().sqrt();
+            return parts.map(|(e, w)| w * polytope.sum_of_squares(e)).sum::<f64>().sqrt();
         }
         let [count, parts] = rule(self.size.len());
         let xs = pieces(&self.cuts_in_x(t), count);

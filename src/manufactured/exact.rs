@@ -1,13 +1,11 @@
 //! An exact solution: formulas for u, λ, ξ, and what follows from them.
 
-use std::sync::Arc;
-
 use super::AccumulatedStrain;
 use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
 use super::symbolic;
 use crate::formula::{Graph, Node, Program, Variable};
-use crate::mesh::{Coarse, Mesh};
+use crate::mesh::{CoarseMesh, Mesh};
 
 /// Numbers of the material, as the scene states them.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,29 +90,27 @@ pub struct ExactData {
     /// T.
     pub horizon: f64,
     /// Box that contains the domain, one length a dimension: the domain itself, from the origin, if it is no
-    /// `polygon`.
+    /// `polytope`.
     pub size: Vec<f64>,
     /// The domain, where it is no rectangle or box.
-    pub polygon: Option<Polygon>,
+    pub polytope: Option<Polytope>,
 }
 
 impl ExactData {
     /// |Ω|.
     pub fn measure(&self) -> f64 {
-        match &self.polygon {
+        match &self.polytope {
             None => self.size.iter().product(),
-            Some(Polygon { coarse, .. }) => {
-                (0..coarse.triangles.len()).map(|t| coarse.area(t)).sum()
-            }
+            Some(Polytope { coarse, .. }) => coarse.measure(),
         }
     }
 }
 
-/// A plane domain of coarse triangles, with the roles of its sides.
+/// A polygon or polyhedron of coarse simplices, with the roles of its sides.
 #[derive(Debug, Clone)]
-pub struct Polygon {
-    /// Triangles and sides.
-    pub coarse: Arc<Coarse>,
+pub struct Polytope {
+    /// Simplices and sides.
+    pub coarse: CoarseMesh,
     /// The sides of Γ1.
     pub clamped: Vec<u32>,
     /// The sides of Γ3.
@@ -162,9 +158,9 @@ impl Exact {
         let interior = Program::compile(graph, &outputs, data.horizon);
         let forces = Program::compile(graph, &body_force, data.horizon);
         let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
-        let polygon = data.polygon.as_ref().map(|polygon| &*polygon.coarse);
+        let polytope = data.polytope.as_ref().map(|polytope| &polytope.coarse);
         let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, &data.size, needs_zeta)
-            .over(polygon);
+            .over(polytope);
         Self { strain, memory, stress, body_force, interior, forces, zeta, data }
     }
 

@@ -26,12 +26,12 @@ mod interpolated;
 pub mod linear;
 pub mod nodal_force;
 mod on_mesh;
-mod polygon_points;
 mod reduction;
 mod running_integral;
 mod sampled;
 mod side_points;
 mod sign_changes;
+mod simplex_points;
 mod symbolic;
 mod truth;
 
@@ -43,7 +43,7 @@ pub use curve::CurveNumbers;
 pub use edge_compliance::ComplianceRule;
 pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
-    Polygon, RegionNumbers,
+    Polytope, RegionNumbers,
 };
 pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
 pub use interpolated::InterpolatedOnMesh;

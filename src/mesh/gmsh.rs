@@ -1,7 +1,8 @@
-//! Plane meshes from gmsh's `.msh` files, ASCII, versions 2.2 and 4.1.
+//! Meshes from gmsh's `.msh` files, ASCII, versions 2.2 and 4.1.
 //!
-//! Triangles become the coarse triangulation, physical groups of curves its sides, those of surfaces its
-//! regions; a group without a name is called by its number. Everything else in the file is left out.
+//! Without tetrahedra the triangles become the coarse triangulation, physical groups of curves its sides, those of
+//! surfaces its regions; with tetrahedra these are the coarse mesh, groups of surfaces the sides, those of volumes the
+//! regions. A group without a name is called by its number. Everything else in the file is left out.
 //! Source: the gmsh reference manual, "MSH file format".
 
 mod sections;
@@ -12,7 +13,9 @@ use std::ops::Range;
 
 use self::sections::{Element, Sections};
 use self::tokens::Tokens;
-use super::{BoundaryEdge, Coarse, CoarseError, WHOLE};
+use super::{
+    At, BoundaryEdge, BoundaryFace, Coarse, CoarseError, CoarseMesh, Solid, SolidError, WHOLE,
+};
 
 /// What is wrong with a `.msh` file, and where.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -55,7 +58,7 @@ pub enum Fault {
     Unknown { what: &'static str, tag: u64 },
     /// Elements of a type that is not read.
     #[error(
-        "elements of type {kind} ({name}) are not read: a plane mesh has lines (1) and triangles (2)"
+        "elements of type {kind} ({name}) are not read: a plane mesh has lines (1) and triangles (2), a body triangles and tetrahedra (4)"
     )]
     Type { kind: u64, name: &'static str },
     /// A vertex off the plane.
@@ -65,78 +68,125 @@ pub enum Fault {
     #[error("{what} {tag} belongs to the physical groups {first} and {second}")]
     TwoGroups { what: &'static str, tag: u64, first: i64, second: i64 },
     /// Nothing to compute on.
-    #[error("the file has no triangles")]
-    NoTriangles,
+    #[error("the file has neither triangles nor tetrahedra")]
+    NoCells,
     /// Triangles and edges that make no domain.
     #[error("{0}")]
     Domain(CoarseError),
+    /// Tetrahedra and triangles that make no body.
+    #[error("{0}")]
+    Body(Box<SolidError>),
 }
 
 /// Lines of a file that stand for coordinates off the plane by rounding of the mesh generator.
 const PLANE: f64 = 1e-12;
 
-/// The plane domain in the text of a `.msh` file.
+/// The coarse mesh in the text of a `.msh` file.
 ///
 /// # Errors
 /// [`GmshError`].
-pub fn read_gmsh(text: &str) -> Result<Coarse, GmshError> {
+pub fn read_gmsh(text: &str) -> Result<CoarseMesh, GmshError> {
     let mut tokens = Tokens::new(text);
     let sections = Sections::read(&mut tokens)?;
     let mut number = BTreeMap::new();
-    let mut vertices = Vec::new();
-    let extent =
-        sections.nodes.iter().flat_map(|node| node.at).fold(0.0, |m: f64, x| m.max(x.abs()));
-    let mut flat = Vec::new();
-    for node in &sections.nodes {
-        if node.at[2].abs() > PLANE * extent {
-            flat.push((node.tag, node.at[2], node.span.clone()));
-        }
-        if number.insert(node.tag, vertices.len() as u32).is_some() {
+    for (at, node) in (0..).zip(&sections.nodes) {
+        if number.insert(node.tag, at).is_some() {
             let fault = Fault::Defined { what: "node", tag: node.tag };
             return Err(tokens.at(node.span.clone(), fault));
         }
-        vertices.push([node.at[0], node.at[1]]);
     }
-    let vertex = |element: &Element, a: usize| {
-        let tag = element.nodes[a];
-        let unknown = || tokens.at(element.span.clone(), Fault::Unknown { what: "node", tag });
-        number.get(&tag).copied().ok_or_else(unknown)
-    };
-    let (mut sides, mut regions) = (Groups::default(), Groups::default());
-    let (mut triangles, mut region, mut spans, mut edges) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for element in &sections.elements {
-        match (element.dimension, element.group) {
-            (2, group) => {
-                triangles.push([vertex(element, 0)?, vertex(element, 1)?, vertex(element, 2)?]);
-                spans.push(element.span.clone());
-                region.push(regions.number(group, &sections.names, 2));
-            }
-            (1, Some(group)) => {
-                let ends = [vertex(element, 0)?, vertex(element, 1)?];
-                let side = sides.number(Some(group), &sections.names, 1);
-                edges.push(BoundaryEdge { ends, side });
-            }
-            _ => {}
+    let file = File { tokens, sections, number };
+    match file.sections.elements.iter().map(|element| element.dimension).max() {
+        Some(3) => file.solid().map(CoarseMesh::from),
+        Some(2) => file.plane().map(CoarseMesh::from),
+        _ => Err(file.tokens.at(file.sections.elements_at.clone(), Fault::NoCells)),
+    }
+}
+
+/// A file with its nodes numbered from 0.
+struct File<'t> {
+    tokens: Tokens<'t>,
+    sections: Sections,
+    number: BTreeMap<u64, u32>,
+}
+
+impl File<'_> {
+    /// Elements of one dimension, with or without group.
+    fn elements(&self, dimension: u64) -> impl Iterator<Item = &Element> {
+        self.sections.elements.iter().filter(move |element| element.dimension == dimension)
+    }
+
+    /// The vertices of an element.
+    fn corners<const N: usize>(&self, element: &Element) -> Result<[u32; N], GmshError> {
+        let mut corners = [0; N];
+        for (own, &tag) in corners.iter_mut().zip(&element.nodes) {
+            let unknown =
+                || self.tokens.at(element.span.clone(), Fault::Unknown { what: "node", tag });
+            *own = self.number.get(&tag).copied().ok_or_else(unknown)?;
         }
+        Ok(corners)
     }
-    if triangles.is_empty() {
-        return Err(tokens.at(sections.elements_at, Fault::NoTriangles));
+
+    fn plane(&self) -> Result<Coarse, GmshError> {
+        let nodes = &self.sections.nodes;
+        let extent = nodes.iter().flat_map(|node| node.at).fold(0.0, |m: f64, x| m.max(x.abs()));
+        let (mut sides, mut regions) = (Groups::default(), Groups::default());
+        let (mut triangles, mut region, mut edges) = (Vec::new(), Vec::new(), Vec::new());
+        for element in self.elements(2) {
+            triangles.push(self.corners(element)?);
+            region.push(regions.number(element.group, &self.sections.names, 2));
+        }
+        for element in self.elements(1).filter(|element| element.group.is_some()) {
+            let side = sides.number(element.group, &self.sections.names, 1);
+            edges.push(BoundaryEdge { ends: self.corners(element)?, side });
+        }
+        if let Some(node) = nodes.iter().find(|node| node.at[2].abs() > PLANE * extent) {
+            let fault = Fault::OffPlane { tag: node.tag, z: node.at[2] };
+            return Err(self.tokens.at(node.span.clone(), fault));
+        }
+        let vertices = nodes.iter().map(|node| [node.at[0], node.at[1]]).collect();
+        let (sides, regions) = (sides.names, regions.names);
+        let coarse = Coarse { vertices, triangles, region, regions, edges, sides };
+        coarse.checked().map_err(|error| {
+            let triangle = match &error {
+                CoarseError::Flat { triangle, .. } | CoarseError::NoVertex { triangle, .. } => {
+                    self.elements(2).nth(*triangle)
+                }
+                _ => None,
+            };
+            self.fault(triangle, Fault::Domain(error))
+        })
     }
-    if let Some((tag, z, span)) = flat.into_iter().next() {
-        return Err(tokens.at(span, Fault::OffPlane { tag, z }));
+
+    fn solid(&self) -> Result<Solid, GmshError> {
+        let (mut sides, mut regions) = (Groups::default(), Groups::default());
+        let (mut cells, mut region, mut faces) = (Vec::new(), Vec::new(), Vec::new());
+        for element in self.elements(3) {
+            cells.push(self.corners(element)?);
+            region.push(regions.number(element.group, &self.sections.names, 3));
+        }
+        let named = || self.elements(2).filter(|element| element.group.is_some());
+        for element in named() {
+            let side = sides.number(element.group, &self.sections.names, 2);
+            faces.push(BoundaryFace { corners: self.corners(element)?, side, normal: [0.0; 3] });
+        }
+        let vertices = self.sections.nodes.iter().map(|node| node.at).collect();
+        let (sides, regions) = (sides.names, regions.names);
+        let solid = Solid { vertices, cells, region, regions, faces, sides };
+        solid.checked().map_err(|error| {
+            let element = match error.at() {
+                At::Cell(cell) => self.elements(3).nth(cell),
+                At::Face(face) => named().nth(face),
+            };
+            self.fault(element, Fault::Body(Box::new(error)))
+        })
     }
-    let (sides, regions) = (sides.names, regions.names);
-    let coarse = Coarse { vertices, triangles, region, regions, edges, sides };
-    coarse.checked().map_err(|error| {
-        let at = match &error {
-            CoarseError::Flat { triangle, .. } | CoarseError::NoVertex { triangle, .. } => {
-                spans[*triangle].clone()
-            }
-            _ => sections.elements_at.clone(),
-        };
-        tokens.at(at, Fault::Domain(error))
-    })
+
+    /// A fault of an element, or of all of them.
+    fn fault(&self, element: Option<&Element>, fault: Fault) -> GmshError {
+        let all = &self.sections.elements_at;
+        self.tokens.at(element.map_or(all, |element| &element.span).clone(), fault)
+    }
 }
 
 /// Physical groups of one dimension in order of appearance.

@@ -3,22 +3,28 @@
 //! Storage is flat and of any dimension d: cell c has vertices `cells[c(d+1)..(c+1)(d+1)]`.
 
 mod coarse;
+mod coarse_mesh;
 mod cuboid;
+mod edgewise;
+mod geometry;
 mod gmsh;
 mod grading;
 mod hierarchy;
 mod quality;
 mod rectangle;
+mod solid;
 mod subdivision;
 mod triangulation;
 
 pub use coarse::{BoundaryEdge, Coarse, CoarseError};
+pub use coarse_mesh::{CoarseMesh, Piece};
 pub use cuboid::cuboid;
 pub use gmsh::{Fault, GmshError, read_gmsh};
 pub use grading::vertex_at;
 pub use hierarchy::{Nesting, Parents};
 pub use quality::Quality;
 pub use rectangle::{Family, rectangle};
+pub use solid::{At, BoundaryFace, Solid, SolidError};
 pub use subdivision::refined;
 pub use triangulation::{PolygonError, triangulate};
 

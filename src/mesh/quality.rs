@@ -1,6 +1,7 @@
 //! How well shaped the cells of a mesh are.
 
 use super::Mesh;
+use super::geometry::{cross, dot, minus, norm};
 
 /// Extremes over the cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,22 +77,6 @@ impl Mesh {
         }
         smallest
     }
-}
-
-fn minus(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
-}
-
-fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
-    p.iter().zip(q).map(|(p, q)| p * q).sum()
-}
-
-fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-}
-
-fn norm(p: [f64; 3]) -> f64 {
-    dot(p, p).sqrt()
 }
 
 #[cfg(test)]

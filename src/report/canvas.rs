@@ -36,13 +36,24 @@ pub(super) enum Anchor {
 /// The canvas of one picture.
 pub(super) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
+    /// Height of plain text.
+    text: f64,
 }
 
 impl<'a> Canvas<'a> {
     pub(super) fn new(svg: &'a mut String) -> Result<Self, ReportError> {
-        let area = SVGBackend::with_string(svg, SIZE).into_drawing_area();
+        Self::of_size(svg, SIZE, TEXT)
+    }
+
+    /// A canvas of another size, with another height of text.
+    pub(super) fn of_size(
+        svg: &'a mut String,
+        size: (u32, u32),
+        text: f64,
+    ) -> Result<Self, ReportError> {
+        let area = SVGBackend::with_string(svg, size).into_drawing_area();
         area.fill(&WHITE).map_err(ReportError::drawing)?;
-        Ok(Self { area })
+        Ok(Self { area, text })
     }
 
     pub(super) fn finish(self) -> Result<(), ReportError> {
@@ -139,7 +150,7 @@ impl<'a> Canvas<'a> {
         anchor: Anchor,
         weight: FontStyle,
     ) -> Result<(), ReportError> {
-        let font = ("sans-serif", TEXT * PLOTTERS_FONT).into_font().style(weight);
+        let font = ("sans-serif", self.text * PLOTTERS_FONT).into_font().style(weight);
         let (font, horizontal) = match anchor {
             Anchor::Left => (font, HPos::Left),
             Anchor::Centre => (font, HPos::Center),

@@ -1,18 +1,19 @@
 //! `[domain]`: the rectangle, box, polygon or mesh file, its named sides, and the mesh family.
 
-use std::sync::Arc;
-
 mod depth;
 mod family;
 mod mesh_file;
+mod normals;
 mod polygon;
+mod shape;
 mod side;
 
 pub use family::MeshFamily;
+pub(super) use mesh_file::with_mesh;
 pub use side::{Face, Side};
 
 use crate::formula::Point;
-use crate::mesh::{Coarse, Mesh, Nesting, cuboid, rectangle, refined};
+use crate::mesh::{CoarseMesh, Family, Mesh, Nesting, cuboid, rectangle};
 
 use super::diagnostic::SceneError;
 use super::reading::{Reading, evenly};
@@ -43,8 +44,8 @@ fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
 pub enum Shape {
     /// The product of (0, size\[i\]).
     Box,
-    /// The union of coarse triangles, which the meshes refine.
-    Refined(Arc<Coarse>),
+    /// The union of coarse simplices, which the meshes refine.
+    Refined(CoarseMesh),
 }
 
 /// A domain; each side is in exactly one of the three lists.
@@ -70,7 +71,7 @@ impl Domain {
         written: &written::Domain,
         dimension: usize,
     ) -> Result<Domain, SceneError> {
-        let (shape, size, sides) = shape(reading, written, dimension)?;
+        let (shape, size, sides) = shape::shape(reading, written, dimension)?;
         let (clamped, traction, contact) = Default::default();
         let mesh = MeshFamily::Structured;
         let mut domain = Domain { shape, size, sides, clamped, traction, contact, mesh };
@@ -79,6 +80,7 @@ impl Domain {
         domain.contact = domain.listed(reading, "domain.contact", &written.contact)?;
         domain.mesh = family::family(reading, written.mesh.as_ref(), &domain)?;
         domain.each_side_once(reading)?;
+        normals::few_at_a_vertex(reading, &domain)?;
         if domain.clamped.is_empty() {
             let message =
                 "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
@@ -116,10 +118,8 @@ impl Domain {
         match &self.shape {
             Shape::Box => vec![Face::of_box(&self.size, side)],
             Shape::Refined(coarse) => {
-                let own = coarse.edges.iter().filter(|edge| edge.side == side.0);
-                own.map(|edge| coarse.segment(edge))
-                    .map(|(ends, normal)| Face::segment(ends, normal))
-                    .collect()
+                let own = coarse.pieces().into_iter().filter(|piece| piece.side == side.0);
+                own.map(|piece| Face::simplex(&piece)).collect()
             }
         }
     }
@@ -143,9 +143,11 @@ impl Domain {
                 let opposite = Side(side.0 ^ 1);
                 self.clamped.contains(&opposite).then(|| self.size[side.index() / 2])
             }
-            Shape::Refined(coarse) => {
+            Shape::Refined(CoarseMesh::Plane(coarse)) => {
                 depth::under(coarse, side.0, |of| self.clamped.contains(&Side(of)))
             }
+            // Not worked out in space.
+            Shape::Refined(CoarseMesh::Space(_)) => None,
         }
     }
 
@@ -153,7 +155,7 @@ impl Domain {
     pub fn measure(&self) -> f64 {
         match &self.shape {
             Shape::Box => self.size.iter().product(),
-            Shape::Refined(coarse) => (0..coarse.triangles.len()).map(|t| coarse.area(t)).sum(),
+            Shape::Refined(coarse) => coarse.measure(),
         }
     }
 
@@ -169,7 +171,7 @@ impl Domain {
     pub fn mesh(&self, n: u32) -> Mesh {
         let family = self.mesh.of_mesh();
         match (&self.shape, &self.size[..]) {
-            (Shape::Refined(coarse), _) => refined(coarse, n, family),
+            (Shape::Refined(coarse), _) => coarse.refined(n, family),
             (Shape::Box, &[a, b, c]) => cuboid([a, b, c], n, family),
             (Shape::Box, _) => rectangle([self.size[0], self.size[1]], n, family),
         }
@@ -178,7 +180,11 @@ impl Domain {
     /// What the mesh n refines.
     pub fn nesting(&self, n: u32) -> Nesting {
         match &self.shape {
-            Shape::Refined(coarse) => Nesting::Refined { coarse: coarse.clone(), parts: n },
+            Shape::Refined(CoarseMesh::Plane(coarse)) => {
+                Nesting::Refined { coarse: coarse.clone(), parts: n }
+            }
+            // Tetrahedra from a file are refined edgewise; the parents of their vertices are not kept.
+            Shape::Refined(CoarseMesh::Space(_)) => Nesting::Unknown,
             Shape::Box => Nesting::of_box(&self.size, n),
         }
     }
@@ -193,7 +199,7 @@ impl Domain {
     }
 
     /// Points of the domain: a grid with `intervals` steps along each axis or coarse edge, ends
-    /// included.
+    /// included; along an edge of tetrahedra as many fewer as there are of them beside each other.
     pub fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
         let coarse = match &self.shape {
             Shape::Refined(coarse) => coarse,
@@ -205,12 +211,17 @@ impl Domain {
                 });
             }
         };
-        let mesh = refined(coarse, intervals, crate::mesh::Family::Structured);
+        let beside = match coarse {
+            CoarseMesh::Plane(_) => 1.0,
+            CoarseMesh::Space(_) => (coarse.count() as f64 / 6.0).cbrt().max(1.0),
+        };
+        let parts = (f64::from(intervals) / beside).ceil() as u32;
+        let mesh = coarse.refined(parts, Family::Structured);
         (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect()
     }
 
     /// Points inside: the midpoints of count × count parts of a rectangle (of a box, at z = 0), or the
-    /// centroids of its triangles cut into as many as make at least count².
+    /// centroids of its coarse simplices cut into as many as make at least count².
     pub fn inner_points(&self, count: u32) -> Vec<[f64; 3]> {
         match &self.shape {
             Shape::Box => {
@@ -225,10 +236,12 @@ impl Domain {
                 (0..count * count).map(at).collect()
             }
             Shape::Refined(coarse) => {
-                let share = f64::from(count * count) / coarse.triangles.len() as f64;
-                let parts = share.sqrt().ceil().max(1.0) as u32;
-                let mesh = refined(coarse, parts, crate::mesh::Family::Structured);
-                (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &[1.0 / 3.0; 3])).collect()
+                let share = f64::from(count * count) / coarse.count() as f64;
+                let root = if self.dimension() == 2 { share.sqrt() } else { share.cbrt() };
+                let mesh = coarse.refined(root.ceil().max(1.0) as u32, Family::Structured);
+                let corners = mesh.dimension + 1;
+                let centroid = vec![1.0 / corners as f64; corners];
+                (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &centroid)).collect()
             }
         }
     }
@@ -281,84 +294,4 @@ fn twice(reading: &Reading, key: &str, side: &str, [first, second]: [&str; 2]) -
     };
     let message = format!("the side `{side}` is {lists}");
     reading.error(key, message, "each side belongs to exactly one of clamped, traction, contact")
-}
-
-/// Shape, extent and names of the sides.
-type Parts = (Shape, Vec<f64>, Vec<String>);
-
-fn shape(
-    reading: &Reading,
-    written: &written::Domain,
-    dimension: usize,
-) -> Result<Parts, SceneError> {
-    let known: &[(&str, &str)] = match dimension {
-        3 => &[("box", "box")],
-        _ => &[("rectangle", "rectangle"), ("polygon", "polygon"), ("mesh", "mesh")],
-    };
-    if dimension == 3 && ["polygon", "mesh"].contains(&written.shape.as_str()) {
-        let message = format!("the shape `{}` is plane, and dimension = 3", written.shape);
-        return Err(reading.error(
-            "domain.shape",
-            message,
-            "write shape = \"box\", or dimension = 2",
-        ));
-    }
-    let word = reading.choice("domain.shape", &written.shape, known)?;
-    let keys = [
-        ("size", written.size.is_some(), ["rectangle", "box"].as_slice()),
-        ("vertices", written.vertices.is_some(), &["polygon"]),
-        ("sides", written.sides.is_some(), &["polygon"]),
-        ("triangles", written.triangles.is_some(), &["polygon"]),
-        ("points", written.points.is_some(), &["polygon"]),
-        ("file", written.file.is_some(), &["mesh"]),
-    ];
-    if let Some((key, _, owner)) =
-        keys.iter().find(|(_, present, owner)| *present && !owner.contains(&word))
-    {
-        let message = format!("shape `{word}` takes no `{key}`");
-        let hint = format!("remove `{key}`, or write shape = \"{}\"", owner[0]);
-        return Err(reading.key_error(&format!("domain.{key}"), message, hint));
-    }
-    let missing = |key: &str, line: &str| {
-        let message = format!("shape `{word}` needs the key `{key}`");
-        reading.error("domain.shape", message, format!("for instance: {line}"))
-    };
-    let coarse = match word {
-        "polygon" => {
-            let vertices = written.vertices.as_ref().ok_or_else(|| {
-                missing("vertices", "vertices = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]")
-            })?;
-            polygon::polygon(reading, written, vertices)?
-        }
-        "mesh" => {
-            let file =
-                written.file.as_ref().ok_or_else(|| missing("file", "file = \"block.msh\""))?;
-            mesh_file::mesh_file(reading, file)?
-        }
-        _ => {
-            let line = if dimension == 3 { "size = [1.0, 1.0, 1.0]" } else { "size = [1.0, 1.0]" };
-            let written = written.size.as_ref().ok_or_else(|| missing("size", line))?;
-            let size = size(reading, written, dimension)?;
-            let names = side::OF_A_BOX[..2 * dimension].iter().map(|name| (*name).to_string());
-            return Ok((Shape::Box, size, names.collect()));
-        }
-    };
-    let [low, high] = coarse.bounds();
-    let sides = coarse.sides.clone();
-    Ok((Shape::Refined(Arc::new(coarse)), vec![high[0] - low[0], high[1] - low[1]], sides))
-}
-
-fn size(reading: &Reading, size: &[f64], dimension: usize) -> Result<Vec<f64>, SceneError> {
-    if size.len() != dimension {
-        let message = format!("`size` has {} entries in dimension {dimension}", size.len());
-        return Err(reading.error(
-            "domain.size",
-            message,
-            "give one length a dimension: size = [1.0, 1.0]",
-        ));
-    }
-    size.iter()
-        .enumerate()
-        .map(|(index, &length)| reading.positive(&format!("domain.size.{index}"), length))
-        .collect()
 }

@@ -1,5 +1,7 @@
 //! The gap g and the shift s: finite, and g concave on each contact side.
 
+use std::collections::BTreeMap;
+
 use crate::formula::{Node, Point};
 
 use super::data::AXES;
@@ -11,7 +13,7 @@ use super::written::Formula;
 
 /// Intervals of a side at whose ends the gap is examined.
 const SAMPLES: u32 = 256;
-/// The same along each axis of a face of a box.
+/// The same along each edge of a face in space.
 const SAMPLES_OF_A_FACE: u32 = 32;
 /// Second differences below this part of the gap's size are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -98,29 +100,29 @@ fn steepest_bend(
     let value = |reading: &Reading, node: Node, at: &Point| reading.formulas.evaluate(node, at);
     let values: Vec<f64> = points.iter().map(|point| value(reading, gap, point)).collect();
     let size = values.iter().fold(f64::MIN_POSITIVE, |size, value| size.max(value.abs()));
-    let lengths: Vec<f64> =
-        face.lengths().into_iter().map(|length| length / f64::from(intervals)).collect();
-    let spacing = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+    let steps: Vec<[f64; 3]> =
+        face.edges.iter().map(|edge| edge.map(|e| e / f64::from(intervals))).collect();
+    let length = |v: [f64; 3]| v.iter().map(|e| e * e).sum::<f64>().sqrt();
+    let spacing = steps.iter().map(|&step| length(step)).fold(f64::INFINITY, f64::min);
     let bends = Bends::new(reading, gap, face);
     let mut found: Vec<(Point, f64)> =
         points.iter().map(|at| (*at, bends.largest(|node| value(reading, node, at)))).collect();
     // Neighbours on both sides of a sample, along the edges and across a face.
-    let row = intervals as isize + 1;
-    let steps: &[(isize, isize)] =
-        if lengths.len() == 1 { &[(1, 0)] } else { &[(1, 0), (0, 1), (1, 1), (1, -1)] };
-    for (at, point) in points.iter().enumerate() {
-        let (i, j) = (at as isize % row, at as isize / row);
-        let rows = points.len() as isize / row;
-        for &(p, q) in steps {
-            let inside = |i: isize, j: isize| (0..row).contains(&i) && (0..rows).contains(&j);
-            if inside(i - p, j - q) && inside(i + p, j + q) {
-                let shift = q * row + p;
-                let [before, after] =
-                    [-shift, shift].map(|shift| values[(at as isize + shift) as usize]);
-                let across = lengths.get(1).copied().unwrap_or(0.0);
-                let squared = (p as f64 * lengths[0]).powi(2) + (q as f64 * across).powi(2);
-                found.push((*point, (before - 2.0 * values[at] + after) / squared));
-            }
+    let pairs: &[[i64; 2]] =
+        if steps.len() == 1 { &[[1, 0]] } else { &[[1, 0], [0, 1], [1, 1], [1, -1]] };
+    // Rows first, as the points stand.
+    let grid: BTreeMap<[i64; 2], usize> = (0..)
+        .zip(face.grid(intervals))
+        .map(|(at, ([i, j], _))| ([j, i].map(i64::from), at))
+        .collect();
+    for (&[j, i], &at) in &grid {
+        for &[p, q] in pairs {
+            let ends = [[j - q, i - p], [j + q, i + p]].map(|ji| grid.get(&ji));
+            let [Some(&before), Some(&after)] = ends else { continue };
+            let second = steps.get(1).copied().unwrap_or_default();
+            let way = length([0, 1, 2].map(|a| p as f64 * steps[0][a] + q as f64 * second[a]));
+            let bend = (values[before] - 2.0 * values[at] + values[after]) / way.powi(2);
+            found.push((points[at], bend));
         }
     }
     steeper(found.into_iter().filter(|(_, bend)| bend * spacing * spacing > ROUNDING * size))
@@ -129,7 +131,7 @@ fn steepest_bend(
 /// The second derivatives along a face.
 struct Bends {
     first: Directional,
-    /// g_ab and g_bb on a face of a box.
+    /// g_ab and g_bb on a face in space.
     others: Option<[Directional; 2]>,
 }
 

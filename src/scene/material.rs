@@ -1,13 +1,14 @@
 //! `[material]`: elasticity, the optional memory and projection, and named regions with their own.
 
-use crate::formula::{Node, Scope, Variable};
 use crate::law::FourthOrder;
 
 use super::diagnostic::SceneError;
+use super::domain::Domain;
 use super::elastic::{Given, elastic};
 use super::memory::{self, Memory, Part};
 use super::projection::Projection;
 use super::reading::Reading;
+use super::region_place::{Place, place};
 use super::written;
 
 /// The law (5.1) with the terms that the scene has.
@@ -26,8 +27,7 @@ pub struct Material {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     pub name: String,
-    /// A formula in the place, positive inside.
-    pub condition: Node,
+    pub place: Place,
     pub elastic: FourthOrder,
 }
 
@@ -39,8 +39,9 @@ impl Material {
         reading: &mut Reading,
         written: &written::Material,
         horizon: f64,
-        dimension: usize,
+        domain: &Domain,
     ) -> Result<Material, SceneError> {
+        let dimension = domain.dimension();
         let given = Given {
             lambda: written.lambda,
             mu: written.mu_l,
@@ -55,7 +56,7 @@ impl Material {
         };
         let (mut regions, mut parts) = (Vec::new(), Vec::new());
         for (index, region) in written.region.iter().enumerate() {
-            let (region, own) = Region::validate(reading, index, region, horizon, dimension)?;
+            let (region, own) = Region::validate(reading, index, region, horizon, domain)?;
             if regions.iter().any(|other: &Region| other.name == region.name) {
                 let message = format!("two regions are called `{}`", region.name);
                 let key = format!("material.region.{index}.name");
@@ -98,8 +99,9 @@ impl Region {
         index: usize,
         written: &written::Region,
         horizon: f64,
-        dimension: usize,
+        domain: &Domain,
     ) -> Result<(Region, Option<Vec<Part>>), SceneError> {
+        let dimension = domain.dimension();
         let key = format!("material.region.{index}");
         if written.name.trim().is_empty() {
             let message = "a region needs a name";
@@ -109,9 +111,7 @@ impl Region {
                 "for instance: name = \"layer\"",
             ));
         }
-        let axes = [Variable::X, Variable::Y, Variable::Z];
-        let scope = Scope::new(&axes[..dimension]);
-        let condition = reading.formula(&format!("{key}.where"), &written.condition, &scope)?;
+        let place = place(reading, &key, written, domain)?;
         let given = Given {
             lambda: written.lambda,
             mu: written.mu_l,
@@ -127,6 +127,6 @@ impl Region {
             }
             None => None,
         };
-        Ok((Region { name: written.name.clone(), condition, elastic }, own))
+        Ok((Region { name: written.name.clone(), place, elastic }, own))
     }
 }

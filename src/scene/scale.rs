@@ -13,6 +13,8 @@ use super::written::Formula;
 /// pieces takes fewer on each.
 const INTERVALS: u32 = 2048;
 const INTERVALS_OF_A_FACE: u32 = 64;
+/// On each of many triangles in space.
+const FEWEST_ON_A_FACE: u32 = 16;
 
 /// c(x), and a bound of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,10 +47,10 @@ impl Scale {
         let (mut largest, mut bend, mut spacing) = (0.0f64, 0.0f64, 0.0f64);
         for side in &domain.contact {
             let faces = domain.faces(*side);
-            let each = (intervals / faces.len().max(1) as u32).max(INTERVALS_OF_A_FACE);
+            let fewest = if dimension == 2 { INTERVALS_OF_A_FACE } else { FEWEST_ON_A_FACE };
+            let each = (intervals / faces.len().max(1) as u32).max(fewest);
             for face in &faces {
-                let longest = face.lengths().into_iter().fold(0.0, f64::max);
-                spacing = spacing.max(longest / f64::from(each));
+                spacing = spacing.max(face.longest() / f64::from(each));
                 for point in points(face, each) {
                     let at = |node: Node| reading.formulas.evaluate(node, &point);
                     let value = at(node);

@@ -14,16 +14,24 @@ const LARGEST_FILE: u64 = 1 << 20;
 pub struct Source {
     pub path: PathBuf,
     pub text: String,
-    /// 64-bit FNV-1a hash of the text, 16 hexadecimal digits; the same on every machine.
+    /// 64-bit FNV-1a hash of the text, and of the mesh file after it, 16 hexadecimal digits; the same on every machine.
     pub hash: String,
+    /// The text of the mesh file that the scene names.
+    pub mesh: Option<String>,
 }
 
 impl Source {
     /// Text that did not come from a file; `path` is the name that messages show.
     pub fn from_text(path: impl Into<PathBuf>, text: impl Into<String>) -> Source {
         let text = text.into();
-        let hash = format!("{:016x}", fnv_1a(text.as_bytes()));
-        Source { path: path.into(), text, hash }
+        let hash = hash(&[&text]);
+        Source { path: path.into(), text, hash, mesh: None }
+    }
+
+    /// The same with the text of its mesh file.
+    #[must_use]
+    pub fn with_mesh(self, mesh: String) -> Source {
+        Source { hash: hash(&[&self.text, &mesh]), mesh: Some(mesh), ..self }
     }
 
     /// Reads a file of at most 1 MiB of UTF-8.
@@ -61,22 +69,34 @@ fn not_utf8(path: &Path, error: &std::string::FromUtf8Error) -> SceneError {
     SceneError::NotUtf8 { path: path.to_path_buf(), line, column, byte: bytes[valid.len()] }
 }
 
+fn hash(texts: &[&str]) -> String {
+    format!("{:016x}", fnv_1a(texts.iter().flat_map(|text| text.bytes())))
+}
+
 /// The 64-bit FNV-1a hash.
-fn fnv_1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &byte| {
+fn fnv_1a(bytes: impl Iterator<Item = u8>) -> u64 {
+    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
     })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::fnv_1a;
+    use super::{Source, fnv_1a};
 
     /// Values of the reference implementation by Fowler, Noll and Vo.
     #[test]
     fn hash_is_the_published_one() {
-        assert_eq!(fnv_1a(b""), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(fnv_1a(b"a"), 0xaf63_dc4c_8601_ec8c);
-        assert_eq!(fnv_1a(b"foobar"), 0x8594_4171_f739_67e8);
+        assert_eq!(fnv_1a(b"".iter().copied()), 0xcbf2_9ce4_8422_2325);
+        assert_eq!(fnv_1a(b"a".iter().copied()), 0xaf63_dc4c_8601_ec8c);
+        assert_eq!(fnv_1a(b"foobar".iter().copied()), 0x8594_4171_f739_67e8);
+    }
+
+    /// Records of one mesh are not those of another.
+    #[test]
+    fn the_mesh_is_part_of_the_hash() {
+        let of = |mesh: &str| Source::from_text("a.toml", "text").with_mesh(mesh.into()).hash;
+        let plain = Source::from_text("a.toml", "text").hash;
+        assert!(of("one") == of("one") && of("one") != of("two") && of("one") != plain);
     }
 }

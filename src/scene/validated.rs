@@ -14,7 +14,7 @@ use super::contact::Contact;
 use super::data::Data;
 use super::definitions::parameters;
 use super::diagnostic::SceneError;
-use super::domain::Domain;
+use super::domain::{Domain, with_mesh};
 use super::heading::{Expectation, Heading, Hypothesis, Kind};
 use super::material::Material;
 use super::prediction::Prediction;
@@ -150,13 +150,13 @@ fn validate_contact(
     source: Source,
     spans: Spans,
 ) -> Result<Scene, SceneError> {
+    let source = with_mesh(source, &spans, &file.domain)?;
     let mut reading = Reading::new(&source, &spans);
     let heading = Heading::validate(&reading, &file.scene, Kind::Contact)?;
     reading.violates.clone_from(&heading.violates);
     let domain = Domain::validate(&reading, &file.domain, heading.dimension)?;
     let time = Time::validate(&reading, &file.time)?;
-    let material =
-        Material::validate(&mut reading, &file.material, time.horizon, heading.dimension)?;
+    let material = Material::validate(&mut reading, &file.material, time.horizon, &domain)?;
     if let Some(exact) = &file.exact {
         reading.parameters = parameters(&mut reading, &exact.parameters)?;
     }

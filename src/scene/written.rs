@@ -168,7 +168,8 @@ pub struct Elasticity {
 pub struct Region {
     pub name: String,
     #[serde(rename = "where")]
-    pub condition: Formula,
+    pub condition: Option<Formula>,
+    pub physical: Option<String>,
     pub lambda: Option<f64>,
     #[serde(rename = "mu_L")]
     pub mu_l: Option<f64>,

@@ -9,7 +9,7 @@ use crate::formula::{Graph, Node, Point};
 use crate::law::{ExponentialSum, FourthOrder, Isotropic, MemoryKernel, TensorField};
 use crate::manufactured::{MaterialNumbers, RegionNumbers};
 use crate::mesh::Mesh;
-use crate::scene::{Material, Memory, Scene, SceneError};
+use crate::scene::{Material, Memory, Place, Scene, SceneError, Shape};
 
 /// 𝒜.
 pub fn elasticity(material: &Material) -> TensorField {
@@ -34,8 +34,12 @@ pub(super) fn memory_terms(material: &Material, formulas: &Arc<Graph>) -> Vec<Me
     material.memory.iter().map(term).collect()
 }
 
-/// The numbers outside all regions, and in each of them.
-pub(super) fn numbers(material: &Material) -> (MaterialNumbers, Vec<RegionNumbers>) {
+/// The numbers outside all regions, and in each of them, with its condition as a formula of `graph`.
+pub(super) fn numbers(
+    material: &Material,
+    shape: &Shape,
+    graph: &mut Graph,
+) -> (MaterialNumbers, Vec<RegionNumbers>) {
     let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
     let of = |elastic: &FourthOrder, memory: Vec<(f64, f64)>| {
         let (lambda, mu_l, full) = match elastic {
@@ -47,7 +51,8 @@ pub(super) fn numbers(material: &Material) -> (MaterialNumbers, Vec<RegionNumber
     let base = material.memory.iter().map(|memory| (memory.lambda, memory.mu)).collect();
     let regions = material.regions.iter().enumerate().map(|(r, region)| {
         let own = material.memory.iter().map(|memory| memory.regions[r].into()).collect();
-        RegionNumbers { condition: region.condition, material: of(&region.elastic, own) }
+        let condition = region.place.condition(graph, shape);
+        RegionNumbers { condition, material: of(&region.elastic, own) }
     });
     (of(&material.elastic, base), regions.collect())
 }
@@ -70,7 +75,20 @@ pub(super) fn cell_regions(
     let weight = 1.0 / (mesh.dimension + 1) as f64;
     let centroid = |c: usize| mesh.point(mesh.cell(c), &vec![weight; mesh.dimension + 1]);
     for (index, region) in material.regions.iter().enumerate() {
-        let value = |place: [f64; 3]| at(scene, region.condition, place);
+        let condition = match region.place {
+            Place::Where(condition) => condition,
+            Place::Physical(group) => {
+                for (c, own) in regions.iter_mut().enumerate() {
+                    if mesh.cell_region[c] == group {
+                        claim(scene, material, (index, "physical"), own, || {
+                            format!("the cell {c} of the mesh n = {n}")
+                        })?;
+                    }
+                }
+                continue;
+            }
+        };
+        let value = |place: [f64; 3]| at(scene, condition, place);
         let vertices: Vec<f64> =
             (0..mesh.vertices() as u32).map(|v| value(mesh.point(&[v], &[1.0]))).collect();
         let size = vertices.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
@@ -99,17 +117,37 @@ pub(super) fn cell_regions(
             if middle <= 0.0 {
                 continue;
             }
-            if *own != 0 {
-                let other = &material.regions[usize::from(*own) - 1].name;
-                let message = format!(
-                    "the cell at {place} of the mesh n = {n} is in the regions `{other}` and `{name}`"
-                );
-                return Err(scene.error(&key, message, "regions must not overlap"));
-            }
-            *own = index as u8 + 1;
+            claim(scene, material, (index, "where"), own, || {
+                format!("the cell at {place} of the mesh n = {n}")
+            })?;
         }
     }
     Ok(regions)
+}
+
+/// Gives a cell to a region.
+///
+/// # Errors
+/// Another region has it.
+fn claim(
+    scene: &Scene,
+    material: &Material,
+    (index, key): (usize, &str),
+    own: &mut u8,
+    cell: impl Fn() -> String,
+) -> Result<(), SceneError> {
+    if *own != 0 {
+        let other = &material.regions[usize::from(*own) - 1].name;
+        let message = format!(
+            "{} is in the regions `{other}` and `{}`",
+            cell(),
+            material.regions[index].name
+        );
+        let key = format!("material.region.{index}.{key}");
+        return Err(scene.error(&key, message, "regions must not overlap"));
+    }
+    *own = index as u8 + 1;
+    Ok(())
 }
 
 fn at(scene: &Scene, condition: Node, [x, y, z]: [f64; 3]) -> f64 {

@@ -45,7 +45,7 @@ use crate::history::{
 };
 use crate::law::VonMises;
 use crate::linalg::{EigenError, FactorError};
-use crate::manufactured::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polygon};
+use crate::manufactured::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polytope};
 use crate::scene::{self, Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
 
 /// Nodes a cluster that an interpolated kernel needs where it is smooth.
@@ -258,9 +258,10 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         selection: *selection,
     });
     let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
-    let (numbers, regions) = material::numbers(material);
+    let mut graph = scene.formulas.clone();
+    let (numbers, regions) = material::numbers(material, &body.domain.shape, &mut graph);
     Some(Exact::new(ExactData {
-        graph: scene.formulas.clone(),
+        graph,
         u: u.clone(),
         material: numbers,
         regions,
@@ -269,9 +270,9 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         contact,
         horizon: scene.time.horizon,
         size: body.domain.size.clone(),
-        polygon: match &body.domain.shape {
+        polytope: match &body.domain.shape {
             Shape::Box => None,
-            Shape::Refined(coarse) => Some(Polygon {
+            Shape::Refined(coarse) => Some(Polytope {
                 coarse: coarse.clone(),
                 clamped: side_numbers(&body.domain.clamped),
                 contact: side_numbers(&body.domain.contact),

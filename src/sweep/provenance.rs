@@ -16,11 +16,14 @@ pub struct Provenance {
     pub version: String,
     /// Operating system and processor architecture.
     pub platform: String,
-    /// Hash of each scene's text.
+    /// Hash of each scene's text, its mesh file included.
     pub scenes: BTreeMap<String, String>,
     /// Each scene's text: the records can be judged by it wherever its file is.
     #[serde(default)]
     pub texts: BTreeMap<String, String>,
+    /// The text of each mesh file that a scene names, for the same reason.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub meshes: BTreeMap<String, String>,
     /// What is to be known of a scene's step sizes, where (3.4) does not cover them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub step_sizes: BTreeMap<String, String>,
@@ -37,6 +40,8 @@ impl Provenance {
     pub fn new<'a>(scenes: impl Iterator<Item = &'a Scene>) -> Self {
         let named = scenes.map(|scene| (scene.name.clone(), &scene.source));
         let sources: BTreeMap<String, &Source> = named.collect();
+        let mesh = |(name, source): (&String, &&Source)| Some((name.clone(), source.mesh.clone()?));
+        let meshes = sources.iter().filter_map(mesh).collect();
         let each = |value: fn(&Source) -> &String| {
             sources.iter().map(|(name, source)| (name.clone(), value(source).clone())).collect()
         };
@@ -45,6 +50,7 @@ impl Provenance {
             platform: format!("{}-{}", std::env::consts::OS, std::env::consts::ARCH),
             scenes: each(|source| &source.hash),
             texts: each(|source| &source.text),
+            meshes,
             step_sizes: BTreeMap::new(),
             added_cases: BTreeMap::new(),
         }
@@ -72,7 +78,11 @@ impl Provenance {
             return Ok(None);
         };
         let path = format!("{} ({name})", dir.join(FILE).display());
-        let scene = Scene::from_source(Source::from_text(path, text.as_str()))?;
+        let mut source = Source::from_text(path, text.as_str());
+        if let Some(mesh) = self.meshes.get(name) {
+            source = source.with_mesh(mesh.clone());
+        }
+        let scene = Scene::from_source(source)?;
         if scene.name != name || self.scenes.get(name) != Some(&scene.source.hash) {
             let message = "the text kept here is not the one that the records were made with";
             let hint = "run the scene again, or name the folder of its text with --scenes";

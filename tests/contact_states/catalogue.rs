@@ -1,10 +1,10 @@
 //! Source: the files under manufactured/.
 //! Goal: every scene has its place in the documents, its data pass `sweep check`, and docs/SCENES.md is what
-//!   `sweep list --markdown` prints. The main job runs them and judges their orders.
+//!   `sweep list --markdown` prints, with the pictures of `--pictures`. The main job runs them and judges their orders.
 
 use rayon::prelude::*;
 
-use crate::program::{code, stderr, stdout, sweep};
+use crate::program::{Folder, code, stderr, stdout, sweep};
 
 fn read(file: &str) -> String {
     let path = format!("{}/{file}", env!("CARGO_MANIFEST_DIR"));
@@ -47,4 +47,28 @@ fn the_page_of_scenes_is_current() {
     let printed = stdout(&sweep(&["list", "--markdown"]));
     assert!(printed == read("docs/SCENES.md"), "docs/SCENES.md is old: make scenes");
     assert_eq!(printed.matches("../manufactured/").count(), names().len() + 1);
+}
+
+/// Every scene has its picture, and each is the one that is drawn now.
+#[test]
+fn the_pictures_of_scenes_are_current() {
+    let folder = Folder::new("pictures");
+    let output = sweep(&["list", "--pictures", &folder.argument("")]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let expected: Vec<String> = names().iter().map(|name| format!("{name}.svg")).collect();
+    let mut sorted = expected.clone();
+    sorted.sort();
+    assert_eq!(folder.names(), sorted);
+    let kept = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scenes");
+    let mut there: Vec<String> = std::fs::read_dir(kept)
+        .expect("docs/scenes")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    there.sort();
+    assert_eq!(there, sorted, "docs/scenes is old: make scenes");
+    for name in &sorted {
+        let drawn = std::fs::read_to_string(folder.at(name)).expect("a picture");
+        assert!(drawn == read(&format!("docs/scenes/{name}")), "{name} is old: make scenes");
+        assert!(!drawn.contains("NaN") && drawn.len() < 24_000, "{name}: {}", drawn.len());
+    }
 }

@@ -5,6 +5,7 @@
 
 mod closed_forms;
 mod defects;
+mod physical;
 #[path = "../shipped/mod.rs"]
 mod shipped;
 mod solver;

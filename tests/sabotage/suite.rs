@@ -112,7 +112,7 @@ pub fn some(names: &[&str]) -> Vec<Trial> {
 impl Trial {
     fn new((name, edits, ns, steps): &Row) -> Self {
         let text = edits.iter().fold(text(name), |text, (from, to)| edited(&text, from, to));
-        let scene = Scene::from_source(Source::from_text("edited.toml", text));
+        let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
         let scene = scene.unwrap_or_else(|error| panic!("{name}: {error}"));
         let subject = Subject::new(scene.clone()).unwrap_or_else(|error| panic!("{name}: {error}"));
         let overrides = Overrides { n: Some(ns.to_vec()), steps: Some(steps.to_vec()) };

@@ -28,9 +28,9 @@ pub fn edited(text: &str, from: &str, to: &str) -> String {
     text.replace(from, to)
 }
 
-/// A scene from a text, ready to compute.
+/// A scene from a text that stands beside the shipped ones, ready to compute.
 pub fn setup_of(text: String) -> Setup {
-    let scene = Scene::from_source(Source::from_text("edited.toml", text));
+    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
     Setup::new(scene.unwrap_or_else(|error| panic!("{error}")))
         .unwrap_or_else(|error| panic!("{error}"))
 }

@@ -1,14 +1,15 @@
 //! Contact state on Γ3: signs, complementarity, which states occur, and whether h3 vanishes.
 
-use super::polygon::{self, along};
+use super::polytope;
 use super::{Finding, SideOfBox, Status, places};
 use crate::manufactured::constitutive::stress;
 use crate::manufactured::{ContactFormulas, Exact};
 use crate::norms::is_locked;
 
-/// Samples along an edge, along each direction of a face, and in time.
+/// Samples along an edge, along each direction of a face of a box or of one of many triangles, and in time.
 const ALONG: usize = 200;
 const ON_FACE: usize = 32;
+const ON_TRIANGLE: usize = 8;
 const TIMES: usize = 40;
 /// |h3| below this share of the largest stress or pressure on Γ3 is rounding of the formulas.
 const PURE: f64 = 1e-9;
@@ -36,11 +37,18 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
         return Vec::new();
     }
     let mut extremes = Extremes { penetration: f64::NEG_INFINITY, ..Extremes::default() };
-    let place = |i: usize| i as f64 / ALONG as f64;
-    if let Some(polygon) = &exact.data.polygon {
-        for ([p, q], normal) in polygon::contact_segments(polygon) {
-            let points: Vec<[f64; 3]> = (0..=ALONG).map(|i| along(p, q, place(i))).collect();
-            sample::<2>(exact, &points, [normal[0], normal[1], 0.0], &mut extremes);
+    if let Some(polytope) = &exact.data.polytope {
+        for piece in polytope::contact_pieces(polytope) {
+            match exact.dimension() {
+                2 => {
+                    let points = polytope::points_of(&piece, ALONG);
+                    sample::<2>(exact, &points, piece.normal, &mut extremes);
+                }
+                _ => {
+                    let points = polytope::points_of(&piece, ON_TRIANGLE);
+                    sample::<3>(exact, &points, piece.normal, &mut extremes);
+                }
+            }
         }
     }
     for side in sides.iter().filter(|side| side.contact) {

@@ -3,7 +3,7 @@
 
 mod contact_state;
 mod loads;
-mod polygon;
+mod polytope;
 mod regularity;
 mod smoothness;
 
@@ -114,13 +114,13 @@ fn places(length: f64, count: usize) -> Vec<f64> {
     (0..=count).map(|i| i as f64 / count as f64 * length).collect()
 }
 
-/// All checks of an exact solution, on a rectangle or box with these sides or on its polygon.
+/// All checks of an exact solution, on a rectangle or box with these sides or on its polytope.
 pub fn check(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
-    let mut findings = match &exact.data.polygon {
+    let mut findings = match &exact.data.polytope {
         None => loads::strong_against_weak(exact, sides),
-        Some(polygon) => {
-            let zeta = polygon::zeta(exact, polygon);
-            std::iter::once(polygon::loads(exact, polygon)).chain(zeta).collect()
+        Some(polytope) => {
+            let zeta = polytope::zeta(exact, polytope);
+            std::iter::once(polytope::loads(exact, polytope)).chain(zeta).collect()
         }
     };
     findings.extend(contact_state::contact(exact, sides));

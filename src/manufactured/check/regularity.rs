@@ -2,7 +2,7 @@
 //! quotient that settles belongs to a bounded derivative, one that grows does not.
 
 use super::smoothness::{FINE, STRIDES, judge, largest, rounding, second_difference, worst};
-use super::{Finding, SideOfBox, polygon, times};
+use super::{Finding, SideOfBox, polytope, times};
 use crate::formula::{Point, Program};
 use crate::manufactured::Exact;
 use crate::manufactured::symbolic::components;
@@ -45,9 +45,9 @@ pub fn regularity_in_space(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
 }
 
 fn space_findings(exact: &Exact, sides: &[SideOfBox]) -> [Vec<Finding>; 2] {
-    let traces = match (&exact.data.contact, &exact.data.polygon) {
+    let traces = match (&exact.data.contact, &exact.data.polytope) {
         (None, _) => Vec::new(),
-        (_, Some(polygon)) => polygon::normal_traces(exact, polygon),
+        (_, Some(polytope)) => polytope::normal_traces(exact, polytope),
         _ => {
             let contact = sides.iter().filter(|side| side.contact);
             contact.map(|side| normal_trace(exact, side)).collect()
@@ -68,8 +68,8 @@ fn in_body(exact: &Exact, what: &str, equation: &str) -> String {
 /// sup_t ‖ε(u(t+δ) - 2u(t) + u(t-δ))‖/δ², and the norm in L²(Ω) of the pointwise variation
 /// Σ |ε(u(t+δ) - 2u(t) + u(t-δ))|/δ, which is what order 2 of the trapezoidal rule needs.
 fn time_derivatives(exact: &Exact) -> [Finding; 2] {
-    let (points, areas) = match &exact.data.polygon {
-        Some(polygon) => polygon::in_time(polygon),
+    let (points, areas) = match &exact.data.polytope {
+        Some(polytope) => polytope::in_time(polytope),
         None => {
             let points = grid(exact);
             let area = exact.data.measure() / points.len() as f64;
@@ -133,9 +133,9 @@ enum Field {
 
 /// ‖f(· + δe) - f‖/δ in L², in all directions, at three times.
 fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
-    if let Some(polygon) = &exact.data.polygon {
+    if let Some(polytope) = &exact.data.polytope {
         let values = |points: &[[f64; 3]], t: f64| field_values(exact, field, points, t);
-        return polygon::space_derivative(exact, polygon, values, subject);
+        return polytope::space_derivative(exact, polytope, values, subject);
     }
     let (mut quotients, mut size) = ([0.0f64; 4], 0.0f64);
     for t in times(exact) {
@@ -206,16 +206,22 @@ fn normal_trace(exact: &Exact, side: &SideOfBox) -> Finding {
     bends.finding()
 }
 
-/// The same along a straight line of the given length, whose points `at` gives by their fraction of it.
+/// The same along straight lines, given by their ends, each with the measure that it stands for.
 pub(super) fn normal_trace_along(
     exact: &Exact,
     program: &Program,
-    length: f64,
-    at: impl Fn(f64) -> [f64; 3],
+    lines: &[([[f64; 3]; 2], f64)],
 ) -> Finding {
-    let points: Vec<[f64; 3]> = (0..=FINE).map(|i| at(i as f64 / FINE as f64)).collect();
     let mut bends = TraceBends::default();
-    bends.add(exact, program, &points, length, length);
+    for ([p, q], measure) in lines {
+        let at = |i: usize| {
+            let s = i as f64 / FINE as f64;
+            [0, 1, 2].map(|axis| (1.0 - s) * p[axis] + s * q[axis])
+        };
+        let points: Vec<[f64; 3]> = (0..=FINE).map(at).collect();
+        let length = p.iter().zip(q).map(|(p, q)| (q - p).powi(2)).sum::<f64>().sqrt();
+        bends.add(exact, program, &points, length, *measure);
+    }
     bends.finding()
 }
 

@@ -13,7 +13,7 @@ pub(super) struct Node {
     pub span: Range<usize>,
 }
 
-/// A line or a triangle.
+/// A line, a triangle or a tetrahedron.
 pub(super) struct Element {
     pub dimension: u64,
     pub group: Option<i64>,
@@ -141,7 +141,7 @@ impl Sections {
                     // Gmsh marks a reversed orientation by the sign.
                     let second = second.saturating_abs();
                     match group {
-                        Some(first) if (1..=2).contains(&dimension) => {
+                        Some(first) if dimension > 0 => {
                             let tag = tag.unsigned_abs();
                             let fault = Fault::TwoGroups { what: "entity", tag, first, second };
                             return Err(tokens.at(span, fault));
@@ -296,11 +296,14 @@ fn shape(tokens: &Tokens<'_>, span: Range<usize>, kind: u64) -> Result<(u64, usi
         15 => return Ok((0, 1)),
         1 => return Ok((1, 2)),
         2 => return Ok((2, 3)),
+        4 => return Ok((3, 4)),
         3 => "quadrangle",
-        4 => "tetrahedron",
         5 => "hexahedron",
+        6 => "prism",
+        7 => "pyramid",
         8 => "line of order 2",
         9 => "triangle of order 2",
+        11 => "tetrahedron of order 2",
         _ => "not a simplex of order 1",
     };
     Err(tokens.at(span, Fault::Type { kind, name }))

@@ -2,7 +2,7 @@
 
 use super::polygon::point;
 use super::{Domain, Shape};
-use crate::mesh::{Family, vertex_at};
+use crate::mesh::{CoarseMesh, Family, vertex_at};
 use crate::scene::diagnostic::SceneError;
 use crate::scene::reading::Reading;
 use crate::scene::written;
@@ -72,6 +72,13 @@ pub(super) fn family(
         reading.surplus("domain.mesh.corner", mesh.corner.as_ref(), &mesh.kind)?;
         reading.surplus("domain.mesh.exponent", mesh.exponent.as_ref(), &mesh.kind)?;
     }
+    if kind != Kind::Structured && matches!(domain.shape, Shape::Refined(CoarseMesh::Space(_))) {
+        let message =
+            format!("meshes of kind `{}` are not made of tetrahedra from a file", mesh.kind);
+        let hint =
+            "leave `mesh` away: the file says where the vertices are, and refinement keeps them";
+        return Err(reading.error("domain.mesh.kind", message, hint));
+    }
     match kind {
         Kind::Structured => Ok(MeshFamily::Structured),
         Kind::Perturbed => perturbed(reading, mesh, domain.dimension()),
@@ -139,9 +146,10 @@ fn graded(
             let ends = |axis: usize| corner[axis] == 0.0 || corner[axis] == domain.size[axis];
             (ends(0) && ends(1), "corner of the rectangle")
         }
-        Shape::Refined(coarse) => {
+        Shape::Refined(CoarseMesh::Plane(coarse)) => {
             (vertex_at(coarse, corner).is_some(), "vertex of the coarse triangulation")
         }
+        Shape::Refined(CoarseMesh::Space(_)) => (false, "point of the plane"),
     };
     if known {
         return Ok(MeshFamily::Graded { corner, exponent });

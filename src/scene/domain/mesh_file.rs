@@ -1,30 +1,66 @@
 //! `shape = "mesh"`: a gmsh file beside the scene file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::mesh::{Coarse, read_gmsh};
+use crate::mesh::{CoarseMesh, read_gmsh};
 use crate::scene::diagnostic::SceneError;
 use crate::scene::reading::Reading;
 use crate::scene::source::Source;
+use crate::scene::spans::Spans;
+use crate::scene::written;
 
-/// Largest mesh file that is read, in bytes (64 MiB): a coarse mesh has a few thousand triangles.
+/// Largest mesh file that is read, in bytes (64 MiB): a coarse mesh has a few thousand cells.
 const LARGEST_FILE: u64 = 64 << 20;
 
-/// The coarse triangulation in a file, whose path is relative to the folder of the scene.
-pub(super) fn mesh_file(reading: &Reading, file: &str) -> Result<Coarse, SceneError> {
-    let folder = reading.source.path.parent().unwrap_or(Path::new(""));
-    let path = folder.join(file);
-    let text = text(&path).map_err(|reason| {
-        let message = format!("cannot read the mesh {}: {reason}", path.display());
-        let hint =
-            "give the path of a gmsh file (.msh, ASCII), relative to the folder of the scene";
-        reading.error("domain.file", message, hint)
-    })?;
-    read_gmsh(&text).map_err(|error| {
+/// The source with the text of the mesh file that its domain names; a text that is there already stays.
+pub(in crate::scene) fn with_mesh(
+    source: Source,
+    spans: &Spans,
+    domain: &written::Domain,
+) -> Result<Source, SceneError> {
+    let Some(file) = domain.file.as_ref().filter(|_| domain.shape == "mesh") else {
+        return Ok(source);
+    };
+    if source.mesh.is_some() {
+        return Ok(source);
+    }
+    let path = path_of(&source, file);
+    match text(&path) {
+        Ok(mesh) => Ok(source.with_mesh(mesh)),
+        Err(reason) => {
+            let message = format!("cannot read the mesh {}: {reason}", path.display());
+            let hint =
+                "give the path of a gmsh file (.msh, ASCII), relative to the folder of the scene";
+            Err(SceneError::at(&source, spans.value("domain.file"), message, hint))
+        }
+    }
+}
+
+fn path_of(source: &Source, file: &str) -> PathBuf {
+    source.path.parent().unwrap_or(Path::new("")).join(file)
+}
+
+/// The coarse mesh in the file of the source.
+pub(super) fn mesh_file(
+    reading: &Reading,
+    file: &str,
+    dimension: usize,
+) -> Result<CoarseMesh, SceneError> {
+    let path = path_of(reading.source, file);
+    let text = reading.source.mesh.as_deref().unwrap_or_default();
+    let mesh = read_gmsh(text).map_err(|error| {
         let message = format!("the mesh file, {error}");
         let hint = "export the mesh from gmsh as ASCII, version 4.1 or 2.2, order 1, with a physical group for every side";
-        SceneError::at(&Source::from_text(path.clone(), text.clone()), error.span, message, hint)
-    })
+        SceneError::at(&Source::from_text(path.clone(), text), error.span, message, hint)
+    })?;
+    let cells = match mesh.dimension() {
+        found if found == dimension => return Ok(mesh),
+        3 => "tetrahedra, and dimension = 2",
+        _ => "triangles and no tetrahedra, and dimension = 3",
+    };
+    let message = format!("the mesh {} has {cells}", path.display());
+    let hint = "write the other dimension, or export the elements of this one from gmsh";
+    Err(reading.error("domain.file", message, hint))
 }
 
 fn text(path: &Path) -> Result<String, String> {

@@ -1,7 +1,8 @@
 //! Polygons, mesh files and graded meshes: what is taken, and what is refused with which words.
 
 use super::good::{EXACT, LOADED, refused};
-use crate::scene::{MeshFamily, Scene, Shape, Side, Source};
+use crate::mesh::CoarseMesh;
+use crate::scene::{MeshFamily, Place, Scene, Shape, Side, Source};
 
 const RECTANGLE: &str = "shape = \"rectangle\"\nsize = [1.0, 0.5]";
 const CORNERS: &str = "vertices = [[0, 0], [2, 0], [2, 1], [0, 1]]";
@@ -98,7 +99,9 @@ fn mesh_files_are_read_beside_the_scene() {
     };
     let scene = accepted(&text("tests/fixtures/block-4.1.msh"));
     let domain = &scene.as_contact().unwrap().domain;
-    let Shape::Refined(coarse) = &domain.shape else { panic!("{:?}", domain.shape) };
+    let Shape::Refined(CoarseMesh::Plane(coarse)) = &domain.shape else {
+        panic!("{:?}", domain.shape)
+    };
     assert_eq!(coarse.regions, ["layer", "body"].map(String::from));
     let mesh = domain.mesh(2);
     assert_eq!((mesh.cell_count(), mesh.regions.len()), (128, 2));
@@ -108,8 +111,11 @@ fn mesh_files_are_read_beside_the_scene() {
     let shown = refused(&text("tests/fixtures/punch.json")).to_string();
     assert!(shown.contains("punch.json:1:1") && shown.contains("$MeshFormat"), "{shown}");
     let three = EXACT.replace("dimension = 2", "dimension = 3");
-    let shown = refused(&three.replace("\"rectangle\"", "\"mesh\"")).to_string();
-    assert!(shown.contains("the shape `mesh` is plane"), "{shown}");
+    let shown = refused(&three.replace("\"rectangle\"", "\"polygon\"")).to_string();
+    assert!(shown.contains("the shape `polygon` is plane"), "{shown}");
+    let shown =
+        refused(&text("tests/fixtures/block-2.2.msh").replace("= 2\n", "= 3\n")).to_string();
+    assert!(shown.contains("triangles and no tetrahedra, and dimension = 3"), "{shown}");
 }
 
 #[test]
@@ -138,4 +144,112 @@ fn graded_meshes_name_a_corner() {
     let reference =
         LOADED.replace("kind = \"structured\"", "kind = \"graded\", corner = [0, 0], exponent = 2");
     assert!(said(&reference).contains("meshes that do not nest"));
+}
+
+/// The shipped frustum, read from the root of the repository.
+fn frustum(change: impl Fn(&str) -> String) -> String {
+    let text = include_str!("../../../manufactured/frustum.toml");
+    change(&text.replace("\"frustum.msh\"", "\"manufactured/frustum.msh\""))
+}
+
+#[test]
+fn tetrahedra_from_a_file_have_sides_meshes_and_points() {
+    let scene = accepted(&frustum(str::to_owned));
+    let domain = &scene.as_contact().unwrap().domain;
+    assert_eq!((domain.dimension(), domain.sides.len()), (3, 3));
+    // ∫ (0.8 + 0.2 y)² dy over (0, 1).
+    assert!((domain.measure() - (1.0 - 0.512) / 0.6).abs() < 1e-12);
+    let foot = domain.faces(Side(0));
+    let area: f64 = foot.iter().map(|face| face.measure()).sum();
+    assert!((area - 0.64).abs() < 1e-12, "{area}");
+    // The diagonal is the longest edge of both triangles, whichever edges leave the corner.
+    assert!(foot.iter().all(|face| (face.longest() - 0.8 * 2f64.sqrt()).abs() < 1e-12));
+    for face in &foot {
+        let [a, b] = [face.tangents()[0], face.tangents()[1]];
+        let dot = |p: [f64; 3], q: [f64; 3]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
+        let off = [dot(a, b), dot(a, face.normal), dot(b, face.normal), dot(b, b) - 1.0];
+        assert!(off.into_iter().all(|x| x.abs() < 1e-12), "{off:?}");
+        // 1 + 2 + … + 5 points, all in the plane of the foot.
+        let points = face.points(4);
+        assert_eq!(points.len(), 15);
+        assert!(points.iter().all(|p| (0.75f64.sqrt() * p[1] - 0.5 * p[0]).abs() < 1e-12));
+    }
+    let mesh = domain.mesh(3);
+    assert_eq!((mesh.cell_count(), mesh.sides.clone()), (24 * 27, domain.sides.clone()));
+    assert_eq!(domain.h(3), mesh.h());
+    assert!(domain.inner_points(6).iter().all(|p| p[2] > 0.0 && p[2] < 1.0));
+}
+
+#[test]
+fn what_tetrahedra_cannot_be_is_refused() {
+    let cases: [(&str, &str, &str); 8] = [
+        ("dimension = 3", "dimension = 2", "has tetrahedra, and dimension = 2"),
+        ("[\"walls\"]", "[\"wals\"]", "did you mean `walls`?"),
+        ("file = \"", "size = [1.0, 1.0, 1.0]\nfile = \"", "shape `mesh` takes no `size`"),
+        (
+            "contact = [\"foot\"]",
+            "contact = [\"foot\"]\nmesh = { kind = \"perturbed\", amplitude = 0.1, seed = 1 }",
+            "are not made of tetrahedra",
+        ),
+        (
+            "contact = [\"foot\"]",
+            "contact = [\"foot\"]\nmesh = { kind = \"graded\", corner = [0.0, 0.0], exponent = 2.0 }",
+            "are not made of tetrahedra",
+        ),
+        ("quadrature = \"vertex\"", "quadrature = \"exact\"", "quadrature"),
+        (
+            "gap = \"0.08\"",
+            "gap = \"0.08 + 0.1*(z - 0.5)^2\"",
+            "the gap is not concave on the side foot",
+        ),
+        // A kink that only second differences see.
+        (
+            "gap = \"0.08\"",
+            "gap = \"0.08 + abs(z - 0.4999)\"",
+            "the gap is not concave on the side foot",
+        ),
+    ];
+    for (from, to, phrase) in cases {
+        let shown = refused(&frustum(|text| {
+            assert_eq!(text.matches(from).count(), 1, "{from}");
+            text.replace(from, to)
+        }));
+        assert!(shown.to_string().contains(phrase), "`{phrase}` is not said:\n{shown}");
+    }
+    // Two normals meet on an edge of the walls, three at a corner of the foot: all independent.
+    let all = frustum(|text| {
+        text.replace("[\"foot\"]", "[\"foot\", \"walls\"]").replace("[\"walls\"]", "[]")
+    });
+    accepted(&all);
+    // A vertex moved out of the walls has a normal a face.
+    let mesh = include_str!("../../../manufactured/frustum.msh");
+    let place = "-0.20669872981077803 0.4580127018922194 0.05";
+    assert_eq!(mesh.matches(place).count(), 1);
+    let source =
+        Source::from_text("block.toml", all).with_mesh(mesh.replace(place, "-0.25 0.45 0.0"));
+    let shown = Scene::from_source(source).unwrap_err().to_string();
+    assert!(shown.contains("faces of the contact sides with different normals meet"), "{shown}");
+}
+
+#[test]
+fn regions_may_be_physical_groups() {
+    let region = |lines: &str| {
+        let table = format!(
+            "[[material.region]]\nname = \"stiff\"\n{lines}lambda = 2.0\nmu_L = 1.5\n\n[contact]"
+        );
+        frustum(|text| text.replace("[contact]", &table))
+    };
+    let scene = accepted(&region("physical = \"upper\"\n"));
+    let material = &scene.as_contact().unwrap().material;
+    assert_eq!(material.regions[0].place, Place::Physical(1));
+    let said = |lines: &str| refused(&region(lines)).to_string();
+    let unknown = said("physical = \"uper\"\n");
+    assert!(unknown.contains("did you mean `upper`?") && unknown.contains("lower"), "{unknown}");
+    assert!(said("").contains("has no place"));
+    assert!(said("where = \"y\"\nphysical = \"upper\"\n").contains("has two places"));
+    let table =
+        "mu_L = 1.0\n[[material.region]]\nname = \"a\"\nphysical = \"b\"\nE = 1.0\nnu = 0.3\n";
+    assert!(LOADED.contains("mu_L = 1.0\n"));
+    let shown = refused(&LOADED.replacen("mu_L = 1.0\n", table, 1)).to_string();
+    assert!(shown.contains("physical groups are in mesh files"), "{shown}");
 }

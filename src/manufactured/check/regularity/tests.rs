@@ -30,7 +30,7 @@ fn exact(amplitude: &str, profile: &str) -> Exact {
         contact,
         horizon,
         size,
-        polygon: None,
+        polytope: None,
     })
 }
 
@@ -100,7 +100,7 @@ fn both_directions_of_a_face_are_looked_at() {
             contact,
             horizon: 0.7,
             size,
-            polygon: None,
+            polytope: None,
         };
         let bottom = SideOfBox { normal: [0.0, -1.0, 0.0], clamped: false, contact: true };
         let findings = regularity(&Exact::new(data), &[bottom]);

@@ -12,7 +12,7 @@ const TRIANGLE: [[f64; 2]; 3] = [[1.0, 0.5], [3.0, 1.0], [1.5, 2.5]];
 const L_SHAPE: [[f64; 2]; 6] =
     [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
 
-/// u on a polygon, contact on its first edge, clamped on its last; with ζ in κ if `yields`.
+/// u on a polytope, contact on its first edge, clamped on its last; with ζ in κ if `yields`.
 fn exact(vertices: &[[f64; 2]], u: [&str; 2], yields: bool) -> Exact {
     let count = vertices.len() as u32;
     let triangles = triangulate(vertices).unwrap();
@@ -36,7 +36,7 @@ fn exact(vertices: &[[f64; 2]], u: [&str; 2], yields: bool) -> Exact {
     let [low, high] = coarse.bounds();
     let size = vec![high[0] - low[0], high[1] - low[1]];
     let (clamped, contact) = (vec![count - 1], vec![0]);
-    let polygon = Some(Polygon { coarse: Arc::new(coarse), clamped, contact });
+    let polytope = Some(Polytope { coarse: coarse.into(), clamped, contact });
     let (regions, kernels) = (Vec::new(), Vec::new());
     let (horizon, contact) = (1.0, Some(ContactFormulas::default()));
     Exact::new(ExactData {
@@ -49,12 +49,12 @@ fn exact(vertices: &[[f64; 2]], u: [&str; 2], yields: bool) -> Exact {
         contact,
         horizon,
         size,
-        polygon,
+        polytope,
     })
 }
 
-fn polygon(exact: &Exact) -> &Polygon {
-    exact.data.polygon.as_ref().unwrap()
+fn polytope(exact: &Exact) -> &Polytope {
+    exact.data.polytope.as_ref().unwrap()
 }
 
 #[test]
@@ -62,16 +62,18 @@ fn loads_agree_and_a_wrong_force_or_normal_is_seen() {
     let u = ["t*sin(x)*y^2", "x*exp(-t)*cos(y)"];
     for vertices in [&TRIANGLE[..], &L_SHAPE] {
         let mut own = exact(vertices, u, false);
-        assert_eq!(loads(&own, polygon(&own)).status, Status::Verified);
+        assert_eq!(loads(&own, polytope(&own)).status, Status::Verified);
         let other = exact(vertices, ["1.001*t*sin(x)*y^2", u[1]], false);
         own.forces = other.forces;
-        assert_eq!(loads(&own, polygon(&own)).status, Status::Failed);
+        assert_eq!(loads(&own, polytope(&own)).status, Status::Failed);
     }
     // Edges that run the other way have their normals turned around.
     let mut own = exact(&L_SHAPE, u, false);
-    let coarse = Arc::make_mut(&mut own.data.polygon.as_mut().unwrap().coarse);
-    coarse.edges[1].ends.swap(0, 1);
-    assert_eq!(loads(&own, polygon(&own)).status, Status::Failed);
+    let CoarseMesh::Plane(coarse) = &mut own.data.polytope.as_mut().unwrap().coarse else {
+        panic!("a plane domain");
+    };
+    Arc::make_mut(coarse).edges[1].ends.swap(0, 1);
+    assert_eq!(loads(&own, polytope(&own)).status, Status::Failed);
 }
 
 #[test]
@@ -85,13 +87,13 @@ fn zeta_over_a_triangle_is_the_closed_form() {
     assert!((own.zeta.at(0.8) - expected).abs() < 1e-12);
     let status = |u: [&str; 2]| {
         let own = exact(&L_SHAPE, u, true);
-        zeta(&own, polygon(&own)).unwrap().status
+        zeta(&own, polytope(&own)).unwrap().status
     };
     assert_eq!(status(["t*sin(3*x)*y", "t*x*cos(4*y)"]), Status::Verified);
     assert_eq!(status(["t*abs(x - 0.37)", "0"]), Status::Verified, "|eps| is constant");
     assert_eq!(status(["t*max(x - 0.37, 0)", "0"]), Status::Weak);
     let without = exact(&L_SHAPE, ["t*x", "0"], false);
-    assert!(zeta(&without, polygon(&without)).is_none());
+    assert!(zeta(&without, polytope(&without)).is_none());
 }
 
 #[test]

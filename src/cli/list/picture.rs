@@ -1,0 +1,229 @@
+//! The picture of a scene: its body with the parts of the boundary, or its solution over t.
+
+mod space;
+
+use crate::formula::{Node, Point, Program};
+use crate::mesh::{CoarseMesh, Mesh};
+use crate::report::{Ink, ReportError, Sketch, Stroke};
+use crate::scene::{Body, ContactScene, Data, MeshFamily, Place, Scene, Shape, Side};
+
+/// Points along an edge that is moved, and along a curve over t.
+const ALONG: u32 = 8;
+const CURVE: u32 = 64;
+/// The largest displacement drawn, as a part of the body's extent.
+const REACH: f64 = 0.12;
+/// Meshes tried for the cells of a region, until none is cut; lines of a mesh are drawn on one of these.
+const MESHES: [u32; 6] = [1, 2, 3, 4, 6, 8];
+
+pub(super) fn picture(scene: &Scene) -> Result<String, ReportError> {
+    let sketch = match &scene.body {
+        Body::Abstract(problem) => over_time(scene, &problem.u),
+        Body::Contact(body) if body.domain.dimension() == 2 => plane(scene, body),
+        Body::Contact(body) => space::sketch(scene, body),
+    };
+    sketch.svg()
+}
+
+/// The components of u over [0, T].
+fn over_time(scene: &Scene, u: &[Node]) -> Sketch {
+    let horizon = scene.time.horizon;
+    let mut sketch = Sketch { stretched: true, ..Sketch::default() };
+    let (mut low, mut high) = (0.0f64, 0.0f64);
+    for (i, &component) in u.iter().enumerate() {
+        let at = |step: u32| {
+            let t = horizon * f64::from(step) / f64::from(CURVE);
+            (t, scene.formulas.evaluate(component, &Point { t, ..Point::default() }))
+        };
+        let path: Vec<(f64, f64)> = (0..=CURVE).map(at).filter(|p| p.1.is_finite()).collect();
+        low = path.iter().fold(low, |low, p| low.min(p.1));
+        high = path.iter().fold(high, |high, p| high.max(p.1));
+        sketch.strokes.push(Stroke { ink: Ink::Curve(i), path });
+        sketch.legend.push((Ink::Curve(i), format!("u_{}", i + 1)));
+    }
+    let axis = |path| Stroke { ink: Ink::Thin, path };
+    sketch.strokes.push(axis(vec![(0.0, 0.0), (horizon, 0.0)]));
+    sketch.strokes.push(axis(vec![(0.0, low), (0.0, high)]));
+    for end in [low, high].into_iter().filter(|end| *end != 0.0) {
+        sketch.words.push(((-0.07 * horizon, end), format!("{end:.2}")));
+    }
+    sketch.legend.push((Ink::Thin, format!("t to {horizon}")));
+    sketch
+}
+
+/// A plane body.
+fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
+    let (domain, mut sketch) = (&body.domain, Sketch::default());
+    let whole = match &domain.shape {
+        Shape::Box => domain.mesh(*MESHES.iter().find(|n| divides(scene, **n)).unwrap_or(&1)),
+        Shape::Refined(_) => domain.mesh(1),
+    };
+    for c in 0..whole.cell_count() {
+        sketch.areas.push((cell(&whole, c), Ink::Thin, 0.15));
+    }
+    regions(scene, body, &mut sketch);
+    if domain.mesh != MeshFamily::Structured || matches!(domain.shape, Shape::Refined(_)) {
+        let fine = if domain.mesh == MeshFamily::Structured { 1 } else { 4 };
+        let mesh = if divides(scene, fine) { domain.mesh(fine) } else { whole };
+        sketch.strokes.extend(lines(&mesh));
+    }
+    for (ink, sides) in parts(body) {
+        for face in sides.iter().flat_map(|&side| domain.faces(side)) {
+            let flat = |[x, y, _]: [f64; 3]| (x, y);
+            let mut path: Vec<(f64, f64)> = face.points(1).into_iter().map(flat).collect();
+            let (dx, dy) = (path[1].0 - path[0].0, path[1].1 - path[0].1);
+            // Hatches stand on the left of a line.
+            if -dy * face.normal[0] + dx * face.normal[1] < 0.0 {
+                path.reverse();
+            }
+            sketch.strokes.push(Stroke { ink, path });
+        }
+    }
+    let sides = domain.all_sides().flat_map(|side| domain.faces(side));
+    let outline: Vec<Vec<[f64; 3]>> = sides.map(|face| face.points(ALONG)).collect();
+    moved(scene, body, &outline, |[x, y, _]| (x, y), &mut sketch);
+    sketch
+}
+
+fn divides(scene: &Scene, n: u32) -> bool {
+    scene.check_cells(n).is_ok()
+}
+
+/// Γ3 above Γ2, Γ1 last, as far as there are any, with their entries in the legend.
+fn parts(body: &ContactScene) -> impl Iterator<Item = (Ink, &[Side])> {
+    let domain = &body.domain;
+    let all = [
+        (Ink::Traction, &domain.traction[..]),
+        (Ink::Contact, &domain.contact[..]),
+        (Ink::Clamped, &domain.clamped[..]),
+    ];
+    all.into_iter().filter(|(_, sides)| !sides.is_empty())
+}
+
+fn name(ink: Ink) -> &'static str {
+    match ink {
+        Ink::Clamped => "clamped",
+        Ink::Contact => "contact",
+        _ => "traction",
+    }
+}
+
+fn cell(mesh: &Mesh, c: usize) -> Vec<(f64, f64)> {
+    mesh.cell(c).iter().map(|&v| mesh.vertex(v)).map(|x| (x[0], x[1])).collect()
+}
+
+/// The edges of a mesh, each once.
+fn lines(mesh: &Mesh) -> Vec<Stroke> {
+    let mut edges = Vec::new();
+    for c in 0..mesh.cell_count() {
+        let corners = mesh.cell(c);
+        let pairs =
+            corners.iter().enumerate().flat_map(|(a, p)| corners[..a].iter().map(move |q| (p, q)));
+        edges.extend(pairs.map(|(&p, &q)| [p.min(q), p.max(q)]));
+    }
+    edges.sort_unstable();
+    edges.dedup();
+    let at = |v: u32| (mesh.vertex(v)[0], mesh.vertex(v)[1]);
+    edges.into_iter().map(|[a, b]| Stroke { ink: Ink::Thin, path: vec![at(a), at(b)] }).collect()
+}
+
+/// The cells of the regions, on the coarsest mesh whose lines follow them.
+fn regions(scene: &Scene, body: &ContactScene, sketch: &mut Sketch) {
+    for (index, region) in body.material.regions.iter().enumerate() {
+        let fits =
+            |n: &u32| divides(scene, *n) && !is_cut(scene, &body.domain.mesh(*n), region.place);
+        let Some(&n) = MESHES.iter().find(|n| fits(n)) else { continue };
+        let mesh = body.domain.mesh(n);
+        let inside = (0..mesh.cell_count()).filter(|&c| contains(scene, &mesh, c, region.place));
+        let opacity = 0.8 - 0.3 * (index % 2) as f64;
+        sketch.areas.extend(inside.map(|c| (cell(&mesh, c), Ink::Region, opacity)));
+        sketch.legend.push((Ink::Region, region.name.chars().take(9).collect()));
+    }
+}
+
+fn value(scene: &Scene, condition: Node, [x, y, z]: [f64; 3]) -> f64 {
+    scene.formulas.evaluate(condition, &Point { x, y, z, ..Point::default() })
+}
+
+fn is_cut(scene: &Scene, mesh: &Mesh, place: Place) -> bool {
+    let Place::Where(condition) = place else { return false };
+    (0..mesh.cell_count()).any(|c| {
+        let ends = mesh.cell(c).iter().map(|&v| value(scene, condition, mesh.point(&[v], &[1.0])));
+        let ends: Vec<f64> = ends.collect();
+        ends.iter().any(|v| *v > 1e-9) && ends.iter().any(|v| *v < -1e-9)
+    })
+}
+
+fn contains(scene: &Scene, mesh: &Mesh, c: usize, place: Place) -> bool {
+    match place {
+        Place::Physical(group) => mesh.cell_region[c] == group,
+        Place::Where(condition) => {
+            let corners = mesh.cell(c);
+            let centroid = vec![1.0 / corners.len() as f64; corners.len()];
+            value(scene, condition, mesh.point(corners, &centroid)) > 0.0
+        }
+    }
+}
+
+/// The same lines moved by u(T), in a scale of one digit, and the entries of the legend.
+fn moved(
+    scene: &Scene,
+    body: &ContactScene,
+    lines: &[Vec<[f64; 3]>],
+    flat: impl Fn([f64; 3]) -> (f64, f64),
+    sketch: &mut Sketch,
+) {
+    let entries = parts(body).map(|(ink, _)| (ink, name(ink).to_owned()));
+    let entries: Vec<(Ink, String)> = entries.collect();
+    sketch.legend.splice(0..0, entries);
+    let Data::Exact { u, .. } = &body.data else { return };
+    let t = scene.time.horizon;
+    let mut graph = scene.formulas.clone();
+    let program = Program::compile(&mut graph, u, t);
+    let values = lines.iter().map(|line| {
+        let mut out = vec![Vec::new(); u.len()];
+        program.bind(line).evaluate(t, 0.0, &mut out);
+        let at = |p: usize| [0, 1, 2].map(|i| out.get(i).map_or(0.0, |component| component[p]));
+        line.iter().enumerate().map(|(p, &x)| (x, at(p))).collect()
+    });
+    let values: Vec<Vec<([f64; 3], [f64; 3])>> = values.collect();
+    let sizes = values.iter().flatten().flat_map(|(_, u)| u).map(|u| u.abs());
+    let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
+    let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
+    if largest <= 1e-12 * extent {
+        return;
+    }
+    let factor = one_digit(REACH * extent / largest);
+    for line in values {
+        let shifted = |(x, u): ([f64; 3], [f64; 3])| flat([0, 1, 2].map(|i| x[i] + factor * u[i]));
+        let path: Vec<(f64, f64)> = line.into_iter().map(shifted).collect();
+        if path.iter().all(|(x, y)| x.is_finite() && y.is_finite()) {
+            sketch.strokes.push(Stroke { ink: Ink::Moved, path });
+        }
+    }
+    sketch.legend.push((Ink::Moved, format!("u(T) × {factor}")));
+}
+
+/// The largest number of one digit below.
+fn one_digit(value: f64) -> f64 {
+    let decade = 10f64.powf(value.log10().floor());
+    let digits = (value / decade).floor();
+    // 0.30000000000000004 is no number of one digit.
+    if decade < 1.0 { digits / (1.0 / decade).round() } else { digits * decade }
+}
+
+/// A side on the coarse mesh in space: its plane pieces by their corners in order.
+fn polygons(body: &ContactScene, side: Side) -> Vec<(Vec<[f64; 3]>, [f64; 3])> {
+    let corners = |face: crate::scene::Face| {
+        let mut corners = face.points(1);
+        if let ([_, _, _, _], false) = (&corners[..], face.triangle) {
+            corners.swap(2, 3);
+        }
+        (corners, face.normal)
+    };
+    body.domain.faces(side).into_iter().map(corners).collect()
+}
+
+/// True for meshes that come from a file.
+fn is_imported(body: &ContactScene) -> bool {
+    matches!(body.domain.shape, Shape::Refined(CoarseMesh::Space(_)))
+}

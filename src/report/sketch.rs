@@ -1,0 +1,215 @@
+//! A small picture of a domain or of a few curves: readable where it is 240 pixels wide.
+
+use plotters::style::RGBColor;
+
+use super::ReportError;
+use super::canvas::{Anchor, Canvas, Place};
+use super::palette::{INK, colour};
+
+/// Size in units; half of them are pixels at the size for which it is made.
+const SIZE: (u32, u32) = (480, 404);
+/// Height of text: 11 pixels.
+const TEXT: f64 = 22.0;
+/// The room of the drawing: left, top, width, height. Below it stand the entries of the legend.
+const ROOM: (f64, f64, f64, f64) = (24.0, 16.0, 432.0, 276.0);
+/// Where words at the left margin begin.
+const MARGIN: f64 = 1.0;
+/// Of the legend: entries a line, the first line and the distance of lines.
+const ENTRIES: usize = 2;
+const FIRST_LINE: f64 = 322.0;
+const NEXT_LINE: f64 = 32.0;
+
+/// What a line or area stands for; each has a colour and a way to be drawn, so that prints without colours read as well.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ink {
+    /// Γ1: a heavy line with hatches.
+    Clamped,
+    /// Γ2.
+    Traction,
+    /// Γ3: a heavy line.
+    Contact,
+    /// The body moved by u(T): a line of strokes.
+    Moved,
+    /// An edge of a body in space.
+    Edge,
+    /// A named region.
+    Region,
+    /// Lines of the mesh, hidden edges, axes.
+    Thin,
+    /// The i-th curve.
+    Curve(usize),
+}
+
+/// Corners, y upwards, with the ink and its opacity.
+pub type Area = (Vec<(f64, f64)>, Ink, f64);
+
+/// A line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stroke {
+    /// How it is drawn.
+    pub ink: Ink,
+    /// Its points, y upwards.
+    pub path: Vec<(f64, f64)>,
+}
+
+/// A picture without axes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Sketch {
+    /// Light areas in the colour of an ink, drawn first, each with its opacity.
+    pub areas: Vec<Area>,
+    /// Lines, the first below the others.
+    pub strokes: Vec<Stroke>,
+    /// Words at the left margin, at the heights of places.
+    pub words: Vec<((f64, f64), String)>,
+    /// The legend: lines with their words.
+    pub legend: Vec<(Ink, String)>,
+    /// Each axis fills its room: for curves; else both have one scale.
+    pub stretched: bool,
+}
+
+impl Sketch {
+    /// As an SVG.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
+    pub fn svg(&self) -> Result<String, ReportError> {
+        let mut svg = String::new();
+        let canvas = Canvas::of_size(&mut svg, SIZE, TEXT)?;
+        let view = View::of(self);
+        for (corners, ink, opacity) in &self.areas {
+            canvas.fill(&view.path(corners), tint(*ink), *opacity)?;
+        }
+        for stroke in &self.strokes {
+            draw(&canvas, stroke.ink, &view.path(&stroke.path))?;
+        }
+        for (place, words) in &self.words {
+            canvas.text(words, (MARGIN, view.place(*place).1), Anchor::Left)?;
+        }
+        let column = ROOM.2 / ENTRIES as f64;
+        for (i, (ink, words)) in self.legend.iter().enumerate() {
+            let x = ROOM.0 + column * (i % ENTRIES) as f64;
+            let y = FIRST_LINE + NEXT_LINE * (i / ENTRIES) as f64;
+            draw(&canvas, *ink, &[(x, y), (x + 36.0, y)])?;
+            canvas.text(words, (x + 44.0, y), Anchor::Left)?;
+        }
+        canvas.finish()?;
+        Ok(svg)
+    }
+}
+
+fn tint(ink: Ink) -> RGBColor {
+    match ink {
+        Ink::Clamped => RGBColor(0, 0, 0),
+        Ink::Traction => colour(0),
+        Ink::Contact => colour(1),
+        Ink::Moved => colour(2),
+        Ink::Edge => INK,
+        Ink::Region => RGBColor(170, 170, 170),
+        Ink::Thin => RGBColor(150, 150, 150),
+        Ink::Curve(i) => colour(i),
+    }
+}
+
+fn draw(canvas: &Canvas<'_>, ink: Ink, path: &[Place]) -> Result<(), ReportError> {
+    let colour = tint(ink);
+    match ink {
+        Ink::Clamped => {
+            canvas.line(path, colour, 5)?;
+            path.windows(2).try_for_each(|pair| hatches(canvas, pair[0], pair[1]))
+        }
+        Ink::Traction | Ink::Curve(_) => canvas.line(path, colour, 4),
+        Ink::Contact => canvas.line(path, colour, 9),
+        Ink::Edge => canvas.line(path, colour, 3),
+        Ink::Region => canvas.line(path, colour, 18),
+        Ink::Moved => canvas.dashed(path, colour, (18.0, 11.0)),
+        Ink::Thin => canvas.line(path, colour, 1),
+    }
+}
+
+/// Short strokes that leave a line to one side.
+fn hatches(canvas: &Canvas<'_>, from: Place, to: Place) -> Result<(), ReportError> {
+    let length = (to.0 - from.0).hypot(to.1 - from.1);
+    let (along, count) = (((to.0 - from.0) / length, (to.1 - from.1) / length), length / 14.0);
+    (0..count as usize).try_for_each(|i| {
+        let s = (i as f64 + 0.5) / count.floor() * length;
+        let foot = (from.0 + s * along.0, from.1 + s * along.1);
+        let tip = (foot.0 + 5.0 * along.0 + 9.0 * along.1, foot.1 + 5.0 * along.1 - 9.0 * along.0);
+        canvas.line(&[foot, tip], RGBColor(0, 0, 0), 2)
+    })
+}
+
+/// From places of the drawing to the canvas.
+struct View {
+    origin: (f64, f64),
+    scale: (f64, f64),
+    corner: (f64, f64),
+}
+
+impl View {
+    fn of(sketch: &Sketch) -> Self {
+        let strokes = sketch.strokes.iter().flat_map(|stroke| &stroke.path);
+        let areas = sketch.areas.iter().flat_map(|(corners, ..)| corners);
+        let words = sketch.words.iter().map(|(place, _)| place);
+        let all = || strokes.clone().chain(areas.clone()).chain(words.clone()).copied();
+        let span = |pick: fn((f64, f64)) -> f64| {
+            all()
+                .map(pick)
+                .filter(|value| value.is_finite())
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                    (low.min(value), high.max(value))
+                })
+        };
+        let (x, y) = (span(|place| place.0), span(|place| place.1));
+        let wide = |(low, high): (f64, f64)| (high - low).max(f64::MIN_POSITIVE);
+        let (left, top, width, height) = ROOM;
+        let mut scale = (width / wide(x), height / wide(y));
+        if !sketch.stretched {
+            scale = (scale.0.min(scale.1), scale.0.min(scale.1));
+        }
+        let rest = (width - scale.0 * wide(x), height - scale.1 * wide(y));
+        let corner = (left + 0.5 * rest.0, top + height - 0.5 * rest.1);
+        Self { origin: (x.0, y.0), scale, corner }
+    }
+
+    fn place(&self, (x, y): (f64, f64)) -> Place {
+        let away = (x - self.origin.0, y - self.origin.1);
+        (self.corner.0 + self.scale.0 * away.0, self.corner.1 - self.scale.1 * away.1)
+    }
+
+    fn path(&self, points: &[(f64, f64)]) -> Vec<Place> {
+        points.iter().map(|&point| self.place(point)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Sketch {
+        let path = vec![(0.0, 0.0), (2.0, 0.0), (2.0, 1.0)];
+        let stroke = |ink| Stroke { ink, path: path.clone() };
+        Sketch {
+            strokes: vec![stroke(Ink::Contact), stroke(Ink::Clamped)],
+            legend: vec![(Ink::Contact, "contact".into()), (Ink::Moved, "u(T) x 2".into())],
+            ..Sketch::default()
+        }
+    }
+
+    #[test]
+    fn lengths_keep_their_ratio_unless_axes_are_stretched() {
+        let (own, stretched) = (square(), Sketch { stretched: true, ..square() });
+        let extent = |sketch: &Sketch| {
+            let view = View::of(sketch);
+            let (a, b) = (view.place((0.0, 0.0)), view.place((2.0, 1.0)));
+            ((b.0 - a.0) / (a.1 - b.1), a, b)
+        };
+        assert!((extent(&own).0 - 2.0).abs() < 1e-12);
+        let (_, a, b) = extent(&stretched);
+        let corners = ((ROOM.0, ROOM.1 + ROOM.3), (ROOM.0 + ROOM.2, ROOM.1));
+        assert!((a.0 - corners.0.0).abs() + (b.1 - corners.1.1).abs() < 1e-9);
+        // What is clamped is told by its hatches, what is moved by strokes.
+        let svg = own.svg().expect("a picture");
+        assert!(svg.matches("<polyline").count() > 20 && svg.contains("contact"), "{svg}");
+        assert!(svg.len() < 8000 && !svg.contains("NaN"));
+    }
+}
