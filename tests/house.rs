@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gronwall::scene::{Registry, Scene};
 
 /// Each module imports only those before it.
-const ORDER: [&str; 24] = [
+const ORDER: [&str; 25] = [
     "tensor",
     "record",
     "linalg",
@@ -32,6 +32,7 @@ const ORDER: [&str; 24] = [
     "sweep",
     "theory",
     "diagnose",
+    "extremes",
     "cli",
 ];
 

@@ -9,6 +9,7 @@ mod constants;
 mod diagnose;
 mod explain;
 mod extension;
+mod extremes;
 mod fit;
 mod floors;
 mod github;
@@ -68,6 +69,8 @@ enum Command {
     Bound(bound::BoundCommand),
     /// Put Gronwall's inequality over runs: truncation errors, envelopes, horizons, perturbations
     Gronwall(gronwall::Gronwall),
+    /// Climb ladders of extreme parameters: units, moduli, steps, meshes, gaps, loads
+    Extremes(extremes::Extremes),
     /// Measure the floors of a scene's errors: solver, history, quadrature, reference
     Floors(floors::FloorsCommand),
     /// Fit orders to a table with columns h, k, error
@@ -113,6 +116,7 @@ pub fn main() -> ExitCode {
         Command::Solve(solve) => solve.execute(&scenes),
         Command::Bound(bound) => bound.execute(&scenes),
         Command::Gronwall(gronwall) => gronwall.execute(&scenes),
+        Command::Extremes(extremes) => extremes.execute(),
         Command::Floors(floors) => floors.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Report(report) => report.execute(&scenes),
