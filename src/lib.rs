@@ -56,11 +56,13 @@
 //! | [`trade`] | speed against accuracy: knobs, cost and error models, optima; the error of a run from coarser ones |
 //! | [`theory`] | the theorems' constants, bounds and inequalities as runs |
 //! | [`diagnose`] | variants of a scene that name the term at fault |
+//! | [`extremes`] | ladders of one parameter each, and what every rung must answer |
 //! | [`cli`] | the commands |
 
 pub mod cli;
 pub mod contact;
 pub mod diagnose;
+pub mod extremes;
 pub mod finite;
 pub mod fit;
 pub mod formula;

@@ -39,10 +39,23 @@ pub fn deviator<const S: usize>(tau: &Symmetric<S>) -> Symmetric<S> {
     out
 }
 
-/// ‖τ‖ (Frobenius).
+/// ‖τ‖ (Frobenius), of any tensor whose norm is a double.
 #[inline]
 pub fn norm<const S: usize>(tau: &Symmetric<S>) -> f64 {
-    contract(tau, tau).sqrt()
+    let square = contract(tau, tau);
+    // Squares below or above lose digits, or all of them.
+    if (1e-270..=1e300).contains(&square) { square.sqrt() } else { scaled_norm(tau) }
+}
+
+#[cold]
+fn scaled_norm<const S: usize>(tau: &Symmetric<S>) -> f64 {
+    let size = tau.iter().fold(0.0f64, |size, value| size.max(value.abs()));
+    if size == 0.0 || !size.is_finite() {
+        // Zero, infinite, or NaN, which the maximum forgets.
+        return contract(tau, tau).sqrt();
+    }
+    let scaled = tau.map(|value| value / size);
+    size * contract(&scaled, &scaled).sqrt()
 }
 
 #[cfg(test)]
@@ -54,6 +67,15 @@ mod tests {
         // [[1,2],[2,5]]: ‖·‖² = 1 + 4 + 4 + 25.
         let tau = [1.0, 5.0, 2.0 * 2f64.sqrt()];
         assert!((contract(&tau, &tau) - 34.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn norms_of_tiny_and_huge_tensors_keep_their_digits() {
+        for unit in [1e-200, 1e-160, 1.0, 1e160, 1e200] {
+            let size = norm(&[3.0 * unit, 0.0, -4.0 * unit]) / unit;
+            assert!((size - 5.0).abs() < 1e-14, "{unit}: {size}");
+        }
+        assert!(norm(&[f64::NAN, 0.0, 1.0]).is_nan() && norm(&[0.0; 3]) == 0.0);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gronwall::scene::{Registry, Scene};
 
 /// Each module imports only those before it.
-const ORDER: [&str; 25] = [
+const ORDER: [&str; 26] = [
     "tensor",
     "record",
     "linalg",
@@ -33,6 +33,7 @@ const ORDER: [&str; 25] = [
     "trade",
     "theory",
     "diagnose",
+    "extremes",
     "cli",
 ];
 

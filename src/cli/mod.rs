@@ -10,6 +10,7 @@ mod diagnose;
 mod estimate;
 mod explain;
 mod extension;
+mod extremes;
 mod fit;
 mod floors;
 mod github;
@@ -70,6 +71,8 @@ enum Command {
     Bound(bound::BoundCommand),
     /// Put Gronwall's inequality over runs: truncation errors, envelopes, horizons, perturbations
     Gronwall(gronwall::Gronwall),
+    /// Climb ladders of extreme parameters: units, moduli, steps, meshes, gaps, loads
+    Extremes(extremes::Extremes),
     /// Measure the floors of a scene's errors: solver, history, quadrature, reference
     Floors(floors::FloorsCommand),
     /// Speed against accuracy: work-precision over the knobs of a scene, cost model, best n and N
@@ -120,6 +123,7 @@ pub fn main() -> ExitCode {
         Command::Solve(solve) => solve.execute(&scenes),
         Command::Bound(bound) => bound.execute(&scenes),
         Command::Gronwall(gronwall) => gronwall.execute(&scenes),
+        Command::Extremes(extremes) => extremes.execute(),
         Command::Floors(floors) => floors.execute(&scenes),
         Command::Trade(trade) => trade.execute(&scenes),
         Command::Fit(fit) => fit.execute(),

@@ -12,7 +12,7 @@ use super::linear::strain_norm;
 use super::march::StepView;
 use super::model::Model;
 use crate::law::Projection;
-use crate::linalg::{axpy, larger, largest};
+use crate::linalg::{axpy, is_sound_sum, larger, largest};
 use crate::space::strain_of;
 use crate::tensor::contract;
 
@@ -85,7 +85,11 @@ impl Combination {
         let product = |i: usize, j: usize| c[i] * c[j] * self.gram[count * i + j];
         let square: f64 = (0..count * count).map(|ij| product(ij / count, ij % count)).sum();
         let squares: f64 = (0..count).map(|i| product(i, i)).sum();
-        if square >= CANCELLED * squares { square.sqrt() } else { strain_norm(space, u) }
+        if is_sound_sum(square) && square >= CANCELLED * squares {
+            square.sqrt()
+        } else {
+            strain_norm(space, u)
+        }
     }
 
     /// What [`super::kkt_residual`] is of u = Σ c_i w_i with the history Σ d_i w_i, without contact.

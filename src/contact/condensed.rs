@@ -11,7 +11,9 @@ use std::time::Instant;
 use super::boundary::boundary_graph;
 use super::condensed_level::CondensedLevel;
 use super::floor::Accepted;
-use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, split_pressures};
+use super::march::{
+    CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, measurable, split_pressures,
+};
 use super::{Discretization, Floors, Load, Model, kkt_residual, strain_norm};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
@@ -45,6 +47,7 @@ pub fn march<P: Projection>(
     for n in 0..=grid.steps() {
         march.step(n, grid, load, newton, observe)?;
     }
+    measurable(space, model, march.largest_strain)?;
     march.raise_floors();
     Ok(march.info)
 }
@@ -90,6 +93,8 @@ struct Condensed<'a, P> {
     multiplier: Vec<f64>,
     /// The largest load whose level has set the floors.
     largest_force: f64,
+    /// max ‖ε(u_n)‖.
+    largest_strain: f64,
 }
 
 impl<'a, P: Projection> Condensed<'a, P> {
@@ -136,6 +141,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
             compliance: vec![0.0; points],
             multiplier: vec![0.0; points],
             largest_force: 0.0,
+            largest_strain: 0.0,
             space,
             model,
             info,
@@ -313,6 +319,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
         );
         let strain_norm = strain_norm(self.space, &self.nodal);
         self.accumulated.commit(grid, strain_norm);
+        self.largest_strain = self.largest_strain.max(strain_norm);
         let view = StepView {
             n,
             t,
@@ -360,8 +367,9 @@ impl<'a, P: Projection> Condensed<'a, P> {
             space.pattern.multiply(matrix, &history[..dofs], &mut product);
             axpy(-1.0, &product, &mut unbalanced);
         }
-        let diagonal = (0..dofs).map(|i| self.elastic[space.pattern.diagonal(i)] * v[i]);
-        let size = diagonal.map(|f| f * f).sum::<f64>().sqrt() + norm(&self.force);
+        let diagonal = |i: usize| self.elastic[space.pattern.diagonal(i)] * v[i];
+        let forces: Vec<f64> = (0..dofs).map(diagonal).collect();
+        let size = norm(&forces) + norm(&self.force);
         // What the tolerance of Newton's method in the volume would be.
         let tolerance = Newton::default().rounding_units * f64::EPSILON * size;
         let accepted = Accepted { residual: norm(&unbalanced), tolerance };

@@ -6,7 +6,7 @@
 //!
 //! S the Schur complement of the stiffness on them, s a factor of it, f the condensed load.
 
-use crate::linalg::{DenseCholesky, FactorError, axpy, norm};
+use crate::linalg::{DenseCholesky, FactorError, axpy, norm, root_of_squares};
 use crate::vhi::{BoundaryGraph, StepInequality};
 
 /// The condensed level.
@@ -163,7 +163,10 @@ impl StepInequality for CondensedLevel {
     /// As in the volume, on Γ3 alone: the condensed forces are no larger than those they are made of.
     fn force_scale(&self, u: &[f64]) -> f64 {
         let size = self.dofs.len();
-        let products = u.iter().enumerate().map(|(i, u)| self.schur[size * i + i] * u);
-        self.scale * products.map(|f| f * f).sum::<f64>().sqrt() + norm(&self.load)
+        let product = |(i, u): (usize, &f64)| self.schur[size * i + i] * u;
+        let products = root_of_squares(|scale| {
+            u.iter().enumerate().map(product).map(|f| (scale * f).powi(2)).sum()
+        });
+        self.scale * products + norm(&self.load)
     }
 }

@@ -60,8 +60,8 @@ impl<'a> Inverse<'a> {
                 let mut correction = residual.clone();
                 let mut x = vec![0.0; rhs.len()];
                 loop {
-                    let forces = x.iter().enumerate().map(|(dof, x)| diagonal(dof, *x).powi(2));
-                    let scale = forces.sum::<f64>().sqrt() + size;
+                    let forces = x.iter().enumerate().map(|(dof, x)| diagonal(dof, *x));
+                    let scale = norm(&forces.collect::<Vec<f64>>()) + size;
                     let left = norm(&residual);
                     // The tolerance of Newton's method; or as far as rounding lets a solve come.
                     let small = Newton::default().rounding_units * f64::EPSILON * scale;

@@ -13,8 +13,8 @@ const POINTS: usize = 10;
 /// Halvings of an interval in which ∂j_ν has a kink: what remains of it, 2⁻⁴⁰ of an edge, no longer
 /// counts.
 const HALVINGS: u32 = 40;
-/// Changes of u_ν - s below this (a length) are rounding: it counts displacements of size 1.
-const ROUNDING: f64 = 1e-15;
+/// Changes of u_ν - s below this share of it, and of the kinks, are rounding.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Adds ∫ ∂j_ν(u_ν - s) v_ν by the Gauss rule of the facets.
 pub fn add_gauss(
@@ -40,6 +40,8 @@ pub fn add_exact(
     for facet in 0..space.trace.measure.len() {
         let argument = |x: f64| argument(space, boundary, view, facet, &[1.0 - x, x]);
         let piece = |x: f64| boundary.potential.kinks().partition_point(|kink| *kink < argument(x));
+        let sizes = boundary.potential.kinks().iter().copied();
+        let size = sizes.chain([0.0, 0.5, 1.0].map(argument)).fold(0.0f64, |m, r| m.max(r.abs()));
         let end = |i: usize| i as f64 / INTERVALS as f64;
         let mut left: Vec<(f64, f64, u32)> =
             (0..INTERVALS).map(|i| (end(i), end(i + 1), 0)).collect();
@@ -59,7 +61,7 @@ pub fn add_exact(
                 .abs()
                 .max(2.0 * (argument(middle) - argument(from)).abs());
             let resolved = moves <= boundary.potential.resolution();
-            if (one_piece && resolved) || moves <= ROUNDING || halvings == HALVINGS {
+            if (one_piece && resolved) || moves <= ROUNDING * size || halvings == HALVINGS {
                 for (b, weight) in gauss.points.iter().zip(&gauss.weights) {
                     let x = from + b[1] * (to - from);
                     rule.points.push(vec![1.0 - x, x]);

@@ -8,12 +8,12 @@ use std::time::Instant;
 use super::combination::Combination;
 use super::floor::Accepted;
 use super::inverse::Inverse;
-use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
+use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, measurable};
 use super::work::Work;
 use super::{Discretization, Floors, LinearSolver, Load, Model, kkt_residual};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
-use crate::linalg::{FactorError, LinearWork, axpy};
+use crate::linalg::{FactorError, LinearWork, axpy, is_sound_sum, root_of_squares};
 use crate::space::strain_of;
 use crate::tensor::contract;
 use crate::vhi::{FailedStep, Newton, StepError};
@@ -56,6 +56,7 @@ pub fn march<P: Projection>(
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
     let mut accumulated = Accumulated::default();
     let nothing = vec![0.0; space.trace.points.len()];
+    let mut largest = 0.0f64;
     for n in 0..=grid.steps() {
         let t = grid.time(n);
         let start = Instant::now();
@@ -124,7 +125,9 @@ pub fn march<P: Projection>(
         }
         info.kkt_residual = info.kkt_residual.max(residual);
         observe(&view)?;
+        largest = largest.max(strain_norm);
     }
+    measurable(space, model, largest)?;
     info.floors = response.floors(space, model, &force, &u, &history);
     let seconds_solve = seconds_basis + info.work.linear.seconds_solve;
     info.work.linear = LinearWork { seconds_solve, ..response.inverse.work() };
@@ -178,7 +181,8 @@ impl<'a> Response<'a> {
         // What the tolerance of Newton's method would be: this solve meets it without being asked.
         let diagonal =
             (0..space.dofs()).map(|i| stiffness[space.pattern.diagonal(i)] * combined[i]);
-        let scale = diagonal.map(|f| f * f).sum::<f64>().sqrt() + crate::linalg::norm(force);
+        let scale =
+            crate::linalg::norm(&diagonal.collect::<Vec<f64>>()) + crate::linalg::norm(force);
         let tolerance = Newton::default().rounding_units * f64::EPSILON * scale;
         let accepted = Accepted { residual: crate::linalg::norm(&delta), tolerance };
         self.inverse.estimate(&mut delta[..space.dofs()]);
@@ -189,15 +193,21 @@ impl<'a> Response<'a> {
 
 /// ‖ε(v)‖ of a nodal vector.
 pub fn strain_norm(space: &Discretization, v: &[f64]) -> f64 {
-    fn sum<const S: usize>(space: &Discretization, v: &[f64]) -> f64 {
+    fn sum<const S: usize>(space: &Discretization, v: &[f64], scale: f64) -> f64 {
         let cell = |c| {
             let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), v);
-            space.geometry.measure[c] * contract(&strain, &strain)
+            let scaled = strain.map(|e| scale * e);
+            space.geometry.measure[c] * contract(&scaled, &scaled)
         };
         (0..space.mesh.cell_count()).map(cell).sum()
     }
-    match space.mesh.dimension {
-        2 => sum::<3>(space, v).sqrt(),
-        _ => sum::<6>(space, v).sqrt(),
-    }
+    root_of_squares(|scale| match space.mesh.dimension {
+        2 => sum::<3>(space, v, scale),
+        _ => sum::<6>(space, v, scale),
+    })
+}
+
+/// ‖ε(v)‖ from its square, or anew where squares of these strains leave the range of doubles.
+pub(super) fn strain_norm_from(square: f64, space: &Discretization, v: &[f64]) -> f64 {
+    if is_sound_sum(square) { square.sqrt() } else { strain_norm(space, v) }
 }

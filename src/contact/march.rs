@@ -60,6 +60,34 @@ pub enum CaseError {
         /// What is allowed.
         allowed: f64,
     },
+    /// Errors are sums of squares, which leave the range of doubles.
+    #[error(
+        "‖ε(u_n)‖ is {strain:.1e} and stresses are {stress:.1e} at most: outside 1e-152 to 1e152 errors cannot be measured, since their squares leave the range of doubles; state the scene in other units"
+    )]
+    OutOfRange {
+        /// max ‖ε(u_n)‖ over the root of |Ω|.
+        strain: f64,
+        /// The same times the stiffest modulus.
+        stress: f64,
+    },
+}
+
+/// Fields of this size have squares, and squares of errors down to 1e-2 of ε, that are doubles.
+const MEASURABLE: std::ops::RangeInclusive<f64> = 1e-152..=1e152;
+
+/// Whether a solution with this largest ‖ε(u_n)‖ can be measured; one that is zero throughout can.
+pub(super) fn measurable<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    largest: f64,
+) -> Result<(), CaseError> {
+    let volume: f64 = space.geometry.measure.iter().sum();
+    let strain = largest / volume.sqrt();
+    let stress = strain * model.elasticity.eigenvalues(space.mesh.dimension).1;
+    if largest == 0.0 || (MEASURABLE.contains(&strain) && MEASURABLE.contains(&stress)) {
+        return Ok(());
+    }
+    Err(CaseError::OutOfRange { strain, stress })
 }
 
 /// What one case took.
@@ -131,6 +159,7 @@ pub fn march_in_volume<P: Projection, S: StepSolver>(
     for n in 0..=grid.steps() {
         march.step(n, grid.time(n), observe)?;
     }
+    measurable(space, model, march.largest_strain)?;
     Ok(march.finish())
 }
 
@@ -144,6 +173,8 @@ struct March<'a, P, S> {
     multiplier: Vec<f64>,
     /// The largest residual that was accepted so far, and the floors it and rounding make.
     worst_residual: f64,
+    /// max ‖ε(u_n)‖.
+    largest_strain: f64,
     info: CaseInfo,
 }
 
@@ -163,6 +194,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             compliance: vec![0.0; space.trace.points.len()],
             multiplier: vec![0.0; space.trace.points.len()],
             worst_residual: 0.0,
+            largest_strain: 0.0,
             info: CaseInfo::default(),
             space,
             model,
@@ -237,6 +269,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
         }
         self.info.kkt_residual = self.info.kkt_residual.max(residual);
+        self.largest_strain = self.largest_strain.max(view.strain_norm);
         observe(&view)
     }
 }

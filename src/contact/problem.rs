@@ -10,10 +10,11 @@ use std::time::Instant;
 use super::assembly::{cell_stiffness, stress_force};
 use super::boundary::boundary_graph;
 use super::compliance::FacetCompliance;
+use super::linear::strain_norm_from;
 use super::work::Work;
 use super::{Discretization, LinearSolver, Model};
 use crate::law::{Projection, TensorField};
-use crate::linalg::{FactorError, RankOne, TangentSolver, norm};
+use crate::linalg::{FactorError, RankOne, TangentSolver, norm, root_of_squares};
 use crate::space::strain_of;
 use crate::tensor::contract;
 use crate::vhi::{BoundaryGraph, StepInequality};
@@ -198,7 +199,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             let stress = law.apply(&strain).map(|s| measure * s);
             stress_force::<D, S>(gradients, nodes, &stress, &mut self.nodal_force);
         }
-        self.strain_norm = sum.sqrt();
+        self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
     }
 
     fn compute_strains<const S: usize>(&mut self) {
@@ -209,7 +210,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             self.strains[S * c..S * (c + 1)].copy_from_slice(&strain);
             sum += self.space.geometry.measure[c] * contract(&strain, &strain);
         }
-        self.strain_norm = sum.sqrt();
+        self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
     }
 
     fn cell_strain<const S: usize>(&self, c: usize) -> [f64; S] {
@@ -388,7 +389,7 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
     fn force_scale(&self, u: &[f64]) -> f64 {
         let pattern = &self.space.pattern;
         let products = u.iter().enumerate().map(|(i, u)| self.linear[pattern.diagonal(i)] * u);
-        let stiffness: f64 = products.map(|f| f * f).sum();
-        stiffness.sqrt() + norm(&self.load)
+        let squares = |scale: f64| products.clone().map(|f| (scale * f) * (scale * f)).sum();
+        root_of_squares(squares) + norm(&self.load)
     }
 }

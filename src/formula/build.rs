@@ -1,7 +1,8 @@
 //! Construction of expressions, with local simplification.
 //!
 //! Constants are folded and x+0, 1*x, 0*x, x-x, x/x and nested powers are
-//! simplified.  0*x = 0 drops the NaN of a singular x, and x/x = 1 the one at
+//! simplified.  Constants of a product are merged unless the result leaves the
+//! range of doubles: 1e-300*(x/1e150) is not 0.  0*x = 0 drops the NaN of a singular x, and x/x = 1 the one at
 //! x = 0: both are accepted, an exact solution has neither.
 
 use super::graph::{Graph, Node, Op, Variable};
@@ -89,7 +90,11 @@ impl Graph {
                 let a = self.neg(a);
                 self.mul(a, c)
             }
-            (Op::Constant(u), Op::Mul(c, d)) if self.value_of_constant(c).is_some() => {
+            (Op::Constant(u), Op::Mul(c, d))
+                if self
+                    .value_of_constant(c)
+                    .is_some_and(|v| (f64::from_bits(u) * v).is_normal()) =>
+            {
                 let v = self.value_of_constant(c).unwrap_or(1.0);
                 let product = self.constant(f64::from_bits(u) * v);
                 self.mul(product, d)
@@ -118,6 +123,7 @@ impl Graph {
             (_, Some(v)) => {
                 if let Op::Mul(c, d) = self.op(a)
                     && let Some(u) = self.value_of_constant(c)
+                    && (u / v).is_normal()
                 {
                     let quotient = self.constant(u / v);
                     return self.mul(quotient, d);

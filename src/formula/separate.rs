@@ -8,6 +8,10 @@ use super::vocabulary::Function;
 /// Longer sums count as not separable.
 const MOST_TERMS: usize = 128;
 
+/// Numbers that are moved between factors: beyond, one factor might overflow and the other vanish, as
+/// in 1e-300 t (x/1e150).
+const MOVED: std::ops::RangeInclusive<f64> = 1e-80..=1e80;
+
 /// The list (a, f) of sum a(t) f(x,y,z).
 type Separated = Vec<(Node, Node)>;
 
@@ -160,7 +164,7 @@ impl Graph {
             return (one, self.mul(a, g));
         }
         match self.addends(g)[..] {
-            [(number, g)] => {
+            [(number, g)] if MOVED.contains(&number.abs()) => {
                 let (number, g) = match self.value_of_constant(g) {
                     Some(v) => (number * v, one),
                     None => (number, g),

@@ -35,7 +35,29 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// ‖a‖₂.
 pub fn norm(a: &[f64]) -> f64 {
-    dot(a, a).sqrt()
+    root_of_squares(|scale| a.iter().map(|x| (scale * x) * (scale * x)).sum())
+}
+
+/// Sums of squares in this range are as exact as their terms: no square that counts has left the doubles.
+const SQUARES: std::ops::RangeInclusive<f64> = 1e-270..=1e300;
+
+/// Whether a sum of squares has lost nothing to under- or overflow.
+pub fn is_sound_sum(squares: f64) -> bool {
+    SQUARES.contains(&squares)
+}
+
+/// 2^500: squares of numbers times it, or divided by it, stay in range where those of the numbers do not.
+const RESCALED: f64 = 3.273_390_607_896_142e150;
+
+/// √S(1) for a sum of squares S(s) = Σ w_i (s x_i)². Where S(1) leaves the range in which squares are formed
+/// without loss, it is S(s)/s² with a power of two s: the same bits but for under- and overflow.
+pub fn root_of_squares(sum: impl Fn(f64) -> f64) -> f64 {
+    let plain = sum(1.0);
+    if is_sound_sum(plain) || plain.is_nan() {
+        return plain.sqrt();
+    }
+    let scale = if plain > 1.0 { 1.0 / RESCALED } else { RESCALED };
+    sum(scale).sqrt() / scale
 }
 
 /// The larger of two numbers; a NaN stays, which `f64::max` would forget.
@@ -52,5 +74,25 @@ pub fn largest(a: &[f64]) -> f64 {
 pub fn axpy(alpha: f64, x: &[f64], y: &mut [f64]) {
     for (target, value) in y.iter_mut().zip(x) {
         *target += alpha * value;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn norms_lose_nothing_where_squares_leave_the_range() {
+        assert_eq!(RESCALED, 2f64.powi(500));
+        for e in [-300, -200, -160, -100, 0, 100, 160, 200, 300] {
+            let unit = 2f64.powi(e * 10 / 3);
+            let found = norm(&[3.0 * unit, -4.0 * unit]);
+            assert!((found / (5.0 * unit) - 1.0).abs() < 1e-15, "{e}: {found:e}");
+            // Squares alone do not have that.
+            let plain = dot(&[3.0 * unit], &[3.0 * unit]).sqrt() / (3.0 * unit);
+            assert!(e.abs() < 200 || plain == 0.0 || plain == f64::INFINITY, "{e}: {plain}");
+        }
+        assert_eq!((norm(&[]), norm(&[0.0, 0.0])), (0.0, 0.0));
+        assert!(norm(&[f64::NAN, 1.0]).is_nan() && norm(&[f64::INFINITY]) == f64::INFINITY);
     }
 }

@@ -171,7 +171,7 @@ impl<'a> MultigridSequence<'a> {
     fn improve(&mut self, rhs: &[f64], x: &mut [f64], target: f64) -> Result<(), FactorError> {
         let Self { cycle, pattern, values, vectors, work, held, .. } = self;
         let mut matrix = Matrix { pattern, values, cycle };
-        let mut residual = vec![0.0; rhs.len()];
+        let (mut residual, mut correction) = (vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
         let mut last = f64::INFINITY;
         for round in 0..ROUNDS {
             matrix.apply(x, &mut residual);
@@ -183,8 +183,19 @@ impl<'a> MultigridSequence<'a> {
                 break;
             }
             last = size;
-            work.iterations +=
-                conjugate_gradients(&mut matrix, &mut residual, x, target, LIMIT, vectors)?;
+            // Products of residual and correction stay in range whatever the unit of force is.
+            let unit = 2f64.powi(size.log2().floor() as i32);
+            residual.iter_mut().for_each(|r| *r /= unit);
+            correction.fill(0.0);
+            work.iterations += conjugate_gradients(
+                &mut matrix,
+                &mut residual,
+                &mut correction,
+                target / unit,
+                LIMIT,
+                vectors,
+            )?;
+            axpy(unit, &correction, x);
             work.solves += 1;
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Records and verdicts as files: the table of cases, `verdict.json`, pictures, a page, JUnit.
 //!
 //! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes. A picture
-//! is a [`Chart`]: series over two axes, with lines at values of either axis.
+//! is a [`Chart`], series over two axes with lines at values of either axis, or a [`Map`].
 
 mod canvas;
 mod chart;
@@ -12,6 +12,7 @@ mod github;
 mod html;
 mod junit;
 mod legend;
+mod map;
 mod marks;
 mod number;
 mod palette;
@@ -30,6 +31,7 @@ pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
 pub use github::{Place, annotations, step_summary};
 pub use junit::write_junit;
+pub use map::{Cell, Map, Shade};
 pub use ruler::Scale;
 pub use sketch::{Ink, Sketch, Stroke};
 pub use slope::Slope;

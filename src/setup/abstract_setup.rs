@@ -109,14 +109,23 @@ impl AbstractSetup {
             let hint = "enlarge the matrix of the operator; or say violates = [\"2.9\"] in [scene] to run it all the same";
             return Err(self.scene.error("operator.matrix", message, hint).into());
         }
-        for n in 0..=TIMES {
-            let t = self.scene.time.horizon * f64::from(n) / f64::from(TIMES);
-            self.contact_state(t)?;
+        let times = (0..=TIMES).map(|n| self.scene.time.horizon * f64::from(n) / f64::from(TIMES));
+        // What rounding is relative to: the largest a_i·u and ξ_i at any time.
+        let mut sizes = vec![[0.0f64; 2]; self.problem.traces.len()];
+        for t in times.clone() {
+            let state = self.state(t);
+            let own = state.traces.iter().zip(&state.selection);
+            for (size, (r, xi)) in sizes.iter_mut().zip(own) {
+                *size = [size[0].max(r.abs()), size[1].max(xi.abs())];
+            }
+        }
+        for t in times {
+            self.contact_state(t, &sizes)?;
         }
         abstract_claims(self)
     }
 
-    fn contact_state(&self, t: f64) -> Result<(), SetupError> {
+    fn contact_state(&self, t: f64, sizes: &[[f64; 2]]) -> Result<(), SetupError> {
         let state = self.state(t);
         if let Some(value) = state.load.iter().find(|value| !value.is_finite()) {
             let message = format!("the load of the exact solution is {value} at t = {t:.4}");
@@ -125,7 +134,7 @@ impl AbstractSetup {
         }
         for (i, trace) in self.problem.traces.iter().enumerate() {
             let (r, xi, lambda) = (state.traces[i], state.selection[i], state.multiplier[i]);
-            let slack = ROUNDING * r.abs().max(1.0);
+            let slack = ROUNDING * sizes[i][0];
             let at = |key: &str, message: String, hint: &str| {
                 Err(self.scene.error(key, format!("{message}, t = {t:.4}"), hint).into())
             };
@@ -140,7 +149,7 @@ impl AbstractSetup {
                 return at(&format!("exact.multiplier.{i}"), message, hint);
             }
             let (lo, hi) = self.model.functionals[i].potential.subdifferential(r);
-            let slack = ROUNDING * lo.abs().max(hi.abs()).max(1.0);
+            let slack = ROUNDING * lo.abs().max(hi.abs()).max(sizes[i][1]);
             if !(xi >= lo - slack && xi <= hi + slack) {
                 let message = format!("xi = {xi:.6} is not in [{lo:.6}, {hi:.6}] = ∂j({r:.6})");
                 let hint = "state exact.selection within the interval of the law";

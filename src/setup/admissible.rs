@@ -19,6 +19,7 @@ const ROUNDING: f64 = 1e-9;
 /// # Errors
 /// The first violated condition, at the key of the scene that states it.
 pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
+    representable(setup)?;
     smallness(setup)?;
     if let Some(exact) = &setup.exact {
         clamped(setup, exact)?;
@@ -28,6 +29,30 @@ pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
         }
     }
     contact_claims(setup)
+}
+
+/// |Ω| whose parts on any mesh of this program are doubles, with 1e-7 to spare at either end.
+const MEASURES: std::ops::RangeInclusive<f64> = 1e-301..=1e301;
+/// Moduli whose products with strains of any unit are.
+const MODULI: std::ops::RangeInclusive<f64> = 1e-152..=1e152;
+
+/// Measures and moduli are doubles with their products: lengths within 1e±150 in the plane, 1e±100 in space.
+fn representable(setup: &Setup) -> Result<(), SetupError> {
+    let (scene, domain) = (&setup.scene, &setup.body.domain);
+    let measure = domain.measure();
+    if !MEASURES.contains(&measure) {
+        let message =
+            format!("the measure of the domain is {measure:.1e}, outside 1e-301 to 1e301");
+        let hint = "state the scene in another unit of length: lengths within 1e-150 to 1e150 in the plane, 1e-100 to 1e100 in space";
+        return Err(scene.error("domain", message, hint).into());
+    }
+    let (_, largest) = setup.model.elasticity.eigenvalues(scene.dimension);
+    if !MODULI.contains(&largest) {
+        let message = format!("the stiffest modulus is {largest:.1e}, outside 1e-152 to 1e152");
+        let hint = "state the scene in another unit of stress";
+        return Err(scene.error("material", message, hint).into());
+    }
+    Ok(())
 }
 
 /// (2.9): α_ν c_j² < m_𝒜.

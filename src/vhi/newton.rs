@@ -1,7 +1,7 @@
 //! Semismooth Newton method with primal-dual active set for one time level.
 
 use super::{Piece, StepInequality, StepState};
-use crate::linalg::FactorError;
+use crate::linalg::{FactorError, root_of_squares};
 
 /// Parameters of the iteration.
 #[derive(Debug, Clone, Copy)]
@@ -94,6 +94,12 @@ impl Newton {
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
         scratch.resize(problem);
+        // A level without forces has the solution 0, and no residual is small beside forces that vanish
+        // with it: iterates from another start would shrink for ever.
+        scratch.increment.fill(0.0);
+        if problem.force_scale(&scratch.increment) == 0.0 {
+            state.u.fill(0.0);
+        }
         let mut info = StepInfo::default();
         problem.residual(&state.u, &mut scratch.force);
         scratch.select_pieces(problem, state);
@@ -138,6 +144,7 @@ pub struct Scratch {
     increment: Vec<f64>,
     pieces: Vec<PieceKey>,
     slopes: Vec<f64>,
+    defects: Vec<f64>,
     prescribed: Vec<Option<f64>>,
 }
 
@@ -166,6 +173,7 @@ impl Scratch {
         self.pieces.clear();
         self.pieces.resize(graphs, None);
         self.slopes.resize(graphs, 0.0);
+        self.defects.resize(graphs, 0.0);
         self.prescribed.resize(graphs, None);
     }
 
@@ -200,7 +208,6 @@ impl Scratch {
         for (target, force) in self.increment.iter_mut().zip(&self.force) {
             *target = -force;
         }
-        let mut sum = 0.0;
         for (i, at) in graph.coordinates.iter().enumerate() {
             let (dof, normal) = (at.dof as usize, graph.normal(i, &state.u));
             state.pressure[i] = match self.pieces[i] {
@@ -208,9 +215,13 @@ impl Scratch {
                 _ => -at.sign * self.force[dof] / at.weight,
             };
             self.increment[dof] -= at.sign * at.weight * state.pressure[i];
-            sum += graph.defect(i, normal, state.pressure[i]).powi(2);
+            self.defects[i] = graph.defect(i, normal, state.pressure[i]);
         }
-        (sum + self.increment.iter().map(|f| f * f).sum::<f64>()).sqrt()
+        let squares = |scale: f64| {
+            let of = |values: &[f64]| values.iter().map(|v| (scale * v).powi(2)).sum::<f64>();
+            of(&self.defects) + of(&self.increment)
+        };
+        root_of_squares(squares)
     }
 
     /// One Newton step of length `damping` on the chosen pieces.

@@ -23,6 +23,8 @@ const LOCKED: usize = 3;
 #[derive(Default)]
 struct Extremes {
     penetration: f64,
+    /// Largest |g| and |u_ν| where there is a gap.
+    lengths: f64,
     tension: f64,
     complementarity: f64,
     pressure: f64,
@@ -60,19 +62,21 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
             _ => sample::<3>(exact, &points, side.normal, &mut extremes),
         }
     }
-    let Extremes { penetration, tension, complementarity, pressure, sourced, stress, .. } =
-        extremes;
+    let Extremes {
+        penetration, lengths, tension, complementarity, pressure, sourced, stress, ..
+    } = extremes;
     let scale = stress.max(pressure).max(f64::MIN_POSITIVE);
     let mut findings = Vec::new();
     if penetration.is_finite() {
         let text = format!("largest u_nu - g on the samples is {penetration:.2e}");
-        let status = if penetration <= 1e-9 { Status::Verified } else { Status::Failed };
+        let status = if penetration <= 1e-9 * lengths { Status::Verified } else { Status::Failed };
         findings.push(Finding::new("u_nu <= g", status, penetration, text));
     }
     let status = if tension >= 0.0 { Status::Verified } else { Status::Failed };
     let text = format!("smallest multiplier {tension:.2e}, largest pressure {pressure:.3e}");
     findings.push(Finding::new("lambda >= 0", status, tension, text));
-    let status = if complementarity <= 1e-9 * scale { Status::Verified } else { Status::Failed };
+    let status =
+        if complementarity <= 1e-9 * scale * lengths { Status::Verified } else { Status::Failed };
     let text = format!("largest lambda (g - u_nu) is {complementarity:.2e}");
     findings.push(Finding::new("complementarity", status, complementarity, text));
     let locked = extremes.share(LOCKED);
@@ -129,6 +133,7 @@ impl Extremes {
         let locked = is_locked(u_nu, gap);
         if gap.is_finite() {
             self.penetration = self.penetration.max(u_nu - gap);
+            self.lengths = self.lengths.max(u_nu.abs()).max(gap.abs());
             self.complementarity = self.complementarity.max((lambda * (gap - u_nu)).abs());
         }
         let state = match (locked, lambda > 0.0) {

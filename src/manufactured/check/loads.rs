@@ -332,11 +332,13 @@ fn interface<const D: usize>(
     let right = stresses::<D>(exact, &at(x + offset), t);
     let v = tests.at::<D>(&at(x));
     for (p, (_, weight)) in places.iter().enumerate() {
+        let sides = left[p].iter().chain(&right[p]).flatten();
+        let size = sides.fold(0.0f64, |size, stress| size.max(stress.abs()));
         for test in 0..tests.count {
             for component in 0..D {
                 let jump = right[p][component][0] - left[p][component][0];
                 // A difference of rounding size is no jump.
-                if jump.abs() > 1e-8 {
+                if jump.abs() > 1e-8 * size {
                     let part = weight * jump * v[(D + 1) * test][p];
                     balances[D * test + component].interface -= part;
                 }

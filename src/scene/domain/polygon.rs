@@ -12,6 +12,7 @@ pub(super) fn polygon(
     boundary: &[Vec<f64>],
 ) -> Result<Coarse, SceneError> {
     let boundary = &places(reading, "domain.vertices", boundary)?[..];
+    measurable(reading, boundary)?;
     let triangles = triangulate(boundary).map_err(|error| refused(reading, &error))?;
     let mut vertices = boundary.to_vec();
     let triangles = match &written.triangles {
@@ -44,6 +45,26 @@ pub(super) fn polygon(
         let hint = "the triangles must cover the polygon, edge to edge, and each edge of the polygon must be an edge of one of them";
         reading.error("domain.triangles", error.to_string(), hint)
     })
+}
+
+/// Areas of polygons in this range are doubles, and of their cells on any mesh of this program.
+const EXTENTS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
+
+fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError> {
+    let range = |axis: usize| {
+        let ends = boundary.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+            [low.min(p[axis]), high.max(p[axis])]
+        });
+        ends[1] - ends[0]
+    };
+    let extent = range(0).max(range(1));
+    // Points that coincide, or fewer than three, are refused with better words below.
+    if extent <= 0.0 || EXTENTS.contains(&extent) {
+        return Ok(());
+    }
+    let message = format!("the polygon is {extent:.1e} across, outside 1e-150 to 1e150");
+    let hint = "areas leave the range of doubles there; state the scene in another unit of length";
+    Err(reading.error("domain.vertices", message, hint))
 }
 
 /// Points of the plane.

@@ -1,0 +1,182 @@
+//! `sweep extremes`: every ladder from the ordinary to the extreme, each rung against its expectation.
+
+use std::fs::OpenOptions;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{ContentArrangement, LineStyle, Table};
+
+use super::{CliError, print_json, print_text};
+use crate::extremes::{COLUMNS, Ladder, Row, UnderTest, catalogue, judge, map};
+use crate::record::{counted, replace_file};
+
+/// Width of the table in characters.
+const WIDTH: u16 = 132;
+
+/// `sweep extremes`.
+#[derive(Args)]
+#[command(
+    after_help = "Exit code: 0 every rung as expected; 1 a rung is not; 2 no such ladder, or --out cannot be written.\n\nJSON keys with --json: ladders (name, parameter, quantity, why), rungs (ladder, at, quantity, expected, measured: null without an answer, digits_lost, iterations: a level, kkt, standing: \"as-expected\", \"refused-as-expected\", \"not-as-expected\" or \"failed\", note, seconds).\n\nFiles with --out: extremes.csv (a row as each rung ends), extremes.json, extremes.svg (the map)."
+)]
+pub struct Extremes {
+    /// Ladders to climb [default: all]; --list names them
+    ladder: Vec<String>,
+    /// Climb to the largest meshes as well: some minutes
+    #[arg(long)]
+    long: bool,
+    /// List the ladders with what they expect, and run nothing
+    #[arg(long)]
+    list: bool,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+    /// Directory for extremes.csv, extremes.json and extremes.svg
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Extremes {
+    pub(super) fn execute(&self) -> Result<u8, CliError> {
+        let ladders = self.chosen()?;
+        if self.list {
+            print_text(&listed(&ladders));
+            return Ok(0);
+        }
+        let mut file = self.out.as_deref().map(csv_file).transpose()?;
+        let under_test = UnderTest::default();
+        let mut rows = Vec::new();
+        for ladder in &ladders {
+            eprintln!("{}: {}", ladder.name, counted(ladder.rungs.len(), "rung"));
+            for rung in &ladder.rungs {
+                let row = judge(ladder, rung, &under_test);
+                if let Some(file) = &mut file {
+                    let written = file.write_record(row.fields()).map_err(|e| e.to_string());
+                    written
+                        .and_then(|()| file.flush().map_err(|e| e.to_string()))
+                        .map_err(|error| CliError::Other(format!("extremes.csv: {error}")))?;
+                }
+                rows.push(row);
+            }
+        }
+        let document = document(&ladders, &rows);
+        if let Some(dir) = &self.out {
+            let text = serde_json::to_string_pretty(&document)
+                .map_err(|error| CliError::Other(error.to_string()))?;
+            write(&dir.join("extremes.json"), &format!("{text}\n"))?;
+            write(&dir.join("extremes.svg"), &map(&ladders, &rows)?)?;
+        }
+        if self.json {
+            print_json(&document)?;
+        } else {
+            print_text(&table(&rows));
+            print_text(&summary(&rows));
+        }
+        Ok(u8::from(rows.iter().any(|row| !row.standing.as_expected())))
+    }
+
+    /// The ladders named, or all.
+    fn chosen(&self) -> Result<Vec<Ladder>, CliError> {
+        let all = catalogue(self.long);
+        let names: Vec<&str> = all.iter().map(|ladder| ladder.name).collect();
+        if let Some(unknown) = self.ladder.iter().find(|name| !names.contains(&name.as_str())) {
+            let message = format!("no ladder `{unknown}`; there are {}", names.join(", "));
+            return Err(CliError::Other(message));
+        }
+        let named = |ladder: &Ladder| {
+            self.ladder.is_empty() || self.ladder.iter().any(|name| name == ladder.name)
+        };
+        Ok(all.into_iter().filter(named).collect())
+    }
+}
+
+fn csv_file(dir: &Path) -> Result<csv::Writer<std::fs::File>, CliError> {
+    let path = dir.join("extremes.csv");
+    let failed =
+        |error: &dyn std::fmt::Display| CliError::Other(format!("{}: {error}", path.display()));
+    std::fs::create_dir_all(dir).map_err(|error| failed(&error))?;
+    let file = OpenOptions::new().create(true).write(true).truncate(true).open(&path);
+    let mut writer = csv::Writer::from_writer(file.map_err(|error| failed(&error))?);
+    writer.write_record(COLUMNS).map_err(|error| failed(&error))?;
+    Ok(writer)
+}
+
+fn write(path: &Path, text: &str) -> Result<(), CliError> {
+    replace_file(path, text.as_bytes())
+        .map_err(|error| CliError::Other(format!("{}: {error}", path.display())))
+}
+
+fn plain_table() -> Table {
+    let mut table = Table::new();
+    table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
+    table.set_width(WIDTH).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table
+}
+
+fn listed(ladders: &[Ladder]) -> String {
+    let mut table = plain_table();
+    table.set_header(["ladder", "parameter", "rungs", "measured", "expected because"]);
+    table.add_rows(ladders.iter().map(|ladder| {
+        let rungs = ladder.rungs.len().to_string();
+        [ladder.name, ladder.parameter, &rungs, ladder.quantity, ladder.why].map(str::to_owned)
+    }));
+    table.trim_fmt()
+}
+
+fn table(rows: &[Row]) -> String {
+    let mut table = plain_table();
+    table.set_header([
+        "ladder",
+        "at",
+        "expected",
+        "measured",
+        "digits lost",
+        "iterations",
+        "KKT",
+        "",
+        "note",
+    ]);
+    table.add_rows(rows.iter().map(|row| {
+        let short = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1e}"));
+        [
+            row.ladder.to_owned(),
+            row.at.clone(),
+            row.expected.clone(),
+            short(row.measured),
+            row.digits_lost.map_or("-".to_owned(), |digits| format!("{digits:.1}")),
+            row.iterations.map_or("-".to_owned(), |mean| format!("{mean:.1}")),
+            short(row.kkt),
+            row.standing.words().to_owned(),
+            row.note.clone(),
+        ]
+    }));
+    table.trim_fmt()
+}
+
+fn summary(rows: &[Row]) -> String {
+    let wrong: Vec<String> = rows
+        .iter()
+        .filter(|row| !row.standing.as_expected())
+        .map(|row| format!("{} at {}: {}", row.ladder, row.at, row.note))
+        .collect();
+    let rungs = counted(rows.len(), "rung");
+    match wrong.is_empty() {
+        true => format!("{rungs}, every one as expected"),
+        false => format!("{rungs}, {} not as expected:\n{}", wrong.len(), wrong.join("\n")),
+    }
+}
+
+fn document(ladders: &[Ladder], rows: &[Row]) -> serde_json::Value {
+    let ladder = |ladder: &Ladder| {
+        serde_json::json!({
+            "name": ladder.name,
+            "parameter": ladder.parameter,
+            "quantity": ladder.quantity,
+            "why": ladder.why,
+        })
+    };
+    serde_json::json!({
+        "ladders": ladders.iter().map(ladder).collect::<Vec<_>>(),
+        "rungs": rows,
+    })
+}

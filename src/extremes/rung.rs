@@ -1,0 +1,89 @@
+//! Ladders: one parameter from the ordinary to the extreme, and what each rung must show.
+
+use super::UnderTest;
+use super::answer::{Answer, NoAnswer};
+
+/// What a rung must show.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Expected {
+    /// The measured number is at most this.
+    AtMost(f64),
+    /// The measured number lies in this interval.
+    Within([f64; 2]),
+    /// A typed error whose first line holds these words.
+    Refused(&'static str),
+}
+
+/// What a run measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// The number that the ladder is about.
+    pub value: f64,
+    /// Newton iterations a level, where levels were solved.
+    pub iterations: Option<f64>,
+    /// Largest relative KKT residual by separate evaluation, where there is one.
+    pub kkt: Option<f64>,
+    /// What else was seen; empty mostly.
+    pub note: String,
+}
+
+impl Measured {
+    /// A number without a solve behind it.
+    pub fn number(value: f64) -> Self {
+        Self { value, iterations: None, kkt: None, note: String::new() }
+    }
+
+    /// A number about an answer.
+    pub fn of(value: f64, answer: &Answer) -> Self {
+        let iterations = f64::from(answer.iterations) / f64::from(answer.levels.max(1));
+        Self { iterations: Some(iterations), kkt: Some(answer.kkt), ..Self::number(value) }
+    }
+
+    /// With a remark.
+    pub fn noted(self, note: impl Into<String>) -> Self {
+        Self { note: note.into(), ..self }
+    }
+}
+
+/// Runs a rung with the parts under test.
+pub type Run = dyn Fn(&UnderTest<'_>) -> Result<Measured, NoAnswer> + Send + Sync;
+
+/// One value of the parameter.
+pub struct Rung {
+    /// The value in words.
+    pub at: String,
+    /// What it must show.
+    pub expected: Expected,
+    /// The run.
+    pub run: Box<Run>,
+}
+
+impl Rung {
+    /// A rung.
+    pub fn new(
+        at: impl Into<String>,
+        expected: Expected,
+        run: impl Fn(&UnderTest<'_>) -> Result<Measured, NoAnswer> + Send + Sync + 'static,
+    ) -> Self {
+        Self { at: at.into(), expected, run: Box::new(run) }
+    }
+}
+
+/// All values of one parameter.
+pub struct Ladder {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// The parameter.
+    pub parameter: &'static str,
+    /// What is measured.
+    pub quantity: &'static str,
+    /// Why the expectation is what it is.
+    pub why: &'static str,
+    /// From the first value to the last.
+    pub rungs: Vec<Rung>,
+}
+
+/// 10^e, the nearest double; the powers of ten that `powi` forms by multiplication are not.
+pub(super) fn power_of_ten(e: i32) -> f64 {
+    format!("1e{e}").parse().unwrap_or(f64::NAN)
+}

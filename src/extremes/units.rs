@@ -1,0 +1,168 @@
+//! Units of length, stiffness, time and displacement, and scenes written in them.
+
+use super::answer::Answer;
+
+/// The units in which a scene is written: a number of the scene is its nondimensional value times the
+/// unit of its dimension. Strains are small, so displacements have a unit of their own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Units {
+    /// Of x.
+    pub length: f64,
+    /// Of 𝒜, ℬ₀ and μ.
+    pub stiffness: f64,
+    /// Of t.
+    pub time: f64,
+    /// Of u and g.
+    pub displacement: f64,
+}
+
+impl Default for Units {
+    fn default() -> Self {
+        Self { length: 1.0, stiffness: 1.0, time: 1.0, displacement: 1.0 }
+    }
+}
+
+impl Units {
+    /// Of strains and κ.
+    pub fn strain(&self) -> f64 {
+        self.displacement / self.length
+    }
+
+    /// Of stresses and pressures.
+    pub fn stress(&self) -> f64 {
+        self.stiffness * self.strain()
+    }
+
+    /// Of f0, which is not formed from unit to unit where an intermediate one overflows.
+    pub fn body_force(&self) -> f64 {
+        self.stress() / self.length
+    }
+
+    /// Of ζ = ∫‖ε‖: a strain times a length to the power d/2 times a time.
+    pub fn zeta(&self, dimension: i32) -> f64 {
+        self.strain() * self.length.powf(0.5 * f64::from(dimension)) * self.time
+    }
+
+    /// An answer with its fields in these units.
+    pub fn nondimensional(&self, mut answer: Answer, dimension: i32) -> Answer {
+        let divide = |field: &mut Vec<f64>, unit: f64| field.iter_mut().for_each(|v| *v /= unit);
+        divide(&mut answer.displacement, self.displacement);
+        divide(&mut answer.stress, self.stress());
+        divide(&mut answer.pressure, self.stress());
+        divide(&mut answer.zeta, self.zeta(dimension));
+        answer.errors = answer.errors.map(|errors| {
+            let volume = self.length.powf(0.5 * f64::from(dimension));
+            let area = self.length.powf(0.5 * f64::from(dimension - 1));
+            let unit = [
+                self.strain() * volume,
+                self.displacement * volume,
+                self.stress() * volume,
+                self.displacement * area,
+                self.stress() * area,
+            ];
+            std::array::from_fn(|i| errors[i] / unit[i])
+        });
+        answer
+    }
+}
+
+/// The scenes whose answers must not depend on units.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unitless {
+    /// A linear viscoelastic body with a smooth exact solution.
+    Linear,
+    /// Every term of (5.1)-(5.5): the block that is pressed on a soft layer over a rigid one.
+    EveryTerm,
+    /// Memory and a law with a jump, the pressure of some vertices inside its interval.
+    SetValued,
+    /// A linear body in space.
+    Box,
+}
+
+impl Unitless {
+    /// All plane ones.
+    pub const PLANE: [Self; 3] = [Self::Linear, Self::EveryTerm, Self::SetValued];
+
+    /// All.
+    pub const ALL: [Self; 4] = [Self::Linear, Self::EveryTerm, Self::SetValued, Self::Box];
+
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "linear",
+            Self::EveryTerm => "every term",
+            Self::SetValued => "set-valued",
+            Self::Box => "box",
+        }
+    }
+
+    /// d.
+    pub fn dimension(self) -> i32 {
+        if self == Self::Box { 3 } else { 2 }
+    }
+
+    /// The scene in the given units. Plane domains are polygons: their mesh n cuts a coarse triangle
+    /// into n² ones, whatever the unit, where a rectangle has n cells a unit length.
+    pub fn text(self, units: &Units) -> String {
+        let Units { length, stiffness, time, displacement } = *units;
+        let (x, y, t) =
+            (format!("(x/{length:?})"), format!("(y/{length:?})"), format!("(t/{time:?})"));
+        let z = format!("(z/{length:?})");
+        let memory = format!(
+            "[material.memory]\nkernel = \"{:?}*exp({:?}*t)\"\nlambda = {:?}\nmu = {:?}\n",
+            -1.0 / time,
+            -1.0 / time,
+            0.25 * stiffness,
+            0.25 * stiffness
+        );
+        let law = |points: &[[f64; 2]]| {
+            let point =
+                |[r, p]: &[f64; 2]| format!("[{:?}, {:?}]", r * displacement, p * units.stress());
+            let points: Vec<String> = points.iter().map(point).collect();
+            format!(
+                "law = {{ kind = \"piecewise-linear\", points = [{}], slope_before = 0.0, slope_after = 0.0 }}",
+                points.join(", ")
+            )
+        };
+        let pressed =
+            format!("[loads]\nbody = [\"0\", \"{:?}*{t}*{x}\"]\n", -3.0 * units.body_force());
+        let terms = match self {
+            Self::Linear => format!(
+                "{memory}[exact]\nu = [\"{displacement:?}*0.2*sin(2*{t})*sin(pi*{x})*(1 - {y}^2)\", \"-{displacement:?}*0.1*{t}*exp(-{t})*(1 + cos(pi*{x}))*(1 - {y})*(1 + {y}/2)\"]\n"
+            ),
+            Self::EveryTerm => format!(
+                "{memory}[material.projection]\nmu = {:?}\nkappa = \"{:?} + {:?}*zeta\"\n[contact]\ngap = \"{:?}\"\n{}\n{pressed}",
+                stiffness,
+                0.10 * units.strain(),
+                0.05 * units.strain() / units.zeta(2),
+                0.10 * displacement,
+                law(&[[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]),
+            ),
+            Self::SetValued => format!(
+                "{memory}[contact]\ngap = \"{:?}\"\n{}\n{pressed}",
+                0.30 * displacement,
+                law(&[[0.0, 0.0], [0.04, 0.03], [0.04, 0.40], [0.10, 0.38]]),
+            ),
+            Self::Box => format!(
+                "[exact]\nu = [\"{displacement:?}*0.1*{t}*(1 - {y})*sin({z})\", \"-{displacement:?}*0.1*{t}*(1 - {y})*(1 + {x})\", \"0\"]\n"
+            ),
+        };
+        let domain = if self == Self::Box {
+            format!(
+                "[domain]\nshape = \"box\"\nsize = [{length:?}, {length:?}, {length:?}]\nclamped = [\"top\"]\ntraction = [\"left\", \"right\", \"front\", \"back\", \"bottom\"]\n"
+            )
+        } else {
+            format!(
+                "[domain]\nshape = \"polygon\"\nvertices = [[0.0, 0.0], [{length:?}, 0.0], [{length:?}, {length:?}], [0.0, {length:?}]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\nclamped = [\"top\"]\n{}\n",
+                match self {
+                    Self::Linear => "traction = [\"left\", \"right\", \"bottom\"]",
+                    _ => "traction = [\"left\", \"right\"]\ncontact = [\"bottom\"]",
+                }
+            )
+        };
+        format!(
+            "[scene]\nname = \"units\"\nquestion = \"Does the answer depend on the units?\"\ndimension = {}\njudge = false\n{domain}[time]\nhorizon = {time:?}\n[material]\nlambda = {stiffness:?}\nmu_L = {stiffness:?}\n{terms}",
+            self.dimension()
+        )
+    }
+}

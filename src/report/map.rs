@@ -1,0 +1,144 @@
+//! A map: one row of cells a line, each cell with words of its own and a colour that says how it ended.
+
+use plotters::style::RGBColor;
+
+use super::ReportError;
+use super::canvas::{Anchor, Canvas};
+use super::palette::INK;
+
+/// How a cell ended.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Shade {
+    /// Well: from 0, far within what is allowed, to 1, just within it.
+    Within(f64),
+    /// As it should, without a number.
+    Outside,
+    /// Not as it should.
+    Wrong,
+}
+
+/// A cell: its words and how it ended.
+pub type Cell = (String, Shade);
+
+/// A map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Map {
+    /// Its first line, in bold.
+    pub title: String,
+    /// What a row of the map is.
+    pub subtitle: String,
+    /// Rows: a name and the cells.
+    pub rows: Vec<(String, Vec<Cell>)>,
+    /// What `Shade::Within`, `Outside` and `Wrong` mean.
+    pub legend: [String; 3],
+}
+
+const LEFT: f64 = 345.0;
+const RIGHT: f64 = 1770.0;
+const TOP: f64 = 130.0;
+const BOTTOM: f64 = 1030.0;
+/// Height of the legend's line.
+const LEGEND: f64 = 1078.0;
+/// Rows are no higher than this.
+const HIGHEST: f64 = 60.0;
+/// Width of a character of plain text, at most.
+const CHARACTER: f64 = 18.5;
+
+/// From light to dark, both light enough for dark words; grey and vermilion beside them.
+const NEAR: [f64; 3] = [226.0, 240.0, 250.0];
+const FAR: [f64; 3] = [110.0, 180.0, 228.0];
+const GREY: RGBColor = RGBColor(214, 214, 214);
+const VERMILION: RGBColor = RGBColor(230, 130, 60);
+
+fn colour(shade: Shade) -> RGBColor {
+    match shade {
+        Shade::Within(part) => {
+            let mixed = |i: usize| NEAR[i] + part.clamp(0.0, 1.0) * (FAR[i] - NEAR[i]);
+            RGBColor(mixed(0) as u8, mixed(1) as u8, mixed(2) as u8)
+        }
+        Shade::Outside => GREY,
+        Shade::Wrong => VERMILION,
+    }
+}
+
+impl Map {
+    /// The picture.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
+    pub fn svg(&self) -> Result<String, ReportError> {
+        let mut svg = String::new();
+        let canvas = Canvas::new(&mut svg)?;
+        canvas.bold(&self.title, (30.0, 40.0))?;
+        canvas.text(&self.subtitle, (30.0, 88.0), Anchor::Left)?;
+        let columns = self.rows.iter().map(|(_, cells)| cells.len()).max().unwrap_or(0).max(1);
+        let height = ((BOTTOM - TOP) / self.rows.len().max(1) as f64).min(HIGHEST);
+        let width = (RIGHT - LEFT) / columns as f64;
+        for (r, (name, cells)) in self.rows.iter().enumerate() {
+            let top = TOP + r as f64 * height;
+            let middle = top + 0.5 * height;
+            canvas.text(name, (LEFT - 16.0, middle), Anchor::Right)?;
+            for (c, (words, shade)) in cells.iter().enumerate() {
+                let left = LEFT + c as f64 * width;
+                cell(&canvas, [left, top, left + width - 4.0, top + height - 4.0], words, *shade)?;
+            }
+        }
+        let shades = [Shade::Within(0.3), Shade::Outside, Shade::Wrong];
+        let mut x = 30.0;
+        for (words, shade) in self.legend.iter().zip(shades) {
+            cell(&canvas, [x, LEGEND - 16.0, x + 60.0, LEGEND + 16.0], "", shade)?;
+            canvas.text(words, (x + 76.0, LEGEND), Anchor::Left)?;
+            x += 110.0 + CHARACTER * words.chars().count() as f64;
+        }
+        canvas.finish()?;
+        Ok(svg)
+    }
+}
+
+/// A cell from left, top to right, bottom; a wrong one is crossed as well, for prints without colours.
+fn cell(
+    canvas: &Canvas<'_>,
+    [left, top, right, bottom]: [f64; 4],
+    words: &str,
+    shade: Shade,
+) -> Result<(), ReportError> {
+    canvas.fill(
+        &[(left, top), (right, top), (right, bottom), (left, bottom)],
+        colour(shade),
+        1.0,
+    )?;
+    if shade == Shade::Wrong {
+        canvas.line(&[(left, top), (right, bottom)], INK, 3)?;
+        canvas.line(&[(left, bottom), (right, top)], INK, 3)?;
+    }
+    let room = ((right - left) / CHARACTER).floor() as usize;
+    let mut shown: String = words.chars().take(room.max(1)).collect();
+    if shown.len() < words.len() {
+        // What is cut says so: half a number is another number.
+        shown.pop();
+        shown.push('…');
+    }
+    canvas.text(&shown, (0.5 * (left + right), 0.5 * (top + bottom)), Anchor::Centre)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_map_shows_every_row_and_crosses_what_is_wrong() {
+        let row = |name: &str, shade| (name.to_owned(), vec![("1e50".to_owned(), shade)]);
+        let map = |shade| Map {
+            title: "Map".into(),
+            subtitle: "rows".into(),
+            rows: vec![row("units", Shade::Within(0.5)), row("gap", shade)],
+            legend: ["well".into(), "refused".into(), "wrong".into()],
+        };
+        let (right, wrong) = (map(Shade::Outside).svg().unwrap(), map(Shade::Wrong).svg().unwrap());
+        for words in ["units", "gap", "1e50", "refused"] {
+            assert!(right.contains(words), "{words}");
+        }
+        let lines = |svg: &str| svg.matches("<polyline").count() + svg.matches("<line").count();
+        assert_eq!(lines(&wrong), lines(&right) + 2);
+    }
+}

@@ -1,0 +1,168 @@
+//! Each kind of expectation fails where it must.
+
+use gronwall::contact::{CaseError, CaseInfo, Observer};
+use gronwall::extremes::{
+    Expected, Measured, NoAnswer, Standing, UnderTest, Unitless, Units, by_recursion, solve,
+    standing,
+};
+use gronwall::law::{FourthOrder, Isotropic, TensorField};
+use gronwall::setup::{MeshData, Scheme, Setup};
+use gronwall::vhi::{
+    HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState,
+};
+
+use super::row;
+
+/// Newton's method that stops at an absolute residual.
+struct Absolute;
+
+/// Fine for a scene in units of one.
+const TOLERANCE: f64 = 1e-11;
+
+impl StepSolver for Absolute {
+    fn solve_level<P: HistoryInequality>(
+        &self,
+        problem: &mut P,
+        state: &mut StepState,
+        scratch: &mut Scratch,
+    ) -> Result<StepInfo, StepError> {
+        // The scale of the forces at the start is taken out again.
+        let start = problem.force_scale(&state.u).max(f64::MIN_POSITIVE);
+        let rounding_units = (TOLERANCE / (f64::EPSILON * start)).min(1e300);
+        Newton { rounding_units, ..Newton::default() }.solve(problem, state, scratch)
+    }
+}
+
+impl Scheme for Absolute {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        data.march(setup, steps, &Absolute, observe)
+    }
+}
+
+fn absolute(mut setup: Setup) -> Setup {
+    setup.scheme = std::sync::Arc::new(Absolute);
+    setup
+}
+
+#[test]
+fn an_absolute_tolerance_is_seen_in_every_unit_of_force() {
+    let under_test = UnderTest { prepare: &absolute, ..UnderTest::default() };
+    for (ladder, at) in
+        [("unit-stiffness", "1e-50"), ("unit-displacement", "1e-50"), ("load", "1e-100")]
+    {
+        let row = row(ladder, at, &under_test);
+        assert_eq!(row.standing, Standing::NotAsExpected, "{row:?}");
+    }
+}
+
+/// An answer that is not brought back by the unit it was computed in is not the same answer.
+#[test]
+fn a_wrong_unit_is_seen() {
+    let units = Units { displacement: 1e10, ..Units::default() };
+    for scene in Unitless::PLANE {
+        let own = |units: &Units| solve(scene.text(units), 2, 2, &|setup| setup).unwrap();
+        let base = own(&Units::default());
+        let wrong = Units { displacement: 2e10, ..units };
+        assert!(units.nondimensional(own(&units), 2).distance(&base) < 1e-12, "{scene:?}");
+        assert!(wrong.nondimensional(own(&units), 2).distance(&base) > 0.1, "{scene:?}");
+    }
+}
+
+fn with_lame(lambda: f64, mu: f64) -> impl Fn(Setup) -> Setup + Sync {
+    move |mut setup| {
+        let law = FourthOrder::Isotropic(Isotropic { lambda, mu });
+        setup.model.elasticity = TensorField::new(law, []);
+        setup
+    }
+}
+
+#[test]
+fn a_softer_body_exceeds_ceas_bound_and_a_softer_λ_the_bound_of_locking() {
+    let soft = with_lame(1.0, 0.5);
+    let under_test = UnderTest { prepare: &soft, ..UnderTest::default() };
+    for (ladder, at) in [("mesh", "16"), ("aspect", "1e2")] {
+        let row = row(ladder, at, &under_test);
+        assert_eq!(row.standing, Standing::NotAsExpected, "{row:?}");
+    }
+}
+
+fn rest_of_the_projection(mut setup: Setup) -> Setup {
+    if let Some(projection) = &mut setup.model.projection {
+        projection.mu *= 1.0001;
+    }
+    setup
+}
+
+#[test]
+fn a_projection_that_is_a_little_stiffer_is_seen() {
+    let under_test = UnderTest { prepare: &rest_of_the_projection, ..UnderTest::default() };
+    for (ladder, at) in [("projection", "1e0"), ("kappa", "1e-10"), ("through-zero", "1/2")] {
+        let row = row(ladder, at, &under_test);
+        assert_eq!(row.standing, Standing::NotAsExpected, "{row:?}");
+    }
+}
+
+#[test]
+fn a_solver_that_stops_early_is_seen_near_every_bound() {
+    // So coarse that the start value is accepted.
+    let newton = Newton { rounding_units: 1e17, ..Newton::default() };
+    let under_test = UnderTest { newton, ..UnderTest::default() };
+    for (ladder, at) in [("smallness", "1e-1"), ("step-rising", "2"), ("step-falling", "1")] {
+        let row = row(ladder, at, &under_test);
+        assert_ne!(row.standing, Standing::AsExpected, "{row:?}");
+    }
+}
+
+/// A recursion whose rate is wrong by 1e-11.
+#[test]
+fn a_recursion_that_forgets_too_much_is_seen() {
+    let wrong = |rate: f64, k: f64, steps: usize| by_recursion(rate * (1.0 + 1e-11), k, steps);
+    let under_test = UnderTest { history: &wrong, ..UnderTest::default() };
+    for (ladder, at) in [("relaxation", "1e0"), ("steps", "1e2")] {
+        let row = row(ladder, at, &under_test);
+        assert_eq!(row.standing, Standing::NotAsExpected, "{row:?}");
+    }
+}
+
+#[test]
+fn a_panic_is_a_failed_row_and_ends_nothing() {
+    let broken = |_: Setup| -> Setup { panic!("seeded") };
+    let under_test = UnderTest { prepare: &broken, ..UnderTest::default() };
+    let failed = row("gap", "1e300", &under_test);
+    assert_eq!(failed.standing, Standing::Failed);
+    assert!(failed.note.contains("seeded") && failed.measured.is_none(), "{failed:?}");
+    // A rung that needs no setup goes on.
+    assert_eq!(row("steps", "1e2", &under_test).standing, Standing::AsExpected);
+}
+
+#[test]
+fn refusals_answers_and_nan_are_told_apart() {
+    let ends =
+        |expected: Expected, outcome: Result<Measured, NoAnswer>| standing(&expected, &outcome).0;
+    let refusal = Expected::Refused("(2.9)");
+    let said = |text: &str| Err(NoAnswer::Refused(text.to_owned()));
+    assert_eq!(ends(refusal, said("the condition (2.9) fails")), Standing::RefusedAsExpected);
+    assert_eq!(ends(refusal, said("no such file")), Standing::NotAsExpected);
+    assert_eq!(ends(refusal, Ok(Measured::number(0.0))), Standing::NotAsExpected);
+    assert_eq!(ends(Expected::AtMost(1.0), said("(2.9)")), Standing::NotAsExpected);
+    assert_eq!(ends(Expected::AtMost(1.0), Ok(Measured::number(1.0))), Standing::AsExpected);
+    for value in [1.1, f64::NAN, f64::INFINITY] {
+        assert_eq!(
+            ends(Expected::AtMost(1.0), Ok(Measured::number(value))),
+            Standing::NotAsExpected
+        );
+        let within = Expected::Within([0.0, 1.0]);
+        assert_eq!(ends(within, Ok(Measured::number(value))), Standing::NotAsExpected);
+    }
+    // The residual by separate evaluation is watched whatever the number is.
+    for kkt in [1e-8, f64::NAN] {
+        let measured = Measured { kkt: Some(kkt), ..Measured::number(0.5) };
+        assert_eq!(ends(Expected::AtMost(1.0), Ok(measured)), Standing::NotAsExpected);
+    }
+}

@@ -1,0 +1,66 @@
+//! Source: the invariance of (5.1)-(5.5) under units, Céa's lemma, (2.9), (3.4), (3.15), and rounding analysis.
+//! Goal: every ladder is as expected on the solver as it is, and each kind of expectation fails on a seeded defect; results
+//!   of small problems are those of arithmetic with twice the digits.
+//! Data: the catalogue of `sweep extremes`, its dearest rungs left out.
+
+mod command;
+mod defects;
+mod doubled;
+
+use gronwall::extremes::{Ladder, Row, UnderTest, catalogue, judge};
+
+/// A ladder of the catalogue.
+fn ladder(name: &str) -> Ladder {
+    let found = catalogue(false).into_iter().find(|ladder| ladder.name == name);
+    found.unwrap_or_else(|| panic!("no ladder {name}"))
+}
+
+/// The row of one rung.
+fn row(name: &str, at: &str, under_test: &UnderTest<'_>) -> Row {
+    let ladder = ladder(name);
+    let rung = ladder.rungs.iter().find(|rung| rung.at == at);
+    judge(&ladder, rung.unwrap_or_else(|| panic!("no rung {at} of {name}")), under_test)
+}
+
+/// Rungs that take more than a moment: `sweep extremes` climbs them.
+fn is_dear(ladder: &str, at: &str) -> bool {
+    ["locking", "locking-order"].contains(&ladder)
+        || (ladder == "mesh" && ["32", "64"].contains(&at))
+        || (ladder == "march" && at == "1e4")
+        || (["steps", "zeta"].contains(&ladder) && at == "1e6")
+}
+
+#[test]
+fn every_rung_is_as_expected() {
+    let under_test = UnderTest::default();
+    let mut wrong = Vec::new();
+    for ladder in catalogue(false) {
+        for rung in ladder.rungs.iter().filter(|rung| !is_dear(ladder.name, &rung.at)) {
+            let row = judge(&ladder, rung, &under_test);
+            if !row.standing.as_expected() {
+                wrong.push(format!("{row:?}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn ladders_have_names_of_their_own_and_rungs_too() {
+    for long in [false, true] {
+        let ladders = catalogue(long);
+        for (i, ladder) in ladders.iter().enumerate() {
+            assert!(ladders[..i].iter().all(|other| other.name != ladder.name), "{}", ladder.name);
+            assert!(!ladder.why.is_empty() && ladder.rungs.len() >= 4, "{}", ladder.name);
+            for (r, rung) in ladder.rungs.iter().enumerate() {
+                let others = &ladder.rungs[..r];
+                assert!(
+                    others.iter().all(|other| other.at != rung.at),
+                    "{} {}",
+                    ladder.name,
+                    rung.at
+                );
+            }
+        }
+    }
+}
