@@ -65,7 +65,9 @@ impl LinearSolver {
             Some(levels) => {
                 TangentSolver::Multigrid(MultigridSequence::new(levels, &space.pattern).into())
             }
-            None => TangentSolver::Direct(SequenceSolver::new(&space.analysis, &space.pattern)),
+            None => {
+                TangentSolver::Direct(SequenceSolver::new(&space.analysis, &space.pattern).into())
+            }
         }
     }
 

@@ -7,7 +7,7 @@ use super::sequence::{LinearWork, RankOne, SequenceSolver};
 /// One of the two; methods are those of [`SequenceSolver`].
 pub enum TangentSolver<'a> {
     /// Cholesky factors.
-    Direct(SequenceSolver<'a>),
+    Direct(Box<SequenceSolver<'a>>),
     /// Conjugate gradients with multigrid.
     Multigrid(Box<MultigridSequence<'a>>),
 }
