@@ -267,7 +267,7 @@ const SOLVED: [&str; 17] = [
     "dofs",
 ];
 /// Later additions.
-const ADDED: [&str; 13] = [
+const ADDED: [&str; 14] = [
     "compliance_pressure",
     "contact_half_width",
     "contraction",
@@ -280,6 +280,7 @@ const ADDED: [&str; 13] = [
     "linear_solver",
     "linear_solves",
     "peak_pressure",
+    "peak_resident_bytes",
     "pressure_spread",
 ];
 

@@ -56,6 +56,24 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
+/// A tolerance that the separate check of the KKT system refuses is a row without numbers.
+#[test]
+fn a_run_that_fails_is_a_row_with_its_reason() {
+    let folder = Folder::new("trade-failed");
+    let out = folder.argument("out");
+    let grid = ["--n", "2,4,8", "--steps", "2,4,8", "--repeats", "1", "--out", &out, "--json"];
+    let output = sweep(&[&["trade", "pure-mild"][..], &grid].concat());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let document = json(&output);
+    let trials = document["trials"].as_array().expect("trials").iter();
+    let loose: Vec<&Value> = trials.filter(|row| row["knob"] == "tolerance 1e-8").collect();
+    assert!(!loose.is_empty());
+    for row in loose {
+        assert!(row["status"] == "failed" && row["error"].is_null(), "{row}");
+        assert!(row["reason"].as_str().expect("a reason").contains("KKT"), "{row}");
+    }
+}
+
 #[test]
 fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
     let folder = Folder::new("trade");
@@ -76,11 +94,8 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
         let own = number(&row.expect("a row")["error"]);
         assert_eq!(own, v_error(&compliance, n, steps));
     }
-    // A tolerance that the separate check of the KKT system refuses is a row without numbers.
-    let loose: Vec<&Value> = named("tolerance 1e-8").collect();
-    assert_eq!(loose.len(), 3);
-    assert!(loose.iter().all(|row| row["status"] == "failed" && row["error"].is_null()));
-    assert!(loose[0]["reason"].as_str().expect("a reason").contains("KKT"));
+    // Condensed onto Γ3 the scene is solved to rounding whatever tolerance is asked for.
+    assert_eq!(named("tolerance 1e-8").filter(|row| row["status"] == "converged").count(), 3);
     // Every row is in the table, in the order of the runs.
     let table = std::fs::read_to_string(folder.at("out/compliance-trade.csv")).expect("a table");
     assert_eq!(table.lines().count(), 1 + trials.len());

@@ -10,7 +10,11 @@
 //! 1.31 (9 cases, 26 to 297 MiB). The rates were taken before contact was condensed onto Γ3 and before factors served
 //! several levels; the counts of either are those of today.
 
+mod linear;
+
 use std::collections::{HashMap, HashSet};
+
+use linear::linear;
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::contact::{Discretization, LinearSolver, Plan};
@@ -88,13 +92,6 @@ impl Kind {
     }
 }
 
-/// Seconds an entry of the matrix: of an iteration of conjugate gradients with its cycle, and of all coarse matrices.
-const CYCLE: f64 = 8e-9;
-const COARSE_MATRICES: f64 = 20e-9;
-/// Bytes an entry of the matrix in its levels: all in single precision, coarse ones in double precision with index.
-const MULTIGRID_BYTES: f64 = 8.0;
-/// Seconds of a factorization an entry of the factor and a multiplication.
-const FACTOR: [f64; 2] = [2.8e-9, 1.5e-11];
 /// Seconds a cell and iteration in vectors, and a cell and level in KKT residual and errors.
 const VECTORS: f64 = 50e-9;
 const MEASURING: f64 = 50e-9;
@@ -119,8 +116,6 @@ const PROGRAM: f64 = 16e6;
 /// on they are not stored.
 const FORMULAS: f64 = 24.0 * 8.0;
 const MOST_STORED: f64 = 2_097_152.0;
-/// From this order on factors are kept in single precision, see `linalg`.
-const SINGLE_FROM: usize = 4000;
 
 /// The prediction for one case or reference run.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -369,31 +364,6 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
         factorizations,
         seconds: passes * per_iteration + linear + MEASURING * cells * levels,
         memory_bytes,
-    }
-}
-
-/// Seconds in the linear systems of a march with so many iterations and factorizations, and bytes.
-fn linear(
-    kind: Kind,
-    solver: LinearSolver,
-    space: &Discretization,
-    [iterations, factorizations]: [f64; 2],
-) -> (f64, f64) {
-    let newton = matches!(kind, Kind::Contact | Kind::Projection);
-    match solver {
-        LinearSolver::Direct => {
-            let entries = space.analysis.factor_entries() as f64;
-            let factor = FACTOR[0] * entries + FACTOR[1] * space.analysis.multiplications();
-            let single = space.dofs() >= SINGLE_FROM && newton;
-            // The factor and scratch of half its size.
-            let bytes = 1.5 * entries * if single { 4.0 } else { 8.0 };
-            (iterations * kind.solve() * entries + factorizations * factor, bytes)
-        }
-        LinearSolver::Multigrid => {
-            let entries = space.pattern.entries() as f64;
-            let seconds = entries * iterations * (CYCLE * kind.cycles() + COARSE_MATRICES);
-            (seconds, MULTIGRID_BYTES * entries)
-        }
     }
 }
 
