@@ -104,9 +104,10 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     let in_time = scene.predicts.iter().any(|p| p.variable != Direction::H);
     let mut own_mesh = false;
     if let Body::Contact(body) = &mut scene.body {
-        // A reference run needs nested meshes, regions mesh lines on their boundaries.
+        // A reference run needs nested meshes, regions mesh lines on their boundaries; a graded mesh is the question.
         let nests = scene.sweep.as_ref().is_some_and(|sweep| sweep.reference.is_some());
-        own_mesh = nests || !body.material.regions.is_empty();
+        let graded = matches!(body.domain.mesh, MeshFamily::Graded { .. });
+        own_mesh = nests || graded || !body.material.regions.is_empty();
         // One run in four keeps the structured mesh.
         if draws.below(4) > 0 && !own_mesh {
             let amplitude = draws.between(0.02, LARGEST_AMPLITUDE);
