@@ -18,21 +18,18 @@ pub enum LinearSolver {
 
 /// Unknowns from which on a run in three dimensions takes multigrid, if a factor serves a single step or so.
 ///
-/// `sweep solve punch-box --steps N` with every term, CPU seconds and peak resident memory of one run each, development
-/// profile, on a core that other work shared:
+/// `sweep solve punch-box --steps 4` with every term, CPU seconds (least of three runs, two at n = 24) and peak resident
+/// memory, on an idle core:
 ///
-/// | n | unknowns | N | direct | multigrid |
-/// |---|---|---|---|---|
-/// | 8 | 1,944 | 4 | 0.11 s, 19 MB | 0.13 s, 17 MB |
-/// | 12 | 6,084 | 4 | 0.54 s, 51 MB | 0.34 s, 22 MB |
-/// | 16 | 13,872 | 4 | 2.5 s, 123 MB | 0.9 s, 36 MB |
-/// | 24 | 45,000 | 1 | 5.5 s, 389 MB | 1.1 s, 88 MB |
-/// | 24 | 45,000 | 16 | 41 s, 392 MB | 8.7 s, 88 MB |
-/// | 32 | 104,544 | 1 | | 2.8 s, 193 MB |
-/// | 40 | 201,720 | 1 | | 5.7 s, 358 MB |
+/// | n | unknowns | direct | multigrid |
+/// |---|---|---|---|
+/// | 8 | 1,944 | 0.11 s, 18 MB | 0.08 s, 17 MB |
+/// | 12 | 6,084 | 0.91 s, 56 MB | 0.25 s, 20 MB |
+/// | 16 | 13,872 | 3.1 s, 111 MB | 0.51 s, 35 MB |
+/// | 20 | 26,460 | 7.6 s, 237 MB | 1.1 s, 56 MB |
+/// | 24 | 45,000 | 21 s, 466 MB | 2.1 s, 86 MB |
 ///
-/// With λ/μ_L = 1000 a solve takes 58 iterations in place of 5, at n = 8 as at n = 16, and factors are still cheaper there
-/// (1.6 s against 2.3 s at n = 16). In the plane factors are cheaper at any size that fits in memory.
+/// In the plane factors are cheaper at any size that fits in memory.
 pub const MULTIGRID_FROM: usize = 5_000;
 /// Unknowns a solve from which on the factor that serves all solves costs more than they do without one: about 15
 /// solves at 104,544 unknowns; a factor in three dimensions grows with the square of the unknowns, a solve in
