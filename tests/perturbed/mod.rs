@@ -4,12 +4,23 @@
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Body, Direction, MeshFamily, Scene, TimeGrid};
 
-/// Interior vertices move by at most this part of the mesh width in each coordinate. Over 128² squares the smallest
-/// angle is then 17 degrees; the generator allows up to 0.25, where triangles turn over.
-const LARGEST_AMPLITUDE: f64 = 0.2;
+/// Interior vertices move by at most this part of the mesh width in each coordinate. At 0.2 the smallest angle over 128²
+/// squares is 17 degrees; the generator allows up to 0.25, where triangles turn over. Meshes of different levels are
+/// unrelated, so that errors scatter, and the interval of few of them is rightly wider than a verdict admits: half as
+/// much for four levels as for five, and half of that for three.
+fn largest_amplitude(levels: usize) -> f64 {
+    match levels {
+        5.. => 0.2,
+        4 => 0.1,
+        _ => 0.05,
+    }
+}
 
 /// Levels are those of the scene times a common factor below this: less than a level further on.
 const LARGEST_SHIFT: f64 = 1.25;
+
+/// Coarser levels than this are not shifted: rounding would change their ratios by more than a tenth.
+const COARSEST_SHIFTED: usize = 4;
 
 /// What a scene's prediction needs of its time grid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -96,12 +107,24 @@ impl Draws {
     }
 }
 
+/// Levels of the prediction in h that has the fewest.
+fn levels_in_h(scene: &Scene) -> usize {
+    let Some(sweep) = &scene.sweep else { return 0 };
+    let counted = |window: Option<[usize; 2]>| match window {
+        Some([first, last]) => sweep.n.iter().filter(|&&n| first <= n && n <= last).count(),
+        None => sweep.n.len(),
+    };
+    let in_h = scene.predicts.iter().filter(|p| p.variable != Direction::K);
+    in_h.map(|p| counted(p.window_n.or(scene.window_n))).min().unwrap_or(sweep.n.len())
+}
+
 /// The scene of run `seed`.
 pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     let mut draws = Draws::new(seed, &scene.name);
     let bound = BOUND_TO_THEIR_STEPS.iter().find(|(name, ..)| *name == scene.name);
     let freedom = bound.map_or(Steps::Any, |(_, freedom, _)| *freedom);
     let in_time = scene.predicts.iter().any(|p| p.variable != Direction::H);
+    let levels = levels_in_h(&scene);
     let mut own_mesh = false;
     if let Body::Contact(body) = &mut scene.body {
         // A reference run needs nested meshes, regions mesh lines on their boundaries; a graded mesh is the question.
@@ -110,7 +133,7 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
         own_mesh = nests || graded || !body.material.regions.is_empty();
         // One run in four keeps the structured mesh.
         if draws.below(4) > 0 && !own_mesh {
-            let amplitude = draws.between(0.02, LARGEST_AMPLITUDE);
+            let amplitude = draws.between(0.02, largest_amplitude(levels));
             let axes =
                 if KEEP_COLUMNS.contains(&&*scene.name) { [false, true, false] } else { [true; 3] };
             body.domain.mesh = MeshFamily::Perturbed { amplitude, seed: draws.seed(), axes };
@@ -126,7 +149,9 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
         _ => TimeGrid::Graded { exponent: draws.between(1.0, 2.5) },
     };
     let Some(sweep) = &mut scene.sweep else { return scene };
-    let n = if own_mesh { sweep.n.clone() } else { shifted(&mut draws, &sweep.n) };
+    // Of levels 3, 4 and 6 a shifted copy has other ratios.
+    let own_levels = own_mesh || sweep.n.first().is_some_and(|&n| n < COARSEST_SHIFTED);
+    let n = if own_levels { sweep.n.clone() } else { shifted(&mut draws, &sweep.n) };
     let moved = |[first, last]: [usize; 2]| {
         // A window of levels means the same levels, shifted.
         let at = |value: usize| {
