@@ -8,9 +8,10 @@ use clap::{Args, ValueEnum};
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
-use super::{CliError, Scenes, no_case, print_json, print_text};
+use super::{
+    CliError, Scenes, create_dir, no_case, print_json, print_text, write_file, write_json,
+};
 use crate::contact::BoundaryRule;
-use crate::record::replace_file;
 use crate::setup::Setup;
 use crate::theory::audit::{Relation, SceneAudit, Summary};
 
@@ -69,8 +70,7 @@ impl Audit {
         let mut setup = Setup::new(scenes.scene(scene)?)?;
         let (ns, steps) = self.grids(&setup)?;
         self.choose_rule(&mut setup)?;
-        let audit = SceneAudit::new(&setup, &ns, &steps)
-            .map_err(|error| CliError::Other(error.to_string()))?;
+        let audit = SceneAudit::new(&setup, &ns, &steps).map_err(CliError::other)?;
         if let Some(dir) = &self.out {
             write(dir, &audit)?;
         }
@@ -118,16 +118,11 @@ impl Audit {
 }
 
 fn write(dir: &Path, audit: &SceneAudit) -> Result<(), CliError> {
-    let other = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
-    std::fs::create_dir_all(dir).map_err(|error| other(&error))?;
-    let store = |name: &str, bytes: &[u8]| {
-        replace_file(&dir.join(name), bytes).map_err(|error| other(&error))
-    };
-    store("audit.csv", &audit.csv().map_err(|error| other(&error))?)?;
-    let text = serde_json::to_string_pretty(&audit.json()).map_err(|error| other(&error))?;
-    store("audit.json", text.as_bytes())?;
+    create_dir(dir)?;
+    write_file(&dir.join("audit.csv"), audit.csv().map_err(CliError::other)?)?;
+    write_json(&dir.join("audit.json"), &audit.json())?;
     if let Some(svg) = audit.svg()? {
-        store(&format!("{}-audit.svg", audit.scene), svg.as_bytes())?;
+        write_file(&dir.join(format!("{}-audit.svg", audit.scene)), svg)?;
     }
     Ok(())
 }

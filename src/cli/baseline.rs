@@ -35,8 +35,7 @@ pub struct BaselineCommand {
 
 impl BaselineCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let other = |error: crate::verdict::BaselineError| CliError::Other(error.to_string());
-        let old = Baseline::read(&self.file).map_err(other)?;
+        let old = Baseline::read(&self.file).map_err(CliError::other)?;
         let what = What::on_own_grids(self.scenes.clone(), self.out.clone(), self.jobs, self.all);
         let plans = what.plans(scenes)?;
         let hashes: Vec<(String, String)> = plans
@@ -63,7 +62,7 @@ impl BaselineCommand {
         }
         let changes = before.changes(&new);
         changes.iter().for_each(|line| print_text(line));
-        new.write(&self.file).map_err(other)?;
+        new.write(&self.file).map_err(CliError::other)?;
         let scenes = counted(new.scenes.len(), "scene");
         let changes = counted(changes.len(), "change");
         print_text(&format!("{}: {scenes}, {changes}", self.file.display()));

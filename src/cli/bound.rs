@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{CliError, Scenes, print_json, print_text};
+use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
 use crate::setup::Subject;
 use crate::theory::bound::Bound;
 use crate::theory::bound::ladder::{Outcome, Rung};
@@ -53,7 +53,7 @@ impl BoundCommand {
                 Bound::of_abstract(setup, steps)
             }
         }
-        .map_err(|error| CliError::Other(format!("{}: {error}", scene.name)))?;
+        .map_err(|error| CliError::about(&scene.name, error))?;
         let document = document(&bound);
         if let Some(dir) = &self.out {
             write(dir, &bound, &document)?;
@@ -68,14 +68,10 @@ impl BoundCommand {
 }
 
 fn write(dir: &std::path::Path, bound: &Bound, document: &Value) -> Result<(), CliError> {
-    let other = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
-    std::fs::create_dir_all(dir).map_err(|error| other(&error))?;
-    let text = serde_json::to_string_pretty(document).map_err(|error| other(&error))?;
-    let path = dir.join(format!("{}-bound.json", bound.scene));
-    crate::record::replace_file(&path, text.as_bytes()).map_err(|error| other(&error))?;
+    create_dir(dir)?;
+    write_json(&dir.join(format!("{}-bound.json", bound.scene)), document)?;
     if let Some(svg) = bound.svg()? {
-        let path = dir.join(format!("{}-bound.svg", bound.scene));
-        crate::record::replace_file(&path, svg.as_bytes()).map_err(|error| other(&error))?;
+        write_file(&dir.join(format!("{}-bound.svg", bound.scene)), svg)?;
     }
     Ok(())
 }

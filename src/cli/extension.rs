@@ -28,8 +28,8 @@ pub fn extended(
 
 /// Gives plans the cases that were added to the records in `out`.
 pub fn restore_added(plans: &mut [ScenePlan], out: &Path) -> Result<(), CliError> {
-    let known = Provenance::read(out)
-        .map_err(|(path, reason)| CliError::Other(format!("{}: {reason}", path.display())))?;
+    let known =
+        Provenance::read(out).map_err(|(path, reason)| CliError::about(path.display(), reason))?;
     for plan in plans {
         let added = known.as_ref().and_then(|known| known.added_cases.get(&plan.scene().name));
         added.into_iter().flatten().for_each(|added| plan.add(added.clone()));

@@ -1,15 +1,14 @@
 //! `sweep extremes`: every ladder from the ordinary to the extreme, each rung against its expectation.
 
-use std::fs::OpenOptions;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
-use super::{CliError, print_json, print_text};
+use super::{CliError, create_dir, print_json, print_text, write_file, write_json};
 use crate::extremes::{COLUMNS, Ladder, Row, UnderTest, catalogue, judge, map};
-use crate::record::{counted, replace_file};
+use crate::record::counted;
 
 /// Width of the table in characters.
 const WIDTH: u16 = 132;
@@ -54,17 +53,15 @@ impl Extremes {
                     let written = file.write_record(row.fields()).map_err(|e| e.to_string());
                     written
                         .and_then(|()| file.flush().map_err(|e| e.to_string()))
-                        .map_err(|error| CliError::Other(format!("extremes.csv: {error}")))?;
+                        .map_err(|error| CliError::about("extremes.csv", error))?;
                 }
                 rows.push(row);
             }
         }
         let document = document(&ladders, &rows);
         if let Some(dir) = &self.out {
-            let text = serde_json::to_string_pretty(&document)
-                .map_err(|error| CliError::Other(error.to_string()))?;
-            write(&dir.join("extremes.json"), &format!("{text}\n"))?;
-            write(&dir.join("extremes.svg"), &map(&ladders, &rows)?)?;
+            write_json(&dir.join("extremes.json"), &document)?;
+            write_file(&dir.join("extremes.svg"), map(&ladders, &rows)?)?;
         }
         if self.json {
             print_json(&document)?;
@@ -81,7 +78,7 @@ impl Extremes {
         let names: Vec<&str> = all.iter().map(|ladder| ladder.name).collect();
         if let Some(unknown) = self.ladder.iter().find(|name| !names.contains(&name.as_str())) {
             let message = format!("no ladder `{unknown}`; there are {}", names.join(", "));
-            return Err(CliError::Other(message));
+            return Err(CliError::other(message));
         }
         let named = |ladder: &Ladder| {
             self.ladder.is_empty() || self.ladder.iter().any(|name| name == ladder.name)
@@ -92,18 +89,11 @@ impl Extremes {
 
 fn csv_file(dir: &Path) -> Result<csv::Writer<std::fs::File>, CliError> {
     let path = dir.join("extremes.csv");
-    let failed =
-        |error: &dyn std::fmt::Display| CliError::Other(format!("{}: {error}", path.display()));
-    std::fs::create_dir_all(dir).map_err(|error| failed(&error))?;
-    let file = OpenOptions::new().create(true).write(true).truncate(true).open(&path);
-    let mut writer = csv::Writer::from_writer(file.map_err(|error| failed(&error))?);
-    writer.write_record(COLUMNS).map_err(|error| failed(&error))?;
+    let failed = |error: csv::Error| CliError::about(path.display(), error);
+    create_dir(dir)?;
+    let mut writer = csv::Writer::from_path(&path).map_err(failed)?;
+    writer.write_record(COLUMNS).map_err(failed)?;
     Ok(writer)
-}
-
-fn write(path: &Path, text: &str) -> Result<(), CliError> {
-    replace_file(path, text.as_bytes())
-        .map_err(|error| CliError::Other(format!("{}: {error}", path.display())))
 }
 
 fn plain_table() -> Table {

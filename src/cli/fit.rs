@@ -81,7 +81,7 @@ impl Fit {
         }
         if objects.is_empty() {
             let hint = "neither h nor k takes two values: nothing to fit";
-            return Err(CliError::Other(format!("{}: {hint}", self.file.display())));
+            return Err(CliError::about(self.file.display(), hint));
         }
         if self.json {
             print_json(&objects.into())?;

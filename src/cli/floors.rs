@@ -6,8 +6,7 @@ use clap::Args;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{LineStyle, Table};
 
-use super::{CliError, Scenes, no_case, print_json, print_text};
-use crate::record::replace_file;
+use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, write_json};
 use crate::setup::{Setup, Subject};
 use crate::sweep::{
     FloorRow, Overrides, ScenePlan, abstract_floors, contact_floors, direct_history,
@@ -59,13 +58,8 @@ impl FloorsCommand {
         let measured = self.measure(&plan, direct.as_ref())?;
         let document = document(&plan.scene().name, &measured);
         if let Some(out) = &self.out {
-            let failed = |error: &dyn std::fmt::Display| {
-                CliError::Other(format!("{}: {error}", out.display()))
-            };
-            std::fs::create_dir_all(out).map_err(|error| failed(&error))?;
-            let text = serde_json::to_string_pretty(&document).map_err(|error| failed(&error))?;
-            replace_file(&out.join("floors.json"), format!("{text}\n").as_bytes())
-                .map_err(|error| failed(&error))?;
+            create_dir(out)?;
+            write_json(&out.join("floors.json"), &document)?;
         }
         if self.json {
             print_json(&document)?;
@@ -76,7 +70,6 @@ impl FloorsCommand {
     }
 
     fn measure(&self, plan: &ScenePlan, direct: Option<&Setup>) -> Result<Vec<Measured>, CliError> {
-        let failed = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
         let named = self.n.is_some() || self.steps.is_some();
         let largest = plan.cases.iter().max_by_key(|case| (case.n, std::cmp::Reverse(case.steps)));
         let longest = plan.cases.iter().max_by_key(|case| (case.steps, std::cmp::Reverse(case.n)));
@@ -90,7 +83,7 @@ impl FloorsCommand {
                         contact_floors(setup, direct, n, case.steps, &case.norms)?
                     }
                     (Subject::Abstract(setup), _) => {
-                        abstract_floors(setup, case.steps).map_err(|error| failed(&error))?
+                        abstract_floors(setup, case.steps).map_err(CliError::other)?
                     }
                     (Subject::Contact(_), None) => Vec::new(),
                 };

@@ -25,7 +25,7 @@ pub fn annotate(
     let path = Path::new(&path);
     let file = OpenOptions::new().create(true).append(true).open(path);
     file.and_then(|mut file| file.write_all(step_summary(records, verdicts).as_bytes()))
-        .map_err(|error| CliError::Other(format!("{}: {error}", path.display())))
+        .map_err(|error| CliError::about(path.display(), error))
 }
 
 /// The file of a scene as seen from here, and the line of the prediction that a verdict is on; of the

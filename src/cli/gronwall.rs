@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{CliError, Scenes, print_json, print_text};
-use crate::record::replace_file;
+use super::{CliError, Scenes, create_dir, print_json, print_text, write_file};
 use crate::scene::Scene;
 use crate::setup::Subject;
 use crate::theory::gronwall::{HorizonRow, Plan, StudiedGrid, Study, maximum};
@@ -45,7 +44,7 @@ impl Gronwall {
         if let Some(n) = plan.n.filter(|_| scene.as_contact().is_some()) {
             scene.check_cells(n)?;
         }
-        let study = Study::run(&Subject::new(scene)?, plan).map_err(other)?;
+        let study = Study::run(&Subject::new(scene)?, plan).map_err(CliError::other)?;
         if let Some(dir) = &self.out {
             write(dir, &study)?;
         }
@@ -68,7 +67,7 @@ impl Gronwall {
         };
         let steps = self.steps.clone().or_else(|| sweep.map(|sweep| listed(&sweep.steps)));
         let Some(mut steps) = steps.filter(|steps| !steps.is_empty()) else {
-            return Err(other("no numbers of steps: give --steps 16,32,64"));
+            return Err(CliError::other("no numbers of steps: give --steps 16,32,64"));
         };
         steps.sort_unstable();
         steps.dedup();
@@ -77,12 +76,9 @@ impl Gronwall {
 }
 
 fn write(dir: &Path, study: &Study) -> Result<(), CliError> {
-    std::fs::create_dir_all(dir).map_err(|e| other(format!("{}: {e}", dir.display())))?;
-    let file = |name: &str, bytes: &[u8]| {
-        let path = dir.join(name);
-        replace_file(&path, bytes).map_err(|e| other(format!("{}: {e}", path.display())))
-    };
-    file("gronwall.csv", &study.csv().map_err(other)?)?;
+    create_dir(dir)?;
+    let file = |name: &str, bytes: &[u8]| write_file(&dir.join(name), bytes);
+    file("gronwall.csv", &study.csv().map_err(CliError::other)?)?;
     for (stem, svg) in study.pictures()? {
         file(&format!("{stem}.svg"), svg.as_bytes())?;
     }
@@ -180,8 +176,4 @@ fn horizon(row: &HorizonRow) -> String {
 
 fn ratio(value: Option<f64>) -> String {
     value.map_or("-".into(), |value| format!("{value:.4}"))
-}
-
-fn other(error: impl std::fmt::Display) -> CliError {
-    CliError::Other(error.to_string())
 }

@@ -23,7 +23,7 @@ pub fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
         let _ = writeln!(stderr, "{line}{message}");
         std::process::exit(INTERRUPTED);
     })
-    .map_err(|error| CliError::Other(format!("no handler for Ctrl-C: {error}")))
+    .map_err(|error| CliError::about("no handler for Ctrl-C", error))
 }
 
 /// A word as a shell wants it.

@@ -6,9 +6,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Scenes, print_json, print_text};
-use crate::record::{counted, replace_file};
-use crate::report::ReportError;
+use super::{CliError, Scenes, create_dir, print_json, print_text, write_file};
+use crate::record::counted;
 use crate::scene::{Body, Data, Scene};
 
 /// `sweep list`.
@@ -61,12 +60,9 @@ impl List {
 
 /// A picture of each scene; those that another program put into the folder stay.
 fn pictures(scenes: &[Scene], folder: &std::path::Path) -> Result<u8, CliError> {
-    let failed = |path: &std::path::Path, source| ReportError::Io { path: path.into(), source };
-    std::fs::create_dir_all(folder).map_err(|source| failed(folder, source))?;
+    create_dir(folder)?;
     for scene in scenes {
-        let path = folder.join(format!("{}.svg", scene.name));
-        let svg = picture::picture(scene)?;
-        replace_file(&path, svg.as_bytes()).map_err(|source| failed(&path, source))?;
+        write_file(&folder.join(format!("{}.svg", scene.name)), picture::picture(scene)?)?;
     }
     print_text(&format!("{} in {}", counted(scenes.len(), "picture"), folder.display()));
     Ok(0)

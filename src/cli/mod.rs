@@ -17,16 +17,19 @@ mod github;
 mod gronwall;
 mod interrupt;
 mod list;
+mod output;
 mod progress;
 mod report;
 mod run;
 mod solve;
 mod trade;
 
+use std::fmt::Display;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use output::{create_dir, print_json, print_text, write_file, write_json};
 
 use crate::scene::{Registry, Scene, SceneError};
 use crate::setup::{SetupError, Subject};
@@ -106,6 +109,18 @@ enum CliError {
     Other(String),
 }
 
+impl CliError {
+    /// An error that says all in its text.
+    fn other(error: impl Display) -> Self {
+        Self::Other(error.to_string())
+    }
+
+    /// An error about a file, a scene or a case, which its own text does not name.
+    fn about(what: impl Display, error: impl Display) -> Self {
+        Self::Other(format!("{what}: {error}"))
+    }
+}
+
 /// Parses the arguments and runs the command.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
@@ -179,24 +194,8 @@ impl Scenes {
     }
 }
 
-/// Prints a JSON value.
 /// A scene without cases, where a command needs some to `run` or to `audit`.
 fn no_case(scene: &Scene, purpose: &str) -> CliError {
     let hint = "add [sweep] with n and steps, or give --n and --steps";
     scene.error("scene.name", format!("the scene has no case to {purpose}"), hint).into()
-}
-
-fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
-    let text = serde_json::to_string_pretty(value).map_err(|e| CliError::Other(e.to_string()))?;
-    print_text(&text);
-    Ok(())
-}
-
-/// Prints to stdout; a closed pipe ends the program quietly instead of with a panic.
-fn print_text(text: &str) {
-    use std::io::Write;
-    let mut out = std::io::stdout().lock();
-    if writeln!(out, "{text}").and_then(|()| out.flush()).is_err() {
-        std::process::exit(0);
-    }
 }

@@ -22,21 +22,20 @@ pub struct Report {
 
 impl Report {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let other = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
         let mut records =
-            crate::record::read(&self.dir.join("cases.csv")).map_err(|error| other(&error))?;
+            crate::record::read(&self.dir.join("cases.csv")).map_err(CliError::other)?;
         let document = self.dir.join("verdict.json");
         let mut foreseen = Vec::new();
         if document.exists() {
-            foreseen = read_foreseen(&document).map_err(|error| other(&error))?;
-            let failures = read_failures(&document).map_err(|error| other(&error))?;
+            foreseen = read_foreseen(&document).map_err(CliError::other)?;
+            let failures = read_failures(&document).map_err(CliError::other)?;
             restore_reasons(&mut records, &failures);
         }
         let mut names: Vec<String> = records.iter().map(|record| record.scene.clone()).collect();
         names.sort();
         names.dedup();
         let known = Provenance::read(&self.dir)
-            .map_err(|(path, reason)| CliError::Other(format!("{}: {reason}", path.display())))?;
+            .map_err(|(path, reason)| CliError::about(path.display(), reason))?;
         let of_records: Vec<Scene> = names
             .iter()
             .map(|name| self.scene(name, known.as_ref(), scenes))

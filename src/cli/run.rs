@@ -144,7 +144,7 @@ impl Gate {
         let document = |path: &std::path::Path| {
             let Swept { provenance, verdicts, records, comparison, .. } = &swept;
             crate::verdict::write_json(path, provenance, verdicts, records, comparison.as_ref())
-                .map_err(|error| CliError::Other(error.to_string()))
+                .map_err(CliError::other)
         };
         document(&self.what.out.join("verdict.json"))?;
         if let Some(path) = &self.json {
@@ -256,9 +256,9 @@ impl What {
             None if elsewhere => return Ok(None),
             None => PathBuf::from(BASELINE),
         };
-        let read = Baseline::read(&path).map_err(|error| CliError::Other(error.to_string()))?;
+        let read = Baseline::read(&path).map_err(CliError::other)?;
         match (&self.baseline, read) {
-            (Some(_), None) => Err(CliError::Other(format!("{}: no such file", path.display()))),
+            (Some(_), None) => Err(CliError::about(path.display(), "no such file")),
             (_, read) => Ok(read),
         }
     }

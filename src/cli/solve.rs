@@ -121,7 +121,7 @@ impl Solve {
                 abstract_problem::no_mesh(&setup.scene, n)?;
                 if self.linear_solver.is_some() {
                     let name = &setup.scene.name;
-                    return Err(other(format!(
+                    return Err(CliError::other(format!(
                         "{name}: --linear-solver is for bodies; an abstract scene has a few coordinates and no mesh"
                     )));
                 }
@@ -161,7 +161,7 @@ impl Solve {
         };
         self.remark_on(&setup.scene.name, bound);
         let mut series = match &self.vtu {
-            Some(dir) => Some(VtuSeries::new(dir, &setup.scene.name).map_err(other)?),
+            Some(dir) => Some(VtuSeries::new(dir, &setup.scene.name).map_err(CliError::other)?),
             None => None,
         };
         let mut last = None;
@@ -178,16 +178,19 @@ impl Solve {
             Ok(())
         };
         let info = data.march(setup, self.steps, &self.solver, &mut observe).map_err(|error| {
-            other(format!("{} n = {} steps = {}: {error}", setup.scene.name, n, self.steps))
+            CliError::other(format!(
+                "{} n = {} steps = {}: {error}",
+                setup.scene.name, n, self.steps
+            ))
         })?;
         let seconds = start.elapsed().as_secs_f64();
         if let Some(error) = write_error {
-            return Err(other(error));
+            return Err(CliError::other(error));
         }
         if let Some(series) = series {
-            series.finish().map_err(other)?;
+            series.finish().map_err(CliError::other)?;
         }
-        let state = last.ok_or_else(|| other("the run ended before its last step"))?;
+        let state = last.ok_or_else(|| CliError::other("the run ended before its last step"))?;
         let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
         self.print(&state, &info, bound, seconds, (data.space.dofs(), solver))?;
         Ok(0)
@@ -198,7 +201,7 @@ impl Solve {
             return Ok(());
         }
         let name = &setup.scene.name;
-        Err(other(format!(
+        Err(CliError::other(format!(
             "{name} n = {n}: multigrid needs coarser meshes that this one refines, down to few unknowns; take an n with more factors of 2 (rectangles, boxes, polygons; {} unknowns here), or --linear-solver direct",
             data.space.dofs()
         )))
@@ -212,7 +215,7 @@ impl Solve {
         seconds: f64,
         (dofs, solver): (usize, LinearSolver),
     ) -> Result<(), CliError> {
-        let mut document = serde_json::to_value(state).map_err(other)?;
+        let mut document = serde_json::to_value(state).map_err(CliError::other)?;
         if let Some(object) = document.as_object_mut() {
             object.insert("newton_iterations".into(), info.newton_iterations.into());
             object.insert("fixed_point_iterations".into(), info.fixed_point_iterations.into());
@@ -247,8 +250,4 @@ fn peak_resident_bytes() -> Option<u64> {
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(1024 * kibibytes)
-}
-
-fn other(error: impl std::fmt::Display) -> CliError {
-    CliError::Other(error.to_string())
 }

@@ -3,13 +3,12 @@
 mod answer;
 mod words;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::{CliError, Scenes, print_json, print_text};
-use crate::record::replace_file;
+use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
 use crate::scene::{Norm, Scene};
 use crate::setup::Setup;
 use crate::trade::{
@@ -54,10 +53,6 @@ pub struct TradeCommand {
     out: PathBuf,
 }
 
-fn other(error: impl std::fmt::Display) -> CliError {
-    CliError::Other(error.to_string())
-}
-
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
@@ -67,12 +62,12 @@ impl TradeCommand {
         let plain = self.as_written(&scene, norm)?;
         let plan = self.plan(&plain)?;
         let mut bench = Bench::new(plain, norm, self.repeats)?;
-        std::fs::create_dir_all(&self.out)
-            .map_err(|error| other(format!("{}: {error}", self.out.display())))?;
-        let mut table =
-            Table::create(&self.at(&scene, "csv"), &scene.name, norm.name()).map_err(other)?;
+        create_dir(&self.out)?;
+        let mut table = Table::create(&self.at(&scene, "csv"), &scene.name, norm.name())
+            .map_err(CliError::other)?;
         let mut heard = |trial: &crate::trade::Trial| eprintln!("{}", words::row(trial));
-        let study = Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(other)?;
+        let study =
+            Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(CliError::other)?;
         let extrapolations: Vec<Extrapolated> =
             [in_time(&study), in_space(&bench, &study)].into_iter().flatten().collect();
         let mut document = words::document(&study, &extrapolations);
@@ -80,9 +75,9 @@ impl TradeCommand {
             words::print(&study, &extrapolations);
         }
         // What was measured is on disk before a target can be refused.
-        self.write(&scene, &document)?;
+        write_json(&self.at(&scene, "json"), &document)?;
         if let Some(svg) = study.svg()? {
-            save(&self.at(&scene, "svg"), svg.as_bytes())?;
+            write_file(&self.at(&scene, "svg"), svg)?;
         }
         if let Some(target) = target {
             let found = answer::Answered::new(&bench, &study, &plan, target)?;
@@ -97,7 +92,7 @@ impl TradeCommand {
                     print_text(&confirmed.words(&found));
                 }
             }
-            self.write(&scene, &document)?;
+            write_json(&self.at(&scene, "json"), &document)?;
         }
         if self.json {
             print_json(&document)?;
@@ -111,15 +106,14 @@ impl TradeCommand {
         self.out.join(format!("{}-trade.{ending}", scene.name))
     }
 
-    fn write(&self, scene: &Scene, document: &Value) -> Result<(), CliError> {
-        let text = serde_json::to_string_pretty(document).map_err(other)?;
-        save(&self.at(scene, "json"), format!("{text}\n").as_bytes())
-    }
-
     fn norm(&self) -> Result<Norm, CliError> {
         NORMS.into_iter().find(|norm| norm.name() == self.norm).ok_or_else(|| {
             let known: Vec<&str> = NORMS.iter().map(|norm| norm.name()).collect();
-            other(format!("no norm `{}` here: choose one of {}", self.norm, known.join(", ")))
+            CliError::other(format!(
+                "no norm `{}` here: choose one of {}",
+                self.norm,
+                known.join(", ")
+            ))
         })
     }
 
@@ -131,12 +125,12 @@ impl TradeCommand {
             return Err(scene.error("scene.kind", message, hint).into());
         }
         let Some(plain) = Variant::new(scene, Knob::AsWritten)? else {
-            return Err(other("the scene as written cannot be run"));
+            return Err(CliError::other("the scene as written cannot be run"));
         };
         check_truth(&plain.setup)?;
         let on_contact = plain.setup.model.boundary.is_some();
         if norm.needs_contact() && !on_contact {
-            return Err(other(format!(
+            return Err(CliError::other(format!(
                 "`{}` is a norm on Γ3, and the scene has none",
                 norm.name()
             )));
@@ -147,7 +141,7 @@ impl TradeCommand {
     fn plan(&self, plain: &Variant) -> Result<Plan, CliError> {
         let scene = &plain.setup.scene;
         if self.budget.is_nan() || self.budget <= 0.0 {
-            return Err(other(format!("`{}` is no number of seconds", self.budget)));
+            return Err(CliError::other(format!("`{}` is no number of seconds", self.budget)));
         }
         let own = match (&self.n, &self.steps) {
             (Some(_), Some(_)) => [Vec::new(), Vec::new()],
@@ -179,10 +173,6 @@ fn check_truth(setup: &Setup) -> Result<(), CliError> {
         "the scene has neither an exact solution nor a reference run: no error can be measured";
     let hint = "add reference = { n = …, steps = … } to [sweep]; `sweep solve --estimate` estimates the error of one run";
     Err(setup.scene.error("scene.name", message, hint).into())
-}
-
-fn save(path: &Path, bytes: &[u8]) -> Result<(), CliError> {
-    replace_file(path, bytes).map_err(|error| other(format!("{}: {error}", path.display())))
 }
 
 /// JSON has no infinity: it becomes null.

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use super::super::{CliError, Scenes, print_json, print_text};
-use crate::record::replace_file;
+use super::super::{CliError, Scenes, create_dir, print_json, print_text, write_json};
 use crate::setup::Setup;
 use crate::theory::ledger::{Entry, Finding, LedgerError, ledger};
 
@@ -16,12 +15,10 @@ impl From<LedgerError> for CliError {
 pub(super) fn execute(scenes: &Scenes, json: bool, out: Option<&Path>) -> Result<u8, CliError> {
     let entries =
         ledger(|name| -> Result<Setup, CliError> { Ok(Setup::new(scenes.scene(name)?)?) })?;
-    let other = |error: &dyn std::fmt::Display| CliError::Other(error.to_string());
-    let document = serde_json::to_value(&entries).map_err(|error| other(&error))?;
+    let document = serde_json::to_value(&entries).map_err(CliError::other)?;
     if let Some(dir) = out {
-        std::fs::create_dir_all(dir).map_err(|error| other(&error))?;
-        let text = serde_json::to_string_pretty(&document).map_err(|error| other(&error))?;
-        replace_file(&dir.join("ledger.json"), text.as_bytes()).map_err(|error| other(&error))?;
+        create_dir(dir)?;
+        write_json(&dir.join("ledger.json"), &document)?;
     }
     if json {
         print_json(&document)?;

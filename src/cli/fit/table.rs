@@ -171,7 +171,7 @@ impl Columns {
 
 /// Reads a file.
 pub(super) fn read(path: &Path) -> Result<Vec<Group>, CliError> {
-    let fail = |what: String| CliError::Other(format!("{}: {what}", path.display()));
+    let fail = |what: String| CliError::about(path.display(), what);
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .flexible(true)

@@ -6,8 +6,8 @@ use std::collections::HashMap;
 use serde_json::{Value, json};
 
 use super::super::{CliError, Scenes};
+use super::finite;
 use super::words::megabytes;
-use super::{finite, other};
 use crate::fit::FLOORS_ABOVE;
 use crate::scene::Norm;
 use crate::setup::{Setup, Subject, check_step_sizes};
@@ -38,15 +38,15 @@ impl Target {
             None => (text.trim(), false),
         };
         let value: f64 = number.parse().map_err(|_| {
-            other(format!("--target {text}: not a number; `0.01` is an error in the norm, `1%` a hundredth of the solution"))
+            CliError::other(format!("--target {text}: not a number; `0.01` is an error in the norm, `1%` a hundredth of the solution"))
         })?;
         if !(value.is_finite() && value > 0.0) {
-            return Err(other(NoAnswer::NotPositive { target: value }));
+            return Err(CliError::other(NoAnswer::NotPositive { target: value }));
         }
         match (relative, norm) {
             (false, _) => Ok(Self::Absolute(value)),
             (true, Norm::VMax) => Ok(Self::Relative(value / 100.0)),
-            (true, _) => Err(other(format!(
+            (true, _) => Err(CliError::other(format!(
                 "--target {text}: a part of the solution is known in V_max alone; give an error in {}",
                 norm.name()
             ))),
@@ -79,14 +79,19 @@ impl Answered {
             Target::Absolute(value) => value,
             Target::Relative(part) => part * study.size,
         };
-        let words = |what: &str, reason: &String| other(format!("no answer: {what}: {reason}"));
+        let words =
+            |what: &str, reason: &String| CliError::other(format!("no answer: {what}: {reason}"));
         let error =
             study.error.as_ref().map_err(|reason| words("the errors have no model", reason))?;
         let cost =
             study.cost.as_ref().map_err(|reason| words("the times have no model", reason))?;
         let floor = study.plain().filter_map(|trial| Some(trial.done()?.floor)).fold(0.0, f64::max);
         if target <= FLOORS_ABOVE * floor {
-            return Err(other(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }));
+            return Err(CliError::other(NoAnswer::BelowFloor {
+                target,
+                floor,
+                times: FLOORS_ABOVE,
+            }));
         }
         let reference = setup.scene.sweep.as_ref().and_then(|sweep| sweep.reference);
         let reference = reference.filter(|_| setup.exact.is_none());
@@ -104,7 +109,7 @@ impl Answered {
         };
         let steps = |steps: u32| setup.scene.check_cases(&[], &[steps]).is_ok() && safe(steps);
         let [Some(&n0), Some(&steps0)] = [plan.n.first(), plan.steps.first()] else {
-            return Err(other("no answer: nothing was run"));
+            return Err(CliError::other("no answer: nothing was run"));
         };
         let choices =
             Choices { least: [n0, steps0], most, h: &h, k: &k, cells: &cells, steps: &steps };
@@ -112,11 +117,11 @@ impl Answered {
         let seconds = |h: f64, k: f64| {
             sum.map_or_else(|| cost.seconds(h, k), |composition| composition.seconds(h, k))
         };
-        let mut choice = cheapest(error, &seconds, target, &choices).map_err(other)?;
+        let mut choice = cheapest(error, &seconds, target, &choices).map_err(CliError::other)?;
         let (knob, factors) = best_knob(setup, study, choice);
         let inner = target / factors[1].max(1.0);
         if inner < target {
-            choice = cheapest(error, &seconds, inner, &choices).map_err(other)?;
+            choice = cheapest(error, &seconds, inner, &choices).map_err(CliError::other)?;
         }
         choice.seconds *= factors[0];
         choice.error *= factors[1];
@@ -193,11 +198,13 @@ impl Answered {
         scene: &str,
     ) -> Result<Confirmed, CliError> {
         let own = Variant::new(&bench.plain.setup.scene.clone(), self.knob)?;
-        let variant = own.ok_or_else(|| other("the scene does not have the knob of the answer"))?;
+        let variant =
+            own.ok_or_else(|| CliError::other("the scene does not have the knob of the answer"))?;
         bench.repeats = CONFIRMING;
         let trial = bench.trial(&variant, self.choice.n, self.choice.steps);
-        let run =
-            trial.outcome.map_err(|reason| other(format!("the answer does not run: {reason}")))?;
+        let run = trial
+            .outcome
+            .map_err(|reason| CliError::other(format!("the answer does not run: {reason}")))?;
         let bytes = peak_of_a_process(scenes, scene, self.choice);
         Ok(Confirmed { error: run.error, seconds: run.seconds, slowest: run.slowest, bytes })
     }
