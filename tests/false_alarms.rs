@@ -15,12 +15,9 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
 use gronwall::history::{TimeGrid, TimeRule};
-use gronwall::record::CaseRecord;
 use gronwall::scene::{Direction, Registry, Scene};
 use gronwall::setup::Subject;
-use gronwall::sweep::{
-    OutputDirectory, Overrides, Progress, ScenePlan, foresee, judge_scene, run_sweep,
-};
+use gronwall::sweep::{OutputDirectory, Overrides, ScenePlan, foresee, judge_scene, run_sweep};
 use gronwall::verdict::{Decision, Verdict};
 use perturbed::{Draws, perturbed};
 use program::Folder;
@@ -72,7 +69,7 @@ fn gate(scenes: &[Scene], seed: u64, defect: Option<Defect>) -> Vec<Outcome> {
     let plans: Vec<ScenePlan> = scenes.iter().map(plan).collect();
     let folder = Folder::new("false-alarms");
     let out = OutputDirectory::take(&folder.at("run")).unwrap_or_else(|error| panic!("{error}"));
-    let records = run_sweep(&plans, &out, threads, false, &Silent)
+    let records = run_sweep(&plans, &out, threads, false, &())
         .unwrap_or_else(|error| panic!("run {seed}: {error}"));
     let judge = |plan: &ScenePlan| -> Vec<Outcome> {
         judge_scene(plan.scene(), &records, &plan.keys(), &foresee(&plan.subject, &records))
@@ -117,14 +114,6 @@ fn outcome(run: u64, scene: &Scene, verdict: &Verdict) -> Outcome {
         levels: format!("n {:?} N {:?} {:?}", sweep.n, sweep.steps, scene.time.grid),
         reason: verdict.reason.clone(),
     }
-}
-
-struct Silent;
-
-impl Progress for Silent {
-    fn begin(&self, _: usize, _: usize) {}
-    fn started(&self, _: &str) {}
-    fn finished(&self, _: &str, _: Option<&CaseRecord>) {}
 }
 
 /// Verdicts, those that failed, and those unresolved, of scenes that must pass; any other verdict than the expected one

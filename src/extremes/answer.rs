@@ -1,12 +1,11 @@
 //! What one run of a scene answers, as far as extremes are judged by it.
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
-
 use crate::contact::LevelFields;
 use crate::linalg::{larger, largest};
 use crate::norms::step_errors;
 use crate::scene::{Scene, Source};
 use crate::setup::{MeshData, Setup};
+use crate::sweep::without_panic;
 
 /// Puts the solver under test into a setup.
 pub type Prepare<'a> = dyn Fn(Setup) -> Setup + Sync + 'a;
@@ -39,7 +38,7 @@ pub enum NoAnswer {
     #[error("{0}")]
     Refused(String),
     /// A panic: an internal error, never expected.
-    #[error("internal error: {0}")]
+    #[error("{0}")]
     Panicked(String),
 }
 
@@ -53,11 +52,7 @@ impl NoAnswer {
 
 /// `run`, with a panic as a value: the other rungs go on.
 pub(super) fn caught<T>(run: impl FnOnce() -> Result<T, NoAnswer>) -> Result<T, NoAnswer> {
-    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
-        Err(NoAnswer::Panicked(text.unwrap_or("unknown").to_owned()))
-    })
+    without_panic(|| Ok(run())).unwrap_or_else(|text| Err(NoAnswer::Panicked(text)))
 }
 
 /// A scene set up from its text.

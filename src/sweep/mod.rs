@@ -20,7 +20,7 @@ pub use extend::{AddedCase, ROUNDS, Step, extend, words};
 pub use floors::{FloorPart, FloorRow, abstract_floors, contact_floors, direct_history};
 pub use judging::{foresee, foresee_plan, judge_scene, scene_summary};
 pub use output::{OutputDirectory, OutputError};
-pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple};
+pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple, without_panic};
 pub use provenance::Provenance;
 pub use reference_error::{reference_error, reference_in_words};
 pub use resume::{ResumeError, resume};

@@ -44,6 +44,13 @@ pub trait Progress: Sync {
     fn finished(&self, what: &str, record: Option<&CaseRecord>);
 }
 
+/// Nobody listens.
+impl Progress for () {
+    fn begin(&self, _: usize, _: usize) {}
+    fn started(&self, _: &str) {}
+    fn finished(&self, _: &str, _: Option<&CaseRecord>) {}
+}
+
 /// A piece of work.
 enum Job {
     /// The reference run of a scene.

@@ -14,7 +14,7 @@ mod quantity;
 pub use companions::{Companions, NormDifferences, Scalar, companions};
 pub use quantity::{QuantityEstimate, quantity};
 
-use crate::fit::Interval;
+use crate::fit::{FLOORS_ABOVE, Interval};
 use crate::scene::{Direction, Norm};
 use crate::setup::Setup;
 
@@ -23,8 +23,6 @@ use crate::setup::Setup;
 const HALF: f64 = 0.5;
 /// Below this order differences fall too slowly to say anything about what is left.
 const LEAST_ORDER: f64 = 0.3;
-/// Differences below so many floors are rounding and unfinished iterations.
-const FLOORS: f64 = 20.0;
 
 /// How the errors of two refinements lie to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,12 +59,12 @@ impl Part {
         if !(fine.is_finite() && coarse.is_finite()) {
             return Self::Unknown("a difference of runs is no number".into());
         }
-        if fine.max(coarse) <= FLOORS * floor {
-            return Self::Below(FLOORS * floor);
+        if fine.max(coarse) <= FLOORS_ABOVE * floor {
+            return Self::Below(FLOORS_ABOVE * floor);
         }
-        if fine <= FLOORS * floor {
+        if fine <= FLOORS_ABOVE * floor {
             let text = format!(
-                "the last difference {fine:.1e} is not above {FLOORS} floors of {floor:.1e}"
+                "the last difference {fine:.1e} is not above {FLOORS_ABOVE} floors of {floor:.1e}"
             );
             return Self::Unknown(text);
         }
@@ -218,7 +216,7 @@ mod tests {
         }
         assert!(unknown(Part::of([1e-12, 1.0], 1e-12, None, Alignment::Aligned)));
         let below = Part::of([1e-13, 1e-13], 1e-13, None, Alignment::Aligned);
-        assert_eq!(below, Part::Below(FLOORS * 1e-13));
+        assert_eq!(below, Part::Below(FLOORS_ABOVE * 1e-13));
     }
 
     #[test]

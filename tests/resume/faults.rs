@@ -5,16 +5,15 @@
 
 use std::process::Stdio;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use gronwall::contact::{CaseError, CaseInfo, Observer};
 use gronwall::record::{CaseRecord, Status, read};
 use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
-use gronwall::sweep::{OutputDirectory, Overrides, Progress, ScenePlan, run_sweep};
+use gronwall::sweep::{OutputDirectory, Overrides, ScenePlan, run_sweep};
 
-use crate::program::{Folder, code, command, stderr, stdout, sweep, timeless};
+use crate::program::{Folder, code, stderr, stdout, sweep, timeless};
 use crate::shipped::setup;
-use crate::{arguments, finish, lines, scenes};
+use crate::{arguments, finish, lines, run_until, scenes};
 
 #[cfg(unix)]
 #[test]
@@ -72,13 +71,7 @@ fn two_sweeps_do_not_write_into_one_directory() {
     let scenes = scenes(&folder);
     let out = folder.argument("out");
     let given = arguments(&scenes, &out);
-    let mut first =
-        command(&given).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("a process");
-    let limit = Instant::now() + Duration::from_secs(300);
-    while lines(&folder.at("out/cases.csv")) < 1 {
-        assert!(Instant::now() < limit, "no table in five minutes");
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    let mut first = run_until(&given, &folder.at("out/cases.csv"), 1, Stdio::null());
     let output = sweep(&given);
     let said = stderr(&output);
     let running = first.try_wait().expect("a status").is_none();
@@ -112,14 +105,6 @@ impl Scheme for Panicking {
     }
 }
 
-struct Silent;
-
-impl Progress for Silent {
-    fn begin(&self, _: usize, _: usize) {}
-    fn started(&self, _: &str) {}
-    fn finished(&self, _: &str, _: Option<&CaseRecord>) {}
-}
-
 #[test]
 fn a_panic_is_the_end_of_its_case_alone() {
     let folder = Folder::new("panic");
@@ -129,7 +114,7 @@ fn a_panic_is_the_end_of_its_case_alone() {
         let subject = Subject::Contact(Box::new(setup));
         let plan = ScenePlan::new(subject, &Overrides::default());
         let out = OutputDirectory::take(&folder.at(out)).expect("a directory");
-        run_sweep(&[plan], &out, 2, false, &Silent).expect("a sweep")
+        run_sweep(&[plan], &out, 2, false, &()).expect("a sweep")
     };
     let sound = run("sound", Arc::new(NewtonMarch));
     let found = run("found", Arc::new(Panicking));
@@ -146,4 +131,20 @@ fn a_panic_is_the_end_of_its_case_alone() {
     assert!(found.iter().any(|record| record.steps == 16), "{found:?}");
     // The table of a sweep with a failed case is whole.
     assert_eq!(read(&folder.at("found/cases.csv")).expect("a table").len(), found.len());
+}
+
+#[test]
+fn nothing_follows_a_record_that_could_not_be_written() {
+    let folder = Folder::new("unwritten");
+    let plan = |name: &str| {
+        let mut setup = setup("affine");
+        setup.scene.name = name.to_owned();
+        ScenePlan::new(Subject::Contact(Box::new(setup)), &Overrides::default())
+    };
+    // A name of two lines is no row of the table. One thread: the sound scene comes after.
+    let plans = [plan("two\nlines"), plan("sound")];
+    let out = OutputDirectory::take(&folder.at("out")).expect("a directory");
+    let error = run_sweep(&plans, &out, 1, false, &()).expect_err("no record");
+    assert!(error.to_string().contains("line break"), "{error}");
+    assert_eq!(lines(&folder.at("out/cases.csv")), 1, "the header alone");
 }

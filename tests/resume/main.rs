@@ -11,7 +11,7 @@ mod program;
 mod shipped;
 
 use std::path::Path;
-use std::process::Stdio;
+use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 use gronwall::linalg::signed_unit;
@@ -51,16 +51,22 @@ fn recorded(progress: &str) -> usize {
     }
 }
 
-/// Runs until `cases.csv` has at least `rows` lines, then kills the process. False if it ended before.
-fn kill_after(arguments: &[&str], table: &Path, rows: usize) -> bool {
+/// A sweep that runs until `cases.csv` has at least `rows` lines, or has ended before.
+fn run_until(arguments: &[&str], table: &Path, rows: usize, errors: Stdio) -> Child {
     let mut child =
-        command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("a process");
+        command(arguments).stdout(Stdio::null()).stderr(errors).spawn().expect("a process");
     // The limit guards against a hanging process; it decides nothing.
     let limit = Instant::now() + Duration::from_secs(300);
     while lines(table) < rows && child.try_wait().expect("a status").is_none() {
         assert!(Instant::now() < limit, "no {rows} rows in five minutes");
         std::thread::sleep(Duration::from_millis(1));
     }
+    child
+}
+
+/// Runs until `cases.csv` has at least `rows` lines, then kills the process. False if it ended before.
+fn kill_after(arguments: &[&str], table: &Path, rows: usize) -> bool {
+    let mut child = run_until(arguments, table, rows, Stdio::null());
     let running = child.try_wait().expect("a status").is_none();
     child.kill().expect("SIGKILL");
     child.wait().expect("a status");
@@ -101,13 +107,7 @@ fn a_killed_sweep_resumes_to_the_same_records() {
 /// Runs until `cases.csv` has at least `rows` lines, then sends SIGINT as Ctrl-C does. Exit code and stderr.
 #[cfg(unix)]
 fn interrupt_after(arguments: &[&str], table: &Path, rows: usize) -> (Option<i32>, String) {
-    let mut child =
-        command(arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("a process");
-    let limit = Instant::now() + Duration::from_secs(300);
-    while lines(table) < rows && child.try_wait().expect("a status").is_none() {
-        assert!(Instant::now() < limit, "no {rows} rows in five minutes");
-        std::thread::sleep(Duration::from_millis(1));
-    }
+    let child = run_until(arguments, table, rows, Stdio::piped());
     let signal =
         std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
     assert!(signal.expect("kill runs").success());

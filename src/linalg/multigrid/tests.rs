@@ -3,6 +3,7 @@
 
 use super::super::conjugate_gradient::{Directions, conjugate_gradients};
 use super::super::gmres::Preconditioned;
+use super::super::multigrid_sequence::MultigridSequence;
 use super::super::signed_unit;
 use super::*;
 
@@ -273,5 +274,23 @@ fn a_matrix_that_is_not_positive_definite_is_an_error_on_every_scale() {
         let found = trial(&body, &levels, &[], Symmetric).0;
         assert!(matches!(direct, Err(FactorError::NotPositiveDefinite { .. })));
         assert!(matches!(found, Err(FactorError::NotPositiveDefinite { .. })));
+    }
+}
+
+/// Squares of forces of 2^±600 are out of range. A power of two changes no digit.
+#[test]
+fn the_unit_of_force_is_of_no_account() {
+    let (body, levels) = cube(8);
+    let solved = |unit: f64| {
+        let mut sequence = MultigridSequence::new(&levels, &body.pattern);
+        sequence.prepare(body.values.clone(), None, false).unwrap();
+        let mut x: Vec<f64> = random(body.pattern.order(), 5).iter().map(|f| f * unit).collect();
+        sequence.solve(&mut x, 1e-8).unwrap();
+        x.iter().map(|u| u / unit).collect::<Vec<f64>>()
+    };
+    let ordinary = solved(1.0);
+    assert!(ordinary.iter().any(|u| *u != 0.0));
+    for exponent in [-600, 600] {
+        assert_eq!(solved(2f64.powi(exponent)), ordinary, "forces of 2^{exponent}");
     }
 }
