@@ -48,6 +48,7 @@
 //! | [`manufactured`] | exact fields and loads from formulas, and their verification |
 //! | [`scene`] | scene files, as written and as validated |
 //! | [`setup`] | a scene made computable; constants and hypotheses |
+//! | [`external`] | a solver in another program as a scheme: cases as files, displacements read back |
 //! | [`leading_error`] | the error of a sound scheme to leading order, from the exact solution alone |
 //! | [`solution`] | named quantities and VTU files of a case |
 //! | [`fit`], [`verdict`] | orders with intervals; predictions judged |
@@ -62,6 +63,7 @@
 pub mod cli;
 pub mod contact;
 pub mod diagnose;
+pub mod external;
 pub mod extremes;
 pub mod finite;
 pub mod fit;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gronwall::scene::{Registry, Scene};
 
 /// Each module imports only those before it.
-const ORDER: [&str; 26] = [
+const ORDER: [&str; 27] = [
     "tensor",
     "record",
     "linalg",
@@ -24,6 +24,7 @@ const ORDER: [&str; 26] = [
     "manufactured",
     "scene",
     "setup",
+    "external",
     "leading_error",
     "solution",
     "fit",

@@ -23,6 +23,7 @@ mod report;
 mod run;
 mod solve;
 mod trade;
+mod verify;
 
 use std::fmt::Display;
 use std::path::PathBuf;
@@ -82,6 +83,8 @@ enum Command {
     Trade(trade::TradeCommand),
     /// Fit orders to a table with columns h, k, error
     Fit(fit::Fit),
+    /// Put another program's solver under the same sweep
+    Verify(verify::Verify),
     /// Rebuild every output from the records in a directory, without solving
     Report(report::Report),
 }
@@ -142,6 +145,7 @@ pub fn main() -> ExitCode {
         Command::Floors(floors) => floors.execute(&scenes),
         Command::Trade(trade) => trade.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
+        Command::Verify(verify) => verify.execute(&scenes),
         Command::Report(report) => report.execute(&scenes),
     };
     match outcome {

@@ -60,6 +60,9 @@ pub enum CaseError {
         /// What is allowed.
         allowed: f64,
     },
+    /// A solver outside this program gave no answer.
+    #[error("{0}")]
+    Outside(String),
     /// Errors are sums of squares, which leave the range of doubles.
     #[error(
         "‖ε(u_n)‖ is {strain:.1e} and stresses are {stress:.1e} at most: outside 1e-152 to 1e152 errors cannot be measured, since their squares leave the range of doubles; state the scene in other units"

@@ -7,12 +7,14 @@
 
 mod sections;
 mod tokens;
+mod write;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use self::sections::{Element, Sections};
 use self::tokens::Tokens;
+pub use self::write::write_gmsh;
 use super::{
     At, BoundaryEdge, BoundaryFace, Coarse, CoarseError, CoarseMesh, Solid, SolidError, WHOLE,
 };

@@ -19,7 +19,7 @@ mod triangulation;
 pub use coarse::{BoundaryEdge, Coarse, CoarseError};
 pub use coarse_mesh::{CoarseMesh, Piece};
 pub use cuboid::cuboid;
-pub use gmsh::{Fault, GmshError, read_gmsh};
+pub use gmsh::{Fault, GmshError, read_gmsh, write_gmsh};
 pub use grading::vertex_at;
 pub use hierarchy::{Nesting, Parents};
 pub use quality::Quality;

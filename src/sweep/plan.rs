@@ -134,6 +134,17 @@ impl ScenePlan {
         check_step_sizes(&self.subject, &steps)
     }
 
+    /// n and steps of all runs on the meshes of the cases: those of the cases, and those that time errors are against.
+    pub fn runs(&self) -> Vec<(u32, u32)> {
+        let of = |case: &CasePlan| {
+            let finer = case.norms.contains(&Norm::VTimeMax).then_some(TIME_REFERENCE * case.steps);
+            let steps = std::iter::once(case.steps).chain(finer);
+            let runs = case.n.map(|n| steps.map(move |steps| (n, steps)));
+            runs.into_iter().flatten().collect::<Vec<_>>()
+        };
+        self.cases.iter().flat_map(of).collect()
+    }
+
     /// How often reference levels are kept so that all cases find theirs.
     pub fn kept_steps(&self) -> u32 {
         self.cases.iter().map(|case| case.steps).fold(1, lowest_common_multiple)

@@ -1,0 +1,298 @@
+//! `sweep verify`: another program's solver under the same sweep, measured and judged as this program's own.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use clap::Args;
+use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
+use comfy_table::{LineStyle, Table};
+use serde_json::{Value, json};
+
+use super::interrupt::on_interrupt;
+use super::{CliError, Scenes, no_case, print_json, print_text};
+use crate::external::{ExternalSolver, Way, case_dir, write_case};
+use crate::record::{CaseRecord, counted};
+use crate::report::write_all;
+use crate::scene::Norm;
+use crate::setup::{MeshData, Setup, Subject};
+use crate::sweep::{
+    OutputDirectory, Overrides, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
+    scene_summary,
+};
+use crate::verdict::{Failure, Verdict, exit_code, failures, render_table};
+
+/// `sweep verify`.
+#[derive(Args)]
+#[command(
+    after_help = "Each case is a directory DIR/cases/SCENE/nN-NSTEPS with mesh, times, loads and numbers; its README.md says what the files mean and what is to be written: displacement.npy, (N + 1) x vertices x d. CMD gets the directory as its last argument. A solver that fails, runs too long, or writes another shape or numbers that are not finite makes a failed case.\n\nThe displacements are measured as P1 functions on the mesh given; stresses are those of this program's laws. Constants are judged for P1 elements and the scene's time rule; a solver of another kind wants --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
+)]
+pub struct Verify {
+    /// Name of a scene with an exact solution, or path of a TOML file
+    scene: String,
+    /// The command that solves one case
+    #[arg(long, value_name = "CMD", required_unless_present_any = ["results", "export"], conflicts_with_all = ["results", "export"])]
+    solver: Option<String>,
+    /// Judge the answers that stand in this directory, in the places that --export gives the cases
+    #[arg(long, value_name = "DIR", conflicts_with = "export")]
+    results: Option<PathBuf>,
+    /// Write the cases into this directory and stop
+    #[arg(long, value_name = "DIR")]
+    export: Option<PathBuf>,
+    /// Cells per unit length, in place of the scene's list
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
+    n: Option<Vec<u32>>,
+    /// Numbers N of time steps, in place of the scene's list
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    steps: Option<Vec<u32>>,
+    /// Seconds after which the solver is stopped, for each case
+    #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
+    time_limit: u64,
+    /// Cases at a time
+    #[arg(long, value_name = "J", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: u16,
+    /// The solver writes pressure.npy as well: measure pressures
+    #[arg(long)]
+    pressure: bool,
+    /// Judge orders alone and not their constants: for other elements or time rules
+    #[arg(long)]
+    orders_only: bool,
+    /// Run this program's own solver as well, and compare the errors
+    #[arg(long)]
+    beside: bool,
+    /// Directory for records and report
+    #[arg(long, value_name = "DIR", default_value = "reports/verify")]
+    out: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl Verify {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let plan = self.plan(scenes)?;
+        if let Some(folder) = &self.export {
+            return export(&plan, folder);
+        }
+        let out = OutputDirectory::take(&self.out)?;
+        let again = format!("the same command; records of {} are written anew", self.scene);
+        on_interrupt(&self.out, &again)?;
+        let folder = self.results.clone().unwrap_or_else(|| self.out.join("cases"));
+        let judged = self.judged(with_solver(plan, self.solver(folder)?), &out)?;
+        write_all(
+            &self.out,
+            &[scene_summary(judged.plan.scene())],
+            &judged.records,
+            &judged.verdicts,
+            &judged.provenance,
+            None,
+        )?;
+        let beside = match self.beside {
+            true => Some(self.own(scenes)?),
+            false => None,
+        };
+        let compared = beside.as_ref().map(|own| compare(&judged.records, &own.records));
+        if self.json {
+            print_json(&judged.json(compared.as_deref()))?;
+        } else {
+            judged.print(&self.out);
+            if let (Some(own), Some(rows)) = (&beside, &compared) {
+                print_text(&format!("own solver:\n{}", render_table(&own.verdicts)));
+                print_text(&table(rows));
+            }
+        }
+        Ok(exit_code(&judged.records, &judged.verdicts))
+    }
+
+    /// The cases, with the norms that displacements (and pressures, where they come) tell.
+    fn plan(&self, scenes: &Scenes) -> Result<ScenePlan, CliError> {
+        let mut scene = scenes.scene(&self.scene)?;
+        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
+        scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
+        scene.predicts.retain(|prediction| self.tells(prediction.norm));
+        let overrides = Overrides { n: self.n.clone(), steps: self.steps.clone() };
+        let mut plan = ScenePlan::new(Subject::new(scene)?, &overrides);
+        for case in &mut plan.cases {
+            case.norms.retain(|&norm| self.tells(norm));
+        }
+        let exact = match &plan.subject {
+            Subject::Contact(setup) => setup.exact.is_some(),
+            Subject::Abstract(_) => {
+                let message = "an abstract scene has no mesh that could be given to a solver";
+                let hint =
+                    "verify a scene of a body; the library's traits take solvers of both kinds";
+                return Err(plan.scene().error("scene.name", message, hint).into());
+            }
+        };
+        if !exact {
+            let message =
+                "the scene has no exact solution: a solver would be judged by its own finer run";
+            let hint = "verify a scene with [exact]; `sweep list` names them";
+            return Err(plan.scene().error("scene.name", message, hint).into());
+        }
+        if plan.cases.is_empty() {
+            return Err(no_case(plan.scene(), "verify"));
+        }
+        Ok(plan)
+    }
+
+    fn tells(&self, norm: Norm) -> bool {
+        self.pressure || !matches!(norm, Norm::PressureL2Max | Norm::PressureMax(_))
+    }
+
+    fn solver(&self, folder: PathBuf) -> Result<ExternalSolver, CliError> {
+        let way = match &self.solver {
+            None => Way::Results,
+            Some(command) => {
+                let words = shlex::split(command).filter(|words| !words.is_empty());
+                let words = words.ok_or_else(|| {
+                    CliError::about(
+                        format!("--solver {command:?}"),
+                        "no command, or a quote without end",
+                    )
+                })?;
+                Way::Command { words, limit: Duration::from_secs(self.time_limit) }
+            }
+        };
+        Ok(ExternalSolver { way, folder, pressures: self.pressure })
+    }
+
+    fn judged(&self, plan: ScenePlan, out: &OutputDirectory) -> Result<Judged, CliError> {
+        let plans = [plan];
+        let progress = super::progress::Display::new();
+        let records = run_sweep(&plans, out, usize::from(self.jobs), false, &progress)?;
+        let provenance = Provenance::of_run(&plans).json();
+        let [plan] = plans;
+        let foreseen = if self.orders_only { Vec::new() } else { foresee(&plan.subject, &records) };
+        let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
+        Ok(Judged { plan, records, verdicts, provenance })
+    }
+
+    /// The same cases by this program's solver.
+    fn own(&self, scenes: &Scenes) -> Result<Judged, CliError> {
+        let out = OutputDirectory::take(&self.out.join("own"))?;
+        self.judged(self.plan(scenes)?, &out)
+    }
+}
+
+/// The plan with another solver in place of this program's.
+fn with_solver(mut plan: ScenePlan, solver: ExternalSolver) -> ScenePlan {
+    if let Subject::Contact(setup) = &mut plan.subject {
+        setup.scheme = Arc::new(solver);
+    }
+    plan
+}
+
+/// Writes the files of all runs that the plan needs, those behind its time errors among them.
+fn export(plan: &ScenePlan, folder: &Path) -> Result<u8, CliError> {
+    let Subject::Contact(setup) = &plan.subject else { return Ok(0) };
+    let mut runs = plan.runs();
+    runs.sort_unstable();
+    runs.dedup();
+    let mut mesh: Option<(u32, MeshData)> = None;
+    for &(n, steps) in &runs {
+        if mesh.as_ref().is_none_or(|(known, _)| *known != n) {
+            mesh = Some((n, data(setup, n)?));
+        }
+        if let Some((_, data)) = &mesh {
+            let dir = case_dir(folder, &setup.scene.name, data.space.mesh.n, steps);
+            write_case(&dir, setup, data, steps).map_err(CliError::other)?;
+            print_text(&dir.display().to_string());
+        }
+    }
+    Ok(0)
+}
+
+fn data(setup: &Setup, n: u32) -> Result<MeshData, CliError> {
+    Ok(MeshData::new(setup, n, None)?)
+}
+
+/// Records and verdicts of one solver.
+struct Judged {
+    plan: ScenePlan,
+    records: Vec<CaseRecord>,
+    verdicts: Vec<Verdict>,
+    provenance: Value,
+}
+
+impl Judged {
+    fn json(&self, beside: Option<&[Beside]>) -> Value {
+        let mut document = json!({
+            "provenance": self.provenance,
+            "verdicts": self.verdicts,
+            "failures": failures(&self.records),
+        });
+        if let Some(rows) = beside {
+            document["beside"] = rows.iter().map(Beside::json).collect();
+        }
+        document
+    }
+
+    fn print(&self, out: &Path) {
+        print_text(&render_table(&self.verdicts));
+        for failure in failures(&self.records) {
+            let Failure { n, steps, reason, .. } = failure;
+            let n = n.map_or(String::new(), |n| format!("n = {n}, "));
+            print_text(&format!("{n}N = {steps}: {reason}"));
+        }
+        let failed = failures(&self.records).len();
+        let cases = counted(self.records.len(), "case");
+        print_text(&format!(
+            "{cases}, {failed} failed; report: {}",
+            out.join("index.html").display()
+        ));
+    }
+}
+
+/// One error by both solvers.
+struct Beside {
+    n: Option<u32>,
+    steps: u32,
+    norm: String,
+    solver: f64,
+    own: f64,
+}
+
+impl Beside {
+    fn difference(&self) -> f64 {
+        (self.solver - self.own).abs() / self.own
+    }
+
+    fn json(&self) -> Value {
+        let Self { n, steps, norm, solver, own } = self;
+        json!({ "n": n, "steps": steps, "norm": norm, "solver": solver, "own": own, "difference": self.difference() })
+    }
+}
+
+/// The errors that both have.
+fn compare(solver: &[CaseRecord], own: &[CaseRecord]) -> Vec<Beside> {
+    let mut rows = Vec::new();
+    for record in solver {
+        let Some(same) = own.iter().find(|own| own.key() == record.key()) else { continue };
+        for entry in &record.errors {
+            let other = same.errors.iter().find(|other| other.norm == entry.norm);
+            if let (Some(solver), Some(own)) = (entry.error, other.and_then(|other| other.error)) {
+                let norm = entry.norm.clone();
+                rows.push(Beside { n: record.n, steps: record.steps, norm, solver, own });
+            }
+        }
+    }
+    rows
+}
+
+fn table(rows: &[Beside]) -> String {
+    let mut table = Table::new();
+    table.load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table.set_header(["n", "N", "norm", "error", "own error", "difference"]);
+    for row in rows {
+        table.add_row([
+            row.n.map_or(String::new(), |n| n.to_string()),
+            row.steps.to_string(),
+            row.norm.clone(),
+            format!("{:.6e}", row.solver),
+            format!("{:.6e}", row.own),
+            format!("{:.1e}", row.difference()),
+        ]);
+    }
+    table.to_string()
+}
