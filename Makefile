@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test lint bench compare gate baseline sabotage sabotage-check ci false-alarms fuzz opt-levels mutants clean-reports
+.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz opt-levels mutants clean-reports
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -29,6 +29,12 @@ compare: ## scikit-fem beside this program on the punch scenes, in one run; CASE
 	$(CARGO) build --release --bin sweep
 	$(COMPARE)/bin/python benches/compare/side_by_side.py target/release/sweep $(CASES)
 
+verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate mistake
+	test -x $(COMPARE)/bin/python || python3 -m venv $(COMPARE)
+	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy
+	$(CARGO) build --release --bin sweep
+	tests/verify_examples.sh target/release/sweep $(COMPARE)/bin/python
+
 gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 	$(SWEEP) gate --junit reports/latest/junit.xml
 
@@ -50,6 +56,7 @@ ci: ## what has to be green before a merge: lint, test, gate, sabotage, each ben
 	$(MAKE) lint
 	$(MAKE) test
 	$(MAKE) gate
+	$(MAKE) verify-examples
 	$(MAKE) sabotage-check
 	$(MAKE) bench BENCH=--test
 
