@@ -101,7 +101,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
     fn new(space: &'a Discretization, model: &'a Model<P>, grid: &TimeGrid) -> Self {
         let start = Instant::now();
         let elastic = space.stiffness_of_unknowns(&model.elasticity);
-        let beta = if model.memory.is_empty() { Some(0.0) } else { model.memory_multiple() };
+        let beta = model.memory_multiple();
         let terms = model.memory.iter();
         let by_memory = match beta {
             Some(_) => Vec::new(),

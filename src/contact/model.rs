@@ -95,9 +95,12 @@ impl<P: Projection> Model<P> {
         }
     }
 
-    /// β with ℬ₀ = β𝒜, where there is one term and that is so.
+    /// β with ℬ₀ = β𝒜, where there is one term and that is so; 0 without memory.
     pub fn memory_multiple(&self) -> Option<f64> {
-        let [term] = &self.memory[..] else { return None };
-        term.tensor.multiple_of(&self.elasticity)
+        match &self.memory[..] {
+            [] => Some(0.0),
+            [term] => term.tensor.multiple_of(&self.elasticity),
+            _ => None,
+        }
     }
 }

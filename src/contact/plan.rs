@@ -33,11 +33,10 @@ impl Plan {
 
     /// The plan on meshes on which Γ3 is small beside the body, as it is in the plane.
     pub fn foreseen<P: Projection>(model: &Model<P>) -> Self {
-        let multiple = model.memory.is_empty() || model.memory_multiple().is_some();
         let at_vertices = model.boundary.as_ref().is_some_and(|boundary| {
             boundary.rule == BoundaryRule::Vertex || boundary.potential.is_absent()
         });
-        if model.is_linear() && multiple {
+        if model.is_linear() && !Self::changes_factor(model) {
             Self::Recursion
         } else if model.projection.limit().is_none() && at_vertices {
             Self::Condensed
@@ -48,6 +47,6 @@ impl Plan {
 
     /// Whether the matrix of a level depends on the weight of its last slot by more than a factor.
     pub fn changes_factor<P: Projection>(model: &Model<P>) -> bool {
-        !model.memory.is_empty() && model.memory_multiple().is_none()
+        model.memory_multiple().is_none()
     }
 }

@@ -42,13 +42,12 @@ impl Kind {
     /// The kind of a scene.
     pub fn of(setup: &Setup) -> Self {
         let model = &setup.model;
-        let multiple = model.memory.is_empty() || model.memory_multiple().is_some();
-        match (model.is_linear(), model.projection.is_none()) {
-            (true, _) if multiple => Self::LinearMultiple,
-            (true, _) => Self::Linear,
-            (false, true) if Plan::foreseen(model) == Plan::Condensed => Self::Condensed,
-            (false, true) => Self::Contact,
-            (false, false) => Self::Projection,
+        match Plan::foreseen(model) {
+            Plan::Recursion => Self::LinearMultiple,
+            Plan::Condensed => Self::Condensed,
+            Plan::Newton if model.is_linear() => Self::Linear,
+            Plan::Newton if model.projection.is_none() => Self::Contact,
+            Plan::Newton => Self::Projection,
         }
     }
 
