@@ -39,7 +39,7 @@ pub fn march<P: Projection>(
     let mut info = CaseInfo::default();
     let rule = model.time_rule.as_ref();
     let dofs = space.dofs();
-    let beta = model.memory_multiple().unwrap_or(0.0);
+    let beta = multiple(model);
     // One term at most: `march` sends no other scene here.
     let kernel = model.memory.first().map(|term| &*term.kernel);
     let solver = LinearSolver::of(space, model, grid.steps());
@@ -134,6 +134,11 @@ pub fn march<P: Projection>(
     Ok(info)
 }
 
+/// β; `march` sends no scene here that has none.
+fn multiple<P: Projection>(model: &Model<P>) -> f64 {
+    model.memory_multiple().expect("the memory of a recursion is a multiple")
+}
+
 fn failed(n: usize, t: f64, source: FactorError) -> FailedStep {
     FailedStep { n, t, source: StepError::Factor { iteration: 0, source } }
 }
@@ -167,7 +172,7 @@ impl<'a> Response<'a> {
         u: &[f64],
         history: &[Vec<f64>],
     ) -> Floors {
-        let beta = model.memory_multiple().unwrap_or(0.0);
+        let beta = multiple(model);
         let mut combined = u[..space.dofs()].to_vec();
         if let Some(history) = history.first() {
             axpy(beta, &history[..space.dofs()], &mut combined);
