@@ -15,7 +15,7 @@ use super::march::{CaseError, CaseInfo, Observer, StepView, split_pressures};
 use super::{Discretization, Floors, Load, Model, kkt_residual, strain_norm};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
-use crate::linalg::{Factor, FactorError, Front, Workspace, axpy, norm};
+use crate::linalg::{Analysis, Factor, FactorError, Front, Workspace, axpy, norm};
 use crate::vhi::{
     Extrapolation, FailedStep, Newton, Scratch, StepError, StepInequality, StepState,
 };
@@ -41,7 +41,10 @@ pub fn march<P: Projection>(
     newton: &Newton,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let mut march = Condensed::new(space, model, grid);
+    let unanalysed =
+        |source| FailedStep { n: 0, t: 0.0, source: StepError::Factor { iteration: 0, source } };
+    let analysis = space.condensing().map_err(unanalysed)?;
+    let mut march = Condensed::new(space, analysis, model, grid);
     for n in 0..=grid.steps() {
         march.step(n, grid, load, newton, observe)?;
     }
@@ -51,6 +54,8 @@ pub fn march<P: Projection>(
 
 struct Condensed<'a, P> {
     space: &'a Discretization,
+    /// With the unknowns of Γ3 last.
+    analysis: &'a Analysis,
     model: &'a Model<P>,
     info: CaseInfo,
     /// β of ℬ₀ = β𝒜, 0 without memory; `None` where memory is no multiple.
@@ -93,7 +98,12 @@ struct Condensed<'a, P> {
 }
 
 impl<'a, P: Projection> Condensed<'a, P> {
-    fn new(space: &'a Discretization, model: &'a Model<P>, grid: &TimeGrid) -> Self {
+    fn new(
+        space: &'a Discretization,
+        analysis: &'a Analysis,
+        model: &'a Model<P>,
+        grid: &TimeGrid,
+    ) -> Self {
         let start = Instant::now();
         let elastic = space.stiffness_of_unknowns(&model.elasticity);
         let beta = model.memory_multiple();
@@ -117,8 +127,8 @@ impl<'a, P: Projection> Condensed<'a, P> {
             memory: terms.map(|term| Memory::new(&*term.kernel, rule, grid, dofs)).collect(),
             slot: vec![0.0; model.memory.len()],
             matrix: if beta.is_some() { Vec::new() } else { elastic.clone() },
-            factor: space.analysis.factor(),
-            workspace: space.analysis.workspace(1),
+            factor: analysis.factor(),
+            workspace: analysis.workspace(1),
             front: Front::default(),
             factorized: None,
             basis: None,
@@ -137,6 +147,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
             multiplier: vec![0.0; points],
             largest_force: 0.0,
             space,
+            analysis,
             model,
             info,
             beta,
@@ -209,7 +220,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
             }
         }
         let matrix = if self.beta.is_some() { &self.elastic } else { &self.matrix };
-        let analysis = &self.space.analysis;
+        let analysis = self.analysis;
         self.info.work.linear.factorizations += 1;
         analysis.factorize(&self.space.pattern, matrix, &mut self.factor, &mut self.workspace)?;
         self.factorized = Some(self.slot.clone());
@@ -244,7 +255,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
                 }
             }
             None => {
-                let analysis = &self.space.analysis;
+                let analysis = self.analysis;
                 let dofs = self.space.dofs();
                 let force = &mut self.nodal[..dofs];
                 force.copy_from_slice(&self.force);
@@ -261,14 +272,14 @@ impl<'a, P: Projection> Condensed<'a, P> {
         }
         self.level.load.copy_from_slice(&self.swept[self.cut..]);
         if let (Some(beta), Some(history)) = (self.beta, self.history.first()) {
-            let unknowns = self.space.analysis.order()[self.cut..].iter();
+            let unknowns = self.analysis.order()[self.cut..].iter();
             self.level.add_to_load(-beta, unknowns.map(|&dof| history[dof as usize]));
         }
     }
 
     /// u from its part on Γ3.
     fn expand(&mut self) {
-        let analysis = &self.space.analysis;
+        let analysis = self.analysis;
         let past = self.beta.zip(self.history.first());
         let scale = self.level.scale;
         let on_side = self.swept[self.cut..].iter_mut().zip(self.level.unknowns());
@@ -363,7 +374,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
         // What the tolerance of Newton's method in the volume would be.
         let tolerance = Newton::default().rounding_units * f64::EPSILON * size;
         let accepted = Accepted { residual: norm(&unbalanced), tolerance };
-        space.analysis.solve(&self.factor, &mut unbalanced, &mut self.workspace);
+        self.analysis.solve(&self.factor, &mut unbalanced, &mut self.workspace);
         unbalanced.resize(space.nodes.len(), 0.0);
         space.frames.to_cartesian(&mut unbalanced);
         let largest = self.model.elasticity.eigenvalues(space.mesh.dimension).1;

@@ -47,7 +47,8 @@ impl LinearSolver {
     /// solves with one matrix. Factors where the mesh has no levels.
     pub fn of<P: Projection>(space: &Discretization, model: &Model<P>, steps: usize) -> Self {
         // Linear runs and condensed ones have one matrix; a step of the others factorizes anew about once.
-        let one = model.is_linear() || Plan::foreseen(model) == Plan::Condensed;
+        let one =
+            model.is_linear() || Plan::foreseen(model, space.mesh.dimension) == Plan::Condensed;
         let solves = if one { steps + 1 } else { 1 };
         let least = MULTIGRID_FROM.max(UNKNOWNS_A_SOLVE * solves);
         let large = space.mesh.dimension == 3 && space.dofs() >= least;

@@ -42,7 +42,7 @@ impl Kind {
     /// The kind of a scene.
     pub fn of(setup: &Setup) -> Self {
         let model = &setup.model;
-        match Plan::foreseen(model) {
+        match Plan::foreseen(model, setup.scene.dimension) {
             Plan::Recursion => Self::LinearMultiple,
             Plan::Condensed => Self::Condensed,
             Plan::Newton if model.is_linear() => Self::Linear,
