@@ -8,9 +8,10 @@ use std::time::Instant;
 use super::combination::Combination;
 use super::floor::Accepted;
 use super::inverse::Inverse;
+use super::kkt::kkt_residual_in;
 use super::march::{CaseError, CaseInfo, Observer, StepView};
 use super::work::Work;
-use super::{Discretization, Floors, LinearSolver, Load, Model, kkt_residual};
+use super::{Discretization, Floors, LinearSolver, Load, Model};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
 use crate::linalg::{FactorError, LinearWork, axpy, is_sound_sum, root_of_squares};
@@ -54,6 +55,7 @@ pub fn march<P: Projection>(
     let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, grid, length));
     let (mut force, mut u) = (vec![0.0; dofs], vec![0.0; space.nodes.len()]);
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
+    let mut balance = Vec::new();
     let mut accumulated = Accumulated::default();
     let nothing = vec![0.0; space.trace.points.len()];
     for n in 0..=grid.steps() {
@@ -117,7 +119,7 @@ pub fn march<P: Projection>(
         };
         let residual = match &mut combination {
             Some(combination) => combination.kkt_residual(space, &coefficients, &past, &force),
-            None => kkt_residual(space, model, &view, &force),
+            None => kkt_residual_in(space, model, &view, &force, &mut balance),
         };
         info.accept(&view, residual)?;
         observe(&view)?;

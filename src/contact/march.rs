@@ -1,13 +1,12 @@
 //! The march in time: Problem 14 step after step, with the history committed after convergence.
 
 use super::floor::Accepted;
+use super::kkt::kkt_residual_in;
 use super::plan::Plan;
 use super::work::Work;
-use super::{
-    Discretization, Evolution, Floors, Load, LoadError, Model, condensed, kkt_residual, linear,
-};
+use super::{Discretization, Evolution, Floors, Load, LoadError, Model, condensed, linear};
 use crate::history::TimeGrid;
-use crate::law::Projection;
+use crate::law::{Potential, Projection};
 use crate::vhi::{
     BoundaryGraph, FailedStep, Piece, StepInequality, StepSolver, StepState, Stepper,
 };
@@ -194,6 +193,7 @@ struct March<'a, P, S> {
     evolution: Evolution<'a, P>,
     stepper: Stepper<'a, S>,
     nodal: Vec<f64>,
+    balance: Vec<f64>,
     compliance: Vec<f64>,
     multiplier: Vec<f64>,
     /// The largest residual that was accepted so far, and the floors it and rounding make.
@@ -214,6 +214,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             stepper: Stepper::new(&evolution, solver),
             evolution,
             nodal: vec![0.0; space.nodes.len()],
+            balance: Vec::new(),
             compliance: vec![0.0; space.trace.points.len()],
             multiplier: vec![0.0; space.trace.points.len()],
             worst_residual: 0.0,
@@ -286,14 +287,20 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             n,
             t,
             u: &self.nodal,
-            history: &history,
+            history,
             zeta,
             kappa: self.model.projection.limit().map_or(f64::INFINITY, |l| l.value(zeta)),
             strain_norm: self.evolution.problem().strain_norm(),
             compliance: &self.compliance,
             multiplier: &self.multiplier,
         };
-        let residual = kkt_residual(self.space, self.model, &view, self.evolution.load());
+        let residual = kkt_residual_in(
+            self.space,
+            self.model,
+            &view,
+            self.evolution.load(),
+            &mut self.balance,
+        );
         self.info.accept(&view, residual)?;
         observe(&view)
     }

@@ -58,11 +58,8 @@ impl Boundary {
     }
 
     /// c ∂j_ν at a point of Γ3.
-    pub fn potential_at(&self, x: [f64; 3]) -> Arc<dyn Potential> {
-        match &self.scale {
-            None => self.potential.clone(),
-            Some(scale) => Arc::new(Scaled { potential: self.potential.clone(), factor: scale(x) }),
-        }
+    pub fn potential_at(&self, x: [f64; 3]) -> Scaled {
+        Scaled { potential: self.potential.clone(), factor: self.scale_at(x) }
     }
 }
 
