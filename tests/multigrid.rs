@@ -93,7 +93,7 @@ fn with_slope(
 ) -> Option<FactorError> {
     let mut problem = ContactProblem::new(&data.space, &setup.model).solved_by(solver);
     let dofs = problem.dofs();
-    problem.begin(LastSlot::default(), 0.0, &vec![1.0; dofs], &[]);
+    problem.begin(&LastSlot::default(), 0.0, &vec![1.0; dofs], &[]);
     let mut residual = vec![0.0; dofs];
     problem.residual(&vec![0.0; dofs], &mut residual);
     let weights = problem.graph().coordinates.iter().map(|at| slope * at.weight);

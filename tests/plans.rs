@@ -85,7 +85,7 @@ fn all_plans_of_all_scenes_have_the_same_solution() {
         let (volume, _) = levels(&setup, &data, 8, true);
         let off = distance(&short, &volume);
         assert!(off <= AGREE, "{} {plan:?}: {off:e}", setup.scene.name);
-        if setup.model.memory.is_empty() || setup.model.memory_multiple().is_some() {
+        if !Plan::changes_factor(&setup.model) {
             assert_eq!(info.work.linear.factorizations, 1, "{}", setup.scene.name);
         }
     }

@@ -75,7 +75,7 @@ fn mismatch<P: Projection>(space: &Discretization, model: &Model<P>, pin: bool, 
         let shifted = |sign: f64| -> Vec<f64> {
             u.iter().zip(&d).map(|(u, d)| u + sign * STEP * d).collect()
         };
-        problem.begin(slot.clone(), PAST, &load, &[]);
+        problem.begin(&slot, PAST, &load, &[]);
         let plus = forces(&mut problem, &shifted(1.0));
         let minus = forces(&mut problem, &shifted(-1.0));
         let mut x: Vec<f64> =

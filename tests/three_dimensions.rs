@@ -260,7 +260,7 @@ fn the_tangent_is_the_derivative_of_the_force() {
     let model = Model { elasticity, memory, projection, boundary, time_rule };
     let mut problem = ContactProblem::new(&space, &model);
     let order = space.dofs();
-    problem.begin(LastSlot { zeta: 0.4, memory: vec![-0.2] }, 0.3, &vec![0.0; order], &[]);
+    problem.begin(&LastSlot { zeta: 0.4, memory: vec![-0.2] }, 0.3, &vec![0.0; order], &[]);
     let u: Vec<f64> = (0..order).map(|i| 0.2 * (1.7 * i as f64).sin()).collect();
     let v: Vec<f64> = (0..order).map(|i| (0.9 * i as f64).cos()).collect();
     let force = |problem: &mut ContactProblem<'_, _>, scale: f64| {

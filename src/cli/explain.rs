@@ -170,7 +170,7 @@ fn duration(seconds: f64) -> String {
 
 fn algorithm(setup: &Setup) -> &'static str {
     let model = &setup.model;
-    match Plan::foreseen(model) {
+    match Plan::foreseen(model, setup.scene.dimension) {
         Plan::Recursion => {
             "linear, memory a multiple of the elasticity or absent: one factorization; loads that separate in time are solved once, and a level is a recursion on their coefficients"
         }

@@ -31,7 +31,7 @@ pub fn boundary_graph<P: Projection>(
         .map(|point| {
             let x = space.mesh.point(&[point.vertex], &[1.0]);
             if one_each {
-                potentials.push(boundary.potential_at(x));
+                potentials.push(Arc::new(boundary.potential_at(x)));
             }
             let stiffness = elastic[space.pattern.diagonal(point.unknown as usize)];
             Coordinate {

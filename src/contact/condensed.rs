@@ -1,26 +1,26 @@
 //! Contact without projection, condensed onto Γ3: one factor of the volume, a small full problem a level,
-//! one pass over the factor to expand the displacement.
+//! one pass over the factor for several levels to expand their displacements.
 //!
-//! The unknowns of Γ3 are the last of the order, so the factor L = [L₁₁ 0; L₂₁ L₂₂] has the Schur complement
-//! S = L₂₂L₂₂ᵀ. With ℬ₀ = β𝒜, or without memory, v_n = (1 + βW)u_n + β past_n solves K v_n = F_n - C_n with the
-//! contact forces C_n, whatever the last slot's weight W is. Else the factor is that of 𝒜 + Σ W_i ℬ_i, a new one
-//! where a W_i changes: once on a uniform grid.
+//! The unknowns of Γ3 are the last of [`Discretization::condensing`], so the factor L = [L₁₁ 0; L₂₁ L₂₂] has the Schur
+//! complement S = L₂₂L₂₂ᵀ. With ℬ₀ = β𝒜, or without memory, v_n = (1 + βW)u_n + β past_n solves K v_n = F_n - C_n with
+//! the contact forces C_n, whatever the last slot's weight W is: what the past is on Γ3 is enough to go on, and levels
+//! are solved there before their displacements are expanded together. Else the factor is that of 𝒜 + Σ W_i ℬ_i, a new
+//! one where a W_i changes: once on a uniform grid; each level needs the displacements of those before it.
+
+mod expansion;
 
 use std::time::Instant;
 
+use expansion::Pending;
+
 use super::boundary::boundary_graph;
 use super::condensed_level::CondensedLevel;
-use super::floor::Accepted;
-use super::march::{
-    CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, measurable, split_pressures,
-};
-use super::{Discretization, Floors, Load, Model, kkt_residual, strain_norm};
+use super::march::{CaseError, CaseInfo, Observer};
+use super::{Discretization, Load, Model};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
-use crate::linalg::{Factor, FactorError, Front, Workspace, axpy, norm};
-use crate::vhi::{
-    Extrapolation, FailedStep, Newton, Scratch, StepError, StepInequality, StepState,
-};
+use crate::linalg::{Analysis, Factor, FactorError, Front, SIDES, Side, Workspace, axpy};
+use crate::vhi::{Extrapolation, FailedStep, Newton, Scratch, StepError, StepState};
 
 /// Whether a scene with contact at the vertices and without projection can be condensed on this mesh: one
 /// graph an unknown of Γ3, and a full matrix there that is no dearer to factorize than the volume's.
@@ -43,24 +43,34 @@ pub fn march<P: Projection>(
     newton: &Newton,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let mut march = Condensed::new(space, model, grid);
+    let unanalysed =
+        |source| FailedStep { n: 0, t: 0.0, source: StepError::Factor { iteration: 0, source } };
+    let analysis = space.condensing().map_err(unanalysed)?;
+    let mut march = Condensed::new(space, analysis, model, grid);
     for n in 0..=grid.steps() {
-        march.step(n, grid, load, newton, observe)?;
+        let solved = march.solve(n, grid, load, newton);
+        // What was solved is shown, also before a level that has no solution.
+        if solved.is_err() || n == grid.steps() || march.solved == march.pending.len() {
+            march.expand(grid, observe)?;
+        }
+        solved?;
     }
-    measurable(space, model, march.largest_strain)?;
     march.raise_floors();
     Ok(march.info)
 }
 
 struct Condensed<'a, P> {
     space: &'a Discretization,
+    /// With the unknowns of Γ3 last.
+    analysis: &'a Analysis,
     model: &'a Model<P>,
     info: CaseInfo,
     /// β of ℬ₀ = β𝒜, 0 without memory; `None` where memory is no multiple.
     beta: Option<f64>,
     memory: Vec<Memory>,
-    /// Weights W_i of the last slot.
-    slot: Vec<f64>,
+    /// With a multiple: the memory of the unknowns of Γ3 alone, and its sum over the past.
+    on_side: Option<Memory>,
+    past_on_side: Vec<f64>,
     elastic: Vec<f64>,
     /// Stiffness of each ℬ_i, where it is no multiple, and of 𝒜 + Σ W_i ℬ_i.
     by_memory: Vec<Vec<f64>>,
@@ -68,7 +78,8 @@ struct Condensed<'a, P> {
     factor: Factor,
     workspace: Workspace,
     front: Front<f64>,
-    /// The weights of the factor; `None` before the first.
+    /// Weights W_i of the last slot of the level, and of the factor; `None` before the first.
+    slot: Vec<f64>,
     factorized: Option<Vec<f64>>,
     /// L₁₁⁻¹F_i where the load is Σ a_i(t) F_i and memory a multiple.
     basis: Option<Vec<Vec<f64>>>,
@@ -80,28 +91,36 @@ struct Condensed<'a, P> {
     scratch: Scratch,
     extrapolation: Extrapolation,
     accumulated: Accumulated,
-    /// F_n, Cartesian; the right side in the order of the factor; products with a ℬ_i.
-    force: Vec<f64>,
-    swept: Vec<f64>,
+    /// Levels that are expanded together, the first `solved` of them solved on Γ3.
+    pending: Vec<Pending>,
+    solved: usize,
+    block: Vec<Side>,
+    block_front: Front<Side>,
+    /// Products with a ℬ_i.
     product: Vec<f64>,
     /// Unknowns and histories padded to all nodes; the same as displacements.
     u: Vec<f64>,
     history: Vec<Vec<f64>>,
     nodal: Vec<f64>,
+    balance: Vec<f64>,
     shown_history: Vec<Vec<f64>>,
     compliance: Vec<f64>,
     multiplier: Vec<f64>,
-    /// The largest load whose level has set the floors.
+    /// The level shown last, and the largest load whose level has set the floors.
+    shown: usize,
     largest_force: f64,
-    /// max ‖ε(u_n)‖.
-    largest_strain: f64,
 }
 
 impl<'a, P: Projection> Condensed<'a, P> {
-    fn new(space: &'a Discretization, model: &'a Model<P>, grid: &TimeGrid) -> Self {
+    fn new(
+        space: &'a Discretization,
+        analysis: &'a Analysis,
+        model: &'a Model<P>,
+        grid: &TimeGrid,
+    ) -> Self {
         let start = Instant::now();
         let elastic = space.stiffness_of_unknowns(&model.elasticity);
-        let beta = if model.memory.is_empty() { Some(0.0) } else { model.memory_multiple() };
+        let beta = model.memory_multiple();
         let terms = model.memory.iter();
         let by_memory = match beta {
             Some(_) => Vec::new(),
@@ -111,19 +130,26 @@ impl<'a, P: Projection> Condensed<'a, P> {
         let graphs = graph.coordinates.len();
         let (dofs, nodes, points) = (space.dofs(), space.nodes.len(), space.trace.points.len());
         let unknowns = space.trace.unknowns();
-        let cut = dofs - unknowns.len();
+        let side = unknowns.len();
         let rule = model.time_rule.as_ref();
+        let remember = |dofs| {
+            let new = move |term: &super::MemoryTerm| Memory::new(&*term.kernel, rule, grid, dofs);
+            terms.clone().map(new)
+        };
         let framed = if space.frames.is_empty() { 0 } else { model.memory.len() };
+        let ahead = if beta.is_some() { SIDES } else { 1 };
         let level = CondensedLevel::new(graph, unknowns);
         let mut info = CaseInfo::default();
         info.work.seconds_assemble += start.elapsed().as_secs_f64();
         Self {
-            state: StepState { u: vec![0.0; dofs - cut], pressure: vec![0.0; graphs] },
-            memory: terms.map(|term| Memory::new(&*term.kernel, rule, grid, dofs)).collect(),
+            state: StepState { u: vec![0.0; side], pressure: vec![0.0; graphs] },
+            memory: remember(dofs).collect(),
+            on_side: beta.and_then(|_| remember(side).next()),
+            past_on_side: vec![0.0; side],
             slot: vec![0.0; model.memory.len()],
             matrix: if beta.is_some() { Vec::new() } else { elastic.clone() },
-            factor: space.analysis.factor(),
-            workspace: space.analysis.workspace(1),
+            factor: analysis.factor(),
+            workspace: analysis.workspace(1),
             front: Front::default(),
             factorized: None,
             basis: None,
@@ -131,46 +157,53 @@ impl<'a, P: Projection> Condensed<'a, P> {
             scratch: Scratch::default(),
             extrapolation: Extrapolation::default(),
             accumulated: Accumulated::default(),
-            force: vec![0.0; dofs],
-            swept: vec![0.0; dofs],
+            pending: vec![Pending::new(dofs); ahead],
+            solved: 0,
+            block: vec![[0.0; SIDES]; if ahead == SIDES { dofs } else { 0 }],
+            block_front: Front::default(),
             product: vec![0.0; if beta.is_some() { 0 } else { dofs }],
             u: vec![0.0; nodes],
             history: vec![vec![0.0; nodes]; model.memory.len()],
             nodal: vec![0.0; nodes],
+            balance: Vec::new(),
             shown_history: vec![vec![0.0; nodes]; framed],
             compliance: vec![0.0; points],
             multiplier: vec![0.0; points],
+            shown: 0,
             largest_force: 0.0,
-            largest_strain: 0.0,
+            cut: dofs - side,
             space,
+            analysis,
             model,
             info,
             beta,
             elastic,
             by_memory,
-            cut,
             level,
         }
     }
 
-    fn step(
+    /// Solves level n on Γ3.
+    fn solve(
         &mut self,
         n: usize,
         grid: &TimeGrid,
         load: &mut dyn Load,
         newton: &Newton,
-        observe: &mut Observer<'_>,
     ) -> Result<(), CaseError> {
         let t = grid.time(n);
         let start = Instant::now();
-        load.assemble(t, &mut self.force)?;
+        load.assemble(t, &mut self.pending[self.solved].force)?;
         self.info.seconds_load += start.elapsed().as_secs_f64();
-        let dofs = self.space.dofs();
         let rule = self.model.time_rule.as_ref();
-        let terms = self.model.memory.iter().zip(&mut self.memory).zip(&mut self.history);
-        for (((term, memory), history), own) in terms.zip(&mut self.slot) {
-            memory.past(&*term.kernel, rule, grid, &mut history[..dofs]);
+        for (term, own) in self.model.memory.iter().zip(&mut self.slot) {
             *own = rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n);
+        }
+        match (&mut self.on_side, self.model.memory.first()) {
+            (Some(memory), Some(term)) => {
+                memory.past(&*term.kernel, rule, grid, &mut self.past_on_side);
+            }
+            _ => self.recall(grid),
         }
         let failed = |source| FailedStep { n, t, source };
         let refused = |source| failed(StepError::Factor { iteration: 0, source });
@@ -183,17 +216,31 @@ impl<'a, P: Projection> Condensed<'a, P> {
         self.extrapolation.keep(t, &self.state);
         self.info.newton_iterations += info.iterations;
         self.info.active_set_changes += info.active_set_changes;
-        self.expand();
-        self.info.work.linear.seconds_solve += start.elapsed().as_secs_f64();
-        for ((memory, history), own) in
-            self.memory.iter_mut().zip(&mut self.history).zip(&self.slot)
-        {
-            memory.commit(grid, &self.u[..dofs]);
-            axpy(*own, &self.u[..dofs], &mut history[..dofs]);
+        if let Some(memory) = &mut self.on_side {
+            memory.commit(grid, &self.state.u);
         }
-        let bytes = self.memory.iter().map(Memory::bytes).sum();
-        self.info.peak_history_bytes = self.info.peak_history_bytes.max(bytes);
-        self.show(n, grid, observe)
+        let (scale, beta) = (self.level.scale, self.beta.unwrap_or(0.0));
+        let pending = &mut self.pending[self.solved];
+        let v = pending.swept[self.cut..].iter_mut();
+        for ((v, u), past) in v.zip(&self.state.u).zip(&self.past_on_side) {
+            *v = scale * u + beta * past;
+        }
+        pending.n = n;
+        pending.scale = scale;
+        pending.slot.clone_from(&self.slot);
+        pending.state.clone_from(&self.state);
+        self.solved += 1;
+        self.info.work.linear.seconds_solve += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// Σ_{j<n} W_nj u_j of each term, for the first level that is not committed.
+    fn recall(&mut self, grid: &TimeGrid) {
+        let (dofs, rule) = (self.space.dofs(), self.model.time_rule.as_ref());
+        let terms = self.model.memory.iter().zip(&mut self.memory).zip(&mut self.history);
+        for ((term, memory), history) in terms {
+            memory.past(&*term.kernel, rule, grid, &mut history[..dofs]);
+        }
     }
 
     /// The factor and s for the weights of the last slot.
@@ -215,7 +262,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
             }
         }
         let matrix = if self.beta.is_some() { &self.elastic } else { &self.matrix };
-        let analysis = &self.space.analysis;
+        let analysis = self.analysis;
         self.info.work.linear.factorizations += 1;
         analysis.factorize(&self.space.pattern, matrix, &mut self.factor, &mut self.workspace)?;
         self.factorized = Some(self.slot.clone());
@@ -241,143 +288,34 @@ impl<'a, P: Projection> Condensed<'a, P> {
 
     /// The right side with the volume eliminated, and the load of the level.
     fn condense(&mut self, t: f64, load: &dyn Load) {
+        let Pending { force, swept, .. } = &mut self.pending[self.solved];
         match &self.basis {
             Some(basis) => {
                 load.factors(t, &mut self.factors);
-                self.swept.fill(0.0);
+                swept.fill(0.0);
                 for (vector, factor) in basis.iter().zip(&self.factors) {
-                    axpy(*factor, vector, &mut self.swept);
+                    axpy(*factor, vector, swept);
                 }
             }
             None => {
-                let analysis = &self.space.analysis;
                 let dofs = self.space.dofs();
-                let force = &mut self.nodal[..dofs];
-                force.copy_from_slice(&self.force);
-                self.space.frames.force_on_unknowns(force);
+                let forces = &mut self.nodal[..dofs];
+                forces.copy_from_slice(force);
+                self.space.frames.force_on_unknowns(forces);
                 for (matrix, history) in self.by_memory.iter().zip(&self.history) {
                     self.space.pattern.multiply(matrix, &history[..dofs], &mut self.product);
-                    axpy(-1.0, &self.product, force);
+                    axpy(-1.0, &self.product, forces);
                 }
-                for (value, &dof) in self.swept.iter_mut().zip(analysis.order()) {
-                    *value = force[dof as usize];
+                for (value, &dof) in swept.iter_mut().zip(self.analysis.order()) {
+                    *value = forces[dof as usize];
                 }
-                analysis.forward(&self.factor, self.cut, &mut self.swept, &mut self.front);
+                self.analysis.forward(&self.factor, self.cut, swept, &mut self.front);
             }
         }
-        self.level.load.copy_from_slice(&self.swept[self.cut..]);
-        if let (Some(beta), Some(history)) = (self.beta, self.history.first()) {
-            let unknowns = self.space.analysis.order()[self.cut..].iter();
-            self.level.add_to_load(-beta, unknowns.map(|&dof| history[dof as usize]));
+        self.level.load.copy_from_slice(&swept[self.cut..]);
+        if self.on_side.is_some() {
+            let beta = self.beta.unwrap_or(0.0);
+            self.level.add_to_load(-beta, self.past_on_side.iter().copied());
         }
-    }
-
-    /// u from its part on Γ3.
-    fn expand(&mut self) {
-        let analysis = &self.space.analysis;
-        let past = self.beta.zip(self.history.first());
-        let scale = self.level.scale;
-        let on_side = self.swept[self.cut..].iter_mut().zip(self.level.unknowns());
-        for ((value, &dof), u) in on_side.zip(&self.state.u) {
-            *value = scale * u + past.map_or(0.0, |(beta, past)| beta * past[dof as usize]);
-        }
-        analysis.backward(&self.factor, self.cut, &mut self.swept, &mut self.front);
-        self.info.work.linear.solves += 1;
-        for (&value, &dof) in self.swept.iter().zip(analysis.order()) {
-            let dof = dof as usize;
-            self.u[dof] = match past {
-                Some((beta, past)) => (value - beta * past[dof]) / scale,
-                None => value,
-            };
-        }
-        // Values that a graph holds stay exact.
-        for (&dof, u) in self.level.unknowns().iter().zip(&self.state.u) {
-            self.u[dof as usize] = *u;
-        }
-    }
-
-    fn show(
-        &mut self,
-        n: usize,
-        grid: &TimeGrid,
-        observe: &mut Observer<'_>,
-    ) -> Result<(), CaseError> {
-        let t = grid.time(n);
-        let framed = !self.space.frames.is_empty();
-        self.nodal.copy_from_slice(&self.u);
-        self.space.frames.to_cartesian(&mut self.nodal);
-        for (shown, history) in self.shown_history.iter_mut().zip(&self.history) {
-            shown.copy_from_slice(history);
-            self.space.frames.to_cartesian(shown);
-        }
-        split_pressures(
-            self.space,
-            self.model,
-            self.level.graph(),
-            &self.state,
-            [&mut self.compliance, &mut self.multiplier],
-        );
-        let strain_norm = strain_norm(self.space, &self.nodal);
-        self.accumulated.commit(grid, strain_norm);
-        self.largest_strain = self.largest_strain.max(strain_norm);
-        let view = StepView {
-            n,
-            t,
-            u: &self.nodal,
-            history: if framed { &self.shown_history } else { &self.history },
-            zeta: self.accumulated.value(),
-            kappa: f64::INFINITY,
-            strain_norm,
-            compliance: &self.compliance,
-            multiplier: &self.multiplier,
-        };
-        let residual = kkt_residual(self.space, self.model, &view, &self.force);
-        if residual.is_nan() || residual > KKT_ALLOWED {
-            return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
-        }
-        self.info.kkt_residual = self.info.kkt_residual.max(residual);
-        observe(&view)?;
-        // Floors grow with the load: levels of twice the largest load so far are few.
-        if norm(&self.force) > 2.0 * self.largest_force {
-            self.raise_floors();
-        }
-        Ok(())
-    }
-
-    /// Raises the floors to those of the correction that one more solve of the level would make.
-    fn raise_floors(&mut self) {
-        self.largest_force = self.largest_force.max(norm(&self.force));
-        let (space, dofs) = (self.space, self.space.dofs());
-        let mut unbalanced = self.force.clone();
-        space.frames.force_on_unknowns(&mut unbalanced);
-        let graph = self.level.graph().coordinates.iter();
-        for (at, pressure) in graph.zip(&self.state.pressure) {
-            let dof = self.level.unknowns()[at.dof as usize] as usize;
-            unbalanced[dof] -= at.sign * at.weight * pressure;
-        }
-        // K acts on v, see above; each ℬ_i acts on its history, which holds u_n.
-        let mut v = self.u[..dofs].to_vec();
-        if let (Some(beta), Some(history)) = (self.beta, self.history.first()) {
-            axpy(beta, &history[..dofs], &mut v);
-        }
-        let mut product = vec![0.0; dofs];
-        space.pattern.multiply(&self.elastic, &v, &mut product);
-        axpy(-1.0, &product, &mut unbalanced);
-        for (matrix, history) in self.by_memory.iter().zip(&self.history) {
-            space.pattern.multiply(matrix, &history[..dofs], &mut product);
-            axpy(-1.0, &product, &mut unbalanced);
-        }
-        let diagonal = |i: usize| self.elastic[space.pattern.diagonal(i)] * v[i];
-        let forces: Vec<f64> = (0..dofs).map(diagonal).collect();
-        let size = norm(&forces) + norm(&self.force);
-        // What the tolerance of Newton's method in the volume would be.
-        let tolerance = Newton::default().rounding_units * f64::EPSILON * size;
-        let accepted = Accepted { residual: norm(&unbalanced), tolerance };
-        space.analysis.solve(&self.factor, &mut unbalanced, &mut self.workspace);
-        unbalanced.resize(space.nodes.len(), 0.0);
-        space.frames.to_cartesian(&mut unbalanced);
-        let largest = self.model.elasticity.eigenvalues(space.mesh.dimension).1;
-        let floors = Floors::new(space, &unbalanced, &self.nodal, accepted, largest);
-        self.info.floors = self.info.floors.max(floors);
     }
 }

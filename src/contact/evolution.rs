@@ -1,10 +1,9 @@
 //! Problem 14 over a time grid as a [`HistoryInequality`]: one [`ContactProblem`] level after
 //! another, with the histories of ℬ and ζ.
 
-use std::borrow::Cow;
 use std::time::Instant;
 
-use super::problem::LastSlot;
+use super::last_slot::LastSlot;
 use super::{CaseError, ContactProblem, Discretization, LinearSolver, Load, Model, strain_norm};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
@@ -30,6 +29,8 @@ pub struct Evolution<'a, P> {
     /// Σ_{j<n} W_nj u_j of each term while a level is open, Σ'_{j≤n} W_nj u_j after its commit, of
     /// unknowns padded to all nodes.
     history: Vec<Vec<f64>>,
+    /// The same as displacements, where they differ.
+    shown_history: Vec<Vec<f64>>,
     /// The same with a frozen last slot.
     frozen_history: Vec<Vec<f64>>,
     zeta: f64,
@@ -58,6 +59,10 @@ impl<'a, P: Projection> Evolution<'a, P> {
                 grid.steps(),
             )),
             history: vec![vec![0.0; space.nodes.len()]; memory.len()],
+            shown_history: match space.frames.is_empty() {
+                true => Vec::new(),
+                false => vec![vec![0.0; space.nodes.len()]; memory.len()],
+            },
             frozen_history: vec![vec![0.0; space.dofs()]; memory.len()],
             memory,
             accumulated: Accumulated::default(),
@@ -91,12 +96,8 @@ impl<'a, P: Projection> Evolution<'a, P> {
     }
 
     /// Σ'_{j≤n} W_nj u_j of the last committed level as nodal vectors, one a term of the memory.
-    pub fn history(&self) -> Cow<'_, [Vec<f64>]> {
-        if self.space.frames.is_empty() {
-            Cow::Borrowed(&self.history)
-        } else {
-            Cow::Owned(self.history.iter().map(|sum| self.nodal(sum)).collect())
-        }
+    pub fn history(&self) -> &[Vec<f64>] {
+        if self.space.frames.is_empty() { &self.history } else { &self.shown_history }
     }
 
     /// A vector of unknowns as displacements of all nodes.
@@ -125,10 +126,8 @@ impl<'a, P: Projection> Evolution<'a, P> {
     }
 
     fn begin_implicit(&mut self) {
-        let dofs = self.space.dofs();
         let sums = if self.committed > 0 { &self.history[..] } else { &[] };
-        let past: Vec<&[f64]> = sums.iter().map(|sum| &sum[..dofs]).collect();
-        self.problem.begin(self.slot.clone(), self.past_zeta, &self.load, &past);
+        self.problem.begin(&self.slot, self.past_zeta, &self.load, sums);
     }
 }
 
@@ -146,7 +145,8 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         self.seconds_load += start.elapsed().as_secs_f64();
         let rule = self.model.time_rule.as_ref();
         let (grid, dofs) = (self.grid, self.space.dofs());
-        self.slot = LastSlot { zeta: rule.weight(grid, n, n), memory: Vec::new() };
+        self.slot.zeta = rule.weight(grid, n, n);
+        self.slot.memory.clear();
         self.past_zeta = self.accumulated.past(rule, grid);
         for ((memory, term), sum) in
             self.memory.iter_mut().zip(&self.model.memory).zip(&mut self.history)
@@ -168,8 +168,7 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
             frozen.copy_from_slice(&sum[..dofs]);
             axpy(own, eta, frozen);
         }
-        let past: Vec<&[f64]> = self.frozen_history.iter().map(Vec::as_slice).collect();
-        self.problem.begin(LastSlot::default(), zeta, &self.load, &past);
+        self.problem.begin(&LastSlot::default(), zeta, &self.load, &self.frozen_history);
     }
 
     fn commit(&mut self, solution: &StepState) {
@@ -181,6 +180,10 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
         for (memory, (sum, &own)) in self.memory.iter_mut().zip(sums) {
             memory.commit(self.grid, &solution.u);
             axpy(own, &solution.u, &mut sum[..dofs]);
+        }
+        for (shown, sum) in self.shown_history.iter_mut().zip(&self.history) {
+            shown.copy_from_slice(sum);
+            self.space.frames.to_cartesian(shown);
         }
         let bytes = self.memory.iter().map(Memory::bytes).sum();
         self.peak_history_bytes = self.peak_history_bytes.max(bytes);

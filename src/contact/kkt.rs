@@ -19,9 +19,20 @@ pub fn kkt_residual<P: Projection>(
     view: &StepView<'_>,
     load: &[f64],
 ) -> f64 {
+    kkt_residual_in(space, model, view, load, &mut Vec::new())
+}
+
+/// The same with room for the forces, which a march hands in again at every level.
+pub(super) fn kkt_residual_in<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    load: &[f64],
+    room: &mut Vec<f64>,
+) -> f64 {
     match space.mesh.dimension {
-        2 => evaluate::<P, 2, 3>(space, model, view, load),
-        _ => evaluate::<P, 3, 6>(space, model, view, load),
+        2 => evaluate::<P, 2, 3>(space, model, view, load, room),
+        _ => evaluate::<P, 3, 6>(space, model, view, load, room),
     }
 }
 
@@ -31,24 +42,27 @@ pub(super) fn internal_force<P: Projection>(
     model: &Model<P>,
     view: &StepView<'_>,
 ) -> Vec<f64> {
+    let mut force = Vec::new();
     match space.mesh.dimension {
-        2 => internal_force_in::<P, 2, 3>(space, model, view),
-        _ => internal_force_in::<P, 3, 6>(space, model, view),
+        2 => internal_force_in::<P, 2, 3>(space, model, view, &mut force),
+        _ => internal_force_in::<P, 3, 6>(space, model, view, &mut force),
     }
+    force
 }
 
 fn internal_force_in<P: Projection, const D: usize, const S: usize>(
     space: &Discretization,
     model: &Model<P>,
     view: &StepView<'_>,
-) -> Vec<f64> {
-    let mut force = vec![0.0; space.nodes.len()];
+    force: &mut Vec<f64>,
+) {
+    force.clear();
+    force.resize(space.nodes.len(), 0.0);
     for c in 0..space.mesh.cell_count() {
         let stress = view.stress::<P, S>(space, model, c).map(|s| s * space.geometry.measure[c]);
         let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-        stress_force::<D, S>(gradients, nodes, &stress, &mut force);
+        stress_force::<D, S>(gradients, nodes, &stress, force);
     }
-    force
 }
 
 fn evaluate<P: Projection, const D: usize, const S: usize>(
@@ -56,10 +70,11 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
     model: &Model<P>,
     view: &StepView<'_>,
     load: &[f64],
+    balance: &mut Vec<f64>,
 ) -> f64 {
-    let mut balance = internal_force_in::<P, D, S>(space, model, view);
-    let mut scale = largest(&balance).max(largest(load));
-    add_contact_forces(space, model, view, &mut balance);
+    internal_force_in::<P, D, S>(space, model, view, balance);
+    let mut scale = largest(balance).max(largest(load));
+    add_contact_forces(space, model, view, balance);
     for (force, load) in balance.iter_mut().zip(load) {
         *force -= load;
     }
@@ -80,7 +95,7 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
             if boundary.rule == BoundaryRule::Vertex {
                 let place = [normal - (boundary.shift)(x), view.compliance[i]];
                 let potential = boundary.potential_at(x);
-                worst = worst.max(graph_distance(&*potential, place, point.weight, stiffness));
+                worst = worst.max(graph_distance(&potential, place, point.weight, stiffness));
             }
         }
         scale = scale.max(f64::MIN_POSITIVE);

@@ -1,13 +1,12 @@
 //! The march in time: Problem 14 step after step, with the history committed after convergence.
 
 use super::floor::Accepted;
+use super::kkt::kkt_residual_in;
 use super::plan::Plan;
 use super::work::Work;
-use super::{
-    Discretization, Evolution, Floors, Load, LoadError, Model, condensed, kkt_residual, linear,
-};
+use super::{Discretization, Evolution, Floors, Load, LoadError, Model, condensed, linear};
 use crate::history::TimeGrid;
-use crate::law::Projection;
+use crate::law::{Potential, Projection};
 use crate::vhi::{
     BoundaryGraph, FailedStep, Piece, StepInequality, StepSolver, StepState, Stepper,
 };
@@ -79,7 +78,7 @@ pub enum CaseError {
 const MEASURABLE: std::ops::RangeInclusive<f64> = 1e-152..=1e152;
 
 /// Whether a solution with this largest ‖ε(u_n)‖ can be measured; one that is zero throughout can.
-pub(super) fn measurable<P: Projection>(
+fn measurable<P: Projection>(
     space: &Discretization,
     model: &Model<P>,
     largest: f64,
@@ -108,6 +107,8 @@ pub struct CaseInfo {
     pub active_set_changes: u32,
     /// Largest relative KKT residual over all steps (separate evaluation).
     pub kkt_residual: f64,
+    /// max ‖ε(u_n)‖.
+    pub strain_norm: f64,
     /// Factorizations, solves and their times.
     pub work: Work,
     /// Seconds in loads.
@@ -122,6 +123,22 @@ pub struct CaseInfo {
 /// them is n·1e-16 at worst on the meshes of this project; 1e-9 is the accuracy promised for results.
 pub const KKT_ALLOWED: f64 = 1e-9;
 
+impl CaseInfo {
+    /// Takes a level with the KKT residual that a separate evaluation found.
+    ///
+    /// # Errors
+    /// [`CaseError::Kkt`] if that is more than [`KKT_ALLOWED`], or no number.
+    pub(super) fn accept(&mut self, level: &StepView<'_>, residual: f64) -> Result<(), CaseError> {
+        if residual.is_nan() || residual > KKT_ALLOWED {
+            let (n, t) = (level.n, level.t);
+            return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
+        }
+        self.kkt_residual = self.kkt_residual.max(residual);
+        self.strain_norm = self.strain_norm.max(level.strain_norm);
+        Ok(())
+    }
+}
+
 /// Solves all steps of a case and shows each to `observe`.
 ///
 /// # Errors
@@ -134,16 +151,8 @@ pub fn march<P: Projection, S: StepSolver>(
     solver: &S,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    match Plan::of(space, model, grid.steps(), solver.newton().is_some()) {
-        Plan::Recursion => return linear::march(space, model, grid, load, observe),
-        Plan::Condensed => {
-            if let Some(newton) = solver.newton() {
-                return condensed::march(space, model, grid, load, newton, observe);
-            }
-        }
-        Plan::Newton => {}
-    }
-    march_in_volume(space, model, grid, load, solver, observe)
+    let plan = Plan::of(space, model, grid.steps(), solver.newton().is_some());
+    march_by(plan, space, model, grid, load, solver, observe)
 }
 
 /// The same level by level in the volume, whatever shorter way there is.
@@ -158,12 +167,27 @@ pub fn march_in_volume<P: Projection, S: StepSolver>(
     solver: &S,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let mut march = March::new(space, model, grid, load, solver);
-    for n in 0..=grid.steps() {
-        march.step(n, grid.time(n), observe)?;
-    }
-    measurable(space, model, march.largest_strain)?;
-    Ok(march.finish())
+    march_by(Plan::Newton, space, model, grid, load, solver, observe)
+}
+
+fn march_by<P: Projection, S: StepSolver>(
+    plan: Plan,
+    space: &Discretization,
+    model: &Model<P>,
+    grid: &TimeGrid,
+    load: &mut dyn Load,
+    solver: &S,
+    observe: &mut Observer<'_>,
+) -> Result<CaseInfo, CaseError> {
+    let info = match (plan, solver.newton()) {
+        (Plan::Recursion, _) => linear::march(space, model, grid, load, observe),
+        (Plan::Condensed, Some(newton)) => {
+            condensed::march(space, model, grid, load, newton, observe)
+        }
+        _ => March::new(space, model, grid, load, solver).run(grid, observe),
+    }?;
+    measurable(space, model, info.strain_norm)?;
+    Ok(info)
 }
 
 struct March<'a, P, S> {
@@ -172,12 +196,11 @@ struct March<'a, P, S> {
     evolution: Evolution<'a, P>,
     stepper: Stepper<'a, S>,
     nodal: Vec<f64>,
+    balance: Vec<f64>,
     compliance: Vec<f64>,
     multiplier: Vec<f64>,
     /// The largest residual that was accepted so far, and the floors it and rounding make.
     worst_residual: f64,
-    /// max ‖ε(u_n)‖.
-    largest_strain: f64,
     info: CaseInfo,
 }
 
@@ -194,14 +217,21 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             stepper: Stepper::new(&evolution, solver),
             evolution,
             nodal: vec![0.0; space.nodes.len()],
+            balance: Vec::new(),
             compliance: vec![0.0; space.trace.points.len()],
             multiplier: vec![0.0; space.trace.points.len()],
             worst_residual: 0.0,
-            largest_strain: 0.0,
             info: CaseInfo::default(),
             space,
             model,
         }
+    }
+
+    fn run(mut self, grid: &TimeGrid, observe: &mut Observer<'_>) -> Result<CaseInfo, CaseError> {
+        for n in 0..=grid.steps() {
+            self.step(n, grid.time(n), observe)?;
+        }
+        Ok(self.finish())
     }
 
     fn step(&mut self, n: usize, t: f64, observe: &mut Observer<'_>) -> Result<(), CaseError> {
@@ -260,19 +290,21 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             n,
             t,
             u: &self.nodal,
-            history: &history,
+            history,
             zeta,
             kappa: self.model.projection.limit().map_or(f64::INFINITY, |l| l.value(zeta)),
             strain_norm: self.evolution.problem().strain_norm(),
             compliance: &self.compliance,
             multiplier: &self.multiplier,
         };
-        let residual = kkt_residual(self.space, self.model, &view, self.evolution.load());
-        if residual.is_nan() || residual > KKT_ALLOWED {
-            return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
-        }
-        self.info.kkt_residual = self.info.kkt_residual.max(residual);
-        self.largest_strain = self.largest_strain.max(view.strain_norm);
+        let residual = kkt_residual_in(
+            self.space,
+            self.model,
+            &view,
+            self.evolution.load(),
+            &mut self.balance,
+        );
+        self.info.accept(&view, residual)?;
         observe(&view)
     }
 }

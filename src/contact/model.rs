@@ -58,11 +58,8 @@ impl Boundary {
     }
 
     /// c ∂j_ν at a point of Γ3.
-    pub fn potential_at(&self, x: [f64; 3]) -> Arc<dyn Potential> {
-        match &self.scale {
-            None => self.potential.clone(),
-            Some(scale) => Arc::new(Scaled { potential: self.potential.clone(), factor: scale(x) }),
-        }
+    pub fn potential_at(&self, x: [f64; 3]) -> Scaled {
+        Scaled { potential: self.potential.clone(), factor: self.scale_at(x) }
     }
 }
 
@@ -95,9 +92,12 @@ impl<P: Projection> Model<P> {
         }
     }
 
-    /// β with ℬ₀ = β𝒜, where there is one term and that is so.
+    /// β with ℬ₀ = β𝒜, where there is one term and that is so; 0 without memory.
     pub fn memory_multiple(&self) -> Option<f64> {
-        let [term] = &self.memory[..] else { return None };
-        term.tensor.multiple_of(&self.elasticity)
+        match &self.memory[..] {
+            [] => Some(0.0),
+            [term] => term.tensor.multiple_of(&self.elasticity),
+            _ => None,
+        }
     }
 }

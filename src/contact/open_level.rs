@@ -1,7 +1,7 @@
 //! Λ of Problem 14 at a level that is open, with its derivative.
 
 use super::assembly::stress_force;
-use super::problem::LastSlot;
+use super::last_slot::LastSlot;
 use super::{CaseError, Discretization, Evolution, Model};
 use crate::history::TimeGrid;
 use crate::law::{Isotropic, Projection};

@@ -24,22 +24,22 @@ impl Plan {
     ) -> Self {
         // What is condensed is a factor.
         let direct = || LinearSolver::of(space, model, steps) == LinearSolver::Direct;
-        match Self::foreseen(model) {
+        match Self::foreseen(model, space.mesh.dimension) {
             Self::Condensed if !(condensed::applies(space, model) && direct()) => Self::Newton,
             plan if newton => plan,
             _ => Self::Newton,
         }
     }
 
-    /// The plan on meshes on which Γ3 is small beside the body, as it is in the plane.
-    pub fn foreseen<P: Projection>(model: &Model<P>) -> Self {
-        let multiple = model.memory.is_empty() || model.memory_multiple().is_some();
+    /// The plan where Γ3 is small beside the body. That is so in the plane: in space a factor with Γ3 last costs a
+    /// multiple of one without, and a full matrix on n² unknowns is no small problem.
+    pub fn foreseen<P: Projection>(model: &Model<P>, dimension: usize) -> Self {
         let at_vertices = model.boundary.as_ref().is_some_and(|boundary| {
             boundary.rule == BoundaryRule::Vertex || boundary.potential.is_absent()
         });
-        if model.is_linear() && multiple {
+        if model.is_linear() && !Self::changes_factor(model) {
             Self::Recursion
-        } else if model.projection.limit().is_none() && at_vertices {
+        } else if dimension == 2 && model.projection.limit().is_none() && at_vertices {
             Self::Condensed
         } else {
             Self::Newton
@@ -48,6 +48,6 @@ impl Plan {
 
     /// Whether the matrix of a level depends on the weight of its last slot by more than a factor.
     pub fn changes_factor<P: Projection>(model: &Model<P>) -> bool {
-        !model.memory.is_empty() && model.memory_multiple().is_none()
+        model.memory_multiple().is_none()
     }
 }

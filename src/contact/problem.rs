@@ -10,6 +10,7 @@ use std::time::Instant;
 use super::assembly::{cell_stiffness, stress_force};
 use super::boundary::boundary_graph;
 use super::compliance::FacetCompliance;
+use super::last_slot::{LastSlot, TangentOf};
 use super::linear::strain_norm_from;
 use super::work::Work;
 use super::{Discretization, LinearSolver, Model};
@@ -18,16 +19,6 @@ use crate::linalg::{FactorError, RankOne, TangentSolver, norm, root_of_squares};
 use crate::space::strain_of;
 use crate::tensor::contract;
 use crate::vhi::{BoundaryGraph, StepInequality};
-
-/// Weights of the last slot of the histories, through which F depends on u_n. Both are zero at n = 0
-/// and where the last slot is frozen.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct LastSlot {
-    /// w_nn, of ‖ε(u_n)‖ in ζ_n (a time).
-    pub zeta: f64,
-    /// W_nn = w_nn b(0), of ℬ₀ε(u_n) in each term of the memory (dimensionless); empty means zero.
-    pub memory: Vec<f64>,
-}
 
 /// The contact problem on one mesh, at one time level after another.
 pub struct ContactProblem<'a, P> {
@@ -44,8 +35,8 @@ pub struct ContactProblem<'a, P> {
     linear_law: TensorField,
     linear: Vec<f64>,
     solver: TangentSolver<'a>,
-    /// What the last tangent was made of: last slot, slopes, prescribed flags.
-    last: Option<(LastSlot, Vec<f64>, Vec<bool>)>,
+    /// What the last tangent was made of.
+    last: TangentOf,
     /// Load minus memory of the past.
     load: Vec<f64>,
     /// The unknowns padded to all nodes; the displacements, where they differ; forces on all nodes.
@@ -78,7 +69,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         let tensor = if space.mesh.dimension == 2 { 3 } else { 6 };
         Self {
             solver: LinearSolver::Direct.on(space),
-            last: None,
+            last: TangentOf::default(),
             linear_law: model.elasticity.clone(),
             linear: elastic.clone(),
             elastic,
@@ -113,12 +104,13 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
 
     /// Opens a time level: weights of the last slot, the sum ζ_past, the load F_n (Cartesian), and the
     /// history vectors Σ_{j<n} w_nj b(t_n - t_j) u_j (of unknowns) of each term of the memory.
-    pub fn begin(&mut self, slot: LastSlot, past_zeta: f64, load: &[f64], past: &[&[f64]]) {
+    /// They may be padded to all nodes.
+    pub fn begin(&mut self, slot: &LastSlot, past_zeta: f64, load: &[f64], past: &[Vec<f64>]) {
         let start = Instant::now();
         self.load.copy_from_slice(load);
         self.space.frames.force_on_unknowns(&mut self.load);
         for (past, memory) in past.iter().zip(&self.memory) {
-            let force = &mut self.nodal_force[..past.len()];
+            let force = &mut self.nodal_force[..load.len()];
             self.space.pattern.multiply(memory, past, force);
             for (target, value) in self.load.iter_mut().zip(force) {
                 *target -= *value;
@@ -126,7 +118,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         }
         self.past_zeta = past_zeta;
         let changed = slot.memory != self.slot.memory;
-        self.slot = slot;
+        self.slot.clone_from(slot);
         if changed {
             self.set_linear_part();
         }
@@ -235,18 +227,23 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         }
     }
 
-    /// Adds the generalized derivative of the projection to the tangent; returns the rank-one piece.
+    /// Adds the generalized derivative of the projection to the tangent; returns the rank-one piece, in `room`.
     fn projected_tangent<const D: usize, const S: usize>(
         &self,
         tangent: &mut [f64],
+        room: RankOne,
     ) -> Option<RankOne> {
         let limit = self.model.projection.limit()?;
         let zeta = self.zeta();
         let (kappa, slope) = (limit.value(zeta), limit.slope(zeta));
         let coupled = slope != 0.0 && self.slot.zeta != 0.0 && self.strain_norm > 0.0;
-        let length = self.space.nodes.len();
-        let (mut a, mut b) =
-            if coupled { (vec![0.0; length], vec![0.0; length]) } else { (vec![], vec![]) };
+        let RankOne { mut a, mut b } = room;
+        if coupled {
+            for vector in [&mut a, &mut b] {
+                vector.clear();
+                vector.resize(self.space.nodes.len(), 0.0);
+            }
+        }
         let order = D * (D + 1);
         let mut local = [0.0; 144];
         for c in 0..self.space.mesh.cell_count() {
@@ -351,16 +348,15 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
 
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
         let start = Instant::now();
-        let flags: Vec<bool> = prescribed.iter().map(Option::is_some).collect();
-        let now = (self.slot.clone(), slopes.to_vec(), flags);
         // Without projection and compliance on facets the tangent is known from slot, slopes, pins.
         let constant = self.model.projection.limit().is_none() && self.compliance.is_none();
-        let unchanged = constant && self.last.as_ref() == Some(&now);
+        let unchanged = !self.last.replace(&self.slot, slopes, prescribed) && constant;
         let mut tangent = self.solver.take_values();
         tangent.clone_from(&self.linear);
+        let room = self.solver.take_rank_one();
         let mut rank_one = match self.space.mesh.dimension {
-            2 => self.projected_tangent::<2, 3>(&mut tangent),
-            _ => self.projected_tangent::<3, 6>(&mut tangent),
+            2 => self.projected_tangent::<2, 3>(&mut tangent, room),
+            _ => self.projected_tangent::<3, 6>(&mut tangent, room),
         };
         if let Some(compliance) = &self.compliance {
             compliance.add_tangent(&self.unknowns, &self.space.pattern, &mut tangent);
@@ -368,9 +364,9 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
         for (slope, at) in slopes.iter().zip(&self.graph.coordinates) {
             tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;
         }
+        self.work.tangents += u32::from(self.model.projection.limit().is_some());
         self.prescribe(prescribed, &mut tangent, &mut rank_one);
         self.solver.hold(self.fixed.iter().map(|&(dof, _)| dof));
-        self.last = Some(now);
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
         self.solver.prepare(tangent, rank_one, unchanged)
     }

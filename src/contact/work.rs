@@ -7,6 +7,8 @@ use crate::linalg::LinearWork;
 pub struct Work {
     /// Evaluations of F.
     pub residuals: u32,
+    /// Tangents of the projection: walks over the cells.
+    pub tangents: u32,
     /// Seconds in residuals and tangents.
     pub seconds_assemble: f64,
     /// Factorizations and solves.

@@ -12,6 +12,12 @@ pub struct Krylov {
     basis: Vec<Vec<f64>>,
     /// z_j = P⁻¹ v_j.
     directions: Vec<Vec<f64>>,
+    /// Columns of the triangular factor of the Hessenberg matrix, its rotations, the rotated right side, and the
+    /// weights of the directions.
+    triangle: Vec<Vec<f64>>,
+    rotations: Vec<(f64, f64)>,
+    right: Vec<f64>,
+    weights: Vec<f64>,
 }
 
 /// What a solve took.
@@ -49,14 +55,13 @@ pub fn gmres(
     for (v, r) in krylov.basis[0].iter_mut().zip(&*rhs) {
         *v = r / size;
     }
-    // Columns of the triangular factor of the Hessenberg matrix, its rotations, and the rotated
-    // right side.
-    let mut triangle: Vec<Vec<f64>> = Vec::with_capacity(limit);
-    let mut rotations: Vec<(f64, f64)> = Vec::with_capacity(limit);
-    let mut right = vec![size];
-    while triangle.len() < limit {
-        let j = triangle.len();
-        let mut column = krylov.extend(operator, j);
+    krylov.right.push(size);
+    let mut steps = 0;
+    while steps < limit {
+        let j = steps;
+        krylov.extend(operator, j);
+        let Krylov { triangle, rotations, right, .. } = krylov;
+        let column = &mut triangle[j];
         for (i, (c, s)) in rotations.iter().enumerate() {
             let (a, b) = (column[i], column[i + 1]);
             (column[i], column[i + 1]) = (c * a + s * b, c * b - s * a);
@@ -65,24 +70,24 @@ pub fn gmres(
         let rotation = (column[j] / length, column[j + 1] / length);
         column[j] = length;
         column.truncate(j + 1);
-        triangle.push(column);
         rotations.push(rotation);
         right.push(-rotation.1 * right[j]);
         right[j] *= rotation.0;
-        let residual = right[j + 1].abs();
+        steps += 1;
+        let residual = right[steps].abs();
         // Written so that a NaN stops the iteration.
         if residual.is_nan() || residual <= tolerance * size {
             break;
         }
     }
-    let steps = triangle.len();
+    let Krylov { triangle, right, weights, directions, .. } = krylov;
     rhs.fill(0.0);
-    let mut weights = vec![0.0; steps];
+    weights.resize(steps, 0.0);
     for i in (0..steps).rev() {
         let known: f64 = (i + 1..steps).map(|j| triangle[j][i] * weights[j]).sum();
         weights[i] = (right[i] - known) / triangle[i][i];
     }
-    for (weight, direction) in weights.iter().zip(&krylov.directions) {
+    for (weight, direction) in weights.iter().zip(directions) {
         axpy(*weight, direction, rhs);
     }
     KrylovInfo { iterations: steps as u32, relative_residual: right[steps].abs() / size }
@@ -92,19 +97,23 @@ impl Krylov {
     fn resize(&mut self, limit: usize, length: usize) {
         self.basis.resize_with(limit + 1, Vec::new);
         self.directions.resize_with(limit, Vec::new);
+        self.triangle.resize_with(limit, Vec::new);
+        self.rotations.clear();
+        self.right.clear();
         // Vectors beyond the first are allocated when an iteration first reaches them.
         self.basis[0].resize(length, 0.0);
     }
 
-    /// Appends v_{j+1}; returns column j of the Hessenberg matrix (j + 2 numbers).
-    fn extend(&mut self, operator: &mut dyn Preconditioned, j: usize) -> Vec<f64> {
+    /// Appends v_{j+1} and column j of the Hessenberg matrix (j + 2 numbers).
+    fn extend(&mut self, operator: &mut dyn Preconditioned, j: usize) {
         let (known, rest) = self.basis.split_at_mut(j + 1);
         let (direction, next) = (&mut self.directions[j], &mut rest[0]);
         direction.clone_from(&known[j]);
         operator.precondition(direction);
         next.resize(direction.len(), 0.0);
         operator.apply(direction, next);
-        let mut column = Vec::with_capacity(j + 2);
+        let column = &mut self.triangle[j];
+        column.clear();
         for v in known.iter() {
             let projection = dot(v, next);
             axpy(-projection, v, next);
@@ -117,7 +126,6 @@ impl Krylov {
                 *value /= length;
             }
         }
-        column
     }
 }
 

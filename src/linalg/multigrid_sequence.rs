@@ -75,6 +75,11 @@ impl<'a> MultigridSequence<'a> {
         std::mem::take(&mut self.values)
     }
 
+    /// Takes the rank-one piece out, to be refilled likewise.
+    pub fn take_rank_one(&mut self) -> RankOne {
+        self.rank_one.take().unwrap_or_default()
+    }
+
     /// The unknowns whose rows and columns in the next K have their diagonal entry alone.
     pub fn hold(&mut self, dofs: impl Iterator<Item = usize>) {
         self.held.clear();

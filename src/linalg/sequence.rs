@@ -74,6 +74,8 @@ pub struct SequenceSolver<'a> {
     /// K⁻¹a/(1 + bᵀK⁻¹a) and b of the factorized Jacobian.
     correction: Option<(Vec<f64>, Vec<f64>)>,
     krylov: Krylov,
+    /// The right side that is being solved for.
+    saved: Vec<f64>,
     /// The present Jacobian.
     values: Vec<f64>,
     rank_one: Option<RankOne>,
@@ -94,6 +96,7 @@ impl<'a> SequenceSolver<'a> {
             worth: worth(analysis),
             correction: None,
             krylov: Krylov::default(),
+            saved: Vec::new(),
             values: Vec::new(),
             rank_one: None,
             work: LinearWork::default(),
@@ -103,6 +106,11 @@ impl<'a> SequenceSolver<'a> {
     /// Takes lower-triangle values of K out, to be refilled and handed back to [`Self::prepare`].
     pub fn take_values(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.values)
+    }
+
+    /// Takes the rank-one piece out, to be refilled likewise.
+    pub fn take_rank_one(&mut self) -> RankOne {
+        self.rank_one.take().unwrap_or_default()
     }
 
     /// The Jacobian K + a bᵀ for the next solves. `unchanged` says that K is the one that was
@@ -133,14 +141,14 @@ impl<'a> SequenceSolver<'a> {
     fn factorize(&mut self, single: bool) -> Result<(), FactorError> {
         let start = Instant::now();
         self.exact = false;
-        self.correction = None;
+        let room = self.correction.take().unwrap_or_default();
         let outcome = if single { self.factorize_single() } else { self.factorize_double() };
         self.work.factorizations += 1;
         self.work.seconds_factor += start.elapsed().as_secs_f64();
         match outcome {
             Ok(()) => {
                 self.extra = 0;
-                self.correct()
+                self.correct(room)
             }
             // Single precision may call a barely definite matrix indefinite.
             Err(FactorError::NotPositiveDefinite { .. } | FactorError::NotFinite) if single => {
@@ -179,10 +187,10 @@ impl<'a> SequenceSolver<'a> {
     }
 
     /// Prepares Sherman and Morrison's correction for the factorized Jacobian.
-    fn correct(&mut self) -> Result<(), FactorError> {
+    fn correct(&mut self, (mut y, mut b): (Vec<f64>, Vec<f64>)) -> Result<(), FactorError> {
         let Some(rank_one) = &self.rank_one else { return Ok(()) };
-        let b = rank_one.b.clone();
-        let mut y = rank_one.a.clone();
+        y.clone_from(&rank_one.a);
+        b.clone_from(&rank_one.b);
         self.apply_factor(&mut y);
         let denominator = 1.0 + dot(&b, &y);
         // K⁻¹ and K + a bᵀ share their sign as long as the step has one solution (bound (3.4)).
@@ -247,14 +255,15 @@ impl<'a> SequenceSolver<'a> {
             return Ok(());
         }
         let mut krylov = std::mem::take(&mut self.krylov);
-        let saved = rhs.to_vec();
+        self.saved.clear();
+        self.saved.extend_from_slice(rhs);
         let info = gmres(self, rhs, forcing, LIMIT, &mut krylov);
         self.krylov = krylov;
         self.extra += info.iterations.saturating_sub(LEAST);
         if info.relative_residual <= forcing {
             return Ok(());
         }
-        rhs.copy_from_slice(&saved);
+        rhs.copy_from_slice(&self.saved);
         self.factorize(false)?;
         self.apply_inverse(rhs);
         Ok(())

@@ -10,21 +10,22 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use super::cholesky::{Analysis, Factor, Real};
 
 /// Columns that are taken together.
-const COLUMNS: usize = 4;
+pub(super) const COLUMNS: usize = 4;
 /// Partial sums of a scalar product: two registers of four doubles, for each column.
 const LANES: usize = 8;
+const HALF: usize = LANES / 2;
 
 /// Rows of one supernode: those of its own columns, then those below.
 #[derive(Debug, Clone, Default)]
 pub struct Front<T> {
-    rows: Vec<T>,
+    pub(super) rows: Vec<T>,
 }
 
 /// A supernode: columns `start..start + width`, `below` the rows under its triangle, numbers by columns.
-struct Supernode<'a, T> {
-    start: usize,
-    width: usize,
-    below: &'a [u32],
+pub(super) struct Supernode<'a, T> {
+    pub(super) start: usize,
+    pub(super) width: usize,
+    pub(super) below: &'a [u32],
     values: &'a [T],
 }
 
@@ -36,13 +37,13 @@ impl<T: Real> Supernode<'_, T> {
 
     /// Rows `from..` of column j.
     #[inline(always)]
-    fn column(&self, j: usize, from: usize) -> &[T] {
+    pub(super) fn column(&self, j: usize, from: usize) -> &[T] {
         &self.values[self.height() * j + from..self.height() * (j + 1)]
     }
 }
 
 impl Analysis {
-    fn supernodes(&self) -> Option<&SymbolicSupernodalCholesky<u32>> {
+    pub(super) fn supernodes(&self) -> Option<&SymbolicSupernodalCholesky<u32>> {
         match self.symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(raw) => Some(raw),
             // Never chosen but for order 0, where there is nothing to solve.
@@ -130,7 +131,7 @@ impl<T: Real> pulp::WithSimd for Pass<'_, T> {
 }
 
 #[inline(always)]
-fn supernode<'a, T>(
+pub(super) fn supernode<'a, T>(
     symbolic: &'a SymbolicSupernodalCholesky<u32>,
     factor: &'a Factor<T>,
     s: usize,
@@ -162,12 +163,8 @@ fn eliminate<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &m
                 own[b] -= column[b - a] * own[a];
             }
         }
-        let c: [&[T]; COLUMNS] = std::array::from_fn(|a| node.column(j + a, j + COLUMNS));
         let w: [T; COLUMNS] = std::array::from_fn(|a| own[a]);
-        for ((((value, c0), c1), c2), c3) in rest.iter_mut().zip(c[0]).zip(c[1]).zip(c[2]).zip(c[3])
-        {
-            *value -= (*c0 * w[0] + *c1 * w[1]) + (*c2 * w[2] + *c3 * w[3]);
-        }
+        subtract(std::array::from_fn(|a| node.column(j + a, j + COLUMNS)), w, rest);
         j += COLUMNS;
     }
     while j < columns {
@@ -231,31 +228,69 @@ fn product<T: Real>(a: &[T], b: &[T]) -> T {
     total(lanes) + rest
 }
 
+/// x ← x - Σ_a w_a c_a, in blocks of fixed size: fronts are short, and a loop that is unrolled for long ones spends
+/// itself on what is left over.
+#[inline(always)]
+fn subtract<T: Real>(c: [&[T]; COLUMNS], w: [T; COLUMNS], x: &mut [T]) {
+    let [c0, c1, c2, c3] = c;
+    let value = |x: T, [c0, c1, c2, c3]: [T; COLUMNS]| {
+        x - ((c0 * w[0] + c1 * w[1]) + (c2 * w[2] + c3 * w[3]))
+    };
+    let (blocks, rest) = x.as_chunks_mut::<LANES>();
+    let ((c0, rest0), (c1, rest1)) = (c0.as_chunks::<LANES>(), c1.as_chunks::<LANES>());
+    let ((c2, rest2), (c3, rest3)) = (c2.as_chunks::<LANES>(), c3.as_chunks::<LANES>());
+    for ((((x, c0), c1), c2), c3) in blocks.iter_mut().zip(c0).zip(c1).zip(c2).zip(c3) {
+        for l in 0..LANES {
+            x[l] = value(x[l], [c0[l], c1[l], c2[l], c3[l]]);
+        }
+    }
+    let (blocks, rest) = rest.as_chunks_mut::<HALF>();
+    let ((c0, rest0), (c1, rest1)) = (rest0.as_chunks::<HALF>(), rest1.as_chunks::<HALF>());
+    let ((c2, rest2), (c3, rest3)) = (rest2.as_chunks::<HALF>(), rest3.as_chunks::<HALF>());
+    for ((((x, c0), c1), c2), c3) in blocks.iter_mut().zip(c0).zip(c1).zip(c2).zip(c3) {
+        for l in 0..HALF {
+            x[l] = value(x[l], [c0[l], c1[l], c2[l], c3[l]]);
+        }
+    }
+    for ((((x, c0), c1), c2), c3) in rest.iter_mut().zip(rest0).zip(rest1).zip(rest2).zip(rest3) {
+        *x = value(*x, [*c0, *c1, *c2, *c3]);
+    }
+}
+
 /// Σ_i c_i x_i for several columns c.
 #[inline(always)]
 fn products<T: Real>(c: [&[T]; COLUMNS], x: &[T]) -> [T; COLUMNS] {
-    let whole = x.len() / LANES * LANES;
-    let c: [&[T]; COLUMNS] = std::array::from_fn(|a| &c[a][..x.len()]);
+    let ((x, x_rest), c) = (x.as_chunks::<LANES>(), c.map(|c| c.as_chunks::<LANES>()));
     let mut lanes = [[T::ZERO; LANES]; COLUMNS];
-    let mut at = 0;
-    while at < whole {
-        for a in 0..COLUMNS {
-            let (c, x) = (&c[a][at..at + LANES], &x[at..at + LANES]);
+    let blocks = x.iter().zip(c[0].0).zip(c[1].0).zip(c[2].0).zip(c[3].0);
+    for ((((x, c0), c1), c2), c3) in blocks {
+        for (lanes, c) in lanes.iter_mut().zip([c0, c1, c2, c3]) {
             for l in 0..LANES {
-                lanes[a][l] += c[l] * x[l];
+                lanes[l] += c[l] * x[l];
             }
         }
-        at += LANES;
+    }
+    let ((x, x_rest), c) = (x_rest.as_chunks::<HALF>(), c.map(|c| c.1.as_chunks::<HALF>()));
+    let mut halves: [[T; HALF]; COLUMNS] =
+        lanes.map(|lanes| std::array::from_fn(|l| lanes[l] + lanes[l + HALF]));
+    if let [x] = x {
+        for (halves, (c, _)) in halves.iter_mut().zip(c) {
+            for l in 0..HALF {
+                halves[l] += c[0][l] * x[l];
+            }
+        }
     }
     // A sum of its own: lanes that are addressed one by one would not stay in registers.
     let mut rest = [T::ZERO; COLUMNS];
-    while at < x.len() {
-        for a in 0..COLUMNS {
-            rest[a] += c[a][at] * x[at];
+    for (i, x) in x_rest.iter().enumerate() {
+        for (rest, (_, c)) in rest.iter_mut().zip(c) {
+            *rest += c[i] * *x;
         }
-        at += 1;
     }
-    std::array::from_fn(|a| total(lanes[a]) + rest[a])
+    std::array::from_fn(|a| {
+        let [p, q, r, s] = halves[a];
+        ((p + r) + (q + s)) + rest[a]
+    })
 }
 
 /// The sum of all lanes, by halves.

@@ -21,6 +21,14 @@ impl TangentSolver<'_> {
         }
     }
 
+    /// The rank-one piece of the last Jacobian, to be refilled likewise; empty vectors if it had none.
+    pub fn take_rank_one(&mut self) -> RankOne {
+        match self {
+            Self::Direct(solver) => solver.take_rank_one(),
+            Self::Multigrid(solver) => solver.take_rank_one(),
+        }
+    }
+
     /// The unknowns whose rows and columns in the next K have their diagonal entry alone.
     pub fn hold(&mut self, dofs: impl Iterator<Item = usize>) {
         if let Self::Multigrid(solver) = self {

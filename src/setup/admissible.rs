@@ -4,6 +4,7 @@
 use super::regularity::contact_claims;
 use super::{Setup, SetupError, constants};
 use crate::formula::{Point, Program};
+use crate::law::Potential;
 use crate::manufactured::Exact;
 use crate::scene::{Face, Hypothesis, SceneError, Side};
 

@@ -42,13 +42,12 @@ impl Kind {
     /// The kind of a scene.
     pub fn of(setup: &Setup) -> Self {
         let model = &setup.model;
-        let multiple = model.memory.is_empty() || model.memory_multiple().is_some();
-        match (model.is_linear(), model.projection.is_none()) {
-            (true, _) if multiple => Self::LinearMultiple,
-            (true, _) => Self::Linear,
-            (false, true) if Plan::foreseen(model) == Plan::Condensed => Self::Condensed,
-            (false, true) => Self::Contact,
-            (false, false) => Self::Projection,
+        match Plan::foreseen(model, setup.scene.dimension) {
+            Plan::Recursion => Self::LinearMultiple,
+            Plan::Condensed => Self::Condensed,
+            Plan::Newton if model.is_linear() => Self::Linear,
+            Plan::Newton if model.projection.is_none() => Self::Contact,
+            Plan::Newton => Self::Projection,
         }
     }
 
@@ -354,9 +353,12 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
     let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
     let per_iteration = (shape * kind.assembly() + vectors) * cells;
     let history = setup.history_vectors(steps) * dofs * 8;
-    // Five matrices with their index; some thirty vectors.
+    // Five matrices with their index; some thirty vectors, and three for each of the eight levels that are expanded
+    // together where condensation has one factor.
+    let together = kind == Kind::Condensed && !Plan::changes_factor(&setup.model);
+    let vectors_bytes = if together { 240.0 + 192.0 } else { 240.0 } * dofs as f64;
     let memory_bytes =
-        linear_bytes + 52.0 * space.pattern.entries() as f64 + 240.0 * dofs as f64 + history as f64;
+        linear_bytes + 52.0 * space.pattern.entries() as f64 + vectors_bytes + history as f64;
     Cost {
         dofs,
         linear_solver,

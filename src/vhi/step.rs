@@ -47,10 +47,22 @@ pub trait StepInequality {
 }
 
 /// Unknowns of one time level: start value on entry, solution on return.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Default)]
 pub struct StepState {
     /// u.
     pub u: Vec<f64>,
     /// c_i, one a graph: the pressure ξ + λ.
     pub pressure: Vec<f64>,
+}
+
+impl Clone for StepState {
+    fn clone(&self) -> Self {
+        Self { u: self.u.clone(), pressure: self.pressure.clone() }
+    }
+
+    /// In the memory that is there: levels are kept at every step.
+    fn clone_from(&mut self, other: &Self) {
+        self.u.clone_from(&other.u);
+        self.pressure.clone_from(&other.pressure);
+    }
 }

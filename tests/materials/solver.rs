@@ -73,7 +73,7 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
     let mut problem = ContactProblem::new(space, &model);
     let order = space.dofs();
     let slot = LastSlot { zeta: 0.4, memory: weights.to_vec() };
-    problem.begin(slot, 0.3, &vec![0.0; order], &[]);
+    problem.begin(&slot, 0.3, &vec![0.0; order], &[]);
     let u: Vec<f64> = (0..order).map(|i| 0.2 * (1.7 * i as f64).sin()).collect();
     let d: Vec<f64> = (0..order).map(|i| (0.9 * i as f64).cos()).collect();
     let mut force = |scale: f64| {

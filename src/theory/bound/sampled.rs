@@ -86,7 +86,7 @@ fn sample_in<const D: usize, const S: usize>(
 fn scaled(boundary: &Boundary, space: &Discretization, declared: f64) -> Sampled {
     let needed = space.trace.points.iter().map(|point| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
-        law(&*boundary.potential_at(x))[1].needed
+        law(&boundary.potential_at(x))[1].needed
     });
     let count = space.trace.points.len() as u32 * 100 * SAMPLES;
     Sampled::new("(2.8c): alpha_j with the factor", declared, needed.fold(0.0, larger), count)

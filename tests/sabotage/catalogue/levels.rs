@@ -1,8 +1,6 @@
 //! A march of levels with a hand in what is committed to the history. It is an own loop around the library's levels,
 //! as an external solver would be; the separate evaluation of the KKT system is optional in it.
 
-use std::borrow::Cow;
-
 use gronwall::contact::{
     BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, Observer, StepView,
     kkt_residual,
@@ -160,10 +158,7 @@ impl Shown {
             n,
             t,
             u: &self.u,
-            history: match levels.history() {
-                Cow::Borrowed(history) => history,
-                Cow::Owned(_) => panic!("the contact sides of the suite lie along axes"),
-            },
+            history: levels.history(),
             zeta,
             kappa: model.projection.limit().map_or(f64::INFINITY, |limit| limit.value(zeta)),
             strain_norm: levels.problem().strain_norm(),
