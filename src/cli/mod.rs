@@ -26,10 +26,13 @@ mod trade;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+pub use fit::{Fitted, fitted};
+
 use clap::{Parser, Subcommand};
 
 use crate::scene::{Registry, Scene, SceneError};
-use crate::setup::{SetupError, Subject};
+use crate::setup::{Setup, SetupError, Subject};
+use crate::sweep::{MemoryLimit, admit_run};
 
 /// Exit code of a command that could not judge.
 const COULD_NOT_JUDGE: u8 = 2;
@@ -85,7 +88,7 @@ enum Command {
 
 /// What ends a command early, as one message on stderr and exit code 2.
 #[derive(Debug, thiserror::Error)]
-enum CliError {
+pub enum CliError {
     /// A scene is at fault.
     #[error("{0}")]
     Scene(#[from] SceneError),
@@ -179,13 +182,24 @@ impl Scenes {
     }
 }
 
-/// Prints a JSON value.
+/// Refuses a scene with a mesh that this machine cannot hold, before any of its meshes is made.
+fn meshes_fit(setup: &Setup) -> Result<(), CliError> {
+    let limit = MemoryLimit::of_machine();
+    let sweep = setup.scene.sweep.iter();
+    let ns = sweep.flat_map(|sweep| sweep.n.iter().copied().chain(sweep.reference.map(|r| r.n)));
+    ns.map(|n| n as u32).try_for_each(|n| {
+        admit_run(setup, None, (n, 1), &limit)
+            .map_err(|error| CliError::Other(format!("{} n = {n}: {error}", setup.scene.name)))
+    })
+}
+
 /// A scene without cases, where a command needs some to `run` or to `audit`.
 fn no_case(scene: &Scene, purpose: &str) -> CliError {
     let hint = "add [sweep] with n and steps, or give --n and --steps";
     scene.error("scene.name", format!("the scene has no case to {purpose}"), hint).into()
 }
 
+/// Prints a JSON value.
 fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
     let text = serde_json::to_string_pretty(value).map_err(|e| CliError::Other(e.to_string()))?;
     print_text(&text);

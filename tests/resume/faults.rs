@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use gronwall::contact::{CaseError, CaseInfo, Observer};
 use gronwall::record::{CaseRecord, Status, read};
 use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
-use gronwall::sweep::{OutputDirectory, Overrides, Progress, ScenePlan, run_sweep};
+use gronwall::sweep::{Machine, OutputDirectory, Overrides, Progress, ScenePlan, run_sweep};
 
 use crate::program::{Folder, code, command, stderr, stdout, sweep, timeless};
 use crate::shipped::setup;
@@ -129,7 +129,7 @@ fn a_panic_is_the_end_of_its_case_alone() {
         let subject = Subject::Contact(Box::new(setup));
         let plan = ScenePlan::new(subject, &Overrides::default());
         let out = OutputDirectory::take(&folder.at(out)).expect("a directory");
-        run_sweep(&[plan], &out, 2, false, &Silent).expect("a sweep")
+        run_sweep(&[plan], &out, &Machine::with_jobs(2), false, &Silent).expect("a sweep")
     };
     let sound = run("sound", Arc::new(NewtonMarch));
     let found = run("found", Arc::new(Panicking));
