@@ -377,8 +377,9 @@ fn worst() -> Vec<Malformed> {
         ("steps-part", "steps", "[1.5]", &["expected a whole number"]),
     ];
     for (name, key, list, phrases) in grids {
-        let at = if key == "n" { "n = [" } else { "steps = [" };
-        all.push(Malformed { name, text: grid(key, list), at, phrases });
+        // `traction = [` ends like `n = [`: the comment makes the line one of a kind.
+        let text = grid(key, &format!("{list} # {name}"));
+        all.push(Malformed { name, text, at: name, phrases });
     }
     for (name, to) in
         [("name-path", "../../etc/passwd"), ("name-empty", ""), ("name-line", "a\\nb")]
