@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz opt-levels mutants clean-reports
+.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels mutants clean-reports
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -66,6 +66,13 @@ false-alarms: ## the gate over 200 seeded perturbations (RUNS=40 for fewer): no 
 
 fuzz: ## damaged scenes, formulas, meshes and tables, ten million each (RUNS=..., SEED=...): no panic, no hang
 	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --test fuzz -- --nocapture
+
+# Licences are a test, so that CI checks them. Advisories need a database, which is fetched when asked for and not otherwise.
+audit-deps: ## licences of all dependencies; their advisories where cargo-audit is installed (FETCH=1 fetches the database)
+	$(CARGO) test --test machine licences -- --nocapture
+	@if ! $(CARGO) audit --version >/dev/null 2>&1; then echo "advisories: not checked, cargo-audit is not installed"; \
+	elif [ -n "$(FETCH)" ]; then $(CARGO) audit --deny warnings; \
+	else $(CARGO) audit --deny warnings --no-fetch --stale; fi
 
 opt-levels: ## records and verdicts of optimisation levels 0 to 3: bit-identical
 	tests/opt_levels.sh

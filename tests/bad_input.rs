@@ -1,12 +1,14 @@
 //! Source: the contract of the command line: bad input ends with exit code 2 and one clear message on stderr.
 //! Goal: malformed scenes, unknown names and grids that do not fit are refused by every command that would compute,
 //!   with file, line and the reason, before anything is written or printed.
-//! Data: shipped scenes with one edit each.
+//! Data: shipped scenes with one edit each, and a table of inputs of the worst kinds, counted with their exit codes.
 
 mod program;
 mod shipped;
 
+use std::collections::BTreeMap;
 use std::process::Output;
+use std::time::{Duration, Instant};
 
 use program::{Folder, code, stderr, stdout, sweep};
 use shipped::{edited, text};
@@ -274,4 +276,160 @@ fn tables_that_cannot_be_fitted() {
     assert!(found.is_empty(), "{found:?}");
     let found = faults(&sweep(&["report", &folder.argument("nowhere")]), "nowhere", &[]);
     assert!(found.is_empty(), "{found:?}");
+}
+
+/// The worst a scene file may hold: a name, the text, where the message points (a text of that line), what it says.
+fn worst() -> Vec<Malformed> {
+    let affine = |name, to: &str, at, phrases| Malformed {
+        name,
+        text: edited(&text("affine"), "b = \"0.3*sin(2*t)\"", to),
+        at,
+        phrases,
+    };
+    let punch = |name, from: &str, to: &str, at, phrases| Malformed {
+        name,
+        text: edited(&text("punch"), from, to),
+        at,
+        phrases,
+    };
+    let nested =
+        |open: &str, close: &str| format!("b = \"{}t{}\"", open.repeat(5000), close.repeat(5000));
+    let also = |line: &str| format!("{line}\nb = \"0.3*sin(2*t)\"");
+    let grid = |key: &str, list: &str| {
+        let scene = text("affine");
+        let old =
+            scene.lines().find(|line| line.starts_with(&format!("{key} = ["))).expect("a grid");
+        edited(&scene, old, &format!("{key} = {list}"))
+    };
+    let mut all = vec![
+        // Deep nesting.
+        affine("deep-brackets", &nested("(", ")"), "b = \"(((", &["nested deeper than"]),
+        affine("deep-signs", &nested("-", ""), "b = \"---", &["nested deeper than"]),
+        affine("deep-calls", &nested("sin(", ")"), "b = \"sin(", &["nested deeper than"]),
+        affine("deep-powers", &nested("t^(", ")"), "b = \"t^(", &["nested deeper than"]),
+        punch(
+            "deep-lists",
+            "gap = \"0.10\"",
+            &format!("gap = {}{}", "[".repeat(5000), "]".repeat(5000)),
+            "gap = ",
+            &["not TOML"],
+        ),
+        // Huge numbers, and what is no number.
+        affine("huge-number", "b = \"1e400*t\"", "b = \"1e400", &["1e400", "too large"]),
+        punch("huge-modulus", "mu_L = 1.0", "mu_L = 1e400", "mu_L = ", &["overflow"]),
+        punch(
+            "huge-whole",
+            "mu_L = 1.0",
+            "mu_L = 99999999999999999999",
+            "mu_L = ",
+            &["99999999999999999999"],
+        ),
+        punch("stiff", "mu_L = 1.0", "mu_L = 1e300", "[material]", &["1e-152 to 1e152"]),
+        punch("nan", "mu_L = 1.0", "mu_L = nan", "mu_L = ", &["NaN", "not finite"]),
+        punch(
+            "infinite-time",
+            "horizon = 1.0",
+            "horizon = inf",
+            "horizon = ",
+            &["inf", "not finite"],
+        ),
+        affine("nan-formula", "b = \"nan*t\"", "b = \"nan", &["unknown name `nan`"]),
+        affine("inf-formula", "b = \"-inf*t\"", "b = \"-inf", &["unknown name `inf`"]),
+        // Names.
+        affine("shadows-function", &also("sin = \"3\""), "sin = ", &["`sin`", "reserved"]),
+        affine("shadows-constant", &also("pi = \"3\""), "pi = ", &["`pi`", "reserved"]),
+        affine("shadows-variable", &also("x = \"3\""), "x = \"3", &["`x`", "reserved"]),
+        affine("shadows-if", &also("if = \"3\""), "if = \"3", &["`if`", "reserved"]),
+        affine("recursive", "b = \"0.3*sin(2*b)\"", "b = \"0.3", &["unknown name `b`"]),
+        affine("each-other", "q = \"b\"\nb = \"q\"", "q = \"b", &["unknown name `b`"]),
+        affine("twice", "b = \"t\"\nb = \"t\" # again", "b = \"t\" # again", &["duplicate key"]),
+        // Unicode.
+        affine("greek-key", &also("β = \"3\""), "β = ", &["not TOML"]),
+        affine("dot-product", "b = \"0.3·t\"", "b = \"0.3·", &["`·` has no meaning"]),
+        affine("minus-sign", "b = \"0.3 − t\"", "b = \"0.3 −", &["`−` has no meaning"]),
+        affine("right-to-left", "b = \"t\u{202e}\"", "b = \"t\u{202e}", &["has no meaning"]),
+        affine("cyrillic-t", "b = \"0.3*т\"", "b = \"0.3*т", &["unknown name `т`"]),
+        affine("nul", "b = \"0.3\\u0000\"", "b = \"0.3", &["has no meaning"]),
+        affine("full-width", "b = \"０.３*t\"", "b = \"０", &["has no meaning"]),
+        // Singular at a point of a rule: point and time are named.
+        affine(
+            "singular-in-time",
+            "b = \"0.3/(t - 0.5)\"",
+            "u = [",
+            &["NaN at (0.0000, 1.0000)", "t = 0.5"],
+        ),
+        punch(
+            "singular-at-corner",
+            "\"-3*t*x\"",
+            "\"-3*log(x - 0.3)\"",
+            "body = ",
+            &["the load is NaN at x = 0, y = 0, t = 0"],
+        ),
+    ];
+    let grids: [(&str, &str, &str, &[&str]); 8] = [
+        ("n-zero", "n", "[0]", &["0 is not a whole number"]),
+        ("n-negative", "n", "[-8]", &["-8 is not a whole number"]),
+        ("n-huge", "n", "[99999999]", &["n = 99999999 makes 2.0e16 cells"]),
+        ("n-beyond", "n", "[99999999999]", &["not a whole number from 1 to"]),
+        ("n-text", "n", "[\"8\"]", &["expected a whole number"]),
+        ("steps-huge", "steps", "[2000000000]", &["2000000000 time steps"]),
+        ("steps-beyond", "steps", "[4294967296]", &["not a whole number from 1 to"]),
+        ("steps-part", "steps", "[1.5]", &["expected a whole number"]),
+    ];
+    for (name, key, list, phrases) in grids {
+        // `traction = [` ends like `n = [`: the comment makes the line one of a kind.
+        let text = grid(key, &format!("{list} # {name}"));
+        all.push(Malformed { name, text, at: name, phrases });
+    }
+    for (name, to) in
+        [("name-path", "../../etc/passwd"), ("name-empty", ""), ("name-line", "a\\nb")]
+    {
+        let scene = edited(&text("affine"), "name = \"affine\"", &format!("name = \"{to}\""));
+        all.push(Malformed { name, text: scene, at: "name = ", phrases: &["cannot name a scene"] });
+    }
+    all
+}
+
+#[test]
+fn the_worst_inputs_are_counted_with_their_exit_codes() {
+    let folder = Folder::new("worst");
+    let (mut codes, mut wrong) = (BTreeMap::<i32, usize>::new(), Vec::new());
+    let mut see = |name: &str, output: Output, place: &str, phrases: &[&str]| {
+        *codes.entry(code(&output)).or_default() += 1;
+        let found = faults(&output, place, phrases);
+        wrong.extend(found.into_iter().map(|what| format!("{name}: {what}")));
+    };
+    let start = Instant::now();
+    for Malformed { name, text, at, phrases } in worst().into_iter().chain(malformed()) {
+        let file = format!("{name}.toml");
+        let path = folder.file(&file, &text);
+        let line = if at.is_empty() { text.lines().count() } else { line_of(&text, at) };
+        see(name, sweep(&["check", &path]), &format!("{file}:{line}:"), phrases);
+    }
+    // Files that are no scene: 100 MB of nothing, bytes that are no text, a folder.
+    let large = std::fs::File::create(folder.at("large.toml")).expect("a file");
+    large.set_len(100 << 20).expect("100 MB");
+    std::fs::write(folder.at("bytes.toml"), [0xff_u8, 0xfe, 0x00, 0x80]).expect("a file");
+    std::fs::create_dir(folder.at("folder.toml")).expect("a folder");
+    for (name, phrases) in [
+        ("large.toml", ["large", "1 MiB"]),
+        ("bytes.toml", ["UTF-8", "byte"]),
+        ("folder.toml", ["cannot read", "folder.toml"]),
+    ] {
+        see(name, sweep(&["check", &folder.argument(name)]), name, &phrases);
+        see(name, sweep(&["solve", &folder.argument(name), "--n", "4", "--steps", "4"]), name, &[]);
+    }
+    // Not finite between the points at which a scene is sampled: only a point of the quadrature meets it.
+    let narrow = edited(&text("punch"), "\"-3*t*x\"", "\"-3*t*sqrt((x - 0.29)^2 - 1.6e-5)\"");
+    let path = folder.file("narrow.toml", &narrow);
+    let output = sweep(&["solve", &path, "--n", "32", "--steps", "4"]);
+    see("narrow", output, "punch n = 32", &["NaN", "at (0.2", "t = "]);
+    let taken = start.elapsed();
+    let tried: usize = codes.values().sum();
+    println!("{tried} bad inputs; exit codes {codes:?}; {taken:.1?}");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert_eq!(codes.keys().copied().collect::<Vec<_>>(), [2]);
+    assert!(tried >= 60, "{tried}");
+    // None of them takes a person's patience.
+    assert!(taken < Duration::from_secs(300), "{taken:?}");
 }

@@ -17,7 +17,9 @@ use std::time::Instant;
 use gronwall::history::{TimeGrid, TimeRule};
 use gronwall::scene::{Direction, Registry, Scene};
 use gronwall::setup::Subject;
-use gronwall::sweep::{OutputDirectory, Overrides, ScenePlan, foresee, judge_scene, run_sweep};
+use gronwall::sweep::{
+    Machine, OutputDirectory, Overrides, ScenePlan, foresee, judge_scene, run_sweep,
+};
 use gronwall::verdict::{Decision, Verdict};
 use perturbed::{Draws, perturbed};
 use program::Folder;
@@ -69,7 +71,7 @@ fn gate(scenes: &[Scene], seed: u64, defect: Option<Defect>) -> Vec<Outcome> {
     let plans: Vec<ScenePlan> = scenes.iter().map(plan).collect();
     let folder = Folder::new("false-alarms");
     let out = OutputDirectory::take(&folder.at("run")).unwrap_or_else(|error| panic!("{error}"));
-    let records = run_sweep(&plans, &out, threads, false, &())
+    let records = run_sweep(&plans, &out, &Machine::with_jobs(threads), false, &())
         .unwrap_or_else(|error| panic!("run {seed}: {error}"));
     let judge = |plan: &ScenePlan| -> Vec<Outcome> {
         judge_scene(plan.scene(), &records, &plan.keys(), &foresee(&plan.subject, &records))

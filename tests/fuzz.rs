@@ -12,11 +12,16 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
+use gronwall::cli::fitted;
+use gronwall::fit::Direction;
 use gronwall::formula::{Graph, Point, Program, Scope, Variable};
 use gronwall::linalg::signed_unit;
 use gronwall::mesh::read_gmsh;
-use gronwall::record::read;
+use gronwall::record::{CaseRecord, Key, read};
+use gronwall::report::{SceneSummary, convergence_svg, surface_svg};
 use gronwall::scene::{Scene, Source};
+use gronwall::sweep::{Provenance, judge_scene};
+use gronwall::verdict::{Baseline, Run, compare_with_baseline, read_failures, read_foreseen};
 use program::{Folder, code, stderr, sweep};
 
 /// Nothing that is read takes a person's patience: a guard against hanging, which decides nothing else.
@@ -265,18 +270,128 @@ fn no_mesh_file_breaks_the_reader() {
     fuzz("mesh", &corpus, 20_000, |text| read_gmsh(text).is_ok());
 }
 
-#[test]
-fn no_table_breaks_the_reader() {
-    let folder = Folder::new("fuzz");
-    let output = sweep(&["run", "affine", "--out", &folder.argument("run")]);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
-    let table = std::fs::read_to_string(folder.at("run/cases.csv")).expect("a table");
-    let count = AtomicU64::new(0);
-    fuzz("table", &[table], 5_000, |text| {
-        let path = folder.at(&format!("{}.csv", count.fetch_add(1, Relaxed)));
+/// Files of a short sweep of `affine` in a folder of their own, with room for damaged copies.
+struct Swept {
+    folder: Folder,
+    count: AtomicU64,
+}
+
+impl Swept {
+    fn new(name: &str) -> Self {
+        let folder = Folder::new(name);
+        let arguments = ["run", "affine", "--n", "4", "--steps", "4,8,16"];
+        let output = sweep(&[&arguments[..], &["--out", &folder.argument("run")]].concat());
+        // One scene on part of its grid: its verdicts do not matter here.
+        assert!(code(&output) < 2, "{}", stderr(&output));
+        Self { folder, count: AtomicU64::new(0) }
+    }
+
+    fn text(&self, file: &str) -> String {
+        std::fs::read_to_string(self.folder.at("run").join(file)).expect("a file of a sweep")
+    }
+
+    /// Shows a damaged copy, in a folder of its own, to `look`.
+    fn with(&self, file: &str, text: &str, look: impl FnOnce(&Path) -> bool) -> bool {
+        let own = self.folder.at(&self.count.fetch_add(1, Relaxed).to_string());
+        std::fs::create_dir(&own).expect("a folder");
+        let path = own.join(file);
         std::fs::write(&path, text).expect("a file");
-        let taken = read(&path).is_ok();
-        std::fs::remove_file(&path).expect("removed");
+        let taken = look(&path);
+        std::fs::remove_dir_all(&own).expect("removed");
         taken
+    }
+
+    fn records(&self) -> Vec<CaseRecord> {
+        read(&self.folder.at("run/cases.csv")).expect("records")
+    }
+}
+
+fn affine() -> Scene {
+    Scene::read(&folder().join("affine.toml")).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What `report` and `--resume` do with a table: reader, fits, verdicts, pictures.
+#[test]
+fn no_table_breaks_the_reader_or_what_comes_after() {
+    let (swept, scene) = (Swept::new("fuzz-table"), affine());
+    let summary = SceneSummary { name: scene.name.clone(), question: scene.question.clone() };
+    fuzz("table", &[swept.text("cases.csv")], 5_000, |text| {
+        swept.with("cases.csv", text, |path| {
+            let Ok(records) = read(path) else { return false };
+            let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
+            let verdicts = judge_scene(&scene, &records, &keys, &[]);
+            let drawn = [Direction::Space, Direction::Time]
+                .map(|direction| convergence_svg(&summary, &records, &verdicts, direction).is_ok());
+            // A picture that cannot be drawn is a typed error.
+            drawn[0] && drawn[1] && surface_svg(&summary, &records).is_ok()
+        })
+    });
+}
+
+#[test]
+fn no_table_breaks_the_fits() {
+    let swept = Swept::new("fuzz-fit");
+    let corpus = [
+        swept.text("cases.csv"),
+        "h,k,error\n0.125,0.01,0.11\n0.0625,0.01,0.052\n0.03125,0.01,0.0255\n0.015625,0.01,0.0126\n".into(),
+        "h,k,error,floor\n0.25,0.5,0.4,1e-9\n0.25,0.25,0.3,1e-9\n0.125,0.5,0.25,0\n0.125,0.25,0.2,0\n0.0625,0.5,0.2,0\n0.0625,0.25,0.1,0\n".into(),
+        "norm,h,value\nforce,0.1,1.04\nforce,0.05,1.01\nforce,0.025,1.0025\nforce,0.0125,1.0006\n".into(),
+        "k,error,status\n0.5,1,converged\n0.25,0.25,converged\n0.125,,failed\n0.0625,0.016,converged\n".into(),
+    ];
+    fuzz("fit", &corpus, 5_000, |text| {
+        swept.with("table.csv", text, |path| {
+            [[None, None], [Some(1.0), Some(2.0)]]
+                .iter()
+                .all(|&orders| fitted(path, orders).is_ok())
+        })
+    });
+}
+
+#[test]
+fn no_baseline_breaks_the_comparison() {
+    let swept = Swept::new("fuzz-baseline");
+    let (records, scene) = (swept.records(), affine());
+    let own = Baseline::of(&records, &[(&scene.name, &scene.source.hash)]);
+    let path = swept.folder.at("baseline.json");
+    own.write(&path).expect("a baseline");
+    let text = std::fs::read_to_string(&path).expect("a baseline");
+    let run = Run {
+        scene: scene.name.clone(),
+        hash: scene.source.hash.clone(),
+        planned: records.iter().map(CaseRecord::key).collect(),
+        own_grids: true,
+    };
+    fuzz("baseline", &[text], 5_000, |text| {
+        swept.with("baseline.json", text, |path| {
+            let Ok(Some(baseline)) = Baseline::read(path) else { return false };
+            let comparison = compare_with_baseline(&baseline, std::slice::from_ref(&run), &records);
+            let changes = baseline.changes(&own);
+            // Both are printed.
+            comparison.lines().len() + changes.len() < 1_000_000
+        })
+    });
+}
+
+/// The other two files that `report` and `--resume` read.
+#[test]
+fn no_verdict_and_no_provenance_breaks_the_report() {
+    let swept = Swept::new("fuzz-report");
+    let mut verdict: serde_json::Value =
+        serde_json::from_str(&swept.text("verdict.json")).expect("JSON");
+    let key = serde_json::json!({"scene": "affine", "n": 4, "steps": 8, "reason": "a reason"});
+    verdict["failures"] = serde_json::json!([key]);
+    let corpus = [swept.text("verdict.json"), verdict.to_string()];
+    fuzz("verdict", &corpus, 5_000, |text| {
+        swept.with("verdict.json", text, |path| {
+            read_failures(path).is_ok() && read_foreseen(path).is_ok()
+        })
+    });
+    fuzz("provenance", &[swept.text("provenance.json")], 2_000, |text| {
+        swept.with("provenance.json", text, |path| {
+            let dir = path.parent().expect("a folder");
+            let Ok(Some(provenance)) = Provenance::read(dir) else { return false };
+            let scene = provenance.scene(dir, "affine");
+            provenance.json().is_object() && matches!(scene, Ok(Some(_)))
+        })
     });
 }

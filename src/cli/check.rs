@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::{CliError, Scenes, abstract_problem, print_json, print_text};
+use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_text};
 use crate::manufactured::{Finding, Status, check};
 use crate::scene::{Data, Hypothesis};
 use crate::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
@@ -25,6 +25,7 @@ impl Check {
         let mut findings = Vec::new();
         match &subject {
             Subject::Contact(setup) => {
+                meshes_fit(setup)?;
                 if let Some(exact) = &setup.exact {
                     findings.extend(check(exact, &sides(&setup.body)));
                     if setup.scene.violates.contains(&Hypothesis::RegularInSpace) {

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
-use super::{CliError, Scenes, abstract_problem, print_json, print_text};
+use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_text};
 use crate::contact::{LinearSolver, Plan};
 use crate::history::{FAST_ERROR, FAST_FROM};
 use crate::scene::{Data, Memory};
@@ -33,6 +33,7 @@ impl Explain {
         let Subject::Contact(setup) = &plan.subject else {
             return abstract_problem::explain(&plan, self.json);
         };
+        meshes_fit(setup)?;
         let constants = predicted_constants(&plan);
         let (algorithm, history, regions) = (algorithm(setup), history(setup), regions(setup));
         // What the formulas of an exact solution do at the corners is their own matter.

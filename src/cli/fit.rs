@@ -6,7 +6,7 @@ mod path;
 mod table;
 mod values;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
@@ -63,26 +63,7 @@ struct Predicted {
 
 impl Fit {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let groups = table::read(&self.file)?;
-        let predicted = Predicted { p: self.p, q: self.q };
-        let mut all_pass = true;
-        let mut objects = Vec::new();
-        let mut texts = Vec::new();
-        for group in &groups {
-            let parts = parts(group, predicted);
-            all_pass &= parts.iter().all(|part| part.decision.is_none_or(|d| d == Decision::Pass));
-            texts.extend(group.heading().filter(|_| !parts.is_empty()));
-            for mut part in parts {
-                part.json.insert("scene".into(), group.scene.clone().into());
-                part.json.insert("norm".into(), group.norm.clone().into());
-                objects.push(serde_json::Value::Object(part.json));
-                texts.push(part.text);
-            }
-        }
-        if objects.is_empty() {
-            let hint = "neither h nor k takes two values: nothing to fit";
-            return Err(CliError::about(self.file.display(), hint));
-        }
+        let Fitted { texts, objects, all_pass } = fitted(&self.file, [self.p, self.q])?;
         if self.json {
             print_json(&objects.into())?;
         } else {
@@ -90,6 +71,43 @@ impl Fit {
         }
         Ok(u8::from(!all_pass))
     }
+}
+
+/// What `sweep fit` says of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fitted {
+    /// A text a table and direction, headings between them.
+    pub texts: Vec<String>,
+    /// The same as JSON, without headings.
+    pub objects: Vec<serde_json::Value>,
+    /// No order that is predicted fails or is unresolved.
+    pub all_pass: bool,
+}
+
+/// Reads and fits the tables of a file, against predicted orders in h and k where there are any.
+///
+/// # Errors
+/// A file that is no table, or has nothing to fit.
+pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError> {
+    let predicted = Predicted { p, q };
+    let mut found = Fitted { texts: Vec::new(), objects: Vec::new(), all_pass: true };
+    for group in &table::read(file)? {
+        let parts = parts(group, predicted);
+        let passes = |part: &Part| part.decision.is_none_or(|d| d == Decision::Pass);
+        found.all_pass &= parts.iter().all(passes);
+        found.texts.extend(group.heading().filter(|_| !parts.is_empty()));
+        for mut part in parts {
+            part.json.insert("scene".into(), group.scene.clone().into());
+            part.json.insert("norm".into(), group.norm.clone().into());
+            found.objects.push(serde_json::Value::Object(part.json));
+            found.texts.push(part.text);
+        }
+    }
+    if found.objects.is_empty() {
+        let hint = "neither h nor k takes two values: nothing to fit";
+        return Err(CliError::about(file.display(), hint));
+    }
+    Ok(found)
 }
 
 /// All that one table says.

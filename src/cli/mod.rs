@@ -29,11 +29,14 @@ use std::fmt::Display;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+pub use fit::{Fitted, fitted};
+
 use clap::{Parser, Subcommand};
 use output::{create_dir, print_json, print_text, write_file, write_json};
 
 use crate::scene::{Registry, Scene, SceneError};
-use crate::setup::{SetupError, Subject};
+use crate::setup::{Setup, SetupError, Subject};
+use crate::sweep::{MemoryLimit, admit_run};
 
 /// Exit code of a command that could not judge.
 const COULD_NOT_JUDGE: u8 = 2;
@@ -91,7 +94,7 @@ enum Command {
 
 /// What ends a command early, as one message on stderr and exit code 2.
 #[derive(Debug, thiserror::Error)]
-enum CliError {
+pub enum CliError {
     /// A scene is at fault.
     #[error("{0}")]
     Scene(#[from] SceneError),
@@ -196,6 +199,17 @@ impl Scenes {
         let all: Vec<String> = registry.names().map(str::to_owned).collect();
         all.iter().map(|name| Ok(registry.load(name)?)).collect()
     }
+}
+
+/// Refuses a scene with a mesh that this machine cannot hold, before any of its meshes is made.
+fn meshes_fit(setup: &Setup) -> Result<(), CliError> {
+    let limit = MemoryLimit::of_machine();
+    let sweep = setup.scene.sweep.iter();
+    let ns = sweep.flat_map(|sweep| sweep.n.iter().copied().chain(sweep.reference.map(|r| r.n)));
+    ns.map(|n| n as u32).try_for_each(|n| {
+        admit_run(setup, None, (n, 1), &limit)
+            .map_err(|error| CliError::Other(format!("{} n = {n}: {error}", setup.scene.name)))
+    })
 }
 
 /// A scene without cases, where a command needs some to `run` or to `audit`.

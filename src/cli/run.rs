@@ -14,8 +14,8 @@ use crate::report::{SceneSummary, write_all, write_junit};
 use crate::scene::Scene;
 use crate::setup::Subject;
 use crate::sweep::{
-    OutputDirectory, Overrides, Provenance, ScenePlan, SweepError, foresee, judge_scene,
-    reference_error, reference_in_words, run_more, run_sweep, scene_summary,
+    Machine, MemoryLimit, OutputDirectory, Overrides, Provenance, ScenePlan, SweepError, foresee,
+    judge_scene, reference_error, reference_in_words, run_more, run_sweep, scene_summary,
 };
 use crate::verdict::{
     Baseline, Comparison, Verdict, compare_with_baseline, exit_code, failures, render_table,
@@ -77,6 +77,10 @@ pub(super) struct What {
     /// Cases at a time [default: number of processors]
     #[arg(long, value_name = "J", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
+    /// Memory that cases may be predicted to take together: bytes, 512M, 8G. A case above it is recorded as failed, and
+    /// others wait until they fit [default: what the machine has available]
+    #[arg(long, value_name = "BYTES")]
+    memory_limit: Option<MemoryLimit>,
     /// Run the scenes marked long as well
     #[arg(long)]
     all: bool,
@@ -151,7 +155,7 @@ impl Gate {
             document(path)?;
         }
         if let Some(path) = &self.junit {
-            write_junit(path, &swept.verdicts, swept.comparison.as_ref())?;
+            write_junit(path, &swept.verdicts, &swept.provenance, swept.comparison.as_ref())?;
         }
         swept.print(false)?;
         if self.github || std::env::var_os("GITHUB_ACTIONS").is_some_and(|set| set == "true") {
@@ -188,6 +192,7 @@ impl What {
             steps: None,
             out,
             jobs,
+            memory_limit: None,
             all,
             extend: false,
             budget: BUDGET,
@@ -209,6 +214,9 @@ impl What {
             Some(jobs) => usize::from(jobs),
             None => std::thread::available_parallelism().map_or(1, usize::from),
         };
+        let memory = self.memory_limit.unwrap_or_else(MemoryLimit::of_machine);
+        let options = self.options(resume).join(" ");
+        let machine = Machine { jobs, memory, options };
         let resuming = self.resuming(scenes);
         let out = OutputDirectory::take(&self.out)?;
         on_interrupt(&self.out, &resuming)?;
@@ -224,7 +232,7 @@ impl What {
         if resume {
             restore_added(&mut plans, &self.out)?;
         }
-        let mut records = run_sweep(&plans, &out, jobs, resume, &progress).map_err(stopped)?;
+        let mut records = run_sweep(&plans, &out, &machine, resume, &progress).map_err(stopped)?;
         let judged = |plans: &[ScenePlan], records: &[CaseRecord]| -> Vec<Verdict> {
             let of = |plan: &ScenePlan| {
                 let foreseen = foresee(&plan.subject, records);
@@ -235,11 +243,11 @@ impl What {
         let mut verdicts = judged(&plans, &records);
         while self.extend && super::extension::extended(&mut plans, &verdicts, self.budget)? {
             let progress = super::progress::Display::new();
-            records = run_more(&plans, records, &out, jobs, &progress).map_err(stopped)?;
+            records = run_more(&plans, records, &out, &machine, &progress).map_err(stopped)?;
             verdicts = judged(&plans, &records);
         }
         let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
-        let provenance = Provenance::of_run(&plans).json();
+        let provenance = Provenance::of_run(&plans, &machine).json();
         let comparison =
             baseline.map(|baseline| compare_with_baseline(&baseline, &self.runs(&plans), &records));
         let found =
@@ -276,25 +284,33 @@ impl What {
 
     /// The command that goes on with this sweep.
     fn resuming(&self, scenes: &Scenes) -> String {
-        let list = |list: &[u32]| list.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
-        let options = [
+        let paths = [
             ("--scenes", Some(scenes.folder.display().to_string())),
-            ("--n", self.n.as_deref().map(list)),
-            ("--steps", self.steps.as_deref().map(list)),
-            ("--jobs", self.jobs.map(|jobs| jobs.to_string())),
             ("--out", Some(self.out.display().to_string())),
             ("--baseline", self.baseline.as_ref().map(|path| path.display().to_string())),
         ];
-        let given = options.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        let given = paths.into_iter().filter_map(|(name, value)| Some((name, value?)));
         let mut words: Vec<String> = vec!["sweep".into(), "run".into()];
         words.extend(self.scenes.iter().map(|scene| quoted(scene)));
         words.extend(given.flat_map(|(name, value)| [name.to_owned(), quoted(&value)]));
-        words.extend(self.all.then(|| "--all".into()));
-        if self.extend {
-            words.extend(["--extend".into(), "--budget".into(), self.budget.to_string()]);
-        }
-        words.push("--resume".into());
+        words.extend(self.options(true));
         words.join(" ")
+    }
+
+    /// The options that are no paths.
+    fn options(&self, resume: bool) -> Vec<String> {
+        let list = |list: &[u32]| list.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
+        let options = [
+            ("--n", self.n.as_deref().map(list)),
+            ("--steps", self.steps.as_deref().map(list)),
+            ("--jobs", self.jobs.map(|jobs| jobs.to_string())),
+            ("--memory-limit", self.memory_limit.map(|limit| limit.bytes().to_string())),
+            ("--budget", self.extend.then(|| self.budget.to_string())),
+        ];
+        let given = options.into_iter().filter_map(|(name, value)| Some([name.into(), value?]));
+        let flags = [("--all", self.all), ("--extend", self.extend), ("--resume", resume)];
+        let set = flags.into_iter().filter(|(_, set)| *set).map(|(name, _)| name.into());
+        given.flatten().chain(set).collect()
     }
 
     pub(super) fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {

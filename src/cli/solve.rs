@@ -6,11 +6,12 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
-use crate::contact::{CaseInfo, LinearSolver, StepView};
+use crate::contact::{CaseInfo, Discretization, LinearSolver, StepView};
 use crate::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
 use crate::solution::{FinalState, VtuSeries};
+use crate::sweep::{MemoryLimit, admit_run};
 use crate::vhi::{
     Decomposition, FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver,
     StepState,
@@ -38,6 +39,9 @@ pub struct Solve {
     /// Solver of the linear systems; without it the size of the problem decides
     #[arg(long, value_enum)]
     linear_solver: Option<LinearChoice>,
+    /// Refuse a run that is predicted to take more memory: bytes, 512M, 8G [default: what the machine has available]
+    #[arg(long, value_name = "BYTES")]
+    memory_limit: Option<MemoryLimit>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -106,8 +110,9 @@ impl Solve {
         match (subject, self.n) {
             (Subject::Contact(mut setup), Some(n)) => {
                 setup.linear_solver = self.linear_solver.map(LinearSolver::from);
+                setup.scene.check_cells(n)?;
+                self.admit(&setup, n, None)?;
                 if self.estimate {
-                    setup.scene.check_cells(n)?;
                     return super::estimate::execute(&setup, n, self.steps, self.json);
                 }
                 self.contact(&setup, n)
@@ -151,9 +156,9 @@ impl Solve {
     }
 
     fn contact(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
-        setup.scene.check_cells(n)?;
         let start = Instant::now();
         let data = MeshData::new(setup, n, None)?;
+        self.admit(setup, n, Some(&data.space))?;
         self.check_levels(setup, n, &data)?;
         let bound = match self.decomposes() {
             true => Some(decomposition_bound(setup, &data.space, n, self.steps)?),
@@ -194,6 +199,13 @@ impl Solve {
         let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
         self.print(&state, &info, bound, seconds, (data.space.dofs(), solver))?;
         Ok(0)
+    }
+
+    /// Refuses a run that does not fit into memory, before the mesh is made if that is clear by then.
+    fn admit(&self, setup: &Setup, n: u32, space: Option<&Discretization>) -> Result<(), CliError> {
+        let limit = self.memory_limit.unwrap_or_else(MemoryLimit::of_machine);
+        admit_run(setup, space, (n, self.steps), &limit)
+            .map_err(|error| other(format!("{} n = {n}: {error}", setup.scene.name)))
     }
 
     fn check_levels(&self, setup: &Setup, n: u32, data: &MeshData) -> Result<(), CliError> {

@@ -64,6 +64,18 @@ fn against_the_sum(at: String, rate: f64, k: f64, steps: usize) -> Rung {
     })
 }
 
+/// The kernel e^{-t} - w e^{-2t}: two recursions, and the difference of what they give.
+pub(super) fn opposed(weight: f64, k: f64, steps: usize) -> Rung {
+    let bound = allowed(1.0, k, steps).max(allowed(2.0, k, steps)) + f64::EPSILON;
+    Rung::new(format!("{weight:e}"), Expected::AtMost(bound), move |under_test: &UnderTest<'_>| {
+        let parts = [1.0, 2.0].map(|rate| in_full(rate, k, steps));
+        let found = [1.0, 2.0].map(|rate| (under_test.history)(rate, k, steps));
+        let difference = |[first, second]: [f64; 2]| first - weight * second;
+        let magnitude = parts[0] + weight * parts[1];
+        Ok(Measured::number((difference(found) - difference(parts)).abs() / magnitude))
+    })
+}
+
 /// ck from 1e-12 (nothing is forgotten) to 1e12 (everything is, within a step).
 pub fn relaxation() -> Ladder {
     const STEPS: usize = 1000;

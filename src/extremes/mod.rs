@@ -3,6 +3,7 @@
 //! refusal it must meet, and is measured; nothing may be lost, and nothing may be silently wrong.
 
 mod answer;
+mod degenerate;
 mod history;
 mod invariance;
 mod judge;
@@ -62,11 +63,14 @@ pub fn catalogue(long: bool) -> Vec<Ladder> {
         history::relaxation(),
         history::steps(),
         history::accumulated(),
+        degenerate::sign_change(),
         touching::load(),
         touching::gap(),
         touching::one_vertex(),
         touching::short_clamp(),
         space_error::mesh_size(if long { 512 } else { 64 }),
         space_error::aspect_ratio(),
+        degenerate::sliver(),
+        degenerate::subnormal(),
     ]
 }

@@ -20,11 +20,11 @@ use crate::norms::step_errors;
 use crate::setup::{MeshData, Setup};
 
 /// Loads come from a rule, not from exact integrals: what that may add to the ratio.
-const QUADRATURE: f64 = 0.01;
+pub(super) const QUADRATURE: f64 = 0.01;
 
 /// A run of a scene that does not depend on time, with what the bound needs.
-struct InSpace {
-    answer: Answer,
+pub(super) struct InSpace {
+    pub(super) answer: Answer,
     /// ‖ε(u - u_h)‖.
     error: f64,
     /// ‖ε(u - I_h u)‖.
@@ -34,7 +34,7 @@ struct InSpace {
 }
 
 impl InSpace {
-    fn run(text: String, n: u32, under_test: &UnderTest<'_>) -> Result<Self, NoAnswer> {
+    pub(super) fn run(text: String, n: u32, under_test: &UnderTest<'_>) -> Result<Self, NoAnswer> {
         let setup = set_up(text, under_test.prepare)?;
         let data = MeshData::new(&setup, n, None).map_err(NoAnswer::refused)?;
         let answer = march(&setup, &data, 1)?;
@@ -49,7 +49,7 @@ impl InSpace {
     }
 
     /// The error over Céa's bound with the interpolant.
-    fn ratio(&self, [lambda, mu]: [f64; 2]) -> f64 {
+    pub(super) fn ratio(&self, [lambda, mu]: [f64; 2]) -> f64 {
         self.error / ((1.0 + lambda / mu).sqrt() * self.interpolation)
     }
 
@@ -152,7 +152,7 @@ pub fn locking_order(finest: u32) -> Ladder {
 }
 
 /// A displacement without symmetries.
-const SMOOTH: &str =
+pub(super) const SMOOTH: &str =
     "[exact]\nu = [\"0.2*sin(pi*x)*(1 - y^2)\", \"-0.1*(1 + cos(pi*x))*(1 - y)*(1 + y/2)\"]\n";
 
 /// h from one cell to 1/finest: between the best approximation and Céa's bound √2 ‖ε(u - I_h u)‖.

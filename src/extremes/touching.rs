@@ -103,8 +103,17 @@ pub fn one_vertex() -> Ladder {
         name: "one-vertex",
         parameter: "load on one cell with one vertex in contact: open below 0.3, locked above",
         quantity: "error against the closed form, relative",
-        why: "two unknowns, solved by hand: open, grazing, locked",
-        rungs: vec![rung("0.2", 0.2), rung("0.3", 0.3), rung("0.6", 0.6), rung("1e10", 1e10)],
+        why: "two unknowns, solved by hand: open, nearly touching, grazing, locked",
+        rungs: vec![
+            rung("0.2", 0.2),
+            rung("0.3 - 1e-12", 0.3 - 1e-12),
+            rung("0.3 - 1e-16", 0.3 - 1e-16),
+            rung("0.3", 0.3),
+            rung("0.3 + 1e-16", 0.3 + 1e-16),
+            rung("0.3 + 1e-12", 0.3 + 1e-12),
+            rung("0.6", 0.6),
+            rung("1e10", 1e10),
+        ],
     }
 }
 

@@ -62,6 +62,24 @@ impl Program {
         Self { plan: Arc::new(plan) }
     }
 
+    /// Bytes that the program keeps for so many points of a structured set, in a space of dimension `d`, once it has been
+    /// evaluated up to time `t`: about, for the distinct tuples of some variables alone are a power of the points.
+    pub fn bytes(&self, points: f64, d: usize, t: f64) -> f64 {
+        let count = |mask: u8| points.powf((f64::from(mask.count_ones()) / d as f64).min(1.0));
+        let mut masks = self.plan.masks.clone();
+        let slots: f64 = masks.iter().map(|&mask| 8.0 * count(mask)).sum();
+        masks.sort_unstable();
+        masks.dedup();
+        // A number a point for its tuple, and one a tuple for its first point.
+        let numbering: f64 = masks.iter().map(|&mask| 4.0 * (points + count(mask))).sum();
+        let past = |history: &HistoryPlan| {
+            8.0 * (history.members.len() * (history.panel(t) + 1)) as f64 * count(history.mask)
+        };
+        let pasts: f64 = self.plan.histories.iter().map(past).sum();
+        let coordinates_and_outputs = 8.0 * (3 + self.plan.outputs.len()) as f64 * points;
+        slots + numbering + pasts + coordinates_and_outputs
+    }
+
     /// Binds the program to points; fixed values are computed here.
     pub fn bind(&self, points: &[[f64; 3]]) -> Bound {
         Bound::new(Arc::clone(&self.plan), points)

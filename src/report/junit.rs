@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+use quick_junit::{NonSuccessKind, Property, Report, TestCase, TestCaseStatus, TestSuite};
 
 use super::ReportError;
 use crate::record::replace_file;
@@ -11,22 +11,34 @@ use crate::verdict::{Comparison, Decision, Verdict, cell_texts};
 
 /// Writes one suite a scene, one test a verdict. Unresolved is a failure; a verdict that the
 /// scene expects is a success. A run that was compared with its baseline has one test more for each
-/// scene. Without clocks: equal verdicts give equal bytes.
+/// scene. What made the verdicts, by `provenance`, stands in the properties of each suite. Without clocks: equal verdicts
+/// of one origin give equal bytes.
 ///
 /// # Errors
 /// [`ReportError::Xml`], [`ReportError::Io`].
 pub fn write_junit(
     path: &Path,
     verdicts: &[Verdict],
+    provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
 ) -> Result<(), ReportError> {
-    let text = junit_xml(verdicts, baseline).map_err(|source| ReportError::Xml { source })?;
+    let text = junit_xml(verdicts, &origin(provenance), baseline)
+        .map_err(|source| ReportError::Xml { source })?;
     replace_file(path, text.as_bytes())
         .map_err(|source| ReportError::Io { path: path.to_owned(), source })
 }
 
+/// Version of the program and circumstances of the run, as far as they are known.
+fn origin(provenance: &serde_json::Value) -> Vec<(String, String)> {
+    let text = |value: &serde_json::Value| value.as_str().map_or(value.to_string(), str::to_owned);
+    let version = provenance.get("version").map(|version| ("version".to_owned(), text(version)));
+    let run = provenance["run"].as_object().into_iter().flatten();
+    version.into_iter().chain(run.map(|(key, value)| (key.clone(), text(value)))).collect()
+}
+
 fn junit_xml(
     verdicts: &[Verdict],
+    origin: &[(String, String)],
     baseline: Option<&Comparison>,
 ) -> Result<String, quick_junit::SerializeError> {
     let mut scenes: BTreeMap<&str, Vec<&Verdict>> = BTreeMap::new();
@@ -37,15 +49,21 @@ fn junit_xml(
     for (scene, verdicts) in scenes {
         let mut suite = TestSuite::new(scene);
         suite.add_test_cases(verdicts.into_iter().map(test_case));
+        suite.add_properties(properties(origin));
         report.add_test_suite(suite);
     }
     if let Some(comparison) = baseline {
         let mut suite = TestSuite::new("baseline");
         suite
             .add_test_cases(comparison.scenes.iter().map(|scene| baseline_case(scene, comparison)));
+        suite.add_properties(properties(origin));
         report.add_test_suite(suite);
     }
     report.to_string()
+}
+
+fn properties(origin: &[(String, String)]) -> impl Iterator<Item = Property> + '_ {
+    origin.iter().map(|(name, value)| Property::new(name.as_str(), value.as_str()))
 }
 
 /// One scene against its baseline; all of its deviations in the text.

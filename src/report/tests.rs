@@ -81,7 +81,7 @@ fn a_report_is_whole_and_the_same_twice() {
     ];
     let write = || {
         write_all(&dir, &scenes, &records, &verdicts, &provenance, None).unwrap();
-        write_junit(&dir.join("junit.xml"), &verdicts, None).unwrap();
+        write_junit(&dir.join("junit.xml"), &verdicts, &provenance, None).unwrap();
         files.map(|file| fs::read_to_string(dir.join(file)).unwrap())
     };
     let once = write();
@@ -191,7 +191,7 @@ fn junit_carries_deviations_from_the_baseline() {
     let runs = [run("s", "now"), run("t", "same")];
     let comparison = compare_with_baseline(&baseline, &runs, &records);
     let path = std::env::temp_dir().join(format!("gronwall-junit-{}.xml", std::process::id()));
-    write_junit(&path, &[], Some(&comparison)).unwrap();
+    write_junit(&path, &[], &serde_json::Value::Null, Some(&comparison)).unwrap();
     let junit = fs::read_to_string(&path).unwrap();
     fs::remove_file(&path).unwrap();
     assert!(junit.contains("failures=\"1\""), "{junit}");

@@ -99,7 +99,7 @@ impl Reference {
     ) -> Result<Reference, SceneError> {
         let reference = Reference {
             n: reading.count("sweep.reference.n", written.n)?,
-            steps: reading.count("sweep.reference.steps", written.steps)?,
+            steps: step_count(reading, "sweep.reference.steps", written.steps)?,
         };
         whole_cells(reading, "sweep.reference.n", reference.n, domain)?;
         multiple(reading, "n", reference.n, n)?;
@@ -138,7 +138,7 @@ fn path(
             return Err(reading.error(&key(index), message, "write [n, N]: [16, 8]"));
         };
         let n = reading.count(&format!("{}.0", key(index)), n)?;
-        let steps = reading.count(&format!("{}.1", key(index)), steps)?;
+        let steps = step_count(reading, &format!("{}.1", key(index)), steps)?;
         whole_cells(reading, &format!("{}.0", key(index)), n, domain)?;
         if path.last().is_some_and(|&[last, before]| n <= last || steps < before) {
             let message = format!("[{n}, {steps}] does not refine the pair before it");
@@ -160,6 +160,16 @@ fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
     values
 }
 
+fn step_count(reading: &Reading, key: &str, value: i64) -> Result<usize, SceneError> {
+    match reading.count(key, value)? {
+        count if count <= MOST_STEPS => Ok(count),
+        count => {
+            let message = format!("{count} time steps are more than {MOST_STEPS}");
+            Err(reading.error(key, message, "choose fewer steps"))
+        }
+    }
+}
+
 /// A list of positive numbers without repetition.
 fn counts(reading: &Reading, key: &str, written: &[i64]) -> Result<Vec<usize>, SceneError> {
     if written.is_empty() {
@@ -168,7 +178,10 @@ fn counts(reading: &Reading, key: &str, written: &[i64]) -> Result<Vec<usize>, S
     let mut counts = Vec::new();
     for (index, &value) in written.iter().enumerate() {
         let item = format!("{key}.{index}");
-        let count = reading.count(&item, value)?;
+        let count = match key {
+            "sweep.steps" => step_count(reading, &item, value)?,
+            _ => reading.count(&item, value)?,
+        };
         if counts.contains(&count) {
             return Err(reading.error(
                 &item,
@@ -181,8 +194,30 @@ fn counts(reading: &Reading, key: &str, written: &[i64]) -> Result<Vec<usize>, S
     Ok(counts)
 }
 
-/// n cells a unit length must cut every side of a rectangle or box into a whole number of cells.
+/// Numbers of cells and vertices are whole numbers of 32 bits, with room to spare.
+const MOST_CELLS: f64 = 1e9;
+/// Steps beyond which a number of steps is a slip; `--steps` takes no more either.
+const MOST_STEPS: usize = 10_000_000;
+
+/// Cells of the mesh n, where they are too many.
+fn too_many_cells(n: usize, domain: &Domain) -> Option<String> {
+    let (n, d) = (n as f64, domain.size.len());
+    let cells = match &domain.shape {
+        Shape::Box => {
+            let each = if d == 2 { 2.0 } else { 6.0 };
+            domain.size.iter().map(|size| n * size).product::<f64>() * each
+        }
+        Shape::Refined(coarse) => coarse.count() as f64 * n.powi(coarse.dimension() as i32),
+    };
+    let many = cells.is_nan() || cells > MOST_CELLS;
+    many.then(|| format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most"))
+}
+
+/// n cells a unit length must cut every side of a rectangle or box into a whole number of cells, and not into too many.
 fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Result<(), SceneError> {
+    if let Some(message) = too_many_cells(n, domain) {
+        return Err(reading.error(key, message, "choose a smaller n"));
+    }
     let Some(length) = odd_length(n, domain) else { return Ok(()) };
     let cells = n as f64 * length;
     let message = format!(
@@ -210,6 +245,9 @@ impl Scene {
     /// An n that does not.
     pub fn check_cells(&self, n: u32) -> Result<(), SceneError> {
         let Body::Contact(body) = &self.body else { return Ok(()) };
+        if let Some(message) = too_many_cells(n as usize, &body.domain) {
+            return Err(self.error("domain.size", message, "choose a smaller n"));
+        }
         let Some(length) = odd_length(n as usize, &body.domain) else { return Ok(()) };
         let message = format!("n = {n} does not divide side {length} into whole cells");
         let hint = "choose n so that n times each side is a whole number";

@@ -10,16 +10,19 @@
 //! 1.31 (9 cases, 26 to 297 MiB). The rates were taken before contact was condensed onto Γ3 and before factors served
 //! several levels; the counts of either are those of today.
 
+mod alone;
 mod linear;
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
+pub(super) use alone::march_bytes;
+pub use alone::{RunCost, run_cost};
 use linear::linear;
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::contact::{Discretization, LinearSolver, Plan};
 use crate::formula::Variable;
-use crate::scene::{Data, Norm};
+use crate::scene::{Data, Norm, Reference};
 use crate::setup::{AbstractSetup, Setup, SetupError};
 use crate::space::quadrature::TruthRules;
 
@@ -110,10 +113,10 @@ const ABSTRACT: [f64; 2] = [2e-4, 5e-8];
 const REFERENCE: f64 = 43e-9;
 
 /// Bytes of the program itself with its report.
-const PROGRAM: f64 = 16e6;
-/// Bytes a point in stored values of formulas, some 24 values of 8 bytes, and the points of a mesh and rule from which
-/// on they are not stored.
-const FORMULAS: f64 = 24.0 * 8.0;
+pub(super) const PROGRAM: f64 = 16e6;
+/// Bytes an entry of the matrix in mesh, pattern and analysis, which the cases on a mesh share.
+const SPACE: f64 = 16.0;
+/// The points of a mesh and rule from which on values of formulas are not stored.
 const MOST_STORED: f64 = 2_097_152.0;
 
 /// The prediction for one case or reference run.
@@ -133,6 +136,8 @@ pub struct Cost {
     /// Peak memory of a process that runs this case alone, with its reference run if it has one. In a sweep the cases
     /// of a mesh share mesh and truth, and the meshes of a scene are held together.
     pub memory_bytes: f64,
+    /// What stays of them at its end for the other cases on the mesh; of a reference run, for the cases of its scene.
+    pub kept_bytes: f64,
 }
 
 /// The costs of a plan.
@@ -148,92 +153,99 @@ pub struct PlanCost {
 /// # Errors
 /// [`SetupError::Mesh`].
 pub fn predict(setup: &Setup, plan: &ScenePlan) -> Result<PlanCost, SetupError> {
-    let mut spaces = HashMap::new();
-    let own = plan.cases.iter().map(mesh_of);
-    let numbers = own.chain(plan.reference.map(|r| r.n as u32));
-    for n in numbers {
-        if let std::collections::hash_map::Entry::Vacant(entry) = spaces.entry(n) {
-            entry.insert(setup.space(n)?);
-        }
-    }
-    let reference = plan.reference.map(|reference| {
-        let (n, steps) = (reference.n as u32, reference.steps as u32);
-        let space = &spaces[&n];
-        let run = march(setup, space, n, steps);
-        let kept = f64::from(plan.kept_steps().min(steps)) + 1.0;
-        // u and σ of the levels that cases look at.
-        let tensors = tensor_numbers(space) * space.mesh.cell_count();
-        let levels = 8.0 * kept * (space.dofs() + tensors) as f64;
-        Cost { memory_bytes: PROGRAM + run.memory_bytes + levels, ..run }
-    });
-    let per_time = truth(setup, plan, &spaces);
+    predict_some(setup, plan, &plan.cases, plan.reference)
+}
+
+/// The same for some cases of the plan, as if there were no others; one mesh at a time is in memory.
+pub(super) fn predict_some(
+    setup: &Setup,
+    plan: &ScenePlan,
+    cases: &[CasePlan],
+    reference: Option<Reference>,
+) -> Result<PlanCost, SetupError> {
+    let reference = reference.map(|own| reference_cost(setup, plan, own)).transpose()?;
+    let (reference, reference_cells) = reference.unzip();
     let check = RuleRatios::of(setup.scene.dimension);
-    let mut order: Vec<usize> = (0..plan.cases.len()).collect();
-    let finest = |c: usize| {
-        let timed = plan.cases[c].norms.contains(&Norm::VTimeMax);
-        plan.cases[c].steps * if timed { 1 + TIME_REFERENCE } else { 1 }
-    };
-    order.sort_by_key(|&c| std::cmp::Reverse(finest(c)));
-    let mut cases: Vec<Option<Cost>> = vec![None; plan.cases.len()];
-    let mut known: HashMap<u32, [HashSet<u64>; 2]> = HashMap::new();
-    for c in order {
-        let case = &plan.cases[c];
-        let n = mesh_of(case);
-        let space = &spaces[&n];
-        let mut cost = march(setup, space, n, case.steps);
-        let mut loads = times(setup, case.steps);
-        let moments = loads.clone();
-        if case.norms.contains(&Norm::VTimeMax) {
-            let finer = TIME_REFERENCE * case.steps;
-            cost.seconds += march(setup, space, n, finer).seconds;
-            loads.extend(times(setup, finer));
+    let timed = |c: usize| cases[c].norms.contains(&Norm::VTimeMax);
+    let finest = |c: usize| cases[c].steps * if timed(c) { 1 + TIME_REFERENCE } else { 1 };
+    let mut order: Vec<usize> = (0..cases.len()).collect();
+    order.sort_by_key(|&c| (mesh_of(&cases[c]), std::cmp::Reverse(finest(c))));
+    let mut costs: Vec<Option<Cost>> = vec![None; cases.len()];
+    for of_mesh in order.chunk_by(|&a, &b| mesh_of(&cases[a]) == mesh_of(&cases[b])) {
+        let n = mesh_of(&cases[of_mesh[0]]);
+        let space = setup.space(n)?;
+        let [load, moment, formulas] = truth(setup, reference_cells, space.mesh.cell_count());
+        let [moment_numbers, dofs] =
+            [moment_numbers(&space) * space.mesh.cell_count(), space.dofs()].map(|n| n as f64);
+        let mut known: [HashSet<u64>; 2] = Default::default();
+        for (place, &c) in of_mesh.iter().enumerate() {
+            let case = &cases[c];
+            let mut cost = march(setup, &space, n, case.steps);
+            let mut loads = times(setup, case.steps);
+            let moments = loads.clone();
+            let mut kept = formulas + 8.0 * (moment_numbers + dofs) * moments.len() as f64;
+            if timed(c) {
+                let finer = march(setup, &space, n, TIME_REFERENCE * case.steps);
+                cost.seconds += finer.seconds;
+                loads.extend(times(setup, TIME_REFERENCE * case.steps));
+                // One march after the other; displacements and exact loads of the finer one stay.
+                cost.memory_bytes = cost.memory_bytes.max(finer.memory_bytes);
+                kept += 8.0 * dofs * moments.len() as f64;
+                if setup.exact.is_some() {
+                    kept += 8.0 * dofs * (loads.len() - moments.len()) as f64;
+                }
+            }
+            cost.memory_bytes += PROGRAM + kept + check.formulas * formulas;
+            cost.memory_bytes += reference.map_or(0.0, |run: Cost| run.memory_bytes - PROGRAM);
+            cost.kept_bytes = kept + SPACE * space.pattern.entries() as f64;
+            if setup.exact.is_some() && place == 0 {
+                // The rules are compared once a mesh, at two times: loads by both, moments by the next.
+                cost.seconds += 2.0 * ((1.0 + check.load) * load + check.error * moment);
+            }
+            let [known_loads, known_moments] = &mut known;
+            let fresh = |set: &mut HashSet<u64>, times: HashSet<u64>| {
+                times.into_iter().filter(|&t| set.insert(t)).count() as f64
+            };
+            cost.seconds +=
+                load * fresh(known_loads, loads) + moment * fresh(known_moments, moments);
+            costs[c] = Some(cost);
         }
-        let [load, moment, formulas] = per_time(n);
-        let numbers = (moment_numbers(space) * space.mesh.cell_count() + space.dofs()) as f64;
-        cost.memory_bytes += PROGRAM + formulas + 8.0 * numbers * moments.len() as f64;
-        cost.memory_bytes += reference.map_or(0.0, |run| run.memory_bytes - PROGRAM);
-        if setup.exact.is_some() && !known.contains_key(&n) {
-            // The rules are compared once a mesh, at two times: loads by both, moments by the next.
-            cost.seconds += 2.0 * ((1.0 + check.load) * load + check.error * moment);
-        }
-        cost.memory_bytes += check.formulas * formulas;
-        let [known_loads, known_moments] = known.entry(n).or_default();
-        let fresh = |set: &mut HashSet<u64>, times: HashSet<u64>| {
-            times.into_iter().filter(|&t| set.insert(t)).count() as f64
-        };
-        cost.seconds += load * fresh(known_loads, loads) + moment * fresh(known_moments, moments);
-        cases[c] = Some(cost);
     }
     let longest = |&(c, _): &(usize, &mut Option<Cost>)| {
-        u64::from(mesh_of(&plan.cases[c])).pow(3) * u64::from(finest(c) + 1)
+        u64::from(mesh_of(&cases[c])).pow(3) * u64::from(finest(c) + 1)
     };
-    if let Some((_, Some(cost))) = cases.iter_mut().enumerate().max_by_key(longest) {
+    if let Some((_, Some(cost))) = costs.iter_mut().enumerate().max_by_key(longest) {
         cost.seconds += zeta(setup);
     }
-    Ok(PlanCost { cases: cases.into_iter().flatten().collect(), reference })
+    Ok(PlanCost { cases: costs.into_iter().flatten().collect(), reference })
 }
 
-/// What one run takes without measuring its error.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RunCost {
-    /// Peak memory of a process that does this run alone.
-    pub memory_bytes: f64,
-    /// What the history has of it.
-    pub history_bytes: f64,
+/// The reference run of a plan, and the cells of its mesh.
+fn reference_cost(
+    setup: &Setup,
+    plan: &ScenePlan,
+    reference: Reference,
+) -> Result<(Cost, usize), SetupError> {
+    let (n, steps) = (reference.n as u32, reference.steps as u32);
+    let space = setup.space(n)?;
+    let run = march(setup, &space, n, steps);
+    let kept = f64::from(plan.kept_steps().min(steps)) + 1.0;
+    // u and σ of the levels that cases look at.
+    let tensors = tensor_numbers(&space) * space.mesh.cell_count();
+    let levels = 8.0 * kept * (space.dofs() + tensors) as f64;
+    let kept_bytes = levels + SPACE * space.pattern.entries() as f64;
+    let memory_bytes = PROGRAM + run.memory_bytes + levels;
+    Ok((Cost { memory_bytes, kept_bytes, ..run }, space.mesh.cell_count()))
 }
 
-/// The memory of one run, mesh, loads and march, as `sweep solve` does it.
-pub fn run_cost(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> RunCost {
-    let run = march(setup, space, n, steps);
-    let [load, _] = points(&TruthRules::of(setup.scene.dimension));
-    let points = load * space.mesh.cell_count() as f64;
-    let formulas = match &setup.body.data {
-        Data::Exact { interpolated: false, .. } if points <= MOST_STORED => FORMULAS * points,
+/// Bytes that the formulas of an exact solution keep for so many points.
+fn formulas(setup: &Setup, points: f64) -> f64 {
+    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    match &setup.exact {
+        Some(exact) if !interpolated && points <= MOST_STORED => {
+            exact.interior.bytes(points, setup.scene.dimension, setup.scene.time.horizon)
+        }
         _ => 0.0,
-    };
-    RunCost {
-        memory_bytes: PROGRAM + run.memory_bytes + formulas,
-        history_bytes: (setup.history_vectors(steps) * space.dofs() * 8) as f64,
     }
 }
 
@@ -288,28 +300,21 @@ fn times(setup: &Setup, steps: u32) -> HashSet<u64> {
     (0..=grid.steps()).map(|n| grid.time(n).to_bits()).collect()
 }
 
-/// Seconds a time for the load and for the moments of the truth on the mesh n, and bytes held by formulas.
-fn truth<'a>(
-    setup: &'a Setup,
-    plan: &'a ScenePlan,
-    spaces: &'a HashMap<u32, std::sync::Arc<Discretization>>,
-) -> impl Fn(u32) -> [f64; 3] + 'a {
+/// Seconds a time for the load and for the moments of the truth on a mesh, and bytes held by formulas.
+fn truth(setup: &Setup, reference_cells: Option<usize>, cells: usize) -> [f64; 3] {
     let [load, error] = points(&TruthRules::of(setup.scene.dimension));
-    move |n| {
-        let cells = |n: u32| spaces[&n].mesh.cell_count() as f64;
-        let stored = [load, error].map(|points| points * cells(n)).into_iter();
-        let stored: f64 = stored.filter(|points| *points <= MOST_STORED).sum();
-        match &setup.body.data {
-            Data::Exact { interpolated: true, .. } => [INTERPOLATED, 0.0, 0.0],
-            Data::Exact { .. } => {
-                let d = setup.scene.dimension;
-                let cost = (d + d * (d + 1)) as f64 / 8.0 * cells(n);
-                [LOAD * load * cost, MOMENTS * error * cost, FORMULAS * stored]
-            }
-            Data::Loads { .. } => {
-                let moments = plan.reference.map_or(0.0, |r| REFERENCE * cells(r.n as u32));
-                [0.0, moments, 0.0]
-            }
+    let cells = cells as f64;
+    match &setup.body.data {
+        Data::Exact { interpolated: true, .. } => [INTERPOLATED, 0.0, 0.0],
+        Data::Exact { .. } => {
+            let d = setup.scene.dimension;
+            let cost = (d + d * (d + 1)) as f64 / 8.0 * cells;
+            let stored = formulas(setup, load * cells) + formulas(setup, error * cells);
+            [LOAD * load * cost, MOMENTS * error * cost, stored]
+        }
+        Data::Loads { .. } => {
+            let moments = reference_cells.map_or(0.0, |cells| REFERENCE * cells as f64);
+            [0.0, moments, 0.0]
         }
     }
 }
@@ -366,6 +371,7 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
         factorizations,
         seconds: passes * per_iteration + linear + MEASURING * cells * levels,
         memory_bytes,
+        kept_bytes: 0.0,
     }
 }
 

@@ -2,26 +2,33 @@
 
 mod abstract_case;
 mod case;
+mod circumstances;
 mod cost;
 mod extend;
 mod floors;
 mod judging;
+mod memory_limit;
+mod needs;
 mod output;
 mod plan;
 mod provenance;
 mod reference_error;
 mod resume;
 mod run;
+mod schedule;
 
 pub use abstract_case::run_abstract_case;
 pub use case::{as_floors, floor_in, run_contact_case};
+pub use circumstances::Circumstances;
 pub use cost::{Cost, Kind, PlanCost, RunCost, predict, run_cost};
 pub use extend::{AddedCase, ROUNDS, Step, extend, words};
 pub use floors::{FloorPart, FloorRow, abstract_floors, contact_floors, direct_history};
 pub use judging::{foresee, foresee_plan, judge_scene, scene_summary};
+pub use memory_limit::{MemoryLimit, TooLarge};
+pub use needs::admit_run;
 pub use output::{OutputDirectory, OutputError};
 pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple, without_panic};
 pub use provenance::Provenance;
 pub use reference_error::{reference_error, reference_in_words};
 pub use resume::{ResumeError, resume};
-pub use run::{Progress, SweepError, run_more, run_sweep};
+pub use run::{Machine, Progress, SweepError, run_more, run_sweep};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{AddedCase, ScenePlan};
+use super::{AddedCase, Circumstances, Machine, ScenePlan};
 use crate::record::replace_file;
 use crate::scene::{Scene, SceneError, Source};
 
@@ -30,6 +30,9 @@ pub struct Provenance {
     /// Cases beyond the grid of a scene, with the verdicts that asked for them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub added_cases: BTreeMap<String, Vec<AddedCase>>,
+    /// What else made them; alone of all keys it differs between runs with equal records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub run: Option<Circumstances>,
 }
 
 /// Name of the file in the output directory.
@@ -53,11 +56,12 @@ impl Provenance {
             meshes,
             step_sizes: BTreeMap::new(),
             added_cases: BTreeMap::new(),
+            run: None,
         }
     }
 
     /// The provenance of a run of `plans`, with what (3.4) says of their step sizes.
-    pub fn of_run(plans: &[ScenePlan]) -> Self {
+    pub fn of_run(plans: &[ScenePlan], machine: &Machine) -> Self {
         let remark = |plan: &ScenePlan| {
             let remark = plan.step_remark().ok().flatten()?;
             Some((plan.scene().name.clone(), remark.text))
@@ -66,7 +70,8 @@ impl Provenance {
         let extended = plans.iter().filter(|plan| !plan.added.is_empty());
         let added_cases =
             extended.map(|plan| (plan.scene().name.clone(), plan.added.clone())).collect();
-        Self { step_sizes, added_cases, ..Self::new(plans.iter().map(ScenePlan::scene)) }
+        let run = Some(Circumstances::new(machine.jobs, &machine.options));
+        Self { step_sizes, added_cases, run, ..Self::new(plans.iter().map(ScenePlan::scene)) }
     }
 
     /// The scene that the records in `dir` were made with; `None` if its text is not kept there.
@@ -104,6 +109,9 @@ impl Provenance {
         }
         if !self.added_cases.is_empty() {
             document["added_cases"] = serde_json::json!(self.added_cases);
+        }
+        if let Some(run) = &self.run {
+            document["run"] = serde_json::json!(run);
         }
         document
     }

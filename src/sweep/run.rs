@@ -1,17 +1,20 @@
-//! Runs the cases of many scenes on a few threads, longest first, and records each as it ends.
+//! Runs the cases of many scenes on a few threads, longest first and within memory, and records each as it ends.
 
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE, without_panic};
+use super::memory_limit::{MemoryLimit, TooLarge};
+use super::needs::{Need, needs};
+use super::plan::{CasePlan, ScenePlan, without_panic};
+use super::schedule::{Kept, Schedule, Task};
 use super::{
     OutputDirectory, Provenance, ResumeError, resume, run_abstract_case, run_contact_case,
 };
+use rayon::prelude::*;
+
 use crate::norms::ReferenceRun;
 use crate::record::{CaseRecord, Journal, RecordError, counted};
 use crate::report::{ReportError, remove_earlier};
-use crate::scene::Norm;
 use crate::setup::{MeshData, Setup, Subject, reference_run};
 
 /// Why a sweep ended without records.
@@ -32,6 +35,24 @@ pub enum SweepError {
     /// The threads could not be started.
     #[error("starting {}: {reason}", counted(*jobs, "thread"))]
     Threads { jobs: usize, reason: String },
+}
+
+/// What of the machine a sweep may take, and how it was asked to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// Cases at a time.
+    pub jobs: usize,
+    /// Memory that cases may be predicted to take together.
+    pub memory: MemoryLimit,
+    /// Options of the command, for the provenance.
+    pub options: String,
+}
+
+impl Machine {
+    /// So many cases at a time, whatever memory they take.
+    pub fn with_jobs(jobs: usize) -> Self {
+        Self { jobs, memory: MemoryLimit::NONE, options: String::new() }
+    }
 }
 
 /// Hears of the sweep while it runs.
@@ -59,14 +80,17 @@ enum Job {
     Case(usize, usize),
 }
 
+/// Made when it is first asked for, and let go when the last one that needs it has ended.
+type Slot<T> = Mutex<Arc<OnceLock<Result<T, String>>>>;
+
 /// What the jobs of one scene share.
 struct Shared<'a> {
     plan: &'a ScenePlan,
-    reference: OnceLock<Result<Arc<ReferenceRun>, String>>,
-    meshes: Vec<(u32, OnceLock<Result<MeshData, String>>)>,
+    reference: Slot<Arc<ReferenceRun>>,
+    meshes: Vec<(u32, Slot<MeshData>)>,
 }
 
-/// Runs `plans` with `jobs` threads; with `keep`, complete cases in `out` are not run again.
+/// Runs `plans` on `machine`; with `keep`, complete cases in `out` are not run again.
 /// Returns all records, sorted by scene, n and steps.
 ///
 /// # Errors
@@ -74,12 +98,12 @@ struct Shared<'a> {
 pub fn run_sweep(
     plans: &[ScenePlan],
     out: &OutputDirectory,
-    jobs: usize,
+    machine: &Machine,
     keep: bool,
     progress: &dyn Progress,
 ) -> Result<Vec<CaseRecord>, SweepError> {
     let known = if keep { resume(out.path(), plans)? } else { Vec::new() };
-    run_more(plans, known, out, jobs, progress)
+    run_more(plans, known, out, machine, progress)
 }
 
 /// Runs the cases of `plans` that `known` does not hold. Returns all records, sorted likewise.
@@ -90,10 +114,10 @@ pub fn run_more(
     plans: &[ScenePlan],
     known: Vec<CaseRecord>,
     out: &OutputDirectory,
-    jobs: usize,
+    machine: &Machine,
     progress: &dyn Progress,
 ) -> Result<Vec<CaseRecord>, SweepError> {
-    let journal = prepare(plans, out, &known)?;
+    let journal = prepare(plans, out, &known, machine)?;
     let total = plans.iter().map(|plan| plan.cases.len()).sum();
     progress.begin(total, known.len());
     let shared: Vec<Shared<'_>> = plans.iter().map(Shared::new).collect();
@@ -104,27 +128,25 @@ pub fn run_more(
         failure: Mutex::new(None),
         progress,
     };
-    let (first, second) = sweep.jobs();
+    let jobs = machine.jobs;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(jobs)
         .build()
         .map_err(|error| SweepError::Threads { jobs, reason: error.to_string() })?;
-    for wave in [first, second] {
-        let next = AtomicUsize::new(0);
-        pool.scope(|scope| {
-            for _ in 0..jobs {
-                scope.spawn(|_| {
-                    while let Some(job) = wave.get(next.fetch_add(1, Ordering::Relaxed)) {
-                        // What cannot be recorded need not be computed.
-                        if sweep.failed() {
-                            break;
-                        }
-                        sweep.execute(job);
-                    }
-                });
-            }
-        });
-    }
+    let (work, tasks) = pool.install(|| sweep.work(&machine.memory));
+    let schedule = Schedule::new(tasks, machine.memory.bytes());
+    pool.scope(|scope| {
+        for _ in 0..jobs {
+            scope.spawn(|_| {
+                // What cannot be recorded need not be computed.
+                while let Some(start) = schedule.begin(|| sweep.failed()) {
+                    start.dropped.into_iter().for_each(|kept| sweep.let_go(kept));
+                    sweep.execute(&work[start.task]);
+                    schedule.end(start.task).into_iter().for_each(|kept| sweep.let_go(kept));
+                }
+            });
+        }
+    });
     if let Some(error) = sweep.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
         return Err(error.into());
     }
@@ -138,6 +160,7 @@ fn prepare(
     plans: &[ScenePlan],
     out: &OutputDirectory,
     known: &[CaseRecord],
+    machine: &Machine,
 ) -> Result<Journal, SweepError> {
     let out = out.path();
     let refused = |(path, reason)| SweepError::Directory { path, reason };
@@ -150,7 +173,7 @@ fn prepare(
     for path in old.into_iter().flatten().filter(|path| path.exists()) {
         std::fs::remove_file(&path).map_err(|e| refused((path, e.to_string())))?;
     }
-    Provenance::of_run(plans).write(out).map_err(refused)?;
+    Provenance::of_run(plans, machine).write(out).map_err(refused)?;
     crate::record::write_sorted(&table, known)?;
     Ok(Journal::open(&table)?)
 }
@@ -164,41 +187,70 @@ struct Sweep<'a> {
 }
 
 impl Sweep<'_> {
-    /// Reference runs and cases with an exact solution; then the cases that need a reference.
-    fn jobs(&self) -> (Vec<Job>, Vec<Job>) {
-        let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
-        let (mut first, mut second) = (Vec::new(), Vec::new());
-        for (s, shared) in self.shared.iter().enumerate() {
-            let plan = shared.plan;
-            let open: Vec<usize> = (0..plan.cases.len())
-                .filter(|&c| !records.iter().any(|record| is_case(plan, &plan.cases[c], record)))
-                .collect();
-            if plan.subject.has_exact() {
-                first.extend(open.into_iter().map(|c| Job::Case(s, c)));
-            } else if !open.is_empty() {
-                first.push(Job::Reference(s));
-                second.extend(open.into_iter().map(|c| Job::Case(s, c)));
+    /// The cases that are not recorded, with the reference runs that they need. A case that asks for more memory than
+    /// there may be is recorded as failed, and is none of them.
+    fn work(&self, limit: &MemoryLimit) -> (Vec<Job>, Vec<Task>) {
+        let open: Vec<Vec<usize>> = self.shared.iter().map(|shared| self.open(shared)).collect();
+        let needs: Vec<_> = self
+            .shared
+            .par_iter()
+            .zip(&open)
+            .map(|(shared, open)| {
+                let cases: Vec<CasePlan> =
+                    open.iter().map(|&c| shared.plan.cases[c].clone()).collect();
+                needs(shared.plan, &cases, limit)
+            })
+            .collect();
+        let (mut work, mut tasks) = (Vec::new(), Vec::new());
+        for (s, (open, needs)) in open.into_iter().zip(needs).enumerate() {
+            let plan = self.shared[s].plan;
+            let mut cases = Vec::new();
+            for (c, need) in open.into_iter().zip(needs.cases) {
+                match need {
+                    Ok(need) => cases.push((c, need)),
+                    Err(reason) => self.refuse(&plan.cases[c], plan, &reason),
+                }
+            }
+            let reference = needs.reference.and_then(Result::ok).filter(|_| !cases.is_empty());
+            let mut shares = Vec::new();
+            let after = reference.map(|need| {
+                shares.push(((s, None), need.kept));
+                let longest = cases.iter().map(|(_, case)| case.seconds).fold(0.0, f64::max);
+                work.push(Job::Reference(s));
+                tasks.push(Task { shares: shares.clone(), ..task(need, need.seconds + longest) });
+                tasks.len() - 1
+            });
+            for (c, need) in cases {
+                let own = plan.cases[c].n.map(|n| ((s, Some(n)), need.kept));
+                let shares = shares.iter().copied().chain(own).collect();
+                work.push(Job::Case(s, c));
+                tasks.push(Task { after, shares, ..task(need, need.seconds) });
             }
         }
-        for wave in [&mut first, &mut second] {
-            wave.sort_by(|a, b| self.cost(b).total_cmp(&self.cost(a)));
-        }
-        (first, second)
+        (work, tasks)
     }
 
-    /// Predicted cost, for the order only: a factorization a step, n³ each in the plane.
-    fn cost(&self, job: &Job) -> f64 {
-        let run = |n: u32, steps: u32| f64::from(n).powi(3) * (f64::from(steps) + 1.0);
-        match *job {
-            Job::Reference(s) => {
-                self.shared[s].plan.reference.map_or(0.0, |r| run(r.n as u32, r.steps as u32))
-            }
-            Job::Case(s, c) => {
-                let case = &self.shared[s].plan.cases[c];
-                let timed = case.norms.contains(&Norm::VTimeMax);
-                let factor = if timed { 1 + TIME_REFERENCE } else { 1 };
-                // An abstract case costs its direct history, next to nothing beside a mesh.
-                case.n.map_or(0.0, |n| run(n, case.steps * factor))
+    /// Indices of the cases of a scene that are not recorded.
+    fn open(&self, shared: &Shared<'_>) -> Vec<usize> {
+        let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
+        let (plan, cases) = (shared.plan, &shared.plan.cases);
+        let recorded = |c: usize| records.iter().any(|record| is_case(plan, &cases[c], record));
+        (0..cases.len()).filter(|&c| !recorded(c)).collect()
+    }
+
+    fn refuse(&self, case: &CasePlan, plan: &ScenePlan, reason: &TooLarge) {
+        let record = plan.record(case, || Err(reason.to_string()));
+        self.progress.finished(&in_words(plan, case), Some(&record));
+        self.keep(record);
+    }
+
+    /// Lets go of what the cases on a mesh, or all cases of a scene, have shared.
+    fn let_go(&self, (scene, n): Kept) {
+        let shared = &self.shared[scene];
+        match n {
+            None => empty(&shared.reference),
+            Some(n) => {
+                shared.meshes.iter().filter(|(own, _)| *own == n).for_each(|(_, slot)| empty(slot))
             }
         }
     }
@@ -217,11 +269,7 @@ impl Sweep<'_> {
             Job::Case(s, c) => {
                 let shared = &self.shared[s];
                 let case = &shared.plan.cases[c];
-                let name = &shared.plan.scene().name;
-                let what = match case.n {
-                    Some(n) => format!("{name} n={n} N={}", case.steps),
-                    None => format!("{name} N={}", case.steps),
-                };
+                let what = in_words(shared.plan, case);
                 self.progress.started(&what);
                 let record = shared.case(case);
                 self.progress.finished(&what, Some(&record));
@@ -248,17 +296,40 @@ impl Sweep<'_> {
     }
 }
 
+/// A task by what it is predicted to take.
+fn task(need: Need, rank: f64) -> Task {
+    Task { rank, bytes: need.bytes, ..Task::default() }
+}
+
+/// A case in words.
+fn in_words(plan: &ScenePlan, case: &CasePlan) -> String {
+    let name = &plan.scene().name;
+    match case.n {
+        Some(n) => format!("{name} n={n} N={}", case.steps),
+        None => format!("{name} N={}", case.steps),
+    }
+}
+
+/// What is in a slot now, made or not.
+fn content<T>(slot: &Slot<T>) -> Arc<OnceLock<Result<T, String>>> {
+    slot.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
+fn empty<T>(slot: &Slot<T>) {
+    *slot.lock().unwrap_or_else(PoisonError::into_inner) = Arc::default();
+}
+
 impl<'a> Shared<'a> {
     fn new(plan: &'a ScenePlan) -> Self {
         let mut ns: Vec<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
         ns.sort_unstable();
         ns.dedup();
-        let meshes = ns.into_iter().map(|n| (n, OnceLock::new())).collect();
-        Self { plan, reference: OnceLock::new(), meshes }
+        let meshes = ns.into_iter().map(|n| (n, Slot::default())).collect();
+        Self { plan, reference: Slot::default(), meshes }
     }
 
-    fn reference(&self, setup: &Setup) -> &Result<Arc<ReferenceRun>, String> {
-        self.reference.get_or_init(|| {
+    fn reference(&self, setup: &Setup) -> Result<Arc<ReferenceRun>, String> {
+        let run = || {
             let Some(reference) = self.plan.reference else {
                 return Err("the scene has neither an exact solution nor a reference".into());
             };
@@ -269,28 +340,29 @@ impl<'a> Shared<'a> {
                     .map(Arc::new)
                     .map_err(|error| error.to_string())
             })
-        })
+        };
+        content(&self.reference).get_or_init(run).clone()
     }
 
-    fn mesh(&self, setup: &Setup, n: u32) -> Result<&MeshData, String> {
-        let Some((_, cell)) = self.meshes.iter().find(|(own, _)| *own == n) else {
+    /// The record of a case on the mesh n.
+    fn on_mesh(&self, setup: &Setup, n: u32, case: &CasePlan) -> Result<CaseRecord, String> {
+        let Some((_, slot)) = self.meshes.iter().find(|(own, _)| *own == n) else {
             return Err(format!("no mesh n = {n} in the plan"));
         };
+        let cell = content(slot);
         let data = cell.get_or_init(|| {
             let reference = match setup.exact {
                 Some(_) => None,
-                None => Some(self.reference(setup).clone()?),
+                None => Some(self.reference(setup)?),
             };
             MeshData::new(setup, n, reference).map_err(|error| error.to_string())
         });
-        data.as_ref().map_err(Clone::clone)
+        data.as_ref().map(|data| run_contact_case(setup, data, case)).map_err(Clone::clone)
     }
 
     fn case(&self, case: &CasePlan) -> CaseRecord {
         self.plan.record(case, || match (&self.plan.subject, case.n) {
-            (Subject::Contact(setup), Some(n)) => {
-                self.mesh(setup, n).map(|data| run_contact_case(setup, data, case))
-            }
+            (Subject::Contact(setup), Some(n)) => self.on_mesh(setup, n, case),
             (Subject::Contact(_), None) => Err("a body needs a mesh: no n".into()),
             (Subject::Abstract(setup), _) => Ok(run_abstract_case(setup, case)),
         })

@@ -15,12 +15,12 @@ fn a_ladder_is_a_table_and_three_files() {
     assert!(printed.contains("every one as expected"), "{printed}");
     let csv = std::fs::read_to_string(folder.at("out/extremes.csv")).expect("a table");
     assert!(csv.starts_with("ladder,at,quantity,expected,measured,"), "{csv}");
-    assert_eq!(csv.lines().count(), 1 + 4 + 9, "{csv}");
+    assert_eq!(csv.lines().count(), 1 + 8 + 9, "{csv}");
     let svg = std::fs::read_to_string(folder.at("out/extremes.svg")).expect("a map");
     assert!(svg.contains("step-falling") && svg.contains("refused as expected"));
     let text = std::fs::read_to_string(folder.at("out/extremes.json")).expect("a document");
     let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
-    assert_eq!(document["rungs"].as_array().map(Vec::len), Some(13));
+    assert_eq!(document["rungs"].as_array().map(Vec::len), Some(17));
 }
 
 #[test]

@@ -86,7 +86,7 @@ fn with_lame(lambda: f64, mu: f64) -> impl Fn(Setup) -> Setup + Sync {
 fn a_softer_body_exceeds_ceas_bound_and_a_softer_λ_the_bound_of_locking() {
     let soft = with_lame(1.0, 0.5);
     let under_test = UnderTest { prepare: &soft, ..UnderTest::default() };
-    for (ladder, at) in [("mesh", "16"), ("aspect", "1e2")] {
+    for (ladder, at) in [("mesh", "16"), ("aspect", "1e2"), ("sliver", "1e1")] {
         let row = row(ladder, at, &under_test);
         assert_eq!(row.standing, Standing::NotAsExpected, "{row:?}");
     }
@@ -108,6 +108,21 @@ fn a_projection_that_is_a_little_stiffer_is_seen() {
     }
 }
 
+/// A stiffness that is kept away from zero, as some programs do it.
+fn kept_away_from_zero(mut setup: Setup) -> Setup {
+    if let Some(projection) = &mut setup.model.projection {
+        projection.mu = projection.mu.max(1e-9);
+    }
+    setup
+}
+
+#[test]
+fn a_subnormal_number_that_is_replaced_is_seen() {
+    let under_test = UnderTest { prepare: &kept_away_from_zero, ..UnderTest::default() };
+    let row = row("subnormal", "projection", &under_test);
+    assert_eq!(row.standing, Standing::NotAsExpected, "{row:?}");
+}
+
 #[test]
 fn a_solver_that_stops_early_is_seen_near_every_bound() {
     // So coarse that the start value is accepted.
@@ -124,7 +139,7 @@ fn a_solver_that_stops_early_is_seen_near_every_bound() {
 fn a_recursion_that_forgets_too_much_is_seen() {
     let wrong = |rate: f64, k: f64, steps: usize| by_recursion(rate * (1.0 + 1e-11), k, steps);
     let under_test = UnderTest { history: &wrong, ..UnderTest::default() };
-    for (ladder, at) in [("relaxation", "1e0"), ("steps", "1e2")] {
+    for (ladder, at) in [("relaxation", "1e0"), ("steps", "1e2"), ("sign-change", "2e0")] {
         let row = row(ladder, at, &under_test);
         assert_eq!(row.standing, Standing::NotAsExpected, "{row:?}");
     }

@@ -88,6 +88,20 @@ pub fn json(output: &Output) -> serde_json::Value {
         .unwrap_or_else(|error| panic!("{error}:\n{text}\n{}", stderr(output)))
 }
 
+/// verdict.json or provenance.json without what may differ between runs of equal records.
+#[track_caller]
+pub fn lasting(path: &Path) -> serde_json::Value {
+    let text = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let mut document: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
+    let provenance = match document.get("provenance") {
+        Some(_) => &mut document["provenance"],
+        None => &mut document,
+    };
+    let run = provenance.as_object_mut().expect("an object").remove("run").expect("a run");
+    assert!(run["threads"].is_u64() && run["commit"].is_string(), "{run}");
+    document
+}
+
 /// A table of cases, every column but `seconds_*` as text, the header first.
 #[track_caller]
 pub fn timeless(path: &Path) -> Vec<Vec<String>> {

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use gronwall::contact::{CaseError, CaseInfo, Observer};
 use gronwall::record::{CaseRecord, Status, read};
 use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
-use gronwall::sweep::{OutputDirectory, Overrides, ScenePlan, run_sweep};
+use gronwall::sweep::{Machine, OutputDirectory, Overrides, ScenePlan, run_sweep};
 
 use crate::program::{Folder, code, stderr, stdout, sweep, timeless};
 use crate::shipped::setup;
@@ -114,7 +114,7 @@ fn a_panic_is_the_end_of_its_case_alone() {
         let subject = Subject::Contact(Box::new(setup));
         let plan = ScenePlan::new(subject, &Overrides::default());
         let out = OutputDirectory::take(&folder.at(out)).expect("a directory");
-        run_sweep(&[plan], &out, 2, false, &()).expect("a sweep")
+        run_sweep(&[plan], &out, &Machine::with_jobs(2), false, &()).expect("a sweep")
     };
     let sound = run("sound", Arc::new(NewtonMarch));
     let found = run("found", Arc::new(Panicking));
@@ -144,7 +144,7 @@ fn nothing_follows_a_record_that_could_not_be_written() {
     // A name of two lines is no row of the table. One thread: the sound scene comes after.
     let plans = [plan("two\nlines"), plan("sound")];
     let out = OutputDirectory::take(&folder.at("out")).expect("a directory");
-    let error = run_sweep(&plans, &out, 1, false, &()).expect_err("no record");
+    let error = run_sweep(&plans, &out, &Machine::with_jobs(1), false, &()).expect_err("no record");
     assert!(error.to_string().contains("line break"), "{error}");
     assert_eq!(lines(&folder.at("out/cases.csv")), 1, "the header alone");
 }

@@ -162,7 +162,8 @@ fn an_interrupted_sweep_says_how_to_go_on_and_does() {
     let whole = folder.argument("whole");
     finish(&arguments(&scenes, &whole));
     let expected = timeless(&folder.at("whole/cases.csv"));
-    for (moment, rows) in [2, expected.len() / 2].into_iter().enumerate() {
+    // The longest cases begin first: late in a sweep the rest may be over before the signal is there.
+    for (moment, rows) in [2, expected.len() / 4].into_iter().enumerate() {
         // A space in the path: what is printed must still be one command.
         let name = format!("cut {moment}");
         let (out, table) = (folder.argument(&name), folder.at(&name).join("cases.csv"));

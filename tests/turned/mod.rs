@@ -9,7 +9,7 @@ use gronwall::contact::{CaseError, CaseInfo, Discretization, Observer, march};
 use gronwall::record::{CaseRecord, Status};
 use gronwall::scene::{Scene, Source};
 use gronwall::setup::{MeshData, Scheme, Setup, Subject, TruthLoad, side_numbers};
-use gronwall::sweep::{OutputDirectory, Overrides, ScenePlan, run_sweep};
+use gronwall::sweep::{Machine, OutputDirectory, Overrides, ScenePlan, run_sweep};
 use gronwall::vhi::Newton;
 
 use crate::program::Folder;
@@ -122,7 +122,8 @@ pub fn records(text: &str, scheme: Option<Arc<dyn Scheme>>) -> Vec<CaseRecord> {
     let plan = ScenePlan::new(subject, &Overrides::default());
     let folder = Folder::new("turned");
     let out = OutputDirectory::take(&folder.at("run")).unwrap_or_else(|error| panic!("{error}"));
-    let records = run_sweep(&[plan], &out, 1, false, &()).unwrap_or_else(|error| panic!("{error}"));
+    let records = run_sweep(&[plan], &out, &Machine::with_jobs(1), false, &())
+        .unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(records.len(), 2);
     assert!(records.iter().all(|record| record.status == Status::Converged), "{records:?}");
     records

@@ -1,0 +1,36 @@
+//! What one run takes without measuring its error.
+
+use super::{PROGRAM, formulas, march, points};
+use crate::contact::Discretization;
+use crate::setup::Setup;
+use crate::space::quadrature::TruthRules;
+
+/// What one run takes without measuring its error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunCost {
+    /// Peak memory of a process that does this run alone.
+    pub memory_bytes: f64,
+    /// What the history has of it.
+    pub history_bytes: f64,
+}
+
+/// The memory of one run, mesh, loads and march, as `sweep solve` does it.
+pub fn run_cost(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> RunCost {
+    let run = march(setup, space, n, steps);
+    let [load, _] = points(&TruthRules::of(setup.scene.dimension));
+    let formulas = formulas(setup, load * space.mesh.cell_count() as f64);
+    RunCost {
+        memory_bytes: PROGRAM + run.memory_bytes + formulas,
+        history_bytes: (setup.history_vectors(steps) * space.dofs() * 8) as f64,
+    }
+}
+
+/// The memory of one march alone.
+pub(in crate::sweep) fn march_bytes(
+    setup: &Setup,
+    space: &Discretization,
+    n: u32,
+    steps: u32,
+) -> f64 {
+    march(setup, space, n, steps).memory_bytes
+}

@@ -1,0 +1,116 @@
+//! What the cases of a sweep ask of the machine, and which of them ask for more than there is.
+
+use super::cost::{predict_abstract, predict_some, run_cost};
+use super::memory_limit::{MemoryLimit, TooLarge};
+use super::plan::{CasePlan, ScenePlan, without_panic};
+use crate::contact::Discretization;
+use crate::setup::{AbstractSetup, Setup, SetupError, Subject};
+
+/// What one run is predicted to take.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Need {
+    pub(super) seconds: f64,
+    /// Peak memory.
+    pub(super) bytes: f64,
+    /// What stays of it for others.
+    pub(super) kept: f64,
+}
+
+/// What a plan takes: the reference run, and some of its cases in their order. An error is the reason of a refusal.
+pub(super) struct Needs {
+    pub(super) reference: Option<Result<Need, TooLarge>>,
+    pub(super) cases: Vec<Result<Need, TooLarge>>,
+}
+
+/// Cells a unit length, in the plane and in space, of the mesh by which others are judged before they are made, and how
+/// many times more they must have: a mesh with fewer is made in a moment.
+const COARSE: [u32; 2] = [16, 8];
+const FINER: u32 = 4;
+/// The part of the bytes a coarse mesh would take, scaled by the number of cells, that a finer one surely takes: its
+/// factor is the larger one, but large boxes have multigrid in place of a factor.
+const SURELY: f64 = 0.5;
+
+/// The needs of `cases` of `plan`, computed before any of them begins.
+pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -> Needs {
+    let setup = match &plan.subject {
+        Subject::Contact(setup) => setup,
+        Subject::Abstract(setup) => {
+            let need = |case: &CasePlan| {
+                let (seconds, bytes) =
+                    (predict_abstract(setup, case.steps), abstract_bytes(setup, case.steps));
+                limit.admit(bytes, false).map(|()| Need { seconds, bytes, kept: 0.0 })
+            };
+            return Needs { reference: None, cases: cases.iter().map(need).collect() };
+        }
+    };
+    // A mesh that would not fit is not made.
+    let early = |n: u32, steps: u32| limit.admit(least_bytes(setup, n, steps), true);
+    let reference = plan.reference.filter(|_| !plan.subject.has_exact());
+    let too_large = reference.and_then(|own| early(own.n as u32, own.steps as u32).err());
+    if let Some(reason) = too_large {
+        let cases = cases.iter().map(|_| Err(reason.clone())).collect();
+        return Needs { reference: Some(Err(reason)), cases };
+    }
+    let first = |case: &CasePlan| early(case.n.unwrap_or_default(), case.steps);
+    let refused: Vec<Option<TooLarge>> = cases.iter().map(|case| first(case).err()).collect();
+    let open = cases.iter().zip(&refused).filter(|(_, refused)| refused.is_none());
+    let open: Vec<CasePlan> = open.map(|(case, _)| case.clone()).collect();
+    let predicted = without_panic(|| {
+        predict_some(setup, plan, &open, reference).map_err(|error| error.to_string())
+    });
+    let Ok(predicted) = predicted else {
+        // What is wrong with a mesh is said by the case that makes it.
+        let any = || Ok(Need::default());
+        let cases = refused.into_iter().map(|refused| refused.map_or_else(any, Err)).collect();
+        return Needs { reference: reference.map(|_| any()), cases };
+    };
+    let need = |cost: &super::Cost| {
+        let (seconds, bytes, kept) = (cost.seconds, cost.memory_bytes, cost.kept_bytes);
+        limit.admit(bytes, false).map(|()| Need { seconds, bytes, kept })
+    };
+    let reference = predicted.reference.as_ref().map(need);
+    let mut open = predicted.cases.iter().map(need);
+    let cases = refused.into_iter().map(|refused| match refused {
+        Some(reason) => Err(reason),
+        None => open.next().unwrap_or(Ok(Need::default())),
+    });
+    Needs { reference, cases: cases.collect() }
+}
+
+/// Refuses a single run, without measuring of errors, that would take more than the limit: before the mesh is made
+/// if that is clear by then.
+///
+/// # Errors
+/// [`TooLarge`].
+pub fn admit_run(
+    setup: &Setup,
+    space: Option<&Discretization>,
+    (n, steps): (u32, u32),
+    limit: &MemoryLimit,
+) -> Result<(), TooLarge> {
+    match space {
+        None => limit.admit(least_bytes(setup, n, steps), true),
+        Some(space) => limit.admit(run_cost(setup, space, n, steps).memory_bytes, false),
+    }
+}
+
+/// A lower bound for the bytes of a run on the mesh n: those on a coarse mesh times the ratio of cells, and less.
+fn least_bytes(setup: &Setup, n: u32, steps: u32) -> f64 {
+    let coarse = COARSE[usize::from(setup.scene.dimension == 3)];
+    let coarse = (1..=coarse).rev().find(|&m| setup.scene.check_cells(m).is_ok());
+    let Some(coarse) = coarse.filter(|&coarse| FINER * coarse < n) else { return 0.0 };
+    let bytes = || -> Result<f64, SetupError> {
+        let space = setup.space(coarse)?;
+        Ok(super::cost::march_bytes(setup, &space, coarse, steps))
+    };
+    let h = |n: u32| setup.body.domain.h(n);
+    let cells = (h(coarse) / h(n)).powi(setup.scene.dimension as i32);
+    // A coarse mesh that cannot be made says nothing of a finer one.
+    SURELY * cells * bytes().unwrap_or(0.0)
+}
+
+/// An abstract problem keeps all of its states, and a kernel value for each pair of times is computed, not kept.
+fn abstract_bytes(setup: &AbstractSetup, steps: u32) -> f64 {
+    let states = 4.0 * (f64::from(steps) + 1.0);
+    super::cost::PROGRAM + 8.0 * states * setup.model.dimension() as f64
+}

@@ -1,0 +1,206 @@
+//! Which task begins next: the longest that is ready, as long as the predicted bytes of all that run, and of what is
+//! kept for later, stay below the limit.
+
+use std::collections::BTreeMap;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+/// What several tasks of a scene share: its reference run (no n) or the truth on a mesh.
+pub(super) type Kept = (usize, Option<u32>);
+
+/// A task as the schedule sees it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Task {
+    /// Predicted seconds, of what waits for it as well.
+    pub(super) rank: f64,
+    /// Predicted peak bytes while it runs, what it shares included.
+    pub(super) bytes: f64,
+    /// The task that must have ended before.
+    pub(super) after: Option<usize>,
+    /// What it shares with others, and the bytes of each while it is kept for them.
+    pub(super) shares: Vec<(Kept, f64)>,
+}
+
+/// A task that may begin, and what has to go before.
+#[derive(Debug, PartialEq)]
+pub(super) struct Start {
+    pub(super) task: usize,
+    pub(super) dropped: Vec<Kept>,
+}
+
+/// Tasks in the order of their rank, and the bytes of those that run.
+pub(super) struct Schedule {
+    tasks: Vec<Task>,
+    limit: f64,
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+struct State {
+    /// Longest first.
+    waiting: Vec<usize>,
+    running: Vec<usize>,
+    ended: Vec<bool>,
+    /// Kept for tasks that have not begun, and its bytes.
+    held: BTreeMap<Kept, f64>,
+    /// How many tasks have not ended, of those that share it.
+    users: BTreeMap<Kept, usize>,
+}
+
+impl Schedule {
+    /// The schedule of tasks, each of which fits below the limit alone.
+    pub(super) fn new(tasks: Vec<Task>, limit: f64) -> Self {
+        let mut waiting: Vec<usize> = (0..tasks.len()).collect();
+        waiting.sort_by(|&a, &b| tasks[b].rank.total_cmp(&tasks[a].rank));
+        let mut users = BTreeMap::new();
+        for (kept, _) in tasks.iter().flat_map(|task| &task.shares) {
+            *users.entry(*kept).or_insert(0) += 1;
+        }
+        let state = State {
+            waiting,
+            running: Vec::new(),
+            ended: vec![false; tasks.len()],
+            held: BTreeMap::new(),
+            users,
+        };
+        Self { tasks, limit, state: Mutex::new(state), changed: Condvar::new() }
+    }
+
+    /// The next task; waits until one may begin. None if there is none left, or `stopped` says so.
+    pub(super) fn begin(&self, stopped: impl Fn() -> bool) -> Option<Start> {
+        let mut state = self.lock();
+        loop {
+            if stopped() || state.waiting.is_empty() {
+                return None;
+            }
+            let ready =
+                |&task: &usize| self.tasks[task].after.is_none_or(|first| state.ended[first]);
+            let mut dropped = Vec::new();
+            let fits = |task: &usize| ready(task) && self.bytes(&state, *task) <= self.limit;
+            let mut at = state.waiting.iter().position(fits);
+            if at.is_none() && state.running.is_empty() {
+                // Nothing runs whose end could make room: what is kept for later goes, and is made again then.
+                at = state.waiting.iter().position(ready);
+                dropped = state.held.keys().copied().collect();
+                state.held.clear();
+            }
+            if let Some(at) = at {
+                let task = state.waiting.remove(at);
+                state.running.push(task);
+                return Some(Start { task, dropped });
+            }
+            state = self.changed.wait(state).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+
+    /// The task has ended. What nobody needs any more has to go, and is returned.
+    pub(super) fn end(&self, task: usize) -> Vec<Kept> {
+        let mut state = self.lock();
+        state.running.retain(|&own| own != task);
+        state.ended[task] = true;
+        let mut dropped = Vec::new();
+        for &(kept, bytes) in &self.tasks[task].shares {
+            let users = state.users.entry(kept).or_insert(1);
+            *users -= 1;
+            if *users == 0 {
+                state.held.remove(&kept);
+                dropped.push(kept);
+            } else {
+                state.held.insert(kept, bytes);
+            }
+        }
+        drop(state);
+        self.changed.notify_all();
+        dropped
+    }
+
+    /// Bytes with `task` beside what runs. What is kept and used by one of them is in its own bytes.
+    fn bytes(&self, state: &State, task: usize) -> f64 {
+        let active = || state.running.iter().copied().chain([task]);
+        let used = |kept: &Kept| {
+            active().any(|own| self.tasks[own].shares.iter().any(|(other, _)| other == kept))
+        };
+        let idle = state.held.iter().filter(|(kept, _)| !used(kept)).map(|(_, bytes)| bytes);
+        active().map(|own| self.tasks[own].bytes).sum::<f64>() + idle.sum::<f64>()
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(rank: f64, bytes: f64) -> Task {
+        Task { rank, bytes, ..Task::default() }
+    }
+
+    fn next(schedule: &Schedule) -> Option<usize> {
+        schedule.begin(|| false).map(|start| start.task)
+    }
+
+    #[test]
+    fn longest_first_where_all_fits() {
+        let schedule = Schedule::new(vec![task(1.0, 1.0), task(3.0, 1.0), task(2.0, 1.0)], 9.0);
+        let order: Vec<_> = (0..4).map(|_| next(&schedule)).collect();
+        assert_eq!(order, [Some(1), Some(2), Some(0), None]);
+        assert_eq!(Schedule::new(vec![task(1.0, 1.0)], 9.0).begin(|| true), None);
+    }
+
+    #[test]
+    fn a_task_that_does_not_fit_lets_others_pass_and_waits() {
+        let schedule = Schedule::new(vec![task(3.0, 5.0), task(2.0, 4.0), task(1.0, 3.0)], 8.0);
+        assert_eq!(next(&schedule), Some(0));
+        // 5 + 4 is above 8, 5 + 3 is not.
+        assert_eq!(next(&schedule), Some(2));
+        std::thread::scope(|scope| {
+            let waiting = scope.spawn(|| next(&schedule));
+            std::thread::sleep(std::time::Duration::from_millis(20));
+            assert!(!waiting.is_finished());
+            schedule.end(0);
+            assert_eq!(waiting.join().ok(), Some(Some(1)));
+        });
+    }
+
+    #[test]
+    fn what_waits_for_another_begins_after_it() {
+        let waits = Task { after: Some(1), ..task(9.0, 1.0) };
+        let schedule = Schedule::new(vec![waits, task(2.0, 1.0), task(1.0, 1.0)], 9.0);
+        assert_eq!([next(&schedule), next(&schedule)], [Some(1), Some(2)]);
+        schedule.end(1);
+        assert_eq!(next(&schedule), Some(0));
+    }
+
+    #[test]
+    fn what_is_kept_counts_until_nobody_needs_it() {
+        let (mesh, other) = ((0, Some(8)), (1, Some(8)));
+        let on = |kept, rank, bytes| Task { shares: vec![(kept, 2.0)], ..task(rank, bytes) };
+        let tasks = vec![on(mesh, 4.0, 5.0), on(other, 3.0, 4.0), on(mesh, 2.0, 5.0)];
+        let schedule = Schedule::new(tasks, 6.0);
+        assert_eq!(next(&schedule), Some(0));
+        assert_eq!(schedule.end(0), []);
+        // 2 bytes are kept for task 2: task 1 fits beside them, and frees its own at its end.
+        assert_eq!(next(&schedule), Some(1));
+        assert_eq!(schedule.end(1), [other]);
+        assert_eq!(next(&schedule), Some(2));
+        assert_eq!(schedule.end(2), [mesh]);
+        // With a limit of 5 they have to go, for nothing else could make room.
+        let tasks = vec![on(mesh, 4.0, 5.0), on(other, 3.0, 4.0), on(mesh, 2.0, 5.0)];
+        let tight = Schedule::new(tasks, 5.0);
+        assert_eq!(next(&tight), Some(0));
+        tight.end(0);
+        // The other task on the mesh needs nothing beyond its own bytes.
+        assert_eq!(tight.begin(|| false), Some(Start { task: 2, dropped: vec![] }));
+        tight.end(2);
+        let tasks = vec![
+            on(mesh, 4.0, 5.0),
+            on(other, 3.0, 4.0),
+            Task { after: Some(1), ..on(mesh, 2.0, 5.0) },
+        ];
+        let tight = Schedule::new(tasks, 5.0);
+        assert_eq!(next(&tight), Some(0));
+        tight.end(0);
+        assert_eq!(tight.begin(|| false), Some(Start { task: 1, dropped: vec![mesh] }));
+    }
+}

@@ -1,0 +1,126 @@
+//! Predicted memory against the machine's own account, and what happens above the limit.
+
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use crate::program::{Folder, code, command, json, stderr, stdout, sweep, timeless};
+use crate::shipped::{edited, text};
+
+/// A prediction may be off by this factor: it decides what fits, and nothing else.
+const HONEST: f64 = 1.5;
+
+fn honest(predicted: f64, measured: f64) -> bool {
+    predicted <= HONEST * measured && measured <= HONEST * predicted
+}
+
+#[test]
+fn a_case_above_the_limit_is_a_failed_case_with_its_reason() {
+    let folder = Folder::new("limit");
+    let scene = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [4, 8, 64]");
+    let scene = folder.file("signorini.toml", &scene);
+    let run = |out: &str, limit: &[&str]| {
+        let out = folder.argument(out);
+        let output = sweep(&[&["run", &scene, "--out", &out, "--jobs", "2"], limit].concat());
+        (code(&output), stderr(&output))
+    };
+    let (free, said) = run("free", &[]);
+    assert!(free < 2, "{said}");
+    let (limited, said) = run("limited", &["--memory-limit", "40M"]);
+    assert_eq!(limited, 2, "{said}");
+    let document = std::fs::read(folder.at("limited/verdict.json")).expect("verdict.json");
+    let document: serde_json::Value = serde_json::from_slice(&document).expect("JSON");
+    let failures = document["failures"].as_array().expect("a list");
+    assert_eq!(failures.len(), 1, "{failures:?}");
+    assert_eq!(failures[0]["n"], 64);
+    let reason = failures[0]["reason"].as_str().expect("a reason");
+    for part in ["MiB of memory predicted", "limit of 40.0 MiB", "--memory-limit", "smaller n"] {
+        assert!(reason.contains(part), "{reason}");
+    }
+    // The others are what they are without a limit.
+    let [free, limited] =
+        ["free", "limited"].map(|run| timeless(&folder.at(run).join("cases.csv")));
+    let others = |table: &[Vec<String>]| -> Vec<Vec<String>> {
+        table.iter().filter(|row| row[2] != "64").cloned().collect()
+    };
+    assert_eq!(others(&free), others(&limited));
+    let refused: Vec<_> = limited.iter().filter(|row| row[2] == "64").collect();
+    assert!(!refused.is_empty() && refused.iter().all(|row| row.contains(&"failed".to_owned())));
+    // With room for it, resuming runs what was refused and nothing else.
+    let resumed = ["--memory-limit", "8G", "--resume"];
+    let (code, said) = run("limited", &resumed);
+    assert!(code < 2 && said.contains("already recorded"), "{said}");
+    assert_eq!(timeless(&folder.at("limited/cases.csv")), free);
+}
+
+#[test]
+fn a_single_run_above_the_limit_is_refused_before_its_mesh_is_made() {
+    let refused = |arguments: &[&str], words: &str| {
+        let start = Instant::now();
+        let output = sweep(arguments);
+        let said = stderr(&output);
+        assert_eq!(code(&output), 2, "{said}");
+        assert!(output.stdout.is_empty(), "{}", stdout(&output));
+        assert!(said.contains(words) && said.contains("--memory-limit"), "{said}");
+        start.elapsed()
+    };
+    let steps = ["--steps", "16", "--memory-limit", "20M"];
+    refused(&[&["solve", "punch", "--n", "64"], &steps[..]].concat(), "about ");
+    // 33 million cells would take minutes, and more memory than most machines have.
+    let taken = refused(
+        &["solve", "punch", "--n", "4096", "--steps", "16", "--memory-limit", "2G"],
+        "at least ",
+    );
+    assert!(taken < Duration::from_secs(60), "{taken:?}");
+    let output = sweep(&["solve", "punch", "--n", "16", "--steps", "4", "--memory-limit", "2G"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    for amount in ["much", "-1", "0", "8X"] {
+        let output =
+            sweep(&["solve", "punch", "--n", "4", "--steps", "4", "--memory-limit", amount]);
+        assert_eq!(code(&output), 2, "{}", stderr(&output));
+        assert!(stderr(&output).contains(amount), "{}", stderr(&output));
+    }
+}
+
+/// The most memory a process held, asked while it runs: the system keeps the peak.
+#[cfg(target_os = "linux")]
+fn peak(arguments: &[&str]) -> f64 {
+    let mut child =
+        command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("a process");
+    let status = format!("/proc/{}/status", child.id());
+    let (mut peak, limit) = (0.0_f64, Instant::now() + Duration::from_secs(600));
+    while child.try_wait().expect("a status").is_none() {
+        assert!(Instant::now() < limit, "no end in ten minutes");
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let kibibytes = line.and_then(|line| line.trim().strip_suffix("kB")?.trim().parse().ok());
+        peak = peak.max(1024.0 * kibibytes.unwrap_or(0.0));
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    peak
+}
+
+/// Of a factor in the plane, of formulas in space, and of a history that is kept in full.
+#[cfg(target_os = "linux")]
+#[test]
+fn predicted_memory_is_what_a_process_takes() {
+    let folder = Folder::new("peak");
+    for (name, n, steps) in [("signorini", 64, 8), ("pure-box", 6, 4), ("in-space", 32, 64)] {
+        let line = |key: &str, value: u32| {
+            let lines = text(name).lines().map(str::to_owned).collect::<Vec<_>>();
+            let old = lines.iter().find(|line| line.starts_with(&format!("{key} = [")));
+            (old.expect("a list").clone(), format!("{key} = [{value}]"))
+        };
+        let ((n_old, n_new), (steps_old, steps_new)) = (line("n", n), line("steps", steps));
+        let scene = text(name).replace(&n_old, &n_new).replace(&steps_old, &steps_new);
+        let windows = |line: &&str| !line.starts_with("window_");
+        let scene: Vec<&str> = scene.lines().filter(windows).collect();
+        let path = folder.file(&format!("{name}.toml"), &scene.join("\n"));
+        let plan = json(&sweep(&["explain", &path, "--json"]));
+        let predicted = plan["cases"][0]["memory_bytes_predicted"].as_f64().expect("bytes");
+        let measured = peak(&["run", &path, "--out", &folder.argument(name), "--jobs", "1"]);
+        println!("{name}: predicted {:.0} MB, measured {:.0} MB", predicted / 1e6, measured / 1e6);
+        assert!(honest(predicted, measured), "{name}: {predicted} against {measured}");
+        // A prediction that forgets a half would be seen.
+        assert!(!honest(0.5 * predicted, measured) || !honest(2.0 * predicted, measured));
+    }
+}
