@@ -25,7 +25,8 @@ fn run(folder: &Folder, command: &str, scenes: &[&str], grid: &[&str]) -> i32 {
 /// `report` on the folder gives the same bytes again, also where the files are gone.
 #[track_caller]
 fn rebuilds(folder: &Folder, exit: i32) {
-    let files = ["verdict.json", "cases.csv", "index.html", "steady-h.svg"];
+    let files =
+        ["verdict.json", "cases.csv", "index.html", "report.md", "tables.tex", "report.json", "steady-h.svg"];
     let read = |file: &str| std::fs::read(folder.at("out").join(file)).expect("a file");
     let before = files.map(read);
     for file in ["verdict.json", "index.html", "steady-h.svg"] {
@@ -129,7 +130,11 @@ fn pictures_of_scenes_that_left_go_and_foreign_files_stay() {
         "files.json",
         "index.html",
         "provenance.json",
+        "report.json",
+        "report.md",
+        "report.typ",
         "steady-mine.svg",
+        "tables.tex",
         "verdict.json",
     ];
     assert_eq!(names(&folder), expected);

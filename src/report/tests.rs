@@ -68,6 +68,9 @@ fn a_report_is_whole_and_the_same_twice() {
         question: "All four contact states, zones that move, h < 1 & k < 1: do the orders of \
                    (5.26) hold where the body yields almost everywhere, and from which n on?"
             .into(),
+        remarks: vec!["Loads <given> & *none* known.".into()],
+        equations: equations(Terms { memory: true, contact: true, ..Terms::default() }),
+        data: vec![["time".into(), "horizon".into(), "<1.0> | `2`".into()]],
     }];
     let dir = std::env::temp_dir().join(format!("gronwall-report-{}", std::process::id()));
     let provenance = serde_json::json!({"version": "0.1.0", "threads": 2});
@@ -75,6 +78,10 @@ fn a_report_is_whole_and_the_same_twice() {
         "cases.csv",
         "verdict.json",
         "index.html",
+        "report.md",
+        "tables.tex",
+        "report.typ",
+        "report.json",
         "pure--strong----mild-h.svg",
         "pure--strong----mild-k.svg",
         "pure--strong----mild-hk.svg",
@@ -97,7 +104,7 @@ fn a_report_is_whole_and_the_same_twice() {
 
 #[test]
 fn nothing_to_draw_draws_nothing() {
-    let scene = SceneSummary { name: "empty".into(), question: String::new() };
+    let scene = SceneSummary { name: "empty".into(), ..SceneSummary::default() };
     assert!(convergence_svg(&scene, &[], &[], Direction::Space).unwrap().is_none());
     assert!(surface_svg(&scene, &[]).unwrap().is_none());
     let mut broken = case("empty", 8, 8);
@@ -110,7 +117,7 @@ fn nothing_to_draw_draws_nothing() {
 
 /// The picture of one scene in one direction.
 fn picture(records: &[CaseRecord], verdicts: &[Verdict], direction: Direction) -> String {
-    let scene = SceneSummary { name: "s".into(), question: String::new() };
+    let scene = SceneSummary { name: "s".into(), ..SceneSummary::default() };
     convergence_svg(&scene, records, verdicts, direction).unwrap().unwrap()
 }
 
@@ -200,7 +207,7 @@ fn junit_carries_deviations_from_the_baseline() {
 
 #[test]
 fn two_scenes_do_not_share_a_file() {
-    let scene = |name: &str| SceneSummary { name: name.into(), question: String::new() };
+    let scene = |name: &str| SceneSummary { name: name.into(), ..SceneSummary::default() };
     let refused = stems(&[scene("a b"), scene("a/b")]);
     assert!(matches!(refused, Err(ReportError::SharedName { .. })));
 }
