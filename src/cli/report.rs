@@ -80,7 +80,7 @@ impl Report {
             replace_file(path, &bytes)
                 .map_err(|error| CliError::Other(format!("{}: {error}", path.display())))?;
         }
-        print_text(&render_table(&verdicts));
+        print_text(&super::colour::shown(&render_table(&verdicts)));
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
         if let Some(path) = &self.pdf {
             print_text(&format!("pdf: {}", path.display()));

@@ -1,4 +1,6 @@
-//! `sweep solve`: one case, named quantities at t = T, VTU files.
+//! `sweep solve`: one case, named quantities at t = T, VTU files, pictures.
+
+mod pictures;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -6,6 +8,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
+use pictures::Pictures;
 use crate::contact::{CaseInfo, LinearSolver, StepView};
 use crate::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
@@ -48,6 +51,10 @@ pub struct Solve {
     /// Write one VTU file a step and a .pvd index into this directory
     #[arg(long, value_name = "DIR")]
     vtu: Option<PathBuf>,
+    /// Write pictures of a plane body into this directory: SCENE-contact.svg, the contact state on Γ3
+    /// over time, and SCENE-body.svg, the deformed body with its stress at t = T
+    #[arg(long, value_name = "DIR", conflicts_with = "estimate")]
+    pictures: Option<PathBuf>,
 }
 
 /// The solver of a time level.
@@ -164,6 +171,12 @@ impl Solve {
             Some(dir) => Some(VtuSeries::new(dir, &setup.scene.name).map_err(other)?),
             None => None,
         };
+        let (name, plane) = (&setup.scene.name, data.space.mesh.dimension == 2);
+        if self.pictures.is_some() && !plane {
+            return Err(other(format!("{name}: --pictures draws plane bodies; --vtu is for any")));
+        }
+        let drawn = self.pictures.is_some();
+        let mut pictures = drawn.then(|| Pictures::new(&data.space, name, n, self.steps));
         let mut last = None;
         let mut write_error = None;
         let mut observe = |view: &StepView<'_>| {
@@ -171,6 +184,10 @@ impl Solve {
                 series.as_mut().map(|series| series.write(&data.space, &setup.model, view));
             if let Some(Err(error)) = outcome {
                 write_error.get_or_insert(error);
+            }
+            if let Some(pictures) = &mut pictures {
+                let (truth, end) = (data.truth.as_ref(), view.n == self.steps as usize);
+                pictures.add(&data.space, &setup.model, truth, view, end)?;
             }
             if view.n == self.steps as usize {
                 last = Some(FinalState::new(&data.space, &setup.model, view));
@@ -186,6 +203,14 @@ impl Solve {
         }
         if let Some(series) = series {
             series.finish().map_err(other)?;
+        }
+        if let (Some(pictures), Some(dir)) = (pictures, &self.pictures) {
+            std::fs::create_dir_all(dir).map_err(|e| other(format!("{}: {e}", dir.display())))?;
+            for (file, svg) in pictures.finish()? {
+                let path = dir.join(file);
+                crate::record::replace_file(&path, svg.as_bytes())
+                    .map_err(|error| other(format!("{}: {error}", path.display())))?;
+            }
         }
         let state = last.ok_or_else(|| other("the run ended before its last step"))?;
         let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);

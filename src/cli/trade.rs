@@ -71,7 +71,7 @@ impl TradeCommand {
             .map_err(|error| other(format!("{}: {error}", self.out.display())))?;
         let mut table =
             Table::create(&self.at(&scene, "csv"), &scene.name, norm.name()).map_err(other)?;
-        let mut heard = |trial: &crate::trade::Trial| eprintln!("{}", words::row(trial));
+        let mut heard = |trial: &crate::trade::Trial| super::progress::note(&words::row(trial));
         let study = Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(other)?;
         let extrapolations: Vec<Extrapolated> =
             [in_time(&study), in_space(&bench, &study)].into_iter().flatten().collect();

@@ -3,6 +3,7 @@
 //! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes. A picture
 //! is a [`Chart`], series over two axes with lines at values of either axis, or a [`Map`].
 
+mod body;
 mod canvas;
 mod chart;
 mod convergence;
@@ -16,10 +17,12 @@ mod map;
 mod marks;
 mod number;
 mod palette;
+mod plane;
 mod ruler;
 mod sheet;
 mod sketch;
 mod slope;
+mod space_time;
 mod studies;
 mod surface;
 mod written;
@@ -29,15 +32,18 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use body::{Cell as BodyCell, Deformed};
 pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
 pub use document::{Equation, Terms, equations};
 pub use github::{Place, annotations, step_summary};
 pub use junit::write_junit;
 pub use map::{Cell, Map, Shade};
+pub use plane::plane_svg;
 pub use ruler::Scale;
 pub use sketch::{Ink, Sketch, Stroke};
 pub use slope::Slope;
+pub use space_time::{Panel, SpaceTime, Zone};
 pub use surface::surface_svg;
 pub use written::remove_earlier;
 
@@ -124,8 +130,8 @@ impl ReportError {
     }
 }
 
-/// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg` and `SCENE-hk.svg` into
-/// `dir`, which is made if it is not there. Pages are index.html, report.md, tables.tex, and report.typ with report.json.
+/// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg` and `SCENE-map.svg`
+/// into `dir`, which is made if it is not there. Pages are index.html, report.md, tables.tex, and report.typ with report.json.
 /// Pages and pictures of an earlier report that this one has no use for are removed; files of others stay.
 ///
 /// # Errors
@@ -212,6 +218,7 @@ fn figures(
         ("h", "error against h, at the number N of time steps named", along(Direction::Space)?),
         ("k", "error against k, on the mesh n named", along(Direction::Time)?),
         ("hk", "error against k, one curve an h", surface_svg(scene, records)?),
+        ("map", "error over k and h, with the fitted model", plane_svg(scene, records)?),
     ];
     let picture = |(suffix, caption, svg): (&str, &str, Option<String>)| {
         let (file, caption) =

@@ -85,6 +85,7 @@ fn a_report_is_whole_and_the_same_twice() {
         "pure--strong----mild-h.svg",
         "pure--strong----mild-k.svg",
         "pure--strong----mild-hk.svg",
+        "pure--strong----mild-map.svg",
     ];
     let write = || {
         write_all(&dir, &scenes, &records, &verdicts, &provenance, None).unwrap();
@@ -113,6 +114,7 @@ fn nothing_to_draw_draws_nothing() {
     let records = [broken.clone(), CaseRecord { n: None, h: None, ..broken }];
     assert!(convergence_svg(&scene, &records, &[], Direction::Time).unwrap().is_none());
     assert!(surface_svg(&scene, &records).unwrap().is_none());
+    assert!(plane_svg(&scene, &records).unwrap().is_none());
 }
 
 /// The picture of one scene in one direction.
@@ -210,4 +212,27 @@ fn two_scenes_do_not_share_a_file() {
     let scene = |name: &str| SceneSummary { name: name.into(), ..SceneSummary::default() };
     let refused = stems(&[scene("a b"), scene("a/b")]);
     assert!(matches!(refused, Err(ReportError::SharedName { .. })));
+}
+
+/// A PDF of everything that a document can hold, the same for the same date alone.
+#[test]
+#[cfg(feature = "pdf")]
+fn the_pdf_is_the_same_twice() {
+    let records = example("s");
+    let verdicts = verdicts("s", &records);
+    let scenes = [SceneSummary {
+        name: "s".into(),
+        question: "#panic(\"markup\") $x$ *bold*?".into(),
+        equations: equations(Terms { memory: true, contact: true, gap: true, law: true, ..Terms::default() }),
+        data: vec![["time".into(), "horizon".into(), "1.0".into()]],
+        ..SceneSummary::default()
+    }];
+    let dir = std::env::temp_dir().join(format!("gronwall-pdf-{}", std::process::id()));
+    fs::create_dir_all(&dir).unwrap();
+    let provenance = serde_json::json!({"version": "0.1.0"});
+    let set = |date| pdf(&dir, &scenes, &records, &verdicts, &provenance, date).unwrap();
+    let (once, twice) = (set(Some("2026-01-31")), set(Some("2026-01-31")));
+    assert!(once == twice && once.starts_with(b"%PDF-"));
+    assert!(once != set(None));
+    fs::remove_dir_all(&dir).unwrap();
 }
