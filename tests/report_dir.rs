@@ -25,8 +25,15 @@ fn run(folder: &Folder, command: &str, scenes: &[&str], grid: &[&str]) -> i32 {
 /// `report` on the folder gives the same bytes again, also where the files are gone.
 #[track_caller]
 fn rebuilds(folder: &Folder, exit: i32) {
-    let files =
-        ["verdict.json", "cases.csv", "index.html", "report.md", "tables.tex", "report.json", "steady-h.svg"];
+    let files = [
+        "verdict.json",
+        "cases.csv",
+        "index.html",
+        "report.md",
+        "tables.tex",
+        "report.json",
+        "steady-h.svg",
+    ];
     let read = |file: &str| std::fs::read(folder.at("out").join(file)).expect("a file");
     let before = files.map(read);
     for file in ["verdict.json", "index.html", "steady-h.svg"] {

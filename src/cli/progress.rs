@@ -62,8 +62,9 @@ impl Display {
     pub fn new() -> Self {
         let terminal = std::io::stderr().is_terminal() && loudness() != Loudness::Quiet;
         let bar = terminal.then(|| {
-            let style =
-                ProgressStyle::with_template("{bar:24} {pos}/{len} cases, {per_sec}, {eta} left  {msg}");
+            let style = ProgressStyle::with_template(
+                "{bar:24} {pos}/{len} cases, {per_sec}, {eta} left  {msg}",
+            );
             ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         Self { bar, state: Mutex::default() }

@@ -23,7 +23,9 @@ pub struct Completions {
 
 /// `sweep man`.
 #[derive(Args)]
-#[command(after_help = "Examples:\n  sweep man | man -l -\n  sweep man --out ~/.local/share/man/man1")]
+#[command(
+    after_help = "Examples:\n  sweep man | man -l -\n  sweep man --out ~/.local/share/man/man1"
+)]
 pub struct Man {
     /// Write a page for the program and for each command into this directory
     #[arg(long, value_name = "DIR")]

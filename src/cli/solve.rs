@@ -8,7 +8,6 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 
 use super::{CliError, Scenes, abstract_problem, print_json, print_text};
-use pictures::Pictures;
 use crate::contact::{CaseInfo, LinearSolver, StepView};
 use crate::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
@@ -18,6 +17,7 @@ use crate::vhi::{
     Decomposition, FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver,
     StepState,
 };
+use pictures::Pictures;
 
 /// `sweep solve`.
 #[derive(Args)]

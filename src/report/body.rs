@@ -33,8 +33,19 @@ pub struct Deformed {
     pub rest: Vec<[(f64, f64); 2]>,
     /// Edges between yielding cells and others, as deformed.
     pub yield_border: Vec<[(f64, f64); 2]>,
-    /// Foot on Γ3 as deformed, direction of the pressure, and its size.
-    pub arrows: Vec<((f64, f64), (f64, f64), f64)>,
+    /// The pressure on Γ3.
+    pub arrows: Vec<Arrow>,
+}
+
+/// A pressure at a point of Γ3.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arrow {
+    /// The point as deformed.
+    pub foot: (f64, f64),
+    /// The direction in which it presses, of length 1.
+    pub direction: (f64, f64),
+    /// Its size.
+    pub pressure: f64,
 }
 
 /// Room of the body: left, top, right, bottom.
@@ -86,9 +97,10 @@ impl Deformed {
         for &[a, b] in &self.yield_border {
             canvas.line(&[view.place(a), view.place(b)], colour(1), 6)?;
         }
-        let largest = self.arrows.iter().map(|arrow| arrow.2).fold(0.0, f64::max);
-        for &(foot, direction, size) in self.arrows.iter().filter(|arrow| arrow.2 > 0.0) {
-            arrow(&canvas, view.place(foot), direction, ARROW * size / largest)?;
+        let largest = self.arrows.iter().map(|arrow| arrow.pressure).fold(0.0, f64::max);
+        for one in self.arrows.iter().filter(|arrow| arrow.pressure > 0.0) {
+            let length = ARROW * one.pressure / largest;
+            arrow(&canvas, view.place(one.foot), one.direction, length)?;
         }
         self.legend(&canvas, most, largest)?;
         canvas.finish()?;
@@ -96,8 +108,8 @@ impl Deformed {
     }
 
     fn legend(&self, canvas: &Canvas<'_>, most: f64, largest: f64) -> Result<(), ReportError> {
-        canvas.text(&self.quantity, (LEGEND, 190.0), Anchor::Left)?;
-        let (top, height) = (225.0, 330.0 / SHADES as f64);
+        canvas.text(&self.quantity, (LEGEND, 175.0), Anchor::Left)?;
+        let (top, height) = (230.0, 330.0 / SHADES as f64);
         for i in 0..SHADES {
             let y = top + height * (SHADES - 1 - i) as f64;
             let corners = [
@@ -113,20 +125,24 @@ impl Deformed {
         let mut y = 640.0;
         if !self.yield_border.is_empty() || self.cells.iter().any(|cell| cell.yields) {
             let share = self.cells.iter().filter(|cell| cell.yields).count();
-            let words = format!("yielding zone, {share} of {}", self.cells.len());
+            let words = format!("{share} of {} cells", self.cells.len());
             canvas.line(&[(LEGEND, y), (LEGEND + 60.0, y)], colour(1), 6)?;
-            canvas.text(&words, (LEGEND + 76.0, y), Anchor::Left)?;
+            canvas.text("yielding zone,", (LEGEND + 76.0, y), Anchor::Left)?;
             y += 44.0;
-            canvas.text("cells", (LEGEND + 76.0, y), Anchor::Left)?;
+            canvas.text(&words, (LEGEND + 76.0, y), Anchor::Left)?;
             y += 60.0;
         }
         canvas.dashed(&[(LEGEND, y), (LEGEND + 60.0, y)], INK, (14.0, 10.0))?;
         canvas.text("body at rest", (LEGEND + 76.0, y), Anchor::Left)?;
         if largest > 0.0 {
             y += 60.0;
-            arrow(canvas, (LEGEND + 60.0, y), (-1.0, 0.0), 60.0)?;
+            arrow(canvas, (LEGEND, y), (-1.0, 0.0), 60.0)?;
             canvas.text("pressure ξ+λ on Γ3,", (LEGEND + 76.0, y), Anchor::Left)?;
-            canvas.text(&format!("at most {largest:.3}"), (LEGEND + 76.0, y + 44.0), Anchor::Left)?;
+            canvas.text(
+                &format!("at most {largest:.3}"),
+                (LEGEND + 76.0, y + 44.0),
+                Anchor::Left,
+            )?;
         }
         Ok(())
     }
@@ -194,11 +210,8 @@ mod tests {
 
     #[test]
     fn what_is_absent_is_not_drawn() {
-        let cell = |stress, yields| Cell {
-            corners: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)],
-            stress,
-            yields,
-        };
+        let cell =
+            |stress, yields| Cell { corners: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], stress, yields };
         let whole = Deformed {
             title: "s".into(),
             subtitle: "displacements 3 times".into(),
@@ -206,7 +219,7 @@ mod tests {
             cells: vec![cell(0.5, true), cell(1.0, false)],
             rest: vec![[(0.0, 0.0), (1.0, 0.0)]],
             yield_border: vec![[(1.0, 0.0), (0.0, 1.0)]],
-            arrows: vec![((0.5, 0.0), (0.0, 1.0), 2.0)],
+            arrows: vec![Arrow { foot: (0.5, 0.0), direction: (0.0, 1.0), pressure: 2.0 }],
         };
         let svg = |picture: &Deformed| picture.svg().unwrap();
         let all = svg(&whole).unwrap();

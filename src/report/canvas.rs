@@ -158,9 +158,7 @@ impl<'a> Canvas<'a> {
             Anchor::Right => (font, HPos::Right),
             Anchor::Upwards => (font.transform(FontTransform::Rotate270), HPos::Center),
         };
-        let style = TextStyle::from(font)
-            .color(&WORDS)
-            .pos(Pos::new(horizontal, VPos::Center));
+        let style = TextStyle::from(font).color(&WORDS).pos(Pos::new(horizontal, VPos::Center));
         self.area
             .draw(&Text::new(words.to_owned(), pixel(place), style))
             .map_err(ReportError::drawing)

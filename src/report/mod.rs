@@ -32,7 +32,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub use body::{Cell as BodyCell, Deformed};
+pub use body::{Arrow, Cell as BodyCell, Deformed};
 pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
 pub use document::{Equation, Terms, equations};

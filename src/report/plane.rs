@@ -48,7 +48,10 @@ pub fn plane_svg(
     let equal = equal_terms(fit, &region);
     if equal.len() > 1 {
         let path = vec![Part::Dashed(equal)];
-        let words = format!("C_h h^p = C_k k^q, p = {:.2}, q = {:.2}", fit.order_h.value, fit.order_k.value);
+        let words = format!(
+            "C_h h^p = C_k k^q, p = {:.2}, q = {:.2}",
+            fit.order_h.value, fit.order_k.value
+        );
         chart.series.push(Series { grey: true, ..Series::new(words, path) });
     }
     chart.note = format!(

@@ -43,8 +43,10 @@ pub struct SpaceTime {
 
 const LEFT: f64 = 130.0;
 const RIGHT: f64 = 1770.0;
+/// Height by which boxes of neighbouring levels overlap.
+const SEAM: f64 = 1.0;
 /// Between panels.
-const GUTTER: f64 = 120.0;
+const GUTTER: f64 = 170.0;
 const TOP: f64 = 190.0;
 const BOTTOM: f64 = 910.0;
 const LEGEND: f64 = 1070.0;
@@ -124,9 +126,11 @@ fn draw(
         let from = if n == 0 { panel.times[n] } else { halfway(n - 1, n) };
         let to = if n == last { panel.times[n] } else { halfway(n, n + 1) };
         for run in pieces.chunk_by(|a, b| a.2 == b.2) {
-            if let (Some(colour), Some(first), Some(end)) = (run[0].2.colour(), run.first(), run.last())
+            if let (Some(colour), Some(first), Some(end)) =
+                (run[0].2.colour(), run.first(), run.last())
             {
-                let corners = [across(first.0), up(to), across(end.1), up(from)];
+                // The level after it begins where this one ends: without the overlap viewers show the seam.
+                let corners = [across(first.0), up(to) - SEAM, across(end.1), up(from)];
                 boxed(canvas, corners, Some(colour), false)?;
             }
         }
@@ -135,7 +139,7 @@ fn draw(
     for tick in &x.ticks {
         if let Some(label) = &tick.label {
             let at = across(tick.at);
-            canvas.line(&[(at, BOTTOM), (at, BOTTOM + 10.0)], INK, 2)?;
+            canvas.line(&[(at, BOTTOM - 12.0), (at, BOTTOM + 10.0)], INK, 2)?;
             canvas.text(label, (at, BOTTOM + 36.0), Anchor::Centre)?;
         }
     }
@@ -146,7 +150,12 @@ fn draw(
             canvas.text(label, (left - 16.0, at), Anchor::Right)?;
         }
     }
-    boxed(canvas, [left, TOP, left + width, BOTTOM], None, true)?;
+    // What lies outside of Γ3 and of the time is no open zone.
+    let ends = panel.levels.iter().flatten().map(|piece| piece.1).fold(0.0, f64::max);
+    let (first, last) = (panel.times.first().copied(), panel.times.last().copied());
+    if let (Some(first), Some(last)) = (first, last) {
+        boxed(canvas, [across(0.0), up(last), across(ends), up(first)], None, true)?;
+    }
     canvas.text("length along Γ3", (left + 0.5 * width, BOTTOM + 86.0), Anchor::Centre)?;
     canvas.text("time t", (left - 106.0, 0.5 * (TOP + BOTTOM)), Anchor::Upwards)
 }

@@ -10,7 +10,11 @@ use super::{Picture, ReportError};
 const STUDIES: [(&str, &str, &str); 11] = [
     ("-bound.svg", "sweep bound", "contraction factor of Λ against k, with the bounds of (3.4)"),
     ("-audit.svg", "sweep audit", "shares of the bounds of the proofs against h"),
-    ("gronwall-envelope.svg", "sweep gronwall", "measured error and the envelopes of (3.24) over t"),
+    (
+        "gronwall-envelope.svg",
+        "sweep gronwall",
+        "measured error and the envelopes of (3.24) over t",
+    ),
     ("gronwall-effectivity-t.svg", "sweep gronwall", "bound over measured error, over t"),
     ("gronwall-effectivity-k.svg", "sweep gronwall", "bound over measured error, over k"),
     ("gronwall-horizon.svg", "sweep gronwall --horizons", "error and bounds over the horizon"),

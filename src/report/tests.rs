@@ -223,7 +223,13 @@ fn the_pdf_is_the_same_twice() {
     let scenes = [SceneSummary {
         name: "s".into(),
         question: "#panic(\"markup\") $x$ *bold*?".into(),
-        equations: equations(Terms { memory: true, contact: true, gap: true, law: true, ..Terms::default() }),
+        equations: equations(Terms {
+            memory: true,
+            contact: true,
+            gap: true,
+            law: true,
+            ..Terms::default()
+        }),
         data: vec![["time".into(), "horizon".into(), "1.0".into()]],
         ..SceneSummary::default()
     }];

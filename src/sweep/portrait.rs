@@ -80,8 +80,11 @@ fn data(text: &str) -> Vec<[String; 3]> {
 fn collect(part: &str, value: &toml::Value, rows: &mut Vec<[String; 3]>) {
     match value {
         toml::Value::Table(table) => {
-            let (nested, own): (Vec<_>, Vec<_>) = table.iter().partition(|(_, value)| is_part(value));
-            rows.extend(own.iter().map(|(key, value)| [part.into(), (*key).clone(), written(value)]));
+            let (nested, own): (Vec<_>, Vec<_>) =
+                table.iter().partition(|(_, value)| is_part(value));
+            rows.extend(
+                own.iter().map(|(key, value)| [part.into(), (*key).clone(), written(value)]),
+            );
             nested.iter().for_each(|(key, value)| collect(&format!("{part}.{key}"), value, rows));
         }
         toml::Value::Array(parts) => {

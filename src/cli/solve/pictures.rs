@@ -6,7 +6,7 @@ use crate::contact::{Discretization, LoadError, Model, StepView};
 use crate::law::Projection;
 use crate::manufactured::Truth;
 use crate::norms::{ContactState, is_locked, state_rule};
-use crate::report::{BodyCell, Deformed, Panel, SpaceTime, Zone};
+use crate::report::{Arrow, BodyCell, Deformed, Panel, SpaceTime, Zone};
 use crate::tensor::{deviator, norm};
 
 /// The largest displacement as drawn, as a part of the body's extent, where displacements are small.
@@ -139,7 +139,8 @@ impl Pictures {
         let largest = vertices().map(displacement).fold(0.0f64, |m, u| m.max(u.0.hypot(u.1)));
         let extent = (0..2).map(|c| {
             let values = vertices().map(|v| mesh.vertex(v)[c]);
-            let ends = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
+            let ends = values
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
             ends.1 - ends.0
         });
         let factor = magnification(largest, extent.fold(0.0, f64::max));
@@ -158,11 +159,12 @@ impl Pictures {
         let rest = facets.filter_map(|mut ends| Some([flat(ends.next()?), flat(ends.next()?)]));
         let arrow = |(i, point): (usize, &crate::contact::TracePoint)| {
             let [x, y, _] = point.normal;
-            (moved(point.vertex), (-x, -y), view.compliance[i] + view.multiplier[i])
+            let pressure = view.compliance[i] + view.multiplier[i];
+            Arrow { foot: moved(point.vertex), direction: (-x, -y), pressure }
         };
         Deformed {
             title: format!("{}: the body at t = {}", self.name, view.t),
-            subtitle: format!("{}; displacements {factor} times as large as they are", self.grid),
+            subtitle: format!("{}; displacements {}", self.grid, as_drawn(factor)),
             quantity: "‖σ^D‖, a stress".into(),
             rest: rest.collect(),
             yield_border: border(&mesh.cells, &cells).into_iter().map(|e| e.map(moved)).collect(),
@@ -177,7 +179,10 @@ impl Pictures {
         let panels = both.into_iter().filter(|panel| !panel.levels.is_empty()).collect();
         let picture = SpaceTime {
             title: format!("{}: contact state on Γ3", self.name),
-            subtitle: format!("{}; a discrete edge is locked if both its ends are", self.grid),
+            subtitle: format!(
+                "{}; a discrete edge is locked if both its ends are, compliant if one is under pressure",
+                self.grid
+            ),
             panels,
         };
         let contact = picture.svg()?.map(|svg| (format!("{}-contact.svg", self.name), svg));
@@ -204,6 +209,14 @@ fn magnification(largest: f64, extent: f64) -> f64 {
     let power = 10f64.powf(wanted.log10().floor());
     let digit = [5.0, 2.0].into_iter().find(|digit| digit * power <= wanted).unwrap_or(1.0);
     digit * power
+}
+
+fn as_drawn(factor: f64) -> String {
+    if factor == 1.0 {
+        "as they are".into()
+    } else {
+        format!("{factor} times as large as they are")
+    }
 }
 
 /// Edges between a yielding cell and one that is not.

@@ -111,7 +111,8 @@ fn summary(report: &Report<'_>, outcome: &str, numbers: &mut Numbers) -> Section
     let head = ["scene", "norm", "in", "predicted", "observed", "verdict", "by"];
     section.blocks.push(Block::Table(Table {
         number: numbers.table(),
-        caption: "Predicted orders, observed orders with their intervals, and what they say.".into(),
+        caption: "Predicted orders, observed orders with their intervals, and what they say."
+            .into(),
         head: head.map(Into::into).into(),
         numeric: vec![false; head.len()],
         rows: report.verdicts.iter().map(row).collect(),
@@ -136,7 +137,7 @@ fn sentence(verdict: &Verdict) -> Vec<Run> {
     vec![
         Run::of(format!("{scene}, {norm} in {variable}: "), Tone::Strong),
         Run::of(decision, tone(verdict)),
-        Run::plain(format!(". {}", verdict.reason)),
+        Run::plain(format!(". {}.", verdict.reason.trim_end_matches('.'))),
     ]
 }
 

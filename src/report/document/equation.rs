@@ -122,7 +122,10 @@ mod tests {
             ..Terms::default()
         };
         let text = |terms| {
-            equations(terms).iter().map(|e| format!("{} {}\n", e.plain, e.typst)).collect::<String>()
+            equations(terms)
+                .iter()
+                .map(|e| format!("{} {}\n", e.plain, e.typst))
+                .collect::<String>()
         };
         for sign in ["μ(", "ζ(t)", "ℬ", "∂j_ν", "u_ν ≤ g", "Σ′"] {
             assert!(text(all).contains(sign), "{sign}");

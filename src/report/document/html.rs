@@ -48,7 +48,10 @@ fn block(block: &Block) -> String {
     match block {
         Block::Text(runs) => format!("<p>{}</p>\n", joined(runs)),
         Block::Formulas(formulas) => {
-            format!("<div class=\"formulas\">\n{}</div>\n", formulas.iter().map(formula).collect::<String>())
+            format!(
+                "<div class=\"formulas\">\n{}</div>\n",
+                formulas.iter().map(formula).collect::<String>()
+            )
         }
         Block::Table(table) => of_table(table),
         Block::Figure(figure) => of_figure(figure),
@@ -57,7 +60,24 @@ fn block(block: &Block) -> String {
 }
 
 fn formula(equation: &Equation) -> String {
-    format!("<p>{} <span>{}</span></p>\n", escaped(&equation.plain), escaped(equation.number))
+    let set = raised(&escaped(&equation.plain));
+    format!("<p><span>{set}</span> <span>{}</span></p>\n", escaped(equation.number))
+}
+
+/// `a_b`, `a_{bc}` and `a^{bc}` with what is meant to be low or high.
+fn raised(text: &str) -> String {
+    let (mut result, mut rest) = (String::new(), text);
+    while let Some(at) = rest.find(['_', '^']) {
+        let tag = if rest[at..].starts_with('_') { "sub" } else { "sup" };
+        let after = &rest[at + 1..];
+        let (script, end) = match after.strip_prefix('{').and_then(|inner| inner.split_once('}')) {
+            Some((inner, end)) => (inner, end),
+            None => after.split_at(after.chars().next().map_or(0, char::len_utf8)),
+        };
+        result += &format!("{}<{tag}>{}</{tag}>", &rest[..at], raised(script));
+        rest = end;
+    }
+    result + rest
 }
 
 fn of_table(table: &Table) -> String {
@@ -74,8 +94,9 @@ fn of_table(table: &Table) -> String {
     };
     let rows: String = table.rows.iter().map(row).collect();
     format!(
-        "<div class=\"scroll\" tabindex=\"0\"><table id=\"table-{number}\">\n<caption>Table {number}. {}</caption>\n\
-         <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n",
+        "<figure id=\"table-{number}\">\n<figcaption id=\"caption-{number}\">Table {number}. {}</figcaption>\n\
+         <div class=\"scroll\" tabindex=\"0\"><table aria-labelledby=\"caption-{number}\">\n\
+         <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n</figure>\n",
         escaped(&table.caption),
         number = table.number,
     )
@@ -88,7 +109,7 @@ fn of_figure(figure: &Figure) -> String {
     let svg = svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1);
     let (number, file) = (figure.number, escaped(&figure.file));
     format!(
-        "<figure id=\"figure-{number}\">\n{svg}\n<figcaption>Figure {number}. {label} <a href=\"{file}\">{file}</a></figcaption>\n</figure>\n"
+        "<figure id=\"figure-{number}\">\n<div class=\"scroll\" tabindex=\"0\">{svg}</div>\n<figcaption>Figure {number}. {label} <a href=\"{file}\">{file}</a></figcaption>\n</figure>\n"
     )
 }
 
@@ -124,4 +145,17 @@ fn escaped(text: &str) -> String {
         }
     }
     result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scripts_are_set_low_and_high() {
+        assert_eq!(raised("u_ν ≤ g"), "u<sub>ν</sub> ≤ g");
+        assert_eq!(raised("P_{M(κ)}ε, ∫^{t_n}"), "P<sub>M(κ)</sub>ε, ∫<sup>t<sub>n</sub></sup>");
+        assert_eq!(raised("a_"), "a<sub></sub>");
+        assert_eq!(escaped("<a href='b'>&\""), "&lt;a href=&#39;b&#39;&gt;&amp;&quot;");
+    }
 }

@@ -149,7 +149,8 @@ mod tests {
     /// inputenc alone knows letters with accents and no sign of mathematics: one that has no command would stop LaTeX.
     #[test]
     fn every_sign_of_the_program_has_a_command() {
-        let known = |c: char| c.is_ascii() || command(c).is_some() || ('\u{c0}'..='\u{ff}').contains(&c);
+        let known =
+            |c: char| c.is_ascii() || command(c).is_some() || ('\u{c0}'..='\u{ff}').contains(&c);
         for (_, label) in crate::record::NORMS {
             assert!(label.chars().all(known), "{label}");
         }

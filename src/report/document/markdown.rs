@@ -21,7 +21,8 @@ fn of_block(block: &Block, folded: bool) -> String {
     match block {
         Block::Text(runs) => format!("{}\n\n", runs.iter().map(of_run).collect::<String>()),
         Block::Formulas(formulas) => {
-            let line = |Equation { plain, number, .. }: &Equation| format!("    {plain}    {number}\n");
+            let line =
+                |Equation { plain, number, .. }: &Equation| format!("    {plain}    {number}\n");
             format!("{}\n", formulas.iter().map(line).collect::<String>())
         }
         Block::Table(table) if folded => {
