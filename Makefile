@@ -45,7 +45,7 @@ REFERENCE := reports/reference
 reference: ## reports/reference/ from three scenes
 	rm -rf target/reference $(REFERENCE)
 	$(SWEEP) run affine pure-mild steady --out target/reference
-	$(SWEEP) solve pure-strong --n 12 --steps 48 --pictures target/reference >/dev/null
+	$(SWEEP) solve pure-strong --n 12 --steps 24 --pictures target/reference >/dev/null
 	mkdir -p $(REFERENCE)
 	cd target/reference && cp cases.csv verdict.json report.md tables.tex *.svg $(CURDIR)/$(REFERENCE)/
 

@@ -29,7 +29,8 @@ pub fn plane_svg(
     let Ok(fits) = joint_fits(&points, false) else { return Ok(None) };
     let (fit, region) = (&fits.best, Region::of(&points));
     let x = Axis::new("time step k = T/N", Scale::Steps);
-    let y = Axis::new("mesh size h", Scale::Steps);
+    // Lines have heights of their own: steps as ticks would be theirs.
+    let y = Axis::new("mesh size h", Scale::Log);
     let mut chart = Chart::new(&scene.name, &scene.question, x, y);
     let (low, high) = region.error;
     let edge = |i: i32| low * (high / low).powf(f64::from(i) / f64::from(CLASSES));

@@ -36,10 +36,9 @@ fn table(table: &Table) -> String {
     let rows: String = table.rows.iter().map(|row| line(row.iter().map(cell).collect())).collect();
     // The number is set by hand: it stays that of the report when tables are left out.
     format!(
-        "{{\\footnotesize\n\\begin{{longtable}}{{@{{}}{columns}@{{}}}}\n\\multicolumn{{{count}}}{{@{{}}p{{\\linewidth}}@{{}}}}{{Table {}. {}}} \\\\[2pt]\n\\toprule\n{head}\\midrule\n\\endhead\n{rows}\\bottomrule\n\\end{{longtable}}}}\n\n",
+        "{{\\footnotesize\n\\noindent Table {}. {}\\par\\nopagebreak\n\\begin{{longtable}}[l]{{@{{}}{columns}@{{}}}}\n\\toprule\n{head}\\midrule\n\\endhead\n{rows}\\bottomrule\n\\end{{longtable}}}}\n\n",
         table.number,
         escaped(&table.caption),
-        count = table.head.len(),
     )
 }
 
