@@ -224,6 +224,14 @@ fn studies(pictures: Vec<(String, String, String)>, numbers: &mut Numbers) -> Se
     section
 }
 
+/// A word as a shell takes it.
+fn in_shell(word: &str) -> String {
+    match word.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c)) {
+        true => word.to_owned(),
+        false => format!("'{}'", word.replace('\'', "'\\''")),
+    }
+}
+
 fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
     let mut section = Section::new(1, "reproduce", "How to reproduce");
     section.text(vec![
@@ -233,7 +241,7 @@ fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
             " the text of every scene. From the directory of this report its pages are made again without solving, and a scene is solved again, by",
         ),
     ]);
-    let scene = report.scenes.first().map_or("SCENE", |scene| &*scene.name);
+    let scene = report.scenes.first().map_or("SCENE".into(), |scene| in_shell(&scene.name));
     section.blocks.push(Block::Code(format!(
         "sweep report DIR\nsweep run {scene} --out reports/again\nsweep explain {scene}"
     )));
