@@ -100,6 +100,7 @@ fn a_report_is_whole_and_the_same_twice() {
     let pages = files.iter().zip(&once).filter(|(file, _)| is_page(file)).map(|(_, text)| text);
     assert!(pages.chain([&junit]).all(|text| !text.contains("<strong>")));
     assert!(once[3].contains("### pure &lt;strong> &amp; mild\n"));
+    assert!(once[3].contains(" in h:** ") && !once[3].contains(": **"));
     assert!(once[3].contains("sweep run 'pure <strong> & mild' --out"));
     assert!(once[2].contains("pure &lt;strong&gt; &amp; mild") && once[2].contains("<svg"));
     assert!(junit.contains("pure &lt;strong"));

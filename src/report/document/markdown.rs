@@ -59,7 +59,11 @@ fn of_run(run: &Run) -> String {
         // A bar ends a cell, inside code too.
         Tone::Code if run.text.is_empty() => String::new(),
         Tone::Code => format!("<code>{}</code>", html(&run.text)),
-        Tone::Strong | Tone::Miss => format!("**{}**", plain(&run.text)),
+        // A blank before the closing stars would make them stars.
+        Tone::Strong | Tone::Miss => {
+            let words = run.text.trim_end();
+            format!("**{}**{}", plain(words), &run.text[words.len()..])
+        }
         Tone::Plain | Tone::Pass => plain(&run.text),
     };
     match &run.target {
