@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels mutants clean-reports
+.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels mutants clean-reports pdf page reference
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -37,6 +37,23 @@ verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate
 
 gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 	$(SWEEP) gate --junit reports/latest/junit.xml
+
+# The typesetter is built once, in a profile of its own that spends little on optimisation: minutes.
+pdf: ## the report in reports/latest as report.pdf; the main job first if there are no records
+	test -f reports/latest/cases.csv || $(SWEEP)
+	$(CARGO) run --profile pdf --features pdf --bin sweep -- report reports/latest --pdf reports/latest/report.pdf
+
+page: ## the page of reports/latest in headless Chromium, if there is one; screenshots in target/page/
+	tests/page.sh reports/latest target/page
+
+# Few scenes on small grids; the seconds of cases.csv differ from run to run, nothing else does.
+REFERENCE := reports/reference
+reference: ## reports/reference/ from three scenes
+	rm -rf target/reference $(REFERENCE)
+	$(SWEEP) run affine pure-mild steady --out target/reference
+	$(SWEEP) solve pure-strong --n 12 --steps 24 --pictures target/reference >/dev/null
+	mkdir -p $(REFERENCE)
+	cd target/reference && cp cases.csv verdict.json report.md tables.tex *.svg $(CURDIR)/$(REFERENCE)/
 
 baseline: ## record errors and work of all scenes in reports/baseline.json; prints what changes
 	$(SWEEP) baseline

@@ -399,3 +399,34 @@ fn what_cannot_be_audited_is_two() {
     assert!(stdout(&output).contains("boundary rule vertex"));
     assert_eq!(code(&sweep(&["audit"])), 2);
 }
+
+/// Completions and man pages know the commands and their options; --quiet leaves results alone.
+#[test]
+fn what_is_generated_knows_the_commands() {
+    for shell in ["bash", "zsh", "fish"] {
+        let text = stdout(&sweep(&["completions", shell]));
+        assert!(text.contains("gronwall") && text.contains("resume"), "{shell}: {text}");
+    }
+    let page = stdout(&sweep(&["man"]));
+    assert!(page.contains(".TH sweep") && page.contains("Exit codes"), "{page}");
+    let folder = Folder::new("man");
+    let output = sweep(&["man", "--out", &folder.argument("man")]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(folder.at("man/sweep-run.1").exists() && folder.at("man/sweep.1").exists());
+}
+
+#[test]
+fn quiet_says_errors_alone() {
+    let folder = Folder::new("quiet");
+    let out = folder.argument("out");
+    let small = ["run", "affine", "--n", "4", "--steps", "4,8,16", "--out", &out];
+    let usual = sweep(&small);
+    assert!(stderr(&usual).contains("3 cases"), "{}", stderr(&usual));
+    let quiet = sweep(&[&["--quiet"], &small[..]].concat());
+    assert_eq!((stderr(&quiet), stdout(&quiet)), (String::new(), stdout(&usual)));
+    // No colour where there is no terminal.
+    assert!(!stdout(&usual).contains('\u{1b}'));
+    let refused = sweep(&["--quiet", "run", "afine"]);
+    assert_eq!(code(&refused), 2);
+    assert!(stderr(&refused).contains("did you mean `affine`"), "{}", stderr(&refused));
+}

@@ -25,7 +25,15 @@ fn run(folder: &Folder, command: &str, scenes: &[&str], grid: &[&str]) -> i32 {
 /// `report` on the folder gives the same bytes again, also where the files are gone.
 #[track_caller]
 fn rebuilds(folder: &Folder, exit: i32) {
-    let files = ["verdict.json", "cases.csv", "index.html", "steady-h.svg"];
+    let files = [
+        "verdict.json",
+        "cases.csv",
+        "index.html",
+        "report.md",
+        "tables.tex",
+        "report.json",
+        "steady-h.svg",
+    ];
     let read = |file: &str| std::fs::read(folder.at("out").join(file)).expect("a file");
     let before = files.map(read);
     for file in ["verdict.json", "index.html", "steady-h.svg"] {
@@ -129,7 +137,11 @@ fn pictures_of_scenes_that_left_go_and_foreign_files_stay() {
         "files.json",
         "index.html",
         "provenance.json",
+        "report.json",
+        "report.md",
+        "report.typ",
         "steady-mine.svg",
+        "tables.tex",
         "verdict.json",
     ];
     assert_eq!(names(&folder), expected);
@@ -138,4 +150,49 @@ fn pictures_of_scenes_that_left_go_and_foreign_files_stay() {
     let left =
         ["affine-h.svg.bak", "cases.csv", "provenance.json", "steady-mine.svg", "verdict.json"];
     assert_eq!(names(&folder), left);
+}
+
+/// Without the typesetter there is no PDF, and no half of a report either.
+#[test]
+#[cfg(not(feature = "pdf"))]
+fn a_build_without_the_typesetter_names_the_way_to_one() {
+    let folder = Folder::new("pdf");
+    let file = folder.argument("report.pdf");
+    let output = sweep(&["report", &folder.argument("out"), "--pdf", &file]);
+    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
+    assert!(stderr(&output).contains("make pdf"), "{}", stderr(&output));
+    assert!(!folder.at("report.pdf").exists());
+}
+
+/// What the page links to is there: sections, files, and each verdict's own evidence.
+#[test]
+fn every_link_of_the_page_leads_somewhere() {
+    let folder = Folder::new("links");
+    run(&folder, "run", &["steady", "affine"], &["--n", "4,8", "--steps", "4,8,16"]);
+    let read = |file: &str| std::fs::read_to_string(folder.at("out").join(file)).expect("a file");
+    let page = read("index.html");
+    let targets: Vec<&str> = page
+        .split("href=\"")
+        .skip(1)
+        .filter_map(|rest| rest.split('"').next())
+        .filter(|target| !target.starts_with("data:"))
+        .collect();
+    assert!(targets.contains(&"#steady") && targets.contains(&"cases.csv"), "{targets:?}");
+    for target in targets {
+        match target.strip_prefix('#') {
+            Some(id) => assert!(page.contains(&format!(" id=\"{id}\"")), "{target}"),
+            None => assert!(folder.at("out").join(target).exists(), "{target}"),
+        }
+    }
+    // Neither a script nor a style sheet nor a picture of another place.
+    assert!(!page.contains("src=") && !page.contains("@import") && !page.contains("https://"));
+    for words in ["served", "(5.26)", "σ = 𝒜ε(u)", "Table 1.", "Figure 1."] {
+        assert!(page.contains(words), "{words}");
+    }
+    let (markdown, latex) = (read("report.md"), read("tables.tex"));
+    assert!(markdown.contains("![") && markdown.contains("| scene | norm |"), "{markdown}");
+    let count = |what: &str| latex.matches(what).count();
+    assert!(count("\\begin{longtable}") > 3);
+    assert_eq!(count("\\begin{longtable}"), count("\\end{longtable}"));
+    assert_eq!(count("\\toprule"), count("\\bottomrule"));
 }

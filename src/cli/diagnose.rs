@@ -32,7 +32,10 @@ impl DiagnoseCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
         let cases = scene.sweep.as_ref().map_or(0, |sweep| sweep.n.len() * sweep.steps.len());
-        eprintln!("running {} of the scene, then its variants", counted(cases, "case"));
+        super::progress::note(&format!(
+            "running {} of the scene, then its variants",
+            counted(cases, "case")
+        ));
         let diagnosis = diagnose(&scene, &|setup| setup, self.always)?;
         if self.json {
             print_json(&document(&diagnosis))?;

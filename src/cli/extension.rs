@@ -18,9 +18,11 @@ pub fn extended(
             Step::Add { scene, case, seconds, why } => {
                 added = true;
                 let case = words(&case);
-                eprintln!("extend: {scene}: adds {case}, about {seconds:.2} s of CPU time; {why}");
+                super::progress::note(&format!(
+                    "extend: {scene}: adds {case}, about {seconds:.2} s of CPU time; {why}"
+                ));
             }
-            Step::Leave { scene, why } => eprintln!("extend: {scene}: {why}"),
+            Step::Leave { scene, why } => super::progress::note(&format!("extend: {scene}: {why}")),
         }
     }
     Ok(added)

@@ -46,7 +46,8 @@ impl Extremes {
         let under_test = UnderTest::default();
         let mut rows = Vec::new();
         for ladder in &ladders {
-            eprintln!("{}: {}", ladder.name, counted(ladder.rungs.len(), "rung"));
+            let rungs = counted(ladder.rungs.len(), "rung");
+            super::progress::note(&format!("{}: {rungs}", ladder.name));
             for rung in &ladder.rungs {
                 let row = judge(ladder, rung, &under_test);
                 if let Some(file) = &mut file {

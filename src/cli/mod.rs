@@ -5,6 +5,7 @@ mod audit;
 mod baseline;
 mod bound;
 mod check;
+mod colour;
 mod constants;
 mod diagnose;
 mod estimate;
@@ -21,6 +22,7 @@ mod output;
 mod progress;
 mod report;
 mod run;
+mod shell;
 mod solve;
 mod trade;
 mod verify;
@@ -45,11 +47,21 @@ const COULD_NOT_JUDGE: u8 = 2;
 /// inequalities. Without a command: runs the scenes under manufactured/ at gate size, prints the
 /// verdicts and writes reports/latest/.
 #[derive(Parser)]
-#[command(name = "sweep", version)]
+#[command(
+    name = "sweep",
+    version,
+    after_help = "Examples:\n  sweep                                      the main job; then open reports/latest/index.html\n  sweep list                                 what there is\n  sweep run pure-mild affine --out reports/two\n  sweep explain punch                        what a scene requires, and what it costs\n  sweep solve punch --n 16 --steps 16 --pictures reports/punch\n  sweep fit table.csv --p 1                  orders of anybody's errors\n\nExit codes: 0 all verdicts as expected, 1 one is not, 2 it could not judge. Colour is used on a terminal alone, and not with NO_COLOR."
+)]
 struct Arguments {
     /// Folder of the scenes [default: manufactured]
     #[arg(long = "scenes", id = "folder", value_name = "FOLDER", global = true)]
     scenes: Option<PathBuf>,
+    /// No progress, notes or warnings on stderr; errors are still said
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// A line for each case that ends, also beside the bar of a terminal
+    #[arg(short, long, global = true)]
+    verbose: bool,
     #[command(subcommand)]
     command: Option<Command>,
 }
@@ -90,6 +102,10 @@ enum Command {
     Verify(verify::Verify),
     /// Rebuild every output from the records in a directory, without solving
     Report(report::Report),
+    /// Print completions for a shell
+    Completions(shell::Completions),
+    /// Print the man page
+    Man(shell::Man),
 }
 
 /// What ends a command early, as one message on stderr and exit code 2.
@@ -130,6 +146,11 @@ impl CliError {
 /// Parses the arguments and runs the command.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    progress::say(match (arguments.quiet, arguments.verbose) {
+        (true, _) => progress::Loudness::Quiet,
+        (_, true) => progress::Loudness::Verbose,
+        _ => progress::Loudness::Usual,
+    });
     let scenes = Scenes::new(arguments.scenes);
     let command = arguments.command.unwrap_or(Command::Run(run::Run::main_job()));
     let outcome = match command {
@@ -150,6 +171,8 @@ pub fn main() -> ExitCode {
         Command::Fit(fit) => fit.execute(),
         Command::Verify(verify) => verify.execute(&scenes),
         Command::Report(report) => report.execute(&scenes),
+        Command::Completions(completions) => completions.execute(),
+        Command::Man(man) => man.execute(),
     };
     match outcome {
         Ok(code) => ExitCode::from(code),

@@ -1,8 +1,7 @@
 //! Progress of a sweep on stderr: a bar on a terminal, plain lines elsewhere.
 
 use std::io::IsTerminal;
-use std::sync::Mutex;
-use std::sync::PoisonError;
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -10,10 +9,39 @@ use crate::record::{CaseRecord, Status, counted};
 use crate::setup::StepRemark;
 use crate::sweep::Progress;
 
+/// How much is said on stderr beside errors.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loudness {
+    /// Nothing.
+    Quiet,
+    /// A bar on a terminal, a line a case elsewhere; notes and warnings.
+    Usual,
+    /// A line a case on a terminal as well.
+    Verbose,
+}
+
+static LOUDNESS: OnceLock<Loudness> = OnceLock::new();
+
+/// Decides once, at the start of the program.
+pub fn say(loudness: Loudness) {
+    LOUDNESS.get_or_init(|| loudness);
+}
+
+fn loudness() -> Loudness {
+    LOUDNESS.get().copied().unwrap_or(Loudness::Usual)
+}
+
+/// Says a line on stderr unless --quiet.
+pub fn note(line: &str) {
+    if loudness() != Loudness::Quiet {
+        eprintln!("{line}");
+    }
+}
+
 /// Says on stderr what (3.4) means for the step sizes of a scene.
 pub fn remark(scene: &str, remark: &StepRemark) {
     let kind = if remark.warning { "warning" } else { "note" };
-    eprintln!("{kind}: {scene}: {}", remark.text);
+    note(&format!("{kind}: {scene}: {}", remark.text));
 }
 
 /// Progress for a person or a log.
@@ -32,9 +60,11 @@ struct State {
 impl Display {
     /// A bar if stderr is a terminal.
     pub fn new() -> Self {
-        let bar = std::io::stderr().is_terminal().then(|| {
-            let style =
-                ProgressStyle::with_template("{bar:24} {pos}/{len} cases, {eta} left  {msg}");
+        let terminal = std::io::stderr().is_terminal() && loudness() != Loudness::Quiet;
+        let bar = terminal.then(|| {
+            let style = ProgressStyle::with_template(
+                "{bar:24} {pos}/{len} cases, {per_sec}, {eta} left  {msg}",
+            );
             ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         Self { bar, state: Mutex::default() }
@@ -56,6 +86,7 @@ impl Progress for Display {
                 bar.set_length(total as u64);
                 bar.set_position(done as u64);
             }
+            None if loudness() == Loudness::Quiet => {}
             None if done > 0 => eprintln!("{}, {done} already recorded", counted(total, "case")),
             None => eprintln!("{}", counted(total, "case")),
         }
@@ -77,19 +108,22 @@ impl Progress for Display {
         if record.is_some() {
             state.done += 1;
         }
+        let seconds =
+            record.map_or(String::new(), |record| format!(" {:.2} s", record.seconds_total));
         match &self.bar {
             Some(bar) => {
                 bar.set_position(state.done as u64);
                 if let Some(reason) = failure {
                     bar.println(format!("{what} failed: {reason}"));
+                } else if loudness() == Loudness::Verbose {
+                    bar.println(format!("{what} done{seconds}"));
                 }
                 if state.done == state.total {
                     bar.finish_and_clear();
                 }
             }
+            None if loudness() == Loudness::Quiet => {}
             None => {
-                let seconds = record
-                    .map_or(String::new(), |record| format!(" {:.2} s", record.seconds_total));
                 let outcome = failure.map_or("done".into(), |reason| format!("failed: {reason}"));
                 eprintln!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total);
             }

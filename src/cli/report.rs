@@ -6,6 +6,10 @@ use clap::Args;
 
 use super::{CliError, Scenes, print_text};
 use crate::record::Key;
+#[cfg(feature = "pdf")]
+use crate::record::replace_file;
+#[cfg(feature = "pdf")]
+use crate::report::pdf;
 use crate::report::write_all;
 use crate::scene::Scene;
 use crate::setup::Subject;
@@ -15,13 +19,26 @@ use crate::verdict::{exit_code, read_failures, read_foreseen, render_table, rest
 /// `sweep report`. Scenes are judged by the text that DIR keeps of them, unless --scenes names a
 /// folder.
 #[derive(Args)]
+#[command(
+    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. Pictures that bound, audit, gronwall, trade, extremes and solve --pictures wrote into DIR are shown as well.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (a build with the feature pdf; `make pdf` makes one)"
+)]
 pub struct Report {
     /// Directory with cases.csv
     dir: PathBuf,
+    /// Write the report as a PDF to FILE as well; needs a build with the feature `pdf` (make pdf)
+    #[arg(long, value_name = "FILE")]
+    pdf: Option<PathBuf>,
+    /// Date to print in the PDF; without, it has none
+    #[arg(long, value_name = "YYYY-MM-DD", requires = "pdf")]
+    date: Option<String>,
 }
 
 impl Report {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        if self.pdf.is_some() && cfg!(not(feature = "pdf")) {
+            let message = "this build cannot write a PDF: it was built without the feature `pdf`; `make pdf` builds one that can, and writes reports/latest/report.pdf";
+            return Err(CliError::other(message));
+        }
         let mut records =
             crate::record::read(&self.dir.join("cases.csv")).map_err(CliError::other)?;
         let document = self.dir.join("verdict.json");
@@ -55,8 +72,18 @@ impl Report {
         }
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
         write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
-        print_text(&render_table(&verdicts));
+        #[cfg(feature = "pdf")]
+        if let Some(path) = &self.pdf {
+            let date = self.date.as_deref();
+            let bytes = pdf(&self.dir, &summaries, &records, &verdicts, &provenance, date)?;
+            replace_file(path, &bytes)
+                .map_err(|error| CliError::Other(format!("{}: {error}", path.display())))?;
+        }
+        print_text(&super::colour::shown(&render_table(&verdicts)));
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
+        if let Some(path) = &self.pdf {
+            print_text(&format!("pdf: {}", path.display()));
+        }
         Ok(exit_code(&records, &verdicts))
     }
 

@@ -369,7 +369,7 @@ impl Swept {
             }
             return print_json(&document);
         }
-        print_text(&render_table(&self.verdicts));
+        print_text(&super::colour::shown(&render_table(&self.verdicts)));
         for (scene, found) in &self.references {
             print_text(&reference_in_words(scene, found));
         }

@@ -1,11 +1,13 @@
-//! `sweep solve`: one case, named quantities at t = T, VTU files.
+//! `sweep solve`: one case, named quantities at t = T, VTU files, pictures.
+
+mod pictures;
 
 use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
-use super::{CliError, Scenes, abstract_problem, print_json, print_text};
+use super::{CliError, Scenes, abstract_problem, create_dir, print_json, print_text, write_file};
 use crate::contact::{CaseInfo, Discretization, LinearSolver, StepView};
 use crate::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
@@ -16,6 +18,7 @@ use crate::vhi::{
     Decomposition, FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver,
     StepState,
 };
+use pictures::Pictures;
 
 /// `sweep solve`.
 #[derive(Args)]
@@ -52,6 +55,10 @@ pub struct Solve {
     /// Write one VTU file a step and a .pvd index into this directory
     #[arg(long, value_name = "DIR")]
     vtu: Option<PathBuf>,
+    /// Write pictures of a plane body into this directory: SCENE-contact.svg, the contact state on Γ3
+    /// over time, and SCENE-body.svg, the deformed body with its stress at t = T
+    #[arg(long, value_name = "DIR", conflicts_with = "estimate")]
+    pictures: Option<PathBuf>,
 }
 
 /// The solver of a time level.
@@ -169,6 +176,14 @@ impl Solve {
             Some(dir) => Some(VtuSeries::new(dir, &setup.scene.name).map_err(CliError::other)?),
             None => None,
         };
+        let (name, plane) = (&setup.scene.name, data.space.mesh.dimension == 2);
+        if self.pictures.is_some() && !plane {
+            return Err(CliError::other(format!(
+                "{name}: --pictures draws plane bodies; --vtu is for any"
+            )));
+        }
+        let drawn = self.pictures.is_some();
+        let mut pictures = drawn.then(|| Pictures::new(&data.space, name, n, self.steps));
         let mut last = None;
         let mut write_error = None;
         let mut observe = |view: &StepView<'_>| {
@@ -176,6 +191,10 @@ impl Solve {
                 series.as_mut().map(|series| series.write(&data.space, &setup.model, view));
             if let Some(Err(error)) = outcome {
                 write_error.get_or_insert(error);
+            }
+            if let Some(pictures) = &mut pictures {
+                let (truth, end) = (data.truth.as_ref(), view.n == self.steps as usize);
+                pictures.add(&data.space, &setup.model, truth, view, end)?;
             }
             if view.n == self.steps as usize {
                 last = Some(FinalState::new(&data.space, &setup.model, view));
@@ -195,6 +214,12 @@ impl Solve {
         if let Some(series) = series {
             series.finish().map_err(CliError::other)?;
         }
+        if let (Some(pictures), Some(dir)) = (pictures, &self.pictures) {
+            create_dir(dir)?;
+            for (file, svg) in pictures.finish()? {
+                write_file(&dir.join(file), svg)?;
+            }
+        }
         let state = last.ok_or_else(|| CliError::other("the run ended before its last step"))?;
         let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
         self.print(&state, &info, bound, seconds, (data.space.dofs(), solver))?;
@@ -205,7 +230,7 @@ impl Solve {
     fn admit(&self, setup: &Setup, n: u32, space: Option<&Discretization>) -> Result<(), CliError> {
         let limit = self.memory_limit.unwrap_or_else(MemoryLimit::of_machine);
         admit_run(setup, space, (n, self.steps), &limit)
-            .map_err(|error| other(format!("{} n = {n}: {error}", setup.scene.name)))
+            .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
     }
 
     fn check_levels(&self, setup: &Setup, n: u32, data: &MeshData) -> Result<(), CliError> {

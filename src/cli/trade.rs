@@ -65,7 +65,7 @@ impl TradeCommand {
         create_dir(&self.out)?;
         let mut table = Table::create(&self.at(&scene, "csv"), &scene.name, norm.name())
             .map_err(CliError::other)?;
-        let mut heard = |trial: &crate::trade::Trial| eprintln!("{}", words::row(trial));
+        let mut heard = |trial: &crate::trade::Trial| super::progress::note(&words::row(trial));
         let study =
             Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(CliError::other)?;
         let extrapolations: Vec<Extrapolated> =

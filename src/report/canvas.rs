@@ -4,9 +4,10 @@ use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon};
 use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoFont, RGBColor, SVGBackend, Text};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontStyle, FontTransform, TextStyle, WHITE};
+use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
 
 use super::ReportError;
+use super::sheet::{PAPER, WORDS};
 
 /// Size of a picture in units.
 pub(super) const SIZE: (u32, u32) = (1800, 1120);
@@ -52,7 +53,7 @@ impl<'a> Canvas<'a> {
         text: f64,
     ) -> Result<Self, ReportError> {
         let area = SVGBackend::with_string(svg, size).into_drawing_area();
-        area.fill(&WHITE).map_err(ReportError::drawing)?;
+        area.fill(&PAPER).map_err(ReportError::drawing)?;
         Ok(Self { area, text })
     }
 
@@ -117,7 +118,7 @@ impl<'a> Canvas<'a> {
         hollow: bool,
     ) -> Result<(), ReportError> {
         let corners = outline(shape, place);
-        let inside = if hollow { WHITE } else { colour };
+        let inside = if hollow { PAPER } else { colour };
         if corners.is_empty() {
             let disc = |radius: f64, ink: RGBColor| {
                 Circle::new(pixel(place), radius.round() as i32, ink.filled())
@@ -157,9 +158,7 @@ impl<'a> Canvas<'a> {
             Anchor::Right => (font, HPos::Right),
             Anchor::Upwards => (font.transform(FontTransform::Rotate270), HPos::Center),
         };
-        let style = TextStyle::from(font)
-            .color(&RGBColor(30, 30, 30))
-            .pos(Pos::new(horizontal, VPos::Center));
+        let style = TextStyle::from(font).color(&WORDS).pos(Pos::new(horizontal, VPos::Center));
         self.area
             .draw(&Text::new(words.to_owned(), pixel(place), style))
             .map_err(ReportError::drawing)

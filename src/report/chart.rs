@@ -7,6 +7,7 @@ use super::legend::{Legend, Sample, Stroke};
 use super::marks::{draw_marks, mark_entries};
 use super::palette::{INK, colour};
 use super::ruler::Scale;
+use super::sheet::with_sheet;
 use super::slope::{self, Slope};
 use plotters::style::RGBColor;
 
@@ -197,7 +198,7 @@ impl Chart {
         }
         self.draw_legend(&canvas, !slopes.is_empty())?;
         canvas.finish()?;
-        Ok(Some(svg))
+        Ok(Some(with_sheet(&svg)))
     }
 
     /// The axes, long enough that every triangle finds a place; if it does not, it is left out.

@@ -3,22 +3,27 @@
 //! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes. A picture
 //! is a [`Chart`], series over two axes with lines at values of either axis, or a [`Map`].
 
+mod body;
 mod canvas;
 mod chart;
 mod convergence;
 mod curve;
+mod document;
 mod frame;
 mod github;
-mod html;
 mod junit;
 mod legend;
 mod map;
 mod marks;
 mod number;
 mod palette;
+mod plane;
 mod ruler;
+mod sheet;
 mod sketch;
 mod slope;
+mod space_time;
+mod studies;
 mod surface;
 mod written;
 
@@ -27,30 +32,41 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use body::{Arrow, Cell as BodyCell, Deformed};
 pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
+pub use document::{Equation, Terms, equations};
 pub use github::{Place, annotations, step_summary};
 pub use junit::write_junit;
 pub use map::{Cell, Map, Shade};
+pub use plane::plane_svg;
 pub use ruler::Scale;
 pub use sketch::{Ink, Sketch, Stroke};
 pub use slope::Slope;
+pub use space_time::{Panel, SpaceTime, Zone};
 pub use surface::surface_svg;
 pub use written::remove_earlier;
 
 use crate::fit::Direction;
 use crate::record::{CaseRecord, RecordError, write_sorted};
 use crate::verdict::{Comparison, DocumentError, Verdict, write_json};
-use html::{Figure, page};
+use document::{Block, DATA, Document, Report, TEMPLATE, data, document, markdown, page, tables};
+use studies::{is_study, studies};
 use written::write_listed;
 
 /// What a report says of a scene beside its numbers.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct SceneSummary {
     /// Its name, as in the records.
     pub name: String,
     /// The question it asks.
     pub question: String,
+    /// What a reader has to know beside it: a hypothesis that is broken, a verdict that is not given.
+    pub remarks: Vec<String>,
+    /// What is solved.
+    pub equations: Vec<Equation>,
+    /// The scene file: part, key, value.
+    pub data: Vec<[String; 3]>,
 }
 
 /// Why a report could not be written.
@@ -84,6 +100,12 @@ pub enum ReportError {
         /// What the drawing library said.
         what: String,
     },
+    /// The PDF could not be set.
+    #[error("typesetting: {what}")]
+    Typesetting {
+        /// What the typesetter said.
+        what: String,
+    },
     /// The JUnit file could not be formed.
     #[error("JUnit: {source}")]
     Xml {
@@ -108,9 +130,9 @@ impl ReportError {
     }
 }
 
-/// Writes cases.csv, verdict.json, index.html and the pictures `SCENE-h.svg`, `SCENE-k.svg` and
-/// `SCENE-hk.svg` into `dir`, which is made if it is not there. The page and pictures of an earlier
-/// report that this one has no use for are removed; files of others stay.
+/// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg` and `SCENE-map.svg`
+/// into `dir`, which is made if it is not there. Pages are index.html, report.md, tables.tex, and report.typ with report.json.
+/// Pages and pictures of an earlier report that this one has no use for are removed; files of others stay.
 ///
 /// # Errors
 /// [`ReportError`]; files written before stay.
@@ -122,18 +144,67 @@ pub fn write_all(
     provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
 ) -> Result<(), ReportError> {
-    let stems = stems(scenes)?;
     fs::create_dir_all(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
+    let document = composed(dir, scenes, records, verdicts, provenance)?;
     write_sorted(&dir.join("cases.csv"), records)?;
     write_json(&dir.join("verdict.json"), provenance, verdicts, records, baseline)?;
-    let drawn =
-        scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
-    let figures: Vec<Vec<Figure>> = drawn.collect::<Result<_, _>>()?;
-    let html = page(scenes, &figures, records, verdicts, provenance);
-    let pictures = figures.iter().flatten().map(|figure| (figure.file.clone(), &*figure.svg));
-    let files: Vec<(String, &str)> = pictures.chain([("index.html".to_owned(), &*html)]).collect();
+    let pages = [
+        ("index.html", page(&document)),
+        ("report.md", markdown(&document)),
+        ("tables.tex", tables(&document)),
+        ("report.typ", TEMPLATE.to_owned()),
+        (DATA, data(&document, None)),
+    ];
+    let own = pictures_of(&document).filter(|(file, _)| !is_study(file));
+    let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
+    let files: Vec<(String, &str)> = own.chain(pages).collect();
     write_listed(dir, &files)
 }
+
+/// The report as a PDF; `date` is printed below the title. Equal records and dates give equal bytes.
+///
+/// # Errors
+/// [`ReportError`].
+#[cfg(feature = "pdf")]
+pub fn pdf(
+    dir: &Path,
+    scenes: &[SceneSummary],
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+    provenance: &serde_json::Value,
+    date: Option<&str>,
+) -> Result<Vec<u8>, ReportError> {
+    document::pdf(&composed(dir, scenes, records, verdicts, provenance)?, date)
+}
+
+/// The document of a directory.
+fn composed(
+    dir: &Path,
+    scenes: &[SceneSummary],
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+    provenance: &serde_json::Value,
+) -> Result<Document, ReportError> {
+    let stems = stems(scenes)?;
+    let drawn =
+        scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
+    let pictures = drawn.collect::<Result<_, _>>()?;
+    let studies = studies(dir)?;
+    let stems = &stems;
+    Ok(document(Report { scenes, stems, pictures, studies, records, verdicts, provenance }))
+}
+
+/// Names and texts of the pictures of a document.
+fn pictures_of(document: &Document) -> impl Iterator<Item = (String, &str)> {
+    let blocks = document.sections.iter().flat_map(|section| &section.blocks);
+    blocks.filter_map(|block| match block {
+        Block::Figure(figure) => Some((figure.file.clone(), figure.svg.as_str())),
+        _ => None,
+    })
+}
+
+/// A picture with its file name and its caption.
+type Picture = (String, String, String);
 
 /// The pictures of a scene, as far as there is something to draw.
 fn figures(
@@ -141,19 +212,20 @@ fn figures(
     stem: &str,
     records: &[CaseRecord],
     verdicts: &[Verdict],
-) -> Result<Vec<Figure>, ReportError> {
+) -> Result<Vec<Picture>, ReportError> {
     let along = |direction| convergence_svg(scene, records, verdicts, direction);
     let drawn = [
         ("h", "error against h, at the number N of time steps named", along(Direction::Space)?),
         ("k", "error against k, on the mesh n named", along(Direction::Time)?),
         ("hk", "error against k, one curve an h", surface_svg(scene, records)?),
+        ("map", "error over k and h, with the fitted model", plane_svg(scene, records)?),
     ];
-    let figure = |(suffix, caption, svg): (&str, &str, Option<String>)| {
+    let picture = |(suffix, caption, svg): (&str, &str, Option<String>)| {
         let (file, caption) =
             (format!("{stem}-{suffix}.svg"), format!("{}: {caption}.", scene.name));
-        svg.map(|svg| Figure { file, caption, svg })
+        svg.map(|svg| (file, caption, svg))
     };
-    Ok(drawn.into_iter().filter_map(figure).collect())
+    Ok(drawn.into_iter().filter_map(picture).collect())
 }
 
 /// File names of the scenes: letters, digits, dot, dash and underscore.

@@ -5,6 +5,7 @@ use plotters::style::RGBColor;
 use super::ReportError;
 use super::canvas::{Anchor, Canvas, Place};
 use super::palette::{INK, colour};
+use super::sheet::with_sheet;
 
 /// Size in units; half of them are pixels at the size for which it is made.
 const SIZE: (u32, u32) = (480, 404);
@@ -93,7 +94,7 @@ impl Sketch {
             canvas.text(words, (x + 44.0, y), Anchor::Left)?;
         }
         canvas.finish()?;
-        Ok(svg)
+        Ok(with_sheet(&svg))
     }
 }
 

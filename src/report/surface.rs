@@ -21,10 +21,8 @@ pub fn surface_svg(
 ) -> Result<Option<String>, ReportError> {
     let records: Vec<CaseRecord> =
         records.iter().filter(|record| record.scene == scene.name).cloned().collect();
-    let grids = norms(&records).into_iter().map(|norm| (norm, curves(&records, norm)));
-    let Some((norm, curves)) = grids.into_iter().find(|(_, curves)| is_grid(curves)) else {
-        return Ok(None);
-    };
+    let Some(norm) = grid(&records) else { return Ok(None) };
+    let curves = curves(&records, norm);
     let points: Vec<Point> = curves.iter().flatten().copied().collect();
     let x = Axis::new("time step k = T/N", Scale::Steps);
     let y = Axis::new(norm_label(norm), Scale::Log);
@@ -61,8 +59,13 @@ fn model(fit: &JointFit, curves: &[Vec<Point>]) -> Series {
     Series { grey: true, ..Series::new(words, parts) }
 }
 
+/// The first norm with two levels of h and of k.
+pub(super) fn grid(records: &[CaseRecord]) -> Option<&str> {
+    norms(records).into_iter().find(|norm| is_grid(&curves(records, norm)))
+}
+
 /// The points that can be drawn, one curve an h from coarse to fine, along falling k.
-fn curves(records: &[CaseRecord], norm: &str) -> Vec<Vec<Point>> {
+pub(super) fn curves(records: &[CaseRecord], norm: &str) -> Vec<Vec<Point>> {
     let mut points: Vec<Point> = records.iter().filter_map(|record| point(record, norm)).collect();
     points.sort_by(|a, b| b.h.total_cmp(&a.h).then(b.k.total_cmp(&a.k)));
     points.chunk_by(|a, b| a.h == b.h).map(<[Point]>::to_vec).collect()

@@ -68,6 +68,9 @@ fn a_report_is_whole_and_the_same_twice() {
         question: "All four contact states, zones that move, h < 1 & k < 1: do the orders of \
                    (5.26) hold where the body yields almost everywhere, and from which n on?"
             .into(),
+        remarks: vec!["Loads <given> & *none* known.".into()],
+        equations: equations(Terms { memory: true, contact: true, ..Terms::default() }),
+        data: vec![["time".into(), "horizon".into(), "<1.0> | `2`".into()]],
     }];
     let dir = std::env::temp_dir().join(format!("gronwall-report-{}", std::process::id()));
     let provenance = serde_json::json!({"version": "0.1.0", "threads": 2});
@@ -75,9 +78,14 @@ fn a_report_is_whole_and_the_same_twice() {
         "cases.csv",
         "verdict.json",
         "index.html",
+        "report.md",
+        "tables.tex",
+        "report.typ",
+        "report.json",
         "pure--strong----mild-h.svg",
         "pure--strong----mild-k.svg",
         "pure--strong----mild-hk.svg",
+        "pure--strong----mild-map.svg",
     ];
     let write = || {
         write_all(&dir, &scenes, &records, &verdicts, &provenance, None).unwrap();
@@ -87,7 +95,13 @@ fn a_report_is_whole_and_the_same_twice() {
     let once = write();
     assert_eq!(once, write());
     let junit = fs::read_to_string(dir.join("junit.xml")).unwrap();
-    assert!(once[2..].iter().chain([&junit]).all(|text| !text.contains("<strong>")));
+    // In JSON it is no markup, nor in the lines of code of Markdown.
+    let is_page = |file: &str| ["html", "tex", "typ", "svg"].iter().any(|end| file.ends_with(end));
+    let pages = files.iter().zip(&once).filter(|(file, _)| is_page(file)).map(|(_, text)| text);
+    assert!(pages.chain([&junit]).all(|text| !text.contains("<strong>")));
+    assert!(once[3].contains("### pure &lt;strong> &amp; mild\n"));
+    assert!(once[3].contains(" in h:** ") && !once[3].contains(": **"));
+    assert!(once[3].contains("sweep run 'pure <strong> & mild' --out"));
     assert!(once[2].contains("pure &lt;strong&gt; &amp; mild") && once[2].contains("<svg"));
     assert!(junit.contains("pure &lt;strong"));
     if std::env::var_os("GRONWALL_KEEP").is_none() {
@@ -97,7 +111,7 @@ fn a_report_is_whole_and_the_same_twice() {
 
 #[test]
 fn nothing_to_draw_draws_nothing() {
-    let scene = SceneSummary { name: "empty".into(), question: String::new() };
+    let scene = SceneSummary { name: "empty".into(), ..SceneSummary::default() };
     assert!(convergence_svg(&scene, &[], &[], Direction::Space).unwrap().is_none());
     assert!(surface_svg(&scene, &[]).unwrap().is_none());
     let mut broken = case("empty", 8, 8);
@@ -106,11 +120,12 @@ fn nothing_to_draw_draws_nothing() {
     let records = [broken.clone(), CaseRecord { n: None, h: None, ..broken }];
     assert!(convergence_svg(&scene, &records, &[], Direction::Time).unwrap().is_none());
     assert!(surface_svg(&scene, &records).unwrap().is_none());
+    assert!(plane_svg(&scene, &records).unwrap().is_none());
 }
 
 /// The picture of one scene in one direction.
 fn picture(records: &[CaseRecord], verdicts: &[Verdict], direction: Direction) -> String {
-    let scene = SceneSummary { name: "s".into(), question: String::new() };
+    let scene = SceneSummary { name: "s".into(), ..SceneSummary::default() };
     convergence_svg(&scene, records, verdicts, direction).unwrap().unwrap()
 }
 
@@ -200,7 +215,36 @@ fn junit_carries_deviations_from_the_baseline() {
 
 #[test]
 fn two_scenes_do_not_share_a_file() {
-    let scene = |name: &str| SceneSummary { name: name.into(), question: String::new() };
+    let scene = |name: &str| SceneSummary { name: name.into(), ..SceneSummary::default() };
     let refused = stems(&[scene("a b"), scene("a/b")]);
     assert!(matches!(refused, Err(ReportError::SharedName { .. })));
+}
+
+/// A PDF of everything that a document can hold, the same for the same date alone.
+#[test]
+#[cfg(feature = "pdf")]
+fn the_pdf_is_the_same_twice() {
+    let records = example("s");
+    let verdicts = verdicts("s", &records);
+    let scenes = [SceneSummary {
+        name: "s".into(),
+        question: "#panic(\"markup\") $x$ *bold*?".into(),
+        equations: equations(Terms {
+            memory: true,
+            contact: true,
+            gap: true,
+            law: true,
+            ..Terms::default()
+        }),
+        data: vec![["time".into(), "horizon".into(), "1.0".into()]],
+        ..SceneSummary::default()
+    }];
+    let dir = std::env::temp_dir().join(format!("gronwall-pdf-{}", std::process::id()));
+    fs::create_dir_all(&dir).unwrap();
+    let provenance = serde_json::json!({"version": "0.1.0"});
+    let set = |date| pdf(&dir, &scenes, &records, &verdicts, &provenance, date).unwrap();
+    let (once, twice) = (set(Some("2026-01-31")), set(Some("2026-01-31")));
+    assert!(once == twice && once.starts_with(b"%PDF-"));
+    assert!(once != set(None));
+    fs::remove_dir_all(&dir).unwrap();
 }

@@ -3,7 +3,6 @@
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::leading_error::{Case, Measured, NoConstant, leading_errors};
 use crate::record::{CaseRecord, Key};
-use crate::report::SceneSummary;
 use crate::scene::{Direction, Expectation, Prediction, Scene};
 use crate::setup::Subject;
 use crate::verdict::{
@@ -120,11 +119,6 @@ fn foreseen(subject: &Subject, written: &Prediction, cases: &[Case]) -> Foreseen
             tolerance: leading.tolerance,
         }),
     }
-}
-
-/// What a report says of a scene.
-pub fn scene_summary(scene: &Scene) -> SceneSummary {
-    SceneSummary { name: scene.name.clone(), question: scene.question.clone() }
 }
 
 fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {

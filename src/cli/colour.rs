@@ -1,0 +1,54 @@
+//! Colour on the words of verdicts: on a terminal alone, and never in place of the words.
+
+use std::io::IsTerminal;
+
+/// The words of verdicts, each with its colour: blue and orange are told apart by colour-blind readers.
+const WORDS: [(&str, &str); 3] =
+    [("pass", "\u{1b}[34m"), ("fail", "\u{1b}[1;33m"), ("unresolved", "\u{1b}[33m")];
+const PLAIN: &str = "\u{1b}[0m";
+
+/// The head of the column that is coloured.
+const HEAD: &str = "verdict";
+
+/// A table of verdicts as stdout can show it. NO_COLOR with any value, and a dumb terminal, mean none.
+pub(super) fn shown(table: &str) -> String {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+    let wanted = set("NO_COLOR").is_none() && set("TERM").is_none_or(|term| term != "dumb");
+    match wanted && std::io::stdout().is_terminal() {
+        true => coloured(table),
+        false => table.to_owned(),
+    }
+}
+
+/// The words in the column of verdicts coloured; widths stay as they are.
+fn coloured(table: &str) -> String {
+    let column = |line: &str| line.find(HEAD).map(|at| line[..at].chars().count());
+    let Some(start) = table.lines().find_map(column) else { return table.to_owned() };
+    let line = |line: &str| {
+        let at = line.char_indices().nth(start).map_or(line.len(), |(at, _)| at);
+        let (before, rest) = line.split_at(at);
+        let word = rest.split(|c: char| !c.is_alphabetic()).next().unwrap_or("");
+        match WORDS.iter().find(|(known, _)| *known == word) {
+            Some((_, colour)) => format!("{before}{colour}{word}{PLAIN}{}", &rest[word.len()..]),
+            None => line.to_owned(),
+        }
+    };
+    table.lines().map(line).collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_the_column_alone_are_coloured() {
+        let table = " scene     norm   observed    verdict   why\n pass-it   V_max  ≥ 1 [a, b]  pass      pass\n b         V_max  -           fail, as  why";
+        let found = coloured(table);
+        assert_eq!(found.matches('\u{1b}').count(), 4, "{found}");
+        assert!(found.contains("\u{1b}[34mpass\u{1b}[0m      pass"), "{found}");
+        assert!(found.contains("\u{1b}[1;33mfail\u{1b}[0m, as"), "{found}");
+        let bare = WORDS.iter().fold(found.replace(PLAIN, ""), |text, (_, c)| text.replace(c, ""));
+        assert_eq!(bare, table);
+        assert_eq!(coloured("nothing was judged"), "nothing was judged");
+    }
+}

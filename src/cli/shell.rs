@@ -1,0 +1,61 @@
+//! What is generated from the definition of the command line: completions and man pages.
+
+use std::path::PathBuf;
+
+use clap::{Args, CommandFactory};
+use clap_complete::Shell;
+
+use super::{Arguments, CliError, print_text};
+use crate::record::counted;
+
+/// Name of the program.
+const PROGRAM: &str = "sweep";
+
+/// `sweep completions`.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  sweep completions bash > ~/.local/share/bash-completion/completions/sweep\n  sweep completions zsh > \"${fpath[1]}/_sweep\"\n  sweep completions fish > ~/.config/fish/completions/sweep.fish"
+)]
+pub struct Completions {
+    /// The shell
+    shell: Shell,
+}
+
+/// `sweep man`.
+#[derive(Args)]
+#[command(
+    after_help = "Examples:\n  sweep man | man -l -\n  sweep man --out ~/.local/share/man/man1"
+)]
+pub struct Man {
+    /// Write a page for the program and for each command into this directory
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Completions {
+    pub(super) fn execute(&self) -> Result<u8, CliError> {
+        let mut text = Vec::new();
+        clap_complete::generate(self.shell, &mut Arguments::command(), PROGRAM, &mut text);
+        print_text(String::from_utf8_lossy(&text).trim_end());
+        Ok(0)
+    }
+}
+
+impl Man {
+    pub(super) fn execute(&self) -> Result<u8, CliError> {
+        let command = Arguments::command();
+        if let Some(out) = &self.out {
+            let failed = |error| CliError::Other(format!("{}: {error}", out.display()));
+            std::fs::create_dir_all(out).map_err(failed)?;
+            let pages = 1 + command.get_subcommands().count();
+            clap_mangen::generate_to(command, out).map_err(failed)?;
+            print_text(&format!("{} in {}", counted(pages, "page"), out.display()));
+            return Ok(0);
+        }
+        let mut text = Vec::new();
+        let page = clap_mangen::Man::new(command);
+        page.render(&mut text).map_err(|error| CliError::Other(error.to_string()))?;
+        print_text(String::from_utf8_lossy(&text).trim_end());
+        Ok(0)
+    }
+}

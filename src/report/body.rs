@@ -1,0 +1,237 @@
+//! A plane body as it is deformed: stress by shade, where it yields, the pressure on Γ3 as arrows.
+
+use plotters::style::RGBColor;
+
+use super::ReportError;
+use super::canvas::{Anchor, Canvas, Place};
+use super::palette::{INK, colour};
+use super::sheet::with_sheet;
+
+/// A triangle of the deformed mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// Corners as deformed.
+    pub corners: [(f64, f64); 3],
+    /// A stress.
+    pub stress: f64,
+    /// The projection acts there.
+    pub yields: bool,
+}
+
+/// The picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Deformed {
+    /// Its first line, in bold.
+    pub title: String,
+    /// The line below; says how much larger displacements are drawn.
+    pub subtitle: String,
+    /// What the shade is.
+    pub quantity: String,
+    /// The mesh.
+    pub cells: Vec<Cell>,
+    /// Edges of the body at rest.
+    pub rest: Vec<[(f64, f64); 2]>,
+    /// Edges between yielding cells and others, as deformed.
+    pub yield_border: Vec<[(f64, f64); 2]>,
+    /// The pressure on Γ3.
+    pub arrows: Vec<Arrow>,
+}
+
+/// A pressure at a point of Γ3.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Arrow {
+    /// The point as deformed.
+    pub foot: (f64, f64),
+    /// The direction in which it presses, of length 1.
+    pub direction: (f64, f64),
+    /// Its size.
+    pub pressure: f64,
+}
+
+/// Room of the body: left, top, right, bottom.
+const ROOM: [f64; 4] = [150.0, 160.0, 1230.0, 1030.0];
+/// Longest arrow.
+const ARROW: f64 = 95.0;
+/// Where the legend stands.
+const LEGEND: f64 = 1310.0;
+/// Steps of the bar of shades.
+const SHADES: usize = 24;
+
+/// From light to dark with one rise of lightness, blue to yellow for colour-blind readers.
+const RAMP: [[f64; 3]; 4] =
+    [[253.0, 246.0, 214.0], [236.0, 206.0, 120.0], [122.0, 142.0, 150.0], [28.0, 58.0, 110.0]];
+
+fn shade(part: f64) -> RGBColor {
+    let at = part.clamp(0.0, 1.0) * (RAMP.len() - 1) as f64;
+    let i = (at.floor() as usize).min(RAMP.len() - 2);
+    let mixed = |c: usize| (RAMP[i][c] + (at - i as f64) * (RAMP[i + 1][c] - RAMP[i][c])) as u8;
+    RGBColor(mixed(0), mixed(1), mixed(2))
+}
+
+impl Deformed {
+    /// The picture; none without a cell.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
+    pub fn svg(&self) -> Result<Option<String>, ReportError> {
+        let Some(view) = View::of(self) else { return Ok(None) };
+        let mut svg = String::new();
+        let canvas = Canvas::new(&mut svg)?;
+        canvas.bold(&self.title, (30.0, 44.0))?;
+        canvas.text(&self.subtitle, (30.0, 92.0), Anchor::Left)?;
+        let stresses = self.cells.iter().map(|cell| cell.stress);
+        let most = stresses.fold(0.0, f64::max);
+        let part = |stress: f64| if most > 0.0 { stress / most } else { 0.0 };
+        // Lines of a fine mesh would hide the shades.
+        let lines = self.cells.len() <= 2500;
+        for cell in &self.cells {
+            let corners = cell.corners.map(|corner| view.place(corner));
+            canvas.fill(&corners, shade(part(cell.stress)), 1.0)?;
+            if lines {
+                canvas.line(&[corners[0], corners[1], corners[2], corners[0]], THIN, 1)?;
+            }
+        }
+        for &[a, b] in &self.rest {
+            canvas.dashed(&[view.place(a), view.place(b)], INK, (14.0, 10.0))?;
+        }
+        for &[a, b] in &self.yield_border {
+            canvas.line(&[view.place(a), view.place(b)], colour(1), 6)?;
+        }
+        let largest = self.arrows.iter().map(|arrow| arrow.pressure).fold(0.0, f64::max);
+        for one in self.arrows.iter().filter(|arrow| arrow.pressure > 0.0) {
+            let length = ARROW * one.pressure / largest;
+            arrow(&canvas, view.place(one.foot), one.direction, length)?;
+        }
+        self.legend(&canvas, most, largest)?;
+        canvas.finish()?;
+        Ok(Some(with_sheet(&svg)))
+    }
+
+    fn legend(&self, canvas: &Canvas<'_>, most: f64, largest: f64) -> Result<(), ReportError> {
+        canvas.text(&self.quantity, (LEGEND, 175.0), Anchor::Left)?;
+        let (top, height) = (230.0, 330.0 / SHADES as f64);
+        for i in 0..SHADES {
+            let y = top + height * (SHADES - 1 - i) as f64;
+            let corners = [
+                (LEGEND, y),
+                (LEGEND + 60.0, y),
+                (LEGEND + 60.0, y + height),
+                (LEGEND, y + height),
+            ];
+            canvas.fill(&corners, shade((i as f64 + 0.5) / SHADES as f64), 1.0)?;
+        }
+        canvas.text(&format!("{most:.3}"), (LEGEND + 76.0, top), Anchor::Left)?;
+        canvas.text("0", (LEGEND + 76.0, top + 330.0), Anchor::Left)?;
+        let mut y = 640.0;
+        if !self.yield_border.is_empty() || self.cells.iter().any(|cell| cell.yields) {
+            let share = self.cells.iter().filter(|cell| cell.yields).count();
+            let words = format!("{share} of {} cells", self.cells.len());
+            canvas.line(&[(LEGEND, y), (LEGEND + 60.0, y)], colour(1), 6)?;
+            canvas.text("yielding zone,", (LEGEND + 76.0, y), Anchor::Left)?;
+            y += 44.0;
+            canvas.text(&words, (LEGEND + 76.0, y), Anchor::Left)?;
+            y += 60.0;
+        }
+        canvas.dashed(&[(LEGEND, y), (LEGEND + 60.0, y)], INK, (14.0, 10.0))?;
+        canvas.text("body at rest", (LEGEND + 76.0, y), Anchor::Left)?;
+        if largest > 0.0 {
+            y += 60.0;
+            arrow(canvas, (LEGEND, y), (-1.0, 0.0), 60.0)?;
+            canvas.text("pressure ξ+λ on Γ3,", (LEGEND + 76.0, y), Anchor::Left)?;
+            canvas.text(
+                &format!("at most {largest:.3}"),
+                (LEGEND + 76.0, y + 44.0),
+                Anchor::Left,
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// Lines of the mesh.
+const THIN: RGBColor = RGBColor(150, 150, 150);
+
+/// An arrow of a length that ends at its foot, pressing in its direction (y upwards).
+fn arrow(
+    canvas: &Canvas<'_>,
+    foot: Place,
+    (dx, dy): (f64, f64),
+    length: f64,
+) -> Result<(), ReportError> {
+    let (ux, uy) = (dx, -dy);
+    let tail = (foot.0 - ux * length, foot.1 - uy * length);
+    canvas.line(&[tail, foot], colour(0), 4)?;
+    let head = (0.4 * length).min(16.0);
+    let side = |sign: f64| {
+        (foot.0 - ux * head - sign * uy * 0.5 * head, foot.1 - uy * head + sign * ux * 0.5 * head)
+    };
+    canvas.fill(&[foot, side(1.0), side(-1.0)], colour(0), 1.0)
+}
+
+/// From places of the body to the canvas.
+struct View {
+    origin: (f64, f64),
+    scale: f64,
+    corner: (f64, f64),
+}
+
+impl View {
+    fn of(picture: &Deformed) -> Option<Self> {
+        let corners = picture.cells.iter().flat_map(|cell| cell.corners);
+        let rest = picture.rest.iter().flatten().copied();
+        let all: Vec<(f64, f64)> =
+            corners.chain(rest).filter(|p| p.0.is_finite() && p.1.is_finite()).collect();
+        let span = |pick: fn(&(f64, f64)) -> f64| {
+            let values = all.iter().map(pick);
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), v| (lo.min(v), hi.max(v)))
+        };
+        let (x, y) = (span(|p| p.0), span(|p| p.1));
+        if all.is_empty() {
+            return None;
+        }
+        // Arrows stand outside of the body.
+        let [left, top, right, bottom] = [ROOM[0], ROOM[1], ROOM[2], ROOM[3] - ARROW];
+        let wide = |(lo, hi): (f64, f64)| (hi - lo).max(f64::MIN_POSITIVE);
+        let scale = ((right - left) / wide(x)).min((bottom - top) / wide(y));
+        let rest = (right - left - scale * wide(x), bottom - top - scale * wide(y));
+        let corner = (left + 0.5 * rest.0, bottom - 0.5 * rest.1);
+        Some(Self { origin: (x.0, y.0), scale, corner })
+    }
+
+    fn place(&self, (x, y): (f64, f64)) -> Place {
+        let away = (x - self.origin.0, y - self.origin.1);
+        (self.corner.0 + self.scale * away.0, self.corner.1 - self.scale * away.1)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_absent_is_not_drawn() {
+        let cell =
+            |stress, yields| Cell { corners: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], stress, yields };
+        let whole = Deformed {
+            title: "s".into(),
+            subtitle: "displacements 3 times".into(),
+            quantity: "‖σ^D‖".into(),
+            cells: vec![cell(0.5, true), cell(1.0, false)],
+            rest: vec![[(0.0, 0.0), (1.0, 0.0)]],
+            yield_border: vec![[(1.0, 0.0), (0.0, 1.0)]],
+            arrows: vec![Arrow { foot: (0.5, 0.0), direction: (0.0, 1.0), pressure: 2.0 }],
+        };
+        let svg = |picture: &Deformed| picture.svg().unwrap();
+        let all = svg(&whole).unwrap();
+        assert!(all.contains("yielding") && all.contains("pressure") && !all.contains("NaN"));
+        let elastic = Deformed {
+            cells: vec![cell(0.0, false)],
+            yield_border: Vec::new(),
+            arrows: Vec::new(),
+            ..whole.clone()
+        };
+        let less = svg(&elastic).unwrap();
+        assert!(!less.contains("yielding") && !less.contains("pressure") && !less.contains("NaN"));
+        assert_eq!(svg(&Deformed { cells: Vec::new(), rest: Vec::new(), ..whole }), None);
+    }
+}

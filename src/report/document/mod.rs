@@ -1,0 +1,141 @@
+//! What a report says, apart from how it looks: sections of paragraphs, formulas, numbered tables and figures.
+//!
+//! [`document`] builds it once from the records; a page, Markdown, LaTeX and Typst are renderings of it.
+
+mod content;
+mod equation;
+mod evidence;
+mod html;
+mod latex;
+mod markdown;
+#[cfg(feature = "pdf")]
+mod pdf;
+mod typst;
+
+use serde::Serialize;
+
+pub(super) use content::{Report, document};
+pub use equation::{Equation, Terms, equations};
+pub(super) use html::page;
+pub(super) use latex::tables;
+pub(super) use markdown::markdown;
+#[cfg(feature = "pdf")]
+pub(super) use pdf::pdf;
+pub(super) use typst::{DATA, TEMPLATE, data};
+
+/// A report.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Document {
+    pub(super) title: String,
+    /// The outcome in one sentence.
+    pub(super) outcome: String,
+    /// Program, version, platform.
+    pub(super) made_by: String,
+    pub(super) sections: Vec<Section>,
+}
+
+/// A section: of level 1, or below one of level 1.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Section {
+    pub(super) level: usize,
+    /// What links to it name.
+    pub(super) id: String,
+    pub(super) title: String,
+    pub(super) blocks: Vec<Block>,
+}
+
+/// A part of a section.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase", tag = "kind", content = "of")]
+pub(super) enum Block {
+    Text(Vec<Run>),
+    Formulas(Vec<Equation>),
+    Table(Table),
+    Figure(Figure),
+    /// Lines to be typed.
+    Code(String),
+}
+
+/// Words of one kind.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Run {
+    pub(super) text: String,
+    pub(super) tone: Tone,
+    /// The section or file that they lead to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) target: Option<String>,
+}
+
+/// How words stand out; none of these says anything that the words do not.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Tone {
+    Plain,
+    Strong,
+    Code,
+    /// As expected.
+    Pass,
+    /// Not as expected.
+    Miss,
+}
+
+/// A numbered table.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Table {
+    pub(super) number: usize,
+    pub(super) caption: String,
+    pub(super) head: Vec<String>,
+    /// Columns whose numbers end at the right.
+    pub(super) numeric: Vec<bool>,
+    pub(super) rows: Vec<Vec<Run>>,
+}
+
+/// A numbered picture.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Figure {
+    pub(super) number: usize,
+    /// Its name in the directory of the report.
+    pub(super) file: String,
+    pub(super) caption: String,
+    #[serde(skip)]
+    pub(super) svg: String,
+}
+
+impl Run {
+    pub(super) fn of(text: impl Into<String>, tone: Tone) -> Self {
+        Self { text: text.into(), tone, target: None }
+    }
+
+    pub(super) fn plain(text: impl Into<String>) -> Self {
+        Self::of(text, Tone::Plain)
+    }
+
+    pub(super) fn code(text: impl Into<String>) -> Self {
+        Self::of(text, Tone::Code)
+    }
+
+    pub(super) fn to(self, target: impl Into<String>) -> Self {
+        Self { target: Some(target.into()), ..self }
+    }
+}
+
+impl Section {
+    fn new(level: usize, id: &str, title: &str) -> Self {
+        Self { level, id: id.into(), title: title.into(), blocks: Vec::new() }
+    }
+
+    fn text(&mut self, runs: Vec<Run>) {
+        self.blocks.push(Block::Text(runs));
+    }
+}
+
+impl Document {
+    /// The tables in their order.
+    pub(super) fn tables(&self) -> impl Iterator<Item = &Table> {
+        let blocks = self.sections.iter().flat_map(|section| &section.blocks);
+        blocks.filter_map(|block| match block {
+            Block::Table(table) => Some(table),
+            _ => None,
+        })
+    }
+}
