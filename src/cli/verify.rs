@@ -17,7 +17,7 @@ use crate::report::write_all;
 use crate::scene::Norm;
 use crate::setup::{MeshData, Setup, Subject};
 use crate::sweep::{
-    OutputDirectory, Overrides, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
+    Machine, OutputDirectory, Overrides, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
     scene_summary,
 };
 use crate::verdict::{Failure, Verdict, exit_code, failures, render_table};
@@ -160,12 +160,21 @@ impl Verify {
     fn judged(&self, plan: ScenePlan, out: &OutputDirectory) -> Result<Judged, CliError> {
         let plans = [plan];
         let progress = super::progress::Display::new();
-        let records = run_sweep(&plans, out, usize::from(self.jobs), false, &progress)?;
-        let provenance = Provenance::of_run(&plans).json();
+        let machine = self.machine();
+        let records = run_sweep(&plans, out, &machine, false, &progress)?;
+        let provenance = Provenance::of_run(&plans, &machine).json();
         let [plan] = plans;
         let foreseen = if self.orders_only { Vec::new() } else { foresee(&plan.subject, &records) };
         let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
         Ok(Judged { plan, records, verdicts, provenance })
+    }
+
+    /// What a solver takes outside this program is not foreseen here.
+    fn machine(&self) -> Machine {
+        let flags = [(self.pressure, "--pressure"), (self.orders_only, "--orders-only")];
+        let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
+        let options = std::iter::once("verify").chain(given).collect::<Vec<_>>().join(" ");
+        Machine { options, ..Machine::with_jobs(usize::from(self.jobs)) }
     }
 
     /// The same cases by this program's solver.
