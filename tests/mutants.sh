@@ -48,7 +48,8 @@ for module in "$@"; do
     *) echo "mutants: no slim crate holds $module: law, history, fit, verdict" >&2; exit 2 ;;
     esac
     # In place: a copy would build its dependencies anew. Survivors are status 2, which ends nothing here.
+    # Of its two builds, library and unit tests, a mutant needs the second.
     cargo mutants --dir "target/mutants/$slim" --output "target/mutants/$module" --in-place --timeout 120 \
-        -f "src/$module/**" -- --lib || status=$?
+        --cargo-arg=--lib -f "src/$module/**" || status=$?
 done
 exit "$status"
