@@ -18,9 +18,9 @@ use gronwall::formula::{Graph, Point, Program, Scope, Variable};
 use gronwall::linalg::signed_unit;
 use gronwall::mesh::read_gmsh;
 use gronwall::record::{CaseRecord, Key, read};
-use gronwall::report::{SceneSummary, convergence_svg, surface_svg};
+use gronwall::report::{convergence_svg, surface_svg};
 use gronwall::scene::{Scene, Source};
-use gronwall::sweep::{Provenance, judge_scene};
+use gronwall::sweep::{Provenance, judge_scene, scene_summary};
 use gronwall::verdict::{Baseline, Run, compare_with_baseline, read_failures, read_foreseen};
 use program::{Folder, code, stderr, sweep};
 
@@ -314,7 +314,7 @@ fn affine() -> Scene {
 #[test]
 fn no_table_breaks_the_reader_or_what_comes_after() {
     let (swept, scene) = (Swept::new("fuzz-table"), affine());
-    let summary = SceneSummary { name: scene.name.clone(), question: scene.question.clone() };
+    let summary = scene_summary(&scene);
     fuzz("table", &[swept.text("cases.csv")], 5_000, |text| {
         swept.with("cases.csv", text, |path| {
             let Ok(records) = read(path) else { return false };

@@ -231,7 +231,7 @@ fn meshes_fit(setup: &Setup) -> Result<(), CliError> {
     let ns = sweep.flat_map(|sweep| sweep.n.iter().copied().chain(sweep.reference.map(|r| r.n)));
     ns.map(|n| n as u32).try_for_each(|n| {
         admit_run(setup, None, (n, 1), &limit)
-            .map_err(|error| CliError::Other(format!("{} n = {n}: {error}", setup.scene.name)))
+            .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
     })
 }
 
