@@ -151,6 +151,6 @@ mod tests {
         let ends = NpyError::Length { shape: vec![2, 2], wanted: 32, found: 31 };
         assert_eq!(decode(&good[..good.len() - 1]), Err(ends));
         assert_eq!(decode(&good[..20]), Err(NpyError::Header("end")));
-        assert_eq!(with("(2,2,)", "(9999999999999,9999999999)"), NpyError::Header("end"));
+        assert_eq!(with("(2,2,)", "(9999999999999,9999999999)"), NpyError::Header("shape"));
     }
 }
