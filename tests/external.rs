@@ -17,7 +17,7 @@ use gronwall::mesh::read_gmsh;
 use gronwall::norms::{StepErrors, step_errors};
 use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup};
 use program::{Folder, code, json, stderr, stdout, sweep};
-use shipped::{on_mesh, setup};
+use shipped::{on_mesh, setup, setup_of, text};
 
 /// Errors of all levels by a scheme.
 fn errors(scheme: &dyn Scheme, setup: &Setup, data: &MeshData, steps: u32) -> Vec<StepErrors> {
@@ -135,6 +135,51 @@ fn the_files_are_those_of_the_case() {
             assert_eq!(kernels.numbers[3], last);
         }
     }
+}
+
+fn rows(table: &Path) -> Vec<csv::StringRecord> {
+    let rows = csv::Reader::from_path(table).expect("a table").into_records();
+    rows.collect::<Result<_, _>>().expect("rows of one length")
+}
+
+#[test]
+fn kernels_of_a_graded_grid_are_those_of_all_pairs_of_times() {
+    let (folder, setup) = (Folder::new("external-kernels"), setup("affine-graded"));
+    let data = on_mesh(&setup, 4);
+    write_case(&folder.at("case"), &setup, &data, 4).expect("a case");
+    let bytes = std::fs::read(folder.at("case").join("kernels.npy")).expect("a file");
+    let kernels = decode(&bytes).expect("an array");
+    assert_eq!(kernels.shape, [1, 5, 5]);
+    // t_j = (j/4)^2 and b(t) = -exp(-t), as the scene says; a lag of the uniform grid is off by a tenth and more.
+    let time = |j: usize| (j as f64 / 4.0).powi(2);
+    for (n, row) in kernels.numbers.chunks(5).enumerate() {
+        for (j, &value) in row.iter().enumerate() {
+            let expected = if j <= n { -(time(j) - time(n)).exp() } else { 0.0 };
+            assert!((value - expected).abs() < 1e-15, "b(t_{n} - t_{j}) is {value}");
+        }
+    }
+}
+
+#[test]
+fn the_table_of_the_contact_boundary_holds_its_measure_normals_and_gaps() {
+    let (folder, setup) = (Folder::new("external-tables"), setup("signorini"));
+    write_case(&folder.at("case"), &setup, &on_mesh(&setup, 4), 2).expect("a case");
+    let contact = rows(&folder.at("case/contact.csv"));
+    // The bottom of the unit square: length 1, normal (0, -1), the gap of the scene; its ends are not clamped.
+    let column = |i: usize| contact.iter().map(move |row| row[i].parse::<f64>().expect("a number"));
+    assert!((column(4).sum::<f64>() - 1.0).abs() < 1e-15);
+    for (i, value) in [(2, 0.0), (3, -1.0), (5, 0.08), (6, 0.0), (7, 1.0), (8, 0.0)] {
+        assert!(column(i).all(|found| found == value), "column {i} is not {value}");
+    }
+}
+
+#[test]
+fn sides_of_any_name_stand_in_the_tables() {
+    let (folder, name) = (Folder::new("external-sides"), "below, \"left\" and right");
+    let setup = setup_of(text("oblique-trapezium").replace("\"foot\"", &format!("'{name}'")));
+    write_case(&folder.at("case"), &setup, &on_mesh(&setup, 4), 2).expect("a case");
+    let facets = rows(&folder.at("case/facets.csv"));
+    assert_eq!(facets.iter().filter(|row| &row[3] == name).count(), 4);
 }
 
 /// `sweep verify signorini` on two small cases with a shell command as the solver.

@@ -1,6 +1,5 @@
 //! A case as files: mesh, times, loads and numbers, so that a solver needs no formula but κ(ζ).
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
@@ -10,6 +9,7 @@ use crate::contact::{CaseError, Discretization};
 use crate::history::TimeGrid;
 use crate::law::{FourthOrder, TensorField};
 use crate::record::replace_file;
+use crate::scene;
 use crate::setup::{MeshData, Setup};
 
 /// What the files mean, for who writes a solver.
@@ -28,15 +28,18 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
         let path = dir.join(name);
         replace_file(&path, bytes).map_err(|error| outside(&path, error))
     };
+    let table = |name: &str, rows: Result<Vec<u8>, csv::Error>| {
+        file(name, &rows.map_err(|error| outside(&dir.join(name), error))?)
+    };
     file("README.md", FORMAT.as_bytes())?;
     let document = case(setup, data, &grid);
     let text = serde_json::to_string_pretty(&document).map_err(|error| outside(dir, error))?;
     file("case.json", text.as_bytes())?;
     file("mesh.msh", crate::mesh::write_gmsh(&space.mesh).as_bytes())?;
-    file("vertices.csv", vertices(space).as_bytes())?;
-    file("cells.csv", cells(space).as_bytes())?;
-    file("facets.csv", facets(space).as_bytes())?;
-    file("contact.csv", contact(setup, space).as_bytes())?;
+    table("vertices.csv", vertices(space))?;
+    table("cells.csv", cells(space))?;
+    table("facets.csv", facets(space))?;
+    table("contact.csv", contact(setup, space))?;
     file("times.npy", &encode(&[grid.steps() + 1], grid.times()))?;
     if !setup.model.memory.is_empty() {
         file("kernels.npy", &kernels(setup, &grid)?)?;
@@ -68,7 +71,7 @@ fn case(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Value {
         "n": mesh.n,
         "steps": grid.steps(),
         "horizon": scene.time.horizon,
-        "uniform": is_uniform(grid),
+        "uniform": is_uniform(setup),
         "h": mesh.h(),
         "k": grid.largest_step(),
         "vertices": mesh.vertices(),
@@ -92,80 +95,105 @@ fn tensor(tensor: &FourthOrder, d: usize) -> Value {
     }
 }
 
-/// A row of numbers: shortest texts that read back to the same doubles.
-fn row(text: &mut String, cells: impl IntoIterator<Item = String>) {
-    let cells: Vec<String> = cells.into_iter().collect();
-    let _ = writeln!(text, "{}", cells.join(","));
+/// A table; numbers have the shortest texts that read back to the same doubles.
+struct Rows(csv::Writer<Vec<u8>>);
+
+impl Rows {
+    fn new(head: impl IntoIterator<Item = String>) -> Result<Self, csv::Error> {
+        let mut rows = Self(csv::Writer::from_writer(Vec::new()));
+        rows.add(head)?;
+        Ok(rows)
+    }
+
+    fn add(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), csv::Error> {
+        self.0.write_record(cells)
+    }
+
+    fn bytes(self) -> Result<Vec<u8>, csv::Error> {
+        self.0.into_inner().map_err(|error| error.into_error().into())
+    }
+}
+
+/// `first`, the texts between, `last`.
+fn between(
+    first: &str,
+    inner: impl IntoIterator<Item = String>,
+    last: &[&str],
+) -> impl Iterator<Item = String> {
+    let last: Vec<String> = last.iter().map(|&word| word.to_owned()).collect();
+    std::iter::once(first.to_owned()).chain(inner).chain(last)
 }
 
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
-fn vertices(space: &Discretization) -> String {
+fn flag(set: bool) -> &'static str {
+    if set { "1" } else { "0" }
+}
+
+fn numbered(count: usize) -> impl Iterator<Item = String> {
+    (0..count).map(|i| format!("v{i}"))
+}
+
+fn vertices(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let (mesh, d) = (&space.mesh, space.mesh.dimension);
-    let mut text = format!("vertex,{},clamped\n", COORDINATES[..d].join(","));
+    let names = COORDINATES[..d].iter().map(|&name| name.to_owned());
+    let mut rows = Rows::new(between("vertex", names, &["clamped"]))?;
     for v in 0..mesh.vertices() {
         let clamped = space.nodes.of_vertex[v] as usize >= space.nodes.free;
         let at = mesh.vertex(v as u32).iter().map(f64::to_string);
-        let last = [u8::from(clamped).to_string()];
-        row(&mut text, std::iter::once(v.to_string()).chain(at).chain(last));
+        rows.add(between(&v.to_string(), at, &[flag(clamped)]))?;
     }
-    text
+    rows.bytes()
 }
 
-fn numbered(names: &str, count: usize) -> String {
-    (0..count).map(|i| format!("{names}{i},")).collect()
-}
-
-fn cells(space: &Discretization) -> String {
+fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let mesh = &space.mesh;
-    let mut text = format!("cell,{}region\n", numbered("v", mesh.dimension + 1));
+    let mut rows = Rows::new(between("cell", numbered(mesh.dimension + 1), &["region"]))?;
     for c in 0..mesh.cell_count() {
         let corners = mesh.cell(c).iter().map(u32::to_string);
-        let region = [space.regions.get(c).copied().unwrap_or(0).to_string()];
-        row(&mut text, std::iter::once(c.to_string()).chain(corners).chain(region));
+        let region = space.regions.get(c).copied().unwrap_or(0).to_string();
+        rows.add(between(&c.to_string(), corners, &[&region]))?;
     }
-    text
+    rows.bytes()
 }
 
-fn facets(space: &Discretization) -> String {
+fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let mesh = &space.mesh;
-    let mut text = format!("facet,{}side\n", numbered("v", mesh.dimension));
+    let mut rows = Rows::new(between("facet", numbered(mesh.dimension), &["side"]))?;
     for (f, &side) in mesh.facet_side.iter().enumerate() {
         let corners = mesh.facet(f).iter().map(u32::to_string);
-        let side = [mesh.sides[side as usize].clone()];
-        row(&mut text, std::iter::once(f.to_string()).chain(corners).chain(side));
+        rows.add(between(&f.to_string(), corners, &[&mesh.sides[side as usize]]))?;
     }
-    text
+    rows.bytes()
 }
 
-fn contact(setup: &Setup, space: &Discretization) -> String {
+fn contact(setup: &Setup, space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let d = space.mesh.dimension;
-    let normal: String = COORDINATES[..d].iter().map(|x| format!("n{x},")).collect();
-    let mut text = format!("row,vertex,{normal}weight,gap,shift,scale,clamped\n");
+    let names = COORDINATES[..d].iter().map(|name| format!("n{name}"));
+    let names = std::iter::once("vertex".to_owned()).chain(names);
+    let mut rows =
+        Rows::new(between("row", names, &["weight", "gap", "shift", "scale", "clamped"]))?;
     for (i, point) in space.trace.points.iter().enumerate() {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
         let [gap, shift, scale] = match &setup.model.boundary {
             Some(boundary) => [(boundary.gap)(x), (boundary.shift)(x), boundary.scale_at(x)],
             None => [f64::INFINITY, 0.0, 1.0],
         };
-        let numbers = [point.weight, gap, shift, scale].map(|number| number.to_string());
-        let first = [i.to_string(), point.vertex.to_string()].into_iter();
-        let normal = point.normal[..d].iter().map(f64::to_string);
-        let last = [u8::from(point.clamped).to_string()];
-        row(&mut text, first.chain(normal).chain(numbers).chain(last));
+        let numbers = point.normal[..d].iter().copied().chain([point.weight, gap, shift, scale]);
+        let inner = std::iter::once(point.vertex.to_string()).chain(numbers.map(|x| x.to_string()));
+        rows.add(between(&i.to_string(), inner, &[flag(point.clamped)]))?;
     }
-    text
+    rows.bytes()
 }
 
-/// Whether lags of the grid are its times, to rounding.
-fn is_uniform(grid: &TimeGrid) -> bool {
-    let equal = grid.time(grid.steps()) / grid.steps() as f64;
-    (1..=grid.steps()).all(|n| (grid.step(n) - equal).abs() <= 1e-12 * grid.time(grid.steps()))
+/// Whether lags of the grid are its times.
+fn is_uniform(setup: &Setup) -> bool {
+    setup.scene.time.grid == scene::TimeGrid::Uniform
 }
 
 fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Vec<u8>, CaseError> {
     let (terms, levels) = (&setup.model.memory, grid.steps() + 1);
-    if is_uniform(grid) {
+    if is_uniform(setup) {
         let values =
             terms.iter().flat_map(|term| grid.times().iter().map(|&t| term.kernel.value(t)));
         return Ok(encode(&[terms.len(), levels], &values.collect::<Vec<f64>>()));
