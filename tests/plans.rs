@@ -8,9 +8,9 @@ mod shipped;
 use gronwall::contact::{CaseInfo, Discretization, Plan, march, march_in_volume};
 use gronwall::history::{Memory, TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::MemoryKernel;
-use gronwall::scene::{Body, Registry};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
+use shipped::{bodies, on_a_mesh};
 
 /// Displacements, pressures and ζ of all levels.
 #[derive(Default)]
@@ -57,25 +57,11 @@ fn distance(a: &Levels, b: &Levels) -> f64 {
 /// meshes, below 1e3, makes 4e-12 of it; locked pressures are forces over a weight of 1/6.
 const AGREE: f64 = 1e-10;
 
-fn scenes() -> Vec<Setup> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/manufactured");
-    let registry = Registry::open(folder.as_ref()).unwrap_or_else(|error| panic!("{error}"));
-    let scene = |name| registry.load(name).unwrap_or_else(|error| panic!("{error}"));
-    let contact = registry.names().map(scene).filter(|s| matches!(s.body, Body::Contact(_)));
-    contact.filter_map(|scene| Setup::new(scene).ok()).collect()
-}
-
-fn space_of(setup: &Setup) -> Option<MeshData> {
-    let n = if setup.scene.dimension == 2 { 6 } else { 2 };
-    // Scenes with regions or a mesh of their own do not have every n.
-    [n, 8, 4, 1, 2].into_iter().find_map(|n| MeshData::new(setup, n, None).ok())
-}
-
 #[test]
 fn all_plans_of_all_scenes_have_the_same_solution() {
     let mut taken = [0; 3];
-    for setup in scenes() {
-        let Some(data) = space_of(&setup) else { panic!("{} has no mesh", setup.scene.name) };
+    for setup in bodies() {
+        let data = on_a_mesh(&setup);
         let plan = Plan::of(&data.space, &setup.model, 8, true);
         taken[plan as usize] += 1;
         if plan == Plan::Newton {

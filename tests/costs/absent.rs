@@ -2,26 +2,12 @@
 
 use gronwall::contact::{CaseInfo, MemoryTerm, Plan, march};
 use gronwall::law::ExponentialSum;
-use gronwall::scene::{Body, Registry};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
 
+use super::shipped::{bodies, on_a_mesh};
+
 const STEPS: u32 = 6;
-
-fn scenes() -> Vec<Setup> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/manufactured");
-    let registry = Registry::open(folder.as_ref()).unwrap_or_else(|error| panic!("{error}"));
-    let scene = |name| registry.load(name).unwrap_or_else(|error| panic!("{error}"));
-    let contact = registry.names().map(scene).filter(|s| matches!(s.body, Body::Contact(_)));
-    contact.filter_map(|scene| Setup::new(scene).ok()).collect()
-}
-
-fn mesh_of(setup: &Setup) -> MeshData {
-    let n = if setup.scene.dimension == 2 { 6 } else { 2 };
-    // Scenes with regions or a mesh of their own do not have every n.
-    let data = [n, 8, 4, 1, 2].into_iter().find_map(|n| MeshData::new(setup, n, None).ok());
-    data.unwrap_or_else(|| panic!("{} has no mesh", setup.scene.name))
-}
 
 fn run(setup: &Setup, data: &MeshData) -> CaseInfo {
     let (mut load, grid) = (TruthLoad(&*data.truth), setup.grid(STEPS));
@@ -65,8 +51,8 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
 fn absent_terms_cost_nothing() {
     // Scenes without memory, contact, projection; and those with, whose counters are not zero.
     let (mut without, mut with) = ([0; 3], [0; 3]);
-    for setup in scenes() {
-        let data = mesh_of(&setup);
+    for setup in bodies() {
+        let data = on_a_mesh(&setup);
         let info = run(&setup, &data);
         assert_eq!(paid_for_nothing(&setup, &data, &info), Vec::<String>::new());
         let terms = [
@@ -90,10 +76,10 @@ fn absent_terms_cost_nothing() {
 /// more than a recursion, are found.
 #[test]
 fn a_term_that_is_paid_for_in_vain_is_found() {
-    let mut setups = scenes().into_iter();
+    let mut setups = bodies().into_iter();
     let bare = |s: &Setup| s.body.material.memory.is_empty() && s.model.boundary.is_none();
     let mut setup = setups.find(bare).expect("a scene without memory and contact");
-    let data = mesh_of(&setup);
+    let data = on_a_mesh(&setup);
     let kernel = Box::new(ExponentialSum { terms: vec![(0.0, 1.0)] });
     let tensor = setup.model.elasticity.clone();
     setup.model.memory.push(MemoryTerm { kernel, tensor });

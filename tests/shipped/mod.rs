@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gronwall::contact::{CaseError, CaseInfo, Model, StepView, march};
 use gronwall::law::Projection;
 use gronwall::norms::{StepErrors, step_errors};
-use gronwall::scene::{Scene, Source};
+use gronwall::scene::{Body, Registry, Scene, Source};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
 
@@ -38,6 +38,23 @@ pub fn setup_of(text: String) -> Setup {
 /// A shipped scene, ready to compute.
 pub fn setup(name: &str) -> Setup {
     setup_of(text(name))
+}
+
+/// All shipped scenes of a body that can be set up.
+pub fn bodies() -> Vec<Setup> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
+    let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
+    let scene = |name| registry.load(name).unwrap_or_else(|error| panic!("{error}"));
+    let contact = registry.names().map(scene).filter(|s| matches!(s.body, Body::Contact(_)));
+    contact.filter_map(|scene| Setup::new(scene).ok()).collect()
+}
+
+/// `setup` on a small mesh.
+pub fn on_a_mesh(setup: &Setup) -> MeshData {
+    let n = if setup.scene.dimension == 2 { 6 } else { 2 };
+    // Scenes with regions or a mesh of their own do not have every n.
+    let data = [n, 8, 4, 1, 2].into_iter().find_map(|n| MeshData::new(setup, n, None).ok());
+    data.unwrap_or_else(|| panic!("{} has no mesh", setup.scene.name))
 }
 
 /// `setup` on the mesh n, without a reference run.
