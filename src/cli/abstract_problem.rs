@@ -101,7 +101,7 @@ pub fn solve(
     let start = Instant::now();
     let run = setup
         .run(steps, solver)
-        .map_err(|e| CliError::Other(format!("{} steps = {steps}: {e}", setup.scene.name)))?;
+        .map_err(|error| CliError::about(format!("{} steps = {steps}", setup.scene.name), error))?;
     let document = serde_json::json!({
         "norm": setup.model.norm(&DVector::from_column_slice(&run.u)),
         "u": run.u,

@@ -45,7 +45,7 @@ impl BaselineCommand {
         let swept = what.sweep(scenes, plans, false, false)?;
         let code = exit_code(&swept.records, &swept.verdicts);
         if code > 0 {
-            swept.print(false)?;
+            swept.print();
             print_text(
                 "nothing recorded: every case has to converge and every verdict to be as expected",
             );

@@ -24,6 +24,7 @@ mod report;
 mod run;
 mod shell;
 mod solve;
+mod swept;
 mod trade;
 mod verify;
 

@@ -6,20 +6,18 @@ use clap::Args;
 
 use super::extension::restore_added;
 use super::github::annotate;
-use super::interrupt::{on_interrupt, quoted};
+use super::interrupt::on_interrupt;
+use super::swept::Swept;
 use super::{CliError, Scenes, no_case, print_json, print_text};
-use crate::fit::AgainstReference;
-use crate::record::{CaseRecord, RecordError, counted};
-use crate::report::{SceneSummary, write_all, write_junit};
+use crate::record::{CaseRecord, RecordError, quoted};
+use crate::report::write_junit;
 use crate::scene::Scene;
 use crate::setup::Subject;
 use crate::sweep::{
     Machine, MemoryLimit, OutputDirectory, Overrides, Provenance, ScenePlan, SweepError, foresee,
-    judge_scene, reference_error, reference_in_words, run_more, run_sweep, scene_summary,
+    judge_scene, reference_error, run_more, run_sweep, scene_summary,
 };
-use crate::verdict::{
-    Baseline, Comparison, Verdict, compare_with_baseline, exit_code, failures, render_table,
-};
+use crate::verdict::{Baseline, Verdict, compare_with_baseline};
 
 /// The default directory of reports.
 pub(super) const LATEST: &str = "reports/latest";
@@ -117,16 +115,11 @@ impl Run {
         // A few scenes named by hand are looked at; the main job is judged.
         let compared = self.what.scenes.is_empty();
         let swept = self.what.sweep(scenes, self.what.plans(scenes)?, self.resume, compared)?;
-        write_all(
-            &self.what.out,
-            &swept.summaries,
-            &swept.records,
-            &swept.verdicts,
-            &swept.provenance,
-            swept.comparison.as_ref(),
-        )?;
-        swept.print(self.json)?;
-        if !self.json {
+        swept.write(&self.what.out)?;
+        if self.json {
+            print_json(&swept.document())?;
+        } else {
+            swept.print();
             print_text(&format!("report: {}", self.what.out.join("index.html").display()));
         }
         Ok(swept.exit_code())
@@ -157,25 +150,12 @@ impl Gate {
         if let Some(path) = &self.junit {
             write_junit(path, &swept.verdicts, &swept.provenance, swept.comparison.as_ref())?;
         }
-        swept.print(false)?;
+        swept.print();
         if self.github || std::env::var_os("GITHUB_ACTIONS").is_some_and(|set| set == "true") {
             annotate(&sources, &swept.records, &swept.verdicts)?;
         }
         Ok(swept.exit_code())
     }
-}
-
-/// A finished sweep.
-pub(super) struct Swept {
-    pub(super) records: Vec<CaseRecord>,
-    pub(super) verdicts: Vec<Verdict>,
-    summaries: Vec<SceneSummary>,
-    provenance: serde_json::Value,
-    comparison: Option<Comparison>,
-    /// Scenes with given loads, and what their reference runs hide.
-    references: Vec<(String, AgainstReference)>,
-    /// The report is written to it as well.
-    _out: OutputDirectory,
 }
 
 impl What {
@@ -344,47 +324,5 @@ impl What {
             )));
         }
         Ok(plans)
-    }
-}
-
-impl Swept {
-    /// That of the verdicts; a deviation from the baseline is 1 at least.
-    fn exit_code(&self) -> u8 {
-        let compared = self.comparison.as_ref().map_or(0, Comparison::exit_code);
-        exit_code(&self.records, &self.verdicts).max(compared)
-    }
-
-    pub(super) fn print(&self, json: bool) -> Result<(), CliError> {
-        if json {
-            let mut document = serde_json::json!({
-                "provenance": self.provenance,
-                "verdicts": self.verdicts,
-                "failures": failures(&self.records),
-            });
-            if let Some(comparison) = &self.comparison {
-                document["baseline"] = serde_json::json!(comparison);
-            }
-            if !self.references.is_empty() {
-                document["references"] = serde_json::json!(self.references);
-            }
-            return print_json(&document);
-        }
-        print_text(&super::colour::shown(&render_table(&self.verdicts)));
-        for (scene, found) in &self.references {
-            print_text(&reference_in_words(scene, found));
-        }
-        let failed = failures(&self.records).len();
-        let judged = if self.verdicts.is_empty() {
-            String::new()
-        } else {
-            let met = self.verdicts.iter().filter(|verdict| verdict.as_expected()).count();
-            format!("; {met} of {} as expected", counted(self.verdicts.len(), "verdict"))
-        };
-        let cases = counted(self.records.len(), "case");
-        print_text(&format!("{cases}, {failed} failed{judged}"));
-        if let Some(comparison) = &self.comparison {
-            print_text(&comparison.lines().join("\n"));
-        }
-        Ok(())
     }
 }

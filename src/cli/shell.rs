@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
-use super::{Arguments, CliError, print_text};
+use super::{Arguments, CliError, create_dir, print_text};
 use crate::record::counted;
 
 /// Name of the program.
@@ -45,16 +45,16 @@ impl Man {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
         let command = Arguments::command();
         if let Some(out) = &self.out {
-            let failed = |error| CliError::Other(format!("{}: {error}", out.display()));
-            std::fs::create_dir_all(out).map_err(failed)?;
+            create_dir(out)?;
             let pages = 1 + command.get_subcommands().count();
-            clap_mangen::generate_to(command, out).map_err(failed)?;
+            clap_mangen::generate_to(command, out)
+                .map_err(|error| CliError::about(out.display(), error))?;
             print_text(&format!("{} in {}", counted(pages, "page"), out.display()));
             return Ok(0);
         }
         let mut text = Vec::new();
         let page = clap_mangen::Man::new(command);
-        page.render(&mut text).map_err(|error| CliError::Other(error.to_string()))?;
+        page.render(&mut text).map_err(CliError::other)?;
         print_text(String::from_utf8_lossy(&text).trim_end());
         Ok(0)
     }

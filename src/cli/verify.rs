@@ -10,17 +10,17 @@ use comfy_table::{LineStyle, Table};
 use serde_json::{Value, json};
 
 use super::interrupt::on_interrupt;
+use super::swept::Swept;
 use super::{CliError, Scenes, no_case, print_json, print_text};
 use crate::external::{ExternalSolver, Way, case_dir, write_case};
-use crate::record::{CaseRecord, counted};
-use crate::report::write_all;
+use crate::record::CaseRecord;
 use crate::scene::Norm;
 use crate::setup::{MeshData, Setup, Subject};
 use crate::sweep::{
     Machine, OutputDirectory, Overrides, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
     scene_summary,
 };
-use crate::verdict::{Failure, Verdict, exit_code, failures, render_table};
+use crate::verdict::{Failure, failures, render_table};
 
 /// `sweep verify`.
 #[derive(Args)]
@@ -78,30 +78,32 @@ impl Verify {
         let again = format!("the same command; records of {} are written anew", self.scene);
         on_interrupt(&self.out, &again)?;
         let folder = self.results.clone().unwrap_or_else(|| self.out.join("cases"));
-        let judged = self.judged(with_solver(plan, self.solver(folder)?), &out)?;
-        write_all(
-            &self.out,
-            &[scene_summary(judged.plan.scene())],
-            &judged.records,
-            &judged.verdicts,
-            &judged.provenance,
-            None,
-        )?;
+        let judged = self.judged(with_solver(plan, self.solver(folder)?), out)?;
+        judged.write(&self.out)?;
         let beside = match self.beside {
             true => Some(self.own(scenes)?),
             false => None,
         };
         let compared = beside.as_ref().map(|own| compare(&judged.records, &own.records));
         if self.json {
-            print_json(&judged.json(compared.as_deref()))?;
+            let mut document = judged.document();
+            if let Some(rows) = &compared {
+                document["beside"] = rows.iter().map(Beside::json).collect();
+            }
+            print_json(&document)?;
         } else {
-            judged.print(&self.out);
+            judged.print();
+            for Failure { n, steps, reason, .. } in failures(&judged.records) {
+                let n = n.map_or(String::new(), |n| format!("n = {n}, "));
+                print_text(&format!("{n}N = {steps}: {reason}"));
+            }
+            print_text(&format!("report: {}", self.out.join("index.html").display()));
             if let (Some(own), Some(rows)) = (&beside, &compared) {
                 print_text(&format!("own solver:\n{}", render_table(&own.verdicts)));
                 print_text(&table(rows));
             }
         }
-        Ok(exit_code(&judged.records, &judged.verdicts))
+        Ok(judged.exit_code())
     }
 
     /// The cases, with the norms that displacements (and pressures, where they come) tell.
@@ -157,16 +159,24 @@ impl Verify {
         Ok(ExternalSolver { way, folder, pressures: self.pressure })
     }
 
-    fn judged(&self, plan: ScenePlan, out: &OutputDirectory) -> Result<Judged, CliError> {
+    fn judged(&self, plan: ScenePlan, out: OutputDirectory) -> Result<Swept, CliError> {
         let plans = [plan];
         let progress = super::progress::Display::new();
         let machine = self.machine();
-        let records = run_sweep(&plans, out, &machine, false, &progress)?;
+        let records = run_sweep(&plans, &out, &machine, false, &progress)?;
         let provenance = Provenance::of_run(&plans, &machine).json();
         let [plan] = plans;
         let foreseen = if self.orders_only { Vec::new() } else { foresee(&plan.subject, &records) };
         let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
-        Ok(Judged { plan, records, verdicts, provenance })
+        Ok(Swept {
+            records,
+            verdicts,
+            summaries: vec![scene_summary(plan.scene())],
+            provenance,
+            comparison: None,
+            references: Vec::new(),
+            _out: out,
+        })
     }
 
     /// What a solver takes outside this program is not foreseen here.
@@ -178,9 +188,9 @@ impl Verify {
     }
 
     /// The same cases by this program's solver.
-    fn own(&self, scenes: &Scenes) -> Result<Judged, CliError> {
+    fn own(&self, scenes: &Scenes) -> Result<Swept, CliError> {
         let out = OutputDirectory::take(&self.out.join("own"))?;
-        self.judged(self.plan(scenes)?, &out)
+        self.judged(self.plan(scenes)?, out)
     }
 }
 
@@ -214,43 +224,6 @@ fn export(plan: &ScenePlan, folder: &Path) -> Result<u8, CliError> {
 
 fn data(setup: &Setup, n: u32) -> Result<MeshData, CliError> {
     Ok(MeshData::new(setup, n, None)?)
-}
-
-/// Records and verdicts of one solver.
-struct Judged {
-    plan: ScenePlan,
-    records: Vec<CaseRecord>,
-    verdicts: Vec<Verdict>,
-    provenance: Value,
-}
-
-impl Judged {
-    fn json(&self, beside: Option<&[Beside]>) -> Value {
-        let mut document = json!({
-            "provenance": self.provenance,
-            "verdicts": self.verdicts,
-            "failures": failures(&self.records),
-        });
-        if let Some(rows) = beside {
-            document["beside"] = rows.iter().map(Beside::json).collect();
-        }
-        document
-    }
-
-    fn print(&self, out: &Path) {
-        print_text(&render_table(&self.verdicts));
-        for failure in failures(&self.records) {
-            let Failure { n, steps, reason, .. } = failure;
-            let n = n.map_or(String::new(), |n| format!("n = {n}, "));
-            print_text(&format!("{n}N = {steps}: {reason}"));
-        }
-        let failed = failures(&self.records).len();
-        let cases = counted(self.records.len(), "case");
-        print_text(&format!(
-            "{cases}, {failed} failed; report: {}",
-            out.join("index.html").display()
-        ));
-    }
 }
 
 /// One error by both solvers.

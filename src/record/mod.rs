@@ -7,6 +7,7 @@ mod atomic;
 mod counted;
 mod journal;
 mod norm;
+mod quoted;
 mod row;
 
 use std::io;
@@ -20,6 +21,7 @@ pub use norm::{
     TRACE_L2_MAX, V_MAX, V_PROJECTION_MAX, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,
     norm_rank,
 };
+pub use quoted::quoted;
 pub use row::COLUMNS;
 
 /// What identifies a case. `n` is absent for abstract scenes, which have no mesh.

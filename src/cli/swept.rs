@@ -1,0 +1,82 @@
+//! A finished sweep, as the commands that run one show it.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::{CliError, print_text};
+use crate::fit::AgainstReference;
+use crate::record::{CaseRecord, counted};
+use crate::report::{SceneSummary, write_all};
+use crate::sweep::{OutputDirectory, reference_in_words};
+use crate::verdict::{Comparison, Verdict, exit_code, failures, render_table};
+
+/// Records of all cases, and what was judged from them.
+pub(super) struct Swept {
+    pub(super) records: Vec<CaseRecord>,
+    pub(super) verdicts: Vec<Verdict>,
+    pub(super) summaries: Vec<SceneSummary>,
+    pub(super) provenance: Value,
+    pub(super) comparison: Option<Comparison>,
+    /// Scenes with given loads, and what their reference runs hide.
+    pub(super) references: Vec<(String, AgainstReference)>,
+    /// The report is written to it as well.
+    pub(super) _out: OutputDirectory,
+}
+
+impl Swept {
+    /// That of the verdicts; a deviation from the baseline is 1 at least.
+    pub(super) fn exit_code(&self) -> u8 {
+        let compared = self.comparison.as_ref().map_or(0, Comparison::exit_code);
+        exit_code(&self.records, &self.verdicts).max(compared)
+    }
+
+    /// The report and everything it links to.
+    pub(super) fn write(&self, out: &Path) -> Result<(), CliError> {
+        let comparison = self.comparison.as_ref();
+        write_all(
+            out,
+            &self.summaries,
+            &self.records,
+            &self.verdicts,
+            &self.provenance,
+            comparison,
+        )?;
+        Ok(())
+    }
+
+    /// What --json prints.
+    pub(super) fn document(&self) -> Value {
+        let mut document = json!({
+            "provenance": self.provenance,
+            "verdicts": self.verdicts,
+            "failures": failures(&self.records),
+        });
+        if let Some(comparison) = &self.comparison {
+            document["baseline"] = json!(comparison);
+        }
+        if !self.references.is_empty() {
+            document["references"] = json!(self.references);
+        }
+        document
+    }
+
+    pub(super) fn print(&self) {
+        print_text(&super::colour::shown(&render_table(&self.verdicts)));
+        for (scene, found) in &self.references {
+            print_text(&reference_in_words(scene, found));
+        }
+        let failed = failures(&self.records).len();
+        let judged = if self.verdicts.is_empty() {
+            String::new()
+        } else {
+            let met = self.verdicts.iter().filter(|verdict| verdict.as_expected()).count();
+            format!("; {met} of {} as expected", counted(self.verdicts.len(), "verdict"))
+        };
+        let cases = counted(self.records.len(), "case");
+        print_text(&format!("{cases}, {failed} failed{judged}"));
+        if let Some(comparison) = &self.comparison {
+            print_text(&comparison.lines().join("\n"));
+        }
+    }
+}
