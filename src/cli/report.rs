@@ -7,10 +7,8 @@ use clap::Args;
 use super::{CliError, Scenes, print_text};
 use crate::record::Key;
 #[cfg(feature = "pdf")]
-use crate::record::replace_file;
-#[cfg(feature = "pdf")]
 use crate::report::pdf;
-use crate::report::write_all;
+use crate::report::{Document, write_all};
 use crate::scene::Scene;
 use crate::setup::Subject;
 use crate::sweep::{Provenance, foresee, judge_scene, scene_summary};
@@ -71,20 +69,29 @@ impl Report {
             summaries.push(scene_summary(scene));
         }
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
-        write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
-        #[cfg(feature = "pdf")]
-        if let Some(path) = &self.pdf {
-            let date = self.date.as_deref();
-            let bytes = pdf(&self.dir, &summaries, &records, &verdicts, &provenance, date)?;
-            replace_file(path, &bytes)
-                .map_err(|error| CliError::Other(format!("{}: {error}", path.display())))?;
-        }
+        let document = write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
+        self.typeset(&document)?;
         print_text(&super::colour::shown(&render_table(&verdicts)));
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
         if let Some(path) = &self.pdf {
             print_text(&format!("pdf: {}", path.display()));
         }
         Ok(exit_code(&records, &verdicts))
+    }
+
+    /// Writes the PDF, if it is asked for.
+    #[cfg(feature = "pdf")]
+    fn typeset(&self, document: &Document) -> Result<(), CliError> {
+        match &self.pdf {
+            Some(path) => super::write_file(path, pdf(document, self.date.as_deref())?),
+            None => Ok(()),
+        }
+    }
+
+    /// Refused before anything was done, if a PDF is asked for.
+    #[cfg(not(feature = "pdf"))]
+    fn typeset(&self, _: &Document) -> Result<(), CliError> {
+        Ok(())
     }
 
     /// The scene by the text that is kept with the records; by the folder of scenes if that is

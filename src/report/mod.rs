@@ -35,7 +35,9 @@ use std::path::{Path, PathBuf};
 pub use body::{Arrow, Cell as BodyCell, Deformed};
 pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
-pub use document::{Equation, Terms, equations};
+#[cfg(feature = "pdf")]
+pub use document::pdf;
+pub use document::{Document, Equation, Terms, equations};
 pub use github::{Place, annotations, step_summary};
 pub use junit::write_junit;
 pub use map::{Cell, Map, Shade};
@@ -50,7 +52,7 @@ pub use written::remove_earlier;
 use crate::fit::Direction;
 use crate::record::{CaseRecord, RecordError, write_sorted};
 use crate::verdict::{Comparison, DocumentError, Verdict, write_json};
-use document::{Block, DATA, Document, Report, TEMPLATE, data, document, markdown, page, tables};
+use document::{Block, DATA, Report, TEMPLATE, data, document, markdown, page, tables};
 use studies::{is_study, studies};
 use written::write_listed;
 
@@ -132,7 +134,8 @@ impl ReportError {
 
 /// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg` and `SCENE-map.svg`
 /// into `dir`, which is made if it is not there. Pages are index.html, report.md, tables.tex, and report.typ with report.json.
-/// Pages and pictures of an earlier report that this one has no use for are removed; files of others stay.
+/// Pages and pictures of an earlier report that this one has no use for are removed; files of others stay. Returns the
+/// document that the pages are renderings of.
 ///
 /// # Errors
 /// [`ReportError`]; files written before stay.
@@ -143,7 +146,7 @@ pub fn write_all(
     verdicts: &[Verdict],
     provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
-) -> Result<(), ReportError> {
+) -> Result<Document, ReportError> {
     fs::create_dir_all(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
     let document = composed(dir, scenes, records, verdicts, provenance)?;
     write_sorted(&dir.join("cases.csv"), records)?;
@@ -158,23 +161,8 @@ pub fn write_all(
     let own = pictures_of(&document).filter(|(file, _)| !is_study(file));
     let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
     let files: Vec<(String, &str)> = own.chain(pages).collect();
-    write_listed(dir, &files)
-}
-
-/// The report as a PDF; `date` is printed below the title. Equal records and dates give equal bytes.
-///
-/// # Errors
-/// [`ReportError`].
-#[cfg(feature = "pdf")]
-pub fn pdf(
-    dir: &Path,
-    scenes: &[SceneSummary],
-    records: &[CaseRecord],
-    verdicts: &[Verdict],
-    provenance: &serde_json::Value,
-    date: Option<&str>,
-) -> Result<Vec<u8>, ReportError> {
-    document::pdf(&composed(dir, scenes, records, verdicts, provenance)?, date)
+    write_listed(dir, &files)?;
+    Ok(document)
 }
 
 /// The document of a directory.

@@ -3,7 +3,7 @@
 
 use super::chart::{Axis, Chart, Datum, Part, Series};
 use super::ruler::Scale;
-use super::surface::{curves, grid};
+use super::surface::grid;
 use super::{ReportError, SceneSummary};
 use crate::fit::{JointFit, Point, joint_fits};
 use crate::record::{CaseRecord, norm_label};
@@ -22,10 +22,8 @@ pub fn plane_svg(
     scene: &SceneSummary,
     records: &[CaseRecord],
 ) -> Result<Option<String>, ReportError> {
-    let records: Vec<CaseRecord> =
-        records.iter().filter(|record| record.scene == scene.name).cloned().collect();
-    let Some(norm) = grid(&records) else { return Ok(None) };
-    let points: Vec<Point> = curves(&records, norm).into_iter().flatten().collect();
+    let Some((norm, curves)) = grid(scene, records) else { return Ok(None) };
+    let points: Vec<Point> = curves.into_iter().flatten().collect();
     let Ok(fits) = joint_fits(&points, false) else { return Ok(None) };
     let (fit, region) = (&fits.best, Region::of(&points));
     let x = Axis::new("time step k = T/N", Scale::Steps);
@@ -57,7 +55,7 @@ pub fn plane_svg(
     }
     chart.note = format!(
         "classes of {}, each with the contour of the {} model at its lower end",
-        norm_label(norm),
+        norm_label(&norm),
         fit.model.name()
     );
     chart.svg()

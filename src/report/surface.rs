@@ -19,13 +19,10 @@ pub fn surface_svg(
     scene: &SceneSummary,
     records: &[CaseRecord],
 ) -> Result<Option<String>, ReportError> {
-    let records: Vec<CaseRecord> =
-        records.iter().filter(|record| record.scene == scene.name).cloned().collect();
-    let Some(norm) = grid(&records) else { return Ok(None) };
-    let curves = curves(&records, norm);
+    let Some((norm, curves)) = grid(scene, records) else { return Ok(None) };
     let points: Vec<Point> = curves.iter().flatten().copied().collect();
     let x = Axis::new("time step k = T/N", Scale::Steps);
-    let y = Axis::new(norm_label(norm), Scale::Log);
+    let y = Axis::new(norm_label(&norm), Scale::Log);
     let mut chart = Chart::new(&scene.name, &scene.question, x, y);
     chart.series = curves.iter().map(|curve| series(curve)).collect();
     match joint_fits(&points, false) {
@@ -59,13 +56,20 @@ fn model(fit: &JointFit, curves: &[Vec<Point>]) -> Series {
     Series { grey: true, ..Series::new(words, parts) }
 }
 
-/// The first norm with two levels of h and of k.
-pub(super) fn grid(records: &[CaseRecord]) -> Option<&str> {
-    norms(records).into_iter().find(|norm| is_grid(&curves(records, norm)))
+/// The first norm of a scene with two levels of h and of k, and its [`curves`].
+pub(super) fn grid(
+    scene: &SceneSummary,
+    records: &[CaseRecord],
+) -> Option<(String, Vec<Vec<Point>>)> {
+    let records: Vec<CaseRecord> =
+        records.iter().filter(|record| record.scene == scene.name).cloned().collect();
+    let mut all = norms(&records).into_iter().map(|norm| (norm, curves(&records, norm)));
+    let (norm, curves) = all.find(|(_, curves)| is_grid(curves))?;
+    Some((norm.to_owned(), curves))
 }
 
 /// The points that can be drawn, one curve an h from coarse to fine, along falling k.
-pub(super) fn curves(records: &[CaseRecord], norm: &str) -> Vec<Vec<Point>> {
+fn curves(records: &[CaseRecord], norm: &str) -> Vec<Vec<Point>> {
     let mut points: Vec<Point> = records.iter().filter_map(|record| point(record, norm)).collect();
     points.sort_by(|a, b| b.h.total_cmp(&a.h).then(b.k.total_cmp(&a.k)));
     points.chunk_by(|a, b| a.h == b.h).map(<[Point]>::to_vec).collect()

@@ -2,7 +2,7 @@
 
 use super::evidence::{cases, points};
 use super::{Block, Document, Figure, Run, Section, Table, Tone};
-use crate::record::{CaseRecord, Status, counted};
+use crate::record::{CaseRecord, Status, counted, quoted};
 use crate::report::SceneSummary;
 use crate::verdict::{Decision, NOTHING_JUDGED, Verdict, cell_texts, exit_code};
 
@@ -224,14 +224,6 @@ fn studies(pictures: Vec<(String, String, String)>, numbers: &mut Numbers) -> Se
     section
 }
 
-/// A word as a shell takes it.
-fn in_shell(word: &str) -> String {
-    match word.chars().all(|c| c.is_alphanumeric() || "-_.".contains(c)) {
-        true => word.to_owned(),
-        false => format!("'{}'", word.replace('\'', "'\\''")),
-    }
-}
-
 fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
     let mut section = Section::new(1, "reproduce", "How to reproduce");
     section.text(vec![
@@ -241,7 +233,7 @@ fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
             " the text of every scene. From the directory of this report its pages are made again without solving, and a scene is solved again, by",
         ),
     ]);
-    let scene = report.scenes.first().map_or("SCENE".into(), |scene| in_shell(&scene.name));
+    let scene = report.scenes.first().map_or("SCENE".into(), |scene| quoted(&scene.name));
     section.blocks.push(Block::Code(format!(
         "sweep report DIR\nsweep run {scene} --out reports/again\nsweep explain {scene}"
     )));

@@ -20,12 +20,12 @@ pub(super) use html::page;
 pub(super) use latex::tables;
 pub(super) use markdown::markdown;
 #[cfg(feature = "pdf")]
-pub(super) use pdf::pdf;
+pub use pdf::pdf;
 pub(super) use typst::{DATA, TEMPLATE, data};
 
 /// A report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Document {
+pub struct Document {
     pub(super) title: String,
     /// The outcome in one sentence.
     pub(super) outcome: String,

@@ -19,14 +19,11 @@ const MAIN: &str = "report.typ";
 /// The face of pictures: the generic name that they carry has none in a PDF.
 const FACE: &str = "font-family=\"DejaVu Sans\"";
 
-/// The bytes of the PDF; equal documents and dates give equal bytes.
+/// The document as a PDF; `date` is printed below the title. Equal documents and dates give equal bytes.
 ///
 /// # Errors
 /// [`ReportError::Typesetting`].
-pub(in crate::report) fn pdf(
-    document: &Document,
-    date: Option<&str>,
-) -> Result<Vec<u8>, ReportError> {
+pub fn pdf(document: &Document, date: Option<&str>) -> Result<Vec<u8>, ReportError> {
     let world = Sheets::new(document, date)?;
     let set = typst::compile::<PagedDocument>(&world).output;
     let paged = set.map_err(|errors| refused(&errors))?;
