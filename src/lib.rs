@@ -59,6 +59,7 @@
 //! | [`diagnose`] | variants of a scene that name the term at fault |
 //! | [`extremes`] | ladders of one parameter each, and what every rung must answer |
 //! | [`cli`] | the commands |
+#![doc = include_str!("../docs/LIBRARY.md")]
 
 pub mod cli;
 pub mod contact;
