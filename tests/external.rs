@@ -301,4 +301,51 @@ fn exported_cases_come_back_through_results_and_a_wrong_answer_fails() {
     }
     // Displacements a tenth too large leave an error that no mesh takes away.
     assert_eq!(code(&judged(1.1)), 1);
+    // For CI: the same answers as JUnit and as annotations.
+    let junit = folder.argument("junit.xml");
+    let given = ["--results", &cases, "--out", &out, "--junit", &junit, "--github"];
+    let annotated = sweep(&[&common[..], &given].concat());
+    assert_eq!(code(&annotated), 1);
+    assert!(stdout(&annotated).contains("::error file="), "{}", stdout(&annotated));
+    assert!(std::fs::read_to_string(&junit).expect("JUnit").contains("<failure"));
+}
+
+/// What the action for other repositories runs, with `command` as its input and records in `report`.
+fn judged_elsewhere(command: &str, report: &str) -> std::process::Output {
+    let script = concat!(env!("CARGO_MANIFEST_DIR"), "/.github/actions/gate/judge.sh");
+    let mut judge = std::process::Command::new("bash");
+    judge.arg(script).env("SWEEP", env!("CARGO_BIN_EXE_sweep")).env("COMMAND", command);
+    judge.env("REPORT", report).env("SOURCE", env!("CARGO_MANIFEST_DIR")).env_remove("SCENES");
+    judge.env_remove("GITHUB_ACTIONS").env_remove("GITHUB_STEP_SUMMARY");
+    judge.output().expect("bash")
+}
+
+#[test]
+fn the_gate_of_other_repositories_takes_words_in_quotes_and_passes_the_exit_code_on() {
+    let folder = Folder::new("external-gate");
+    let (cases, report) = (folder.argument("all cases"), folder.argument("a report"));
+    let (grid, setup) = ("--n 4,8,16 --steps 4", setup("viscoelastic"));
+    for n in [4, 8, 16] {
+        let at = case_dir(Path::new(&cases), "viscoelastic", n, 4);
+        answer(&setup, &on_mesh(&setup, n), 4, &at);
+    }
+    let verify =
+        judged_elsewhere(&format!("verify viscoelastic {grid} --results '{cases}'"), &report);
+    assert_eq!(code(&verify), 0, "{}", stderr(&verify));
+    let written = |name: &str| std::fs::read_to_string(Path::new(&report).join(name));
+    assert!(written("junit.xml").expect("JUnit").contains("viscoelastic"));
+    assert!(written("index.html").is_ok() && written("cases.csv").is_ok());
+    // A solver that fails, a gate of a wrong grid, a table of order 1 where 2 is predicted, and no judgement at all.
+    let failing = judged_elsewhere(
+        &format!("verify viscoelastic {grid} --solver 'sh -c \"exit 3\"'"),
+        &report,
+    );
+    assert_eq!(code(&failing), 2, "{}", stderr(&failing));
+    assert!(stdout(&failing).contains("status: 3"), "{}", stdout(&failing));
+    let gate = judged_elsewhere("gate steady --n 4,8,16", &report);
+    assert!(code(&gate) < 2 && written("index.html").expect("a page").contains("steady"));
+    let table = folder.file("table.csv", "h,error\n0.5,0.5\n0.25,0.25\n0.125,0.125\n");
+    assert_eq!(code(&judged_elsewhere(&format!("fit {table} --p 1"), &report)), 0);
+    assert_eq!(code(&judged_elsewhere(&format!("fit {table} --p 2"), &report)), 1);
+    assert_eq!(code(&judged_elsewhere("list", &report)), 2);
 }

@@ -1,4 +1,4 @@
-//! Verdicts of `sweep gate` where GitHub Actions shows them: beside the scene file, and in the summary.
+//! Verdicts of `sweep gate` and `sweep verify` where GitHub Actions shows them: beside the scene file, and in the summary.
 
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -9,6 +9,11 @@ use crate::record::CaseRecord;
 use crate::report::{Place, annotations, step_summary};
 use crate::scene::{Direction, Scene};
 use crate::verdict::{Variable, Verdict};
+
+/// Whether annotations are asked for, by the option or by GitHub Actions itself.
+pub(super) fn on_github(option: bool) -> bool {
+    option || std::env::var_os("GITHUB_ACTIONS").is_some_and(|set| set == "true")
+}
 
 /// Prints one annotation a verdict that is no plain pass, one a failed case, and the count; appends
 /// the table to the summary of the step, if there is one.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::extension::restore_added;
-use super::github::annotate;
+use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::swept::Swept;
 use super::{CliError, Scenes, no_case, print_json, print_text};
@@ -151,7 +151,7 @@ impl Gate {
             write_junit(path, &swept.verdicts, &swept.provenance, swept.comparison.as_ref())?;
         }
         swept.print();
-        if self.github || std::env::var_os("GITHUB_ACTIONS").is_some_and(|set| set == "true") {
+        if on_github(self.github) {
             annotate(&sources, &swept.records, &swept.verdicts)?;
         }
         Ok(swept.exit_code())

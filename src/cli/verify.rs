@@ -9,11 +9,13 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{LineStyle, Table};
 use serde_json::{Value, json};
 
+use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::swept::Swept;
 use super::{CliError, Scenes, no_case, print_json, print_text};
 use crate::external::{ExternalSolver, Way, case_dir, write_case};
 use crate::record::CaseRecord;
+use crate::report::write_junit;
 use crate::scene::Norm;
 use crate::setup::{MeshData, Setup, Subject};
 use crate::sweep::{
@@ -63,6 +65,13 @@ pub struct Verify {
     /// Directory for records and report
     #[arg(long, value_name = "DIR", default_value = "reports/verify")]
     out: PathBuf,
+    /// Write the verdicts as JUnit XML
+    #[arg(long, value_name = "FILE")]
+    junit: Option<PathBuf>,
+    /// Print annotations for GitHub Actions, and append the verdicts to the file that
+    /// GITHUB_STEP_SUMMARY names; set by GITHUB_ACTIONS=true as well
+    #[arg(long)]
+    github: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -71,6 +80,7 @@ pub struct Verify {
 impl Verify {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let plan = self.plan(scenes)?;
+        let scene = plan.scene().clone();
         if let Some(folder) = &self.export {
             return export(&plan, folder);
         }
@@ -80,6 +90,9 @@ impl Verify {
         let folder = self.results.clone().unwrap_or_else(|| self.out.join("cases"));
         let judged = self.judged(with_solver(plan, self.solver(folder)?), out)?;
         judged.write(&self.out)?;
+        if let Some(path) = &self.junit {
+            write_junit(path, &judged.verdicts, &judged.provenance, None)?;
+        }
         let beside = match self.beside {
             true => Some(self.own(scenes)?),
             false => None,
@@ -102,6 +115,9 @@ impl Verify {
                 print_text(&format!("own solver:\n{}", render_table(&own.verdicts)));
                 print_text(&table(rows));
             }
+        }
+        if !self.json && on_github(self.github) {
+            annotate(&[scene], &judged.records, &judged.verdicts)?;
         }
         Ok(judged.exit_code())
     }
