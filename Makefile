@@ -81,7 +81,7 @@ ci: ## what has to be green before a merge: lint, test, gate, sabotage, each ben
 false-alarms: ## the gate over 200 seeded perturbations (RUNS=40 for fewer): no verdict may fail
 	$(CARGO) test --release --test false_alarms -- --ignored --nocapture
 
-fuzz: ## damaged scenes, formulas, meshes and tables, ten million each (RUNS=..., SEED=...): no panic, no hang
+fuzz: ## damaged texts for all that is read, ten million a target (RUNS=..., SEED=..., MINUTES=... each): no panic, no hang
 	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --test fuzz -- --nocapture
 
 # Licences are a test, so that CI checks them. Advisories need a database, which is fetched when asked for and not otherwise.

@@ -9,8 +9,10 @@ mod process;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-pub use self::answer::{AnswerError, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE};
-use self::answer::{read_displacements, read_pressures};
+use self::answer::read_pressures;
+pub use self::answer::{
+    AnswerError, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, read_displacements,
+};
 pub use self::case_files::{case_dir, write_case};
 pub use self::npy::{Array, NpyError, decode, encode};
 pub use self::process::{LOG, ProcessError};

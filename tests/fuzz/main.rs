@@ -2,20 +2,21 @@
 //! Goal: no text, however damaged, makes the readers panic, hang or take memory without bound.
 //! Data: the shipped scenes, their formulas, a mesh of each format and a table of cases, with seeded damage: bytes
 //!   flipped, parts lost, doubled or taken from another file, numbers made extreme, brackets nested deep.
-//!   `make fuzz` runs ten million each (RUNS=…), the tests a few thousand (SEED=… for others).
+//!   `make fuzz` runs ten million each (RUNS=…) or for so long (MINUTES=…, each), the tests a few thousand (SEED=… for
+//!   others).
 
+mod damage;
+#[path = "../program/mod.rs"]
 mod program;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
-use std::time::{Duration, Instant};
 
+use damage::fuzz;
 use gronwall::cli::fitted;
+use gronwall::external::{decode, encode, read_displacements};
 use gronwall::fit::Direction;
 use gronwall::formula::{Graph, Point, Program, Scope, Variable};
-use gronwall::linalg::signed_unit;
 use gronwall::mesh::read_gmsh;
 use gronwall::record::{CaseRecord, Key, read};
 use gronwall::report::{convergence_svg, surface_svg};
@@ -23,178 +24,6 @@ use gronwall::scene::{Scene, Source};
 use gronwall::sweep::{Provenance, judge_scene, scene_summary};
 use gronwall::verdict::{Baseline, Run, compare_with_baseline, read_failures, read_foreseen};
 use program::{Folder, code, stderr, sweep};
-
-/// Nothing that is read takes a person's patience: a guard against hanging, which decides nothing else.
-const PATIENCE: Duration = Duration::from_secs(60);
-
-/// What replaces a number.
-const NUMBERS: [&str; 20] = [
-    "0",
-    "-0.0",
-    "1e308",
-    "-1e308",
-    "1e-308",
-    "5e-324",
-    "1e400",
-    "nan",
-    "inf",
-    "-inf",
-    "1e",
-    "0x10",
-    "9223372036854775807",
-    "-9223372036854775808",
-    "18446744073709551616",
-    "4294967296",
-    "1_000",
-    "0.1.2",
-    "00",
-    "-1",
-];
-
-/// What is put in anywhere.
-const WORDS: [&str; 30] = [
-    "(", ")", "[", "]", "{", "}", "\"", "'", "\"\"\"", "=", ",", "\n", "\r", "\0", "#", "$End",
-    "d(", "if(", "relax(", "sin", "zeta", "x^", "^-1", "/0", "ζ", "\u{202e}", "\u{feff}", "e", "-",
-    "[[a]]",
-];
-
-/// Seeded damage.
-struct Damage<'a> {
-    corpus: &'a [String],
-    state: u64,
-}
-
-impl Damage<'_> {
-    /// A number below `bound`, 0 for none.
-    fn below(&mut self, bound: usize) -> usize {
-        let unit = 0.5 * (1.0 + signed_unit(&mut self.state));
-        ((unit * bound as f64) as usize).min(bound.saturating_sub(1))
-    }
-
-    fn part(&mut self, length: usize) -> std::ops::Range<usize> {
-        let start = self.below(length + 1);
-        // Mostly short parts.
-        let most = [4, 40, length][self.below(3)];
-        start..(start + self.below(most + 1)).min(length)
-    }
-
-    fn text(&mut self) -> String {
-        let own = self.below(self.corpus.len());
-        let mut bytes = self.corpus[own].clone().into_bytes();
-        let times = [0, 0, 1, 5][self.below(4)];
-        for _ in 0..=self.below(times + 1) {
-            let part = self.part(bytes.len());
-            match self.below(8) {
-                0 if !bytes.is_empty() => {
-                    let at = self.below(bytes.len());
-                    bytes[at] ^= 1 << self.below(8);
-                }
-                1 => drop(bytes.drain(part)),
-                2 => {
-                    let copy = bytes[part.clone()].to_vec();
-                    let times = [1, 3, 300][self.below(3)].min(1 + 40_000 / (copy.len() + 1));
-                    bytes.splice(part.end..part.end, copy.repeat(times));
-                }
-                3 => {
-                    let other = self.below(self.corpus.len());
-                    let from = self.part(self.corpus[other].len());
-                    bytes.splice(part, self.corpus[other].as_bytes()[from].to_vec());
-                }
-                4 | 5 => {
-                    let digit = |at: &usize| bytes[*at].is_ascii_digit();
-                    let Some(at) = (part.start..bytes.len()).find(digit) else { continue };
-                    let ends = |byte: &u8| !(byte.is_ascii_alphanumeric() || b".+-".contains(byte));
-                    let length = bytes[at..].iter().position(ends).unwrap_or(bytes.len() - at);
-                    let number = NUMBERS[self.below(NUMBERS.len())];
-                    bytes.splice(at..at + length, number.bytes());
-                }
-                6 => {
-                    let open = ["(", "[", "-", "sin(", "{a=", "if(x<", "d("][self.below(7)];
-                    let deep = open.repeat([1, 30, 5000][self.below(3)]);
-                    bytes.splice(part, deep.into_bytes());
-                }
-                _ => {
-                    let word = WORDS[self.below(WORDS.len())];
-                    bytes.splice(part.start..part.start, word.bytes());
-                }
-            }
-        }
-        String::from_utf8_lossy(&bytes).into_owned()
-    }
-}
-
-/// How many texts a target is given.
-fn runs(few: u64) -> u64 {
-    std::env::var("RUNS").map_or(few, |runs| runs.parse().expect("RUNS: a number"))
-}
-
-fn seed() -> u64 {
-    std::env::var("SEED").map_or(1, |seed| seed.parse().expect("SEED: a number"))
-}
-
-/// What one worker reads, and since when.
-type Current = Mutex<Option<(Instant, String)>>;
-
-/// Gives `read` many damaged texts of `corpus`. It answers whether it took the text.
-///
-/// # Panics
-/// With the text that made it panic, or that it did not come to an end with.
-fn fuzz(target: &str, corpus: &[String], few: u64, read: impl Fn(&str) -> bool + Sync) {
-    let total = runs(few);
-    let workers = std::thread::available_parallelism().map_or(1, usize::from);
-    let current: Vec<Current> = (0..workers).map(|_| Mutex::new(None)).collect();
-    let (next, taken, ended) = (AtomicU64::new(0), AtomicU64::new(0), AtomicU64::new(0));
-    let found: Mutex<Option<String>> = Mutex::new(None);
-    let found_one = || found.lock().expect("the finding").is_some();
-    std::thread::scope(|scope| {
-        for own in &current {
-            let work = || {
-                while let Some(run) = Some(next.fetch_add(1, Relaxed)).filter(|&run| run < total) {
-                    if found_one() {
-                        break;
-                    }
-                    let state = (seed() << 40) ^ run.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-                    let text = Damage { corpus, state }.text();
-                    *own.lock().expect("the text") = Some((Instant::now(), text.clone()));
-                    match catch_unwind(AssertUnwindSafe(|| read(&text))) {
-                        Ok(good) => drop(taken.fetch_add(u64::from(good), Relaxed)),
-                        Err(_) => *found.lock().expect("the finding") = Some(text),
-                    }
-                    *own.lock().expect("the text") = None;
-                }
-                ended.fetch_add(1, Relaxed);
-            };
-            // Deep nesting must be refused, not survived by a large stack: that of a second thread, 2 MB.
-            scope.spawn(work);
-        }
-        while ended.load(Relaxed) < workers as u64 {
-            std::thread::sleep(Duration::from_millis(20));
-            for own in &current {
-                if let Some((since, text)) = &*own.lock().expect("the text")
-                    && since.elapsed() > PATIENCE
-                {
-                    eprintln!("{target}: {}", kept(target, text).display());
-                    // A thread that hangs cannot be ended in another way.
-                    std::process::abort();
-                }
-            }
-        }
-    });
-    if let Some(text) = found.into_inner().expect("the finding") {
-        panic!("{target}: a panic, text in {}", kept(target, &text).display());
-    }
-    let taken = taken.into_inner();
-    println!("{target}: {total} texts, {taken} taken");
-    // Texts that are all refused, or all taken, test nothing.
-    assert!(taken > total / 1000 && taken < total - total / 20, "{target}: {taken} of {total}");
-}
-
-/// Where the text of a finding is kept.
-fn kept(target: &str, text: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("fuzz-{target}.txt"));
-    std::fs::write(&path, text).expect("the text is kept");
-    path
-}
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured")
@@ -392,6 +221,41 @@ fn no_verdict_and_no_provenance_breaks_the_report() {
             let Ok(Some(provenance)) = Provenance::read(dir) else { return false };
             let scene = provenance.scene(dir, "affine");
             provenance.json().is_object() && matches!(scene, Ok(Some(_)))
+        })
+    });
+}
+
+/// Three levels of two vertices in the plane.
+const SHAPE: [usize; 3] = [3, 2, 2];
+
+/// Bytes as a text and back, a character each: what damage adds of other characters is cut to a byte.
+fn as_text(bytes: &[u8]) -> String {
+    bytes.iter().map(|&byte| char::from(byte)).collect()
+}
+
+#[test]
+fn no_array_of_a_solver_breaks_the_reader() {
+    let numbers: Vec<f64> = (0..12).map(|i| 0.1 * f64::from(i)).collect();
+    let bytes = encode(&SHAPE, &numbers);
+    // Version 2 of the format has a length of four bytes.
+    let later = [&bytes[..6], &[2, 0], &bytes[8..10], &[0, 0], &bytes[10..]].concat();
+    let corpus = [bytes, later].map(|bytes| as_text(&bytes));
+    fuzz("array", &corpus, 20_000, |text| {
+        let bytes: Vec<u8> = text.chars().map(|c| c as u32 as u8).collect();
+        decode(&bytes)
+            .is_ok_and(|array| array.numbers.len() == array.shape.iter().product::<usize>())
+    });
+}
+
+#[test]
+fn no_table_of_a_solver_breaks_the_reader() {
+    let swept = Swept::new("fuzz-answer");
+    let row = |i: usize| format!("{},{},{},-1e-3\n", i / 2, i % 2, 0.5 * i as f64);
+    let corpus = ["n,vertex,ux,uy\n".to_owned() + &(0..6).map(row).collect::<String>()];
+    fuzz("answer", &corpus, 5_000, |text| {
+        swept.with("displacement.csv", text, |path| {
+            let dir = path.parent().expect("a folder");
+            read_displacements(dir, SHAPE).is_ok_and(|numbers| numbers.len() == 12)
         })
     });
 }
