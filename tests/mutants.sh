@@ -48,8 +48,9 @@ for module in "$@"; do
     *) echo "mutants: no slim crate holds $module: law, history, fit, verdict" >&2; exit 2 ;;
     esac
     # In place: a copy would build its dependencies anew. Survivors are status 2, which ends nothing here.
-    # Of its two builds, library and unit tests, a mutant needs the second.
+    # Of its two builds, library and unit tests, a mutant needs the second. What an earlier run caught is not run again
+    # (remove target/mutants/MODULE to begin anew), so that an interrupted run goes on.
     cargo mutants --dir "target/mutants/$slim" --output "target/mutants/$module" --in-place --timeout 120 \
-        --cargo-arg=--lib -f "src/$module/**" || status=$?
+        --cargo-arg=--lib --iterate -f "src/$module/**" || status=$?
 done
 exit "$status"

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::law::Stiffness;
-use crate::linalg::{Analysis, BlockPattern, FactorError, Levels, nested_dissection};
+use crate::linalg::{Analysis, BlockPattern, FactorError, Levels, Precision, nested_dissection};
 use crate::mesh::{Mesh, Nesting};
 use crate::space::{Geometry, Nodes};
 
@@ -33,6 +33,8 @@ pub struct Discretization {
     pub nesting: Nesting,
     /// The linear solver of runs on this mesh, where it is not left to [`LinearSolver::of`].
     pub linear_solver: Option<LinearSolver>,
+    /// The precision of factors that serve several Jacobians, where it is not left to their size.
+    pub precision: Option<Precision>,
     levels: OnceLock<Result<Option<Levels>, FactorError>>,
     condensing: OnceLock<Result<Analysis, FactorError>>,
 }
@@ -61,6 +63,7 @@ impl Discretization {
             regions,
             nesting,
             linear_solver,
+            precision: None,
             levels,
             condensing,
         })

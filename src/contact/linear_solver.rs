@@ -67,7 +67,8 @@ impl LinearSolver {
                 TangentSolver::Multigrid(MultigridSequence::new(levels, &space.pattern).into())
             }
             None => {
-                TangentSolver::Direct(SequenceSolver::new(&space.analysis, &space.pattern).into())
+                let solver = SequenceSolver::new(&space.analysis, &space.pattern);
+                TangentSolver::Direct(solver.in_precision(space.precision).into())
             }
         }
     }

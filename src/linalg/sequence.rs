@@ -37,6 +37,15 @@ pub struct LinearWork {
     pub seconds_solve: f64,
 }
 
+/// Real numbers in which factors are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Precision {
+    /// Half the memory, seven digits.
+    Single,
+    /// Sixteen digits.
+    Double,
+}
+
 /// From this order on the factor is kept in single precision. Below it a factor (some 0.1 MB at
 /// n = 16) stays in cache, and a direct solve beats two iterations.
 const SINGLE_FROM: usize = 4000;
@@ -65,6 +74,8 @@ pub struct SequenceSolver<'a> {
     pattern: &'a BlockPattern,
     workspace: Workspace,
     stored: Option<Stored>,
+    /// The precision of factors, where it is not left to the order of the matrix.
+    precision: Option<Precision>,
     /// True if the stored factor is the double-precision one of the present Jacobian.
     exact: bool,
     /// Iterations beyond [`LEAST`] of all solves since the factorization.
@@ -91,6 +102,7 @@ impl<'a> SequenceSolver<'a> {
             pattern,
             workspace: analysis.workspace(2),
             stored: None,
+            precision: None,
             exact: false,
             extra: 0,
             worth: worth(analysis),
@@ -101,6 +113,12 @@ impl<'a> SequenceSolver<'a> {
             rank_one: None,
             work: LinearWork::default(),
         }
+    }
+
+    /// With factors in this precision; by the order of the matrix without one.
+    #[must_use]
+    pub fn in_precision(self, precision: Option<Precision>) -> Self {
+        Self { precision, ..self }
     }
 
     /// Takes lower-triangle values of K out, to be refilled and handed back to [`Self::prepare`].
@@ -135,7 +153,11 @@ impl<'a> SequenceSolver<'a> {
         if self.stored.is_some() && self.extra < self.worth {
             return Ok(());
         }
-        self.factorize(self.pattern.order() >= SINGLE_FROM)
+        let by_order = match self.pattern.order() {
+            SINGLE_FROM.. => Precision::Single,
+            _ => Precision::Double,
+        };
+        self.factorize(self.precision.unwrap_or(by_order) == Precision::Single)
     }
 
     fn factorize(&mut self, single: bool) -> Result<(), FactorError> {

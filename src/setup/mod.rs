@@ -44,7 +44,7 @@ use crate::history::{
     CorrectedEnd, FAST_FROM, FastConvolution, ProductIntegration, TimeGrid, TimeRule, Trapezoid,
 };
 use crate::law::VonMises;
-use crate::linalg::{EigenError, FactorError};
+use crate::linalg::{EigenError, FactorError, Precision};
 use crate::manufactured::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polytope};
 use crate::scene::{self, Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
 
@@ -88,6 +88,8 @@ pub struct Setup {
     pub scheme: Arc<dyn Scheme>,
     /// The linear solver of its runs, where it is not left to [`LinearSolver::of`].
     pub linear_solver: Option<LinearSolver>,
+    /// The precision of factors that serve several Jacobians, where it is not left to their size.
+    pub precision: Option<Precision>,
 }
 
 impl Setup {
@@ -106,7 +108,8 @@ impl Setup {
         let model = model(&scene, &body);
         let exact = exact(&scene, &body).map(Arc::new);
         let scheme = Arc::new(NewtonMarch);
-        let setup = Self { scene, body, model, exact, scheme, linear_solver: None };
+        let setup =
+            Self { scene, body, model, exact, scheme, linear_solver: None, precision: None };
         admissible(&setup)?;
         Ok(setup)
     }
@@ -133,6 +136,7 @@ impl Setup {
         let mut space = Discretization::new(mesh, &clamped, &contact)
             .map_err(|source| SetupError::Mesh { n, source })?;
         (space.nesting, space.linear_solver) = (domain.nesting(n), self.linear_solver);
+        space.precision = self.precision;
         Ok(space)
     }
 

@@ -1,6 +1,7 @@
 //! What a run may do otherwise than its scene says, one thing at a time, and which of it a scene offers.
 
 use crate::contact::{BoundaryRule, CaseError, CaseInfo, Observer};
+use crate::linalg::Precision;
 use crate::scene::{Data, LoadForm, Scene, TimeRule};
 use crate::setup::{MeshData, Setup, SetupError};
 use crate::space::quadrature::{Rule, TruthRules};
@@ -14,6 +15,10 @@ pub enum Knob {
     AsWritten,
     /// Newton's method ends at this residual, relative to the forces.
     Tolerance(f64),
+    /// Its linear solves end at this residual, relative to their right sides.
+    LinearTolerance(f64),
+    /// Factors that serve several Jacobians in this precision.
+    Factors(Precision),
     /// Loads in the cells by a rule of this degree.
     LoadDegree(u32),
     /// Loads from σ (weak) or from -div σ and σν (strong).
@@ -30,12 +35,18 @@ pub enum Knob {
 /// system, which is a row of the table as well.
 const TOLERANCES: [f64; 3] = [1e-12, 1e-10, 1e-8];
 
+/// Residuals at which linear solves may end, beside 1e-4.
+const LINEAR_TOLERANCES: [f64; 2] = [1e-2, 1e-8];
+
 impl Knob {
     /// Its name in tables.
     pub fn name(self) -> String {
         match self {
             Self::AsWritten => "as written".into(),
             Self::Tolerance(value) => format!("tolerance {value:.0e}"),
+            Self::LinearTolerance(value) => format!("linear tolerance {value:.0e}"),
+            Self::Factors(Precision::Single) => "factors in single".into(),
+            Self::Factors(Precision::Double) => "factors in double".into(),
             Self::LoadDegree(degree) => format!("loads of degree {degree}"),
             Self::Form(LoadForm::Weak) => "weak loads".into(),
             Self::Form(LoadForm::Strong) => "strong loads".into(),
@@ -56,6 +67,11 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
     let mut found = Vec::new();
     if projected || contact.is_some() {
         found.extend(TOLERANCES.map(Knob::Tolerance));
+    }
+    // Other scenes in the plane have one matrix and one factor of it, in double precision.
+    if projected {
+        found.extend(LINEAR_TOLERANCES.map(Knob::LinearTolerance));
+        found.extend([Precision::Single, Precision::Double].map(Knob::Factors));
     }
     if let Data::Exact { interpolated: false, form, .. } = &body.data {
         let degrees = if d == 2 { [1, 2, 6] } else { [1, 2, 8] };
@@ -104,6 +120,10 @@ impl Variant {
                 let rounding_units = value / f64::EPSILON;
                 newton = Some(Newton { rounding_units, ..Newton::default() });
             }
+            Knob::LinearTolerance(linear_tolerance) => {
+                newton = Some(Newton { linear_tolerance, ..Newton::default() });
+            }
+            Knob::Factors(precision) => setup.precision = Some(precision),
             Knob::LoadDegree(degree) => rules.load = load_rule(scene.dimension, degree),
             Knob::Form(wanted) => match &mut setup.body.data {
                 Data::Exact { form, .. } => *form = wanted,
@@ -191,6 +211,10 @@ mod tests {
                 "tolerance 1e-12",
                 "tolerance 1e-10",
                 "tolerance 1e-8",
+                "linear tolerance 1e-2",
+                "linear tolerance 1e-8",
+                "factors in single",
+                "factors in double",
                 "loads of degree 1",
                 "loads of degree 2",
                 "loads of degree 6",
@@ -206,6 +230,42 @@ mod tests {
         // Nothing is integrated where u lives in V^h, and the plane alone cuts edges.
         assert!(!offered("in-space").iter().any(|knob| knob.contains("loads")));
         assert!(!offered("pure-box").iter().any(|knob| knob == "contact exact"));
+    }
+
+    /// The last displacements of a short run with one knob turned, and its passes over factors.
+    fn run(knob: Knob) -> (Vec<f64>, u32) {
+        let variant = Variant::new(&scene("pure-strong"), knob).unwrap().expect("a knob");
+        let data = variant.on_mesh(8).unwrap();
+        let mut last = Vec::new();
+        let mut observe = |view: &crate::contact::StepView<'_>| {
+            last = view.u.to_vec();
+            Ok(())
+        };
+        let info = variant.march(&data, 8, &mut observe).unwrap();
+        (last, info.work.linear.solves)
+    }
+
+    #[test]
+    fn linear_solves_of_any_kind_have_the_same_solution_and_are_really_others() {
+        let (own, _) = run(Knob::AsWritten);
+        let largest = own.iter().fold(0.0f64, |most, u| most.max(u.abs()));
+        let solves = [
+            Knob::LinearTolerance(1e-2),
+            Knob::LinearTolerance(1e-8),
+            Knob::Factors(Precision::Single),
+            Knob::Factors(Precision::Double),
+        ]
+        .map(|knob| {
+            let (u, solves) = run(knob);
+            // 16 units of rounding of the forces, times a condition number below 1e4.
+            let off = u.iter().zip(&own).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+            assert!(off < 1e-10 * largest, "{}: {off:e}", knob.name());
+            (u, solves)
+        });
+        let [(_, loose), (_, strict), (single, _), (double, _)] = solves;
+        assert!(loose < strict, "{loose} and {strict} passes");
+        // Iterations may be as many; the last bits are others.
+        assert!(single != double);
     }
 
     /// Mean of a polynomial over the simplex: ∏ α_i! d!/(d + Σα)!.

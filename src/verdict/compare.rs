@@ -90,4 +90,23 @@ mod tests {
             assert!(found == decision && sentence.contains(words), "{lo} {hi}: {sentence}");
         }
     }
+
+    /// A limit is the last value that still counts for the scheme. Around 0 the limits are doubles.
+    #[test]
+    fn the_limits_themselves_do_not_refute() {
+        let around_zero = |lo: f64, hi: f64, exact: bool| {
+            compare(Interval { lo, hi }, Aim { order: 0.0, at_least: false, exact })
+        };
+        let cases = [
+            (-0.08, -0.05, false, Decision::Unresolved, "misses 0 by 0.050"),
+            (0.05, 0.08, true, Decision::Unresolved, "misses 0 by 0.050"),
+            (0.05, 0.08, false, Decision::Unresolved, "misses 0 by 0.050"),
+            (0.01, 0.02, false, Decision::Pass, "misses 0 by less than"),
+            (-0.15, 0.15, false, Decision::Pass, "0 lies in"),
+        ];
+        for (lo, hi, exact, decision, words) in cases {
+            let (found, sentence) = around_zero(lo, hi, exact);
+            assert!(found == decision && sentence.contains(words), "{lo} {hi}: {sentence}");
+        }
+    }
 }

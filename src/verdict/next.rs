@@ -142,15 +142,90 @@ fn coarser(first: u32, second: Option<u32>) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fit::Point;
+    use crate::record::Key;
 
     #[test]
     fn levels_continue_as_they_went() {
         assert_eq!(finer((64, 1.0 / 64.0), (128, 1.0 / 128.0)), 256);
         assert_eq!(finer((8, 1.0 / 8.0), (12, 1.0 / 12.0)), 18);
+        // Refinements are counted where steps are halved from one to the next, cells where they fall like 1/n.
         assert_eq!(finer((2, 0.25), (3, 0.125)), 4);
+        assert_eq!(finer((2, 0.5), (3, 1.0 / 3.0)), 5);
+        assert_eq!(finer((2, 0.5), (3, 1.05 / 3.0)), 5);
         assert_eq!(finer((0, 1.0), (1, 0.5)), 2);
         assert_eq!(finer((10, f64::NAN), (20, f64::NAN)), 40);
         assert_eq!(coarser(8, Some(16)), Some(4));
         assert_eq!(coarser(1, Some(2)), None);
+    }
+
+    fn serving(n: u32, steps: u32) -> Serving {
+        let (h, k) = (1.0 / f64::from(n), 1.0 / f64::from(steps));
+        let key = Key { scene: "block".into(), n: Some(n), steps };
+        Serving { key, point: Point { h, k, error: h + k, floor: 0.0 } }
+    }
+
+    fn selection(used: &[(u32, u32)], below_floor: &[(u32, u32)]) -> Selection {
+        let lost = |&(n, steps): &(u32, u32)| (serving(n, steps), "below floor 1e-12".to_owned());
+        Selection {
+            used: used.iter().map(|&(n, steps)| serving(n, steps)).collect(),
+            left_out: below_floor.iter().map(lost).collect(),
+            gaps: Vec::new(),
+        }
+    }
+
+    fn predict(variable: Variable) -> Prediction {
+        Prediction {
+            norm: "V_max".into(),
+            variable,
+            order: 1.0,
+            order_k: None,
+            at_least: false,
+            exact: false,
+            why: String::new(),
+            window_n: None,
+            window_steps: None,
+        }
+    }
+
+    fn pairs(next: &Next) -> Vec<(Option<u32>, u32)> {
+        next.cases.iter().map(|case| (case.n, case.steps)).collect()
+    }
+
+    #[test]
+    fn next_cases_lie_on_the_line_the_path_or_the_grid() {
+        let along = |variable, used: &[(u32, u32)]| {
+            next_case(&selection(used, &[]), Direction::Space, &predict(variable))
+        };
+        assert_eq!(pairs(&along(Variable::H, &[(8, 4), (16, 4)])), [(Some(32), 4)]);
+        assert_eq!(pairs(&along(Variable::H, &[(8, 4)])), [(Some(16), 4), (Some(32), 4)]);
+        let path = along(Variable::Path, &[(4, 2), (16, 4), (64, 8)]);
+        assert_eq!(pairs(&path), [(Some(256), 16)]);
+        assert_eq!(pairs(&along(Variable::Path, &[(4, 2)])), []);
+        let grid = selection(&[(8, 4), (16, 4), (8, 8), (16, 8)], &[]);
+        let joint = predict(Variable::Joint);
+        let wider = next_case(&grid, Direction::Time, &joint);
+        assert_eq!(pairs(&wider), [(Some(8), 16), (Some(16), 16)]);
+        let far = Prediction { window_steps: Some([4, 8]), ..joint };
+        let outside = next_case(&grid, Direction::Time, &far);
+        assert!(outside.cases.is_empty() && outside.text.ends_with("with a window that holds it"));
+    }
+
+    /// A level is lost to the floor if all of its cases are.
+    #[test]
+    fn the_floor_ends_a_level_where_nothing_of_it_is_left() {
+        let line = predict(Variable::H);
+        let text = |used: &[(u32, u32)], lost: &[(u32, u32)]| {
+            next_case(&selection(used, lost), Direction::Space, &line).text
+        };
+        let part = text(&[(8, 4), (16, 4)], &[(16, 8)]);
+        assert_eq!(part, "run n = 32");
+        let whole = text(&[(8, 4), (16, 4)], &[(32, 4)]);
+        assert_eq!(whole, "run n = 4: finer ones are below floor");
+        assert_eq!(
+            text(&[(1, 4), (2, 4)], &[(4, 4)]),
+            "lower the floor: a tighter solver tolerance"
+        );
+        assert_eq!(text(&[], &[]), "run three values of n");
     }
 }

@@ -83,7 +83,7 @@ impl StepSolver for Decomposition {
             let stands = since_best >= PATIENCE && best <= ROUNDING * size;
             if done || stands {
                 // One evaluation of the level itself, without the term α(u' - u).
-                let plain = Newton { max_iterations: 0, rounding_units: ANY };
+                let plain = Newton { max_iterations: 0, rounding_units: ANY, ..Newton::standard() };
                 let info = plain.solve(problem, state, scratch)?;
                 let StepInfo { residual, tolerance, .. } = info;
                 return Ok(StepInfo { residual, tolerance, ..total });

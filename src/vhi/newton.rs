@@ -10,6 +10,9 @@ pub struct Newton {
     pub max_iterations: usize,
     /// The residual is accepted below this many units of rounding, ε·force_scale.
     pub rounding_units: f64,
+    /// Relative residual of the linear solves. A Newton step reduces the nonlinear residual by about 1e-4 near the
+    /// solution, so more digits are lost to linearization.
+    pub linear_tolerance: f64,
 }
 
 impl Default for Newton {
@@ -69,13 +72,10 @@ pub enum StepError {
 /// halved, which breaks cycles of the active set.
 const PATIENCE: u32 = 8;
 
-/// Relative residual of the linear solves. A Newton step reduces the nonlinear residual by about
-/// this much near the solution, so more digits would be lost to linearization.
-const FORCING: f64 = 1e-4;
-/// The same of the first iteration: from an extrapolated start, with fronts that have moved on, it reduces the residual
+/// The first iteration is solved to so many linear tolerances: from an extrapolated start, with fronts that have moved on, it reduces the residual
 /// by 1/50 to 1/500 whatever the digits. `punch`, n = N = 128, with the start values of two levels: 1,379 passes over a
 /// factor and 66 factorizations; with all four digits 1,548 and 81 (start values of three levels).
-const FIRST_FORCING: f64 = 3e-3;
+const FIRST: f64 = 30.0;
 /// In the last iteration the linear residual stays below this share of the tolerance.
 const FORCING_SHARE: f64 = 0.3;
 
@@ -84,7 +84,7 @@ impl Newton {
     /// units of rounding on meshes of n = 4…256 (sums of up to 7 cells and 3 strain terms); 16
     /// stays above it without giving away digits.
     pub const fn standard() -> Self {
-        Self { max_iterations: 60, rounding_units: 16.0 }
+        Self { max_iterations: 60, rounding_units: 16.0, linear_tolerance: 1e-4 }
     }
 
     /// Solves one time level from the start value in `state`.
@@ -131,7 +131,7 @@ impl Newton {
             if info.iterations > 0 {
                 info.active_set_changes += scratch.select_pieces(problem, state);
             }
-            let wanted = if info.iterations == 0 { FIRST_FORCING } else { FORCING };
+            let wanted = if info.iterations == 0 { FIRST } else { 1.0 } * self.linear_tolerance;
             let forcing = (FORCING_SHARE * info.tolerance / info.residual).max(wanted);
             scratch
                 .advance(problem, state, damping, forcing)

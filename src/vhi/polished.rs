@@ -29,8 +29,11 @@ impl StepSolver for Polished {
         scratch: &mut Scratch,
     ) -> Result<StepInfo, StepError> {
         let mut info = self.newton.solve(problem, state, scratch)?;
-        let further =
-            Newton { max_iterations: 1, rounding_units: SHARE * self.newton.rounding_units };
+        let further = Newton {
+            max_iterations: 1,
+            rounding_units: SHARE * self.newton.rounding_units,
+            ..self.newton
+        };
         let mut best = state.clone();
         let mut since_best = 0;
         for _ in 0..LIMIT {
@@ -57,7 +60,8 @@ impl StepSolver for Polished {
         }
         // One evaluation more, so that strains and pressures are those of the best iterate.
         state.clone_from(&best);
-        Newton { max_iterations: 0, rounding_units: ANY }.solve(problem, state, scratch)?;
+        Newton { max_iterations: 0, rounding_units: ANY, ..self.newton }
+            .solve(problem, state, scratch)?;
         Ok(info)
     }
 }

@@ -208,6 +208,7 @@ pub fn fresh(sound: &Setup) -> Setup {
         exact: sound.exact.clone(),
         scheme: Arc::new(NewtonMarch),
         linear_solver: sound.linear_solver,
+        precision: sound.precision,
     }
 }
 

@@ -125,6 +125,18 @@ fn floors_widen_what_is_allowed_but_not_to_a_percent() {
     assert_eq!(entry(4e-8).allowed[V_MAX], 5e-3);
     assert!(entry(1e-14).allowed.is_empty());
     assert_eq!(entry(1e-14).errors[V_MAX], 1e-6);
+    // An error of zero has no relative deviation.
+    let mut zero = record(4, 0.0);
+    zero.errors[0].floor = Some(0.0);
+    assert!(RecordedCase::of(&zero).errors.is_empty());
+}
+
+#[test]
+fn a_baseline_holds_the_converged_cases_of_each_scene() {
+    let mut records = records();
+    records.push(CaseRecord { scene: "other".into(), ..record(16, 1e-3) });
+    records.push(CaseRecord { status: Status::Skipped, ..record(32, 1e-3) });
+    assert_eq!(Baseline::of(&records, &[("block", "hash")]), baseline());
 }
 
 #[test]
@@ -139,6 +151,8 @@ fn the_file_reads_back_and_keeps_its_order() {
     assert_eq!(read, Some(baseline()));
     assert!(broken.is_err());
     assert_eq!(Baseline::read(&path).ok(), Some(None));
+    // A directory is no baseline, and not the absence of one.
+    assert!(Baseline::read(&std::env::temp_dir()).is_err());
     assert_eq!(text.lines().count(), 6, "{text}");
 }
 

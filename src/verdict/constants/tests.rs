@@ -53,9 +53,15 @@ fn a_sound_scheme_passes() {
     let whole = compared(&used, &line(|k| 5.0 * k * k * (1.0 + 3.0 * k * k)));
     assert_eq!(whole.decision, Decision::Pass, "{}", whole.sentence);
     assert_eq!(whole.constant.ratio, Some(1.0));
+    assert_eq!((whole.constant.limit, whole.constant.tolerance), (None, Some(0.01)));
     let first = compared(&used, &line(|k| 5.0 * k * k));
     assert_eq!(first.decision, Decision::Pass, "{}", first.sentence);
     assert!((first.constant.predicted.expect("a constant") - 5.0).abs() < 1e-12);
+    let known = compared(&used, &LeadingLine { limit: Some(5.5), ..line(|k| 5.0 * k * k) });
+    assert_eq!(known.constant.limit, Some(5.5));
+    // One case has no line; its own error over k² is the constant.
+    let one = compared(&used[1..2], &line(|k| 7.0 * k * k));
+    assert!((one.constant.predicted.expect("a constant") - 7.0).abs() < 1e-12);
 }
 
 /// 1 + 3 k² is 1.012 at N = 16 and 1.047 at N = 8: above 1 %, and falling.
@@ -64,7 +70,8 @@ fn a_ratio_that_drifts_towards_one_is_open() {
     let used = cases(1.0, |k| 5.0 * k * k * (1.0 + 3.0 * k * k));
     let found = compared(&used[..2], &line(|k| 5.0 * k * k));
     assert_eq!(found.decision, Decision::Unresolved, "{}", found.sentence);
-    assert!(found.sentence.contains("more steps"), "{}", found.sentence);
+    let open = "beyond 1 % and still drifting: more steps";
+    assert!(found.sentence.contains(open), "{}", found.sentence);
 }
 
 /// An order that is wrong makes ratios that drift away.

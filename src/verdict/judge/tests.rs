@@ -3,7 +3,10 @@
 use super::*;
 use crate::fit::Point;
 use crate::record::{NormError, Status, V_MAX};
-use crate::verdict::{exit_code, failures, render_table, restore_reasons, write_json};
+use crate::verdict::{
+    Failure, ForeseenConstant, LeadingPoint, cell_texts, exit_code, failures, read_foreseen,
+    render_table, restore_reasons, write_json,
+};
 
 fn record(point: Point) -> CaseRecord {
     let (n, steps) = ((1.0 / point.h).round() as u32, (1.0 / point.k).round() as u32);
@@ -126,6 +129,7 @@ fn two_points_are_unresolved_and_name_the_third() {
     assert_eq!(two.decision, Decision::Unresolved);
     assert_eq!(two.reason, "2 points, an order needs 3: run n = 256");
     assert!(two.interval.is_none());
+    assert_eq!(two.next, [NextCase { n: Some(256), steps: 4 }]);
     let windowed = Prediction { window_n: Some([32, 64]), ..predict(Variable::H, 1.0) };
     let windowed = verdict(&table(&DOUBLING, &[4], |h, _| h), &windowed);
     assert_eq!(windowed.points_left_out[0].reason, "outside window");
@@ -152,13 +156,26 @@ fn the_grid_gives_both_orders_and_the_path_gives_none() {
     let both = verdict(&grid, &joint);
     assert_eq!(both.decision, Decision::Pass, "{}", both.reason);
     assert!((both.constants["C_k"].value - 4.0).abs() < 1e-6);
+    assert_eq!((both.predicted_k, both.next.len()), (Some(2.0), 0));
+    assert!(both.reason.contains("in h: 1 lies in") && both.reason.contains("in k: 2 lies in"));
+    assert!(both.reason.contains("(sum), ") && both.reason.ends_with("(root-sum-square)"));
     let wrong = verdict(&grid, &Prediction { order_k: Some(3.0), ..joint.clone() });
-    assert_eq!(wrong.decision, Decision::Fail);
+    assert_eq!((wrong.decision, wrong.next.len()), (Decision::Fail, 0));
+    let high = verdict(&grid, &Prediction { order: 0.5, ..joint.clone() });
+    assert_eq!(high.decision, Decision::Unresolved);
+    assert!(high.reason.contains("order too high") && high.reason.contains(": run n = 128"));
+    assert_eq!(high.next.len(), 4);
+    assert!(high.next.iter().all(|case| case.n == Some(128)));
+    // An order in k is of no use to a line.
+    let line = verdict(&grid, &Prediction { order_k: Some(2.0), ..predict(Variable::H, 1.0) });
+    assert_eq!(line.predicted_k, None);
     let path: Vec<CaseRecord> =
         grid.into_iter().filter(|case| case.n == Some(case.steps)).collect();
     let path = verdict(&path, &joint);
     assert_eq!(path.decision, Decision::Unresolved);
     assert!(path.reason.starts_with("not identifiable"), "{}", path.reason);
+    assert!(path.next.contains(&NextCase { n: Some(128), steps: 64 }));
+    assert!(path.next.contains(&NextCase { n: Some(64), steps: 128 }));
 }
 
 #[test]
@@ -167,7 +184,112 @@ fn a_slope_bent_by_the_other_term_says_so() {
     let grid = table(&levels, &levels, |h, k| 0.3 * h + 4.0 * k * k);
     let time = verdict(&grid, &predict(Variable::K, 2.0));
     assert_ne!(time.decision, Decision::Pass);
-    assert!(time.reason.contains("the space term is"), "{}", time.reason);
+    // On the finest mesh and step: 0.3/64 of 0.3/64 + 4/64² is 83 %.
+    let words = "the space term is 83 % of the error at n = 64, steps = 64";
+    assert!(time.reason.contains(words), "{}", time.reason);
+}
+
+#[test]
+fn intervals_are_wide_or_clear_and_say_why() {
+    // Errors that scatter by a fifth around h.
+    let scatter = |h: f64, _: f64| h * if (1.0 / h).log2() as u32 % 2 == 0 { 1.2 } else { 0.8 };
+    let wide = verdict(&table(&DOUBLING, &[4], scatter), &predict(Variable::H, 1.0));
+    assert_eq!(wide.decision, Decision::Unresolved);
+    assert!(wide.reason.contains("> 0.15, from "), "{}", wide.reason);
+    assert_eq!(wide.next, [NextCase { n: Some(512), steps: 4 }]);
+    // Off by a hundredth and a half, and narrow: no part of the interval is at fault.
+    let off = verdict(&table(&DOUBLING, &[4], |h, _| h.powf(1.03)), &predict(Variable::H, 1.0));
+    assert_eq!(off.decision, Decision::Unresolved);
+    assert!(off.reason.contains("misses 1 by 0.030: run n = 512"), "{}", off.reason);
+    let [lo, hi] = off.interval.expect("an interval");
+    assert!((lo - 1.03).abs() < 1e-9 && (hi - 1.03).abs() < 1e-9);
+    let passed = verdict(&table(&DOUBLING, &[4], |h, _| h), &predict(Variable::H, 1.0));
+    assert_eq!((passed.decision, passed.next.len()), (Decision::Pass, 0));
+}
+
+#[test]
+fn even_terms_alone_are_expected_of_order_two_in_time() {
+    let of = |order, direction| correction(&predict(Variable::K, order), direction);
+    assert_eq!(of(2.0, Direction::Time), Correction::Quadratic);
+    assert_eq!(of(1.0, Direction::Time), Correction::Linear);
+    assert_eq!(of(2.0, Direction::Space), Correction::Linear);
+}
+
+/// Errors 5 k² beside leading errors of 5 k² or 4 k².
+#[test]
+fn a_constant_that_is_off_fails_whatever_the_order() {
+    let records = table(&[4], &DOUBLING, |_, k| 5.0 * k * k);
+    let prediction = predict(Variable::K, 2.0);
+    let judged = |constant: f64, prediction: &Prediction| {
+        let point = |record: &CaseRecord| {
+            let (n, steps, h, k) = (record.n, record.steps, record.h, record.k);
+            LeadingPoint { n, steps, h, k, error: constant * k * k }
+        };
+        let points = records.iter().map(point).collect();
+        let line = Foreseen::Leading(LeadingLine { points, limit: None, tolerance: 0.03 });
+        judge_foreseen("block", &records, &[], prediction, Some(&line), Expect::Pass)
+    };
+    let sound = judged(5.0, &prediction);
+    assert_eq!(sound.decision, Decision::Pass, "{}", sound.reason);
+    let off = judged(4.0, &prediction);
+    assert_eq!(off.decision, Decision::Fail);
+    assert!(off.reason.contains("C_k is 1.2500 times the predicted one"), "{}", off.reason);
+    assert_eq!(off.constants["C_k"].ratio, Some(1.25));
+    // The document keeps what was known beforehand.
+    let path = std::env::temp_dir().join(format!("gronwall-foreseen-{}.json", std::process::id()));
+    write_json(&path, &serde_json::json!({}), std::slice::from_ref(&off), &records, None).unwrap();
+    let known = read_foreseen(&path).unwrap();
+    std::fs::remove_file(&path).unwrap();
+    let own = ForeseenConstant {
+        scene: "block".into(),
+        norm: V_MAX.into(),
+        variable: Variable::K,
+        foreseen: off.foreseen.expect("a line"),
+    };
+    assert_eq!(known, [own]);
+}
+
+#[test]
+fn failures_are_listed_by_key_and_reasons_go_back_to_their_cases() {
+    let mut records = table(&[8, 16], &[4, 8], |h, _| h);
+    for (at, reason) in [(3, "c"), (0, "a"), (1, "b")] {
+        records[at].status = Status::Failed { reason: reason.into() };
+    }
+    let failure = |n, steps, reason: &str| Failure {
+        scene: "block".into(),
+        n: Some(n),
+        steps,
+        reason: reason.into(),
+    };
+    let listed = [failure(8, 4, "a"), failure(8, 8, "b"), failure(16, 8, "c")];
+    records.reverse();
+    assert_eq!(failures(&records), listed);
+    let mut read = records.clone();
+    for record in &mut read {
+        if let Status::Failed { reason } = &mut record.status {
+            reason.clear();
+        }
+    }
+    // A case of another scene with the same numbers is another case.
+    let others = listed.iter().map(|own| Failure { scene: "other".into(), ..own.clone() });
+    let others: Vec<Failure> = others.map(|own| Failure { reason: "x".into(), ..own }).collect();
+    restore_reasons(&mut read, &[&others[..], &listed].concat());
+    assert_eq!(read, records);
+}
+
+#[test]
+fn a_row_names_what_is_refined() {
+    let one = verdict(&table(&DOUBLING, &[4], |h, _| h), &predict(Variable::H, 1.0));
+    let names = [
+        (Variable::H, "h"),
+        (Variable::K, "k"),
+        (Variable::Joint, "joint"),
+        (Variable::Path, "path"),
+    ];
+    for (variable, name) in names {
+        let row = cell_texts(&Verdict { variable, ..one.clone() });
+        assert_eq!([&*row[0], &*row[1], &*row[2]], ["block", V_MAX, name]);
+    }
 }
 
 #[test]
