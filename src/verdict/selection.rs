@@ -230,3 +230,6 @@ pub fn line_keys(scene: &str, records: &[CaseRecord], prediction: &Prediction) -
     let selection = Cases::new(scene, records, &[]).select(prediction);
     selection.used.into_iter().map(|serving| serving.key).collect()
 }
+
+#[cfg(test)]
+mod tests;

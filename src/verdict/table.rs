@@ -86,3 +86,16 @@ fn wrapped(text: &str) -> String {
     }
     lines.join("\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_full_and_no_longer() {
+        let [a, b, c] = ["a".repeat(50), "b".repeat(49), "c".repeat(50)];
+        assert_eq!(wrapped(&format!("{a} {b}")), format!("{a} {b}"));
+        assert_eq!(wrapped(&format!("{a} {c} d")), format!("{a}\n    {c} d"));
+        assert_eq!(wrapped(""), "");
+    }
+}

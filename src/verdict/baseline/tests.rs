@@ -1,3 +1,4 @@
+use super::compare::in_percent;
 use super::*;
 use crate::record::{Key, Status, V_MAX};
 use crate::verdict::Decision;
@@ -85,6 +86,33 @@ fn every_seeded_deviation_is_found() {
     assert_eq!((costly.kind, costly.norm.as_deref()), (Kind::Cost, Some("newton_iterations")));
     let refactored = seeded(|records| records[0].factorizations = 40);
     assert_eq!((refactored.kind, refactored.verdict), (Kind::Cost, Decision::Fail));
+}
+
+/// More than two and more than a tenth.
+#[test]
+fn work_may_grow_a_little() {
+    let grown = |recorded: u64, now: u64| {
+        let counted = |count: u64| CaseRecord { factorizations: count, ..record(4, 1e-3) };
+        let run = Run {
+            scene: "block".into(),
+            hash: "hash".into(),
+            planned: vec![counted(now).key()],
+            own_grids: true,
+        };
+        let baseline = Baseline::of(&[counted(recorded)], &[("block", "hash")]);
+        let found = compare_with_baseline(&baseline, &[run], &[counted(now)]);
+        !found.deviations.is_empty()
+    };
+    assert!(!grown(2, 4) && grown(2, 5));
+    assert!(!grown(30, 33) && grown(30, 34));
+    assert!(!grown(40, 43) && !grown(40, 10));
+}
+
+#[test]
+fn changes_have_the_digits_that_show_them() {
+    assert_eq!(in_percent(-0.5), "-50.0 %");
+    assert_eq!(in_percent(1e-3), "+0.1 %");
+    assert_eq!(in_percent(5e-4), "+5.0e-2 %");
 }
 
 #[test]

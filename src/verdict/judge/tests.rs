@@ -280,6 +280,30 @@ fn failures_are_listed_by_key_and_reasons_go_back_to_their_cases() {
 #[test]
 fn a_row_names_what_is_refined() {
     let one = verdict(&table(&DOUBLING, &[4], |h, _| h), &predict(Variable::H, 1.0));
+    assert_eq!(render_table(std::slice::from_ref(&one)).lines().count(), 5);
+    let cells = |verdict: &Verdict| {
+        let [_, _, _, predicted, observed, decision, why] = cell_texts(verdict);
+        [predicted, observed, decision, why]
+    };
+    assert_eq!(cells(&one), ["1", "1.00 [1.00, 1.00]", "pass", "(5.26)"]);
+    let bound = Verdict { at_least: true, expect: Expect::Fail, ..one.clone() };
+    assert_eq!(cells(&bound)[..3], ["≥ 1", "1.00 [1.00, 1.00]", "pass, expected fail"]);
+    let both = Verdict { predicted_k: Some(2.0), interval: None, ..one.clone() };
+    assert_eq!(cells(&both)[..2], ["1, 2", "-"]);
+    // What is no plain pass has its reason below the table, an expected failure as well.
+    let failed = Verdict {
+        decision: Decision::Fail,
+        expect: Expect::Fail,
+        reason: "because".into(),
+        ..one.clone()
+    };
+    assert_eq!(cells(&failed)[2], "fail, as expected");
+    for other in [&bound, &failed] {
+        let text = render_table(&[one.clone(), other.clone()]);
+        let reason = format!("block V_max in h: {}: {}", other.decision.name(), other.reason);
+        assert_eq!(text.lines().last(), Some(&*reason));
+        assert_eq!(text.matches("in h:").count(), 1);
+    }
     let names = [
         (Variable::H, "h"),
         (Variable::K, "k"),
