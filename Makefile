@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels mutants clean-reports pdf page reference
+.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants clean-reports pdf page reference
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -90,6 +90,9 @@ audit-deps: ## licences of all dependencies; their advisories where cargo-audit 
 	@if ! $(CARGO) audit --version >/dev/null 2>&1; then echo "advisories: not checked, cargo-audit is not installed"; \
 	elif [ -n "$(FETCH)" ]; then $(CARGO) audit --deny warnings; \
 	else $(CARGO) audit --deny warnings --no-fetch --stale; fi
+
+package: ## the crate as it would be published, built from its own archive
+	$(CARGO) package
 
 opt-levels: ## records and verdicts of optimisation levels 0 to 3: bit-identical
 	tests/opt_levels.sh

@@ -1,6 +1,7 @@
 //! What a report says of its origin and the compiler alone knows: commit, compiler, target.
 //!
-//! The commit is read from `.git` without the git program, and is "unknown" outside of a clone. Cargo runs this again
+//! The commit is read from `.git` without the git program, or in a published crate from what cargo keeps of it, and is
+//! "unknown" elsewhere. Cargo runs this again
 //! when HEAD or what it names has moved, and not otherwise; equal sources at an equal commit give equal programs. In
 //! development builds the commit is none: their sources are mostly ahead of it, and every commit would cost a build.
 
@@ -12,7 +13,11 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let released = env::var("PROFILE").is_ok_and(|profile| profile == "release");
     let commit = match released {
-        true => commit(Path::new(".git")).unwrap_or_else(|| "unknown".into()),
+        true => {
+            let found =
+                commit(Path::new(".git")).or_else(|| packaged(Path::new(".cargo_vcs_info.json")));
+            found.unwrap_or_else(|| "unknown".into())
+        }
         false => "development build".into(),
     };
     let told = |name: &str| env::var(name).unwrap_or_else(|_| "unknown".into());
@@ -46,6 +51,16 @@ pub fn commit(git: &Path) -> Option<String> {
     }
     let packed = watched(&common.join("packed-refs"))?;
     packed.lines().find_map(|line| hash(line.strip_suffix(name)?.trim()))
+}
+
+/// The commit that `cargo package` took the sources from, unless they were ahead of it.
+pub fn packaged(kept: &Path) -> Option<String> {
+    let text = watched(kept)?;
+    if text.contains("\"dirty\"") {
+        return None;
+    }
+    let (_, after) = text.split_once("\"sha1\"")?;
+    hash(after.split('"').nth(1)?)
 }
 
 /// `.git` itself, or the folder that a file of this name points to.

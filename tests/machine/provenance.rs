@@ -106,3 +106,18 @@ fn the_commit_is_read_from_the_files_of_a_clone() {
     write(".git/HEAD", "no commit\n");
     assert_eq!(read(".git"), None);
 }
+
+/// A published crate holds its commit in a file of cargo's.
+#[test]
+fn the_commit_of_a_published_crate_is_read_unless_its_sources_were_ahead() {
+    let (folder, commit) = (Folder::new("packaged"), "0123456789abcdef0123456789abcdef01234567");
+    let kept = |git: &str| {
+        let text = format!("{{\n  \"git\": {{{git}}},\n  \"path_in_vcs\": \"\"\n}}");
+        folder.file(".cargo_vcs_info.json", &text);
+        build::packaged(&folder.at(".cargo_vcs_info.json"))
+    };
+    assert_eq!(build::packaged(&folder.at(".cargo_vcs_info.json")), None);
+    assert_eq!(kept(&format!("\n    \"sha1\": \"{commit}\"\n  ")), Some(commit.to_owned()));
+    assert_eq!(kept(&format!("\n    \"sha1\": \"{commit}\",\n    \"dirty\": true\n  ")), None);
+    assert_eq!(kept("\n    \"sha1\": \"main\"\n  "), None);
+}

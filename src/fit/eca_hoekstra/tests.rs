@@ -102,3 +102,52 @@ fn three_grids_and_constant_values() {
     let still = eca_hoekstra(&values(&STEPS, |_| 5.0)).unwrap();
     assert_eq!((still.limit, still.uncertainty, still.data_range), (5.0, 0.0, 0.0));
 }
+
+/// Values on h = 1.6, 0.8, 0.4, 0.2, 0.1 with what a program of our own in NumPy says of them, by its least squares and a
+/// bounded scalar minimisation of σ(p), both in ten digits: [limit, σ, Δφ, uncertainty].
+#[test]
+fn every_branch_has_the_numbers_of_another_program() {
+    use Expansion::{Mixed, Power, Second};
+    let p = 1.081538429;
+    let cases = [
+        (
+            [1.81, 1.38, 1.215, 1.09, 1.062],
+            (Power(p), true, 1.25, Some(p)),
+            [1.019788702, 0.01620941687, 0.187, 0.06823749331],
+        ),
+        (
+            [1.8222, 1.1004, 1.0143, 1.0006, 1.0007],
+            (Second, true, 3.0, Some(3.028035735)),
+            [0.9859608602, 0.03272647805, 0.2054, 0.0536406716],
+        ),
+        (
+            [1.811, 2.35, 2.2895, 2.171, 2.0935],
+            (Mixed, true, 3.0, None),
+            [2.000711584, 0.001507313605, 0.13475, 0.2795161217],
+        ),
+        (
+            [1.0, -1.0, 1.0, -1.0, 1.2],
+            (Second, false, 3.0, None),
+            [0.05964912281, 1.268303559, 0.55, 16.66311816],
+        ),
+    ];
+    for (values, (expansion, weighted, safety, order), numbers) in cases {
+        let steps = [1.6, 0.8, 0.4, 0.2, 0.1];
+        let samples = steps.iter().zip(values).map(|(&step, value)| ValueSample { step, value });
+        let found = eca_hoekstra(&samples.collect::<Vec<_>>()).expect("five grids");
+        match (found.expansion, expansion) {
+            // A flat optimum: σ to ten digits is p to five.
+            (Power(own), Power(other)) => assert!((own - other).abs() < 1e-5, "{found:?}"),
+            (own, other) => assert_eq!(own, other),
+        }
+        assert_eq!((found.weighted, found.safety), (weighted, safety));
+        if let (Some(own), Some(other)) = (found.observed_order, order) {
+            assert!((own - other).abs() < 1e-5, "{found:?}");
+        }
+        let own = [found.limit, found.deviation, found.data_range, found.uncertainty];
+        for (own, other) in own.iter().zip(numbers) {
+            // σ and the rest move by the square and the first power of what p is off.
+            assert!((own - other).abs() < 1e-6 * other.abs(), "{found:?}");
+        }
+    }
+}
