@@ -4,6 +4,7 @@ mod abstract_problem;
 mod audit;
 mod baseline;
 mod bound;
+mod case;
 mod check;
 mod colour;
 mod constants;
@@ -18,7 +19,9 @@ mod github;
 mod gronwall;
 mod interrupt;
 mod list;
+mod merge;
 mod output;
+mod plan;
 mod progress;
 mod report;
 mod run;
@@ -101,6 +104,12 @@ enum Command {
     Fit(fit::Fit),
     /// Put another program's solver under the same sweep
     Verify(verify::Verify),
+    /// Write a sweep as jobs for many processes or machines, with predicted time and memory
+    Plan(plan::PlanCommand),
+    /// Run cases of a plan in this process, and leave their records in a directory of their own
+    Case(case::CaseCommand),
+    /// Merge the records of many processes, and judge them as those of one
+    Merge(merge::MergeCommand),
     /// Rebuild every output from the records in a directory, without solving
     Report(report::Report),
     /// Print completions for a shell
@@ -171,6 +180,9 @@ pub fn main() -> ExitCode {
         Command::Trade(trade) => trade.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Verify(verify) => verify.execute(&scenes),
+        Command::Plan(plan) => plan.execute(&scenes),
+        Command::Case(case) => case.execute(),
+        Command::Merge(merge) => merge.execute(),
         Command::Report(report) => report.execute(&scenes),
         Command::Completions(completions) => completions.execute(),
         Command::Man(man) => man.execute(),

@@ -298,24 +298,7 @@ impl What {
         let named = !self.scenes.is_empty();
         let mut plans = Vec::new();
         for scene in scenes.select(&self.scenes)? {
-            if scene.long && !self.all && !named {
-                continue;
-            }
-            let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-            scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
-            let plan = ScenePlan::new(Subject::new(scene)?, &overrides);
-            let scene = plan.scene();
-            if plan.cases.is_empty() && !named {
-                // A scene without a grid is there for `sweep solve`.
-                continue;
-            }
-            if plan.cases.is_empty() {
-                return Err(no_case(scene, "run"));
-            }
-            if let Some(remark) = plan.step_remark()? {
-                super::progress::remark(&plan.scene().name, &remark);
-            }
-            plans.push(plan);
+            plans.extend(plan_of(scene, &overrides, named, self.all)?);
         }
         if plans.is_empty() {
             let folder = scenes.folder.display();
@@ -325,4 +308,30 @@ impl What {
         }
         Ok(plans)
     }
+}
+
+/// The plan of a scene; none if it is left to those who name it: a long one, or one without a grid.
+pub(super) fn plan_of(
+    scene: Scene,
+    overrides: &Overrides,
+    named: bool,
+    all: bool,
+) -> Result<Option<ScenePlan>, CliError> {
+    if scene.long && !all && !named {
+        return Ok(None);
+    }
+    let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
+    scene.check_grid(&listed(&overrides.n), &listed(&overrides.steps))?;
+    let plan = ScenePlan::new(Subject::new(scene)?, overrides);
+    if plan.cases.is_empty() && !named {
+        // A scene without a grid is there for `sweep solve`.
+        return Ok(None);
+    }
+    if plan.cases.is_empty() {
+        return Err(no_case(plan.scene(), "run"));
+    }
+    if let Some(remark) = plan.step_remark()? {
+        super::progress::remark(&plan.scene().name, &remark);
+    }
+    Ok(Some(plan))
 }

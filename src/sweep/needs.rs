@@ -1,6 +1,6 @@
 //! What the cases of a sweep ask of the machine, and which of them ask for more than there is.
 
-use super::cost::{predict_abstract, predict_some, run_cost};
+use super::cost::{predict, predict_abstract, predict_some, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::plan::{CasePlan, ScenePlan, without_panic};
 use crate::contact::Discretization;
@@ -8,12 +8,46 @@ use crate::setup::{AbstractSetup, Setup, SetupError, Subject};
 
 /// What one run is predicted to take.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Need {
-    pub(super) seconds: f64,
+pub struct Need {
+    /// CPU seconds.
+    pub seconds: f64,
     /// Peak memory.
-    pub(super) bytes: f64,
+    pub bytes: f64,
     /// What stays of it for others.
-    pub(super) kept: f64,
+    pub kept: f64,
+}
+
+/// What the cases of a plan take when each of them runs in a process of its own.
+pub struct Demands {
+    /// CPU seconds of the reference run, which every such process repeats; zero without one.
+    pub reference_seconds: f64,
+    /// One a case, in the plan's order, the reference run in its bytes and not in its seconds.
+    pub cases: Vec<Need>,
+}
+
+/// What the cases of `plan` take in processes of their own, on whatever machine: nothing is refused for its size.
+///
+/// # Errors
+/// [`SetupError::Mesh`]: the meshes are made and analysed, one at a time.
+pub fn demands(plan: &ScenePlan) -> Result<Demands, SetupError> {
+    match &plan.subject {
+        Subject::Contact(setup) => {
+            let costs = predict(setup, plan)?;
+            let need = |cost: &super::Cost| Need {
+                seconds: cost.seconds_alone,
+                bytes: cost.memory_bytes,
+                kept: cost.kept_bytes,
+            };
+            Ok(Demands {
+                reference_seconds: costs.reference.map_or(0.0, |cost| cost.seconds),
+                cases: costs.cases.iter().map(need).collect(),
+            })
+        }
+        Subject::Abstract(setup) => {
+            let cases = plan.cases.iter().map(|case| abstract_need(setup, case)).collect();
+            Ok(Demands { reference_seconds: 0.0, cases })
+        }
+    }
 }
 
 /// What a plan takes: the reference run, and some of its cases in their order. An error is the reason of a refusal.
@@ -36,9 +70,8 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
         Subject::Contact(setup) => setup,
         Subject::Abstract(setup) => {
             let need = |case: &CasePlan| {
-                let (seconds, bytes) =
-                    (predict_abstract(setup, case.steps), abstract_bytes(setup, case.steps));
-                limit.admit(bytes, false).map(|()| Need { seconds, bytes, kept: 0.0 })
+                let need = abstract_need(setup, case);
+                limit.admit(need.bytes, false).map(|()| need)
             };
             return Needs { reference: None, cases: cases.iter().map(need).collect() };
         }
@@ -110,7 +143,8 @@ fn least_bytes(setup: &Setup, n: u32, steps: u32) -> f64 {
 }
 
 /// An abstract problem keeps all of its states, and a kernel value for each pair of times is computed, not kept.
-fn abstract_bytes(setup: &AbstractSetup, steps: u32) -> f64 {
-    let states = 4.0 * (f64::from(steps) + 1.0);
-    super::cost::PROGRAM + 8.0 * states * setup.model.dimension() as f64
+fn abstract_need(setup: &AbstractSetup, case: &CasePlan) -> Need {
+    let states = 4.0 * (f64::from(case.steps) + 1.0);
+    let bytes = super::cost::PROGRAM + 8.0 * states * setup.model.dimension() as f64;
+    Need { seconds: predict_abstract(setup, case.steps), bytes, kept: 0.0 }
 }
