@@ -6,8 +6,7 @@ use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
 use super::interrupt::quoted;
-use super::run::plan_of;
-use super::{CliError, Scenes, print_json, print_text};
+use super::{CliError, Scenes, plan_of, print_json, print_text};
 use crate::distributed::{Engine, PlannedCases, Planning};
 use crate::record::counted;
 use crate::scene::Scene;

@@ -8,11 +8,10 @@ use super::extension::restore_added;
 use super::github::annotate;
 use super::interrupt::on_interrupt;
 use super::swept::Swept;
-use super::{CliError, Scenes, no_case, print_json, print_text};
+use super::{CliError, Scenes, plan_of, print_json, print_text};
 use crate::record::{CaseRecord, RecordError, quoted};
 use crate::report::write_junit;
 use crate::scene::Scene;
-use crate::setup::Subject;
 use crate::sweep::{
     Machine, MemoryLimit, OutputDirectory, Overrides, Provenance, ScenePlan, SweepError, foresee,
     judge_scene, reference_error, run_more, run_sweep, scene_summary,
@@ -308,30 +307,4 @@ impl What {
         }
         Ok(plans)
     }
-}
-
-/// The plan of a scene; none if it is left to those who name it: a long one, or one without a grid.
-pub(super) fn plan_of(
-    scene: Scene,
-    overrides: &Overrides,
-    named: bool,
-    all: bool,
-) -> Result<Option<ScenePlan>, CliError> {
-    if scene.long && !all && !named {
-        return Ok(None);
-    }
-    let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-    scene.check_grid(&listed(&overrides.n), &listed(&overrides.steps))?;
-    let plan = ScenePlan::new(Subject::new(scene)?, overrides);
-    if plan.cases.is_empty() && !named {
-        // A scene without a grid is there for `sweep solve`.
-        return Ok(None);
-    }
-    if plan.cases.is_empty() {
-        return Err(no_case(plan.scene(), "run"));
-    }
-    if let Some(remark) = plan.step_remark()? {
-        super::progress::remark(&plan.scene().name, &remark);
-    }
-    Ok(Some(plan))
 }
