@@ -50,6 +50,7 @@ impl PlannedCases {
         let demands = SceneDemands {
             meshes: plan.cases.iter().map(|case| case.n).collect(),
             steps: plan.cases.iter().map(|case| case.steps).collect(),
+            time: plan.scene().time,
             demands: demands(plan)?,
         };
         Ok(Self { scene: PlannedScene::new(plan.scene()), demands })
@@ -126,7 +127,7 @@ impl Planning {
         self.bundles.iter().enumerate().flat_map(move |(job, bundle)| {
             bundle.cases.iter().map(move |&(s, c)| {
                 let own = &self.demands[s];
-                let need = own.demands.cases[c];
+                let need = own.demands.cases[c].need;
                 let scene = self.plan.scenes[s].name.clone();
                 let key = Key { scene, n: own.meshes[c], steps: own.steps[c] };
                 let id = id(&key);

@@ -133,13 +133,16 @@ pub struct Cost {
     /// CPU seconds, in a sweep that runs the cases of a mesh longest first: loads and moments of a time are computed
     /// once a mesh, and belong to the case that needs them first.
     pub seconds: f64,
-    /// CPU seconds in a process that runs this case alone, without its reference run.
-    pub seconds_alone: f64,
+    /// CPU seconds in a process that runs this case alone, without its reference run; of them those for loads and
+    /// moments at its times.
+    pub alone: [f64; 2],
     /// Peak memory of a process that runs this case alone, with its reference run if it has one. In a sweep the cases
     /// of a mesh share mesh and truth, and the meshes of a scene are held together.
     pub memory_bytes: f64,
     /// What stays of them at its end for the other cases on the mesh; of a reference run, for the cases of its scene.
     pub kept_bytes: f64,
+    /// The part of it that does not grow with the number of times.
+    pub kept_once: f64,
 }
 
 /// The costs of a plan.
@@ -200,14 +203,15 @@ pub(super) fn predict_some(
             }
             cost.memory_bytes += PROGRAM + kept + check.formulas * formulas;
             cost.memory_bytes += reference.map_or(0.0, |run: Cost| run.memory_bytes - PROGRAM);
-            cost.kept_bytes = kept + SPACE * space.pattern.entries() as f64;
+            let once = SPACE * space.pattern.entries() as f64;
+            (cost.kept_bytes, cost.kept_once) = (kept + once, formulas + once);
             // The rules are compared once a mesh, at two times: loads by both, moments by the next.
             let compared = match setup.exact {
                 Some(_) => 2.0 * ((1.0 + check.load) * load + check.error * moment),
                 None => 0.0,
             };
             let truth = load * loads.len() as f64 + moment * moments.len() as f64;
-            cost.seconds_alone = cost.seconds + compared + truth + zeta;
+            cost.alone = [cost.seconds + compared + truth + zeta, truth];
             if place == 0 {
                 cost.seconds += compared;
             }
@@ -379,9 +383,10 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
         iterations,
         factorizations,
         seconds: passes * per_iteration + linear + MEASURING * cells * levels,
-        seconds_alone: 0.0,
+        alone: [0.0; 2],
         memory_bytes,
         kept_bytes: 0.0,
+        kept_once: 0.0,
     }
 }
 

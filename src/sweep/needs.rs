@@ -17,12 +17,24 @@ pub struct Need {
     pub kept: f64,
 }
 
+/// What one case takes in a process of its own.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Demand {
+    /// Seconds without a reference run; bytes with it.
+    pub need: Need,
+    /// Of the seconds those for loads and moments of the truth, which cases with the same mesh and times share.
+    pub truth_seconds: f64,
+    /// Of what is kept that which a mesh has once, whatever the times.
+    pub kept_once: f64,
+}
+
 /// What the cases of a plan take when each of them runs in a process of its own.
+#[derive(Default)]
 pub struct Demands {
     /// CPU seconds of the reference run, which every such process repeats; zero without one.
     pub reference_seconds: f64,
-    /// One a case, in the plan's order, the reference run in its bytes and not in its seconds.
-    pub cases: Vec<Need>,
+    /// One a case, in the plan's order.
+    pub cases: Vec<Demand>,
 }
 
 /// What the cases of `plan` take in processes of their own, on whatever machine: nothing is refused for its size.
@@ -33,18 +45,19 @@ pub fn demands(plan: &ScenePlan) -> Result<Demands, SetupError> {
     match &plan.subject {
         Subject::Contact(setup) => {
             let costs = predict(setup, plan)?;
-            let need = |cost: &super::Cost| Need {
-                seconds: cost.seconds_alone,
-                bytes: cost.memory_bytes,
-                kept: cost.kept_bytes,
+            let demand = |cost: &super::Cost| {
+                let [seconds, truth_seconds] = cost.alone;
+                let need = Need { seconds, bytes: cost.memory_bytes, kept: cost.kept_bytes };
+                Demand { need, truth_seconds, kept_once: cost.kept_once }
             };
             Ok(Demands {
                 reference_seconds: costs.reference.map_or(0.0, |cost| cost.seconds),
-                cases: costs.cases.iter().map(need).collect(),
+                cases: costs.cases.iter().map(demand).collect(),
             })
         }
         Subject::Abstract(setup) => {
-            let cases = plan.cases.iter().map(|case| abstract_need(setup, case)).collect();
+            let demand = |case| Demand { need: abstract_need(setup, case), ..Demand::default() };
+            let cases = plan.cases.iter().map(demand).collect();
             Ok(Demands { reference_seconds: 0.0, cases })
         }
     }
