@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::interrupt::{on_interrupt, quoted};
+use super::interrupt::on_interrupt;
 use super::{CliError, print_text};
 use crate::distributed::{CaseRow, PartRun, Plan, failed_in_words, run_part};
-use crate::record::counted;
+use crate::record::{counted, quoted};
 use crate::sweep::MemoryLimit;
 
 /// `sweep case`.

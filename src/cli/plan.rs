@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
-use super::interrupt::quoted;
 use super::{CliError, Scenes, plan_of, print_json, print_text};
 use crate::distributed::{Engine, PlannedCases, Planning};
-use crate::record::counted;
+use crate::record::{counted, quoted};
 use crate::scene::Scene;
 use crate::sweep::Overrides;
 
