@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants clean-reports pdf page reference
+.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants clean-reports pdf page reference beyond
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -34,6 +34,13 @@ verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate
 	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy
 	$(CARGO) build --release --bin sweep
 	tests/verify_examples.sh target/release/sweep $(COMPARE)/bin/python
+
+SNAKEMAKE := target/snakemake
+beyond: ## a sweep by Snakemake, killed midway and resumed, and by Slurm's arrays: bit for bit that of one process
+	test -x $(SNAKEMAKE)/bin/python || python3 -m venv $(SNAKEMAKE)
+	$(SNAKEMAKE)/bin/pip install --quiet snakemake==9.27.1
+	$(CARGO) build --release --bin sweep
+	tests/beyond.sh target/release/sweep $(SNAKEMAKE)/bin/snakemake
 
 gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 	$(SWEEP) gate --junit reports/latest/junit.xml
@@ -69,11 +76,12 @@ sabotage-check: ## the same, and a failure if a gate catches something else than
 	$(CARGO) test --release --test sabotage -- --ignored --test-threads 1
 
 # One recipe, so that -j cannot reorder it and a failure stops what follows.
-ci: ## what has to be green before a merge: lint, test, gate, sabotage, each benchmark once
+ci: ## what has to be green before a merge: lint, test, gate, other solvers and engines, sabotage, each benchmark once
 	$(MAKE) lint
 	$(MAKE) test
 	$(MAKE) gate
 	$(MAKE) verify-examples
+	$(MAKE) beyond
 	$(MAKE) sabotage-check
 	$(MAKE) bench BENCH=--test
 

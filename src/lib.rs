@@ -54,6 +54,7 @@
 //! | [`fit`], [`verdict`] | orders with intervals; predictions judged |
 //! | [`report`] | pictures, page, JUnit |
 //! | [`sweep`] | cases, threads, records, resume |
+//! | [`distributed`] | a sweep in many processes: plan, jobs, records merged and judged |
 //! | [`trade`] | speed against accuracy: knobs, cost and error models, optima; the error of a run from coarser ones |
 //! | [`theory`] | the theorems' constants, bounds and inequalities as runs |
 //! | [`diagnose`] | variants of a scene that name the term at fault |
@@ -64,6 +65,7 @@
 pub mod cli;
 pub mod contact;
 pub mod diagnose;
+pub mod distributed;
 pub mod external;
 pub mod extremes;
 pub mod finite;

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use gronwall::scene::{Registry, Scene};
 
 /// Each module imports only those before it.
-const ORDER: [&str; 27] = [
+const ORDER: [&str; 28] = [
     "tensor",
     "record",
     "linalg",
@@ -31,6 +31,7 @@ const ORDER: [&str; 27] = [
     "verdict",
     "report",
     "sweep",
+    "distributed",
     "trade",
     "theory",
     "diagnose",

@@ -4,6 +4,7 @@ mod abstract_problem;
 mod audit;
 mod baseline;
 mod bound;
+mod case;
 mod check;
 mod colour;
 mod constants;
@@ -18,7 +19,9 @@ mod github;
 mod gronwall;
 mod interrupt;
 mod list;
+mod merge;
 mod output;
+mod plan;
 mod progress;
 mod report;
 mod run;
@@ -39,7 +42,7 @@ use output::{create_dir, print_json, print_text, write_file, write_json};
 
 use crate::scene::{Registry, Scene, SceneError};
 use crate::setup::{Setup, SetupError, Subject};
-use crate::sweep::{MemoryLimit, admit_run};
+use crate::sweep::{MemoryLimit, Overrides, ScenePlan, admit_run};
 
 /// Exit code of a command that could not judge.
 const COULD_NOT_JUDGE: u8 = 2;
@@ -101,6 +104,12 @@ enum Command {
     Fit(fit::Fit),
     /// Put another program's solver under the same sweep
     Verify(verify::Verify),
+    /// Write a sweep as jobs for many processes or machines, with predicted time and memory
+    Plan(plan::PlanCommand),
+    /// Run cases of a plan in this process, and leave their records in a directory of their own
+    Case(case::CaseCommand),
+    /// Merge the records of many processes, and judge them as those of one
+    Merge(merge::MergeCommand),
     /// Rebuild every output from the records in a directory, without solving
     Report(report::Report),
     /// Print completions for a shell
@@ -171,6 +180,9 @@ pub fn main() -> ExitCode {
         Command::Trade(trade) => trade.execute(&scenes),
         Command::Fit(fit) => fit.execute(),
         Command::Verify(verify) => verify.execute(&scenes),
+        Command::Plan(plan) => plan.execute(&scenes),
+        Command::Case(case) => case.execute(),
+        Command::Merge(merge) => merge.execute(),
         Command::Report(report) => report.execute(&scenes),
         Command::Completions(completions) => completions.execute(),
         Command::Man(man) => man.execute(),
@@ -240,4 +252,30 @@ fn meshes_fit(setup: &Setup) -> Result<(), CliError> {
 fn no_case(scene: &Scene, purpose: &str) -> CliError {
     let hint = "add [sweep] with n and steps, or give --n and --steps";
     scene.error("scene.name", format!("the scene has no case to {purpose}"), hint).into()
+}
+
+/// The plan of a scene; none if it is left to those who name it: a long one, or one without a grid.
+fn plan_of(
+    scene: Scene,
+    overrides: &Overrides,
+    named: bool,
+    all: bool,
+) -> Result<Option<ScenePlan>, CliError> {
+    if scene.long && !all && !named {
+        return Ok(None);
+    }
+    let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
+    scene.check_grid(&listed(&overrides.n), &listed(&overrides.steps))?;
+    let plan = ScenePlan::new(Subject::new(scene)?, overrides);
+    if plan.cases.is_empty() && !named {
+        // A scene without a grid is there for `sweep solve`.
+        return Ok(None);
+    }
+    if plan.cases.is_empty() {
+        return Err(no_case(plan.scene(), "run"));
+    }
+    if let Some(remark) = plan.step_remark()? {
+        progress::remark(&plan.scene().name, &remark);
+    }
+    Ok(Some(plan))
 }

@@ -8,11 +8,10 @@ use super::extension::restore_added;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::swept::Swept;
-use super::{CliError, Scenes, no_case, print_json, print_text};
+use super::{CliError, Scenes, plan_of, print_json, print_text};
 use crate::record::{CaseRecord, RecordError, quoted};
 use crate::report::write_junit;
 use crate::scene::Scene;
-use crate::setup::Subject;
 use crate::sweep::{
     Machine, MemoryLimit, OutputDirectory, Overrides, Provenance, ScenePlan, SweepError, foresee,
     judge_scene, reference_error, run_more, run_sweep, scene_summary,
@@ -298,24 +297,7 @@ impl What {
         let named = !self.scenes.is_empty();
         let mut plans = Vec::new();
         for scene in scenes.select(&self.scenes)? {
-            if scene.long && !self.all && !named {
-                continue;
-            }
-            let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-            scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
-            let plan = ScenePlan::new(Subject::new(scene)?, &overrides);
-            let scene = plan.scene();
-            if plan.cases.is_empty() && !named {
-                // A scene without a grid is there for `sweep solve`.
-                continue;
-            }
-            if plan.cases.is_empty() {
-                return Err(no_case(scene, "run"));
-            }
-            if let Some(remark) = plan.step_remark()? {
-                super::progress::remark(&plan.scene().name, &remark);
-            }
-            plans.push(plan);
+            plans.extend(plan_of(scene, &overrides, named, self.all)?);
         }
         if plans.is_empty() {
             let folder = scenes.folder.display();

@@ -106,7 +106,7 @@ pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError
     replace_file(path, &bytes).map_err(io_error)
 }
 
-fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
+pub(super) fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
     for name in case.norms().chain([case.scene.as_str()]) {
         if name.contains(['\n', '\r']) {
             return Err(RecordError::Name { name: name.to_owned() });
@@ -115,7 +115,7 @@ fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
     lines(&row::encode(case)).map_err(|source| RecordError::Io { path: path.to_owned(), source })
 }
 
-fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
+pub(super) fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     for row in rows {
         writer.write_record(row)?;

@@ -9,6 +9,7 @@ mod journal;
 mod norm;
 mod quoted;
 mod row;
+mod stream;
 
 use std::io;
 use std::path::PathBuf;
@@ -23,6 +24,7 @@ pub use norm::{
 };
 pub use quoted::quoted;
 pub use row::COLUMNS;
+pub use stream::{CaseStream, TableWriter};
 
 /// What identifies a case. `n` is absent for abstract scenes, which have no mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -180,6 +182,12 @@ pub enum RecordError {
         path: PathBuf,
         /// The beginning of its first line.
         found: String,
+    },
+    /// A table that should be whole ends within a line.
+    #[error("{}: the last line is cut off", path.display())]
+    Torn {
+        /// The file.
+        path: PathBuf,
     },
     /// A line in the middle of the file has the wrong number of fields.
     #[error("{}:{line}: {}, a row has {}", path.display(), counted(*found, "field"), COLUMNS.len())]

@@ -198,7 +198,7 @@ impl Setup {
 }
 
 /// The grid of a scene with the given number of steps.
-fn time_grid(time: &scene::Time, steps: u32) -> TimeGrid {
+pub fn time_grid(time: &scene::Time, steps: u32) -> TimeGrid {
     match time.grid {
         scene::TimeGrid::Uniform => TimeGrid::uniform(time.horizon, steps),
         scene::TimeGrid::Graded { exponent } => TimeGrid::graded(time.horizon, steps, exponent),

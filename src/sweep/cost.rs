@@ -133,11 +133,16 @@ pub struct Cost {
     /// CPU seconds, in a sweep that runs the cases of a mesh longest first: loads and moments of a time are computed
     /// once a mesh, and belong to the case that needs them first.
     pub seconds: f64,
+    /// CPU seconds in a process that runs this case alone, without its reference run; of them those for loads and
+    /// moments at its times.
+    pub alone: [f64; 2],
     /// Peak memory of a process that runs this case alone, with its reference run if it has one. In a sweep the cases
     /// of a mesh share mesh and truth, and the meshes of a scene are held together.
     pub memory_bytes: f64,
     /// What stays of them at its end for the other cases on the mesh; of a reference run, for the cases of its scene.
     pub kept_bytes: f64,
+    /// The part of it that does not grow with the number of times.
+    pub kept_once: f64,
 }
 
 /// The costs of a plan.
@@ -166,6 +171,7 @@ pub(super) fn predict_some(
     let reference = reference.map(|own| reference_cost(setup, plan, own)).transpose()?;
     let (reference, reference_cells) = reference.unzip();
     let check = RuleRatios::of(setup.scene.dimension);
+    let zeta = zeta(setup);
     let timed = |c: usize| cases[c].norms.contains(&Norm::VTimeMax);
     let finest = |c: usize| cases[c].steps * if timed(c) { 1 + TIME_REFERENCE } else { 1 };
     let mut order: Vec<usize> = (0..cases.len()).collect();
@@ -197,10 +203,17 @@ pub(super) fn predict_some(
             }
             cost.memory_bytes += PROGRAM + kept + check.formulas * formulas;
             cost.memory_bytes += reference.map_or(0.0, |run: Cost| run.memory_bytes - PROGRAM);
-            cost.kept_bytes = kept + SPACE * space.pattern.entries() as f64;
-            if setup.exact.is_some() && place == 0 {
-                // The rules are compared once a mesh, at two times: loads by both, moments by the next.
-                cost.seconds += 2.0 * ((1.0 + check.load) * load + check.error * moment);
+            let once = SPACE * space.pattern.entries() as f64;
+            (cost.kept_bytes, cost.kept_once) = (kept + once, formulas + once);
+            // The rules are compared once a mesh, at two times: loads by both, moments by the next.
+            let compared = match setup.exact {
+                Some(_) => 2.0 * ((1.0 + check.load) * load + check.error * moment),
+                None => 0.0,
+            };
+            let truth = load * loads.len() as f64 + moment * moments.len() as f64;
+            cost.alone = [cost.seconds + compared + truth + zeta, truth];
+            if place == 0 {
+                cost.seconds += compared;
             }
             let [known_loads, known_moments] = &mut known;
             let fresh = |set: &mut HashSet<u64>, times: HashSet<u64>| {
@@ -215,7 +228,7 @@ pub(super) fn predict_some(
         u64::from(mesh_of(&cases[c])).pow(3) * u64::from(finest(c) + 1)
     };
     if let Some((_, Some(cost))) = costs.iter_mut().enumerate().max_by_key(longest) {
-        cost.seconds += zeta(setup);
+        cost.seconds += zeta;
     }
     Ok(PlanCost { cases: costs.into_iter().flatten().collect(), reference })
 }
@@ -370,8 +383,10 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
         iterations,
         factorizations,
         seconds: passes * per_iteration + linear + MEASURING * cells * levels,
+        alone: [0.0; 2],
         memory_bytes,
         kept_bytes: 0.0,
+        kept_once: 0.0,
     }
 }
 

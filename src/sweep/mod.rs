@@ -26,7 +26,7 @@ pub use extend::{AddedCase, ROUNDS, Step, extend, words};
 pub use floors::{FloorPart, FloorRow, abstract_floors, contact_floors, direct_history};
 pub use judging::{foresee, foresee_plan, judge_scene};
 pub use memory_limit::{MemoryLimit, TooLarge};
-pub use needs::admit_run;
+pub use needs::{Demand, Demands, Need, admit_run, demands};
 pub use output::{OutputDirectory, OutputError};
 pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple, without_panic};
 pub use portrait::scene_summary;

@@ -1,6 +1,6 @@
 //! What the cases of a sweep ask of the machine, and which of them ask for more than there is.
 
-use super::cost::{predict_abstract, predict_some, run_cost};
+use super::cost::{predict, predict_abstract, predict_some, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::plan::{CasePlan, ScenePlan, without_panic};
 use crate::contact::Discretization;
@@ -8,12 +8,59 @@ use crate::setup::{AbstractSetup, Setup, SetupError, Subject};
 
 /// What one run is predicted to take.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Need {
-    pub(super) seconds: f64,
+pub struct Need {
+    /// CPU seconds.
+    pub seconds: f64,
     /// Peak memory.
-    pub(super) bytes: f64,
+    pub bytes: f64,
     /// What stays of it for others.
-    pub(super) kept: f64,
+    pub kept: f64,
+}
+
+/// What one case takes in a process of its own.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Demand {
+    /// Seconds without a reference run; bytes with it.
+    pub need: Need,
+    /// Of the seconds those for loads and moments of the truth, which cases with the same mesh and times share.
+    pub truth_seconds: f64,
+    /// Of what is kept that which a mesh has once, whatever the times.
+    pub kept_once: f64,
+}
+
+/// What the cases of a plan take when each of them runs in a process of its own.
+#[derive(Default)]
+pub struct Demands {
+    /// CPU seconds of the reference run, which every such process repeats; zero without one.
+    pub reference_seconds: f64,
+    /// One a case, in the plan's order.
+    pub cases: Vec<Demand>,
+}
+
+/// What the cases of `plan` take in processes of their own, on whatever machine: nothing is refused for its size.
+///
+/// # Errors
+/// [`SetupError::Mesh`]: the meshes are made and analysed, one at a time.
+pub fn demands(plan: &ScenePlan) -> Result<Demands, SetupError> {
+    match &plan.subject {
+        Subject::Contact(setup) => {
+            let costs = predict(setup, plan)?;
+            let demand = |cost: &super::Cost| {
+                let [seconds, truth_seconds] = cost.alone;
+                let need = Need { seconds, bytes: cost.memory_bytes, kept: cost.kept_bytes };
+                Demand { need, truth_seconds, kept_once: cost.kept_once }
+            };
+            Ok(Demands {
+                reference_seconds: costs.reference.map_or(0.0, |cost| cost.seconds),
+                cases: costs.cases.iter().map(demand).collect(),
+            })
+        }
+        Subject::Abstract(setup) => {
+            let demand = |case| Demand { need: abstract_need(setup, case), ..Demand::default() };
+            let cases = plan.cases.iter().map(demand).collect();
+            Ok(Demands { reference_seconds: 0.0, cases })
+        }
+    }
 }
 
 /// What a plan takes: the reference run, and some of its cases in their order. An error is the reason of a refusal.
@@ -36,9 +83,8 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
         Subject::Contact(setup) => setup,
         Subject::Abstract(setup) => {
             let need = |case: &CasePlan| {
-                let (seconds, bytes) =
-                    (predict_abstract(setup, case.steps), abstract_bytes(setup, case.steps));
-                limit.admit(bytes, false).map(|()| Need { seconds, bytes, kept: 0.0 })
+                let need = abstract_need(setup, case);
+                limit.admit(need.bytes, false).map(|()| need)
             };
             return Needs { reference: None, cases: cases.iter().map(need).collect() };
         }
@@ -110,7 +156,8 @@ fn least_bytes(setup: &Setup, n: u32, steps: u32) -> f64 {
 }
 
 /// An abstract problem keeps all of its states, and a kernel value for each pair of times is computed, not kept.
-fn abstract_bytes(setup: &AbstractSetup, steps: u32) -> f64 {
-    let states = 4.0 * (f64::from(steps) + 1.0);
-    super::cost::PROGRAM + 8.0 * states * setup.model.dimension() as f64
+fn abstract_need(setup: &AbstractSetup, case: &CasePlan) -> Need {
+    let states = 4.0 * (f64::from(case.steps) + 1.0);
+    let bytes = super::cost::PROGRAM + 8.0 * states * setup.model.dimension() as f64;
+    Need { seconds: predict_abstract(setup, case.steps), bytes, kept: 0.0 }
 }

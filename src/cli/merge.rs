@@ -1,0 +1,130 @@
+//! `sweep merge`: the records of many processes, judged as those of one.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::{CliError, print_json, print_text};
+use crate::distributed::{AT_ONCE, Merged, Parts, Plan, merge};
+use crate::record::counted;
+use crate::report::remove_earlier;
+use crate::sweep::{Circumstances, OutputDirectory};
+use crate::verdict::{exit_code, failures, render_table, write_json};
+
+/// Below the output directory: sorted pieces of the table, while it is made.
+const PIECES: &str = ".pieces";
+
+/// `sweep merge`.
+#[derive(Args)]
+#[command(
+    after_help = "A DIR is a directory of `sweep case`, `run` or `gate` with cases.csv and provenance.json, or one that has such directories in it. Refused with exit code 2 and both names: records of another version of the program, of another text of a scene or another platform than the rest, a torn or malformed line, two records of one case that differ in more than seconds_*, a case that is not in the plan. Cases that are missing are named, and nothing is written, unless --incomplete says so.\n\nWritten into --out: cases.csv sorted, provenance.json, verdict.json, all as one process would have written them but for seconds_* and the key `run` of the provenance. `sweep report` makes the pages. There is no comparison with a baseline.\n\nExit codes: 0 all verdicts as expected, 1 one is not, 2 it could not judge, a case failed or is missing.\n\nExamples:\n  sweep merge big/parts --plan big --out big/merged && sweep report big/merged\n  sweep merge monday tuesday --out both"
+)]
+pub struct MergeCommand {
+    /// Directories with records
+    #[arg(value_name = "DIR", required = true)]
+    parts: Vec<PathBuf>,
+    /// Directory for the merged records
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Directory that `sweep plan` wrote: its cases have to be there [default: those on the grids of the scenes' files]
+    #[arg(long, value_name = "DIR")]
+    plan: Option<PathBuf>,
+    /// Record missing cases as skipped, and judge: the verdicts of their scenes fail
+    #[arg(long)]
+    incomplete: bool,
+    /// Print verdict.json to stdout instead of the table
+    #[arg(long)]
+    json: bool,
+}
+
+impl MergeCommand {
+    pub(super) fn execute(&self) -> Result<u8, CliError> {
+        let plan = self.plan.as_deref().map(Plan::read).transpose().map_err(CliError::other)?;
+        let parts = Parts::open(&self.parts, plan.as_ref()).map_err(CliError::other)?;
+        let out = OutputDirectory::take(&self.out)?;
+        self.apart(&parts)?;
+        let pieces = self.out.join(PIECES);
+        // Those of a merge that was killed.
+        remove(&pieces)?;
+        super::create_dir(&pieces)?;
+        let [table, document] = ["cases.csv", "verdict.json"].map(|name| self.out.join(name));
+        let merged = merge(
+            &parts,
+            plan.as_ref().zip(self.plan.as_deref()),
+            (&table, &pieces),
+            AT_ONCE,
+            self.incomplete,
+        );
+        remove(&pieces)?;
+        let (mut merged, written) = merged.map_err(CliError::other)?;
+        merged.provenance.run = Some(Circumstances::new(1, &self.options()));
+        // As in a sweep: no table without its provenance, and nothing of other records beside a new one.
+        remove_earlier(&self.out)?;
+        remove(&document)?;
+        remove(&table)?;
+        let refused = |(path, reason): (PathBuf, String)| CliError::about(path.display(), reason);
+        merged.provenance.write(out.path()).map_err(refused)?;
+        written.finish().map_err(CliError::other)?;
+        let Merged { verdicts, failed, provenance, .. } = &merged;
+        write_json(&document, &provenance.json(), verdicts, failed, None)
+            .map_err(CliError::other)?;
+        self.print(&merged, parts.dirs.len())?;
+        let code = exit_code(failed, verdicts);
+        Ok(if merged.missing.number > 0 { super::COULD_NOT_JUDGE } else { code })
+    }
+
+    /// Refuses to write over what is read.
+    fn apart(&self, parts: &Parts) -> Result<(), CliError> {
+        let place = |path: &Path| path.canonicalize().ok();
+        let own = place(&self.out);
+        match parts.dirs.iter().find(|dir| place(dir) == own) {
+            None => Ok(()),
+            Some(dir) => {
+                let what = "the merged records would replace those that are merged";
+                Err(CliError::about(dir.display(), format!("{what}; choose another --out")))
+            }
+        }
+    }
+
+    fn options(&self) -> String {
+        let flags = [(self.plan.is_some(), " --plan"), (self.incomplete, " --incomplete")];
+        let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
+        std::iter::once("merge").chain(given).collect()
+    }
+
+    fn print(&self, merged: &Merged, parts: usize) -> Result<(), CliError> {
+        let Merged { verdicts, failed, missing, cases, provenance } = merged;
+        if self.json {
+            return print_json(&serde_json::json!({
+                "provenance": provenance.json(),
+                "verdicts": verdicts,
+                "failures": failures(failed),
+            }));
+        }
+        print_text(&super::colour::shown(&render_table(verdicts)));
+        let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
+        print_text(&format!(
+            "{} of {}, {} failed, {} missing; {met} of {} as expected",
+            counted(*cases, "case"),
+            counted(parts, "part"),
+            failed.len(),
+            missing.number,
+            counted(verdicts.len(), "verdict"),
+        ));
+        if missing.number > 0 {
+            super::progress::note(&format!("warning: {missing}"));
+        }
+        print_text(&format!("records: {}", self.out.join("cases.csv").display()));
+        Ok(())
+    }
+}
+
+/// Removes a file or directory, if it is there.
+fn remove(path: &Path) -> Result<(), CliError> {
+    let removed = match path.is_dir() {
+        true => std::fs::remove_dir_all(path),
+        false if path.exists() => std::fs::remove_file(path),
+        false => Ok(()),
+    };
+    removed.map_err(|error| CliError::about(path.display(), error))
+}

@@ -1,0 +1,153 @@
+//! `sweep plan`: a sweep as jobs for many processes.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use rayon::prelude::*;
+
+use super::{CliError, Scenes, plan_of, print_json, print_text};
+use crate::distributed::{Engine, PlannedCases, Planning};
+use crate::record::{counted, quoted};
+use crate::scene::Scene;
+use crate::sweep::Overrides;
+
+/// What runs the jobs.
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    /// A Snakefile, for one machine, Slurm, Kubernetes or a cloud by Snakemake's executors
+    Snakemake,
+    /// Job arrays of Slurm: submit.sh and array.sh
+    Slurm,
+    /// The tables alone
+    Csv,
+}
+
+/// `sweep plan`.
+#[derive(Args)]
+#[command(
+    after_help = "Written into DIR: plan.json (version, arguments, the scenes with their texts and hashes), plan.csv (id, scene, n, steps, seconds, bytes, job; the longest job first, and in it the longest case), jobs.csv (job, cases, seconds, bytes, mem_mb, runtime in minutes), and the files of the format. Seconds are CPU seconds and bytes peak memory as `sweep explain` predicts them; mem_mb and runtime are these with a margin.\n\nJSON keys with --json: cases, jobs, scenes, seconds, longest_seconds, largest_bytes.\n\nExamples:\n  sweep plan --all --out big --format snakemake && cd big && snakemake --cores 8\n  sweep plan pure-mild --n 8,16,32,64 --steps 4,8,16 --out big --format slurm && big/submit.sh\n  sweep plan punch --out big && sweep case --job 0 --plan big --out big/parts/0\n\nThen: sweep merge DIR/parts --plan DIR --out DIR/merged"
+)]
+pub struct PlanCommand {
+    /// Names of scenes, or paths of TOML files; none: all that are not marked long
+    #[arg(value_name = "SCENE")]
+    scenes: Vec<String>,
+    /// Cells per unit length, h = 1/n, in place of the scene's list
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
+    n: Option<Vec<u32>>,
+    /// Numbers N of time steps, k = T/N, in place of the scene's list
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    steps: Option<Vec<u32>>,
+    /// Plan the scenes marked long as well
+    #[arg(long)]
+    all: bool,
+    /// Directory for the plan
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// What runs the jobs
+    #[arg(long, value_enum, default_value = "csv")]
+    format: Format,
+    /// Predicted CPU seconds up to which cases share a job: a minute, beside which the seconds that an engine takes to
+    /// start a job are few. A longer case is a job of its own
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = seconds)]
+    seconds: f64,
+    /// Print the size of the plan as JSON
+    #[arg(long)]
+    json: bool,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
+        _ => Err(format!("`{text}` is no number of seconds")),
+    }
+}
+
+impl PlanCommand {
+    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let overrides = Overrides { n: once(&self.n), steps: once(&self.steps) };
+        let selected = scenes.select(&self.scenes)?;
+        different_names(&selected)?;
+        let named = !self.scenes.is_empty();
+        // One scene at a time a thread: of each its predictions are kept, and neither formulas nor meshes.
+        let one = |scene: Scene| -> Result<Option<PlannedCases>, CliError> {
+            let plan = plan_of(scene, &overrides, named, self.all)?;
+            plan.map(|plan| Ok(PlannedCases::new(&plan)?)).transpose()
+        };
+        let planned: Vec<Option<PlannedCases>> =
+            selected.into_par_iter().map(one).collect::<Result<_, _>>()?;
+        let planned: Vec<PlannedCases> = planned.into_iter().flatten().collect();
+        if planned.is_empty() {
+            let folder = scenes.folder.display();
+            let message = format!("no scene to plan in {folder}: name one, or add --all");
+            return Err(CliError::Other(message));
+        }
+        let planning = Planning::new(planned, overrides, self.seconds);
+        let engine = match self.format {
+            Format::Snakemake => Engine::Snakemake,
+            Format::Slurm => Engine::Slurm,
+            Format::Csv => Engine::Tables,
+        };
+        planning.write(&self.out, engine).map_err(CliError::other)?;
+        self.print(&planning)?;
+        Ok(0)
+    }
+
+    fn print(&self, planning: &Planning) -> Result<(), CliError> {
+        let jobs = &planning.jobs;
+        let seconds: f64 = jobs.iter().map(|job| job.seconds).sum();
+        let longest = jobs.iter().map(|job| job.seconds).fold(0.0, f64::max);
+        let bytes = jobs.iter().map(|job| job.bytes).fold(0.0, f64::max);
+        let plan = &planning.plan;
+        if self.json {
+            return print_json(&serde_json::json!({
+                "cases": plan.cases, "jobs": plan.jobs, "scenes": plan.scenes.len(),
+                "seconds": seconds, "longest_seconds": longest, "largest_bytes": bytes,
+            }));
+        }
+        print_text(&format!(
+            "{} of {} in {}; predicted: {seconds:.0} CPU seconds in all, {longest:.1} in the longest job, {:.0} MB in the largest",
+            counted(plan.cases, "case"),
+            counted(plan.scenes.len(), "scene"),
+            counted(plan.jobs, "job"),
+            bytes / 1e6
+        ));
+        print_text(&self.next(&self.out));
+        Ok(())
+    }
+
+    /// How to go on.
+    fn next(&self, out: &Path) -> String {
+        let dir = quoted(&out.display().to_string());
+        let run = match self.format {
+            Format::Snakemake => format!("cd {dir} && snakemake --cores {}", processors()),
+            Format::Slurm => format!("{dir}/submit.sh"),
+            Format::Csv => {
+                format!("sweep case --job 0 --plan {dir} --out {dir}/parts/0   (and so on)")
+            }
+        };
+        format!("run: {run}\nthen: sweep merge {dir}/parts --plan {dir} --out {dir}/merged")
+    }
+}
+
+fn processors() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// A list without repetitions, in its order.
+fn once(list: &Option<Vec<u32>>) -> Option<Vec<u32>> {
+    let mut seen = std::collections::BTreeSet::new();
+    list.as_ref().map(|list| list.iter().copied().filter(|&value| seen.insert(value)).collect())
+}
+
+/// Records know a scene by its name.
+fn different_names(scenes: &[Scene]) -> Result<(), CliError> {
+    let mut seen = std::collections::BTreeSet::new();
+    match scenes.iter().find(|scene| !seen.insert(&scene.name)) {
+        None => Ok(()),
+        Some(twice) => {
+            let message = "two scenes of this name are to be planned";
+            let hint = "name each scene once; a plan holds one text of it";
+            Err(twice.error("scene.name", message, hint).into())
+        }
+    }
+}

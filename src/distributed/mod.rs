@@ -1,0 +1,20 @@
+//! Sweeps beyond one machine: a plan of jobs for an engine, the cases of a job, and their records merged and judged as
+//! those of one process.
+
+mod bundle;
+mod merge;
+mod part;
+mod parts;
+mod plan;
+mod planning;
+mod request;
+mod slurm;
+mod sorted;
+
+pub use bundle::{Job, SceneDemands, bundle};
+pub use merge::{MergeError, Merged, Missing, merge};
+pub use part::{PartError, PartRun, failed_in_words, run_part};
+pub use parts::Parts;
+pub use plan::{CaseRow, JobRow, Plan, PlanError, PlannedScene, id};
+pub use planning::{Engine, PlannedCases, Planning, PlanningError};
+pub use sorted::AT_ONCE;
