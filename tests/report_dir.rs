@@ -164,6 +164,62 @@ fn a_build_without_the_typesetter_names_the_way_to_one() {
     assert!(!folder.at("report.pdf").exists());
 }
 
+/// Studies that the commands wrote into the directory are chapters of it, without a solve; one that is torn is refused.
+#[test]
+fn studies_of_the_directory_are_chapters() {
+    let folder = Folder::new("chapters");
+    assert_eq!(run(&folder, "run", &["affine"], &AFFINE), 0);
+    let out = folder.argument("out");
+    let read = |file: &str| std::fs::read_to_string(folder.at("out").join(file)).expect("a file");
+    assert!(read("index.html").contains("sweep bound SCENE --out DIR"));
+    for study in [
+        &["bound", "affine", "--n", "4", "--steps", "2"][..],
+        &["gronwall", "affine", "--steps", "8,16", "--horizons", "1,2"],
+        &["audit", "compliance", "--n", "4,8", "--steps", "2"],
+        &["trade", "compliance", "--n", "4,8,16", "--steps", "4,8,16", "--repeats", "1"],
+        &["extremes", "one-vertex"],
+    ] {
+        let output = sweep(&[study, &["--out", &out]].concat());
+        assert_eq!(code(&output), 0, "{study:?}: {}", stderr(&output));
+    }
+    let report = || sweep(&["report", &out]);
+    assert_eq!(code(&report()), 0);
+    let pages = ["index.html", "report.md", "tables.tex", "report.json"].map(read);
+    for (words, times) in [
+        ("contraction factor of Λ for a last step", 3),
+        ("bound over error at t = T", 3),
+        ("the lines of the proof", 3),
+        ("CPU seconds and predicted memory", 3),
+        ("Step sizes: bounds on k", 3),
+        ("Rungs: what was expected", 3),
+    ] {
+        let holding = pages.iter().filter(|page| page.contains(words)).count();
+        assert!(holding >= times, "{words} is in {holding} renderings");
+    }
+    assert!(!pages[0].contains("sweep bound SCENE --out DIR"), "the study is there");
+    assert!(!pages[0].contains("oes not hold") && !pages[0].contains("not everything holds"));
+    assert_eq!(code(&report()), 0);
+    assert!(
+        ["index.html", "report.md", "tables.tex", "report.json"].map(read) == pages,
+        "the same twice"
+    );
+
+    // A violation that a study recorded is on the page in words.
+    let sound = read("affine-bound.json");
+    let violation =
+        r#""violations": [{ "k": 0.5, "what": "|DLambda| <= (3.15)", "left": 2.0, "right": 1.0 }]"#;
+    folder.file("out/affine-bound.json", &edited(&sound, "\"violations\": []", violation));
+    assert_eq!(code(&report()), 0, "the exit code is that of the verdicts");
+    assert!(read("index.html").contains("(3.4), affine: not everything holds."));
+    folder.file("out/affine-bound.json", &sound[..sound.len() / 2]);
+    let output = report();
+    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
+    let line = sound[..sound.len() / 2].lines().count();
+    let said = stderr(&output);
+    assert!(said.contains(&format!("affine-bound.json:{line}: ")), "{said}");
+    assert!(said.contains("sweep bound SCENE --out DIR"), "{said}");
+}
+
 /// What the page links to is there: sections, files, and each verdict's own evidence.
 #[test]
 fn every_link_of_the_page_leads_somewhere() {

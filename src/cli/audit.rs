@@ -26,7 +26,7 @@ const WIDTH: u16 = 110;
 #[derive(Args)]
 #[command(
     after_help = "Runs use the paper's own boundary integral (5.14), rule exact, unless --rule says otherwise; laws with a jump keep the vertex rule. Columns: largest left and right of the finest run, worst left/right over all runs (of an identity: |left - right| over the larger side; - where both are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
-JSON keys with --json: scene, theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, power_h, power_k, holds), cases (n, steps, h, k, lines), violations. Files with --out: audit.csv, audit.json, SCENE-audit.svg. \
+JSON keys with --json: scene, fingerprint (of its text), theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, power_h, power_k, holds), cases (n, steps, h, k, lines), violations. Files with --out: SCENE-audit.csv, SCENE-audit.json, SCENE-audit.svg. \
 With --ledger: a list of claim, hypotheses, quantity, proved, observed, used, claimed, confirmed, scene, command; file ledger.json. \
 Exit code 1: a line is violated beyond its accuracy, or a claim is not confirmed."
 )]
@@ -49,7 +49,7 @@ pub struct Audit {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Write audit.csv, audit.json and SCENE-audit.svg into this directory
+    /// Write SCENE-audit.csv, SCENE-audit.json and SCENE-audit.svg into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -71,11 +71,13 @@ impl Audit {
         let (ns, steps) = self.grids(&setup)?;
         self.choose_rule(&mut setup)?;
         let audit = SceneAudit::new(&setup, &ns, &steps).map_err(CliError::other)?;
+        let mut document = audit.json();
+        document["fingerprint"] = setup.scene.source.hash.clone().into();
         if let Some(dir) = &self.out {
-            write(dir, &audit)?;
+            write(dir, &audit, &document)?;
         }
         if self.json {
-            print_json(&audit.json())?;
+            print_json(&document)?;
         } else {
             print(&audit);
         }
@@ -117,12 +119,13 @@ impl Audit {
     }
 }
 
-fn write(dir: &Path, audit: &SceneAudit) -> Result<(), CliError> {
+fn write(dir: &Path, audit: &SceneAudit, document: &serde_json::Value) -> Result<(), CliError> {
     create_dir(dir)?;
-    write_file(&dir.join("audit.csv"), audit.csv().map_err(CliError::other)?)?;
-    write_json(&dir.join("audit.json"), &audit.json())?;
+    let at = |ending: &str| dir.join(format!("{}-audit.{ending}", audit.scene));
+    write_file(&at("csv"), audit.csv().map_err(CliError::other)?)?;
+    write_json(&at("json"), document)?;
     if let Some(svg) = audit.svg()? {
-        write_file(&dir.join(format!("{}-audit.svg", audit.scene)), svg)?;
+        write_file(&at("svg"), svg)?;
     }
     Ok(())
 }

@@ -14,7 +14,7 @@ use crate::theory::bound::threshold::Crossing;
 /// `sweep bound`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, n, steps, constants (name, value, uncertainty, how, safe, note), samples (what, declared, needed, samples, holds), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, loss_tensors, loss_mesh), ratio, attained, worst, levels, meshes (mesh, level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, finite_random, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), violations (k, what, left, right). Exit code 1: an inequality or a declared constant does not hold."
+    after_help = "JSON keys with --json: scene, fingerprint (of its text), n, steps, constants (name, value, uncertainty, how, safe, note), samples (what, declared, needed, samples, holds), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, loss_tensors, loss_mesh), ratio, attained, worst, levels, meshes (mesh, level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, finite_random, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), violations (k, what, left, right). Exit code 1: an inequality or a declared constant does not hold."
 )]
 pub struct BoundCommand {
     /// Name of a scene, or path of a TOML file
@@ -54,7 +54,8 @@ impl BoundCommand {
             }
         }
         .map_err(|error| CliError::about(&scene.name, error))?;
-        let document = document(&bound);
+        let mut document = document(&bound);
+        document["fingerprint"] = json!(scene.source.hash);
         if let Some(dir) = &self.out {
             write(dir, &bound, &document)?;
         }

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use serde_json::Value;
 
-use super::{CliError, Scenes, create_dir, print_json, print_text, write_file};
+use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
 use crate::scene::Scene;
 use crate::setup::Subject;
 use crate::theory::gronwall::{HorizonRow, Plan, StudiedGrid, Study, maximum};
@@ -12,7 +13,7 @@ use crate::theory::gronwall::{HorizonRow, Plan, StudiedGrid, Study, maximum};
 /// `sweep gronwall`.
 #[derive(Args)]
 #[command(
-    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is checked at every n of every run; exit code 1 names the first n at which a link fails.\n\nJSON keys with --json: scene, n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, of_maxima, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, printed, printed_closed, c2, growth), perturbations (shape, size, steps, load, difference, growth, weighted, primed, least_effectivity), violations (part, link, n, t, left, right), verdict.\n\nFiles with --out: gronwall.csv (every level of every run), gronwall-*.svg."
+    after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is checked at every n of every run; exit code 1 names the first n at which a link fails.\n\nJSON keys with --json: scene, fingerprint (of its text), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, of_maxima, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, printed, printed_closed, c2, growth), perturbations (shape, size, steps, load, difference, growth, weighted, primed, least_effectivity), violations (part, link, n, t, left, right), verdict.\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-*.svg."
 )]
 pub struct Gronwall {
     /// Name of a scene, or path of a TOML file
@@ -29,7 +30,7 @@ pub struct Gronwall {
     /// Print JSON
     #[arg(long)]
     json: bool,
-    /// Directory for gronwall.csv and the pictures
+    /// Directory for SCENE-gronwall.csv, SCENE-gronwall.json and the pictures
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -44,12 +45,15 @@ impl Gronwall {
         if let Some(n) = plan.n.filter(|_| scene.as_contact().is_some()) {
             scene.check_cells(n)?;
         }
+        let fingerprint = scene.source.hash.clone();
         let study = Study::run(&Subject::new(scene)?, plan).map_err(CliError::other)?;
+        let mut document = study.json();
+        document["fingerprint"] = fingerprint.into();
         if let Some(dir) = &self.out {
-            write(dir, &study)?;
+            write(dir, &study, &document)?;
         }
         if self.json {
-            print_json(&study.json())?;
+            print_json(&document)?;
         } else {
             print(&study);
         }
@@ -75,12 +79,13 @@ impl Gronwall {
     }
 }
 
-fn write(dir: &Path, study: &Study) -> Result<(), CliError> {
+fn write(dir: &Path, study: &Study, document: &Value) -> Result<(), CliError> {
     create_dir(dir)?;
     let file = |name: &str, bytes: &[u8]| write_file(&dir.join(name), bytes);
-    file("gronwall.csv", &study.csv().map_err(CliError::other)?)?;
+    file(&format!("{}-gronwall.csv", study.scene), &study.csv().map_err(CliError::other)?)?;
+    write_json(&dir.join(format!("{}-gronwall.json", study.scene)), document)?;
     for (stem, svg) in study.pictures()? {
-        file(&format!("{stem}.svg"), svg.as_bytes())?;
+        file(&format!("{}-{stem}.svg", study.scene), svg.as_bytes())?;
     }
     Ok(())
 }

@@ -53,11 +53,11 @@ use crate::fit::Direction;
 use crate::record::{CaseRecord, RecordError, write_sorted};
 use crate::verdict::{Comparison, DocumentError, Verdict, write_json};
 use document::{Block, DATA, Report, TEMPLATE, data, document, markdown, page, tables};
-use studies::{is_study, studies};
+use studies::{Studies, is_study};
 use written::write_listed;
 
 /// What a report says of a scene beside its numbers.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct SceneSummary {
     /// Its name, as in the records.
     pub name: String,
@@ -69,6 +69,25 @@ pub struct SceneSummary {
     pub equations: Vec<Equation>,
     /// The scene file: part, key, value.
     pub data: Vec<[String; 3]>,
+    /// The hypotheses that it breaks on purpose, as scene files name them.
+    pub violates: Vec<String>,
+    /// What its step size has to obey; none where that could not be computed.
+    pub step: Option<StepLimits>,
+}
+
+/// Bounds on the step size that follow from the data of a scene, each a time; infinite where there is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepLimits {
+    /// m0 of (2.9), a stress.
+    pub m0: f64,
+    /// (3.4) with the norm that the paper takes of ℬ.
+    pub paper: f64,
+    /// (3.4) with the operator norm.
+    pub theorem: f64,
+    /// With the weight k/2 of the last slot, part by part.
+    pub sharpened: f64,
+    /// Below it each step is a strongly monotone problem.
+    pub solvable: f64,
 }
 
 /// Why a report could not be written.
@@ -88,6 +107,18 @@ pub enum ReportError {
     /// `verdict.json` could not be written.
     #[error(transparent)]
     Document(#[from] DocumentError),
+    /// A study that another command wrote into the directory is not one.
+    #[error("{}:{line}: {reason}; write this study again by `sweep {command} --out DIR`, or delete the file", path.display())]
+    Study {
+        /// The file.
+        path: PathBuf,
+        /// Where the reader stopped.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+        /// What writes such files.
+        command: String,
+    },
     /// The list of files that an earlier report wrote is not one.
     #[error("{}: {reason}; delete this list, and the pictures that you have no use for", path.display())]
     List {
@@ -177,7 +208,7 @@ fn composed(
     let drawn =
         scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
     let pictures = drawn.collect::<Result<_, _>>()?;
-    let studies = studies(dir)?;
+    let studies = Studies::read(dir)?;
     let stems = &stems;
     Ok(document(Report { scenes, stems, pictures, studies, records, verdicts, provenance }))
 }

@@ -71,6 +71,7 @@ fn a_report_is_whole_and_the_same_twice() {
         remarks: vec!["Loads <given> & *none* known.".into()],
         equations: equations(Terms { memory: true, contact: true, ..Terms::default() }),
         data: vec![["time".into(), "horizon".into(), "<1.0> | `2`".into()]],
+        ..SceneSummary::default()
     }];
     let dir = std::env::temp_dir().join(format!("gronwall-report-{}", std::process::id()));
     let provenance = serde_json::json!({"version": "0.1.0", "threads": 2});

@@ -35,7 +35,7 @@ pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
 pub use rule_check::RuleCheck;
 pub use scheme::{NewtonMarch, Scheme};
-pub use step_size::{StepRemark, check_step_sizes};
+pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
 pub use subject::Subject;
 pub use trace_family::{TraceFamily, trace_family};
 

@@ -16,6 +16,17 @@ pub struct StepRemark {
     pub text: String,
 }
 
+/// The constants of a scene that decide on its step size.
+///
+/// # Errors
+/// As [`step_bounds`].
+pub fn subject_bounds(subject: &Subject) -> Result<StepBounds, SetupError> {
+    match subject {
+        Subject::Contact(setup) => step_bounds(setup),
+        Subject::Abstract(setup) => Ok(setup.constants.step_bounds()),
+    }
+}
+
 /// Compares the grids with these numbers of steps with (3.4) and with the bound below which each step
 /// is strongly monotone.
 ///
@@ -31,10 +42,7 @@ pub fn check_step_sizes(
     if violates(Hypothesis::Smallness) || violates(Hypothesis::LipschitzKappa) {
         return Ok(None);
     }
-    let bounds = match subject {
-        Subject::Contact(setup) => step_bounds(setup)?,
-        Subject::Abstract(setup) => setup.constants.step_bounds(),
-    };
+    let bounds = subject_bounds(subject)?;
     let size = |steps: u32| subject.grid(steps).largest_step();
     let Some(coarsest) = steps.iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b))) else {
         return Ok(None);

@@ -1,7 +1,8 @@
 //! A scene as a report shows it: its equations, the data of its file, and what a reader has to know.
 
-use crate::report::{SceneSummary, Terms, equations};
+use crate::report::{SceneSummary, StepLimits, Terms, equations};
 use crate::scene::{Body, Data, Expectation, Scene};
+use crate::setup::{Subject, subject_bounds};
 
 /// Parts of a scene file that a report says elsewhere.
 const SAID_ELSEWHERE: [&str; 2] = ["scene", "predicts"];
@@ -14,7 +15,21 @@ pub fn scene_summary(scene: &Scene) -> SceneSummary {
         remarks: remarks(scene),
         equations: equations(terms(scene)),
         data: data(&scene.source.text),
+        violates: scene.violates.iter().map(|hypothesis| hypothesis.name().to_owned()).collect(),
+        step: step(scene),
     }
+}
+
+/// The bounds on the step size, without a solve in time.
+fn step(scene: &Scene) -> Option<StepLimits> {
+    let bounds = subject_bounds(&Subject::new(scene.clone()).ok()?).ok()?;
+    Some(StepLimits {
+        m0: bounds.m0,
+        paper: bounds.paper_limit(),
+        theorem: bounds.limit(),
+        sharpened: bounds.sharpened_limit(),
+        solvable: bounds.solvable_limit(),
+    })
 }
 
 fn terms(scene: &Scene) -> Terms {

@@ -71,9 +71,11 @@ impl StepBounds {
     }
 }
 
-/// m0/size; no restriction where nothing depends on the last slot, none admissible if m0 ≤ 0.
+/// m0/size; no restriction where nothing depends on the last slot, none admissible if m0 ≤ 0, NaN if m0 is.
 fn limit(m0: f64, size: f64) -> f64 {
-    if m0 <= 0.0 {
+    if m0.is_nan() {
+        f64::NAN
+    } else if m0 <= 0.0 {
         0.0
     } else if size == 0.0 {
         f64::INFINITY
@@ -130,6 +132,7 @@ mod tests {
         // (2.9) violated: no step is covered, however small.
         assert_eq!(StepBounds { m0: -0.1, ..BOUNDS }.place(1e-9), StepPlace::Unguaranteed);
         assert_eq!(StepBounds { m0: f64::NAN, ..BOUNDS }.place(0.1), StepPlace::Unguaranteed);
+        assert_eq!(StepBounds { m0: f64::NAN, ..free }.place(0.1), StepPlace::Unguaranteed);
         assert_eq!(
             StepBounds { last_slot: 0.0, destabilizing: 0.0, ..BOUNDS }.sharpened_limit(),
             f64::INFINITY

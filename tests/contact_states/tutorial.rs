@@ -1,6 +1,8 @@
-//! Source: docs/NEW-SCENE.md.
-//! Goal: every command of the page, run in its order on the file that its blocks build, prints what the page shows.
-//! Data: `toml` blocks are appended, `diff` blocks replace a line's part, `console` blocks are commands with their output.
+//! Source: docs/NEW-SCENE.md, docs/FAQ.md.
+//! Goal: every command of a page, run in its order on the file that its blocks build, prints what the page shows; every
+//!   message that a page quotes is one of the program; files that pages name are there.
+//! Data: `toml` blocks are appended, `diff` blocks replace a line's part, `console` blocks are commands with their output,
+//!   `text` blocks are messages with … for what varies.
 
 use std::path::Path;
 use std::process::Command;
@@ -69,6 +71,34 @@ fn printed(folder: &Path, arguments: &[&str]) -> String {
     format!("{}\n(exit code {code})\n", all.trim_matches('\n'))
 }
 
+/// The sources with the strings that go on in the next line put together.
+fn sources() -> &'static str {
+    static TEXT: std::sync::OnceLock<String> = std::sync::OnceLock::new();
+    TEXT.get_or_init(|| {
+        let mut text = String::new();
+        read_below(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/src")), &mut text);
+        text
+    })
+}
+
+fn read_below(folder: &Path, text: &mut String) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            read_below(&path, text);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            *text += &std::fs::read_to_string(&path).expect("a source");
+        }
+    }
+}
+
+/// Words of a message between what varies that stand in no string of the program.
+fn unsaid(message: &str) -> Option<&str> {
+    let parts = message.trim().split('…').map(|part| part.trim_matches(['`', ' ']));
+    let (said, mut rest) = (sources(), parts.filter(|part| !part.is_empty()));
+    rest.find(|part| !said.contains(*part))
+}
+
 /// Runs a page; the first difference.
 fn followed(page: &str) -> Option<String> {
     let folder = Folder::new("new-scene");
@@ -98,6 +128,11 @@ fn followed(page: &str) -> Option<String> {
                     return Some(format!("{command}: {what}"));
                 }
             }
+            "text" => {
+                if let Some(words) = unsaid(text) {
+                    return Some(format!("no message has the words: {words}"));
+                }
+            }
             other => return Some(format!("a block in {other}")),
         }
     }
@@ -117,6 +152,48 @@ fn the_page_prints_what_it_shows() {
     assert_eq!(followed(head), None);
     let other = crate::shipped::edited(head, "my-layer.toml is empty", "my-layer.toml is blank");
     assert!(followed(&other).is_some_and(|what| what.contains("is blank")));
+}
+
+fn document(name: &str) -> String {
+    let path = format!("{}/docs/{name}", env!("CARGO_MANIFEST_DIR"));
+    std::fs::read_to_string(path).expect("a page")
+}
+
+#[test]
+fn every_message_of_the_questions_is_one_of_the_program() {
+    let page = document("FAQ.md");
+    assert!(page.matches("```text").count() >= 30);
+    if let Some(what) = followed(&page) {
+        panic!("{what}");
+    }
+    let other =
+        crate::shipped::edited(&page, "no condition on the side", "no conditions on the side");
+    assert_eq!(
+        followed(&other).as_deref(),
+        Some("no message has the words: no conditions on the side")
+    );
+    let other =
+        crate::shipped::edited(&page, "error: nothing/cases.csv", "error: nothing/cases.tsv");
+    assert!(followed(&other).is_some_and(|what| what.contains("cases.tsv")));
+}
+
+/// Paths in code, `src/…` and the like, as far as they are paths of this repository.
+fn lost(page: &str) -> Vec<&str> {
+    let code = page.split('`').skip(1).step_by(2);
+    let named = code.filter(|code| {
+        ["src/", "tests/", "docs/", "manufactured/"].iter().any(|folder| code.starts_with(folder))
+            && !code.contains(|c: char| "…*{ ".contains(c))
+    });
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    named.filter(|path| !root.join(path).exists()).collect()
+}
+
+#[test]
+fn files_that_the_guide_names_are_there() {
+    for name in ["KERNELS-AND-ELEMENTS.md", "FAQ.md", "CONTACT-LAWS.md", "NEW-SCENE.md"] {
+        assert_eq!(lost(&document(name)), Vec::<&str>::new(), "{name}");
+    }
+    assert_eq!(lost("see `src/lib.rs` and `src/no.rs`"), ["src/no.rs"]);
 }
 
 #[test]

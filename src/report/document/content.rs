@@ -1,9 +1,11 @@
 //! The sections of a report, from its records and verdicts.
 
+use super::chapter::{chapters, failures};
 use super::evidence::{cases, points};
 use super::{Block, Document, Figure, Run, Section, Table, Tone};
 use crate::record::{CaseRecord, Status, counted, quoted};
 use crate::report::SceneSummary;
+use crate::report::studies::Studies;
 use crate::verdict::{Decision, NOTHING_JUDGED, Verdict, cell_texts, exit_code};
 
 /// What a report is made of.
@@ -13,8 +15,8 @@ pub(in crate::report) struct Report<'a> {
     pub(in crate::report) stems: &'a [String],
     /// File name, caption and SVG of the pictures of each scene.
     pub(in crate::report) pictures: Vec<Vec<(String, String, String)>>,
-    /// The same of other studies in the directory.
-    pub(in crate::report) studies: Vec<(String, String, String)>,
+    /// What other commands left in the directory.
+    pub(in crate::report) studies: Studies,
     pub(in crate::report) records: &'a [CaseRecord],
     pub(in crate::report) verdicts: &'a [Verdict],
     pub(in crate::report) provenance: &'a serde_json::Value,
@@ -22,28 +24,29 @@ pub(in crate::report) struct Report<'a> {
 
 /// Numbers of tables and figures, counted through the document.
 #[derive(Default)]
-struct Numbers {
+pub(super) struct Numbers {
     tables: usize,
     figures: usize,
 }
 
 impl Numbers {
-    fn table(&mut self) -> usize {
+    pub(super) fn table(&mut self) -> usize {
         self.tables += 1;
         self.tables
     }
 
-    fn figure(&mut self) -> usize {
+    pub(super) fn figure(&mut self) -> usize {
         self.figures += 1;
         self.figures
     }
 }
 
 /// The document of a report.
-pub(in crate::report) fn document(report: Report<'_>) -> Document {
+pub(in crate::report) fn document(mut report: Report<'_>) -> Document {
+    let mut studies = std::mem::take(&mut report.studies);
     let mut numbers = Numbers::default();
     let outcome = outcome(report.records, report.verdicts);
-    let mut sections = vec![summary(&report, &outcome, &mut numbers)];
+    let mut sections = vec![summary(&report, &outcome, &failures(&studies), &mut numbers)];
     if !report.scenes.is_empty() {
         sections.push(introduction());
     }
@@ -51,8 +54,9 @@ pub(in crate::report) fn document(report: Report<'_>) -> Document {
     for ((scene, stem), pictures) in report.scenes.iter().zip(report.stems).zip(pictures) {
         sections.push(of_scene(scene, stem, pictures, &report, &mut numbers));
     }
-    if !report.studies.is_empty() {
-        sections.push(studies(report.studies.clone(), &mut numbers));
+    sections.extend(chapters(&report, &mut studies, &mut numbers));
+    if !studies.pictures.is_empty() {
+        sections.push(further(studies.pictures, &mut numbers));
     }
     sections.push(reproduction(&report, &mut numbers));
     let entry = |key: &str| report.provenance.get(key).and_then(serde_json::Value::as_str);
@@ -78,8 +82,16 @@ fn outcome(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
     format!("{judged}; {cases}, {failed} of them failed. Exit code {code}.")
 }
 
-fn tone(verdict: &Verdict) -> Tone {
+pub(super) fn tone(verdict: &Verdict) -> Tone {
     if verdict.as_expected() { Tone::Pass } else { Tone::Miss }
+}
+
+impl Report<'_> {
+    /// The name of a scene's section.
+    pub(super) fn stem(&self, scene: &SceneSummary) -> &str {
+        let at = self.scenes.iter().position(|own| own.name == scene.name);
+        at.map_or("", |at| &self.stems[at])
+    }
 }
 
 /// The section of a scene by its name.
@@ -88,9 +100,17 @@ fn id_of(report: &Report<'_>, name: &str) -> Option<String> {
     Some(format!("#{}", report.stems[at]))
 }
 
-fn summary(report: &Report<'_>, outcome: &str, numbers: &mut Numbers) -> Section {
+fn summary(
+    report: &Report<'_>,
+    outcome: &str,
+    failures: &[(String, String)],
+    numbers: &mut Numbers,
+) -> Section {
     let mut section = Section::new(1, "verdicts", "Verdicts");
     section.text(vec![Run::plain(outcome)]);
+    for (failure, target) in failures {
+        section.text(vec![Run::of(format!("{failure}."), Tone::Miss).to(target)]);
+    }
     if report.verdicts.is_empty() {
         return section;
     }
@@ -211,12 +231,9 @@ fn of_scene(
     section
 }
 
-fn studies(pictures: Vec<(String, String, String)>, numbers: &mut Numbers) -> Section {
-    let mut section = Section::new(1, "studies", "Further studies in this directory");
-    section.text(vec![Run::plain(
-        "Step-size bound (3.4), Gronwall's inequality (3.24), the proofs of Theorems 10 and 11 line by line, speed against accuracy, extremes: \
-         written here by the command that each caption names.",
-    )]);
+fn further(pictures: Vec<(String, String, String)>, numbers: &mut Numbers) -> Section {
+    let mut section = Section::new(1, "studies", "Further pictures in this directory");
+    section.text(vec![Run::plain("Written here by the command that each caption names.")]);
     for (file, caption, svg) in pictures {
         let number = numbers.figure();
         section.blocks.push(Block::Figure(Figure { number, file, caption, svg }));

@@ -31,7 +31,11 @@ pub struct Terms {
 }
 
 impl Equation {
-    fn new(plain: impl Into<String>, typst: impl Into<String>, number: &'static str) -> Self {
+    pub(super) fn new(
+        plain: impl Into<String>,
+        typst: impl Into<String>,
+        number: &'static str,
+    ) -> Self {
         Self { plain: plain.into(), typst: typst.into(), number }
     }
 }

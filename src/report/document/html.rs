@@ -25,12 +25,12 @@ pub(in crate::report) fn page(document: &Document) -> String {
     )
 }
 
-/// Links to the sections; those of level 2 fold below the one before.
+/// Links to the chapters, and below them to the scenes.
 fn contents(document: &Document) -> String {
     let link = |s: &Section| format!("<a href=\"#{}\">{}</a>", escaped(&s.id), escaped(&s.title));
-    let of = |level: usize| document.sections.iter().filter(move |s| s.level == level);
-    let parts: Vec<String> = of(1).map(link).collect();
-    let scenes: Vec<String> = of(2).map(link).collect();
+    let parts: Vec<String> = document.sections.iter().filter(|s| s.level == 1).map(link).collect();
+    let after = document.sections.iter().skip_while(|s| s.id != "scenes").skip(1);
+    let scenes: Vec<String> = after.take_while(|s| s.level == 2).map(link).collect();
     format!("<nav><p>{}</p>\n<p class=\"scenes\">{}</p></nav>\n", parts.join(" "), scenes.join(" "))
 }
 

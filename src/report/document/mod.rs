@@ -2,6 +2,7 @@
 //!
 //! [`document`] builds it once from the records; a page, Markdown, LaTeX and Typst are renderings of it.
 
+mod chapter;
 mod content;
 mod equation;
 mod evidence;

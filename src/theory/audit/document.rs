@@ -8,7 +8,7 @@ use super::scene::{SceneAudit, Summary};
 use crate::contact::BoundaryRule;
 use crate::report::{Axis, Chart, Mark, Part, ReportError, Scale, Series};
 
-/// Columns of audit.csv: a row a run and line.
+/// Columns of `SCENE-audit.csv`: a row a run and line.
 const COLUMNS: [&str; 16] = [
     "scene",
     "rule",
@@ -101,7 +101,7 @@ impl SceneAudit {
         .collect()
     }
 
-    /// audit.csv.
+    /// `SCENE-audit.csv`.
     ///
     /// # Errors
     /// The writer's.

@@ -8,7 +8,7 @@ use super::stability::Perturbation;
 use super::study::{StudiedGrid, Study};
 
 impl Study {
-    /// The study without its curves, which `gronwall.csv` holds.
+    /// The study without its curves, which the table of all levels holds.
     pub fn json(&self) -> Value {
         let violations: Vec<Value> = self
             .violations()
@@ -47,7 +47,7 @@ impl Study {
         value
     }
 
-    /// Every level of every run: `gronwall.csv`.
+    /// Every level of every run: `SCENE-gronwall.csv`.
     ///
     /// # Errors
     /// The writer's.
