@@ -26,8 +26,10 @@ lay_out() {
     if [ -d "$slim/src/linalg" ]; then
         # Of linalg only the generator of random numbers and the sums of vectors.
         find "$slim/src/linalg" -type f ! -name random.rs -delete
-        { grep -v -e '^mod ' -e '^pub use ' src/linalg/mod.rs
-          printf 'mod random;\npub use random::signed_unit;\n'; } >"$slim/src/linalg/mod.rs"
+        {
+            perl -0pe 's/^pub use [^;]*;\n//mg; s/^mod [^;]*;\n//mg' src/linalg/mod.rs
+            printf 'mod random;\npub use random::signed_unit;\n'
+        } >"$slim/src/linalg/mod.rs"
     fi
     {
         printf '[workspace]\n[package]\nname = "slim"\nversion = "0.0.0"\nedition = "2024"\n[dependencies]\n'
