@@ -205,5 +205,17 @@ mod tests {
         }
         assert_eq!(found.residual_norm.to_bits() >> 20, other.residual_norm.to_bits() >> 20);
         assert!(found.floor().is_none());
+        // Orders are the third and fourth parameter, constants at given orders the first and second.
+        let radii = |fit: &GridFit| fit.estimates().map(|one| one.interval.half_width());
+        let own = |fit: &GridFit, at: usize| fit.quantile * fit.deviations[at];
+        for (radius, at) in radii(&found).into_iter().zip([2, 3]) {
+            assert!((radius - own(&found, at)).abs() < 1e-12);
+        }
+        let given = Shape { orders: Some((1.0, 2.0)), ..shape };
+        let constants = found.again(&points, given).unwrap();
+        for (radius, at) in radii(&constants).into_iter().zip([0, 1]) {
+            assert!((radius - own(&constants, at)).abs() < 1e-12);
+        }
+        assert!(found.deviations[2] != found.deviations[3]);
     }
 }

@@ -105,4 +105,7 @@ fn the_widest_part_is_named() {
     // One-sided parts count by their far end, to either side.
     let below = Interval { lo: -1.0, hi: 1.0 };
     assert_eq!(parts(narrow, below, narrow, narrow), "windows");
+    // By distances: 0.6 above the order is further than 0.5 below it.
+    let [low, high] = [Interval { lo: 0.5, hi: 1.1 }, Interval { lo: 0.9, hi: 1.6 }];
+    assert_eq!(parts(low, narrow, high, narrow), "drift");
 }
