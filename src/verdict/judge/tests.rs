@@ -192,7 +192,8 @@ fn a_slope_bent_by_the_other_term_says_so() {
 #[test]
 fn intervals_are_wide_or_clear_and_say_why() {
     // Errors that scatter by a fifth around h.
-    let scatter = |h: f64, _: f64| h * if (1.0 / h).log2() as u32 % 2 == 0 { 1.2 } else { 0.8 };
+    let scatter =
+        |h: f64, _: f64| h * if ((1.0 / h).log2() as u32).is_multiple_of(2) { 1.2 } else { 0.8 };
     let wide = verdict(&table(&DOUBLING, &[4], scatter), &predict(Variable::H, 1.0));
     assert_eq!(wide.decision, Decision::Unresolved);
     assert!(wide.reason.contains("> 0.15, from "), "{}", wide.reason);
