@@ -109,4 +109,14 @@ mod tests {
         assert!(constant_under(1.0, &samples[..1], Correction::Linear).is_none());
         assert!(constant_under(1.0, &[], Correction::Linear).is_none());
     }
+
+    /// log e = log 3 + log h + h/2: both estimates of the limit are 3, and the interval ends at the last constant.
+    #[test]
+    fn the_interval_of_a_constant_reaches_from_its_limit_to_the_last_case() {
+        let samples = law(&[0.4, 0.2, 0.1, 0.05], |h| 3.0 * h * (0.5 * h).exp());
+        let (constant, interval) = constant_under(1.0, &samples, Correction::Linear).unwrap();
+        // Rounding of logarithms: ROUNDING is 1e-12.
+        assert!((constant - 3.0).abs() < 1e-11 && (interval.lo - 3.0).abs() < 1e-11);
+        assert!((interval.hi - 3.0 * 0.025f64.exp()).abs() < 1e-11, "{interval}");
+    }
 }

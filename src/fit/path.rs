@@ -78,6 +78,23 @@ mod tests {
         assert!((path(&on_path(&rounded)).unwrap().exponent - 0.5).abs() < 0.01);
     }
 
+    /// What has no two positive steps is on no path, and does not end one.
+    #[test]
+    fn points_without_steps_are_passed_over() {
+        let steps = [(0.25, 0.25), (0.125, 0.125), (0.0625, 0.0625)];
+        for other in [
+            (f64::INFINITY, 1.0),
+            (0.0, 0.03),
+            (0.03, 0.0),
+            (0.03, f64::NAN),
+            (f64::NAN, 0.03),
+            (0.5, -0.5),
+        ] {
+            let found = path(&on_path(&[&steps[..], &[other]].concat()));
+            assert!((found.unwrap().exponent - 1.0).abs() < 1e-13, "{other:?}");
+        }
+    }
+
     #[test]
     fn grids_lines_and_pairs_are_no_paths() {
         let grid = [(0.5, 0.5), (0.5, 0.25), (0.25, 0.5), (0.25, 0.25)];

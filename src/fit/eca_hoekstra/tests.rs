@@ -11,7 +11,7 @@ const STEPS: [f64; 5] = [0.4, 0.25, 0.2, 0.1, 0.08];
 /// Golden section on σ, which is zero at the minimum with a corner: p to 1e-9, limits to 1e-8.
 #[test]
 fn an_exact_power_gives_its_limit_and_the_small_factor() {
-    for order in [0.6, 1.0, 1.7, 2.0 - 1e-6] {
+    for order in [0.6, 1.0, 1.01, 1.7, 2.0 - 1e-6] {
         let found = eca_hoekstra(&values(&STEPS, |h| 3.0 + 2.0 * h.powf(order))).unwrap();
         let Expansion::Power(p) = found.expansion else { panic!("{found:?}") };
         assert!((p - order).abs() < 1e-7, "{found:?}");
@@ -94,6 +94,13 @@ fn scatter_is_not_believed() {
     let found = eca_hoekstra(&samples).unwrap();
     assert!(found.deviation > found.data_range && found.safety == 3.0, "{found:?}");
     assert!(found.uncertainty > 2.0, "{found:?}");
+}
+
+/// Orders are sought up to 8: an optimum beyond is none.
+#[test]
+fn an_order_beyond_reach_is_none() {
+    let found = eca_hoekstra(&values(&STEPS, |h| 1.0 + (h / 0.08).powi(9))).unwrap();
+    assert_eq!((found.observed_order, found.safety), (None, 3.0));
 }
 
 #[test]

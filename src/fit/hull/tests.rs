@@ -89,6 +89,20 @@ fn windows_are_all_contiguous_runs_of_three_and_more() {
     assert!(three.curvature.is_none());
 }
 
+/// Logarithms of larger orders carry more rounding.
+#[test]
+fn rounding_grows_with_the_order() {
+    for (order, wanted) in [(0.5, 1.0), (1.0, 1.0), (5.0, 5.0)] {
+        let found =
+            order_interval(&refined(2.0, 4, |h| h.powf(order)), Correction::Linear).unwrap();
+        let parts = found.student.hull(found.windows).hull(found.drift);
+        let parts = parts.hull(found.curvature.unwrap());
+        let added = (found.interval.hi - parts.hi) / ROUNDING;
+        // Rounding of the difference of two numbers up to 5: 1e-15 over 1e-12.
+        assert!((added - wanted).abs() < 2e-3, "{order}: {added}");
+    }
+}
+
 #[test]
 fn the_widest_part_is_named() {
     let [narrow, wide] = [0.1, 1.0].map(|radius| Interval::around(1.0, radius));
