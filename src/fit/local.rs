@@ -117,6 +117,7 @@ mod tests {
         let (constant, interval) = constant_under(1.0, &samples, Correction::Linear).unwrap();
         // Rounding of logarithms: ROUNDING is 1e-12.
         assert!((constant - 3.0).abs() < 1e-11 && (interval.lo - 3.0).abs() < 1e-11);
+        assert!(interval.lo < 3.0 && interval.contains(3.0));
         assert!((interval.hi - 3.0 * 0.025f64.exp()).abs() < 1e-11, "{interval}");
     }
 }

@@ -122,4 +122,6 @@ fn the_widest_part_is_named() {
     // By distances: 0.6 above the order is further than 0.5 below it.
     let [low, high] = [Interval { lo: 0.5, hi: 1.1 }, Interval { lo: 0.9, hi: 1.6 }];
     assert_eq!(parts(low, narrow, high, narrow), "drift");
+    let [low, high] = [Interval { lo: 0.5, hi: 1.0 }, Interval { lo: 0.9, hi: 1.2 }];
+    assert_eq!(parts(low, narrow, high, narrow), "scatter");
 }
