@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
-use std::io::{self, BufReader, BufWriter, Write};
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::record::{Key, counted, replace_file};
+use crate::record::{Key, Replacement, counted, replace_file};
 use crate::scene::{Scene, SceneError, Source};
 use crate::sweep::Overrides;
 
@@ -286,21 +286,12 @@ pub fn rows(
 
 /// Writes a table in one piece, row by row.
 fn table<R: Serialize>(path: &Path, rows: impl Iterator<Item = R>) -> Result<(), PlanError> {
-    let partial = path.with_extension(format!("csv.{}.partial", std::process::id()));
     let write = || -> io::Result<()> {
-        let mut table = csv::Writer::from_writer(BufWriter::new(File::create(&partial)?));
+        let mut table = csv::Writer::from_writer(Replacement::create(path)?);
         for row in rows {
             table.serialize(row)?;
         }
-        let mut file = table.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
-        file.flush()?;
-        file.get_ref().sync_all()?;
-        fs::rename(&partial, path)
+        table.into_inner().map_err(|error| error.into_error())?.finish()
     };
-    let written = write();
-    if written.is_err() {
-        // The error to report is the first one.
-        let _ = fs::remove_file(&partial);
-    }
-    written.map_err(|source| PlanError::Io { path: path.to_owned(), source })
+    write().map_err(|source| PlanError::Io { path: path.to_owned(), source })
 }

@@ -2,29 +2,66 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File};
-use std::io::{self, Write};
-use std::path::Path;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
 
-/// Writes `bytes` beside `path`, and renames the result over it.
+/// A file that is written beside its place, and stands there when it is finished. Given up, it leaves nothing.
+#[derive(Debug)]
+pub struct Replacement {
+    path: PathBuf,
+    partial: PathBuf,
+    file: BufWriter<File>,
+}
+
+impl Replacement {
+    /// Begins the file that is to stand at `path`.
+    ///
+    /// # Errors
+    /// What the file system reports.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
+        name.push(format!(".{}.partial", std::process::id()));
+        let partial = path.with_file_name(name);
+        let file = BufWriter::new(File::create(&partial)?);
+        Ok(Self { path: path.to_owned(), partial, file })
+    }
+
+    /// Renames the file over an older one.
+    ///
+    /// # Errors
+    /// What the file system reports; the old file is then still there.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.file.flush()?;
+        self.file.get_ref().sync_all()?;
+        fs::rename(&self.partial, &self.path)
+    }
+}
+
+impl Write for Replacement {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl Drop for Replacement {
+    /// After the rename there is nothing to remove; the error to report was the first one.
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.partial);
+    }
+}
+
+/// Puts `bytes` at `path` in one step.
 ///
 /// # Errors
 /// What the file system reports; the old file is then still there.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
-    name.push(format!(".{}.partial", std::process::id()));
-    let partial = path.with_file_name(name);
-    let written = write_through(&partial, bytes).and_then(|()| fs::rename(&partial, path));
-    if written.is_err() {
-        // The error to report is the first one; a leftover is harmless.
-        let _ = fs::remove_file(&partial);
-    }
-    written
-}
-
-fn write_through(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = File::create(path)?;
+    let mut file = Replacement::create(path)?;
     file.write_all(bytes)?;
-    file.sync_all()
+    file.finish()
 }
 
 #[cfg(test)]

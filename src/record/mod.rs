@@ -14,7 +14,7 @@ mod stream;
 use std::io;
 use std::path::PathBuf;
 
-pub use atomic::replace_file;
+pub use atomic::{Replacement, replace_file};
 pub use counted::counted;
 pub use journal::{Journal, read, write_sorted};
 pub use norm::{

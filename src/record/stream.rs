@@ -1,14 +1,14 @@
 //! The cases of a table one after the other, however long it is: read in order, written in order.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use csv::StringRecord;
 
 use super::journal::{case_lines, lines};
 use super::row::{COLUMNS, Row, same_case};
-use super::{CaseRecord, RecordError, norm_rank};
+use super::{CaseRecord, RecordError, Replacement, norm_rank};
 
 /// The cases of a finished table in its order, one at a time. Unlike [`super::read`] it takes no torn line: the
 /// table of a running sweep may have one, a table that was handed over must not.
@@ -112,8 +112,7 @@ fn ends_with_line(file: &mut File) -> io::Result<bool> {
 #[derive(Debug)]
 pub struct TableWriter {
     path: PathBuf,
-    partial: PathBuf,
-    file: BufWriter<File>,
+    file: Replacement,
 }
 
 impl TableWriter {
@@ -122,14 +121,13 @@ impl TableWriter {
     /// # Errors
     /// [`RecordError::Io`].
     pub fn create(path: &Path) -> Result<Self, RecordError> {
-        let refused = |source| RecordError::Io { path: path.to_owned(), source };
-        let mut name = path.file_name().unwrap_or_default().to_owned();
-        name.push(format!(".{}.partial", std::process::id()));
-        let partial = path.with_file_name(name);
-        let mut file = BufWriter::new(File::create(&partial).map_err(refused)?);
-        let header = lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(refused)?;
-        file.write_all(&header).map_err(refused)?;
-        Ok(Self { path: path.to_owned(), partial, file })
+        let begun = || -> io::Result<Replacement> {
+            let mut file = Replacement::create(path)?;
+            file.write_all(&lines(&[COLUMNS.map(str::to_owned).to_vec()])?)?;
+            Ok(file)
+        };
+        let file = begun().map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
+        Ok(Self { path: path.to_owned(), file })
     }
 
     /// Adds a case, its norms in their order.
@@ -147,26 +145,16 @@ impl TableWriter {
     ///
     /// # Errors
     /// [`RecordError::Io`].
-    pub fn finish(mut self) -> Result<(), RecordError> {
-        let put = |file: &mut BufWriter<File>, partial: &Path, path: &Path| {
-            file.flush()?;
-            file.get_ref().sync_all()?;
-            fs::rename(partial, path)
-        };
-        put(&mut self.file, &self.partial, &self.path)
-            .map_err(|source| RecordError::Io { path: self.path.clone(), source })
-    }
-}
-
-impl Drop for TableWriter {
-    /// What was not finished is of no use; after the rename there is nothing to remove.
-    fn drop(&mut self) {
-        let _ = fs::remove_file(&self.partial);
+    pub fn finish(self) -> Result<(), RecordError> {
+        let Self { path, file } = self;
+        file.finish().map_err(|source| RecordError::Io { path, source })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::super::{NormError, Status, read};
     use super::*;
 
