@@ -11,7 +11,8 @@ use std::time::Instant;
 use cpu_time::ThreadTime;
 use gronwall::contact::{Load, LoadError, march};
 use gronwall::linalg::{Analysis, Factor, Front, SIDES, Side};
-use gronwall::scene::Scene;
+use gronwall::norms::step_errors;
+use gronwall::scene::{Registry, Scene};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -215,6 +216,58 @@ fn sweep(numbers: &[u32]) {
     );
 }
 
+/// CPU seconds of the loads, of the exact fields, of the errors and of the march, for the finest case of each scene with
+/// an exact solution; loads and fields of all its times as if no other case had asked for them.
+fn split(largest: u32) {
+    println!("| scene | n | N | loads | exact fields | errors | march | all three over march |");
+    println!("|---|---|---|---|---|---|---|---|");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
+    let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
+    for name in registry.names() {
+        let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));
+        let Ok(setup) = Setup::new(scene) else { continue };
+        let Some(sweep) = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_some()) else {
+            continue;
+        };
+        let [n, steps] =
+            [&sweep.n, &sweep.steps].map(|list| list.iter().max().map_or(0, |&most| most as u32));
+        if n == 0 || n > largest {
+            continue;
+        }
+        let grid = setup.grid(steps);
+        let mut best = [f64::INFINITY; 4];
+        for _ in 0..3 {
+            let data = MeshData::new(&setup, n, None).unwrap_or_else(|error| panic!("{error}"));
+            let loads = least(1, || {
+                grid.times().iter().for_each(|&t| drop(black_box(data.truth.load(t))));
+            });
+            let fields = least(1, || {
+                grid.times().iter().for_each(|&t| drop(black_box(data.truth.moments(t))));
+            });
+            let newton = Newton::default();
+            let mut measured = 0.0;
+            let march = least(1, || {
+                data.march(&setup, steps, &newton, &mut |view| {
+                    let start = ThreadTime::now();
+                    let moments = data.truth.moments(view.t)?;
+                    black_box(step_errors(&data.space, &setup.model, view, &moments));
+                    measured += start.elapsed().as_secs_f64();
+                    Ok(())
+                })
+                .unwrap_or_else(|error| panic!("{error}"));
+            }) - measured;
+            for (least, value) in best.iter_mut().zip([loads, fields, measured, march]) {
+                *least = least.min(value);
+            }
+        }
+        let share = (best[0] + best[1] + best[2]) / best[3];
+        let [loads, fields, errors, march] = best.map(|seconds| format!("{:.1}", 1e3 * seconds));
+        println!(
+            "| `{name}` | {n} | {steps} | {loads} | {fields} | {errors} | {march} | {share:.2} |"
+        );
+    }
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let names = arguments.iter().filter(|argument| !argument.starts_with('-'));
@@ -224,11 +277,15 @@ fn main() {
     }
     if arguments.iter().any(|argument| argument == "--test") {
         limit(&[8, 16]);
+        split(4);
         sweep(&[4, 8]);
         return growth(&[("linear-punch", &[4, 8, 16], &[4, 8, 16])]);
     }
     if arguments.iter().any(|argument| argument == "--sweep") {
         return sweep(&[8, 16, 32, 64]);
+    }
+    if arguments.iter().any(|argument| argument == "--split") {
+        return split(u32::MAX);
     }
     limit(&[64, 128, 256, 512]);
     sweep(&[8, 16, 32, 64]);

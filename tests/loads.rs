@@ -10,9 +10,11 @@ use std::sync::Arc;
 
 use gronwall::contact::{BoundaryRule, LoadError, stress_force};
 use gronwall::manufactured::{Exact, ExactData, ExactOnMesh, LoadForm, Truth};
+use gronwall::norms::Moments;
+use gronwall::scene::Data;
 use gronwall::setup::{Setup, side_numbers};
 use gronwall::space::quadrature::TruthRules;
-use shipped::{edited, on_mesh, relative, setup, setup_of, text, v_max};
+use shipped::{bodies, edited, on_mesh, relative, setup, setup_of, text, v_max};
 
 /// Both load vectors on the mesh n at t, and the largest nodal force.
 fn loads(
@@ -170,5 +172,85 @@ fn the_contact_quadrature_does_not_decide_the_v_error() {
         assert!(off <= 1e-3, "{scene}: {a:e} {b:e}");
         // Two runs of one rule would agree exactly: the comparison compares two.
         assert!(off > 0.0, "{scene}");
+    }
+}
+
+/// Largest difference of two lists relative to the largest number of the second.
+fn apart(a: &[f64], b: &[f64]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    let size = b.iter().fold(0f64, |size, value| size.max(value.abs()));
+    let pairs = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+    pairs.fold(0f64, |worst, off| if off.is_nan() { f64::NAN } else { worst.max(off) })
+        / if size > 0.0 { size } else { 1.0 }
+}
+
+/// Loads and moments of two truths at a time, and how far they are apart.
+fn truths_apart(a: &dyn Truth, b: &dyn Truth, [t, s]: [f64; 2]) -> f64 {
+    let load = |truth: &dyn Truth, t: f64| truth.load(t).unwrap_or_else(|error| panic!("{error}"));
+    let moments =
+        |truth: &dyn Truth, t: f64| truth.moments(t).unwrap_or_else(|error| panic!("{error}"));
+    let (m, l) = (moments(a, t), moments(b, s));
+    assert_eq!(m.locked, l.locked);
+    // Remainders against the size of their field: those of an affine one are rounding.
+    let rests = |moments: &Moments| -> [(f64, f64); 3] {
+        let size = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |s, v| s.max(v.abs()));
+        let Moments { strain, stress, displacement, .. } = moments;
+        [
+            (strain.rest.sqrt(), size(&strain.mean)),
+            (stress.rest.sqrt(), size(&stress.mean)),
+            (displacement.rest.sqrt(), size(&displacement.corner)),
+        ]
+    };
+    let rests =
+        rests(&m).into_iter().zip(rests(&l)).map(|((a, _), (b, size))| (a - b).abs() / size);
+    [
+        apart(&load(a, t), &load(b, s)),
+        apart(&m.strain.mean, &l.strain.mean),
+        apart(&m.stress.mean, &l.stress.mean),
+        apart(&m.displacement.corner, &l.displacement.corner),
+        apart(&m.normal.corner, &l.normal.corner),
+        apart(&m.pressure.corner, &l.pressure.corner),
+    ]
+    .into_iter()
+    .chain(rests)
+    .fold(0f64, |worst, off| if off.is_nan() { f64::NAN } else { worst.max(off) })
+}
+
+/// Fields that separate in time are integrated once and combined; the same as at each time on its own. What moves in
+/// space, and what is projected, does not separate.
+#[test]
+fn fields_in_parts_are_those_of_each_time() {
+    let mut separated = Vec::new();
+    for setup in bodies().into_iter().filter(|setup| setup.exact.is_some()) {
+        let (name, exact) = (setup.scene.name.clone(), exact(&setup));
+        let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+        let Some(separation) = exact.separation.as_ref().filter(|_| !interpolated) else {
+            continue;
+        };
+        let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied());
+        let space = setup.space(n.unwrap_or(4) as u32).unwrap_or_else(|error| panic!("{error}"));
+        let sides = side_numbers(&setup.body.domain.traction);
+        let rules = TruthRules::of(setup.scene.dimension);
+        for form in [LoadForm::Weak, LoadForm::Strong] {
+            let truth = || ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
+            let (parts, whole) = (truth(), truth().time_by_time());
+            let horizon = setup.scene.time.horizon;
+            for t in [0.0, 0.31 * horizon, horizon] {
+                let off = truths_apart(&parts, &whole, [t, t]);
+                // Sums of at most eight parts, of terms that hardly cancel; remainders are squares of small differences.
+                assert!(off < 1e-11, "{name}, {form:?}, t = {t}: {off:e}");
+            }
+            let moves =
+                separation.factors_at(0.31 * horizon) != separation.factors_at(0.32 * horizon);
+            let off = truths_apart(&parts, &whole, [0.31 * horizon, 0.32 * horizon]);
+            assert!(off > 1e-4 || !moves, "{name}: another time, {off:e}");
+        }
+        separated.push(name);
+    }
+    for name in ["law-linear", "orthotropic", "viscoelastic"] {
+        assert!(separated.iter().any(|own| own == name), "{name} separates: {separated:?}");
+    }
+    for name in ["affine", "compliance", "pure-mild"] {
+        assert!(separated.iter().all(|own| own != name), "{name} does not separate");
     }
 }

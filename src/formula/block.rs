@@ -20,15 +20,15 @@ impl Registers {
     }
 
     /// Runs `tape` on `count` lanes; `fetch` fills in what comes from outside.
-    pub(super) fn run(
-        &mut self,
-        tape: &Tape,
-        count: usize,
-        mut fetch: impl FnMut(Source, &mut [f64]),
-    ) {
+    pub(super) fn run(&mut self, tape: &Tape, count: usize, fetch: impl FnMut(Source, &mut [f64])) {
         if self.blocks.len() < tape.registers {
             self.blocks.resize_with(tape.registers, || vec![0.0; BLOCK]);
         }
+        pulp::Arch::new().dispatch(Run { registers: self, tape, count, fetch });
+    }
+
+    #[inline(always)]
+    fn run_steps(&mut self, tape: &Tape, count: usize, mut fetch: impl FnMut(Source, &mut [f64])) {
         for (out, step) in &tape.steps {
             // Taken out of the file so that operands can be read meanwhile.
             let mut target = std::mem::take(&mut self.blocks[*out]);
@@ -40,6 +40,7 @@ impl Registers {
         }
     }
 
+    #[inline(always)]
     fn compute(&self, step: &Step, out: &mut [f64]) {
         match *step {
             Step::Constant(v) => out.fill(v),
@@ -62,12 +63,14 @@ impl Registers {
         }
     }
 
+    #[inline(always)]
     fn unary(&self, a: Register, out: &mut [f64], f: impl Fn(f64) -> f64) {
         for (out, a) in out.iter_mut().zip(&self.blocks[a]) {
             *out = f(*a);
         }
     }
 
+    #[inline(always)]
     fn binary(&self, [a, b]: [Register; 2], out: &mut [f64], f: impl Fn(f64, f64) -> f64) {
         let operands = self.blocks[a].iter().zip(&self.blocks[b]);
         for (out, (a, b)) in out.iter_mut().zip(operands) {
@@ -76,6 +79,7 @@ impl Registers {
     }
 
     /// Small powers have loops of their own, which become plain products.
+    #[inline(always)]
     fn power(&self, a: Register, n: i32, out: &mut [f64]) {
         match n {
             -1 => self.unary(a, out, |a| power(a, -1)),
@@ -90,6 +94,7 @@ impl Registers {
         }
     }
 
+    #[inline(always)]
     fn apply(&self, function: Function, a: Register, out: &mut [f64]) {
         match function {
             Function::Sqrt => self.unary(a, out, f64::sqrt),
@@ -99,6 +104,7 @@ impl Registers {
         }
     }
 
+    #[inline(always)]
     fn select(&self, [a, b, p, q]: [Register; 4], out: &mut [f64]) {
         let n = out.len();
         let [a, b, p, q] = [a, b, p, q].map(|r| &self.blocks[r][..n]);
@@ -107,5 +113,22 @@ impl Registers {
             let (then, otherwise) = (p[i], q[i]);
             out[i] = if a[i] < b[i] { then } else { otherwise };
         }
+    }
+}
+
+/// All steps on the widest vectors of the processor. Rounding is that of single operations on any of them.
+struct Run<'a, F> {
+    registers: &'a mut Registers,
+    tape: &'a Tape,
+    count: usize,
+    fetch: F,
+}
+
+impl<F: FnMut(Source, &mut [f64])> pulp::WithSimd for Run<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.registers.run_steps(self.tape, self.count, self.fetch);
     }
 }

@@ -1,6 +1,6 @@
 //! The expression graph: every expression is stored once.
 
-use std::collections::HashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 
 use super::vocabulary::Function;
 
@@ -145,10 +145,10 @@ impl Op {
 pub struct Graph {
     ops: Vec<Op>,
     dependence: Vec<Dependence>,
-    known: HashMap<Op, Node>,
-    pub(super) derivatives: HashMap<(Node, Variable), Node>,
+    known: FxHashMap<Op, Node>,
+    pub(super) derivatives: FxHashMap<(Node, Variable), Node>,
     /// For each branching node the expression whose sign decides.
-    pub(super) deciders: HashMap<Node, Node>,
+    pub(super) deciders: FxHashMap<Node, Node>,
 }
 
 impl Graph {
@@ -207,7 +207,7 @@ impl Graph {
     ///
     /// A stack of its own, because a sum of many terms is a deep graph.
     pub(super) fn reachable(&self, roots: &[Node], enter: impl Fn(Node) -> bool) -> Vec<Node> {
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = FxHashSet::default();
         let mut stack = roots.to_vec();
         let mut found = Vec::new();
         while let Some(node) = stack.pop() {

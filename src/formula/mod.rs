@@ -43,6 +43,7 @@ pub use graph::{Graph, Node, Variable};
 pub use program::Program;
 pub use scalar::Point;
 pub use scope::Scope;
+pub use separate::Together;
 
 #[cfg(test)]
 mod tests;

@@ -61,7 +61,7 @@ pub(super) fn power(x: f64, n: i32) -> f64 {
 struct Scratch<'a> {
     graph: &'a Graph,
     order: Vec<Node>,
-    values: std::collections::HashMap<Node, f64>,
+    values: rustc_hash::FxHashMap<Node, f64>,
 }
 
 impl Graph {

@@ -15,6 +15,15 @@ const MOVED: std::ops::RangeInclusive<f64> = 1e-80..=1e80;
 /// The list (a, f) of sum a(t) f(x,y,z).
 type Separated = Vec<(Node, Node)>;
 
+/// Several formulas separated with common factors in time.
+#[derive(Clone, Debug, Default)]
+pub struct Together {
+    /// The a_m(t).
+    pub factors: Vec<Node>,
+    /// For each formula its terms (m, g), each m at most once.
+    pub shapes: Vec<Vec<(usize, Node)>>,
+}
+
 impl Graph {
     /// The list of (a, g) with f = sum a(t) g(x,y,z,zeta), found by multiplying
     /// out sums and small powers, and splitting products, exponentials of sums
@@ -32,6 +41,39 @@ impl Graph {
             known.insert(node, sum);
         }
         known.remove(&f).flatten()
+    }
+
+    /// The factors a_m and, for each of several formulas, its list of (m, g) with f = sum a_m(t) g: factors that
+    /// differ by a number are one.  `None` if a formula does not separate.
+    pub fn separate_together(&mut self, formulas: &[Node]) -> Option<Together> {
+        let mut together = Together::default();
+        for &f in formulas {
+            let mut shapes: Vec<(usize, Node)> = Vec::new();
+            for (a, g) in self.separate(f)? {
+                let (number, a) = self.number_out(a);
+                let number = self.constant(number);
+                let g = self.mul(number, g);
+                let known = together.factors.iter().position(|&known| known == a);
+                let m = known.unwrap_or(together.factors.len());
+                if known.is_none() {
+                    together.factors.push(a);
+                }
+                match shapes.iter_mut().find(|(own, _)| *own == m) {
+                    Some((_, shape)) => *shape = self.add(*shape, g),
+                    None => shapes.push((m, g)),
+                }
+            }
+            together.shapes.push(shapes);
+        }
+        Some(together)
+    }
+
+    /// f = number * rest, with the numbers of a product taken out.
+    fn number_out(&self, f: Node) -> (f64, Node) {
+        match self.addends(f)[..] {
+            [(number, rest)] if MOVED.contains(&number.abs()) => (number, rest),
+            _ => (1.0, f),
+        }
     }
 
     fn is_time_only(&self, f: Node) -> bool {

@@ -33,8 +33,12 @@ impl Stages {
     /// from the first set to its subset, the second.
     pub(super) fn new(points: &[[f64; 3]], masks: &[u8], pairs: &[(u8, u8)]) -> Self {
         let mut stages = Self { tuples: Default::default(), maps: Default::default() };
+        let varying = varying(points);
         for &mask in masks {
-            stages.tuples[mask as usize].get_or_insert_with(|| Tuples::new(points, mask));
+            stages.tuples[mask as usize].get_or_insert_with(|| match mask & varying {
+                part if part == varying => Tuples::one_a_point(points.len()),
+                part => Tuples::new(points, part),
+            });
         }
         for &(mask, part) in pairs {
             if let (Some(whole), Some(parts)) =
@@ -69,7 +73,20 @@ impl Stages {
     }
 }
 
+/// The axes along which the points differ.
+fn varying(points: &[[f64; 3]]) -> u8 {
+    let differs =
+        |axis: usize| points.iter().any(|p| p[axis].to_bits() != points[0][axis].to_bits());
+    (0..3).map(|axis| u8::from(differs(axis)) << axis).sum()
+}
+
 impl Tuples {
+    /// All axes: points of quadrature are distinct, and one that occurs twice is computed twice.
+    fn one_a_point(points: usize) -> Self {
+        let all: Vec<u32> = (0..points as u32).collect();
+        Self { of_point: all.clone(), first: all }
+    }
+
     fn new(points: &[[f64; 3]], mask: u8) -> Self {
         let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
         let mut tuples = Self::default();

@@ -149,8 +149,9 @@ impl<const S: usize> InSpace<S> {
         let (mut memory, mut memory_error, mut own_memory) = (vec![], vec![], vec![]);
         for &kernel in &self.exact.data.kernels {
             let (mut exact, mut error) = (vec![0.0; length], vec![0.0; length]);
-            own_memory.push(own * self.b(kernel, 0.0));
-            axpy(own * self.b(kernel, 0.0), &states[n].u, &mut exact);
+            let now = own * self.b(kernel, 0.0);
+            own_memory.push(now);
+            axpy(now, &states[n].u, &mut exact);
             for j in 0..n {
                 let w = weight(times, n, j) * self.b(kernel, times[n] - times[j]);
                 axpy(w, &states[j].u, &mut exact);

@@ -3,7 +3,7 @@
 use super::AccumulatedStrain;
 use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
-use super::symbolic;
+use super::{Separation, symbolic};
 use crate::formula::{Graph, Node, Program, Variable};
 use crate::mesh::{CoarseMesh, Mesh};
 
@@ -135,6 +135,8 @@ pub struct Exact {
     pub forces: Program,
     /// ζ(t).
     pub zeta: AccumulatedStrain,
+    /// The fields as sums of few products of time and space, where σ is linear in ε and the formulas show one.
+    pub separation: Option<Separation>,
 }
 
 impl Exact {
@@ -161,7 +163,12 @@ impl Exact {
         let polytope = data.polytope.as_ref().map(|polytope| &polytope.coarse);
         let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, &data.size, needs_zeta)
             .over(polytope);
-        Self { strain, memory, stress, body_force, interior, forces, zeta, data }
+        // σ is linear in ε without the projection.
+        let separation = match data.kappa {
+            None => Separation::of(&data.graph, &outputs, &body_force, data.horizon),
+            Some(_) => None,
+        };
+        Self { strain, memory, stress, body_force, interior, forces, zeta, separation, data }
     }
 
     /// Space dimension.

@@ -26,9 +26,11 @@ mod interpolated;
 pub mod linear;
 pub mod nodal_force;
 mod on_mesh;
+mod parts;
 mod reduction;
 mod running_integral;
 mod sampled;
+mod separation;
 mod side_points;
 mod sign_changes;
 mod simplex_points;
@@ -48,5 +50,6 @@ pub use exact::{
 pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;
+pub use separation::Separation;
 pub use sign_changes::sign_changes;
 pub use truth::Truth;

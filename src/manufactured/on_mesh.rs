@@ -1,18 +1,19 @@
-//! An exact solution on a mesh: load vectors and moments, each computed once a time and shared by
-//! all cases on the mesh.
+//! An exact solution on a mesh: load vectors and moments, shared by all cases on the mesh.
+//!
+//! Fields that separate in time are integrated once, in parts; others once a time.
 
 use std::sync::{Arc, OnceLock};
 
-use super::constitutive::{Tensor, mandel, stress};
 use super::contact_samples::StatePoints;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
-use super::nodal_force::{add_stress, facet_measure};
-use super::reduction::{add_cell, project};
-use super::sampled::{Sampled, tensor_names, vector_names};
+use super::nodal_force::facet_measure;
+use super::parts::{PartMoments, Parts, combined, forget_zeros};
+use super::reduction::remainders;
+use super::sampled::Sampled;
+use super::separation::Separation;
 use super::truth::{ByTime, Truth};
 use crate::contact::{Discretization, LoadError};
-use crate::formula::Program;
 use crate::norms::{ContactSamples, Moments, Piecewise, facet_samples, is_locked};
 use crate::space::quadrature::{Rule, TruthRules};
 
@@ -34,7 +35,23 @@ pub struct ExactOnMesh {
     regions: Vec<usize>,
     loads: ByTime<Vec<f64>>,
     moments: ByTime<Moments>,
+    /// What does not separate, of loads and moments.
+    contact_forces: ByTime<Vec<f64>>,
+    contact_moments: ByTime<ContactMoments>,
+    /// Nodal vectors and moments of the parts; none where one is not finite.
+    load_parts: OnceLock<Option<Vec<Vec<f64>>>>,
+    moment_parts: OnceLock<Option<PartMoments>>,
+    /// Whether fields that separate are taken in parts.
+    in_parts: bool,
     state_points: OnceLock<StatePoints>,
+}
+
+/// u_ν and ξ + λ on the facets of Γ3, and where u_ν = g.
+#[derive(Clone)]
+struct ContactMoments {
+    normal: Piecewise,
+    pressure: Piecewise,
+    locked: Vec<bool>,
 }
 
 impl ExactOnMesh {
@@ -65,222 +82,203 @@ impl ExactOnMesh {
             form,
             loads: ByTime::default(),
             moments: ByTime::default(),
+            contact_forces: ByTime::default(),
+            contact_moments: ByTime::default(),
+            load_parts: OnceLock::new(),
+            moment_parts: OnceLock::new(),
+            in_parts: true,
             state_points: OnceLock::new(),
         }
     }
 
-    /// The formulas of [u, ε, H], how many they are, and the names of those that must be finite.
-    fn interior(&self) -> ((&Program, usize), Vec<String>) {
-        let d = self.exact.dimension();
-        let outputs = d + self.exact.strain.len() + self.exact.memory.len();
-        let names = [vector_names("u", d), tensor_names("ε", d)].concat();
-        ((&self.exact.interior, outputs), names)
+    /// The same with all fields evaluated at each time: for few times, and as a check on the parts.
+    pub fn time_by_time(mut self) -> Self {
+        self.in_parts = false;
+        self
     }
 
-    fn weak_load<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
-        let space = &self.space;
-        let kappa = self.exact.kappa(t);
-        let mut force = vec![0.0; space.nodes.len()];
-        let (rule, mut memory) = (&self.load_points.rule, Vec::new());
-        let (program, names) = self.interior();
-        self.load_points.each_block(&space.mesh, program, (t, 0.0), &names, |cells, values| {
-            for (index, c) in cells.enumerate() {
-                let (mut mean, material) = ([[0.0; D]; D], self.exact.material_in(self.regions[c]));
-                for (q, weight) in rule.weights.iter().enumerate() {
-                    let p = rule.weights.len() * index + q;
-                    let strain: Tensor<D> = self.exact.tensors(values, p, &mut memory);
-                    let sigma = stress(material, &strain, &memory, kappa);
-                    let pairs = mean.as_flattened_mut().iter_mut().zip(sigma.as_flattened());
-                    pairs.for_each(|(target, value)| *target += weight * value);
-                }
-                add_stress(&space.mesh, c, space.cell_nodes(c), &mean, &mut force);
-            }
-        })?;
+    /// The fields at one time.
+    fn at(&self, t: f64) -> Parts<'_> {
+        Parts {
+            exact: &self.exact,
+            space: &self.space,
+            regions: &self.regions,
+            interior: &self.exact.interior,
+            forces: &self.exact.forces,
+            count: 1,
+            again: true,
+            t,
+            zeta: if self.form == LoadForm::Strong { self.exact.zeta.at(t) } else { f64::NAN },
+            kappa: self.exact.kappa(t),
+        }
+    }
+
+    /// The parts of fields that separate.
+    fn parts<'a>(&'a self, separation: &'a Separation) -> Parts<'a> {
+        Parts {
+            interior: &separation.interior,
+            forces: &separation.forces,
+            count: separation.parts,
+            again: false,
+            t: 0.0,
+            zeta: f64::NAN,
+            // Nothing that separates is projected.
+            kappa: f64::INFINITY,
+            ..self.at(0.0)
+        }
+    }
+
+    fn separation(&self) -> Option<&Separation> {
+        self.exact.separation.as_ref().filter(|_| self.in_parts)
+    }
+
+    /// Nodal vectors of all loads but the pressure on Γ3, by part.
+    fn volume_forces<const D: usize>(&self, parts: &Parts<'_>) -> Result<Vec<Vec<f64>>, LoadError> {
+        if self.form == LoadForm::Weak {
+            return parts.stress_forces::<D>(&self.load_points);
+        }
+        let mut forces = parts.body_forces::<D>(&self.force_points)?;
+        for group in self.traction.iter().chain(&self.contact) {
+            parts.add_boundary_stress::<D>(group, &mut forces)?;
+        }
+        Ok(forces)
+    }
+
+    /// F(t) over all nodes.
+    fn load_at<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+        let mut forces = self.volume_forces::<D>(&self.at(t))?;
+        let mut force = forces.swap_remove(0);
         self.add_contact_pressure(t, &mut force)?;
-        force.truncate(space.dofs());
         Ok(force)
+    }
+
+    /// The same from the parts; none where there are none, or a number is not finite.
+    fn load_from_parts<const D: usize>(&self, t: f64) -> Result<Option<Vec<f64>>, LoadError> {
+        let Some(separation) = self.separation() else { return Ok(None) };
+        let parts = self.load_parts.get_or_init(|| {
+            let mut forces = self.volume_forces::<D>(&self.parts(separation)).ok()?;
+            forget_zeros(&mut forces);
+            Some(forces)
+        });
+        let Some(parts) = parts else { return Ok(None) };
+        let mut force = combined(parts, &separation.factors_at(t), self.space.nodes.len());
+        self.add_contact_pressure(t, &mut force)?;
+        Ok(force.iter().all(|value| value.is_finite()).then_some(force))
+    }
+
+    fn compute_load<const D: usize>(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+        let own = |mut force: Vec<f64>| {
+            force.truncate(self.space.dofs());
+            force
+        };
+        match self.load_from_parts::<D>(t)? {
+            Some(force) => Ok(Arc::new(own(force))),
+            None => self.loads.get_or(t, || Ok(own(self.load_at::<D>(t)?))),
+        }
     }
 
     /// Adds ∫_{Γ3} c v_ν by the error rule of the facets.
     fn add_contact_pressure(&self, t: f64, force: &mut [f64]) -> Result<(), LoadError> {
-        let d = self.space.mesh.dimension;
+        let (d, points) = (self.space.mesh.dimension, &self.space.trace.points);
+        let forces = self.contact_forces.get_or(t, || self.contact_pressure(t))?;
+        for (point, own) in points.iter().zip(forces.chunks_exact(d)) {
+            let target = &mut force[d * point.node as usize..][..d];
+            target.iter_mut().zip(own).for_each(|(target, value)| *target += value);
+        }
+        Ok(())
+    }
+
+    /// ∫_{Γ3} c v_ν of the points of the trace, d numbers each.
+    fn contact_pressure(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+        let (d, trace) = (self.space.mesh.dimension, &self.space.trace);
+        let mut force = vec![0.0; d * trace.points.len()];
         for group in &self.contact {
             let values = group.contact_values(&self.space.mesh, &group.points, t)?;
-            let count = group.points.rule.weights.len();
-            for (index, &facet) in group.mesh_facets.iter().enumerate() {
+            let rule = &group.points.rule;
+            for (index, (&f, &facet)) in group.facets.iter().zip(&group.mesh_facets).enumerate() {
                 let measure = facet_measure(&self.space.mesh, facet);
-                for (q, weight) in group.points.rule.weights.iter().enumerate() {
-                    let pressure = weight * measure * values[1][count * index + q];
-                    for (&vertex, shape) in
-                        self.space.mesh.facet(facet).iter().zip(&group.points.rule.points[q])
-                    {
-                        let node = self.space.nodes.of_vertex[vertex as usize] as usize;
+                for (q, weight) in rule.weights.iter().enumerate() {
+                    let pressure = weight * measure * values[1][rule.weights.len() * index + q];
+                    for (&point, shape) in trace.facet(f).iter().zip(&rule.points[q]) {
                         for i in 0..d {
-                            force[d * node + i] += pressure * group.normal[i] * shape;
+                            force[d * point as usize + i] += pressure * group.normal[i] * shape;
                         }
                     }
                 }
             }
         }
-        Ok(())
-    }
-
-    fn strong_load<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
-        let space = &self.space;
-        let zeta = self.exact.zeta.at(t);
-        let mut force = vec![0.0; space.nodes.len()];
-        let rule = &self.load_points.rule;
-        let (program, names) = ((&self.exact.forces, D), vector_names("f0", D));
-        self.force_points.each_block(
-            &space.mesh,
-            program,
-            (t, zeta),
-            &names,
-            |cells, values| {
-                for (index, c) in cells.enumerate() {
-                    let measure = space.geometry.measure[c];
-                    for (q, weight) in rule.weights.iter().enumerate() {
-                        let p = rule.weights.len() * index + q;
-                        for (&node, shape) in space.cell_nodes(c).iter().zip(&rule.points[q]) {
-                            for i in 0..D {
-                                force[D * node as usize + i] +=
-                                    weight * measure * shape * values[i][p];
-                            }
-                        }
-                    }
-                }
-            },
-        )?;
-        for group in self.traction.iter().chain(&self.contact) {
-            self.add_boundary_stress::<D>(group, t, &mut force)?;
-        }
-        self.add_contact_pressure(t, &mut force)?;
-        force.truncate(space.dofs());
         Ok(force)
     }
 
-    /// Adds ∫ (σν)·v over a group of facets.
-    fn add_boundary_stress<const D: usize>(
-        &self,
-        group: &FacetGroup,
-        t: f64,
-        force: &mut [f64],
-    ) -> Result<(), LoadError> {
-        let (program, names) = self.interior();
-        let values = group.strains.evaluate(&self.space.mesh, program, t, &names)?;
-        let kappa = self.exact.kappa(t);
-        let (rule, mut memory) = (&group.strains.rule, Vec::new());
-        for (index, &facet) in group.mesh_facets.iter().enumerate() {
-            let measure = facet_measure(&self.space.mesh, facet);
-            let material = self.exact.material_in(group.regions[index]);
-            for (q, weight) in rule.weights.iter().enumerate() {
-                let p = rule.weights.len() * index + q;
-                let strain: Tensor<D> = self.exact.tensors(&values, p, &mut memory);
-                let sigma = stress(material, &strain, &memory, kappa);
-                for (&vertex, shape) in self.space.mesh.facet(facet).iter().zip(&rule.points[q]) {
-                    let node = self.space.nodes.of_vertex[vertex as usize] as usize;
-                    for (i, row) in sigma.iter().enumerate() {
-                        let traction: f64 = row.iter().zip(&group.normal).map(|(s, n)| s * n).sum();
-                        force[D * node + i] += weight * measure * shape * traction;
-                    }
-                }
-            }
-        }
-        Ok(())
+    /// Moments in the cells from the parts; none where there are none, or a number is not finite.
+    fn moments_from_parts<const D: usize>(&self, t: f64) -> Option<Moments> {
+        let separation = self.separation()?;
+        let parts = self.moment_parts.get_or_init(|| {
+            let parts = self.parts(separation).moments::<D>(&self.error_points).ok()?;
+            Some(parts.without_zeros())
+        });
+        parts.as_ref()?.at(&separation.factors_at(t))
     }
 
-    fn compute_moments<const D: usize>(&self, t: f64) -> Result<Moments, LoadError> {
-        let mut moments = self.cell_moments::<D>(t)?;
+    fn compute_moments<const D: usize>(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+        let whole = |cells: Moments| -> Result<Moments, LoadError> {
+            let on_contact = self.contact_moments.get_or(t, || self.compute_contact::<D>(t))?;
+            let ContactMoments { normal, pressure, locked } = (*on_contact).clone();
+            Ok(Moments { normal, pressure, locked, ..cells })
+        };
+        match self.moments_from_parts::<D>(t) {
+            Some(cells) => whole(cells).map(Arc::new),
+            None => self
+                .moments
+                .get_or(t, || whole(self.at(t).moments::<D>(&self.error_points)?.single())),
+        }
+    }
+
+    fn compute_contact<const D: usize>(&self, t: f64) -> Result<ContactMoments, LoadError> {
         let facets = self.space.trace.measure.len();
-        moments.normal.corner = vec![0.0; D * facets];
-        moments.pressure.corner = vec![0.0; D * facets];
-        moments.locked = vec![false; facets * facet_samples(D).len()];
+        let flat = || Piecewise { corner: vec![0.0; D * facets], rest: 0.0 };
+        let (mut normal, mut pressure) = (flat(), flat());
+        let mut locked = vec![false; facets * facet_samples(D).len()];
         for group in &self.contact {
-            self.facet_moments(group, t, &mut moments)?;
-        }
-        Ok(moments)
-    }
-
-    fn cell_moments<const D: usize>(&self, t: f64) -> Result<Moments, LoadError> {
-        let (space, kappa) = (&self.space, self.exact.kappa(t));
-        let rule = &self.error_points.rule;
-        let (count, cells) = (rule.weights.len(), space.mesh.cell_count());
-        let numbers = self.exact.strain.len();
-        let mut moments = Moments::default();
-        moments.strain.mean = Vec::with_capacity(numbers * cells);
-        moments.stress.mean = Vec::with_capacity(numbers * cells);
-        let corners = D * (D + 1);
-        moments.displacement.corner = vec![0.0; corners * cells];
-        let (mut strains, mut stresses, mut memory) = (Vec::new(), Vec::new(), Vec::new());
-        let (program, names) = self.interior();
-        self.error_points.each_block(&space.mesh, program, (t, 0.0), &names, |cells, values| {
-            for (index, c) in cells.enumerate() {
-                strains.clear();
-                stresses.clear();
-                let material = self.exact.material_in(self.regions[c]);
-                for p in count * index..count * (index + 1) {
-                    let strain: Tensor<D> = self.exact.tensors(values, p, &mut memory);
-                    mandel(&strain, &mut strains);
-                    mandel(&stress(material, &strain, &memory, kappa), &mut stresses);
+            let values = group.contact_values(&self.space.mesh, &group.points, t)?;
+            let samples = group.contact_values(&self.space.mesh, &group.samples, t)?;
+            let (rule, sampled) = (&group.points.rule, group.samples.rule.points.len());
+            let count = rule.weights.len();
+            let mut at = vec![0.0; count];
+            for (index, &f) in group.facets.iter().enumerate() {
+                let measure = self.space.trace.measure[f];
+                for (field, target) in [(0, &mut normal), (1, &mut pressure)] {
+                    at.copy_from_slice(&values[field][count * index..count * (index + 1)]);
+                    let linear = remainders(&mut at, rule);
+                    target.corner[D * f..D * (f + 1)].copy_from_slice(&linear[..D]);
+                    let squares = at.iter().zip(&rule.weights).map(|(rest, w)| w * rest * rest);
+                    target.rest += measure * squares.sum::<f64>();
                 }
-                let measure = space.geometry.measure[c];
-                add_cell(&strains, &rule.weights, measure, &mut moments.strain);
-                add_cell(&stresses, &rule.weights, measure, &mut moments.stress);
-                for (i, field) in values[..D].iter().enumerate() {
-                    let at = &field[count * index..count * (index + 1)];
-                    let corner = &mut moments.displacement.corner[corners * c..corners * (c + 1)];
-                    moments.displacement.rest +=
-                        measure * project(at, rule, |a, v| corner[D * a + i] = v);
+                for s in 0..sampled {
+                    let p = sampled * index + s;
+                    locked[sampled * f + s] = is_locked(samples[0][p], samples[2][p]);
                 }
             }
-        })?;
-        Ok(moments)
-    }
-
-    fn facet_moments(
-        &self,
-        group: &FacetGroup,
-        t: f64,
-        moments: &mut Moments,
-    ) -> Result<(), LoadError> {
-        let values = group.contact_values(&self.space.mesh, &group.points, t)?;
-        let samples = group.contact_values(&self.space.mesh, &group.samples, t)?;
-        let (rule, corners) = (&group.points.rule, self.space.mesh.dimension);
-        let (count, sampled) = (rule.weights.len(), group.samples.rule.points.len());
-        for (index, &f) in group.facets.iter().enumerate() {
-            let measure = self.space.trace.measure[f];
-            for (field, target) in [(0, &mut moments.normal), (1, &mut moments.pressure)] {
-                let at = &values[field][count * index..count * (index + 1)];
-                let Piecewise { corner, rest } = target;
-                *rest += measure * project(at, rule, |a, v| corner[corners * f + a] = v);
-            }
-            for s in 0..sampled {
-                let p = sampled * index + s;
-                moments.locked[sampled * f + s] = is_locked(samples[0][p], samples[2][p]);
-            }
         }
-        Ok(())
+        Ok(ContactMoments { normal, pressure, locked })
     }
 }
 
 impl Truth for ExactOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        let load = match (self.form, self.space.mesh.dimension) {
-            (LoadForm::Weak, 2) => Self::weak_load::<2>,
-            (LoadForm::Weak, _) => Self::weak_load::<3>,
-            (LoadForm::Strong, 2) => Self::strong_load::<2>,
-            (LoadForm::Strong, _) => Self::strong_load::<3>,
-        };
-        self.loads.get_or(t, || load(self, t))
+        match self.space.mesh.dimension {
+            2 => self.compute_load::<2>(t),
+            _ => self.compute_load::<3>(t),
+        }
     }
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        let moments = match self.space.mesh.dimension {
-            2 => Self::compute_moments::<2>,
-            _ => Self::compute_moments::<3>,
-        };
-        self.moments.get_or(t, || moments(self, t))
+        match self.space.mesh.dimension {
+            2 => self.compute_moments::<2>(t),
+            _ => self.compute_moments::<3>(t),
+        }
     }
+
     fn contact_samples(&self, t: f64) -> Result<Option<ContactSamples>, LoadError> {
         if self.space.mesh.dimension != 2 {
             return Ok(None);

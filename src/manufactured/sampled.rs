@@ -14,7 +14,7 @@ use crate::space::quadrature::Rule;
 /// by block.
 const KEPT: usize = 1 << 21;
 /// Points of a block.
-const BLOCK: usize = 1 << 16;
+const BLOCK: usize = 1 << 14;
 
 /// The points of a rule on a list of simplices, with formulas bound to them.
 pub(super) struct Sampled {
@@ -47,12 +47,14 @@ impl Sampled {
     }
 
     /// Shows the values of all outputs at time t, for one run of simplices after the other: their numbers, and the
-    /// values at their points. Those of the first fields must be finite; `names` are theirs.
+    /// values at their points. Those of the first fields must be finite; `names` are theirs. What is to be evaluated
+    /// `again` is one program, always the same.
     pub(super) fn each_block(
         &self,
         mesh: &Mesh,
         (program, outputs): (&Program, usize),
         (t, zeta): (f64, f64),
+        again: bool,
         names: &[String],
         mut visit: impl FnMut(Range<usize>, &[Vec<f64>]),
     ) -> Result<(), LoadError> {
@@ -67,7 +69,7 @@ impl Sampled {
             visit(simplices, out);
             Ok(())
         };
-        if count * total <= self.kept {
+        if again && count * total <= self.kept {
             let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
             let bound = bound.get_or_insert_with(|| program.bind(&self.points(mesh, 0..total)));
             bound.evaluate(t, zeta, &mut out);
@@ -91,7 +93,7 @@ impl Sampled {
         names: &[String],
     ) -> Result<Vec<Vec<f64>>, LoadError> {
         let mut all = vec![Vec::new(); program.1];
-        self.each_block(mesh, program, (t, 0.0), names, |_, values| {
+        self.each_block(mesh, program, (t, 0.0), true, names, |_, values| {
             all.iter_mut().zip(values).for_each(|(all, own)| all.extend_from_slice(own));
         })?;
         Ok(all)

@@ -1,6 +1,6 @@
 //! Where the simplices of a finer, nested mesh lie in a coarser one.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 use super::moments::facet_samples;
 use super::reference::ReferenceError;
@@ -41,7 +41,7 @@ impl Parents {
         let mut hats = Vec::with_capacity(corners * corners * of.len());
         for (simplex, &parent) in fine.iter().zip(&of) {
             let at = |v: &u32| coarse.barycentric(parent as usize, &mesh.point(&[*v], &[1.0]));
-            let at: Vec<Vec<f64>> = simplex.iter().map(at).collect();
+            let at: Vec<[f64; 4]> = simplex.iter().map(at).collect();
             hats.extend((0..corners).flat_map(|a| at.iter().map(move |b| b[a])));
         }
         Some(Self { of, hats, corners })
@@ -97,7 +97,7 @@ struct Simplices {
     /// For each simplex the vectors g_a with λ_a(x) = g_a · (x - x_0), a ≥ 1.
     dual: Vec<Vec<[f64; 3]>>,
     /// Simplices by the boxes that theirs meet.
-    boxes: HashMap<[i64; 3], Vec<u32>>,
+    boxes: FxHashMap<[i64; 3], Vec<u32>>,
     width: f64,
 }
 
@@ -112,7 +112,7 @@ impl Simplices {
             corners[1..].iter().map(|x| distance(x, &corners[0])).fold(0.0, f64::max)
         };
         let width = corners.iter().map(longest).fold(f64::MIN_POSITIVE, f64::max);
-        let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+        let mut boxes: FxHashMap<[i64; 3], Vec<u32>> = FxHashMap::default();
         for (s, corners) in corners.iter().enumerate() {
             let end = |i: usize, pick: fn(f64, f64) -> f64, away: f64| {
                 let values = corners.iter().map(|x| x[i]);
@@ -131,18 +131,19 @@ impl Simplices {
         Self { corners, dual, boxes, width }
     }
 
-    /// Barycentric coordinates of a point in simplex s.
-    fn barycentric(&self, s: usize, x: &[f64; 3]) -> Vec<f64> {
+    /// Barycentric coordinates of a point in simplex s, one a corner.
+    fn barycentric(&self, s: usize, x: &[f64; 3]) -> [f64; 4] {
         let origin = &self.corners[s][0];
-        let at = |g: &[f64; 3]| (0..3).map(|i| g[i] * (x[i] - origin[i])).sum::<f64>();
-        let mut out = vec![0.0];
-        out.extend(self.dual[s].iter().map(at));
+        let mut out = [0.0; 4];
+        for (b, g) in out[1..].iter_mut().zip(&self.dual[s]) {
+            *b = (0..3).map(|i| g[i] * (x[i] - origin[i])).sum();
+        }
         out[0] = 1.0 - out[1..].iter().sum::<f64>();
         out
     }
 
     /// Of some simplices the one that holds a point best, if one holds it, with the coordinates in it.
-    fn nearest(&self, x: &[f64; 3], among: impl Iterator<Item = u32>) -> Option<(u32, Vec<f64>)> {
+    fn nearest(&self, x: &[f64; 3], among: impl Iterator<Item = u32>) -> Option<(u32, [f64; 4])> {
         let inside = |s: u32| {
             let b = self.barycentric(s as usize, x);
             let mut off = *x;
@@ -150,7 +151,8 @@ impl Simplices {
                 off.iter_mut().zip(corner).for_each(|(off, c)| *off -= b * c);
             }
             let away = distance(&off, &[0.0; 3]) / self.width;
-            let depth = b.iter().copied().fold(f64::INFINITY, f64::min) - away;
+            let corners = self.corners[s as usize].len();
+            let depth = b[..corners].iter().copied().fold(f64::INFINITY, f64::min) - away;
             (depth, s, b)
         };
         let best = among.map(inside).max_by(|a, b| a.0.total_cmp(&b.0))?;

@@ -54,7 +54,9 @@ impl MeshData {
         reference: Option<Arc<ReferenceRun>>,
     ) -> Result<Self, SetupError> {
         let rules = TruthRules::of(setup.scene.dimension);
-        let mut data = Self::with_rules(setup, n, reference, &rules)?;
+        let space = setup.space(n)?;
+        let truth = truth(setup, &space, reference, &rules, true)?;
+        let mut data = Self::with_truth(space, truth);
         data.own = Some(data.truth.clone());
         Ok(data)
     }
@@ -70,7 +72,7 @@ impl MeshData {
         rules: &TruthRules,
     ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
-        let truth = truth(setup, &space, reference, rules)?;
+        let truth = truth(setup, &space, reference, rules, true)?;
         Ok(Self::with_truth(space, truth))
     }
 
@@ -91,7 +93,7 @@ impl MeshData {
                 return Ok(RuleCheck::default());
             }
             let by = |rules: TruthRules| {
-                truth(setup, &self.space, None, &rules)
+                truth(setup, &self.space, None, &rules, false)
                     .map_err(|error| LoadError::Reference { reason: error.to_string() })
             };
             rule_check(setup, &self.space, self.own.clone(), by)
@@ -143,12 +145,14 @@ impl MeshData {
     }
 }
 
-/// Loads and exact fields of a scene on a mesh, by the given rules.
+/// Loads and exact fields of a scene on a mesh, by the given rules; those that separate are taken `in_parts`, which
+/// pays at more than a few times.
 fn truth(
     setup: &Setup,
     space: &Arc<Discretization>,
     reference: Option<Arc<ReferenceRun>>,
     rules: &TruthRules,
+    in_parts: bool,
 ) -> Result<Arc<dyn Truth>, SetupError> {
     Ok(match (&setup.body.data, &setup.exact) {
         (Data::Exact { interpolated: true, .. }, Some(exact)) => {
@@ -157,7 +161,8 @@ fn truth(
         (Data::Exact { form, .. }, Some(exact)) => {
             let sides = side_numbers(&setup.body.domain.traction);
             let form = super::load_form(*form);
-            Arc::new(ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules))
+            let exact = ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules);
+            Arc::new(if in_parts { exact } else { exact.time_by_time() })
         }
         (Data::Loads { body, traction }, _) => {
             let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);

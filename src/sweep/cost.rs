@@ -12,19 +12,19 @@
 
 mod alone;
 mod linear;
+mod truth;
 
 use std::collections::HashSet;
 
 pub(super) use alone::march_bytes;
 pub use alone::{RunCost, run_cost};
 use linear::linear;
+use truth::{RuleRatios, TruthCost, truth, zeta};
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::contact::{Discretization, LinearSolver, Plan};
-use crate::formula::Variable;
-use crate::scene::{Data, Norm, Reference};
+use crate::scene::{Norm, Reference};
 use crate::setup::{AbstractSetup, Setup, SetupError};
-use crate::space::quadrature::TruthRules;
 
 /// How a level of a scene is solved.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,28 +97,14 @@ impl Kind {
 /// Seconds a cell and iteration in vectors, and a cell and level in KKT residual and errors.
 const VECTORS: f64 = 50e-9;
 const MEASURING: f64 = 50e-9;
-/// Seconds a point and time in formulas, for a load and for the moments of the truth in the plane, where u, ε and its
-/// memory are 8 fields; in space they are 15.
-const LOAD: f64 = 0.7e-6 / 6.0;
-const MOMENTS: f64 = 1.5e-6 / 12.0;
 /// What the 12 × 12 matrices of a tetrahedron take over the 6 × 6 ones of a triangle, in assembly.
 const TETRAHEDRON: f64 = 4.0;
-/// Seconds for ζ of the exact solution, once a scene whose κ depends on it: adaptive quadrature in time and space.
-const ZETA: f64 = 0.3;
-/// Seconds a time where u lives in V^h: ζ by adaptive quadrature, on small meshes.
-const INTERPOLATED: f64 = 1e-4;
 /// Seconds a level of an abstract scene, and a pair of levels and kernel in its direct sums.
 const ABSTRACT: [f64; 2] = [2e-4, 5e-8];
-/// Seconds a cell of the reference mesh and time in moments of a reference run.
-const REFERENCE: f64 = 43e-9;
-
 /// Bytes of the program itself with its report.
 pub(super) const PROGRAM: f64 = 16e6;
 /// Bytes an entry of the matrix in mesh, pattern and analysis, which the cases on a mesh share.
 const SPACE: f64 = 16.0;
-/// The points of a mesh and rule from which on values of formulas are not stored.
-const MOST_STORED: f64 = 2_097_152.0;
-
 /// The prediction for one case or reference run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
@@ -180,16 +166,17 @@ pub(super) fn predict_some(
     for of_mesh in order.chunk_by(|&a, &b| mesh_of(&cases[a]) == mesh_of(&cases[b])) {
         let n = mesh_of(&cases[of_mesh[0]]);
         let space = setup.space(n)?;
-        let [load, moment, formulas] = truth(setup, reference_cells, space.mesh.cell_count());
-        let [moment_numbers, dofs] =
-            [moment_numbers(&space) * space.mesh.cell_count(), space.dofs()].map(|n| n as f64);
+        let own = truth(setup, reference_cells, &space);
+        let TruthCost { load, moment, formulas, .. } = own;
+        let dofs = space.dofs() as f64;
         let mut known: [HashSet<u64>; 2] = Default::default();
         for (place, &c) in of_mesh.iter().enumerate() {
             let case = &cases[c];
             let mut cost = march(setup, &space, n, case.steps);
             let mut loads = times(setup, case.steps);
             let moments = loads.clone();
-            let mut kept = formulas + 8.0 * (moment_numbers + dofs) * moments.len() as f64;
+            let once = formulas + own.parts_bytes;
+            let mut kept = once + own.bytes_a_time * moments.len() as f64;
             if timed(c) {
                 let finer = march(setup, &space, n, TIME_REFERENCE * case.steps);
                 cost.seconds += finer.seconds;
@@ -198,22 +185,27 @@ pub(super) fn predict_some(
                 cost.memory_bytes = cost.memory_bytes.max(finer.memory_bytes);
                 kept += 8.0 * dofs * moments.len() as f64;
                 if setup.exact.is_some() {
-                    kept += 8.0 * dofs * (loads.len() - moments.len()) as f64;
+                    let more = (loads.len() - moments.len()) as f64;
+                    kept += own.bytes_a_time.min(8.0 * dofs) * more;
                 }
             }
             cost.memory_bytes += PROGRAM + kept + check.formulas * formulas;
             cost.memory_bytes += reference.map_or(0.0, |run: Cost| run.memory_bytes - PROGRAM);
-            let once = SPACE * space.pattern.entries() as f64;
-            (cost.kept_bytes, cost.kept_once) = (kept + once, formulas + once);
+            let mesh = SPACE * space.pattern.entries() as f64;
+            (cost.kept_bytes, cost.kept_once) = (kept + mesh, once + mesh);
             // The rules are compared once a mesh, at two times: loads by both, moments by the next.
             let compared = match setup.exact {
-                Some(_) => 2.0 * ((1.0 + check.load) * load + check.error * moment),
+                Some(_) => {
+                    let [direct_load, direct_moment] = own.direct;
+                    2.0 * (load + check.load * direct_load + check.error * direct_moment)
+                }
                 None => 0.0,
             };
-            let truth = load * loads.len() as f64 + moment * moments.len() as f64;
+            let truth =
+                own.parts_seconds + load * loads.len() as f64 + moment * moments.len() as f64;
             cost.alone = [cost.seconds + compared + truth + zeta, truth];
             if place == 0 {
-                cost.seconds += compared;
+                cost.seconds += compared + own.parts_seconds;
             }
             let [known_loads, known_moments] = &mut known;
             let fresh = |set: &mut HashSet<u64>, times: HashSet<u64>| {
@@ -251,48 +243,10 @@ fn reference_cost(
     Ok((Cost { memory_bytes, kept_bytes, ..run }, space.mesh.cell_count()))
 }
 
-/// Bytes that the formulas of an exact solution keep for so many points.
-fn formulas(setup: &Setup, points: f64) -> f64 {
-    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-    match &setup.exact {
-        Some(exact) if !interpolated && points <= MOST_STORED => {
-            exact.interior.bytes(points, setup.scene.dimension, setup.scene.time.horizon)
-        }
-        _ => 0.0,
-    }
-}
-
 /// Numbers of a tensor.
 fn tensor_numbers(space: &Discretization) -> usize {
     let d = space.mesh.dimension;
     d * (d + 1) / 2
-}
-
-/// Numbers a cell of the moments at one time: means of ε and σ, u at the corners.
-fn moment_numbers(space: &Discretization) -> usize {
-    let d = space.mesh.dimension;
-    2 * tensor_numbers(space) + d * (d + 1)
-}
-
-/// Points a cell of the rules of loads and errors.
-fn points(rules: &TruthRules) -> [f64; 2] {
-    [&rules.load, &rules.error].map(|rule| rule.weights.len() as f64)
-}
-
-/// What the next rules have over the usual ones: points for loads, for errors, and those for errors over all usual ones.
-struct RuleRatios {
-    load: f64,
-    error: f64,
-    formulas: f64,
-}
-
-impl RuleRatios {
-    fn of(dimension: usize) -> Self {
-        let ([load, error], [next_load, next_error]) =
-            (points(&TruthRules::of(dimension)), points(&TruthRules::stronger(dimension)));
-        let formulas = next_error / (load + error);
-        Self { load: next_load / load, error: next_error / error, formulas }
-    }
 }
 
 /// Predicted CPU seconds of a case of an abstract scene: N exact states and solves, and direct sums
@@ -311,37 +265,6 @@ fn mesh_of(case: &CasePlan) -> u32 {
 fn times(setup: &Setup, steps: u32) -> HashSet<u64> {
     let grid = setup.grid(steps);
     (0..=grid.steps()).map(|n| grid.time(n).to_bits()).collect()
-}
-
-/// Seconds a time for the load and for the moments of the truth on a mesh, and bytes held by formulas.
-fn truth(setup: &Setup, reference_cells: Option<usize>, cells: usize) -> [f64; 3] {
-    let [load, error] = points(&TruthRules::of(setup.scene.dimension));
-    let cells = cells as f64;
-    match &setup.body.data {
-        Data::Exact { interpolated: true, .. } => [INTERPOLATED, 0.0, 0.0],
-        Data::Exact { .. } => {
-            let d = setup.scene.dimension;
-            let cost = (d + d * (d + 1)) as f64 / 8.0 * cells;
-            let stored = formulas(setup, load * cells) + formulas(setup, error * cells);
-            [LOAD * load * cost, MOMENTS * error * cost, stored]
-        }
-        Data::Loads { .. } => {
-            let moments = reference_cells.map_or(0.0, |cells| REFERENCE * cells as f64);
-            [0.0, moments, 0.0]
-        }
-    }
-}
-
-/// Seconds for ζ of the exact solution.
-fn zeta(setup: &Setup) -> f64 {
-    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-    let needed = setup.exact.as_ref().filter(|_| !interpolated).is_some_and(|exact| {
-        let depends = |kappa| exact.data.graph.depends_on(kappa, Variable::Zeta);
-        // Without a front the strain norm is smooth, and its integral costs next to nothing.
-        let has_fronts = !exact.data.graph.guards(&exact.data.u).is_empty();
-        has_fronts && exact.data.kappa.is_some_and(depends)
-    });
-    if needed { ZETA } else { 0.0 }
 }
 
 /// One march without its truth.

@@ -68,6 +68,26 @@ fn separation() {
     }
 }
 
+/// Factors that differ by a number are one: of 2t sin x, -3t y + x cos t and t/7 there are two.
+#[test]
+fn several_formulas_share_their_factors_in_time() {
+    let mut graph = Graph::new();
+    let texts = ["2*t*sin(x)", "x*cos(t) - 3*t*y", "t/7", "4", "0"];
+    let formulas = texts.map(|text| node(&mut graph, &everything(), text));
+    let together = graph.separate_together(&formulas).expect("sums of products");
+    assert_eq!(together.factors.len(), 3, "t, cos t and 1");
+    let at = Point { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
+    for ((text, f), shapes) in texts.iter().zip(formulas).zip(&together.shapes) {
+        let terms = shapes.iter().map(|&(m, shape)| {
+            assert!(!graph.depends_on(shape, Variable::T), "{text}");
+            graph.evaluate(together.factors[m], &at) * graph.evaluate(shape, &at)
+        });
+        assert_close(terms.sum(), graph.evaluate(f, &at), 1e-15, text);
+    }
+    let moving = node(&mut graph, &everything(), "sin(x*t)");
+    assert!(graph.separate_together(&[formulas[0], moving]).is_none());
+}
+
 #[test]
 fn guards_are_found() {
     let mut graph = Graph::new();

@@ -1,9 +1,9 @@
 //! What one run takes without measuring its error.
 
-use super::{PROGRAM, formulas, march, points};
+use super::truth::load_bytes;
+use super::{PROGRAM, march};
 use crate::contact::Discretization;
 use crate::setup::Setup;
-use crate::space::quadrature::TruthRules;
 
 /// What one run takes without measuring its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,10 +17,8 @@ pub struct RunCost {
 /// The memory of one run, mesh, loads and march, as `sweep solve` does it.
 pub fn run_cost(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> RunCost {
     let run = march(setup, space, n, steps);
-    let [load, _] = points(&TruthRules::of(setup.scene.dimension));
-    let formulas = formulas(setup, load * space.mesh.cell_count() as f64);
     RunCost {
-        memory_bytes: PROGRAM + run.memory_bytes + formulas,
+        memory_bytes: PROGRAM + run.memory_bytes + load_bytes(setup, space),
         history_bytes: (setup.history_vectors(steps) * space.dofs() * 8) as f64,
     }
 }

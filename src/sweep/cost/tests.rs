@@ -1,5 +1,6 @@
 //! The counters behind a prediction against those of real cases: clocks are not compared in a test.
 
+use super::truth::{LOAD, MOMENTS, ZETA};
 use super::*;
 use crate::scene::Scene;
 use crate::setup::MeshData;

@@ -1,0 +1,52 @@
+//! Exact fields as sums of products of time and space.
+
+use std::sync::{Mutex, PoisonError};
+
+use crate::formula::{Bound, Graph, Node, Program};
+
+/// Longer sums are evaluated time by time: a part costs as much as a time.
+const MOST_PARTS: usize = 8;
+
+/// [u, ε, H_1, H_2, …] and f0 as Σ_m a_m(t) S_m(x).
+pub struct Separation {
+    /// How many parts.
+    pub parts: usize,
+    /// The S_m of [u, ε, H_1, …], one part after another.
+    pub interior: Program,
+    /// The S_m of f0.
+    pub forces: Program,
+    factors: Mutex<Bound>,
+}
+
+impl Separation {
+    /// Separates the formulas; none if one of them does not show a short sum.
+    pub fn of(graph: &Graph, interior: &[Node], forces: &[Node], horizon: f64) -> Option<Self> {
+        let mut graph = graph.clone();
+        let together = graph.separate_together(&[interior, forces].concat())?;
+        let parts = together.factors.len();
+        if parts > MOST_PARTS {
+            return None;
+        }
+        let zero = graph.constant(0.0);
+        let mut shapes = |formulas: &[Vec<(usize, Node)>]| {
+            let shape = |m: usize, terms: &[(usize, Node)]| {
+                terms.iter().find(|(own, _)| *own == m).map_or(zero, |(_, shape)| *shape)
+            };
+            let all: Vec<Node> = (0..parts)
+                .flat_map(|m| formulas.iter().map(move |terms| shape(m, terms)))
+                .collect();
+            Program::compile(&mut graph, &all, horizon)
+        };
+        let (inside, outside) = together.shapes.split_at(interior.len());
+        let (interior, forces) = (shapes(inside), shapes(outside));
+        let factors = Program::compile(&mut graph, &together.factors, horizon).bind(&[[0.0; 3]]);
+        Some(Self { parts, interior, forces, factors: Mutex::new(factors) })
+    }
+
+    /// The a_m(t).
+    pub fn factors_at(&self, t: f64) -> Vec<f64> {
+        let mut out = vec![Vec::new(); self.parts];
+        self.factors.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        out.into_iter().flatten().collect()
+    }
+}
