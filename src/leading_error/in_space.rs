@@ -27,6 +27,8 @@ pub(super) struct InSpace<const S: usize> {
     /// The region of each cell.
     regions: Vec<usize>,
     states: RefCell<HashMap<u64, Rc<State<S>>>>,
+    /// b_i by lag: uniform grids have as many lags as steps.
+    kernels: RefCell<HashMap<(Node, u64), f64>>,
 }
 
 /// I_h u with its exact histories at one time.
@@ -67,7 +69,8 @@ impl<const S: usize> InSpace<S> {
             .filter(|&kappa| graph.depends_on(kappa, Variable::Zeta))
             .map(|kappa| graph.derivative(kappa, Variable::Zeta));
         let regions = exact.cell_regions(&space.mesh);
-        Self { exact, space, truth, slope, graph, regions, states: RefCell::default() }
+        let (states, kernels) = (RefCell::default(), RefCell::default());
+        Self { exact, space, truth, slope, graph, regions, states, kernels }
     }
 
     /// Whether u(t) ∈ V^h, to rounding, at times that no scene has reason to single out.
@@ -107,7 +110,8 @@ impl<const S: usize> InSpace<S> {
 
     fn b(&self, kernel: Node, lag: f64) -> f64 {
         let at = Point { t: lag, ..Point::default() };
-        self.exact.data.graph.evaluate(kernel, &at)
+        let value = || self.exact.data.graph.evaluate(kernel, &at);
+        *self.kernels.borrow_mut().entry((kernel, lag.to_bits())).or_insert_with(value)
     }
 
     fn at_zeta(&self, node: Option<Node>, zeta: f64, absent: f64) -> f64 {
