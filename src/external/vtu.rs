@@ -28,6 +28,9 @@ pub enum VtuError {
     /// A file of another kind.
     #[error("{0}: write an UnstructuredGrid (.vtu), by one process")]
     Kind(String),
+    /// A way of writing that is not known.
+    #[error("{name} `{found}` is not read: write the file with `{known}`, or without {name}")]
+    Form { name: String, found: String, known: &'static str },
     /// Points that are not one a vertex.
     #[error(
         "{found} points where the mesh has {wanted} vertices: write each vertex once; interpolate elements of higher \
