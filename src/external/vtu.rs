@@ -150,13 +150,13 @@ pub(super) fn xml(text: &str) -> Result<Document<'_>, VtuError> {
 }
 
 fn binary<'a>(root: Node<'_, '_>, appended: Option<&'a [u8]>) -> Result<Binary<'a>, VtuError> {
-    let stated = |name: &str, usual: &'static str, other: &'static str| match root
-        .attribute(name)
-        .unwrap_or(usual)
-    {
-        found if found == usual => Ok(false),
-        found if found == other => Ok(true),
-        found => Err(VtuError::Kind(format!("a file with {name} `{found}`"))),
+    let stated = |name: &str, usual: &str, other: &'static str| {
+        let found = root.attribute(name).unwrap_or(usual);
+        if found != usual && found != other {
+            let (name, found) = (name.to_owned(), found.to_owned());
+            return Err(VtuError::Form { name, found, known: other });
+        }
+        Ok(found == other)
     };
     let encoding = child(root, "AppendedData").and_then(|node| node.attribute("encoding"));
     Ok(Binary {
