@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Component, Path};
 
 /// The most bytes of a file with so many parts.
 #[derive(Debug, Clone, Copy)]
@@ -45,4 +45,10 @@ pub fn read_bounded(path: &Path, most: u64) -> Result<Vec<u8>, String> {
         .read_to_end(&mut bytes)
         .map_err(|error| error.to_string())?;
     Ok(bytes)
+}
+
+/// Whether a name that a file gives is that of a file below its directory.
+pub fn is_below(file: &str) -> bool {
+    let within = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+    !file.is_empty() && Path::new(file).components().all(within)
 }

@@ -1,9 +1,9 @@
 //! Displacements as a series of `.vtu` files, one a level: by the index `displacement.pvd`, or numbered.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use super::answer::{AnswerError, Wanted};
-use super::bounded::{Bound, read_bounded};
+use super::bounded::{Bound, is_below, read_bounded};
 use super::places::Places;
 use super::vtu::{Snapshot, VtuError, read_vtu, xml};
 
@@ -61,8 +61,7 @@ pub fn indexed(dir: &Path, times: &[f64]) -> Result<Vec<PathBuf>, SeriesError> {
         let time = entry.attribute("timestep").and_then(|text| text.trim().parse().ok());
         let file = entry.attribute("file");
         let (time, file) = time.zip(file).ok_or(SeriesError::Entry(i))?;
-        let within = |part| matches!(part, Component::Normal(_) | Component::CurDir);
-        if !Path::new(file).components().all(within) {
+        if !is_below(file) {
             return Err(SeriesError::Outside(file.to_owned()));
         }
         files.push((level(times, time)?, dir.join(file)));

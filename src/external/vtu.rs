@@ -11,7 +11,8 @@ use std::path::Path;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use self::array::{Binary, numbers};
-use super::bounded::{Bound, read_bounded};
+use super::bounded::{Bound, is_below, read_bounded};
+use crate::record::counted;
 
 /// Names of the point data that are looked for, the first that is there.
 const NAMES: [&str; 2] = ["displacement", "u"];
@@ -28,6 +29,12 @@ pub enum VtuError {
     /// A file of another kind.
     #[error("{0}: write an UnstructuredGrid (.vtu), by one process")]
     Kind(String),
+    /// An index of pieces, which is followed if it has one.
+    #[error(
+        "a parallel file of {}: one below the directory of the case is read; write it by one process",
+        counted(.0.len(), "piece")
+    )]
+    Pieces(Vec<String>),
     /// A way of writing that is not known.
     #[error("{name} `{found}` is not read: write the file with `{known}`, or without {name}")]
     Form { name: String, found: String, known: &'static str },
@@ -84,13 +91,23 @@ const BYTES_A_POINT: Bound = Bound { first: 1 << 20, each: 1 << 14 };
 /// Elements of the XML: a piece with its arrays has a few dozen.
 const MOST_NODES: u32 = 1 << 16;
 
-/// Reads the displacement of `vertices` points in `dimension`.
+/// Reads the displacement of `vertices` points in `dimension`. Some programs write an index of pieces from one process
+/// too: its only piece is read.
 ///
 /// # Errors
 /// [`VtuError`].
 pub fn read_vtu(path: &Path, vertices: usize, dimension: usize) -> Result<Snapshot, VtuError> {
-    let bytes = read_bounded(path, BYTES_A_POINT.of(vertices)).map_err(VtuError::Unreadable)?;
-    snapshot(&bytes, vertices, dimension)
+    let read = |path: &Path| {
+        let bytes = read_bounded(path, BYTES_A_POINT.of(vertices)).map_err(VtuError::Unreadable)?;
+        snapshot(&bytes, vertices, dimension)
+    };
+    match read(path) {
+        Err(VtuError::Pieces(files)) => match &files[..] {
+            [only] if is_below(only) => read(&path.with_file_name(only)),
+            _ => Err(VtuError::Pieces(files)),
+        },
+        other => other,
+    }
 }
 
 fn snapshot(bytes: &[u8], vertices: usize, dimension: usize) -> Result<Snapshot, VtuError> {
@@ -98,6 +115,11 @@ fn snapshot(bytes: &[u8], vertices: usize, dimension: usize) -> Result<Snapshot,
     let document = xml(&text)?;
     let root = document.root_element();
     let kind = root.attribute("type").unwrap_or_default();
+    if kind == "PUnstructuredGrid" {
+        let pieces = root.descendants().filter(|node| node.has_tag_name("Piece"));
+        let files = pieces.filter_map(|piece| piece.attribute("Source")).map(str::to_owned);
+        return Err(VtuError::Pieces(files.collect()));
+    }
     if root.tag_name().name() != "VTKFile" || kind != "UnstructuredGrid" {
         return Err(VtuError::Kind(format!("a file of type `{kind}`")));
     }

@@ -1,8 +1,8 @@
 //! Answers as a series of VTU files: by this program's writer and by hand, in other orders, damaged.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use gronwall::external::decode;
+use gronwall::external::{AnswerError, Wanted, decode, read_displacements};
 use gronwall::setup::{MeshData, Scheme, Setup};
 use gronwall::solution::{Field, Grid, write_pvd, write_vtu};
 
@@ -193,32 +193,79 @@ fn a_series_that_is_damaged_is_refused_with_file_and_value() {
     assert!(outcome.is_ok(), "{outcome:?}");
 }
 
+/// What the scripts of the fixtures give to nine points, and reads of it.
+struct Given {
+    vertices: Vec<[f64; 3]>,
+}
+
+impl Given {
+    fn new() -> Self {
+        let at = |i: i32| [f64::from(i % 3) / 2.0, f64::from(i / 3) / 2.0, 0.0];
+        Self { vertices: (0..9).map(at).collect() }
+    }
+
+    fn read(&self, dir: &Path) -> Result<Vec<f64>, AnswerError> {
+        let wanted = Wanted { times: &[0.0], vertices: &self.vertices, dimension: 2 };
+        read_displacements(dir, &wanted)
+    }
+
+    /// The script computes the field in the same doubles, perhaps fused.
+    #[track_caller]
+    fn check(&self, dir: &Path, digits: f64) {
+        let found = self.read(dir).unwrap_or_else(|error| panic!("{error}"));
+        let u = |[x, y, _]: &[f64; 3]| [0.1 + x - y / 3.0, x * y / 7.0 - 1e-9];
+        let expected: Vec<f64> = self.vertices.iter().flat_map(u).collect();
+        assert_eq!(found.len(), expected.len());
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() < digits, "{found} {expected}");
+        }
+    }
+}
+
+fn fixtures(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures").join(folder);
+    let entries = std::fs::read_dir(folder).expect("the files");
+    entries.map(|entry| entry.expect("an entry").path()).collect()
+}
+
 /// Written by VTK 9.7.2 and by meshio 5.3.5, which share nothing with the reader: tests/fixtures/vtu.py.
 #[test]
 fn files_of_vtk_and_meshio_are_read() {
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures");
-    let vertices: Vec<[f64; 3]> =
-        (0..9).map(|i| [f64::from(i % 3) / 2.0, f64::from(i / 3) / 2.0, 0.0]).collect();
-    let wanted = gronwall::external::Wanted { times: &[0.0], vertices: &vertices, dimension: 2 };
-    // The field of the script: what the point (x, y) is given.
-    let u = |[x, y, _]: &[f64; 3]| [0.1 + x - y / 3.0, x * y / 7.0 - 1e-9];
-    let expected: Vec<f64> = vertices.iter().flat_map(u).collect();
-    let mut read = 0;
-    for entry in std::fs::read_dir(fixtures.join("vtu")).expect("the files") {
-        let path = entry.expect("an entry").path();
+    let (given, paths) = (Given::new(), fixtures("vtu"));
+    assert_eq!(paths.len(), 8);
+    for path in paths {
         let folder = Folder::new("external-fixtures");
         std::fs::copy(&path, folder.at("displacement_0.vtu")).expect("a copy");
-        let found = gronwall::external::read_displacements(&folder.at("."), &wanted)
-            .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        assert_eq!(found.len(), expected.len());
-        // The script computes the field in the same doubles, perhaps fused; meshio's text has twelve digits.
-        let digits = if path.ends_with("meshio-ascii.vtu") { 1e-12 } else { 1e-15 };
-        for (found, expected) in found.iter().zip(&expected) {
-            assert!((found - expected).abs() < digits, "{}: {found} {expected}", path.display());
-        }
-        read += 1;
+        // meshio's text has twelve digits.
+        given
+            .check(&folder.at("."), if path.ends_with("meshio-ascii.vtu") { 1e-12 } else { 1e-15 });
     }
-    assert_eq!(read, 8);
+}
+
+/// VTK's index of pieces, as programs write it from one process too.
+#[test]
+fn an_index_of_one_piece_is_followed() {
+    let (given, folder) = (Given::new(), Folder::new("external-pieces"));
+    for path in fixtures("pvtu") {
+        std::fs::copy(&path, folder.at(&path.file_name().unwrap().to_string_lossy())).unwrap();
+    }
+    let index =
+        "<VTKFile type=\"Collection\"><DataSet timestep=\"0\" file=\"vtk.pvtu\"/></VTKFile>";
+    folder.file("displacement.pvd", index);
+    given.check(&folder.at("."), 1e-15);
+    let whole = std::fs::read_to_string(folder.at("vtk.pvtu")).expect("a text");
+    let said = |text: String| {
+        assert_ne!(text, whole);
+        folder.file("vtk.pvtu", &text);
+        given.read(&folder.at(".")).expect_err("no answer").to_string()
+    };
+    let piece = "<Piece Source=\"vtk_0.vtu\"/>";
+    let twice = said(whole.replace(piece, &piece.repeat(2)));
+    assert!(twice.contains("vtk.pvtu: a parallel file of 2 pieces"), "{twice}");
+    assert!(said(whole.replace("vtk_0", "../vtk_0")).contains("a parallel file of 1 piece:"));
+    assert!(said(whole.replace("vtk_0", "vtk_1")).contains("No such file"));
+    // Itself.
+    assert!(said(whole.replace("vtk_0.vtu", "vtk.pvtu")).contains("a parallel file of 1 piece:"));
 }
 
 #[test]

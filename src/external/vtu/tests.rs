@@ -172,7 +172,10 @@ fn other_files_are_refused_with_the_way_out() {
         said(&text, 2)
     };
     assert!(said("n,vertex", 2).starts_with("no XML"));
-    assert!(with("\"UnstructuredGrid\"", "\"PUnstructuredGrid\"").contains("by one process"));
+    assert!(
+        with("\"UnstructuredGrid\"", "\"PUnstructuredGrid\"").contains("parallel file of 0 pieces")
+    );
+    assert!(with("\"UnstructuredGrid\"", "\"PolyData\"").contains("type `PolyData`: write an Uns"));
     assert!(
         with("VTKFile type", "VTKFile  compressor=\"vtkLZ4DataCompressor\" type")
             .contains("write the file with `vtkZLibDataCompressor`, or without compressor")
