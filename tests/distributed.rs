@@ -387,3 +387,50 @@ fn a_killed_part_leaves_nothing_that_is_read_and_goes_on() {
     assert_eq!(code(&merged), code(&run), "{}", stderr(&merged));
     assert_eq!(timeless(&folder.at("merged/cases.csv")), timeless(&folder.at("whole/cases.csv")));
 }
+
+/// The baseline sees what no verdict does: one error a percent off.
+#[test]
+fn a_merge_is_compared_with_a_baseline() {
+    let folder = Folder::new("merge-baseline");
+    let scene = edited(&text("affine"), "name = \"affine\"", "name = \"own\"");
+    let scene = folder.file("own.toml", &scene);
+    let [file, run, parts, merged] = ["baseline.json", "run", "parts", "merged"];
+    let file = folder.argument(file);
+    let output = sweep(&["baseline", &scene, "--file", &file, "--out", &folder.argument(run)]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let text = std::fs::read_to_string(&file).expect("a baseline");
+    let whole: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let part = folder.argument(parts);
+    assert!(code(&sweep(&["run", &scene, "--out", &part])) == 0);
+    let merge = |more: &[&str]| {
+        let arguments = ["merge", &part, "--out", &folder.argument(merged), "--baseline", &file];
+        sweep(&[&arguments[..], more].concat())
+    };
+    let compared = || lasting(&folder.at("merged/verdict.json"))["baseline"].clone();
+    let sound = merge(&[]);
+    assert_eq!(code(&sound), 0, "{}", stderr(&sound));
+    assert!(stdout(&sound).contains("no deviation"), "{}", stdout(&sound));
+    assert_eq!(compared()["scenes"], serde_json::json!(["own"]));
+    let gate = sweep(&["gate", &scene, "--baseline", &file, "--out", &folder.argument("gate")]);
+    assert_eq!(code(&gate), 0);
+    assert_eq!(compared(), lasting(&folder.at("gate/verdict.json"))["baseline"]);
+    let with = |pointer: &str, value: serde_json::Value| {
+        let mut other = whole.clone();
+        *other.pointer_mut(pointer).expect("a value") = value;
+        std::fs::write(&file, other.to_string()).expect("a file");
+        let output = merge(&["--json"]);
+        assert_eq!(code(&output), 1, "{}", stderr(&output));
+        let deviations = json(&output)["baseline"]["deviations"].clone();
+        assert_eq!(deviations, compared()["deviations"]);
+        assert_eq!(deviations.as_array().map(Vec::len), Some(1), "{deviations}");
+        deviations[0]["kind"].as_str().expect("a kind").to_owned()
+    };
+    let error = whole["scenes"]["own"]["cases"][2]["errors"]["V_max"].as_f64().expect("a number");
+    let shifted = with("/scenes/own/cases/2/errors/V_max", (error / 1.01).into());
+    assert_eq!(shifted, "error");
+    // A case that no part has, which the grids of the file have not either.
+    assert_eq!(with("/scenes/own/cases/2/steps", 17.into()), "missing");
+    assert_eq!(with("/scenes/own/hash", "0000000000000000".into()), "stale");
+    std::fs::remove_file(&file).expect("removed");
+    refused(&merge(&[]), &["baseline.json: no such file"]);
+}

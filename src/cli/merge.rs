@@ -9,7 +9,7 @@ use crate::distributed::{AT_ONCE, Merged, Parts, Plan, merge};
 use crate::record::counted;
 use crate::report::remove_earlier;
 use crate::sweep::{Circumstances, OutputDirectory};
-use crate::verdict::{exit_code, failures, render_table, write_json};
+use crate::verdict::{Baseline, Comparison, exit_code, failures, render_table, write_json};
 
 /// Below the output directory: sorted pieces of the table, while it is made.
 const PIECES: &str = ".pieces";
@@ -17,7 +17,7 @@ const PIECES: &str = ".pieces";
 /// `sweep merge`.
 #[derive(Args)]
 #[command(
-    after_help = "A DIR is a directory of `sweep case`, `run` or `gate` with cases.csv and provenance.json, or one that has such directories in it. Refused with exit code 2 and both names: records of another version of the program, of another text of a scene or another platform than the rest, a torn or malformed line, two records of one case that differ in more than seconds_*, a case that is not in the plan. Cases that are missing are named, and nothing is written, unless --incomplete says so.\n\nWritten into --out: cases.csv sorted, provenance.json, verdict.json, all as one process would have written them but for seconds_* and the key `run` of the provenance. `sweep report` makes the pages. There is no comparison with a baseline.\n\nExit codes: 0 all verdicts as expected, 1 one is not, 2 it could not judge, a case failed or is missing.\n\nExamples:\n  sweep merge big/parts --plan big --out big/merged && sweep report big/merged\n  sweep merge monday tuesday --out both"
+    after_help = "A DIR is a directory of `sweep case`, `run` or `gate` with cases.csv and provenance.json, or one that has such directories in it. Refused with exit code 2 and both names: records of another version of the program, of another text of a scene or another platform than the rest, a torn or malformed line, two records of one case that differ in more than seconds_*, a case that is not in the plan. Cases that are missing are named, and nothing is written, unless --incomplete says so.\n\nWritten into --out: cases.csv sorted, provenance.json, verdict.json, all as one process would have written them but for seconds_* and the key `run` of the provenance. `sweep report` makes the pages.\n\nWith --baseline, errors and work of the cases that the baseline has are compared as by `sweep gate`; the key `baseline` of verdict.json has what was found.\n\nExit codes: 0 all verdicts as expected, 1 one is not or an error deviates from the baseline, 2 it could not judge, a case failed or is missing.\n\nExamples:\n  sweep merge big/parts --plan big --out big/merged && sweep report big/merged\n  sweep merge monday tuesday --out both"
 )]
 pub struct MergeCommand {
     /// Directories with records
@@ -32,6 +32,9 @@ pub struct MergeCommand {
     /// Record missing cases as skipped, and judge: the verdicts of their scenes fail
     #[arg(long)]
     incomplete: bool,
+    /// Compare errors and work with this baseline; `sweep baseline` writes it [default: no comparison]
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
     /// Print verdict.json to stdout instead of the table
     #[arg(long)]
     json: bool,
@@ -40,6 +43,7 @@ pub struct MergeCommand {
 impl MergeCommand {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
         let plan = self.plan.as_deref().map(Plan::read).transpose().map_err(CliError::other)?;
+        let baseline = self.baseline.as_deref().map(recorded).transpose()?;
         let parts = Parts::open(&self.parts, plan.as_ref()).map_err(CliError::other)?;
         let out = OutputDirectory::take(&self.out)?;
         self.apart(&parts)?;
@@ -54,6 +58,7 @@ impl MergeCommand {
             (&table, &pieces),
             AT_ONCE,
             self.incomplete,
+            baseline.as_ref(),
         );
         remove(&pieces)?;
         let (mut merged, written) = merged.map_err(CliError::other)?;
@@ -65,11 +70,12 @@ impl MergeCommand {
         let refused = |(path, reason): (PathBuf, String)| CliError::about(path.display(), reason);
         merged.provenance.write(out.path()).map_err(refused)?;
         written.finish().map_err(CliError::other)?;
-        let Merged { verdicts, failed, provenance, .. } = &merged;
-        write_json(&document, &provenance.json(), verdicts, failed, None)
+        let Merged { verdicts, failed, provenance, comparison, .. } = &merged;
+        write_json(&document, &provenance.json(), verdicts, failed, comparison.as_ref())
             .map_err(CliError::other)?;
         self.print(&merged, parts.dirs.len())?;
-        let code = exit_code(failed, verdicts);
+        let compared = comparison.as_ref().map_or(0, Comparison::exit_code);
+        let code = exit_code(failed, verdicts).max(compared);
         Ok(if merged.missing.number > 0 { super::COULD_NOT_JUDGE } else { code })
     }
 
@@ -87,19 +93,27 @@ impl MergeCommand {
     }
 
     fn options(&self) -> String {
-        let flags = [(self.plan.is_some(), " --plan"), (self.incomplete, " --incomplete")];
+        let flags = [
+            (self.plan.is_some(), " --plan"),
+            (self.incomplete, " --incomplete"),
+            (self.baseline.is_some(), " --baseline"),
+        ];
         let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
         std::iter::once("merge").chain(given).collect()
     }
 
     fn print(&self, merged: &Merged, parts: usize) -> Result<(), CliError> {
-        let Merged { verdicts, failed, missing, cases, provenance } = merged;
+        let Merged { verdicts, failed, missing, cases, comparison, provenance } = merged;
         if self.json {
-            return print_json(&serde_json::json!({
+            let mut document = serde_json::json!({
                 "provenance": provenance.json(),
                 "verdicts": verdicts,
                 "failures": failures(failed),
-            }));
+            });
+            if let Some(comparison) = comparison {
+                document["baseline"] = serde_json::json!(comparison);
+            }
+            return print_json(&document);
         }
         print_text(&super::colour::shown(&render_table(verdicts)));
         let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
@@ -111,12 +125,21 @@ impl MergeCommand {
             missing.number,
             counted(verdicts.len(), "verdict"),
         ));
+        if let Some(comparison) = comparison {
+            print_text(&comparison.lines().join("\n"));
+        }
         if missing.number > 0 {
             super::progress::note(&format!("warning: {missing}"));
         }
         print_text(&format!("records: {}", self.out.join("cases.csv").display()));
         Ok(())
     }
+}
+
+/// A baseline that has to be there.
+fn recorded(path: &Path) -> Result<Baseline, CliError> {
+    let read = Baseline::read(path).map_err(CliError::other)?;
+    read.ok_or_else(|| CliError::about(path.display(), "no such file"))
 }
 
 /// Removes a file or directory, if it is there.

@@ -4,15 +4,18 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
+use super::comparing::Comparing;
+use super::missing::{Missing, NAMED, with_jobs};
 use super::parts::Parts;
-use super::plan::{CASES, Plan, PlanError, id, rows};
+use super::plan::{Plan, PlanError, id};
 use super::sorted::{SortedCases, agree};
-use crate::record::{CaseRecord, Key, NormError, RecordError, Status, TableWriter, counted};
+use crate::record::{CaseRecord, Key, NormError, RecordError, Status, TableWriter};
 use crate::scene::{Norm, Scene, SceneError};
 use crate::setup::{SetupError, Subject};
 use crate::sweep::{CasePlan, Overrides, Provenance, ScenePlan, foresee, judge_scene};
-use crate::verdict::Verdict;
+use crate::verdict::{Baseline, Comparison, Verdict};
 
 /// Why nothing was merged.
 #[derive(Debug, thiserror::Error)]
@@ -56,38 +59,6 @@ fn in_words(parts: &[PathBuf]) -> String {
     parts.iter().map(|part| part.display().to_string()).collect::<Vec<_>>().join(" and ")
 }
 
-/// Cases that were asked for and are in no part, or have lost rows.
-#[derive(Debug, Default, Clone, PartialEq)]
-pub struct Missing {
-    /// How many.
-    pub number: usize,
-    /// The first of them, with the job that runs it where there is a plan.
-    pub first: Vec<(String, Option<usize>)>,
-    /// By a plan.
-    pub planned: bool,
-}
-
-/// Missing cases that are named before the rest is counted.
-const NAMED: usize = 10;
-
-impl std::fmt::Display for Missing {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let name = |(id, job): &(String, Option<usize>)| match job {
-            Some(job) => format!("{id} (job {job})"),
-            None => id.clone(),
-        };
-        let named: Vec<String> = self.first.iter().map(name).collect();
-        write!(f, "{} missing: {}", counted(self.number, "case"), named.join(", "))?;
-        if self.number > self.first.len() {
-            write!(f, " and {} more", self.number - self.first.len())?;
-        }
-        f.write_str(match self.planned {
-            true => "; run them with `sweep case --job JOB`, or merge with --incomplete: their verdicts fail then",
-            false => "; they are on the grids of the scenes' files: give the plan with --plan if another grid was run, or merge with --incomplete: their verdicts fail then",
-        })
-    }
-}
-
 /// What a merge came to.
 pub struct Merged {
     /// As of one process, scene by scene.
@@ -98,12 +69,14 @@ pub struct Merged {
     pub missing: Missing,
     /// All cases of the table.
     pub cases: usize,
+    /// With the baseline, where one was given.
+    pub comparison: Option<Comparison>,
     /// Scenes with texts and remarks; what ran the merge is not in it.
     pub provenance: Provenance,
 }
 
 /// Merges `parts` into a table that is to stand at `table`, for the caller to finish, and judges; files go below
-/// `folder` meanwhile. With `incomplete`, missing cases are recorded as skipped.
+/// `folder` meanwhile. With `incomplete`, missing cases are recorded as skipped. What `baseline` has recorded is compared.
 ///
 /// # Errors
 /// [`MergeError`].
@@ -113,6 +86,7 @@ pub fn merge(
     (table, folder): (&Path, &Path),
     at_once: usize,
     incomplete: bool,
+    baseline: Option<&Baseline>,
 ) -> Result<(Merged, TableWriter), MergeError> {
     let mut merging = Merging {
         parts,
@@ -120,11 +94,13 @@ pub fn merge(
         sorted: SortedCases::new(&parts.tables(), folder, at_once)?,
         table: TableWriter::create(table)?,
         missing: Vec::new(),
+        comparing: baseline.map(Comparing::new),
         merged: Merged {
             verdicts: Vec::new(),
             failed: Vec::new(),
             missing: Missing { planned: plan.is_some(), ..Missing::default() },
             cases: 0,
+            comparison: None,
             provenance: Provenance::new(std::iter::empty()),
         },
     };
@@ -141,7 +117,7 @@ pub fn merge(
         let reason = format!("records of the scene `{scene}`, which no provenance.json names");
         return Err(MergeError::Other(reason));
     }
-    let Merging { table, missing, mut merged, .. } = merging;
+    let Merging { table, missing, comparing, mut merged, .. } = merging;
     merged.missing.first = with_jobs(&missing, plan)?;
     if merged.missing.number > 0 && !incomplete {
         return Err(MergeError::Missing(merged.missing));
@@ -151,6 +127,7 @@ pub fn merge(
         Some((plan, _)) => plan.scenes.iter().map(|scene| scene.name.as_str()).collect(),
         None => verdicts.keys().copied().collect(),
     };
+    merged.comparison = comparing.map(|comparing| comparing.found(&order));
     merged.verdicts = order.iter().filter_map(|name| verdicts.remove(name)).flatten().collect();
     Ok((merged, table))
 }
@@ -162,18 +139,48 @@ struct Merging<'a> {
     table: TableWriter,
     /// The first missing cases.
     missing: Vec<Key>,
+    comparing: Option<Comparing<'a>>,
     merged: Merged,
 }
 
 /// A scene while its cases pass.
 struct Open<'a> {
+    /// Its cases are in `expected`.
     plan: ScenePlan,
     /// The cases that must be there, in the order of the table, and how many have passed.
-    expected: Vec<CasePlan>,
+    expected: Vec<Awaited>,
     passed: usize,
     /// Norms that predictions use: the others are written and forgotten.
     judged: BTreeSet<&'a str>,
     records: Vec<CaseRecord>,
+}
+
+/// A case that must be there. Most cases have the same norms, and there may be a million of them.
+struct Awaited {
+    n: Option<u32>,
+    steps: u32,
+    norms: Rc<[Norm]>,
+}
+
+impl Awaited {
+    /// The cases of a plan in the order of the table, each once.
+    fn of(mut cases: Vec<CasePlan>) -> Vec<Self> {
+        cases.sort_by_key(|case| (case.n, case.steps));
+        cases.dedup_by_key(|case| (case.n, case.steps));
+        let mut lists: Vec<Rc<[Norm]>> = Vec::new();
+        let mut expected = Vec::with_capacity(cases.len());
+        for CasePlan { n, steps, norms } in cases {
+            let list = match lists.iter().find(|list| list[..] == norms) {
+                Some(list) => list.clone(),
+                None => {
+                    lists.push(norms.into());
+                    lists[lists.len() - 1].clone()
+                }
+            };
+            expected.push(Self { n, steps, norms: list });
+        }
+        expected
+    }
 }
 
 impl Merging<'_> {
@@ -184,13 +191,18 @@ impl Merging<'_> {
             None => self.parts.scene(name)?,
         };
         let overrides = self.plan.map_or_else(Overrides::default, |(plan, _)| plan.overrides());
-        let plan = ScenePlan::new(Subject::new(scene).map_err(Box::new)?, &overrides);
-        let mut expected = plan.cases.clone();
-        expected.sort_by_key(|case| (case.n, case.steps));
-        expected.dedup_by_key(|case| (case.n, case.steps));
+        let mut plan = ScenePlan::new(Subject::new(scene).map_err(Box::new)?, &overrides);
+        self.note(&plan);
+        if let Some(comparing) = &mut self.comparing {
+            let own_grids = overrides.n.is_none() && overrides.steps.is_none();
+            comparing.open(&plan, own_grids);
+        }
+        let expected = Awaited::of(std::mem::take(&mut plan.cases));
         let predicts = &plan.scene().predicts.clone();
         let judged = predicts.iter().map(|prediction| prediction.norm.name()).collect();
-        let mut open = Open { plan, expected, passed: 0, judged, records: Vec::new() };
+        let kept = if plan.scene().judge { expected.len() } else { 0 };
+        let records = Vec::with_capacity(kept);
+        let mut open = Open { plan, expected, passed: 0, judged, records };
         while self.sorted.scene() == Some(name) {
             let Some((key, case)) = self.one()? else { break };
             self.pass(&mut open, &key, case)?;
@@ -198,7 +210,6 @@ impl Merging<'_> {
         while open.passed < open.expected.len() {
             self.miss(&mut open)?;
         }
-        self.note(&open.plan);
         Ok(open.judge())
     }
 
@@ -273,9 +284,15 @@ impl Merging<'_> {
     fn write(&mut self, open: &mut Open<'_>, mut case: CaseRecord) -> Result<(), MergeError> {
         self.table.append(&mut case)?;
         self.merged.cases += 1;
+        if let Some(comparing) = &mut self.comparing {
+            comparing.keep(&case);
+        }
         if open.plan.scene().judge {
-            case.errors.retain(|entry| open.judged.contains(entry.norm.as_str()));
-            case.errors.shrink_to_fit();
+            // Shrunk in place, each list would leave a hole that no other fits into.
+            let judged = |entry: &&NormError| open.judged.contains(entry.norm.as_str());
+            let mut kept = Vec::with_capacity(case.errors.iter().filter(judged).count());
+            kept.extend(case.errors.iter().filter(judged).cloned());
+            case.errors = kept;
             open.records.push(case);
         }
         Ok(())
@@ -300,7 +317,7 @@ impl Merging<'_> {
 }
 
 impl Open<'_> {
-    fn expects(&self) -> Option<&CasePlan> {
+    fn expects(&self) -> Option<&Awaited> {
         self.expected.get(self.passed)
     }
 
@@ -313,19 +330,4 @@ impl Open<'_> {
         // Cases that are not there are recorded as skipped: the records are all that is expected.
         judge_scene(scene, &self.records, &[], &foreseen)
     }
-}
-
-/// The ids of the first missing cases with their jobs.
-fn with_jobs(
-    missing: &[Key],
-    plan: Option<(&Plan, &Path)>,
-) -> Result<Vec<(String, Option<usize>)>, MergeError> {
-    let mut named: Vec<(String, Option<usize>)> =
-        missing.iter().map(|key| (id(key), None)).collect();
-    let Some((_, dir)) = plan.filter(|_| !named.is_empty()) else { return Ok(named) };
-    for row in rows(&dir.join(CASES))? {
-        let row = row?;
-        named.iter_mut().filter(|(id, _)| *id == row.id).for_each(|(_, job)| *job = Some(row.job));
-    }
-    Ok(named)
 }

@@ -2,7 +2,9 @@
 //! those of one process.
 
 mod bundle;
+mod comparing;
 mod merge;
+mod missing;
 mod part;
 mod parts;
 mod plan;
@@ -12,7 +14,8 @@ mod slurm;
 mod sorted;
 
 pub use bundle::{Job, SceneDemands, bundle};
-pub use merge::{MergeError, Merged, Missing, merge};
+pub use merge::{MergeError, Merged, merge};
+pub use missing::Missing;
 pub use part::{PartError, PartRun, failed_in_words, run_part};
 pub use parts::Parts;
 pub use plan::{CaseRow, JobRow, Plan, PlanError, PlannedScene, id};

@@ -1,8 +1,14 @@
-//! What a solver wrote: displacements of all levels, as `.npy` or `.csv`, and pressures if they were asked for.
+//! What a solver wrote: displacements of all levels, as `.npy`, `.csv` or a series of `.vtu`, and pressures if they were
+//! asked for.
 
+use std::fs::File;
+use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
-use super::npy::{NpyError, decode};
+use super::bounded::{Bound, open_bounded};
+use super::npy::{NpyError, head, length, numbers};
+use super::series::{COLLECTION, SeriesError, each_level, indexed, numbered, read_levels};
+use super::vtu::VtuError;
 
 /// The displacements, (N + 1) × vertices × d.
 pub const DISPLACEMENT: &str = "displacement.npy";
@@ -15,7 +21,10 @@ pub const PRESSURE: &str = "pressure.npy";
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum AnswerError {
     /// Nothing is there.
-    #[error("there is neither {DISPLACEMENT} nor {DISPLACEMENT_TABLE} in {}", .0.display())]
+    #[error(
+        "there is neither {DISPLACEMENT} nor {DISPLACEMENT_TABLE} in {}, nor {COLLECTION} or displacement_0000.vtu …",
+        .0.display()
+    )]
     Missing(PathBuf),
     /// A file that cannot be read.
     #[error("{}: {reason}", path.display())]
@@ -29,26 +38,56 @@ pub enum AnswerError {
     /// A number that is none.
     #[error("{}: {value} at level {n}, row {row}", path.display())]
     NotFinite { path: PathBuf, value: f64, n: usize, row: usize },
+    /// A series that is not that of the levels.
+    #[error("{}: {source}", path.display())]
+    Series { path: PathBuf, source: SeriesError },
+    /// One of its files.
+    #[error("{}: {source}", path.display())]
+    Vtu { path: PathBuf, source: VtuError },
     /// A row of the table that is not understood.
     #[error("{}, line {line}: {reason}", path.display())]
     Row { path: PathBuf, line: u64, reason: String },
 }
 
-/// The displacements of all levels, level by level, d numbers a vertex.
+/// What an answer has to hold.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted<'a> {
+    /// t_0 … t_N.
+    pub times: &'a [f64],
+    /// All vertices of the mesh; z = 0 in the plane.
+    pub vertices: &'a [[f64; 3]],
+    /// d.
+    pub dimension: usize,
+}
+
+/// The displacements of all levels, level by level, d numbers a vertex: of the first that is there among array, table,
+/// index of a series and files of levels.
 ///
 /// # Errors
 /// [`AnswerError`].
-pub fn read_displacements(dir: &Path, shape: [usize; 3]) -> Result<Vec<f64>, AnswerError> {
-    let (array, table) = (dir.join(DISPLACEMENT), dir.join(DISPLACEMENT_TABLE));
+pub fn read_displacements(dir: &Path, wanted: &Wanted<'_>) -> Result<Vec<f64>, AnswerError> {
+    let shape = [wanted.times.len(), wanted.vertices.len(), wanted.dimension];
+    let [array, table, index] =
+        [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION].map(|name| dir.join(name));
     if array.exists() {
         return read_array(array, &shape, "levels N + 1, vertices, components");
     }
-    if !table.exists() {
-        return Err(AnswerError::Missing(dir.to_owned()));
+    if table.exists() {
+        let numbers = read_table(&table, shape)?;
+        finite(&table, &numbers, shape[0])?;
+        return Ok(numbers);
     }
-    let numbers = read_table(&table, shape)?;
-    finite(&table, &numbers, shape[0])?;
-    Ok(numbers)
+    let (named, files) = if index.exists() {
+        (&*index, indexed(dir, wanted.times))
+    } else {
+        let files = numbered(dir)?;
+        if files.is_empty() {
+            return Err(AnswerError::Missing(dir.to_owned()));
+        }
+        (dir, each_level(files, shape[0]))
+    };
+    let at_fault = |source| AnswerError::Series { path: named.to_owned(), source };
+    read_levels(&files.map_err(at_fault)?, wanted)
 }
 
 /// The pressures of all levels, level by level.
@@ -59,6 +98,7 @@ pub fn read_pressures(dir: &Path, levels: usize, points: usize) -> Result<Vec<f6
     read_array(dir.join(PRESSURE), &[levels, points], "levels N + 1, rows of contact.csv")
 }
 
+/// Shape and length are known to be right before a number is read.
 fn read_array(
     path: PathBuf,
     wanted: &[usize],
@@ -68,12 +108,23 @@ fn read_array(
         path: path.clone(),
         reason: error.to_string(),
     };
-    let bytes = std::fs::read(&path).map_err(unreadable)?;
-    let array = decode(&bytes).map_err(|source| AnswerError::Npy { path: path.clone(), source })?;
-    if array.shape != wanted {
-        let (found, wanted) = (array.shape, wanted.to_vec());
-        return Err(AnswerError::Shape { path, found, wanted, axes });
+    let no_array = |source| AnswerError::Npy { path: path.clone(), source };
+    let mut file = BufReader::new(File::open(&path).map_err(unreadable)?);
+    let shape = head(&mut file).map_err(no_array)?;
+    if shape != wanted {
+        let wanted = wanted.to_vec();
+        return Err(AnswerError::Shape { path, found: shape, wanted, axes });
     }
+    let bytes = length(&shape).map_err(no_array)?;
+    let all = file.get_ref().metadata().map_err(unreadable)?.len();
+    let found = all.saturating_sub(file.stream_position().map_err(unreadable)?) as usize;
+    if found != bytes {
+        return Err(no_array(NpyError::Length { shape, wanted: bytes, found }));
+    }
+    let mut data = Vec::with_capacity(bytes);
+    // It may grow meanwhile.
+    file.take(bytes as u64).read_to_end(&mut data).map_err(unreadable)?;
+    let array = numbers(shape, &data).map_err(no_array)?;
     finite(&path, &array.numbers, wanted[0])?;
     Ok(array.numbers)
 }
@@ -89,14 +140,16 @@ fn finite(path: &Path, numbers: &[f64], levels: usize) -> Result<(), AnswerError
     }
 }
 
+/// Two counters and three numbers of 25 letters take 95; blanks may stand between.
+const BYTES_A_ROW: Bound = Bound { first: 1 << 12, each: 1 << 8 };
+
 /// Rows n, vertex, components in any order; each pair once.
 fn read_table(path: &Path, [levels, vertices, d]: [usize; 3]) -> Result<Vec<f64>, AnswerError> {
     let fault =
         |line: u64, reason: String| AnswerError::Row { path: path.to_owned(), line, reason };
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| fault(1, error.to_string()))?;
+    let file = open_bounded(path, BYTES_A_ROW.of(levels * vertices))
+        .map_err(|reason| AnswerError::Unreadable { path: path.to_owned(), reason })?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
     let names = ["n", "vertex", "ux", "uy", "uz"];
     let header = reader.headers().map_err(|error| fault(1, error.to_string()))?;
     if header.iter().ne(names[..2 + d].iter().copied()) {

@@ -2,20 +2,27 @@
 //! of all levels are what it writes.
 
 mod answer;
+mod bounded;
 mod case_files;
 mod npy;
+mod places;
 mod process;
+mod series;
+mod vtu;
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use self::answer::read_pressures;
 pub use self::answer::{
-    AnswerError, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, read_displacements,
+    AnswerError, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted, read_displacements,
 };
 pub use self::case_files::{case_dir, write_case};
 pub use self::npy::{Array, NpyError, decode, encode};
 pub use self::process::{LOG, ProcessError};
+use self::series::numbered;
+pub use self::series::{COLLECTION, SeriesError};
+pub use self::vtu::VtuError;
 use crate::contact::{CaseError, CaseInfo, Discretization, Observer, StepView, strain_norm};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
@@ -63,7 +70,10 @@ impl Scheme for ExternalSolver {
             process::run(words, &dir, *limit).map_err(said)?;
         }
         let (levels, d) = (grid.steps() + 1, space.mesh.dimension);
-        let u = read_displacements(&dir, [levels, space.mesh.vertices(), d]).map_err(said)?;
+        let vertices: Vec<[f64; 3]> =
+            (0..space.mesh.vertices() as u32).map(|v| space.mesh.point(&[v], &[1.0])).collect();
+        let wanted = Wanted { times: grid.times(), vertices: &vertices, dimension: d };
+        let u = read_displacements(&dir, &wanted).map_err(said)?;
         let points = space.trace.points.len();
         let pressures = match self.pressures && points > 0 {
             true => read_pressures(&dir, levels, points).map_err(said)?,
@@ -79,8 +89,10 @@ fn said(error: impl std::fmt::Display) -> CaseError {
 
 /// An answer of an earlier run must not pass for one of this run.
 fn forget(dir: &Path) -> Result<(), CaseError> {
-    for name in [DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE] {
-        match std::fs::remove_file(dir.join(name)) {
+    let named = [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION, PRESSURE].map(|name| dir.join(name));
+    let numbered = numbered(dir).map_err(said)?;
+    for path in named.into_iter().chain(numbered.into_iter().map(|(_, path)| path)) {
+        match std::fs::remove_file(path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(said(error)),
             _ => {}
         }

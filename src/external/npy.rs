@@ -3,6 +3,8 @@
 //! Source: the NumPy enhancement proposal 1, "A simple file format for NumPy arrays". The published crates bring a
 //! parser of Python literals for the header, of which three keys are needed here.
 
+use std::io::Read;
+
 /// An array of doubles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Array {
@@ -38,6 +40,8 @@ pub enum NpyError {
 const MAGIC: &[u8] = b"\x93NUMPY";
 /// The numbers of a file begin at a multiple of this.
 const ALIGNED: usize = 64;
+/// NumPy itself reads no longer header than this.
+const LONGEST: u32 = 10_000;
 
 /// The bytes of a file, version 1.0.
 pub fn encode(shape: &[usize], numbers: &[f64]) -> Vec<u8> {
@@ -62,22 +66,34 @@ pub fn encode(shape: &[usize], numbers: &[f64]) -> Vec<u8> {
 /// # Errors
 /// [`NpyError`].
 pub fn decode(bytes: &[u8]) -> Result<Array, NpyError> {
-    let rest = bytes.strip_prefix(MAGIC).ok_or(NpyError::Magic)?;
-    let (&[major, _], rest) = rest.split_first_chunk().ok_or(NpyError::Header("version"))?;
+    let mut rest = bytes;
+    let shape = head(&mut rest)?;
+    numbers(shape, rest)
+}
+
+/// Reads up to the numbers of a file: the shape.
+///
+/// # Errors
+/// [`NpyError`].
+pub fn head(file: &mut impl Read) -> Result<Vec<usize>, NpyError> {
+    let mut magic = [0; MAGIC.len()];
+    file.read_exact(&mut magic).map_err(|_| NpyError::Magic)?;
+    if magic != MAGIC {
+        return Err(NpyError::Magic);
+    }
+    let [major, _] = part(file, NpyError::Header("version"))?;
     let ended = NpyError::Header("length");
-    let (length, rest) = match major {
-        1 => {
-            let (length, rest) = rest.split_first_chunk().ok_or(ended)?;
-            (usize::from(u16::from_le_bytes(*length)), rest)
-        }
-        2 | 3 => {
-            let (length, rest) = rest.split_first_chunk().ok_or(ended)?;
-            (u32::from_le_bytes(*length) as usize, rest)
-        }
+    let length = match major {
+        1 => u32::from(u16::from_le_bytes(part(file, ended)?)),
+        2 | 3 => u32::from_le_bytes(part(file, ended)?),
         other => return Err(NpyError::Version(other)),
     };
-    let (header, data) = rest.split_at_checked(length).ok_or(NpyError::Header("end"))?;
-    let header = std::str::from_utf8(header).map_err(|_| NpyError::Header("text"))?;
+    if length > LONGEST {
+        return Err(NpyError::Header("length"));
+    }
+    let mut header = vec![0; length as usize];
+    file.read_exact(&mut header).map_err(|_| NpyError::Header("end"))?;
+    let header = std::str::from_utf8(&header).map_err(|_| NpyError::Header("text"))?;
     let kind = value(header, "descr").ok_or(NpyError::Header("descr"))?;
     let kind = kind.split(['\'', '"']).nth(1).ok_or(NpyError::Header("descr"))?;
     if kind != "<f8" {
@@ -88,8 +104,34 @@ pub fn decode(bytes: &[u8]) -> Result<Array, NpyError> {
     if !order.starts_with("False") && shape.len() > 1 {
         return Err(NpyError::Order);
     }
+    Ok(shape)
+}
+
+/// The next bytes.
+fn part<const BYTES: usize>(
+    file: &mut impl Read,
+    ended: NpyError,
+) -> Result<[u8; BYTES], NpyError> {
+    let mut bytes = [0; BYTES];
+    file.read_exact(&mut bytes).map_err(|_| ended)?;
+    Ok(bytes)
+}
+
+/// Bytes that the numbers of a shape take.
+///
+/// # Errors
+/// [`NpyError::Header`] if there are too many to count.
+pub fn length(shape: &[usize]) -> Result<usize, NpyError> {
     let count = shape.iter().try_fold(8usize, |product, &axis| product.checked_mul(axis));
-    let wanted = count.ok_or(NpyError::Header("shape"))?;
+    count.ok_or(NpyError::Header("shape"))
+}
+
+/// The array of a shape in the bytes behind the header.
+///
+/// # Errors
+/// [`NpyError::Length`].
+pub fn numbers(shape: Vec<usize>, data: &[u8]) -> Result<Array, NpyError> {
+    let wanted = length(&shape)?;
     if wanted != data.len() {
         return Err(NpyError::Length { shape, wanted, found: data.len() });
     }

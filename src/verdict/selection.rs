@@ -6,10 +6,29 @@ use super::{PointLeftOut, PointUsed, Prediction, Variable};
 use crate::fit::{Direction, Point, screen};
 use crate::record::{CaseRecord, Key, Status};
 
+/// What identifies a case within its scene; there may be a million of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Place {
+    pub(super) n: Option<u32>,
+    pub(super) steps: u32,
+}
+
+impl Place {
+    fn key(self, scene: &str) -> Key {
+        Key { scene: scene.to_owned(), n: self.n, steps: self.steps }
+    }
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.key("").fmt(f)
+    }
+}
+
 /// A case with its point.
 #[derive(Debug, Clone)]
 pub(super) struct Serving {
-    pub(super) key: Key,
+    pub(super) key: Place,
     pub(super) point: Point,
 }
 
@@ -43,24 +62,33 @@ impl Selection {
     }
 }
 
-/// The cases of one scene, expected or recorded; of two records of one case the later counts.
+/// The cases of one scene, expected or recorded, in their order; of two records of one case the later counts.
 pub(super) struct Cases<'a> {
-    cases: BTreeMap<Key, Option<&'a CaseRecord>>,
+    cases: Vec<(Place, Option<&'a CaseRecord>)>,
 }
 
 impl<'a> Cases<'a> {
     pub(super) fn new(scene: &str, records: &'a [CaseRecord], expected: &[Key]) -> Self {
         let wanted = expected.iter().filter(|key| key.scene == scene);
+        let wanted = wanted.map(|key| (Place { n: key.n, steps: key.steps }, None));
         let found = records.iter().filter(|record| record.scene == scene);
-        let mut cases: BTreeMap<Key, Option<&CaseRecord>> =
-            wanted.map(|key| (key.clone(), None)).collect();
-        cases.extend(found.map(|record| (record.key(), Some(record))));
+        let found = found.map(|record| (Place { n: record.n, steps: record.steps }, Some(record)));
+        let mut cases: Vec<(Place, Option<&CaseRecord>)> = wanted.chain(found).collect();
+        // Equal ones stay in their order, and the last of them is kept.
+        cases.sort_by_key(|&(place, _)| place);
+        cases.dedup_by(|later, kept| {
+            let same = later.0 == kept.0;
+            if same {
+                *kept = *later;
+            }
+            same
+        });
         Self { cases }
     }
 
     /// The points of all converged cases that carry the norm.
     pub(super) fn points(&self, norm: &str) -> Vec<Point> {
-        self.cases.values().flatten().filter_map(|record| point(record, norm)).collect()
+        self.cases.iter().filter_map(|(_, record)| point((*record)?, norm)).collect()
     }
 
     /// Sorts the cases that a prediction rests on. Along h these are all n with the largest
@@ -70,16 +98,16 @@ impl<'a> Cases<'a> {
         let norm = &prediction.norm;
         let line = self.line(prediction);
         let mut selection = Selection::default();
-        for (key, record) in &self.cases {
-            let served = line.contains(&key);
-            match found(*record, norm) {
+        for &(key, record) in &self.cases {
+            let served = line.holds(key);
+            match found(record, norm) {
                 Found::Gap(gap) => selection.gaps.push(format!("{key} {gap}")),
                 Found::NotMeasured if served => {
                     selection.gaps.push(format!("{key} has no row for {norm}"));
                 }
                 Found::NotMeasured => {}
                 Found::Point(point) if served => {
-                    let serving = Serving { key: key.clone(), point };
+                    let serving = Serving { key, point };
                     match exclusion(&serving, prediction) {
                         Some(reason) => selection.left_out.push((serving, reason)),
                         None => selection.used.push(serving),
@@ -94,36 +122,56 @@ impl<'a> Cases<'a> {
         selection
     }
 
-    /// The keys a prediction rests on. A mesh or time grid counts if one of its cases carries
+    /// The cases a prediction rests on. A mesh or time grid counts if one of its cases carries
     /// the norm: then all of them have to.
-    fn line(&self, prediction: &Prediction) -> BTreeSet<&Key> {
-        let keys = || self.cases.keys();
+    fn line(&self, prediction: &Prediction) -> Line {
+        let places = || self.cases.iter().map(|&(place, _)| place);
         match prediction.variable {
             Variable::H => {
-                let measured = self.measured(&prediction.norm, |key| key.steps);
+                let measured = self.measured(&prediction.norm, |place| place.steps);
                 let allowed = |s: &u32| inside(Some(*s), prediction.window_steps);
-                let steps = keys().map(|key| key.steps).filter(|s| measured.contains(s));
-                let fixed = most_frequent(steps.filter(allowed));
-                keys().filter(|key| Some(key.steps) == fixed).collect()
+                let steps = places().map(|place| place.steps).filter(|s| measured.contains(s));
+                most_frequent(steps.filter(allowed)).map_or(Line::None, Line::Steps)
             }
             Variable::K => {
-                let measured = self.measured(&prediction.norm, |key| key.n);
+                let measured = self.measured(&prediction.norm, |place| place.n);
                 let allowed = |n: &Option<u32>| inside(*n, prediction.window_n);
-                let cells = keys().map(|key| key.n).filter(|n| measured.contains(n));
-                let fixed = most_frequent(cells.filter(allowed));
-                keys().filter(|key| Some(key.n) == fixed).collect()
+                let cells = places().map(|place| place.n).filter(|n| measured.contains(n));
+                most_frequent(cells.filter(allowed)).map_or(Line::None, Line::Mesh)
             }
-            Variable::Joint | Variable::Path => keys().collect(),
+            Variable::Joint | Variable::Path => Line::All,
         }
     }
 
     /// The levels at which some case carries the norm; all levels if no case does.
-    fn measured<T: Ord>(&self, norm: &str, level: impl Fn(&Key) -> T) -> BTreeSet<T> {
+    fn measured<T: Ord>(&self, norm: &str, level: impl Fn(Place) -> T) -> BTreeSet<T> {
         let carries =
             |record: &Option<&CaseRecord>| record.is_some_and(|record| record.norm(norm).is_some());
-        let nowhere = !self.cases.values().any(carries);
+        let nowhere = !self.cases.iter().any(|(_, record)| carries(record));
         let carriers = self.cases.iter().filter(|(_, record)| nowhere || carries(record));
-        carriers.map(|(key, _)| level(key)).collect()
+        carriers.map(|&(place, _)| level(place)).collect()
+    }
+}
+
+/// Which cases of a scene a prediction rests on.
+enum Line {
+    /// No level is measured inside the window.
+    None,
+    /// Those with so many steps.
+    Steps(u32),
+    /// Those on one mesh.
+    Mesh(Option<u32>),
+    All,
+}
+
+impl Line {
+    fn holds(&self, place: Place) -> bool {
+        match self {
+            Self::None => false,
+            Self::Steps(steps) => place.steps == *steps,
+            Self::Mesh(n) => place.n == *n,
+            Self::All => true,
+        }
     }
 }
 
@@ -228,7 +276,7 @@ pub fn line_points(
 /// The cases that serve a prediction.
 pub fn line_keys(scene: &str, records: &[CaseRecord], prediction: &Prediction) -> Vec<Key> {
     let selection = Cases::new(scene, records, &[]).select(prediction);
-    selection.used.into_iter().map(|serving| serving.key).collect()
+    selection.used.into_iter().map(|serving| serving.key.key(scene)).collect()
 }
 
 #[cfg(test)]

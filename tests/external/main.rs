@@ -7,8 +7,12 @@
 //! Data: scenes signorini, compliance, oblique-trapezium, layered-in-space, pure-box; shell commands for solvers.
 #![cfg(unix)]
 
+#[path = "../program/mod.rs"]
 mod program;
+mod series;
+#[path = "../shipped/mod.rs"]
 mod shipped;
+mod sizes;
 
 use std::path::{Path, PathBuf};
 

@@ -1,0 +1,56 @@
+//! Cases that a merge does not find, in words.
+
+use std::path::Path;
+
+use super::plan::{CASES, Plan, PlanError, id, rows};
+use crate::record::{Key, counted};
+
+/// Missing cases that are named before the rest is counted.
+pub const NAMED: usize = 10;
+
+/// Cases that were asked for and are in no part, or have lost rows.
+#[derive(Debug, Default, Clone, PartialEq)]
+pub struct Missing {
+    /// How many.
+    pub number: usize,
+    /// The first of them, with the job that runs it where there is a plan.
+    pub first: Vec<(String, Option<usize>)>,
+    /// By a plan.
+    pub planned: bool,
+}
+
+impl std::fmt::Display for Missing {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let name = |(id, job): &(String, Option<usize>)| match job {
+            Some(job) => format!("{id} (job {job})"),
+            None => id.clone(),
+        };
+        let named: Vec<String> = self.first.iter().map(name).collect();
+        write!(f, "{} missing: {}", counted(self.number, "case"), named.join(", "))?;
+        if self.number > self.first.len() {
+            write!(f, " and {} more", self.number - self.first.len())?;
+        }
+        f.write_str(match self.planned {
+            true => "; run them with `sweep case --job JOB`, or merge with --incomplete: their verdicts fail then",
+            false => "; they are on the grids of the scenes' files: give the plan with --plan if another grid was run, or merge with --incomplete: their verdicts fail then",
+        })
+    }
+}
+
+/// The ids of the first missing cases with their jobs.
+///
+/// # Errors
+/// Those of the plan's table.
+pub fn with_jobs(
+    missing: &[Key],
+    plan: Option<(&Plan, &Path)>,
+) -> Result<Vec<(String, Option<usize>)>, PlanError> {
+    let mut named: Vec<(String, Option<usize>)> =
+        missing.iter().map(|key| (id(key), None)).collect();
+    let Some((_, dir)) = plan.filter(|_| !named.is_empty()) else { return Ok(named) };
+    for row in rows(&dir.join(CASES))? {
+        let row = row?;
+        named.iter_mut().filter(|(id, _)| *id == row.id).for_each(|(_, job)| *job = Some(row.job));
+    }
+    Ok(named)
+}

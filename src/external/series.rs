@@ -1,0 +1,162 @@
+//! Displacements as a series of `.vtu` files, one a level: by the index `displacement.pvd`, or numbered.
+
+use std::path::{Path, PathBuf};
+
+use super::answer::{AnswerError, Wanted};
+use super::bounded::{Bound, is_below, read_bounded};
+use super::places::Places;
+use super::vtu::{Snapshot, VtuError, read_vtu, xml};
+
+/// ParaView's index of a series: the time and the file of each level.
+pub const COLLECTION: &str = "displacement.pvd";
+/// Without an index: displacement_0000.vtu, … by level.
+const NUMBERED: (&str, &str) = ("displacement_", ".vtu");
+
+/// Times written with six digits, as many programs do, are off by 5e-6 of the largest at most.
+const NEAR: f64 = 1e-5;
+/// The most of an index: a level takes a line with a name.
+const BYTES_A_LEVEL: Bound = Bound { first: 1 << 16, each: 1 << 12 };
+
+/// Why files are not those of the levels.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SeriesError {
+    /// No index.
+    #[error("{0}")]
+    Index(VtuError),
+    /// An entry without time or file.
+    #[error("DataSet {0} has no number as timestep, or no file")]
+    Entry(usize),
+    /// Another time.
+    #[error("timestep {found} is no time of times.npy; the nearest is t_{n} = {nearest}")]
+    Time { found: f64, n: usize, nearest: f64 },
+    /// Two files of a level.
+    #[error(
+        "two files of level {n}: {first} and {second}; write each level by one process into one file"
+    )]
+    Twice { n: usize, first: String, second: String },
+    /// Levels that do not exist.
+    #[error("a file of level {n}, where the last is {last}: {file}")]
+    Beyond { n: usize, last: usize, file: String },
+    /// A level without a file.
+    #[error("level {n} of 0 to {last} has no file; t_0 belongs to them")]
+    Level { n: usize, last: usize },
+    /// A file elsewhere.
+    #[error("the file `{0}` is not below the directory of the case")]
+    Outside(String),
+}
+
+/// The files that the index names, by level.
+///
+/// # Errors
+/// [`SeriesError`].
+pub fn indexed(dir: &Path, times: &[f64]) -> Result<Vec<PathBuf>, SeriesError> {
+    let bytes = read_bounded(&dir.join(COLLECTION), BYTES_A_LEVEL.of(times.len()))
+        .map_err(|reason| SeriesError::Index(VtuError::Unreadable(reason)))?;
+    let text = std::str::from_utf8(&bytes)
+        .map_err(|error| SeriesError::Index(VtuError::Xml(error.to_string())))?;
+    let document = xml(text).map_err(SeriesError::Index)?;
+    let entries = document.descendants().filter(|node| node.has_tag_name("DataSet"));
+    let mut files = Vec::new();
+    for (i, entry) in entries.enumerate() {
+        let time = entry.attribute("timestep").and_then(|text| text.trim().parse().ok());
+        let file = entry.attribute("file");
+        let (time, file) = time.zip(file).ok_or(SeriesError::Entry(i))?;
+        if !is_below(file) {
+            return Err(SeriesError::Outside(file.to_owned()));
+        }
+        files.push((level(times, time)?, dir.join(file)));
+    }
+    each_level(files, times.len())
+}
+
+/// The level of a time, which is known to within its digits and a quarter of the steps beside it.
+fn level(times: &[f64], found: f64) -> Result<usize, SeriesError> {
+    let after = times.partition_point(|&t| t < found).min(times.len() - 1);
+    let before = after.saturating_sub(1);
+    let n =
+        if (found - times[before]).abs() <= (times[after] - found).abs() { before } else { after };
+    let steps = times[n.saturating_sub(1)..].windows(2).take(if n == 0 { 1 } else { 2 });
+    let shortest = steps.map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    let near = (NEAR * times[times.len() - 1]).min(shortest / 4.0);
+    if (found - times[n]).abs() <= near {
+        return Ok(n);
+    }
+    Err(SeriesError::Time { found, n, nearest: times[n] })
+}
+
+/// The numbered files in a directory, none if it is not there.
+///
+/// # Errors
+/// The file system's.
+pub fn numbered(dir: &Path) -> Result<Vec<(usize, PathBuf)>, AnswerError> {
+    let unreadable = |error: std::io::Error| AnswerError::Unreadable {
+        path: dir.to_owned(),
+        reason: error.to_string(),
+    };
+    let mut files = Vec::new();
+    if !dir.exists() {
+        return Ok(files);
+    }
+    for entry in std::fs::read_dir(dir).map_err(unreadable)? {
+        let path = entry.map_err(unreadable)?.path();
+        let name = path.file_name().and_then(|name| name.to_str());
+        let digits = name
+            .and_then(|name| name.strip_prefix(NUMBERED.0)?.strip_suffix(NUMBERED.1))
+            .filter(|digits| digits.bytes().all(|byte| byte.is_ascii_digit()));
+        if let Some(n) = digits.and_then(|digits| digits.parse().ok()) {
+            files.push((n, path));
+        }
+    }
+    files.sort();
+    Ok(files)
+}
+
+/// A file for each level.
+///
+/// # Errors
+/// [`SeriesError`]: a level without a file, with two, or beyond the last.
+pub fn each_level(
+    files: Vec<(usize, PathBuf)>,
+    levels: usize,
+) -> Result<Vec<PathBuf>, SeriesError> {
+    let last = levels - 1;
+    let mut of_level = vec![None; levels];
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    for (n, path) in files {
+        let Some(place) = of_level.get_mut(n) else {
+            return Err(SeriesError::Beyond { n, last, file: name(&path) });
+        };
+        let second = name(&path);
+        if let Some(first) = place.replace(path) {
+            return Err(SeriesError::Twice { n, first: name(&first), second });
+        }
+    }
+    let found = |(n, path): (usize, Option<PathBuf>)| path.ok_or(SeriesError::Level { n, last });
+    of_level.into_iter().enumerate().map(found).collect()
+}
+
+/// The displacements of all levels, d numbers a vertex, whatever the order of the points.
+///
+/// # Errors
+/// [`AnswerError::Vtu`].
+pub fn read_levels(files: &[PathBuf], wanted: &Wanted<'_>) -> Result<Vec<f64>, AnswerError> {
+    let (vertices, d) = (wanted.vertices.len(), wanted.dimension);
+    let places = Places::new(wanted.vertices);
+    let mut u = vec![f64::NAN; files.len() * vertices * d];
+    let mut known: Option<(Vec<[f64; 3]>, Vec<u32>)> = None;
+    for (level, path) in u.chunks_exact_mut(vertices * d).zip(files) {
+        let fault = |source| AnswerError::Vtu { path: path.clone(), source };
+        let Snapshot { points, u } = read_vtu(path, vertices, d).map_err(fault)?;
+        // Most solvers write the same points at every level.
+        let vertex = match known.take() {
+            Some((same, vertex)) if same == points => vertex,
+            _ => places.of(&points).map_err(fault)?,
+        };
+        for (value, &vertex) in u.chunks_exact(d).zip(&vertex) {
+            let at = vertex as usize * d;
+            level[at..at + d].copy_from_slice(value);
+        }
+        known = Some((points, vertex));
+    }
+    Ok(u)
+}
