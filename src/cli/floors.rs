@@ -6,11 +6,10 @@ use clap::Args;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{LineStyle, Table};
 
+use super::chosen::Grid;
 use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, write_json};
 use crate::setup::{Setup, Subject};
-use crate::sweep::{
-    FloorRow, Overrides, ScenePlan, abstract_floors, contact_floors, direct_history,
-};
+use crate::sweep::{FloorRow, ScenePlan, abstract_floors, contact_floors, direct_history};
 
 /// `sweep floors`.
 #[derive(Args)]
@@ -20,12 +19,8 @@ use crate::sweep::{
 pub struct FloorsCommand {
     /// Name of a scene, or path of a TOML file
     scene: String,
-    /// Cells per unit length
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
-    n: Option<Vec<u32>>,
-    /// Numbers N of time steps
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
-    steps: Option<Vec<u32>>,
+    #[command(flatten)]
+    grid: Grid,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -44,14 +39,12 @@ struct Measured {
 impl FloorsCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-        scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
+        self.grid.check(&scene)?;
         let direct = match Subject::new(scene.clone())? {
             Subject::Contact(setup) => direct_history(*setup),
             Subject::Abstract(_) => None,
         };
-        let overrides = Overrides { n: self.n.clone(), steps: self.steps.clone() };
-        let plan = ScenePlan::new(Subject::new(scene)?, &overrides);
+        let plan = ScenePlan::new(Subject::new(scene)?, &self.grid.overrides());
         if plan.cases.is_empty() {
             return Err(no_case(plan.scene(), "run"));
         }
@@ -70,7 +63,7 @@ impl FloorsCommand {
     }
 
     fn measure(&self, plan: &ScenePlan, direct: Option<&Setup>) -> Result<Vec<Measured>, CliError> {
-        let named = self.n.is_some() || self.steps.is_some();
+        let named = !self.grid.is_own();
         let largest = plan.cases.iter().max_by_key(|case| (case.n, std::cmp::Reverse(case.steps)));
         let longest = plan.cases.iter().max_by_key(|case| (case.steps, std::cmp::Reverse(case.n)));
         let cases = plan.cases.iter().filter(|case| {

@@ -6,6 +6,7 @@ mod baseline;
 mod bound;
 mod case;
 mod check;
+mod chosen;
 mod colour;
 mod constants;
 mod diagnose;
@@ -19,6 +20,7 @@ mod github;
 mod gronwall;
 mod interrupt;
 mod list;
+mod machine;
 mod merge;
 mod output;
 mod plan;
@@ -42,7 +44,7 @@ use output::{create_dir, print_json, print_text, write_file, write_json};
 
 use crate::scene::{Registry, Scene, SceneError};
 use crate::setup::{Setup, SetupError, Subject};
-use crate::sweep::{MemoryLimit, Overrides, ScenePlan, admit_run};
+use crate::sweep::{MemoryLimit, admit_run};
 
 /// Exit code of a command that could not judge.
 const COULD_NOT_JUDGE: u8 = 2;
@@ -252,30 +254,4 @@ fn meshes_fit(setup: &Setup) -> Result<(), CliError> {
 fn no_case(scene: &Scene, purpose: &str) -> CliError {
     let hint = "add [sweep] with n and steps, or give --n and --steps";
     scene.error("scene.name", format!("the scene has no case to {purpose}"), hint).into()
-}
-
-/// The plan of a scene; none if it is left to those who name it: a long one, or one without a grid.
-fn plan_of(
-    scene: Scene,
-    overrides: &Overrides,
-    named: bool,
-    all: bool,
-) -> Result<Option<ScenePlan>, CliError> {
-    if scene.long && !all && !named {
-        return Ok(None);
-    }
-    let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-    scene.check_grid(&listed(&overrides.n), &listed(&overrides.steps))?;
-    let plan = ScenePlan::new(Subject::new(scene)?, overrides);
-    if plan.cases.is_empty() && !named {
-        // A scene without a grid is there for `sweep solve`.
-        return Ok(None);
-    }
-    if plan.cases.is_empty() {
-        return Err(no_case(plan.scene(), "run"));
-    }
-    if let Some(remark) = plan.step_remark()? {
-        progress::remark(&plan.scene().name, &remark);
-    }
-    Ok(Some(plan))
 }

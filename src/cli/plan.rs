@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 
-use super::{CliError, Scenes, plan_of, print_json, print_text};
+use super::chosen::Chosen;
+use super::machine::{processors, seconds};
+use super::{CliError, Scenes, print_json, print_text};
 use crate::distributed::{Engine, PlannedCases, Planning};
 use crate::record::{counted, quoted};
 use crate::scene::Scene;
@@ -28,18 +30,8 @@ enum Format {
     after_help = "Written into DIR: plan.json (version, arguments, the scenes with their texts and hashes), plan.csv (id, scene, n, steps, seconds, bytes, job; the longest job first, and in it the longest case), jobs.csv (job, cases, seconds, bytes, mem_mb, runtime in minutes), and the files of the format. Seconds are CPU seconds and bytes peak memory as `sweep explain` predicts them; mem_mb and runtime are these with a margin.\n\nJSON keys with --json: cases, jobs, scenes, seconds, longest_seconds, largest_bytes.\n\nExamples:\n  sweep plan --all --out big --format snakemake && cd big && snakemake --cores 8\n  sweep plan pure-mild --n 8,16,32,64 --steps 4,8,16 --out big --format slurm && big/submit.sh\n  sweep plan punch --out big && sweep case --job 0 --plan big --out big/parts/0\n\nThen: sweep merge DIR/parts --plan DIR --out DIR/merged"
 )]
 pub struct PlanCommand {
-    /// Names of scenes, or paths of TOML files; none: all that are not marked long
-    #[arg(value_name = "SCENE")]
-    scenes: Vec<String>,
-    /// Cells per unit length, h = 1/n, in place of the scene's list
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
-    n: Option<Vec<u32>>,
-    /// Numbers N of time steps, k = T/N, in place of the scene's list
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
-    steps: Option<Vec<u32>>,
-    /// Plan the scenes marked long as well
-    #[arg(long)]
-    all: bool,
+    #[command(flatten)]
+    chosen: Chosen,
     /// Directory for the plan
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -55,31 +47,22 @@ pub struct PlanCommand {
     json: bool,
 }
 
-fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err(format!("`{text}` is no number of seconds")),
-    }
-}
-
 impl PlanCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let overrides = Overrides { n: once(&self.n), steps: once(&self.steps) };
-        let selected = scenes.select(&self.scenes)?;
+        let grid = &self.chosen.grid;
+        let overrides = Overrides { n: once(&grid.n), steps: once(&grid.steps) };
+        let selected = scenes.select(&self.chosen.scenes)?;
         different_names(&selected)?;
-        let named = !self.scenes.is_empty();
         // One scene at a time a thread: of each its predictions are kept, and neither formulas nor meshes.
         let one = |scene: Scene| -> Result<Option<PlannedCases>, CliError> {
-            let plan = plan_of(scene, &overrides, named, self.all)?;
+            let plan = self.chosen.plan_of(scene, &overrides)?;
             plan.map(|plan| Ok(PlannedCases::new(&plan)?)).transpose()
         };
         let planned: Vec<Option<PlannedCases>> =
             selected.into_par_iter().map(one).collect::<Result<_, _>>()?;
         let planned: Vec<PlannedCases> = planned.into_iter().flatten().collect();
         if planned.is_empty() {
-            let folder = scenes.folder.display();
-            let message = format!("no scene to plan in {folder}: name one, or add --all");
-            return Err(CliError::Other(message));
+            return Err(Chosen::none(scenes, "plan"));
         }
         let planning = Planning::new(planned, overrides, self.seconds);
         let engine = match self.format {
@@ -127,10 +110,6 @@ impl PlanCommand {
         };
         format!("run: {run}\nthen: sweep merge {dir}/parts --plan {dir} --out {dir}/merged")
     }
-}
-
-fn processors() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// A list without repetitions, in its order.

@@ -4,17 +4,19 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::chosen::{Chosen, Grid};
 use super::extension::restore_added;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
+use super::machine::{processors, seconds};
 use super::swept::Swept;
-use super::{CliError, Scenes, plan_of, print_json, print_text};
+use super::{CliError, Scenes, print_json, print_text};
 use crate::record::{CaseRecord, RecordError, quoted};
 use crate::report::write_junit;
 use crate::scene::Scene;
 use crate::sweep::{
-    Machine, MemoryLimit, OutputDirectory, Overrides, Provenance, ScenePlan, SweepError, foresee,
-    judge_scene, reference_error, run_more, run_sweep, scene_summary,
+    Machine, MemoryLimit, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
+    reference_error, run_more, run_sweep, scene_summary,
 };
 use crate::verdict::{Baseline, Verdict, compare_with_baseline};
 
@@ -59,15 +61,8 @@ pub struct Gate {
 /// Scenes, grids and threads.
 #[derive(Args)]
 pub(super) struct What {
-    /// Names of scenes, or paths of TOML files; none: all that are not marked long
-    #[arg(value_name = "SCENE")]
-    scenes: Vec<String>,
-    /// Cells per unit length, h = 1/n, in place of the scene's list
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
-    n: Option<Vec<u32>>,
-    /// Numbers N of time steps, k = T/N, in place of the scene's list
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
-    steps: Option<Vec<u32>>,
+    #[command(flatten)]
+    chosen: Chosen,
     /// Directory for records and report
     #[arg(long, value_name = "DIR", default_value = LATEST)]
     out: PathBuf,
@@ -78,9 +73,6 @@ pub(super) struct What {
     /// others wait until they fit [default: what the machine has available]
     #[arg(long, value_name = "BYTES")]
     memory_limit: Option<MemoryLimit>,
-    /// Run the scenes marked long as well
-    #[arg(long)]
-    all: bool,
     /// Run the cases that unresolved verdicts name as well, for three rounds at most
     #[arg(long)]
     extend: bool,
@@ -96,13 +88,6 @@ pub(super) struct What {
 /// What added cases may take unless --budget says more: as much as the main job.
 const BUDGET: f64 = 60.0;
 
-fn seconds(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err(format!("`{text}` is no number of seconds")),
-    }
-}
-
 impl Run {
     /// The main job: all scenes at gate size into reports/latest.
     pub fn main_job() -> Self {
@@ -112,7 +97,7 @@ impl Run {
 
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         // A few scenes named by hand are looked at; the main job is judged.
-        let compared = self.what.scenes.is_empty();
+        let compared = !self.what.chosen.named();
         let swept = self.what.sweep(scenes, self.what.plans(scenes)?, self.resume, compared)?;
         swept.write(&self.what.out)?;
         if self.json {
@@ -166,13 +151,10 @@ impl What {
         all: bool,
     ) -> Self {
         Self {
-            scenes,
-            n: None,
-            steps: None,
+            chosen: Chosen { scenes, grid: Grid::own(), all },
             out,
             jobs,
             memory_limit: None,
-            all,
             extend: false,
             budget: BUDGET,
             baseline: None,
@@ -189,10 +171,7 @@ impl What {
     ) -> Result<Swept, CliError> {
         // A baseline that cannot be read is said before the sweep, not after it.
         let baseline = if compared { self.read_baseline(scenes)? } else { None };
-        let jobs = match self.jobs {
-            Some(jobs) => usize::from(jobs),
-            None => std::thread::available_parallelism().map_or(1, usize::from),
-        };
+        let jobs = self.jobs.map_or_else(processors, usize::from);
         let memory = self.memory_limit.unwrap_or_else(MemoryLimit::of_machine);
         let options = self.options(resume).join(" ");
         let machine = Machine { jobs, memory, options };
@@ -237,7 +216,8 @@ impl What {
 
     /// The baseline of this run. That of the default folder knows nothing of scenes elsewhere.
     fn read_baseline(&self, scenes: &Scenes) -> Result<Option<Baseline>, CliError> {
-        let elsewhere = scenes.named || self.scenes.iter().any(|name| name.ends_with(".toml"));
+        let elsewhere =
+            scenes.named || self.chosen.scenes.iter().any(|name| name.ends_with(".toml"));
         let path = match &self.baseline {
             Some(path) => path.clone(),
             None if elsewhere => return Ok(None),
@@ -251,7 +231,7 @@ impl What {
     }
 
     fn runs(&self, plans: &[ScenePlan]) -> Vec<crate::verdict::Run> {
-        let own_grids = self.n.is_none() && self.steps.is_none() && !self.extend;
+        let own_grids = self.chosen.grid.is_own() && !self.extend;
         let run = |plan: &ScenePlan| crate::verdict::Run {
             scene: plan.scene().name.clone(),
             hash: plan.scene().source.hash.clone(),
@@ -270,7 +250,7 @@ impl What {
         ];
         let given = paths.into_iter().filter_map(|(name, value)| Some((name, value?)));
         let mut words: Vec<String> = vec!["sweep".into(), "run".into()];
-        words.extend(self.scenes.iter().map(|scene| quoted(scene)));
+        words.extend(self.chosen.scenes.iter().map(|scene| quoted(scene)));
         words.extend(given.flat_map(|(name, value)| [name.to_owned(), quoted(&value)]));
         words.extend(self.options(true));
         words.join(" ")
@@ -279,31 +259,28 @@ impl What {
     /// The options that are no paths.
     fn options(&self, resume: bool) -> Vec<String> {
         let list = |list: &[u32]| list.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
+        let grid = &self.chosen.grid;
         let options = [
-            ("--n", self.n.as_deref().map(list)),
-            ("--steps", self.steps.as_deref().map(list)),
+            ("--n", grid.n.as_deref().map(list)),
+            ("--steps", grid.steps.as_deref().map(list)),
             ("--jobs", self.jobs.map(|jobs| jobs.to_string())),
             ("--memory-limit", self.memory_limit.map(|limit| limit.bytes().to_string())),
             ("--budget", self.extend.then(|| self.budget.to_string())),
         ];
         let given = options.into_iter().filter_map(|(name, value)| Some([name.into(), value?]));
-        let flags = [("--all", self.all), ("--extend", self.extend), ("--resume", resume)];
+        let flags = [("--all", self.chosen.all), ("--extend", self.extend), ("--resume", resume)];
         let set = flags.into_iter().filter(|(_, set)| *set).map(|(name, _)| name.into());
         given.flatten().chain(set).collect()
     }
 
     pub(super) fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {
-        let overrides = Overrides { n: self.n.clone(), steps: self.steps.clone() };
-        let named = !self.scenes.is_empty();
+        let overrides = self.chosen.grid.overrides();
         let mut plans = Vec::new();
-        for scene in scenes.select(&self.scenes)? {
-            plans.extend(plan_of(scene, &overrides, named, self.all)?);
+        for scene in scenes.select(&self.chosen.scenes)? {
+            plans.extend(self.chosen.plan_of(scene, &overrides)?);
         }
         if plans.is_empty() {
-            let folder = scenes.folder.display();
-            return Err(CliError::Other(format!(
-                "no scene to run in {folder}: name one, or add --all"
-            )));
+            return Err(Chosen::none(scenes, "run"));
         }
         Ok(plans)
     }

@@ -9,6 +9,7 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{LineStyle, Table};
 use serde_json::{Value, json};
 
+use super::chosen::Grid;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::swept::Swept;
@@ -19,8 +20,7 @@ use crate::report::write_junit;
 use crate::scene::Norm;
 use crate::setup::{MeshData, Setup, Subject};
 use crate::sweep::{
-    Machine, OutputDirectory, Overrides, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
-    scene_summary,
+    Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep, scene_summary,
 };
 use crate::verdict::{Failure, failures, render_table};
 
@@ -41,12 +41,9 @@ pub struct Verify {
     /// Write the cases into this directory and stop
     #[arg(long, value_name = "DIR")]
     export: Option<PathBuf>,
-    /// Cells per unit length, in place of the scene's list
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
-    n: Option<Vec<u32>>,
-    /// Numbers N of time steps, in place of the scene's list
-    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    steps: Option<Vec<u32>>,
+    // The files of a case hold every level: it has fewer steps than one that is only solved.
+    #[command(flatten)]
+    grid: Grid<100_000>,
     /// Seconds after which the solver is stopped, for each case
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     time_limit: u64,
@@ -125,11 +122,9 @@ impl Verify {
     /// The cases, with the norms that displacements (and pressures, where they come) tell.
     fn plan(&self, scenes: &Scenes) -> Result<ScenePlan, CliError> {
         let mut scene = scenes.scene(&self.scene)?;
-        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
-        scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
+        self.grid.check(&scene)?;
         scene.predicts.retain(|prediction| self.tells(prediction.norm));
-        let overrides = Overrides { n: self.n.clone(), steps: self.steps.clone() };
-        let mut plan = ScenePlan::new(Subject::new(scene)?, &overrides);
+        let mut plan = ScenePlan::new(Subject::new(scene)?, &self.grid.overrides());
         for case in &mut plan.cases {
             case.norms.retain(|&norm| self.tells(norm));
         }

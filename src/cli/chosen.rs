@@ -1,0 +1,93 @@
+//! Which scenes a command takes, and on which grids: arguments that several commands share.
+
+use clap::Args;
+
+use super::{CliError, Scenes, no_case};
+use crate::scene::{Scene, SceneError};
+use crate::setup::Subject;
+use crate::sweep::{Overrides, ScenePlan};
+
+/// Meshes and numbers of steps in place of a scene's own; no more steps than `STEPS`.
+#[derive(Args)]
+pub(super) struct Grid<const STEPS: i64 = 10_000_000> {
+    /// Cells per unit length, h = 1/n, in place of the scene's list
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub(super) n: Option<Vec<u32>>,
+    /// Numbers N of time steps, k = T/N, in place of the scene's list
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=STEPS))]
+    pub(super) steps: Option<Vec<u32>>,
+}
+
+impl<const STEPS: i64> Grid<STEPS> {
+    /// The grids of the scenes' files.
+    pub(super) fn own() -> Self {
+        Self { n: None, steps: None }
+    }
+
+    /// Whether the command line leaves the grids to the scenes.
+    pub(super) fn is_own(&self) -> bool {
+        self.n.is_none() && self.steps.is_none()
+    }
+
+    /// Refuses numbers that the scene cannot have.
+    pub(super) fn check(&self, scene: &Scene) -> Result<(), SceneError> {
+        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
+        scene.check_grid(&listed(&self.n), &listed(&self.steps))
+    }
+
+    /// For a plan.
+    pub(super) fn overrides(&self) -> Overrides {
+        Overrides { n: self.n.clone(), steps: self.steps.clone() }
+    }
+}
+
+/// Scenes and grids.
+#[derive(Args)]
+pub(super) struct Chosen {
+    /// Names of scenes, or paths of TOML files; none: all that are not marked long
+    #[arg(value_name = "SCENE")]
+    pub(super) scenes: Vec<String>,
+    #[command(flatten)]
+    pub(super) grid: Grid,
+    /// Take the scenes marked long as well
+    #[arg(long)]
+    pub(super) all: bool,
+}
+
+impl Chosen {
+    /// Whether the command line names scenes.
+    pub(super) fn named(&self) -> bool {
+        !self.scenes.is_empty()
+    }
+
+    /// The plan of a scene on the grids of `overrides`, those of the command line; none if it is left to those who
+    /// name it: a long one, or one without a grid.
+    pub(super) fn plan_of(
+        &self,
+        scene: Scene,
+        overrides: &Overrides,
+    ) -> Result<Option<ScenePlan>, CliError> {
+        if scene.long && !self.all && !self.named() {
+            return Ok(None);
+        }
+        self.grid.check(&scene)?;
+        let plan = ScenePlan::new(Subject::new(scene)?, overrides);
+        if plan.cases.is_empty() && !self.named() {
+            // A scene without a grid is there for `sweep solve`.
+            return Ok(None);
+        }
+        if plan.cases.is_empty() {
+            return Err(no_case(plan.scene(), "run"));
+        }
+        if let Some(remark) = plan.step_remark()? {
+            super::progress::remark(&plan.scene().name, &remark);
+        }
+        Ok(Some(plan))
+    }
+
+    /// Why there is no plan at all.
+    pub(super) fn none(scenes: &Scenes, purpose: &str) -> CliError {
+        let folder = scenes.folder.display();
+        CliError::Other(format!("no scene to {purpose} in {folder}: name one, or add --all"))
+    }
+}
