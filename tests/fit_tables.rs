@@ -152,17 +152,7 @@ fn record(&(n, steps, error): &Row, floor: f64) -> CaseRecord {
 }
 
 fn prediction(variable: Variable, order: f64, order_k: Option<f64>) -> Prediction {
-    Prediction {
-        norm: V_MAX.into(),
-        variable,
-        order,
-        order_k,
-        at_least: false,
-        exact: false,
-        why: "(5.26)".into(),
-        window_n: None,
-        window_steps: None,
-    }
+    Prediction { order_k, why: "(5.26)".into(), ..Prediction::new(V_MAX, variable, order) }
 }
 
 fn judged(rows: &[Row], floor: f64, prediction: &Prediction) -> (Decision, String) {

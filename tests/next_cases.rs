@@ -32,17 +32,7 @@ fn table(pairs: &[(u32, u32)], floor: f64, error: impl Fn(f64, f64) -> f64) -> V
 }
 
 fn predict(variable: Variable, order: f64) -> Prediction {
-    Prediction {
-        norm: V_MAX.into(),
-        variable,
-        order,
-        order_k: None,
-        at_least: false,
-        exact: false,
-        why: "(5.26)".into(),
-        window_n: None,
-        window_steps: None,
-    }
+    Prediction { why: "(5.26)".into(), ..Prediction::new(V_MAX, variable, order) }
 }
 
 fn judged(records: &[CaseRecord], prediction: &Prediction) -> Verdict {

@@ -43,15 +43,10 @@ fn verdicts(name: &str, records: &[CaseRecord]) -> Vec<Verdict> {
     ]
     .map(|(norm, variable, order, order_k)| {
         let prediction = Prediction {
-            norm: norm.into(),
-            variable,
-            order,
             order_k,
             at_least: norm == "trace_L2_max",
-            exact: false,
             why: "(5.26) & Thm 7".into(),
-            window_n: None,
-            window_steps: None,
+            ..Prediction::new(norm, variable, order)
         };
         judge(name, records, &keys, &prediction, Expect::Pass)
     })
@@ -146,15 +141,8 @@ fn the_contact_set_is_named_where_it_is_not_drawn() {
     assert_eq!(circles(&unjudged), circles(&without), "no marker more");
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
     let prediction = Prediction {
-        norm: "contact_set_max".into(),
-        variable: Variable::H,
-        order: 1.0,
-        order_k: None,
-        at_least: false,
-        exact: false,
         why: "nothing".into(),
-        window_n: None,
-        window_steps: None,
+        ..Prediction::new("contact_set_max", Variable::H, 1.0)
     };
     let verdict = judge("s", &records, &keys, &prediction, Expect::Pass);
     let judged = picture(&records, &[verdict], Direction::Space);

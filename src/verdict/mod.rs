@@ -79,6 +79,25 @@ pub struct Prediction {
     pub window_steps: Option<[u32; 2]>,
 }
 
+impl Prediction {
+    /// Order `order` of the error `norm` in `variable`, judged on all cases: no lower bound, not refuted by higher orders,
+    /// no order in k beside it, no theorem named. What differs is set beside it:
+    /// `Prediction { exact: true, ..Prediction::new(norm, variable, order) }`.
+    pub fn new(norm: impl Into<String>, variable: Variable, order: f64) -> Self {
+        Self {
+            norm: norm.into(),
+            variable,
+            order,
+            order_k: None,
+            at_least: false,
+            exact: false,
+            why: String::new(),
+            window_n: None,
+            window_steps: None,
+        }
+    }
+}
+
 /// What a comparison says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]

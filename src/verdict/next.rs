@@ -175,17 +175,7 @@ mod tests {
     }
 
     fn predict(variable: Variable) -> Prediction {
-        Prediction {
-            norm: "V_max".into(),
-            variable,
-            order: 1.0,
-            order_k: None,
-            at_least: false,
-            exact: false,
-            why: String::new(),
-            window_n: None,
-            window_steps: None,
-        }
+        Prediction::new("V_max", variable, 1.0)
     }
 
     fn pairs(next: &Next) -> Vec<(Option<u32>, u32)> {

@@ -257,17 +257,7 @@ pub fn line_points(
     norm: &str,
     variable: Variable,
 ) -> Vec<Point> {
-    let prediction = Prediction {
-        norm: norm.to_owned(),
-        variable,
-        order: 0.0,
-        order_k: None,
-        at_least: false,
-        exact: false,
-        why: String::new(),
-        window_n: None,
-        window_steps: None,
-    };
+    let prediction = Prediction::new(norm, variable, 0.0);
     let selection = Cases::new(scene, records, &[]).select(&prediction);
     let left_out = selection.left_out.iter().map(|(serving, _)| serving);
     selection.used.iter().chain(left_out).map(|serving| serving.point).collect()

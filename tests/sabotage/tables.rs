@@ -112,15 +112,9 @@ impl Table {
         (self.spoil)(&mut records);
         let (records, keys) = (defect.before)((records, keys));
         let prediction = Prediction {
-            norm: V_MAX.into(),
-            variable: Variable::H,
-            order: self.order,
-            order_k: None,
-            at_least: false,
             exact: self.exact,
             why: "the formula of the table".into(),
-            window_n: None,
-            window_steps: None,
+            ..Prediction::new(V_MAX, Variable::H, self.order)
         };
         (defect.after)(judge("table", &records, &keys, &prediction, Expect::Pass))
     }

@@ -9,17 +9,7 @@ fn constant() -> Constant {
 }
 
 fn prediction() -> Prediction {
-    Prediction {
-        norm: "V_max".into(),
-        variable: Variable::K,
-        order: 2.0,
-        order_k: None,
-        at_least: false,
-        exact: false,
-        why: "(3.17)".into(),
-        window_n: None,
-        window_steps: None,
-    }
+    Prediction { why: "(3.17)".into(), ..Prediction::new("V_max", Variable::K, 2.0) }
 }
 
 const STEPS: [u32; 4] = [8, 16, 32, 64];

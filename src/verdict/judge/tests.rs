@@ -32,17 +32,7 @@ fn table(ns: &[u32], steps: &[u32], error: impl Fn(f64, f64) -> f64) -> Vec<Case
 }
 
 fn predict(variable: Variable, order: f64) -> Prediction {
-    Prediction {
-        norm: V_MAX.into(),
-        variable,
-        order,
-        order_k: None,
-        at_least: false,
-        exact: false,
-        why: "(5.26)".into(),
-        window_n: None,
-        window_steps: None,
-    }
+    Prediction { why: "(5.26)".into(), ..Prediction::new(V_MAX, variable, order) }
 }
 
 fn keys(records: &[CaseRecord]) -> Vec<Key> {

@@ -18,17 +18,7 @@ fn grid(ns: &[u32], steps: &[u32]) -> Vec<CaseRecord> {
 }
 
 fn predict(variable: Variable) -> Prediction {
-    Prediction {
-        norm: V_MAX.into(),
-        variable,
-        order: 1.0,
-        order_k: None,
-        at_least: false,
-        exact: false,
-        why: String::new(),
-        window_n: None,
-        window_steps: None,
-    }
+    Prediction::new(V_MAX, variable, 1.0)
 }
 
 fn selected(records: &[CaseRecord], prediction: &Prediction) -> Selection {

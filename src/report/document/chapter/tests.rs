@@ -145,17 +145,8 @@ fn case(n: u32) -> CaseRecord {
 
 fn verdict(records: &[CaseRecord]) -> Verdict {
     let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
-    let prediction = Prediction {
-        norm: "V_max".into(),
-        variable: Variable::H,
-        order: 1.0,
-        order_k: None,
-        at_least: false,
-        exact: false,
-        why: "(5.26)".into(),
-        window_n: None,
-        window_steps: None,
-    };
+    let prediction =
+        Prediction { why: "(5.26)".into(), ..Prediction::new("V_max", Variable::H, 1.0) };
     judge("s", records, &keys, &prediction, Expect::Pass)
 }
 
