@@ -7,6 +7,7 @@ use clap::Args;
 use super::run::{BASELINE, LATEST, What};
 use super::{CliError, Scenes, print_text};
 use crate::record::counted;
+use crate::sweep::ScenePlan;
 use crate::verdict::{Baseline, exit_code};
 
 /// `sweep baseline`.
@@ -37,12 +38,7 @@ impl BaselineCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let old = Baseline::read(&self.file).map_err(CliError::other)?;
         let what = What::on_own_grids(self.scenes.clone(), self.out.clone(), self.jobs, self.all);
-        let plans = what.plans(scenes)?;
-        let hashes: Vec<(String, String)> = plans
-            .iter()
-            .map(|plan| (plan.scene().name.clone(), plan.scene().source.hash.clone()))
-            .collect();
-        let swept = what.sweep(scenes, plans, false, false)?;
+        let swept = what.sweep(scenes, what.plans(scenes)?, false, false)?;
         let code = exit_code(&swept.records, &swept.verdicts);
         if code > 0 {
             swept.print();
@@ -51,8 +47,9 @@ impl BaselineCommand {
             );
             return Ok(code);
         }
+        let sources = swept.plans.iter().map(ScenePlan::scene);
         let hashes: Vec<(&str, &str)> =
-            hashes.iter().map(|(name, hash)| (name.as_str(), hash.as_str())).collect();
+            sources.map(|scene| (scene.name.as_str(), scene.source.hash.as_str())).collect();
         let mut new = Baseline::of(&swept.records, &hashes);
         let before = old.unwrap_or_default();
         if !self.scenes.is_empty() {

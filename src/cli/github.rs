@@ -7,7 +7,8 @@ use std::path::Path;
 use super::{CliError, print_text};
 use crate::record::CaseRecord;
 use crate::report::{Place, annotations, step_summary};
-use crate::scene::{Direction, Scene};
+use crate::scene::Direction;
+use crate::sweep::ScenePlan;
 use crate::verdict::{Variable, Verdict};
 
 /// Whether annotations are asked for, by the option or by GitHub Actions itself.
@@ -18,11 +19,11 @@ pub(super) fn on_github(option: bool) -> bool {
 /// Prints one annotation a verdict that is no plain pass, one a failed case, and the count; appends
 /// the table to the summary of the step, if there is one.
 pub fn annotate(
-    scenes: &[Scene],
+    plans: &[ScenePlan],
     records: &[CaseRecord],
     verdicts: &[Verdict],
 ) -> Result<(), CliError> {
-    let place = |scene: &str, of: Option<&Verdict>| place(scenes, scene, of);
+    let place = |scene: &str, of: Option<&Verdict>| place(plans, scene, of);
     print_text(annotations(records, verdicts, place).trim_end());
     let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) else {
         return Ok(());
@@ -35,8 +36,8 @@ pub fn annotate(
 
 /// The file of a scene as seen from here, and the line of the prediction that a verdict is on; of the
 /// scene's name, without.
-fn place(scenes: &[Scene], name: &str, verdict: Option<&Verdict>) -> Option<Place> {
-    let scene = scenes.iter().find(|scene| scene.name == name)?;
+fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<Place> {
+    let scene = plans.iter().map(ScenePlan::scene).find(|scene| scene.name == name)?;
     let predicts = scene.predicts.iter().position(|own| {
         let variable = match own.variable {
             Direction::H => Variable::H,

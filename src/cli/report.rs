@@ -62,11 +62,17 @@ impl Report {
             let keys: Vec<Key> =
                 records.iter().filter(|r| r.scene == scene.name).map(|r| r.key()).collect();
             // Verdicts of an interrupted run were never written, nor what was known of constants.
-            if scene.judge && !foreseen.iter().any(|known| known.scene == scene.name) {
-                foreseen.extend(foresee(&Subject::new(scene.clone())?, &records));
+            let unknown = scene.judge && !foreseen.iter().any(|known| known.scene == scene.name);
+            let subject = match Subject::new(scene.clone()) {
+                Err(error) if unknown => return Err(error.into()),
+                // The verdicts are known; the report goes without bounds on the step size.
+                subject => subject.ok(),
+            };
+            if let Some(subject) = subject.as_ref().filter(|_| unknown) {
+                foreseen.extend(foresee(subject, &records));
             }
             verdicts.extend(judge_scene(scene, &records, &keys, &foreseen));
-            summaries.push(scene_summary(scene));
+            summaries.push(scene_summary(scene, subject.as_ref()));
         }
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
         let document = write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;

@@ -13,10 +13,9 @@ use super::swept::Swept;
 use super::{CliError, Scenes, print_json, print_text};
 use crate::record::{CaseRecord, RecordError, quoted};
 use crate::report::write_junit;
-use crate::scene::Scene;
 use crate::sweep::{
     Machine, MemoryLimit, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
-    reference_error, run_more, run_sweep, scene_summary,
+    reference_error, run_more, run_sweep,
 };
 use crate::verdict::{Baseline, Verdict, compare_with_baseline};
 
@@ -113,7 +112,6 @@ impl Run {
 impl Gate {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let plans = self.what.plans(scenes)?;
-        let sources: Vec<Scene> = plans.iter().map(|plan| plan.scene().clone()).collect();
         if !plans.iter().any(|plan| plan.scene().judge) {
             let names: Vec<_> = plans.iter().map(|plan| &*plan.scene().name).collect();
             return Err(CliError::Other(format!(
@@ -136,7 +134,7 @@ impl Gate {
         }
         swept.print();
         if on_github(self.github) {
-            annotate(&sources, &swept.records, &swept.verdicts)?;
+            annotate(&swept.plans, &swept.records, &swept.verdicts)?;
         }
         Ok(swept.exit_code())
     }
@@ -204,14 +202,13 @@ impl What {
             records = run_more(&plans, records, &out, &machine, &progress).map_err(stopped)?;
             verdicts = judged(&plans, &records);
         }
-        let summaries = plans.iter().map(|plan| scene_summary(plan.scene())).collect();
         let provenance = Provenance::of_run(&plans, &machine).json();
         let comparison =
             baseline.map(|baseline| compare_with_baseline(&baseline, &self.runs(&plans), &records));
         let found =
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
         let references = plans.iter().filter_map(found).collect();
-        Ok(Swept { records, verdicts, summaries, provenance, comparison, references, _out: out })
+        Ok(Swept { plans, records, verdicts, provenance, comparison, references, _out: out })
     }
 
     /// The baseline of this run. That of the default folder knows nothing of scenes elsewhere.

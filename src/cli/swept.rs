@@ -8,14 +8,14 @@ use super::{CliError, print_text};
 use crate::fit::AgainstReference;
 use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all};
-use crate::sweep::{OutputDirectory, reference_in_words};
+use crate::sweep::{OutputDirectory, ScenePlan, reference_in_words, scene_summary};
 use crate::verdict::{Comparison, Verdict, exit_code, failures, render_table};
 
-/// Records of all cases, and what was judged from them.
+/// Records of all cases of the plans, and what was judged from them.
 pub(super) struct Swept {
     pub(super) records: Vec<CaseRecord>,
     pub(super) verdicts: Vec<Verdict>,
-    pub(super) summaries: Vec<SceneSummary>,
+    pub(super) plans: Vec<ScenePlan>,
     pub(super) provenance: Value,
     pub(super) comparison: Option<Comparison>,
     /// Scenes with given loads, and what their reference runs hide.
@@ -33,15 +33,10 @@ impl Swept {
 
     /// The report and everything it links to.
     pub(super) fn write(&self, out: &Path) -> Result<(), CliError> {
-        let comparison = self.comparison.as_ref();
-        write_all(
-            out,
-            &self.summaries,
-            &self.records,
-            &self.verdicts,
-            &self.provenance,
-            comparison,
-        )?;
+        let Self { records, verdicts, provenance, comparison, .. } = self;
+        let summary = |plan: &ScenePlan| scene_summary(plan.scene(), Some(&plan.subject));
+        let summaries: Vec<SceneSummary> = self.plans.iter().map(summary).collect();
+        write_all(out, &summaries, records, verdicts, provenance, comparison.as_ref())?;
         Ok(())
     }
 

@@ -20,7 +20,7 @@ use crate::report::write_junit;
 use crate::scene::Norm;
 use crate::setup::{MeshData, Setup, Subject};
 use crate::sweep::{
-    Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep, scene_summary,
+    Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
 };
 use crate::verdict::{Failure, failures, render_table};
 
@@ -77,7 +77,6 @@ pub struct Verify {
 impl Verify {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let plan = self.plan(scenes)?;
-        let scene = plan.scene().clone();
         if let Some(folder) = &self.export {
             return export(&plan, folder);
         }
@@ -114,7 +113,7 @@ impl Verify {
             }
         }
         if !self.json && on_github(self.github) {
-            annotate(&[scene], &judged.records, &judged.verdicts)?;
+            annotate(&judged.plans, &judged.records, &judged.verdicts)?;
         }
         Ok(judged.exit_code())
     }
@@ -176,13 +175,13 @@ impl Verify {
         let machine = self.machine();
         let records = run_sweep(&plans, &out, &machine, false, &progress)?;
         let provenance = Provenance::of_run(&plans, &machine).json();
-        let [plan] = plans;
+        let [plan] = &plans;
         let foreseen = if self.orders_only { Vec::new() } else { foresee(&plan.subject, &records) };
         let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
         Ok(Swept {
+            plans: plans.into(),
             records,
             verdicts,
-            summaries: vec![scene_summary(plan.scene())],
             provenance,
             comparison: None,
             references: Vec::new(),

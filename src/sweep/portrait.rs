@@ -7,8 +7,8 @@ use crate::setup::{Subject, subject_bounds};
 /// Parts of a scene file that a report says elsewhere.
 const SAID_ELSEWHERE: [&str; 2] = ["scene", "predicts"];
 
-/// What a report says of a scene.
-pub fn scene_summary(scene: &Scene) -> SceneSummary {
+/// What a report says of a scene; without the subject that was made of it, nothing of its step size.
+pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
     SceneSummary {
         name: scene.name.clone(),
         question: scene.question.clone(),
@@ -16,13 +16,13 @@ pub fn scene_summary(scene: &Scene) -> SceneSummary {
         equations: equations(terms(scene)),
         data: data(&scene.source.text),
         violates: scene.violates.iter().map(|hypothesis| hypothesis.name().to_owned()).collect(),
-        step: step(scene),
+        step: subject.and_then(step),
     }
 }
 
 /// The bounds on the step size, without a solve in time.
-fn step(scene: &Scene) -> Option<StepLimits> {
-    let bounds = subject_bounds(&Subject::new(scene.clone()).ok()?).ok()?;
+fn step(subject: &Subject) -> Option<StepLimits> {
+    let bounds = subject_bounds(subject).ok()?;
     Some(StepLimits {
         m0: bounds.m0,
         paper: bounds.paper_limit(),

@@ -21,6 +21,7 @@ use gronwall::mesh::read_gmsh;
 use gronwall::record::{CaseRecord, Key, read};
 use gronwall::report::{convergence_svg, surface_svg};
 use gronwall::scene::{Scene, Source};
+use gronwall::setup::Subject;
 use gronwall::sweep::{Provenance, judge_scene, scene_summary};
 use gronwall::verdict::{Baseline, Run, compare_with_baseline, read_failures, read_foreseen};
 use program::{Folder, code, stderr, sweep};
@@ -143,7 +144,8 @@ fn affine() -> Scene {
 #[test]
 fn no_table_breaks_the_reader_or_what_comes_after() {
     let (swept, scene) = (Swept::new("fuzz-table"), affine());
-    let summary = scene_summary(&scene);
+    let subject = Subject::new(scene.clone()).expect("a subject");
+    let summary = scene_summary(&scene, Some(&subject));
     fuzz("table", &[swept.text("cases.csv")], 5_000, |text| {
         swept.with("cases.csv", text, |path| {
             let Ok(records) = read(path) else { return false };
