@@ -8,12 +8,13 @@ use clap::{Args, ValueEnum};
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
+use super::machine::{Allowance, processors};
 use super::{
     CliError, Scenes, create_dir, no_case, print_json, print_text, write_file, write_json,
 };
 use crate::contact::BoundaryRule;
 use crate::setup::Setup;
-use crate::theory::audit::{Relation, SceneAudit, Summary};
+use crate::theory::audit::{Relation, SceneAudit, Summary, audit_runs};
 
 /// Meshes of a scene's own list up to this n are audited unless --n names others: a level costs some
 /// 60 evaluations of the exact solution a cell.
@@ -35,7 +36,8 @@ pub struct Audit {
     #[arg(required_unless_present = "ledger")]
     scene: Option<String>,
     /// What runs say of the paper's claims: sharp or slack, each with the command that shows it
-    #[arg(long, conflicts_with_all = ["scene", "n", "steps", "rule"])]
+    // Its runs are listed in the program, and none has more than a few thousand unknowns.
+    #[arg(long, conflicts_with_all = ["scene", "n", "steps", "rule", "memory_limit"])]
     ledger: bool,
     /// Cells per unit length, h = 1/n, in place of the scene's list up to 64
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=512))]
@@ -46,6 +48,8 @@ pub struct Audit {
     /// Boundary rule of the runs
     #[arg(long, value_enum)]
     rule: Option<Rule>,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -70,6 +74,7 @@ impl Audit {
         let mut setup = Setup::new(scenes.scene(scene)?)?;
         let (ns, steps) = self.grids(&setup)?;
         self.choose_rule(&mut setup)?;
+        audit_runs(&setup, &ns, &steps, processors()).admit(&self.allowance.limit())?;
         let audit = SceneAudit::new(&setup, &ns, &steps).map_err(CliError::other)?;
         let mut document = audit.json();
         document["fingerprint"] = setup.scene.source.hash.clone().into();

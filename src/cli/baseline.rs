@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::machine::Allowance;
 use super::run::{BASELINE, LATEST, What};
 use super::{CliError, Scenes, print_text};
 use crate::record::counted;
@@ -32,12 +33,15 @@ pub struct BaselineCommand {
     /// Record the scenes marked long as well
     #[arg(long)]
     all: bool,
+    #[command(flatten)]
+    allowance: Allowance,
 }
 
 impl BaselineCommand {
-    pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+    pub(super) fn execute(self, scenes: &Scenes) -> Result<u8, CliError> {
         let old = Baseline::read(&self.file).map_err(CliError::other)?;
-        let what = What::on_own_grids(self.scenes.clone(), self.out.clone(), self.jobs, self.all);
+        let (own, out) = (self.scenes.clone(), self.out.clone());
+        let what = What::on_own_grids(own, out, self.jobs, self.all, self.allowance);
         let swept = what.sweep(scenes, what.plans(scenes)?, false, false)?;
         let code = exit_code(&swept.records, &swept.verdicts);
         if code > 0 {

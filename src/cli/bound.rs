@@ -5,9 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::machine::Allowance;
 use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
 use crate::setup::Subject;
 use crate::theory::bound::Bound;
+use crate::theory::bound::contact::study_runs;
 use crate::theory::bound::ladder::{Outcome, Rung};
 use crate::theory::bound::threshold::Crossing;
 
@@ -25,6 +27,8 @@ pub struct BoundCommand {
     /// Number N of time steps of the run whose worst level is studied [default: the scene's smallest]
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     steps: Option<u32>,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -46,8 +50,10 @@ impl BoundCommand {
             Subject::Contact(setup) => {
                 let n = self.n.unwrap_or(MESH);
                 scene.check_cells(n)?;
+                study_runs(setup, n, steps).admit(&self.allowance.limit())?;
                 Bound::new(setup, n, steps)
             }
+            // An abstract problem keeps a few numbers a level.
             Subject::Abstract(setup) => {
                 super::abstract_problem::no_mesh(scene, self.n)?;
                 Bound::of_abstract(setup, steps)

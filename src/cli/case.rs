@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::interrupt::on_interrupt;
+use super::machine::Allowance;
 use super::{CliError, print_text};
 use crate::distributed::{CaseRow, PartRun, Plan, failed_in_words, run_part};
 use crate::record::{counted, quoted};
-use crate::sweep::MemoryLimit;
 
 /// `sweep case`.
 #[derive(Args)]
@@ -28,9 +28,8 @@ pub struct CaseCommand {
     /// Directory for the records
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Memory that a case may be predicted to take: bytes, 512M, 8G [default: what the machine has available]
-    #[arg(long, value_name = "BYTES")]
-    memory_limit: Option<MemoryLimit>,
+    #[command(flatten)]
+    allowance: Allowance,
 }
 
 impl CaseCommand {
@@ -38,7 +37,7 @@ impl CaseCommand {
         let plan = Plan::read(&self.plan).map_err(CliError::other)?;
         let rows = plan.rows(&self.plan, &self.ids, &self.job).map_err(CliError::other)?;
         on_interrupt(&self.out, &self.again())?;
-        let limit = self.memory_limit.unwrap_or_else(MemoryLimit::of_machine);
+        let limit = self.allowance.limit();
         let progress = super::progress::Display::new();
         let options = self.options(&rows);
         let run = run_part(&plan, &self.plan, &rows, &self.out, (&limit, &options), &progress);

@@ -2,6 +2,7 @@
 
 use clap::Args;
 
+use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_text};
 use crate::manufactured::{Finding, Status, check};
 use crate::scene::{Data, Hypothesis};
@@ -14,6 +15,8 @@ use crate::theory::corner::{Corner, corners};
 pub struct Check {
     /// Name of a scene, or path of a TOML file
     scene: String,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -25,7 +28,7 @@ impl Check {
         let mut findings = Vec::new();
         match &subject {
             Subject::Contact(setup) => {
-                meshes_fit(setup)?;
+                meshes_fit(setup, &self.allowance.limit())?;
                 if let Some(exact) = &setup.exact {
                     findings.extend(check(exact, &sides(&setup.body)));
                     if setup.scene.violates.contains(&Hypothesis::RegularInSpace) {

@@ -4,8 +4,11 @@ use clap::Args;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
+use super::machine::{Allowance, processors};
 use super::{CliError, Scenes, print_json, print_text};
-use crate::diagnose::{Diagnosis, EXACT_WITHIN, Finding, Outcome, Question, diagnose};
+use crate::diagnose::{
+    Diagnosis, EXACT_WITHIN, Finding, Outcome, Question, admit_diagnosis, diagnose,
+};
 use crate::record::counted;
 use crate::verdict::render_table;
 
@@ -23,6 +26,8 @@ pub struct DiagnoseCommand {
     /// Run the trials even if every verdict is as expected
     #[arg(long)]
     always: bool,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -31,6 +36,7 @@ pub struct DiagnoseCommand {
 impl DiagnoseCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
+        admit_diagnosis(&scene, processors(), &self.allowance.limit())?;
         let cases = scene.sweep.as_ref().map_or(0, |sweep| sweep.n.len() * sweep.steps.len());
         super::progress::note(&format!(
             "running {} of the scene, then its variants",

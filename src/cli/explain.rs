@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
+use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_text};
 use crate::contact::{LinearSolver, Plan};
 use crate::history::{FAST_ERROR, FAST_FROM};
@@ -22,6 +23,8 @@ use crate::theory::corner::{Corner, corners};
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
     scene: String,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -33,7 +36,7 @@ impl Explain {
         let Subject::Contact(setup) = &plan.subject else {
             return abstract_problem::explain(&plan, self.json);
         };
-        meshes_fit(setup)?;
+        meshes_fit(setup, &self.allowance.limit())?;
         let constants = predicted_constants(&plan);
         let (algorithm, history, regions) = (algorithm(setup), history(setup), regions(setup));
         // What the formulas of an exact solution do at the corners is their own matter.

@@ -6,8 +6,9 @@ use clap::Args;
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
+use super::machine::Allowance;
 use super::{CliError, create_dir, print_json, print_text, write_file, write_json};
-use crate::extremes::{COLUMNS, Ladder, Row, UnderTest, catalogue, judge, map};
+use crate::extremes::{COLUMNS, Ladder, Row, UnderTest, admit, catalogue, judge, map};
 use crate::record::counted;
 
 /// Width of the table in characters.
@@ -27,6 +28,8 @@ pub struct Extremes {
     /// List the ladders with what they expect, and run nothing
     #[arg(long)]
     list: bool,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -42,8 +45,12 @@ impl Extremes {
             print_text(&listed(&ladders));
             return Ok(0);
         }
-        let mut file = self.out.as_deref().map(csv_file).transpose()?;
         let under_test = UnderTest::default();
+        let limit = self.allowance.limit();
+        for ladder in &ladders {
+            ladder.rungs.iter().try_for_each(|rung| admit(ladder, rung, &under_test, &limit))?;
+        }
+        let mut file = self.out.as_deref().map(csv_file).transpose()?;
         let mut rows = Vec::new();
         for ladder in &ladders {
             let rungs = counted(ladder.rungs.len(), "rung");

@@ -1,5 +1,6 @@
 //! `sweep floors`: what the errors of a scene hold that is not the discretisation, measured.
 
+use std::cmp::Reverse;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -7,9 +8,13 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{LineStyle, Table};
 
 use super::chosen::Grid;
+use super::machine::Allowance;
 use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, write_json};
 use crate::setup::{Setup, Subject};
-use crate::sweep::{FloorRow, ScenePlan, abstract_floors, contact_floors, direct_history};
+use crate::sweep::{
+    CasePlan, Cost, FloorRow, ScenePlan, abstract_floors, admit_plan, contact_floors,
+    direct_history, floors_beside,
+};
 
 /// `sweep floors`.
 #[derive(Args)]
@@ -21,6 +26,8 @@ pub struct FloorsCommand {
     scene: String,
     #[command(flatten)]
     grid: Grid,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -44,11 +51,14 @@ impl FloorsCommand {
             Subject::Contact(setup) => direct_history(*setup),
             Subject::Abstract(_) => None,
         };
-        let plan = ScenePlan::new(Subject::new(scene)?, &self.grid.overrides());
+        let mut plan = ScenePlan::new(Subject::new(scene)?, &self.grid.overrides());
         if plan.cases.is_empty() {
             return Err(no_case(plan.scene(), "run"));
         }
-        let measured = self.measure(&plan, direct.as_ref())?;
+        self.choose(&mut plan.cases);
+        let beside = |cases: &[(&CasePlan, &Cost)]| floors_beside(plan.scene().dimension, cases);
+        admit_plan(&plan, 1, &self.allowance.limit(), beside)?;
+        let measured = measure(&plan, direct.as_ref())?;
         let document = document(&plan.scene().name, &measured);
         if let Some(out) = &self.out {
             create_dir(out)?;
@@ -62,28 +72,33 @@ impl FloorsCommand {
         Ok(0)
     }
 
-    fn measure(&self, plan: &ScenePlan, direct: Option<&Setup>) -> Result<Vec<Measured>, CliError> {
-        let named = !self.grid.is_own();
-        let largest = plan.cases.iter().max_by_key(|case| (case.n, std::cmp::Reverse(case.steps)));
-        let longest = plan.cases.iter().max_by_key(|case| (case.steps, std::cmp::Reverse(case.n)));
-        let cases = plan.cases.iter().filter(|case| {
-            named || [largest, longest].into_iter().flatten().any(|chosen| chosen == *case)
-        });
-        cases
-            .map(|case| {
-                let rows = match (&plan.subject, case.n) {
-                    (Subject::Contact(setup), Some(n)) => {
-                        contact_floors(setup, direct, n, case.steps, &case.norms)?
-                    }
-                    (Subject::Abstract(setup), _) => {
-                        abstract_floors(setup, case.steps).map_err(CliError::other)?
-                    }
-                    (Subject::Contact(_), None) => Vec::new(),
-                };
-                Ok(Measured { n: case.n, steps: case.steps, rows })
-            })
-            .collect()
+    /// Of a scene's own cases two are measured.
+    fn choose(&self, cases: &mut Vec<CasePlan>) {
+        let largest = cases.iter().max_by_key(|case| (case.n, Reverse(case.steps)));
+        let longest = cases.iter().max_by_key(|case| (case.steps, Reverse(case.n)));
+        let chosen: Vec<CasePlan> = [largest, longest].into_iter().flatten().cloned().collect();
+        if self.grid.is_own() {
+            cases.retain(|case| chosen.contains(case));
+        }
     }
+}
+
+fn measure(plan: &ScenePlan, direct: Option<&Setup>) -> Result<Vec<Measured>, CliError> {
+    plan.cases
+        .iter()
+        .map(|case| {
+            let rows = match (&plan.subject, case.n) {
+                (Subject::Contact(setup), Some(n)) => {
+                    contact_floors(setup, direct, n, case.steps, &case.norms)?
+                }
+                (Subject::Abstract(setup), _) => {
+                    abstract_floors(setup, case.steps).map_err(CliError::other)?
+                }
+                (Subject::Contact(_), None) => Vec::new(),
+            };
+            Ok(Measured { n: case.n, steps: case.steps, rows })
+        })
+        .collect()
 }
 
 fn document(scene: &str, measured: &[Measured]) -> serde_json::Value {

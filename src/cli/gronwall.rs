@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 
+use super::machine::Allowance;
 use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
 use crate::scene::Scene;
 use crate::setup::Subject;
-use crate::theory::gronwall::{HorizonRow, Plan, StudiedGrid, Study, maximum};
+use crate::theory::gronwall::{HorizonRow, Plan, StudiedGrid, Study, maximum, study_runs};
 
 /// `sweep gronwall`.
 #[derive(Args)]
@@ -27,6 +28,8 @@ pub struct Gronwall {
     /// Horizons T at the step of the largest N, multiples of it
     #[arg(long, value_name = "LIST", value_delimiter = ',')]
     horizons: Vec<f64>,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -46,7 +49,12 @@ impl Gronwall {
             scene.check_cells(n)?;
         }
         let fingerprint = scene.source.hash.clone();
-        let study = Study::run(&Subject::new(scene)?, plan).map_err(CliError::other)?;
+        let subject = Subject::new(scene)?;
+        // An abstract problem keeps a few numbers a level.
+        if let (Subject::Contact(setup), Some(n)) = (&subject, plan.n) {
+            study_runs(setup, n, &plan).admit(&self.allowance.limit())?;
+        }
+        let study = Study::run(&subject, plan).map_err(CliError::other)?;
         let mut document = study.json();
         document["fingerprint"] = fingerprint.into();
         if let Some(dir) = &self.out {

@@ -1,4 +1,34 @@
-//! What a command may take of the machine: processors and seconds.
+//! What a command may take of the machine: memory, processors and seconds.
+
+use clap::Args;
+
+use crate::sweep::MemoryLimit;
+
+/// What a command may take of the memory.
+#[derive(Args)]
+pub(super) struct Allowance {
+    /// Memory that may be taken, as predicted before anything is solved: bytes, 512M, 8G. What is above it is not
+    /// begun [default: what the machine has available]
+    #[arg(long, value_name = "BYTES")]
+    memory_limit: Option<MemoryLimit>,
+}
+
+impl Allowance {
+    /// What the machine has available.
+    pub(super) fn of_machine() -> Self {
+        Self { memory_limit: None }
+    }
+
+    /// The limit.
+    pub(super) fn limit(&self) -> MemoryLimit {
+        self.memory_limit.unwrap_or_else(MemoryLimit::of_machine)
+    }
+
+    /// The limit, if the command line has one.
+    pub(super) fn given(&self) -> Option<MemoryLimit> {
+        self.memory_limit
+    }
+}
 
 /// Processors of this machine.
 pub(super) fn processors() -> usize {

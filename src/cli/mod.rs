@@ -135,6 +135,9 @@ pub enum CliError {
     /// The directory of a sweep cannot be had.
     #[error("error: {0}")]
     Output(#[from] crate::sweep::OutputError),
+    /// More memory would be taken than there may be.
+    #[error("error: {0}")]
+    Memory(#[from] crate::sweep::Refused),
     /// A report could not be written.
     #[error("error: {0}")]
     Report(#[from] crate::report::ReportError),
@@ -239,13 +242,12 @@ impl Scenes {
     }
 }
 
-/// Refuses a scene with a mesh that this machine cannot hold, before any of its meshes is made.
-fn meshes_fit(setup: &Setup) -> Result<(), CliError> {
-    let limit = MemoryLimit::of_machine();
+/// Refuses a scene with a mesh that does not fit into memory, before any of its meshes is made.
+fn meshes_fit(setup: &Setup, limit: &MemoryLimit) -> Result<(), CliError> {
     let sweep = setup.scene.sweep.iter();
     let ns = sweep.flat_map(|sweep| sweep.n.iter().copied().chain(sweep.reference.map(|r| r.n)));
     ns.map(|n| n as u32).try_for_each(|n| {
-        admit_run(setup, None, (n, 1), &limit)
+        admit_run(setup, None, (n, 1), limit)
             .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
     })
 }

@@ -8,13 +8,13 @@ use super::chosen::{Chosen, Grid};
 use super::extension::restore_added;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
-use super::machine::{processors, seconds};
+use super::machine::{Allowance, processors, seconds};
 use super::swept::Swept;
 use super::{CliError, Scenes, print_json, print_text};
 use crate::record::{CaseRecord, RecordError, quoted};
 use crate::report::write_junit;
 use crate::sweep::{
-    Machine, MemoryLimit, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
+    Machine, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
     reference_error, run_more, run_sweep,
 };
 use crate::verdict::{Baseline, Verdict, compare_with_baseline};
@@ -68,10 +68,9 @@ pub(super) struct What {
     /// Cases at a time [default: number of processors]
     #[arg(long, value_name = "J", value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: Option<u16>,
-    /// Memory that cases may be predicted to take together: bytes, 512M, 8G. A case above it is recorded as failed, and
-    /// others wait until they fit [default: what the machine has available]
-    #[arg(long, value_name = "BYTES")]
-    memory_limit: Option<MemoryLimit>,
+    // A case above the limit is recorded as failed, and others wait until they fit.
+    #[command(flatten)]
+    allowance: Allowance,
     /// Run the cases that unresolved verdicts name as well, for three rounds at most
     #[arg(long)]
     extend: bool,
@@ -90,7 +89,13 @@ const BUDGET: f64 = 60.0;
 impl Run {
     /// The main job: all scenes at gate size into reports/latest.
     pub fn main_job() -> Self {
-        let what = What::on_own_grids(Vec::new(), PathBuf::from(LATEST), None, false);
+        let what = What::on_own_grids(
+            Vec::new(),
+            PathBuf::from(LATEST),
+            None,
+            false,
+            Allowance::of_machine(),
+        );
         Self { what, resume: false, json: false }
     }
 
@@ -147,12 +152,13 @@ impl What {
         out: PathBuf,
         jobs: Option<u16>,
         all: bool,
+        allowance: Allowance,
     ) -> Self {
         Self {
             chosen: Chosen { scenes, grid: Grid::own(), all },
             out,
             jobs,
-            memory_limit: None,
+            allowance,
             extend: false,
             budget: BUDGET,
             baseline: None,
@@ -170,9 +176,8 @@ impl What {
         // A baseline that cannot be read is said before the sweep, not after it.
         let baseline = if compared { self.read_baseline(scenes)? } else { None };
         let jobs = self.jobs.map_or_else(processors, usize::from);
-        let memory = self.memory_limit.unwrap_or_else(MemoryLimit::of_machine);
         let options = self.options(resume).join(" ");
-        let machine = Machine { jobs, memory, options };
+        let machine = Machine { jobs, memory: self.allowance.limit(), options };
         let resuming = self.resuming(scenes);
         let out = OutputDirectory::take(&self.out)?;
         on_interrupt(&self.out, &resuming)?;
@@ -261,7 +266,7 @@ impl What {
             ("--n", grid.n.as_deref().map(list)),
             ("--steps", grid.steps.as_deref().map(list)),
             ("--jobs", self.jobs.map(|jobs| jobs.to_string())),
-            ("--memory-limit", self.memory_limit.map(|limit| limit.bytes().to_string())),
+            ("--memory-limit", self.allowance.given().map(|limit| limit.bytes().to_string())),
             ("--budget", self.extend.then(|| self.budget.to_string())),
         ];
         let given = options.into_iter().filter_map(|(name, value)| Some([name.into(), value?]));

@@ -7,13 +7,15 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
+use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, create_dir, print_json, print_text, write_file};
 use crate::contact::{CaseInfo, Discretization, LinearSolver, StepView};
 use crate::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
 use crate::solution::{FinalState, VtuSeries};
-use crate::sweep::{MemoryLimit, admit_run};
+use crate::sweep::admit_run;
+use crate::trade::estimate::companion_runs;
 use crate::vhi::{
     Decomposition, FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver,
     StepState,
@@ -42,9 +44,8 @@ pub struct Solve {
     /// Solver of the linear systems; without it the size of the problem decides
     #[arg(long, value_enum)]
     linear_solver: Option<LinearChoice>,
-    /// Refuse a run that is predicted to take more memory: bytes, 512M, 8G [default: what the machine has available]
-    #[arg(long, value_name = "BYTES")]
-    memory_limit: Option<MemoryLimit>,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -120,6 +121,7 @@ impl Solve {
                 setup.scene.check_cells(n)?;
                 self.admit(&setup, n, None)?;
                 if self.estimate {
+                    companion_runs(&setup, n, self.steps).admit(&self.allowance.limit())?;
                     return super::estimate::execute(&setup, n, self.steps, self.json);
                 }
                 self.contact(&setup, n)
@@ -228,8 +230,7 @@ impl Solve {
 
     /// Refuses a run that does not fit into memory, before the mesh is made if that is clear by then.
     fn admit(&self, setup: &Setup, n: u32, space: Option<&Discretization>) -> Result<(), CliError> {
-        let limit = self.memory_limit.unwrap_or_else(MemoryLimit::of_machine);
-        admit_run(setup, space, (n, self.steps), &limit)
+        admit_run(setup, space, (n, self.steps), &self.allowance.limit())
             .map_err(|error| CliError::about(format!("{} n = {n}", setup.scene.name), error))
     }
 

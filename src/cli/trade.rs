@@ -8,11 +8,14 @@ use std::path::PathBuf;
 use clap::Args;
 use serde_json::{Value, json};
 
+use super::machine::Allowance;
 use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
 use crate::scene::{Norm, Scene};
-use crate::setup::Setup;
+use crate::setup::{Setup, Subject};
+use crate::sweep::{Overrides, ScenePlan};
 use crate::trade::{
-    Bench, Extrapolated, Knob, NORMS, Plan, Study, Table, Variant, in_space, in_time, own_grid,
+    Bench, Extrapolated, Knob, NORMS, Plan, Study, Table, Variant, admit_trade, in_space, in_time,
+    own_grid,
 };
 
 /// `sweep trade`.
@@ -45,6 +48,8 @@ pub struct TradeCommand {
     /// Run the answer and print predicted against real (CPU time: the least of five runs)
     #[arg(long, requires = "target")]
     confirm: bool,
+    #[command(flatten)]
+    allowance: Allowance,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -61,6 +66,7 @@ impl TradeCommand {
             self.target.as_deref().map(|text| answer::Target::read(text, norm)).transpose()?;
         let plain = self.as_written(&scene, norm)?;
         let plan = self.plan(&plain)?;
+        self.admit(&scene, [&plan.n, &plan.steps])?;
         let mut bench = Bench::new(plain, norm, self.repeats)?;
         create_dir(&self.out)?;
         let mut table = Table::create(&self.at(&scene, "csv"), &scene.name, norm.name())
@@ -81,12 +87,14 @@ impl TradeCommand {
             write_file(&self.at(&scene, "svg"), svg)?;
         }
         if let Some(target) = target {
-            let found = answer::Answered::new(&bench, &study, &plan, target)?;
+            let found =
+                answer::Answered::new(&bench, &study, &plan, target, &self.allowance.limit())?;
             document["answer"] = found.json();
             if !self.json {
                 print_text(&found.words(&study));
             }
             if self.confirm {
+                self.admit(&scene, [&[found.choice.n], &[found.choice.steps]])?;
                 let confirmed = found.confirm(&mut bench, scenes, &self.scene)?;
                 document["confirmed"] = confirmed.json(&found);
                 if !self.json {
@@ -101,6 +109,13 @@ impl TradeCommand {
             print_text(&format!("table: {}", self.at(&scene, "csv").display()));
         }
         Ok(0)
+    }
+
+    /// Refuses these meshes and numbers of steps if they do not fit into memory.
+    fn admit(&self, scene: &Scene, [n, steps]: [&[u32]; 2]) -> Result<(), CliError> {
+        let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
+        let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);
+        Ok(admit_trade(&plan, &self.allowance.limit())?)
     }
 
     fn at(&self, scene: &Scene, ending: &str) -> PathBuf {

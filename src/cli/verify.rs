@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use super::chosen::Grid;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
+use super::machine::Allowance;
 use super::swept::Swept;
 use super::{CliError, Scenes, no_case, print_json, print_text};
 use crate::external::{ExternalSolver, Way, case_dir, write_case};
@@ -50,6 +51,9 @@ pub struct Verify {
     /// Cases at a time
     #[arg(long, value_name = "J", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     jobs: u16,
+    // As for this program's solver: what another takes is not known here.
+    #[command(flatten)]
+    allowance: Allowance,
     /// The solver writes pressure.npy as well: measure pressures
     #[arg(long)]
     pressure: bool,
@@ -189,12 +193,12 @@ impl Verify {
         })
     }
 
-    /// What a solver takes outside this program is not foreseen here.
+    /// What a solver takes outside this program is no part of the limit.
     fn machine(&self) -> Machine {
         let flags = [(self.pressure, "--pressure"), (self.orders_only, "--orders-only")];
         let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
         let options = std::iter::once("verify").chain(given).collect::<Vec<_>>().join(" ");
-        Machine { options, ..Machine::with_jobs(usize::from(self.jobs)) }
+        Machine { jobs: usize::from(self.jobs), memory: self.allowance.limit(), options }
     }
 
     /// The same cases by this program's solver.

@@ -23,8 +23,10 @@ pub use term::{Suspect, Terms};
 pub use trial::{Question, Trial, trials_in_space, trials_in_time};
 
 use crate::scene::{Body, Data, Direction, Scene};
-use crate::setup::SetupError;
-use crate::sweep::{foresee, judge_scene};
+use crate::setup::{SetupError, Subject};
+use crate::sweep::{
+    CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, foresee, judge_scene,
+};
 use crate::verdict::{Decision, Variable, Verdict};
 
 /// What a diagnosis found.
@@ -74,6 +76,29 @@ pub fn diagnose(
     };
     let (scene, finding) = (scene.name.clone(), Some(finding));
     Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence })
+}
+
+/// Refuses a diagnosis that would take more memory than there may be, `jobs` cases at a time: the scene's own cases, and
+/// the first trial of each ladder, of which the others lack a term. A scene or trial that cannot be set up takes none.
+///
+/// # Errors
+/// [`Refused`].
+pub fn admit_diagnosis(scene: &Scene, jobs: usize, limit: &MemoryLimit) -> Result<(), Refused> {
+    if has_exact_solution(scene).is_err() {
+        return Ok(());
+    }
+    let first = |trials: Vec<Trial>| trials.into_iter().next().map(|trial| (trial.scene, jobs));
+    let ladders = [first(trials_in_time(scene)), first(trials_in_space(scene))];
+    // Trials run side by side, each with meshes of its own.
+    for (scene, times) in std::iter::once((scene.clone(), 1)).chain(ladders.into_iter().flatten()) {
+        let Ok(subject) = Subject::new(scene) else { continue };
+        let plan = ScenePlan::new(subject, &Overrides::default());
+        let kept = |cases: &[(&CasePlan, &Cost)]| -> f64 {
+            (times - 1) as f64 * cases.iter().map(|(_, cost)| cost.kept_bytes).sum::<f64>()
+        };
+        admit_plan(&plan, jobs, limit, kept)?;
+    }
+    Ok(())
 }
 
 /// Runs the trials of a scene with an exact solution. With `in_space`, those outside V^h follow where

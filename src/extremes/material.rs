@@ -162,6 +162,7 @@ pub fn long_march(most: i32) -> Ladder {
             let (answer, error) = remembered(0.1, 1.0, steps, 2, under_test)?;
             Ok(Measured::of(error, &answer))
         })
+        .with_largest(remembering(0.1, 1.0), 2, steps)
     };
     Ladder {
         name: "march",
@@ -172,7 +173,15 @@ pub fn long_march(most: i32) -> Ladder {
     }
 }
 
-/// The answer with memory b(t) = factor, ℬ₀ = 𝒜, and its error.
+/// The scene with memory b(t) = factor, ℬ₀ = 𝒜.
+fn remembering(factor: f64, horizon: f64) -> String {
+    let memory = format!("[material.memory]\nkernel = \"{factor:?}\"\nlambda = 1.0\nmu = 1.0\n");
+    let profile = PROFILE.replace("{f}", &format!("(1 + t/{horizon:?})"));
+    let rest = format!("{memory}[exact]\nu = [{profile}]\ninterpolated = true\n");
+    SceneText { horizon, ..SceneText::free(rest) }.text()
+}
+
+/// Its answer and error.
 fn remembered(
     factor: f64,
     horizon: f64,
@@ -180,11 +189,7 @@ fn remembered(
     n: u32,
     under_test: &UnderTest<'_>,
 ) -> Result<(Answer, f64), NoAnswer> {
-    let memory = format!("[material.memory]\nkernel = \"{factor:?}\"\nlambda = 1.0\nmu = 1.0\n");
-    let profile = PROFILE.replace("{f}", &format!("(1 + t/{horizon:?})"));
-    let rest = format!("{memory}[exact]\nu = [{profile}]\ninterpolated = true\n");
-    let text = SceneText { horizon, ..SceneText::free(rest) }.text();
-    let answer = solve(text, n, steps, under_test.prepare)?;
+    let answer = solve(remembering(factor, horizon), n, steps, under_test.prepare)?;
     let error = strain_error(&answer);
     Ok((answer, error))
 }

@@ -8,6 +8,7 @@ mod history;
 mod invariance;
 mod judge;
 mod material;
+mod memory;
 mod rung;
 mod scene_text;
 mod small;
@@ -21,7 +22,8 @@ use crate::vhi::Newton;
 pub use answer::{Answer, NoAnswer, Prepare, march, set_up, solve};
 pub use history::by_recursion;
 pub use judge::{Row, Standing, judge, standing};
-pub use rung::{Expected, Ladder, Measured, Run, Rung};
+pub use memory::admit;
+pub use rung::{Expected, Ladder, Largest, Measured, Run, Rung};
 pub use table::{COLUMNS, map};
 pub use units::{Unitless, Units};
 

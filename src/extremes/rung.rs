@@ -56,6 +56,18 @@ pub struct Rung {
     pub expected: Expected,
     /// The run.
     pub run: Box<Run>,
+    /// The largest run of a body in it, if that has more than a few thousand unknowns and levels together.
+    pub largest: Option<Largest>,
+}
+
+/// A run of a body: its scene, n and N.
+pub struct Largest {
+    /// The scene file.
+    pub text: String,
+    /// Cells a unit length.
+    pub n: u32,
+    /// Steps.
+    pub steps: u32,
 }
 
 impl Rung {
@@ -65,7 +77,12 @@ impl Rung {
         expected: Expected,
         run: impl Fn(&UnderTest<'_>) -> Result<Measured, NoAnswer> + Send + Sync + 'static,
     ) -> Self {
-        Self { at: at.into(), expected, run: Box::new(run) }
+        Self { at: at.into(), expected, run: Box::new(run), largest: None }
+    }
+
+    /// With the largest run of a body in it.
+    pub(super) fn with_largest(self, text: String, n: u32, steps: u32) -> Self {
+        Self { largest: Some(Largest { text, n, steps }), ..self }
     }
 }
 

@@ -130,16 +130,17 @@ pub fn locking() -> Ladder {
 /// Where the order returns at λ/μ_L = 1e2: slopes from n = 4 on.
 pub fn locking_order(finest: u32) -> Ladder {
     let lame = [1e2, 1.0];
+    let text = move || SceneText { lame, ..SceneText::free(SOLENOIDAL) }.text();
     let rung = move |n: u32| {
         let run = move |under_test: &UnderTest<'_>| {
-            let text = SceneText { lame, ..SceneText::free(SOLENOIDAL) }.text();
+            let text = text();
             let [coarse, fine] = [n / 2, n].map(|n| InSpace::run(text.clone(), n, under_test));
             let (coarse, fine) = (coarse?, fine?);
             let order = (coarse.error / fine.error).log2();
             Ok(Measured::of(fine.locked_ratio(lame), &fine.answer)
                 .noted(format!("order {order:.2}")))
         };
-        Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run)
+        Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run).with_largest(text(), n, 1)
     };
     let ns = [4, 8, 16, 32, 64, 128, 256].into_iter().filter(|&n| n <= finest);
     Ladder {
@@ -157,13 +158,14 @@ pub(super) const SMOOTH: &str =
 
 /// h from one cell to 1/finest: between the best approximation and Céa's bound √2 ‖ε(u - I_h u)‖.
 pub fn mesh_size(finest: u32) -> Ladder {
+    let text = || SceneText::free(SMOOTH).text();
     let rung = |n: u32| {
         let run = move |under_test: &UnderTest<'_>| {
-            let own = InSpace::run(SceneText::free(SMOOTH).text(), n, under_test)?;
+            let own = InSpace::run(text(), n, under_test)?;
             let note = format!("error {:.2e}", own.error);
             Ok(Measured::of(own.ratio([1.0, 1.0]), &own.answer).noted(note))
         };
-        Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run)
+        Rung::new(n.to_string(), Expected::AtMost(1.0 + QUADRATURE), run).with_largest(text(), n, 1)
     };
     let ns = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512].into_iter().filter(|&n| n <= finest);
     Ladder {

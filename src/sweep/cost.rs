@@ -129,6 +129,9 @@ pub struct Cost {
     pub kept_bytes: f64,
     /// The part of it that does not grow with the number of times.
     pub kept_once: f64,
+    /// What in a sweep the longer cases on the mesh have left there before this one, beyond what it keeps itself: truth
+    /// at times that are not its own.
+    pub left_bytes: f64,
 }
 
 /// The costs of a plan.
@@ -170,6 +173,7 @@ pub(super) fn predict_some(
         let TruthCost { load, moment, formulas, .. } = own;
         let dofs = space.dofs() as f64;
         let mut known: [HashSet<u64>; 2] = Default::default();
+        let mut trajectories = 0.0;
         for (place, &c) in of_mesh.iter().enumerate() {
             let case = &cases[c];
             let mut cost = march(setup, &space, n, case.steps);
@@ -184,6 +188,7 @@ pub(super) fn predict_some(
                 // One march after the other; displacements and exact loads of the finer one stay.
                 cost.memory_bytes = cost.memory_bytes.max(finer.memory_bytes);
                 kept += 8.0 * dofs * moments.len() as f64;
+                trajectories += 8.0 * dofs * moments.len() as f64;
                 if setup.exact.is_some() {
                     let more = (loads.len() - moments.len()) as f64;
                     kept += own.bytes_a_time.min(8.0 * dofs) * more;
@@ -213,6 +218,13 @@ pub(super) fn predict_some(
             };
             cost.seconds +=
                 load * fresh(known_loads, loads) + moment * fresh(known_moments, moments);
+            // All that the mesh keeps by now, as that of a case is counted above.
+            let [loads, moments] = [known_loads.len(), known_moments.len()].map(|n| n as f64);
+            let mut all = cost.kept_once + trajectories + own.bytes_a_time * moments;
+            if setup.exact.is_some() {
+                all += own.bytes_a_time.min(8.0 * dofs) * (loads - moments);
+            }
+            cost.left_bytes = (all - cost.kept_bytes).max(0.0);
             costs[c] = Some(cost);
         }
     }
@@ -310,6 +322,7 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
         memory_bytes,
         kept_bytes: 0.0,
         kept_once: 0.0,
+        left_bytes: 0.0,
     }
 }
 

@@ -9,7 +9,8 @@ use nalgebra::DVector;
 use super::case::{
     ERROR_RULE, as_floors, floor_in, reference_share, scene_reference, time_reference_floor,
 };
-use super::plan::TIME_REFERENCE;
+use super::cost::Cost;
+use super::plan::{CasePlan, TIME_REFERENCE};
 use crate::contact::{
     CaseError, CaseInfo, Floors, LevelFields, LoadError, MemoryTerm, strain_distance,
 };
@@ -155,6 +156,18 @@ pub fn contact_floors(
         rows.push(time_reference(setup, &data, steps, &measured.levels)?);
     }
     Ok(rows)
+}
+
+/// Bytes beside the dearest of these cases in [`contact_floors`]: the truth by stronger rules, of about twice the points,
+/// its own check by yet stronger ones, u and σ at the levels of three marches, and of one of them the whole past. There
+/// are about as many cells as unknowns in the plane, twice as many in space.
+pub fn floors_beside(dimension: usize, cases: &[(&CasePlan, &Cost)]) -> f64 {
+    let stresses = if dimension == 2 { 3.0 } else { 12.0 };
+    let of = |&(case, cost): &(&CasePlan, &Cost)| {
+        let vector = 8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0);
+        2.0 * cost.kept_bytes + 3.0 * (1.0 + stresses) * vector + vector
+    };
+    cases.iter().map(of).fold(0.0, f64::max)
 }
 
 /// A reference of half the cells and steps, if it is still finer than the case.

@@ -1,6 +1,7 @@
 //! Refinement sweeps: which cases, in which order, on how many threads, and what is kept.
 
 mod abstract_case;
+mod admission;
 mod case;
 mod circumstances;
 mod cost;
@@ -19,11 +20,14 @@ mod run;
 mod schedule;
 
 pub use abstract_case::run_abstract_case;
+pub use admission::{Beside, Refused, Runs, admit_plan};
 pub use case::{as_floors, floor_in, run_contact_case};
 pub use circumstances::Circumstances;
 pub use cost::{Cost, Kind, PlanCost, RunCost, predict, run_cost};
 pub use extend::{AddedCase, ROUNDS, Step, extend, words};
-pub use floors::{FloorPart, FloorRow, abstract_floors, contact_floors, direct_history};
+pub use floors::{
+    FloorPart, FloorRow, abstract_floors, contact_floors, direct_history, floors_beside,
+};
 pub use judging::{foresee, foresee_plan, judge_scene};
 pub use memory_limit::{MemoryLimit, TooLarge};
 pub use needs::{Demand, Demands, Need, admit_run, demands};

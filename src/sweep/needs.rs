@@ -110,9 +110,11 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
         let cases = refused.into_iter().map(|refused| refused.map_or_else(any, Err)).collect();
         return Needs { reference: reference.map(|_| any()), cases };
     };
+    // Alone a case finds nothing on its mesh; in its turn, what longer ones have left.
     let need = |cost: &super::Cost| {
-        let (seconds, bytes, kept) = (cost.seconds, cost.memory_bytes, cost.kept_bytes);
-        limit.admit(bytes, false).map(|()| Need { seconds, bytes, kept })
+        let (seconds, left) = (cost.seconds, cost.left_bytes);
+        let (bytes, kept) = (cost.memory_bytes + left, cost.kept_bytes + left);
+        limit.admit(cost.memory_bytes, false).map(|()| Need { seconds, bytes, kept })
     };
     let reference = predicted.reference.as_ref().map(need);
     let mut open = predicted.cases.iter().map(need);

@@ -47,7 +47,7 @@ struct State {
 }
 
 impl Schedule {
-    /// The schedule of tasks, each of which fits below the limit alone.
+    /// The schedule of tasks, each of which fits below the limit alone, where nothing is kept.
     pub(super) fn new(tasks: Vec<Task>, limit: f64) -> Self {
         let mut waiting: Vec<usize> = (0..tasks.len()).collect();
         waiting.sort_by(|&a, &b| tasks[b].rank.total_cmp(&tasks[a].rank));
@@ -105,7 +105,9 @@ impl Schedule {
                 state.held.remove(&kept);
                 dropped.push(kept);
             } else {
-                state.held.insert(kept, bytes);
+                // What a shorter case has found there is not forgotten when a longer one ends after it.
+                let held = state.held.entry(kept).or_insert(0.0);
+                *held = held.max(bytes);
             }
         }
         drop(state);
@@ -170,6 +172,20 @@ mod tests {
         assert_eq!([next(&schedule), next(&schedule)], [Some(1), Some(2)]);
         schedule.end(1);
         assert_eq!(next(&schedule), Some(0));
+    }
+
+    #[test]
+    fn the_most_that_is_kept_counts_whichever_case_ends_last() {
+        let mesh = (0, Some(8));
+        let on = |rank, kept| Task { shares: vec![(mesh, kept)], ..task(rank, 5.0) };
+        let tasks = || vec![on(4.0, 2.0), on(3.0, 4.0), task(2.0, 7.0), on(1.0, 4.0)];
+        for ends in [[0, 1], [1, 0]] {
+            let schedule = Schedule::new(tasks(), 10.0);
+            assert_eq!([next(&schedule), next(&schedule)], [Some(0), Some(1)]);
+            ends.into_iter().for_each(|own| assert_eq!(schedule.end(own), []));
+            // 4 are kept, and 7 + 4 are above 10: the last task on the mesh passes.
+            assert_eq!(next(&schedule), Some(3), "{ends:?}");
+        }
     }
 
     #[test]

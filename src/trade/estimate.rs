@@ -11,7 +11,7 @@
 mod companions;
 mod quantity;
 
-pub use companions::{Companions, NormDifferences, Scalar, companions};
+pub use companions::{Companions, NormDifferences, Scalar, companion_runs, companions};
 pub use quantity::{QuantityEstimate, quantity};
 
 use crate::fit::{FLOORS_ABOVE, Interval};

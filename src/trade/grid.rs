@@ -3,7 +3,7 @@
 
 use super::Variant;
 use crate::setup::{SetupError, Subject, check_step_sizes};
-use crate::sweep::{Overrides, ScenePlan, predict};
+use crate::sweep::{CasePlan, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, predict};
 
 /// Levels of each direction that orders need.
 const LEVELS: usize = 3;
@@ -52,6 +52,18 @@ pub fn own_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2]
         }
     }
     Ok([ns, numbers])
+}
+
+/// Refuses a trade of the cases of `plan` that would take more memory than there may be: a bench holds the truth on every
+/// mesh, and the displacements of every run as written. A knob is predicted to take no more than the scene as written.
+///
+/// # Errors
+/// [`Refused`].
+pub fn admit_trade(plan: &ScenePlan, limit: &MemoryLimit) -> Result<(), Refused> {
+    admit_plan(plan, 1, limit, |cases| {
+        let levels = |case: &CasePlan| f64::from(case.steps) + 1.0;
+        cases.iter().map(|(case, cost)| 8.0 * cost.dofs as f64 * levels(case)).sum()
+    })
 }
 
 /// A list with at least three levels, rising.

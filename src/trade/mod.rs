@@ -21,7 +21,7 @@ pub use composition::Composition;
 pub use cost_model::{CostModel, CostSample, NoCost};
 pub use error_model::{ErrorModel, Term};
 pub use extrapolation::{Extrapolated, in_space, in_time};
-pub use grid::own_grid;
+pub use grid::{admit_trade, own_grid};
 pub use knob::{Knob, Variant, knobs};
 pub use measure::{Bench, NORMS};
 pub use optimum::{Coupling, Optimum, along_path, coupling, optimum};

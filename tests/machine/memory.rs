@@ -81,6 +81,97 @@ fn a_single_run_above_the_limit_is_refused_before_its_mesh_is_made() {
     }
 }
 
+/// Runs that take moments; in each the memory of the program alone is above the limit of one mebibyte.
+const SOLVING: [(&[&str], &str); 9] = [
+    (&["audit", "signorini", "--n", "8", "--steps", "2,4"], "signorini n = 8, N = 4: about "),
+    (
+        &["gronwall", "viscoelastic", "--n", "8", "--steps", "4,8"],
+        "viscoelastic n = 8, N = 64: about ",
+    ),
+    (
+        &["gronwall", "affine", "--n", "4", "--steps", "4", "--horizons", "2"],
+        "affine n = 4, N = 8: about ",
+    ),
+    (&["bound", "viscoelastic", "--n", "4", "--steps", "4"], "viscoelastic n = 8, N = 4: about "),
+    (&["floors", "affine", "--n", "4", "--steps", "4"], "affine n = 4, N = 4: about "),
+    (
+        &["trade", "affine", "--n", "2,4,8", "--steps", "2,4,8", "--repeats", "1"],
+        "affine n = 8, N = 8: about ",
+    ),
+    (&["diagnose", "affine"], "affine n = "),
+    (
+        &["solve", "signorini", "--n", "8", "--steps", "4", "--estimate"],
+        "signorini n = 8, N = 4: about ",
+    ),
+    (
+        &["extremes", "aspect", "mesh"],
+        "mesh at 1 (other ladders, or none of --long, take less): about ",
+    ),
+];
+
+#[test]
+fn every_command_that_solves_refuses_what_does_not_fit() {
+    let folder = Folder::new("refused");
+    let out = folder.argument("out");
+    for (arguments, words) in SOLVING {
+        // What these two write they write in any case.
+        let written = matches!(arguments[0], "diagnose" | "solve");
+        let own: &[&str] = if written { &[] } else { &["--out", &out] };
+        let with = |limit| sweep(&[arguments, own, &["--memory-limit", limit]].concat());
+        let (output, start) = (with("1M"), Instant::now());
+        let said = stderr(&output);
+        assert_eq!(code(&output), 2, "{arguments:?}: {said}");
+        assert!(output.stdout.is_empty() && !folder.at("out").exists(), "{arguments:?}");
+        for part in [words, "of memory predicted", "limit of 1.00 MiB", "raise --memory-limit"] {
+            assert!(said.contains(part), "{arguments:?}: {part}: {said}");
+        }
+        // Prediction is no solution.
+        assert!(start.elapsed() < Duration::from_secs(60));
+        // With room the same arguments are taken.
+        if arguments[0] != "extremes" {
+            let output = with("4G");
+            assert!(code(&output) < 2, "{arguments:?}: {}", stderr(&output));
+        }
+        std::fs::remove_dir_all(folder.at("out")).ok();
+    }
+}
+
+#[test]
+fn commands_that_make_meshes_alone_refuse_those_that_do_not_fit() {
+    let folder = Folder::new("meshes");
+    let scene = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [8, 2048]");
+    let scene = folder.file("signorini.toml", &scene);
+    for command in ["check", "explain"] {
+        let output = sweep(&[command, &scene, "--memory-limit", "1G"]);
+        let said = stderr(&output);
+        assert_eq!(code(&output), 2, "{said}");
+        assert!(said.contains("n = 2048: at least ") && said.contains("--memory-limit"), "{said}");
+    }
+}
+
+#[test]
+fn records_of_sweeps_beside_run_name_the_limit() {
+    let folder = Folder::new("sweeps");
+    let scene = edited(&text("affine"), "name = \"affine\"", "name = \"small\"");
+    let scene = folder.file("small.toml", &scene);
+    let (out, file) = (folder.argument("out"), folder.argument("baseline.json"));
+    let commands: [&[&str]; 2] = [
+        &["verify", &scene, "--results", &out, "--out", &out],
+        &["baseline", &scene, "--file", &file, "--out", &out],
+    ];
+    for arguments in commands {
+        let output = sweep(&[arguments, &["--memory-limit", "1M"]].concat());
+        assert_eq!(code(&output), 2, "{}", stderr(&output));
+        let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("records");
+        let failed = table.lines().skip(1).all(|row| row.contains("failed"));
+        assert!(failed && table.lines().count() > 1, "{table}");
+        let reasons = stdout(&output) + &stderr(&output);
+        let verify = arguments[0] == "verify";
+        assert!(!verify || reasons.contains("limit of 1.00 MiB"), "{reasons}");
+        assert!(!folder.at("baseline.json").exists());
+    }
+}
+
 /// The most memory a process held, asked while it runs: the system keeps the peak.
 #[cfg(target_os = "linux")]
 fn peak(arguments: &[&str]) -> f64 {
@@ -122,5 +213,41 @@ fn predicted_memory_is_what_a_process_takes() {
         assert!(honest(predicted, measured), "{name}: {predicted} against {measured}");
         // A prediction that forgets a half would be seen.
         assert!(!honest(0.5 * predicted, measured) || !honest(2.0 * predicted, measured));
+    }
+}
+
+/// What commands beside a sweep say they would take, and what they take.
+#[cfg(target_os = "linux")]
+#[test]
+fn other_commands_take_what_is_predicted_of_them() {
+    let folder = Folder::new("others");
+    let out = folder.argument("out");
+    let commands: [&[&str]; 6] = [
+        &["audit", "signorini", "--n", "64", "--steps", "4,8", "--out", &out],
+        &["gronwall", "viscoelastic", "--n", "32", "--steps", "128", "--out", &out],
+        &["bound", "viscoelastic", "--n", "32", "--steps", "4", "--out", &out],
+        &["floors", "pure-mild", "--n", "64", "--steps", "8", "--out", &out],
+        &[
+            "trade",
+            "viscoelastic",
+            "--n",
+            "32,64",
+            "--steps",
+            "4,8",
+            "--repeats",
+            "1",
+            "--out",
+            &out,
+        ],
+        &["solve", "signorini", "--n", "64", "--steps", "16", "--estimate"],
+    ];
+    for arguments in commands {
+        let refused = stderr(&sweep(&[arguments, &["--memory-limit", "1M"]].concat()));
+        let number = refused.split_once("about ").and_then(|(_, rest)| rest.split_once(" MiB"));
+        let predicted: f64 = number.and_then(|(text, _)| text.parse().ok()).expect("mebibytes");
+        let (predicted, measured) = (1_048_576.0 * predicted, peak(arguments));
+        let name = arguments[0];
+        println!("{name}: predicted {:.0} MB, measured {:.0} MB", predicted / 1e6, measured / 1e6);
+        assert!(honest(predicted, measured), "{name}: {predicted} against {measured}");
     }
 }

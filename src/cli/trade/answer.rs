@@ -11,7 +11,7 @@ use super::words::megabytes;
 use crate::fit::FLOORS_ABOVE;
 use crate::scene::Norm;
 use crate::setup::{Setup, Subject, check_step_sizes};
-use crate::sweep::run_cost;
+use crate::sweep::{MemoryLimit, admit_run, run_cost};
 use crate::trade::{
     Answer, Bench, Choices, Knob, NoAnswer, Optimum, Plan, Study, Variant, cheapest, knobs, optimum,
 };
@@ -73,6 +73,7 @@ impl Answered {
         study: &Study,
         plan: &Plan,
         target: Target,
+        limit: &MemoryLimit,
     ) -> Result<Self, CliError> {
         let setup = &bench.plain.setup;
         let target = match target {
@@ -125,6 +126,10 @@ impl Answered {
         }
         choice.seconds *= factors[0];
         choice.error *= factors[1];
+        // The mesh of an answer is made to predict its memory, and may be one that no machine holds.
+        admit_run(setup, None, (choice.n, choice.steps), limit).map_err(|error| {
+            CliError::about(format!("the answer, n = {}, N = {}", choice.n, choice.steps), error)
+        })?;
         let space = setup.space(choice.n)?;
         let bytes = run_cost(setup, &space, choice.n, choice.steps).memory_bytes;
         let beyond = |name: &str, value: u32, list: &[u32]| {

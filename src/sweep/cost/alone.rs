@@ -10,16 +10,23 @@ use crate::setup::Setup;
 pub struct RunCost {
     /// Peak memory of a process that does this run alone.
     pub memory_bytes: f64,
-    /// What the history has of it.
+    /// What the march has of it: factor, matrices, vectors and history.
+    pub march_bytes: f64,
+    /// What the history has of that.
     pub history_bytes: f64,
+    /// What loads keep beside it.
+    pub load_bytes: f64,
 }
 
 /// The memory of one run, mesh, loads and march, as `sweep solve` does it.
 pub fn run_cost(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> RunCost {
     let run = march(setup, space, n, steps);
+    let load_bytes = load_bytes(setup, space);
     RunCost {
-        memory_bytes: PROGRAM + run.memory_bytes + load_bytes(setup, space),
+        memory_bytes: PROGRAM + run.memory_bytes + load_bytes,
+        march_bytes: run.memory_bytes,
         history_bytes: (setup.history_vectors(steps) * space.dofs() * 8) as f64,
+        load_bytes,
     }
 }
 

@@ -76,6 +76,23 @@ fn what_is_shared_is_paid_once() {
 }
 
 #[test]
+fn a_case_finds_on_its_mesh_what_longer_ones_have_left() {
+    let left = |steps: &[u32]| -> Vec<f64> {
+        costs(&plan("pure-mild", 16, steps)).cases.iter().map(|case| case.left_bytes).collect()
+    };
+    // The times of N = 4 and 8 are times of N = 16: what that keeps beyond theirs are the moments (12 numbers of a cell
+    // and the exact loads, 544 unknowns) at the others.
+    let a_time = 8.0 * (512.0 * 12.0 + 544.0);
+    assert_eq!(left(&[4, 8, 16]), [12.0 * a_time, 8.0 * a_time, 0.0]);
+    // N = 3 and 5 have the ends in common with 7, and nothing else.
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-6 * b;
+    let found = left(&[3, 5, 7]);
+    assert!(near(found[1], 6.0 * a_time) && near(found[0], 10.0 * a_time), "{found:?}");
+    // The cases alone do not know of each other.
+    assert_eq!(left(&[4]), [0.0]);
+}
+
+#[test]
 fn a_reference_run_costs_more_than_the_cases_it_serves() {
     let plan = plan("elastic-punch", 8, &[8, 16]);
     let cost = costs(&plan);

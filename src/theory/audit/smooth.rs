@@ -248,6 +248,17 @@ fn fixed_points(exact: &Exact, space: &Discretization) -> (Vec<f64>, Bound) {
     (weights, exact.interior.bind(&points))
 }
 
+/// Points of all cells without cuts.
+pub(super) fn point_count(space: &Discretization) -> usize {
+    let mut of_cell = CellPoints::default();
+    let count = |c: usize| {
+        of_cell.points.clear();
+        of_cell.add(c as u32, &triangle(space, c), &[]);
+        of_cell.points.len()
+    };
+    (0..space.mesh.cell_count()).map(count).sum()
+}
+
 fn triangle(space: &Discretization, c: usize) -> [[f64; 2]; 3] {
     [0, 1, 2].map(|a| {
         let vertex = space.mesh.vertex(space.mesh.cell(c)[a]);

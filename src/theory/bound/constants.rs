@@ -74,9 +74,7 @@ impl TraceConstants {
         if setup.body.domain.contact.is_empty() {
             return Ok(None);
         }
-        let fits = |n: &u32| setup.scene.check_cells(*n).is_ok();
-        let levels = if setup.scene.dimension == 2 { &LEVELS[..] } else { &LEVELS_IN_SPACE };
-        let levels: Vec<u32> = levels.iter().copied().filter(fits).collect();
+        let levels = Self::meshes(setup);
         let strain = Isotropic { lambda: 0.0, mu: 0.5 };
         let elastic = &setup.model.elasticity;
         // Coarse meshes may not follow the boundaries of regions.
@@ -86,6 +84,16 @@ impl TraceConstants {
             strain: both_masses(setup, &strain, &levels)?,
             energy: both_masses(setup, elastic, &follow)?,
         }))
+    }
+
+    /// The meshes of the families, n of each; none without contact sides.
+    pub fn meshes(setup: &Setup) -> Vec<u32> {
+        let levels = match (setup.body.domain.contact.is_empty(), setup.scene.dimension) {
+            (true, _) => &[],
+            (_, 2) => &LEVELS[..],
+            _ => &LEVELS_IN_SPACE,
+        };
+        levels.iter().copied().filter(|&n| setup.scene.check_cells(n).is_ok()).collect()
     }
 
     /// The limit of a pair of families, and how far they and their own extrapolations lie apart.

@@ -1,11 +1,13 @@
 //! The step-size study of a contact scene.
 
+use super::constants::TraceConstants;
 use super::ladder::BoundError;
 use super::linear::linear_loss;
 use super::run::{self, AtLevel, AtWorst, Study};
-use crate::contact::{Evolution, OpenLevel};
+use crate::contact::{Discretization, Evolution, OpenLevel};
 use crate::law::VonMises;
 use crate::setup::{MeshData, Setup, TruthLoad, YieldFormula};
+use crate::sweep::{Runs, run_cost};
 use crate::vhi::{StepBounds, StepState};
 
 /// An open level of a scene's run.
@@ -19,11 +21,9 @@ pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<S
     let levels = levels_of_run(setup, bounds, n, steps)?;
     let worst = run::worst(&levels, steps)?;
     let mut meshes = Vec::new();
-    for other in [n / 2, n, 2 * n] {
-        if other > 0 && setup.scene.check_cells(other).is_ok() {
-            let all = levels_of_run(setup, bounds, other, steps)?;
-            meshes.extend(all.get(worst.level - 1));
-        }
+    for other in meshes_beside(setup, n) {
+        let all = levels_of_run(setup, bounds, other, steps)?;
+        meshes.extend(all.get(worst.level - 1));
     }
     let data = MeshData::new(setup, n, None)?;
     let linear = linear_loss(&data.space, &setup.model)?;
@@ -33,6 +33,25 @@ pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<S
             run::at_worst(level, state, bounds, exact)
         })?;
     Ok(Study { levels, worst, meshes, starts, rungs, thresholds, linear })
+}
+
+/// The mesh n and its neighbours, as far as the domain has them.
+fn meshes_beside(setup: &Setup, n: u32) -> impl Iterator<Item = u32> {
+    let fits = |&other: &u32| other > 0 && setup.scene.check_cells(other).is_ok();
+    [n / 2, n, 2 * n].into_iter().filter(fits)
+}
+
+/// The runs of a study, and those of a single step with the factors of the trace constants.
+pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
+    let own: Vec<u32> = meshes_beside(setup, n).collect();
+    let traces = TraceConstants::meshes(setup).into_iter().filter(|n| !own.contains(n));
+    let grid = own.iter().map(|&n| (n, steps)).chain(traces.map(|n| (n, 1))).collect();
+    // Of earlier levels a run keeps its history alone; a factor of its own has no loads.
+    let beside = move |space: &Discretization, steps: u32| match own.contains(&space.mesh.n) {
+        true => 0.0,
+        false => -run_cost(setup, space, space.mesh.n, steps).load_bytes,
+    };
+    Runs { setup, grid, beside: Box::new(beside) }
 }
 
 /// The factor at every level n ≥ 1 of a run.

@@ -110,7 +110,8 @@ fn resolved(estimate: &Estimate, error: f64) -> bool {
     error > 20.0 * estimate.floor
 }
 
-fn whole_steps(horizon: f64, k: f64) -> Result<u32, GronwallError> {
+/// T/k, if that is a whole number.
+pub(super) fn whole_steps(horizon: f64, k: f64) -> Result<u32, GronwallError> {
     let steps = horizon / k;
     let whole = steps.round();
     let fits =

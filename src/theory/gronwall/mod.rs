@@ -13,6 +13,7 @@ mod finite_scene;
 mod horizon;
 mod in_time;
 mod measure;
+mod memory;
 mod pictures;
 mod recurrence;
 mod stability;
@@ -29,6 +30,7 @@ pub use finite_scene::FiniteInTime;
 pub use horizon::{HorizonRow, Horizons, horizons};
 pub use in_time::{InTime, prepare};
 pub use measure::TemporalRun;
+pub use memory::study_runs;
 pub use recurrence::{
     HistoryPart, KernelNorms, StepTooLarge, closed_limit, primed, primed_closed, unprimed,
     unprimed_closed, weighted,

@@ -2,12 +2,12 @@
 
 use serde_json::Value;
 
-use crate::contact::{CaseError, Floors, LevelFields, LoadError};
+use crate::contact::{CaseError, Discretization, Floors, LevelFields, LoadError};
 use crate::norms::{ReferenceRun, step_errors};
 use crate::scene::{Data, Norm};
 use crate::setup::{MeshData, Setup, SetupError};
 use crate::solution::FinalState;
-use crate::sweep::{as_floors, floor_in};
+use crate::sweep::{Runs, as_floors, floor_in};
 use crate::trade::NORMS;
 
 /// What the companions of a run show.
@@ -119,6 +119,18 @@ pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, Setup
     })
 }
 
+/// The runs of [`companions`], the finest of which is the run itself: beside it, the levels of that and of two companions
+/// that are compared, u and σ of each twice over.
+pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
+    let beside = move |space: &Discretization, _| {
+        let d = space.mesh.dimension;
+        let stresses = d * (d + 1) / 2 * space.mesh.cell_count();
+        let compared = steps / stride(steps, steps) + 2;
+        3.0 * 2.0 * 8.0 * f64::from(compared) * (space.nodes.len() + stresses) as f64
+    };
+    Runs { setup, grid: vec![(n, steps)], beside: Box::new(beside) }
+}
+
 fn split<T>(outcome: Result<T, String>) -> (Option<T>, Option<String>) {
     match outcome {
         Ok(value) => (Some(value), None),
@@ -174,9 +186,7 @@ fn run(
         |error: &dyn std::fmt::Display| LoadError::Reference { reason: error.to_string() };
     let refinement = finer.map(|finer| finer.refinement(&data.space)).transpose();
     let refinement = refinement.map_err(|error| refused(&error))?;
-    // Levels of this run between two compared ones.
-    let compared = if finest.is_multiple_of(4) { finest / 4 } else { finest };
-    let stride = compared.div_ceil(COMPARED).max(1) * (own / compared).max(1);
+    let stride = stride(own, finest);
     let mut kept = ReferenceRun::new(data.space.clone());
     let (mut levels, mut state, mut apart) = (Vec::new(), None, Floors::default());
     let info = setup.scheme.march(setup, data, own, &mut |view| {
@@ -199,6 +209,12 @@ fn run(
     let missing =
         || LoadError::Reference { reason: format!("the run on n = {n} has no last level") };
     Ok(Run { levels, state: state.ok_or_else(missing)?, floors: info.floors, kept, apart })
+}
+
+/// Levels of a run with `own` steps between two compared ones, N = `finest` being the steps of the finest.
+fn stride(own: u32, finest: u32) -> u32 {
+    let compared = if finest.is_multiple_of(4) { finest / 4 } else { finest };
+    compared.div_ceil(COMPARED).max(1) * (own / compared).max(1)
 }
 
 /// The largest distance of two runs on one mesh.

@@ -1,0 +1,39 @@
+//! What a rung takes of the memory.
+
+use super::UnderTest;
+use super::answer::set_up;
+use super::rung::{Ladder, Rung};
+use crate::contact::Discretization;
+use crate::sweep::{MemoryLimit, Refused, Runs};
+
+/// Refuses a rung that would take more memory than there may be. One without a mesh, or on a small one, takes next to
+/// none.
+///
+/// # Errors
+/// [`Refused`].
+pub fn admit(
+    ladder: &Ladder,
+    rung: &Rung,
+    under_test: &UnderTest<'_>,
+    limit: &MemoryLimit,
+) -> Result<(), Refused> {
+    let Some(largest) = &rung.largest else { return Ok(()) };
+    // A scene that is refused is so when it is climbed.
+    let Ok(setup) = set_up(largest.text.clone(), under_test.prepare) else { return Ok(()) };
+    // An answer is all levels: u, σ and the moments that they are measured against.
+    let answer = |space: &Discretization, steps: u32| {
+        let d = space.mesh.dimension;
+        let cell = 3 * d * (d + 1) / 2 + d * (d + 1);
+        let numbers = space.nodes.len() + cell * space.mesh.cell_count();
+        8.0 * (f64::from(steps) + 1.0) * numbers as f64
+    };
+    let grid = vec![(largest.n, largest.steps)];
+    let runs = Runs { setup: &setup, grid, beside: Box::new(answer) };
+    runs.admit(limit).map_err(|refused| Refused {
+        what: format!(
+            "{} at {} (other ladders, or none of --long, take less)",
+            ladder.name, rung.at
+        ),
+        source: refused.source,
+    })
+}
