@@ -20,11 +20,12 @@ pub fn admit(
     let Some(largest) = &rung.largest else { return Ok(()) };
     // A scene that is refused is so when it is climbed.
     let Ok(setup) = set_up(largest.text.clone(), under_test.prepare) else { return Ok(()) };
-    // An answer is all levels: u, σ and the moments that they are measured against.
+    // An answer is all levels: u and σ, in lists that double as they grow, and the moments that they are measured against.
     let answer = |space: &Discretization, steps: u32| {
         let d = space.mesh.dimension;
-        let cell = 3 * d * (d + 1) / 2 + d * (d + 1);
-        let numbers = space.nodes.len() + cell * space.mesh.cell_count();
+        let (tensor, cells) = (d * (d + 1) / 2, space.mesh.cell_count());
+        let moments = 2 * tensor + d * (d + 1);
+        let numbers = 2 * (space.nodes.len() + tensor * cells) + moments * cells;
         8.0 * (f64::from(steps) + 1.0) * numbers as f64
     };
     let grid = vec![(largest.n, largest.steps)];

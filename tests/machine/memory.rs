@@ -90,7 +90,7 @@ const SOLVING: [(&[&str], &str); 9] = [
     ),
     (
         &["gronwall", "affine", "--n", "4", "--steps", "4", "--horizons", "2"],
-        "affine n = 4, N = 8: about ",
+        "affine n = 4, N = 32: about ",
     ),
     (&["bound", "viscoelastic", "--n", "4", "--steps", "4"], "viscoelastic n = 8, N = 4: about "),
     (&["floors", "affine", "--n", "4", "--steps", "4"], "affine n = 4, N = 4: about "),
@@ -227,18 +227,7 @@ fn other_commands_take_what_is_predicted_of_them() {
         &["gronwall", "viscoelastic", "--n", "32", "--steps", "128", "--out", &out],
         &["bound", "viscoelastic", "--n", "32", "--steps", "4", "--out", &out],
         &["floors", "pure-mild", "--n", "64", "--steps", "8", "--out", &out],
-        &[
-            "trade",
-            "viscoelastic",
-            "--n",
-            "32,64",
-            "--steps",
-            "4,8",
-            "--repeats",
-            "1",
-            "--out",
-            &out,
-        ],
+        &["trade", "signorini", "--n", "32,64", "--steps", "8,16", "--repeats", "1", "--out", &out],
         &["solve", "signorini", "--n", "64", "--steps", "16", "--estimate"],
     ];
     for arguments in commands {
