@@ -216,27 +216,55 @@ fn predicted_memory_is_what_a_process_takes() {
     }
 }
 
-/// What commands beside a sweep say they would take, and what they take.
+/// What a command says it would take.
+#[cfg(target_os = "linux")]
+fn predicted(arguments: &[&str]) -> f64 {
+    let refused = stderr(&sweep(&[arguments, &["--memory-limit", "1M"]].concat()));
+    let number = refused.split_once("about ").and_then(|(_, rest)| rest.split_once(" MiB"));
+    let mebibytes: Option<f64> = number.and_then(|(text, _)| text.parse().ok());
+    1_048_576.0 * mebibytes.unwrap_or_else(|| panic!("no number: {refused}"))
+}
+
+/// Of commands beside a sweep, which hold more than a run at a time.
 #[cfg(target_os = "linux")]
 #[test]
 fn other_commands_take_what_is_predicted_of_them() {
     let folder = Folder::new("others");
     let out = folder.argument("out");
-    let commands: [&[&str]; 6] = [
-        &["audit", "signorini", "--n", "64", "--steps", "4,8", "--out", &out],
-        &["gronwall", "viscoelastic", "--n", "32", "--steps", "128", "--out", &out],
-        &["bound", "viscoelastic", "--n", "32", "--steps", "4", "--out", &out],
-        &["floors", "pure-mild", "--n", "64", "--steps", "8", "--out", &out],
-        &["trade", "signorini", "--n", "32,64", "--steps", "8,16", "--repeats", "1", "--out", &out],
-        &["solve", "signorini", "--n", "64", "--steps", "16", "--estimate"],
+    let commands = [
+        ("audit signorini --n 64 --steps 4,8", "signorini --n 64 --steps 8"),
+        ("gronwall viscoelastic --n 32 --steps 128", "viscoelastic --n 32 --steps 128"),
+        ("bound viscoelastic --n 32 --steps 4", "viscoelastic --n 32 --steps 4"),
+        ("floors pure-mild --n 64 --steps 8", "pure-mild --n 64 --steps 8"),
+        ("trade signorini --n 32,64 --steps 8,16 --repeats 1", "signorini --n 64 --steps 16"),
     ];
-    for arguments in commands {
-        let refused = stderr(&sweep(&[arguments, &["--memory-limit", "1M"]].concat()));
-        let number = refused.split_once("about ").and_then(|(_, rest)| rest.split_once(" MiB"));
-        let predicted: f64 = number.and_then(|(text, _)| text.parse().ok()).expect("mebibytes");
-        let (predicted, measured) = (1_048_576.0 * predicted, peak(arguments));
-        let name = arguments[0];
-        println!("{name}: predicted {:.0} MB, measured {:.0} MB", predicted / 1e6, measured / 1e6);
-        assert!(honest(predicted, measured), "{name}: {predicted} against {measured}");
+    for (command, run) in commands {
+        let words = command.split(' ').chain(["--out", out.as_str()]).collect::<Vec<_>>();
+        let (all, measured) = (predicted(&words), peak(&words));
+        println!("{command}: predicted {:.0} MB, measured {:.0} MB", all / 1e6, measured / 1e6);
+        assert!(honest(all, measured), "{command}: {all} against {measured}");
+        // A prediction of one run alone would be seen.
+        let alone = predicted(&["solve"].into_iter().chain(run.split(' ')).collect::<Vec<_>>());
+        assert!(!honest(alone, measured), "{run}: {alone} against {measured}");
     }
+    let estimate = ["solve", "signorini", "--n", "64", "--steps", "16", "--estimate"];
+    assert!(honest(predicted(&estimate), peak(&estimate)));
+}
+
+/// The truth that longer cases have left on a mesh, at times of their own, is there beside the next one.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_is_kept_by_cases_that_leave_each_other_the_truth_at_their_times() {
+    let folder = Folder::new("left");
+    // Primes: the grids have both ends in common, and no other time.
+    let grid = ["run", "signorini", "--n", "32", "--steps", "101,103,107,109,113", "--jobs", "1"];
+    let limit = 80.0 * 1_048_576.0;
+    let [free, limited] = [("free", "8G"), ("limited", "80M")].map(|(name, amount)| {
+        peak(&[&grid[..], &["--out", &folder.argument(name), "--memory-limit", amount]].concat())
+    });
+    println!("all kept {:.0} MB, within a limit {:.0} MB", free / 1e6, limited / 1e6);
+    assert!(free > HONEST * limit && limited < HONEST * limit, "{free} {limited} {limit}");
+    let [free, limited] =
+        ["free", "limited"].map(|run| timeless(&folder.at(run).join("cases.csv")));
+    assert_eq!(free, limited);
 }
