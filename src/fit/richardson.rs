@@ -119,6 +119,18 @@ mod tests {
         Triple::of(steps.map(|step| ValueSample { step, value: value(step) }))
     }
 
+    /// A first difference of rounding says nothing of an order, however large the values are.
+    #[test]
+    fn rounding_is_relative_to_the_values() {
+        let at = |step: f64, value: f64| ValueSample { step, value };
+        let triple = Triple::of([at(0.4, 1e6 + 1e-9), at(0.2, 1e6), at(0.1, 1e6 - 1.0)]);
+        assert_eq!(triple, Triple::Diverging { order: f64::NEG_INFINITY });
+        assert_eq!(triple.order(), None);
+        // The same difference of small values is one.
+        let triple = Triple::of([at(0.4, 1.5e-9), at(0.2, 5e-10), at(0.1, 0.0)]);
+        assert!((triple.order().expect("an order") - 1.0).abs() < 1e-12);
+    }
+
     #[test]
     fn limits_and_orders_are_found_for_any_ratios() {
         for steps in [[0.4, 0.2, 0.1], [0.4, 0.3, 0.1], [0.13, 0.1, 0.05], [3.0, 2.0, 1.9]] {

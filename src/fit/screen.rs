@@ -135,6 +135,15 @@ mod tests {
     }
 
     #[test]
+    fn a_step_is_a_positive_number() {
+        let at = |h: f64| Point { h, ..point(1.0, 0.0) };
+        let points = [at(0.1), at(f64::INFINITY), at(0.0), at(-0.5), at(f64::NAN), at(0.2)];
+        let steps: Vec<f64> =
+            samples(&points, Direction::Space).unwrap().iter().map(|sample| sample.step).collect();
+        assert_eq!(steps, [0.2, 0.1]);
+    }
+
+    #[test]
     fn values_may_have_any_sign() {
         let at = |h: f64, error: f64| Point { h, ..point(error, f64::NAN) };
         let points =

@@ -193,6 +193,44 @@ mod tests {
         assert_eq!(reach(&halved[..3]), 0.0);
     }
 
+    /// Steps of one ratio r reach 1/(r - 1) last changes beyond the last triple, and the drift is twice that.
+    #[test]
+    fn the_drift_reaches_as_far_as_the_steps() {
+        let samples = values(&[1.728, 1.44, 1.2, 1.0, 1.0 / 1.2], |h| h * (1.0 + 0.2 * h));
+        let order = |at: usize| {
+            let triple = [samples[at], samples[at + 1], samples[at + 2]];
+            Triple::of(triple).order().expect("an order")
+        };
+        let found = value_order(&samples).unwrap().unwrap();
+        let expected = 2.0 * (order(2) - order(1)).abs() / (1.2 - 1.0);
+        assert!((found.drift.half_width() / expected - 1.0).abs() < 1e-9, "{found:?}");
+    }
+
+    /// φ = 2 + 3 h^1.5 (1 + 0.4 h): the minimum has these numbers, and its derivatives are those of differences.
+    #[test]
+    fn the_bent_model_finds_its_numbers() {
+        let samples = values(&STEPS, |h| 2.0 + 3.0 * h.powf(1.5) * (1.0 + 0.4 * h));
+        let table = Table::new(&samples);
+        let minimum = table.minimum(table.start(1.3).push(0.0)).unwrap();
+        // Steps in units of the coarsest; the minimisation stops at steps of 1e-10 of six values.
+        let bend = 0.4 * STEPS[0];
+        assert!((minimum.x[2] - 1.5).abs() < 1e-6, "{}", minimum.x);
+        assert!((minimum.x[3] - bend).abs() < 1e-5, "{}", minimum.x);
+        let model = |x: &DVector<f64>, s: f64| x[0] + x[1] * s.powf(x[2]) * (1.0 + x[3] * s);
+        for (i, &s) in table.steps.iter().enumerate() {
+            for j in 0..4 {
+                let moved = |by: f64| {
+                    let mut x = minimum.x.clone();
+                    x[j] += by;
+                    model(&x, s)
+                };
+                let slope = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+                // Differences of step 1e-5: their square, and rounding over it.
+                assert!((minimum.jacobian[(i, j)] - slope).abs() < 1e-8, "{i} {j}");
+            }
+        }
+    }
+
     #[test]
     fn what_has_no_order_has_none() {
         let signs = values(&[0.4, 0.2, 0.1, 0.05, 0.02], |h| if h == 0.2 { 1.0 } else { h });

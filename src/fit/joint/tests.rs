@@ -49,6 +49,25 @@ fn constants_under_given_orders() {
     assert!(fit_constants(&points[..2], Model::Sum, (1.0, 2.0)).is_err());
 }
 
+/// A model that misses the table has no say in the interval; one that fits it as well has.
+#[test]
+fn the_other_model_counts_where_it_fits_as_well() {
+    // Noise of 1e-4 leaves no doubt about the sum.
+    let noise = |h: f64, k: f64| 1.0 + 1e-4 * (1e3 * h + 7e3 * k).sin();
+    let sum = grid(5, |h, k| (0.3 * h + 4.0 * k * k) * noise(h, k));
+    for estimate in fit_constants(&sum, Model::Sum, (1.0, 2.0)).unwrap() {
+        let Estimate { value, interval } = estimate;
+        assert!(interval.half_width() < 0.01 * value, "{estimate:?}");
+    }
+    // The truth is the sum, and the model asked for the other: its own residual is larger, so the sum has its say.
+    let asked = fit_constants(&sum, Model::RootSumSquare, (1.0, 2.0)).unwrap();
+    for (estimate, truth) in asked.iter().zip([0.3, 4.0]) {
+        assert!(estimate.interval.contains(truth), "{truth}: {estimate:?}");
+    }
+    let few = fit_constants(&sum[..2], Model::Sum, (1.0, 2.0));
+    assert_eq!(few, Err(FitError::TooFew { found: 2, needed: 3 }));
+}
+
 #[test]
 fn what_cannot_be_identified_says_why() {
     let path: Vec<Point> =
