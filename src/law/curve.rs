@@ -228,4 +228,36 @@ mod tests {
         assert!((law.subdifferential(0.3).0 - 1.0).abs() < 1e-15);
         assert_eq!((law.alpha(), law.growth()), (0.25, (1.0, 0.0)));
     }
+
+    /// G with the slope 2, a jump from 0.2 to 0.5 at 0.1 and the slope -1 after it, and p = 4 r^2.5 up to 0.6.
+    #[test]
+    fn a_curve_is_added_to_what_the_graph_has() {
+        let graph =
+            PiecewiseLinear::new(vec![(0.0, 0.0), (0.1, 0.2), (0.1, 0.5)], 2.0, -1.0).unwrap();
+        let law = Curved::new(graph.clone(), curves()[2]);
+        let p = |r: f64| 4.0 * r.powf(2.5);
+        let close = |(a, b): (f64, f64), (c, d): (f64, f64)| {
+            // Sums of numbers below 10.
+            assert!((a - c).abs() < 1e-14 && (b - d).abs() < 1e-14, "({a}, {b}) ({c}, {d})");
+        };
+        close(law.subdifferential(0.1), (0.2 + p(0.1), 0.5 + p(0.1)));
+        close(law.value_and_slope(0.05), (0.1 + p(0.05), 2.0 + 10.0 * 0.05f64.powf(1.5)));
+        close(law.value_and_slope(0.3), (0.3 + p(0.3), -1.0 + 10.0 * 0.3f64.powf(1.5)));
+        assert_eq!(law.jumps(), &[0.1]);
+        assert_eq!(law.kinks(), &[0.0, 0.1, 0.6]);
+        let (own, more) = (graph.growth(), curves()[2].growth());
+        assert!(own.0 > 0.0 && own.1 > 0.0 && more.1 > 0.0);
+        close(law.growth(), (own.0 + more.0, own.1 + more.1));
+        assert_eq!(law.alpha(), graph.alpha());
+    }
+
+    /// The lengths that the docs of [`Curve::resolution`] name.
+    #[test]
+    fn edges_are_cut_where_a_rule_resolves_the_curve() {
+        let lengths = curves().map(|curve| {
+            let none = PiecewiseLinear::new(vec![(0.0, 0.0)], 0.0, 0.0).unwrap();
+            Curved::new(none, curve).resolution()
+        });
+        assert_eq!(lengths, [0.15, 0.2, 0.6, 0.1]);
+    }
 }

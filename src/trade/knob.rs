@@ -74,8 +74,7 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
         found.extend([Precision::Single, Precision::Double].map(Knob::Factors));
     }
     if let Data::Exact { interpolated: false, form, .. } = &body.data {
-        let degrees = if d == 2 { [1, 2, 6] } else { [1, 2, 8] };
-        found.extend(degrees.map(Knob::LoadDegree));
+        found.extend([1, 2, 6].map(Knob::LoadDegree));
         found.push(Knob::Form(match form {
             LoadForm::Weak => LoadForm::Strong,
             LoadForm::Strong => LoadForm::Weak,
@@ -167,7 +166,7 @@ impl Variant {
 }
 
 /// The rule of a degree: 1 and 2 are the centroid and the rule of d + 1 points; the degrees of the usual rules (4, in
-/// space 5) and of the next ones (6, in space 8) are theirs.
+/// space 5) and of the next ones (6) are theirs.
 fn load_rule(dimension: usize, degree: u32) -> Rule {
     let corners = dimension + 1;
     match degree {
