@@ -49,3 +49,33 @@ impl Potential for Scaled {
         self.potential.is_absent()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::{Curve, Curved, NoPotential, PiecewiseLinear};
+
+    /// 2.5 times a law with the slope 2, a jump at 0.1, the slope -1 and a power: values and constants are 2.5 times
+    /// as large, places and lengths the same.
+    #[test]
+    fn values_are_multiplied_and_places_are_not() {
+        let points = vec![(0.0, 0.0), (0.1, 0.2), (0.1, 0.5)];
+        let graph = PiecewiseLinear::new(points, 2.0, -1.0).unwrap();
+        let curve = Curve::Power { coefficient: 4.0, exponent: 2.5, until: 0.6 };
+        let own = Arc::new(Curved::new(graph, curve));
+        let law = Scaled { potential: own.clone(), factor: 2.5 };
+        let times = |(a, b): (f64, f64)| (2.5 * a, 2.5 * b);
+        for r in [-0.3, 0.05, 0.1, 0.3, 0.9] {
+            assert_eq!(law.subdifferential(r), times(own.subdifferential(r)), "{r}");
+            assert_eq!(law.value_and_slope(r), times(own.value_and_slope(r)), "{r}");
+        }
+        let (lo, hi) = law.subdifferential(0.1);
+        assert!((hi - lo - 2.5 * 0.3).abs() < 1e-15, "the jump is 0.5 - 0.2");
+        assert_eq!((law.jumps(), law.kinks()), (&[0.1][..], &[0.0, 0.1, 0.6][..]));
+        assert_eq!((law.alpha(), law.growth()), (2.5 * own.alpha(), times(own.growth())));
+        assert!(law.alpha() > 0.0 && law.growth().0 > 0.0 && law.growth().1 > 0.0);
+        assert_eq!(law.resolution(), 0.6);
+        assert!(!law.is_absent());
+        assert!(Scaled { potential: Arc::new(NoPotential), factor: 2.5 }.is_absent());
+    }
+}
