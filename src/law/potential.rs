@@ -222,6 +222,16 @@ mod tests {
         PiecewiseLinear::new(points, 0.0, 0.0).unwrap()
     }
 
+    /// A law of pieces needs no cut but its kinks, the empty one none at all.
+    #[test]
+    fn pieces_are_resolved_by_any_rule() {
+        assert_eq!(law().resolution(), f64::INFINITY);
+        assert_eq!(NoPotential.resolution(), f64::INFINITY);
+        assert!(NoPotential.jumps().is_empty() && NoPotential.kinks().is_empty());
+        // At a kink the slope is that of the piece before it.
+        assert_eq!(law().value_and_slope(0.04).1, 2.0);
+    }
+
     #[test]
     fn values_and_slopes_on_every_branch() {
         let law = law();

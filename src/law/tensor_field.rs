@@ -265,6 +265,50 @@ mod tests {
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15));
     }
 
+    /// 𝒜 in Mandel notation by hand: λ + 2μ and λ on the block of normal strains, 2μ for shears.
+    #[test]
+    fn matrices_are_those_of_lame_numbers() {
+        let plane = [[2.7, 1.3, 0.0], [1.3, 2.7, 0.0], [0.0, 0.0, 1.4]];
+        let close = |found: [[f64; 3]; 3]| {
+            let pairs = found.as_flattened().iter().zip(plane.as_flattened());
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-15
+        };
+        assert!(close(FourthOrder::from(LAW).matrix()) && close(full(2).matrix()));
+        assert!(close(LAW.matrix_on(5)) && LAW.is_uniform());
+        let soft = Isotropic { lambda: 0.1, mu: 0.2 };
+        let field = TensorField::new(soft.into(), [full(2)]);
+        assert!(close(field.matrix_on(1)) && !close(field.matrix_on(0)) && !field.is_uniform());
+        assert!(close(TensorField::from(LAW).matrix_on(1)) && TensorField::from(LAW).is_uniform());
+        assert_eq!(field.regions(), &[soft.into(), full(2)]);
+        // Seventeen entries: four of the normal strains, and 2μ/2 for each of the four shears.
+        let sum = 2.0 * (2.7 + 1.3) + 4.0 * 0.7;
+        assert!((full(2).entry_sum(2) - sum).abs() < 1e-14);
+        assert!((field.entry_sum(2) - sum).abs() < 1e-14);
+        // Eigenvalues 2(λ + μ) and 2μ in the plane; the largest of both regions is the norm.
+        assert!((field.norm(2) - 4.0).abs() < 1e-14);
+        assert!((field.scaled(-3.0).norm(2) - 12.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_factor_multiplies_every_number() {
+        let soft = Isotropic { lambda: 0.1, mu: 0.2 };
+        let field = TensorField::new(soft.into(), [full(3)]).scaled(3.0);
+        let FourthOrder::Isotropic(own) = field.on(0) else { panic!("isotropic") };
+        assert!((own.lambda - 0.3).abs() < 1e-15 && (own.mu - 0.6).abs() < 1e-15);
+        let strain = [0.1, -0.4, 0.25, 0.3, 0.2, -0.1];
+        let (found, once) = (field.on(1).apply(&strain), LAW.apply(&strain));
+        assert!(found.iter().zip(once).all(|(a, b)| (a - 3.0 * b).abs() < 1e-14));
+    }
+
+    /// In space a full matrix has all six eigenvalues: 3λ + 2μ once, 2μ five times, and one shear made stiffer.
+    #[test]
+    fn eigenvalues_in_space_are_those_of_six_rows() {
+        let FourthOrder::Full(mut matrix) = full(3) else { panic!("full") };
+        matrix[5][5] = 9.0;
+        let (low, high) = FourthOrder::Full(matrix).eigenvalues(3);
+        assert!((low - 1.4).abs() < 1e-14 && (high - 9.0).abs() < 1e-14, "{low} {high}");
+    }
+
     /// By hand: [[2, 1], [1, 2]] has 1 and 3, the shear entry is 5.
     #[test]
     fn eigenvalues_of_a_full_matrix() {
@@ -302,6 +346,21 @@ mod tests {
         let soft = Isotropic { lambda: 0.1, mu: 0.2 };
         let field = TensorField::new(LAW.into(), [soft.into()]);
         assert_eq!(field.map(twice).multiple_of(&field), Some(2.0));
+        // A last digit apart is the same: 7 · 0.3/0.3 is not 7 in doubles. A millionth is another number.
+        let third = Isotropic { lambda: 0.6, mu: 0.3 };
+        let large = |by: f64| {
+            let stiff = |law: Isotropic| Isotropic { lambda: by * law.lambda, mu: by * law.mu };
+            TensorField::new(stiff(LAW).into(), [stiff(third).into()])
+        };
+        let seven = 7.0 * 2f64.powi(30);
+        let of_large = |field: &TensorField| field.multiple_of(&large(1.0));
+        assert_eq!(of_large(&large(seven)), Some(seven));
+        assert_ne!((seven * 0.3) / 0.3, seven);
+        let next = large(1.000_001 * seven);
+        assert_eq!(
+            of_large(&TensorField::new(large(seven).on(0).clone(), [next.on(1).clone()])),
+            None
+        );
         let other = TensorField::new(twice(LAW).into(), [soft.into()]);
         assert_eq!(other.multiple_of(&field), None);
         assert_eq!(TensorField::from(LAW).multiple_of(&full(2).into()), None);

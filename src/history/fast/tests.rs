@@ -69,6 +69,17 @@ fn the_stated_error_is_that_of_the_sums() {
     assert!(stated > 1e-8);
 }
 
+#[test]
+fn steps_are_counted_as_they_are_committed() {
+    let grid = TimeGrid::uniform(1.0, 100);
+    let mut fast = FastConvolution::new(&KERNELS[2], &grid, 1, 1e-13).expect("a smooth kernel");
+    for n in 0..5 {
+        assert_eq!(fast.committed(), n);
+        fast.past(&KERNELS[2], &grid, &mut [0.0]);
+        fast.commit(&grid, &[1.0]);
+    }
+}
+
 /// A kernel with a kink away from zero lag is not smooth there: it stays with the direct sum.
 #[test]
 fn kernels_that_are_not_smooth_are_refused() {
@@ -98,4 +109,8 @@ fn memory_grows_with_the_logarithm_of_the_steps() {
     };
     assert_eq!([1024, 4096, 16384].map(bytes), [464, 624, 784]);
     assert_eq!(FastConvolution::vectors(4096, 16), 624);
+    // 64 smallest clusters of 32 levels: five sizes have more than three, of five vectors a node; 64 of the neighbours.
+    let grid = TimeGrid::uniform(1.0, 2016);
+    assert_eq!(FastConvolution::with_nodes(16, &grid, 3).numbers() / 3, 5 * 5 * 16 + 64);
+    assert_eq!(FastConvolution::vectors(2016, 16), 5 * 5 * 16 + 64);
 }
