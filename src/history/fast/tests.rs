@@ -80,6 +80,19 @@ fn steps_are_counted_as_they_are_committed() {
     }
 }
 
+/// The stated error is relative to the kernel: a thousand times the kernel has the same, no kernel none.
+#[test]
+fn the_stated_error_has_no_unit() {
+    let grid = TimeGrid::uniform(1.0, 1000);
+    let stated =
+        |kernel: By| FastConvolution::with_nodes(6, &grid, 1).largest_error(&kernel, &grid);
+    let once = stated(By(|lag| 1.0 / (1.0 + lag / 0.1)));
+    let thousand = stated(By(|lag| 1e3 / (1.0 + lag / 0.1)));
+    // Roundings of values of order one, against an error of 1e-8 and more.
+    assert!(once > 1e-9 && (thousand - once).abs() < 1e-14, "{once} {thousand}");
+    assert_eq!(stated(By(|_| 0.0)), 0.0);
+}
+
 /// A kernel with a kink away from zero lag is not smooth there: it stays with the direct sum.
 #[test]
 fn kernels_that_are_not_smooth_are_refused() {
