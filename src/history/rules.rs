@@ -151,6 +151,20 @@ mod tests {
         assert!((missed - 0.207_886_2 + 1.0 / (24.0 * 64.0)).abs() < 1e-5, "{missed}");
     }
 
+    /// A weight asked for alone is that of its row, the last one among them, also where the grid goes on.
+    #[test]
+    fn weights_are_those_of_their_row() {
+        let grid = TimeGrid::graded(1.0, 8, 2.0);
+        for n in [0, 1, 5, 8] {
+            let row = ProductIntegration.kernel_row(&Power(0.5), &grid, n);
+            let weight = |j: usize| ProductIntegration.kernel_weight(&Power(0.5), &grid, n, j);
+            let alone: Vec<f64> = (0..=n).map(weight).collect();
+            // The same two integrals a weight, added in the other order.
+            let pairs = row.iter().zip(&alone).map(|(a, b)| (a - b).abs());
+            assert!(row.len() == n + 1 && pairs.fold(0.0, f64::max) < 1e-15, "{row:?} {alone:?}");
+        }
+    }
+
     /// The error at its largest over all n, for v(0) ≠ 0: near t = 0 the long run is not reached.
     #[test]
     fn order_two_holds_from_the_first_step_on() {

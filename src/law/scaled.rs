@@ -55,12 +55,12 @@ mod tests {
     use super::*;
     use crate::law::{Curve, Curved, NoPotential, PiecewiseLinear};
 
-    /// 2.5 times a law with the slope 2, a jump at 0.1, the slope -1 and a power: values and constants are 2.5 times
+    /// 2.5 times a law with the slope 2, a jump at 0.1, the slope -2 and a power: values and constants are 2.5 times
     /// as large, places and lengths the same.
     #[test]
     fn values_are_multiplied_and_places_are_not() {
         let points = vec![(0.0, 0.0), (0.1, 0.2), (0.1, 0.5)];
-        let graph = PiecewiseLinear::new(points, 2.0, -1.0).unwrap();
+        let graph = PiecewiseLinear::new(points, 2.0, -2.0).unwrap();
         let curve = Curve::Power { coefficient: 4.0, exponent: 2.5, until: 0.6 };
         let own = Arc::new(Curved::new(graph, curve));
         let law = Scaled { potential: own.clone(), factor: 2.5 };
