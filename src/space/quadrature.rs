@@ -134,31 +134,23 @@ pub fn triangle_product(count: usize) -> Rule {
     Rule { points, weights }
 }
 
+/// A symmetric orbit of tetrahedron points: (a, a, a, 1-3a), (a, a, ½-a, ½-a) or (a, a, b, 1-2a-b).
+enum SpatialOrbit {
+    Four { weight: f64, a: f64 },
+    Six { weight: f64, a: f64 },
+    Twelve { weight: f64, a: f64, b: f64 },
+}
+
 /// Tetrahedron rule of 14 points, exact for degree 5: the rule of the loads.
 ///
 /// Source: the rule of this symmetry with positive weights, N. J. Walkington, Quadrature on simplices of
 /// arbitrary dimension (2000).
 pub fn tetrahedron_degree_5() -> Rule {
-    let (mut points, mut weights) = (Vec::new(), Vec::new());
-    for (weight, a) in [
-        (0.112_687_925_718_015_85, 0.310_885_919_263_300_6),
-        (0.073_493_043_116_361_95, 0.092_735_250_310_891_23),
-    ] {
-        for corner in 0..4 {
-            let mut point = vec![a; 4];
-            point[corner] = 1.0 - 3.0 * a;
-            points.push(point);
-            weights.push(weight);
-        }
-    }
-    let (weight, a) = (0.042_546_020_777_081_466, 0.045_503_704_125_649_65);
-    for (p, q) in [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)] {
-        let mut point = vec![0.5 - a; 4];
-        (point[p], point[q]) = (a, a);
-        points.push(point);
-        weights.push(weight);
-    }
-    Rule { points, weights }
+    tetrahedron(&[
+        SpatialOrbit::Four { weight: 0.112_687_925_718_015_85, a: 0.310_885_919_263_300_6 },
+        SpatialOrbit::Four { weight: 0.073_493_043_116_361_95, a: 0.092_735_250_310_891_23 },
+        SpatialOrbit::Six { weight: 0.042_546_020_777_081_466, a: 0.045_503_704_125_649_65 },
+    ])
 }
 
 /// Tetrahedron rule of 24 points, exact for degree 6: the rule of the errors.
@@ -166,26 +158,43 @@ pub fn tetrahedron_degree_5() -> Rule {
 /// Source: P. Keast, Moderate-degree tetrahedral quadrature formulas, Comput. Methods Appl. Mech. Engrg. 55 (1986),
 /// rule 7; its digits from the moment equations, solved anew.
 pub fn tetrahedron_degree_6() -> Rule {
+    tetrahedron(&[
+        SpatialOrbit::Four { weight: 0.039_922_750_258_167_49, a: 0.214_602_871_259_152_03 },
+        SpatialOrbit::Four { weight: 0.010_077_211_055_320_643, a: 0.040_673_958_534_611_35 },
+        SpatialOrbit::Four { weight: 0.055_357_181_543_654_72, a: 0.322_337_890_142_275_5 },
+        SpatialOrbit::Twelve {
+            weight: 27.0 / 560.0,
+            a: 0.063_661_001_875_017_53,
+            b: 0.269_672_331_458_315_8,
+        },
+    ])
+}
+
+fn tetrahedron(orbits: &[SpatialOrbit]) -> Rule {
     let (mut points, mut weights) = (Vec::new(), Vec::new());
-    for (weight, a) in [
-        (0.039_922_750_258_167_49, 0.214_602_871_259_152_03),
-        (0.010_077_211_055_320_643, 0.040_673_958_534_611_35),
-        (0.055_357_181_543_654_72, 0.322_337_890_142_275_5),
-    ] {
-        for corner in 0..4 {
-            let mut point = vec![a; 4];
-            point[corner] = 1.0 - 3.0 * a;
-            points.push(point);
-            weights.push(weight);
-        }
-    }
-    let (weight, a, b) = (27.0 / 560.0, 0.063_661_001_875_017_53, 0.269_672_331_458_315_8);
-    for p in 0..4 {
-        for q in (0..4).filter(|&q| q != p) {
-            let mut point = vec![a; 4];
-            (point[p], point[q]) = (b, 1.0 - 2.0 * a - b);
-            points.push(point);
-            weights.push(weight);
+    let mut put = |weight: f64, others: f64, own: &[(usize, f64)]| {
+        let mut point = vec![others; 4];
+        own.iter().for_each(|&(corner, value)| point[corner] = value);
+        points.push(point);
+        weights.push(weight);
+    };
+    for orbit in orbits {
+        match *orbit {
+            SpatialOrbit::Four { weight, a } => {
+                (0..4).for_each(|p| put(weight, a, &[(p, 1.0 - 3.0 * a)]));
+            }
+            SpatialOrbit::Six { weight, a } => {
+                for p in 0..4 {
+                    (p + 1..4).for_each(|q| put(weight, 0.5 - a, &[(p, a), (q, a)]));
+                }
+            }
+            SpatialOrbit::Twelve { weight, a, b } => {
+                for p in 0..4 {
+                    for q in (0..4).filter(|&q| q != p) {
+                        put(weight, a, &[(p, b), (q, 1.0 - 2.0 * a - b)]);
+                    }
+                }
+            }
         }
     }
     Rule { points, weights }
