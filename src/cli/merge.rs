@@ -9,7 +9,7 @@ use crate::distributed::{AT_ONCE, Merged, Parts, Plan, merge};
 use crate::record::counted;
 use crate::report::remove_earlier;
 use crate::sweep::{Circumstances, OutputDirectory};
-use crate::verdict::{Baseline, Comparison, exit_code, failures, render_table, write_json};
+use crate::verdict::{Baseline, Comparison, document, exit_code, render_table, write_json};
 
 /// Below the output directory: sorted pieces of the table, while it is made.
 const PIECES: &str = ".pieces";
@@ -51,7 +51,7 @@ impl MergeCommand {
         // Those of a merge that was killed.
         remove(&pieces)?;
         super::create_dir(&pieces)?;
-        let [table, document] = ["cases.csv", "verdict.json"].map(|name| self.out.join(name));
+        let [table, verdict] = ["cases.csv", "verdict.json"].map(|name| self.out.join(name));
         let merged = merge(
             &parts,
             plan.as_ref().zip(self.plan.as_deref()),
@@ -65,13 +65,13 @@ impl MergeCommand {
         merged.provenance.run = Some(Circumstances::new(1, &self.options()));
         // As in a sweep: no table without its provenance, and nothing of other records beside a new one.
         remove_earlier(&self.out)?;
-        remove(&document)?;
+        remove(&verdict)?;
         remove(&table)?;
         let refused = |(path, reason): (PathBuf, String)| CliError::about(path.display(), reason);
         merged.provenance.write(out.path()).map_err(refused)?;
         written.finish().map_err(CliError::other)?;
         let Merged { verdicts, failed, provenance, comparison, .. } = &merged;
-        write_json(&document, &provenance.json(), verdicts, failed, comparison.as_ref())
+        write_json(&verdict, &provenance.json(), verdicts, failed, comparison.as_ref())
             .map_err(CliError::other)?;
         self.print(&merged, parts.dirs.len())?;
         let compared = comparison.as_ref().map_or(0, Comparison::exit_code);
@@ -105,15 +105,12 @@ impl MergeCommand {
     fn print(&self, merged: &Merged, parts: usize) -> Result<(), CliError> {
         let Merged { verdicts, failed, missing, cases, comparison, provenance } = merged;
         if self.json {
-            let mut document = serde_json::json!({
-                "provenance": provenance.json(),
-                "verdicts": verdicts,
-                "failures": failures(failed),
-            });
-            if let Some(comparison) = comparison {
-                document["baseline"] = serde_json::json!(comparison);
-            }
-            return print_json(&document);
+            return print_json(&document(
+                &provenance.json(),
+                verdicts,
+                failed,
+                comparison.as_ref(),
+            ));
         }
         print_text(&super::colour::shown(&render_table(verdicts)));
         let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();

@@ -9,7 +9,7 @@ use crate::fit::AgainstReference;
 use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all};
 use crate::sweep::{OutputDirectory, ScenePlan, reference_in_words, scene_summary};
-use crate::verdict::{Comparison, Verdict, exit_code, failures, render_table};
+use crate::verdict::{Comparison, Verdict, document, exit_code, failures, render_table};
 
 /// Records of all cases of the plans, and what was judged from them.
 pub(super) struct Swept {
@@ -42,14 +42,8 @@ impl Swept {
 
     /// What --json prints.
     pub(super) fn document(&self) -> Value {
-        let mut document = json!({
-            "provenance": self.provenance,
-            "verdicts": self.verdicts,
-            "failures": failures(&self.records),
-        });
-        if let Some(comparison) = &self.comparison {
-            document["baseline"] = json!(comparison);
-        }
+        let Self { records, verdicts, provenance, comparison, .. } = self;
+        let mut document = document(provenance, verdicts, records, comparison.as_ref());
         if !self.references.is_empty() {
             document["references"] = json!(self.references);
         }

@@ -86,6 +86,17 @@ pub fn failures(records: &[CaseRecord]) -> Vec<Failure> {
     failed.into_iter().map(plain).collect()
 }
 
+/// What `verdict.json` holds, for `--json`. Numbers that are not finite become null.
+pub fn document(
+    provenance: &serde_json::Value,
+    verdicts: &[Verdict],
+    records: &[CaseRecord],
+    baseline: Option<&Comparison>,
+) -> serde_json::Value {
+    let document = Document { provenance, verdicts, failures: failures(records), baseline };
+    serde_json::json!(document)
+}
+
 /// Writes `verdict.json` in one piece. Numbers that are not finite become null.
 ///
 /// # Errors

@@ -23,7 +23,8 @@ pub use baseline::{
 pub use compare::{Aim, compare};
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
 pub use document::{
-    DocumentError, Failure, failures, read_failures, read_foreseen, restore_reasons, write_json,
+    DocumentError, Failure, document, failures, read_failures, read_foreseen, restore_reasons,
+    write_json,
 };
 pub use judge::{judge, judge_foreseen};
 pub use next::NextCase;
