@@ -9,8 +9,6 @@ use super::past::Past;
 use super::sampler::{Sampler, Surroundings};
 use super::scalar::class;
 
-/// Intervals of a panel over which guards are watched.
-const WATCHES: usize = 5;
 /// Parts a bracket is cut into at each round.
 const SECTIONS: usize = 16;
 /// Rounds after which a bracket of any width has closed.
@@ -36,6 +34,14 @@ pub(super) struct Piece {
     pub(super) to: f64,
 }
 
+impl Piece {
+    /// Its two halves, in order of integration.
+    pub(super) fn halves(&self) -> [Self; 2] {
+        let middle = 0.5 * (self.from + self.to);
+        [Self { to: middle, ..*self }, Self { from: middle, ..*self }]
+    }
+}
+
 /// An interval at whose ends a guard has different signs.
 #[derive(Clone, Copy, Debug)]
 struct Bracket {
@@ -56,6 +62,8 @@ struct Bracket {
 #[derive(Clone, Debug)]
 pub(super) struct Breaks {
     sampler: Sampler,
+    /// Over how many intervals the guards of each lane are watched.
+    watches: Vec<usize>,
     brackets: Vec<Bracket>,
     cuts: Vec<(usize, f64)>,
     pub(super) pieces: Vec<Piece>,
@@ -65,6 +73,7 @@ impl Breaks {
     pub(super) fn new(nested: &[usize]) -> Self {
         Self {
             sampler: Sampler::new(nested),
+            watches: Vec::new(),
             brackets: Vec::new(),
             cuts: Vec::new(),
             pieces: Vec::new(),
@@ -108,20 +117,24 @@ impl Breaks {
     /// Opens a bracket wherever a guard changes sign between watches.
     fn watch(&mut self, plan: &HistoryPlan, below: &mut [Past], all: Surroundings, lanes: &[Lane]) {
         self.sampler.clear();
+        self.watches.clear();
         for lane in lanes {
-            for k in 0..WATCHES {
-                let part = k as f64 / WATCHES as f64;
+            let watches = plan.watches(lane.to - lane.from);
+            for k in 0..watches {
+                let part = k as f64 / watches as f64;
                 self.sampler.push(lane.tuple, lane.from + (lane.to - lane.from) * part);
             }
             self.sampler.push(lane.tuple, lane.to);
+            self.watches.push(watches);
         }
         self.sampler.run(&plan.watch, plan.mask, below, all);
         self.brackets.clear();
         for (guard, values) in self.sampler.values.iter().enumerate() {
-            let owned = values.chunks(WATCHES + 1).enumerate();
-            for (lane, values) in owned {
-                let times = &self.sampler.times[lane * (WATCHES + 1)..];
-                for k in 0..WATCHES {
+            let mut first = 0;
+            for (lane, &watches) in self.watches.iter().enumerate() {
+                let (values, times) = (&values[first..], &self.sampler.times[first..]);
+                first += watches + 1;
+                for k in 0..watches {
                     let (low_sign, end_sign) = (class(values[k]), class(values[k + 1]));
                     if low_sign != end_sign {
                         self.brackets.push(Bracket {

@@ -8,10 +8,18 @@ use super::graph::{Graph, Node, Op, Variable};
 use super::program::is_hereditary;
 use super::tape::{Source, Tape};
 
-/// Panels of the horizon, unless fast relaxation asks for more.
-const PANELS: f64 = 64.0;
+/// Panels of the horizon, unless fast relaxation asks for more.  Where an
+/// integrand is not resolved its part of a panel is halved.
+const PANELS: f64 = 16.0;
+/// The same where a kernel is no exponential: it is not asked whether that
+/// is resolved.
+const PANELS_OF_GENERAL: f64 = 64.0;
+/// Intervals of the horizon over which guards are watched, at least.
+const WATCHES: f64 = 320.0;
 /// The largest rate times panel width that the quadrature resolves fully.
 const STIFFEST: f64 = 4.0;
+/// Intervals of a panel over which guards are watched, at least.
+const LEAST_WATCHES: f64 = 5.0;
 /// Panels are not refined beyond this factor.
 const FINEST: f64 = 256.0;
 /// Panels of equal width; so many at twice the width follow, and so on, so
@@ -42,6 +50,8 @@ pub(super) struct HistoryPlan {
     pub(super) on_zeta: bool,
     /// Width of the first panels.
     width: f64,
+    /// Largest distance of two watches.
+    watch_width: f64,
     pub(super) members: Vec<Member>,
     pub(super) kernels: Vec<Kernel>,
     integrands: Vec<Node>,
@@ -80,6 +90,7 @@ impl HistoryPlan {
             mask: graph.dependence(nodes[0]).space(),
             on_zeta,
             width: 0.0,
+            watch_width: 0.0,
             members: Vec::new(),
             kernels: Vec::new(),
             integrands: Vec::new(),
@@ -112,13 +123,15 @@ impl HistoryPlan {
         }
         plan.guards = graph.guards(&plan.integrands);
         plan.guards.retain(|g| graph.depends_on(*g, Variable::T));
+        let horizon = if horizon.is_finite() && horizon > 0.0 { horizon } else { 1.0 };
         plan.width = plan.panel_width(horizon);
+        plan.watch_width = (horizon / WATCHES).min(plan.width / LEAST_WATCHES);
         plan
     }
 
     fn panel_width(&self, horizon: f64) -> f64 {
-        let horizon = if horizon.is_finite() && horizon > 0.0 { horizon } else { 1.0 };
-        let width = horizon / PANELS;
+        let panels = if self.is_general() { PANELS_OF_GENERAL } else { PANELS };
+        let width = horizon / panels;
         let rates = self.kernels.iter().map(|k| match k {
             Kernel::Exponential(c) => c.abs(),
             Kernel::General(..) => 0.0,
@@ -149,6 +162,14 @@ impl HistoryPlan {
         groups.sort_unstable();
         groups.dedup();
         groups
+    }
+
+    /// Over how many intervals the guards of an interval of this length are
+    /// watched: wider panels, far beyond the horizon, have no more than the
+    /// first.
+    pub(super) fn watches(&self, length: f64) -> usize {
+        let most = (self.width / self.watch_width).ceil();
+        (length.abs() / self.watch_width).ceil().min(most) as usize
     }
 
     /// The time at which panel `p` begins; the same whatever is evaluated.

@@ -8,7 +8,7 @@
 //! edges are kept.  They depend on the panels alone, so that a value is the
 //! same whichever times were evaluated before.
 
-use super::breaks::{Breaks, Lane};
+use super::breaks::{Breaks, Lane, Piece};
 use super::history::{HistoryPlan, Kernel};
 use super::memory::Memory;
 use super::quadrature::{GAUSS, ORDER};
@@ -17,6 +17,13 @@ use super::weights::Weights;
 
 /// Lanes integrated at once.
 const CHUNK: usize = 128;
+
+/// The last two coefficients of a resolved integrand over its largest value.
+/// They then fall by the tenth root of this or faster, and what the rule,
+/// exact to degree 23, leaves out is below the rounding.
+const RESOLVED: f64 = 1e-8;
+/// How often a part of a panel is halved.
+const HALVINGS: usize = 4;
 
 /// Integrals up to every panel edge reached so far, and scratch memory.
 #[derive(Clone, Debug)]
@@ -30,6 +37,8 @@ pub(super) struct Past {
     sampler: Sampler,
     weights: Weights,
     lanes: Vec<Lane>,
+    /// Of pieces that are not resolved.
+    halves: Vec<Piece>,
 }
 
 impl Past {
@@ -44,6 +53,7 @@ impl Past {
             sampler: Sampler::new(&nested),
             weights: Weights::default(),
             lanes: Vec::new(),
+            halves: Vec::new(),
         }
     }
 
@@ -132,30 +142,68 @@ impl Past {
         whole: Option<usize>,
     ) {
         let members = plan.members.len();
+        let halvings = if plan.is_general() { 0 } else { HALVINGS };
         for (lanes, sums) in lanes.chunks(CHUNK).zip(sums.chunks_mut(CHUNK * members)) {
             self.breaks.find(plan, below, all, lanes);
-            self.sampler.clear();
-            for piece in &self.breaks.pieces {
-                for u in &GAUSS.abscissae {
-                    let time = piece.from + (piece.to - piece.from) * u;
-                    self.sampler.push(lanes[piece.lane as usize].tuple, time);
+            let mut pieces = std::mem::take(&mut self.breaks.pieces);
+            for halving in 0..=halvings {
+                self.sample(plan, below, all, lanes, &pieces);
+                self.halves.clear();
+                for (k, piece) in pieces.iter().enumerate() {
+                    if halving < halvings && !self.is_resolved(k) {
+                        self.halves.extend(piece.halves());
+                        continue;
+                    }
+                    let lane = &lanes[piece.lane as usize];
+                    let weights = self.weights.of(plan, piece.from, piece.to, lane.to);
+                    let sums = &mut sums[piece.lane as usize * members..];
+                    for (member, sum) in plan.members.iter().zip(sums) {
+                        let values = &self.sampler.values[member.integrand][k * ORDER..];
+                        let weights = &weights[member.kernel * ORDER..];
+                        *sum += dot(weights, values);
+                    }
                 }
-            }
-            self.sampler.run(&plan.tape, plan.mask, below, all);
-            for (k, piece) in self.breaks.pieces.iter().enumerate() {
-                let lane = &lanes[piece.lane as usize];
-                let weights = self.weights.of(plan, piece.from, piece.to, lane.to);
-                let sums = &mut sums[piece.lane as usize * members..];
-                for (member, sum) in plan.members.iter().zip(sums) {
-                    let values = &self.sampler.values[member.integrand][k * ORDER..];
-                    let weights = &weights[member.kernel * ORDER..];
-                    *sum += dot(weights, values);
+                if self.halves.is_empty() {
+                    break;
                 }
+                std::mem::swap(&mut pieces, &mut self.halves);
             }
             if whole.is_some() && plan.is_general() {
-                self.memory.keep(plan, whole, lanes, &self.breaks.pieces, &self.sampler.values);
+                self.memory.keep(plan, whole, lanes, &pieces, &self.sampler.values);
+            }
+            self.breaks.pieces = pieces;
+        }
+    }
+
+    /// Samples the integrands at the quadrature points of all pieces.
+    fn sample(
+        &mut self,
+        plan: &HistoryPlan,
+        below: &mut [Past],
+        all: Surroundings,
+        lanes: &[Lane],
+        pieces: &[Piece],
+    ) {
+        self.sampler.clear();
+        for piece in pieces {
+            for u in &GAUSS.abscissae {
+                let time = piece.from + (piece.to - piece.from) * u;
+                self.sampler.push(lanes[piece.lane as usize].tuple, time);
             }
         }
+        self.sampler.run(&plan.tape, plan.mask, below, all);
+    }
+
+    /// Whether the last coefficients of all integrands on a piece are small.
+    fn is_resolved(&self, piece: usize) -> bool {
+        self.sampler.values.iter().all(|values| {
+            let values = &values[piece * ORDER..][..ORDER];
+            let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            let last = GAUSS.last.iter().map(|weights| dot(weights, values).abs());
+            // Numbers that are not finite stay so on any part.
+            let unresolved = last.sum::<f64>() > RESOLVED * largest;
+            !unresolved
+        })
     }
 }
 

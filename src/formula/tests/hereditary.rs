@@ -201,3 +201,17 @@ fn an_instant_leaves_the_past_out() {
         assert_eq!(graph.evaluate(frozen, &at), 3.0 * 0.25 + 0.5);
     }
 }
+
+/// A spike of width 0.02, of which one panel of a sixteenth leaves 1e-7.
+#[test]
+fn panels_are_halved_where_an_integrand_is_not_resolved() {
+    let mut graph = Graph::new();
+    let f = node(&mut graph, &everything(), "relax(0, 1/(1 + ((t-0.4)/0.02)^2))");
+    let mut bound = Program::compile(&mut graph, &[f], 1.0).bind(&[[0.0; 3]]);
+    let mut out = [Vec::new()];
+    for t in [0.25, 0.4, 0.41, 1.0] {
+        bound.evaluate(t, 0.0, &mut out);
+        let exact = 0.02 * (((t - 0.4) / 0.02).atan() + 20f64.atan());
+        assert_close(out[0][0], exact, 1e-14, &format!("t={t}"));
+    }
+}
