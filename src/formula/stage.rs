@@ -4,12 +4,13 @@
 //! variables an expression may depend on, the distinct tuples of those
 //! coordinates are numbered, by bit pattern and in order of appearance.
 
-use std::collections::hash_map::Entry;
-
 use rustc_hash::FxHashMap;
 
 /// Sets of space variables: bit 0 for x, 1 for y, 2 for z.
 pub(super) const MASKS: usize = 8;
+
+/// A table of all combinations may be so many times as long as the list of points.
+const WIDEST: usize = 4;
 
 /// The tuples of one set of variables.
 #[derive(Clone, Debug, Default)]
@@ -34,10 +35,14 @@ impl Stages {
     pub(super) fn new(points: &[[f64; 3]], masks: &[u8], pairs: &[(u8, u8)]) -> Self {
         let mut stages = Self { tuples: Default::default(), maps: Default::default() };
         let varying = varying(points);
+        let needed = masks.iter().map(|mask| mask & varying).filter(|part| *part != varying);
+        let needed = needed.fold(0, |all, part| all | part);
+        let places =
+            [0, 1, 2].map(|axis| (needed >> axis & 1 == 1).then(|| numbered(points, axis)));
         for &mask in masks {
             stages.tuples[mask as usize].get_or_insert_with(|| match mask & varying {
                 part if part == varying => Tuples::one_a_point(points.len()),
-                part => Tuples::new(points, part),
+                part => Tuples::new(points.len(), part, &places),
             });
         }
         for &(mask, part) in pairs {
@@ -87,27 +92,60 @@ impl Tuples {
         Self { of_point: all.clone(), first: all }
     }
 
-    fn new(points: &[[f64; 3]], mask: u8) -> Self {
-        let mut known: FxHashMap<[u64; 3], u32> = FxHashMap::default();
-        let mut tuples = Self::default();
-        tuples.of_point.reserve(points.len());
-        for (p, point) in points.iter().enumerate() {
-            let mut key = [0; 3];
-            for (axis, bits) in key.iter_mut().enumerate() {
-                if mask >> axis & 1 == 1 {
-                    *bits = point[axis].to_bits();
-                }
+    /// Numbers what is distinct in the axes of `mask`; `places` has for each axis the number of a point's coordinate
+    /// and how many there are.
+    fn new(points: usize, mask: u8, places: &[Option<(Vec<u32>, usize)>; 3]) -> Self {
+        let axes: Vec<&(Vec<u32>, usize)> = (0..3)
+            .filter(|axis| mask >> axis & 1 == 1)
+            .filter_map(|k| places[k].as_ref())
+            .collect();
+        let numbers = |p: usize| {
+            axes.iter().fold(0, |number, (place, count)| number * count + place[p] as usize)
+        };
+        let all = axes.iter().map(|(_, count)| count).product();
+        if all <= WIDEST * points {
+            let mut known = vec![u32::MAX; all];
+            return Self::in_order(points, |p, next| {
+                let number = &mut known[numbers(p)];
+                *number = next.min(*number);
+                *number
+            });
+        }
+        let mut known: FxHashMap<usize, u32> = FxHashMap::default();
+        Self::in_order(points, |p, next| *known.entry(numbers(p)).or_insert(next))
+    }
+
+    /// Numbers the tuples as they appear; `known` gives that of a point's tuple, or the next one to a new tuple.
+    fn in_order(points: usize, mut known: impl FnMut(usize, u32) -> u32) -> Self {
+        let mut tuples = Self { of_point: Vec::with_capacity(points), first: Vec::new() };
+        for p in 0..points {
+            let tuple = known(p, tuples.first.len() as u32);
+            if tuple as usize == tuples.first.len() {
+                tuples.first.push(p as u32);
             }
-            let next = tuples.first.len() as u32;
-            let tuple = match known.entry(key) {
-                Entry::Occupied(entry) => *entry.get(),
-                Entry::Vacant(entry) => {
-                    tuples.first.push(p as u32);
-                    *entry.insert(next)
-                }
-            };
             tuples.of_point.push(tuple);
         }
         tuples
     }
+}
+
+/// Numbers the distinct coordinates along an axis by bit pattern, in order of appearance.
+fn numbered(points: &[[f64; 3]], axis: usize) -> (Vec<u32>, usize) {
+    let mut known: FxHashMap<u64, u32> = FxHashMap::default();
+    let mut numbers: Vec<u32> = Vec::with_capacity(points.len());
+    let mut last = None;
+    for point in points {
+        let bits = point[axis].to_bits();
+        let number = match last {
+            // Points come in rows.
+            Some((own, number)) if own == bits => number,
+            _ => {
+                let next = known.len() as u32;
+                *known.entry(bits).or_insert(next)
+            }
+        };
+        last = Some((bits, number));
+        numbers.push(number);
+    }
+    (numbers, known.len())
 }
