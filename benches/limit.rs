@@ -217,13 +217,15 @@ fn sweep(numbers: &[u32]) {
 }
 
 /// CPU seconds of the loads, of the exact fields, of the errors and of the march, for the finest case of each scene with
-/// an exact solution; loads and fields of all its times as if no other case had asked for them.
-fn split(largest: u32) {
+/// an exact solution, or of some scenes by name; loads and fields of all its times as if no other case had asked for them.
+fn split(largest: u32, only: &[&String]) {
     println!("| scene | n | N | loads | exact fields | errors | march | all three over march |");
     println!("|---|---|---|---|---|---|---|---|");
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
     let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
-    for name in registry.names() {
+    for name in
+        registry.names().filter(|name| only.is_empty() || only.iter().any(|own| own == name))
+    {
         let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));
         let Ok(setup) = Setup::new(scene) else { continue };
         let Some(sweep) = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_some()) else {
@@ -271,21 +273,21 @@ fn split(largest: u32) {
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let names = arguments.iter().filter(|argument| !argument.starts_with('-'));
+    if arguments.iter().any(|argument| argument == "--split") {
+        return split(u32::MAX, &names.collect::<Vec<&String>>());
+    }
     // Named benchmarks are others.
     if names.clone().count() > 0 && names.clone().all(|name| name != "limit") {
         return;
     }
     if arguments.iter().any(|argument| argument == "--test") {
         limit(&[8, 16]);
-        split(4);
+        split(4, &[]);
         sweep(&[4, 8]);
         return growth(&[("linear-punch", &[4, 8, 16], &[4, 8, 16])]);
     }
     if arguments.iter().any(|argument| argument == "--sweep") {
         return sweep(&[8, 16, 32, 64]);
-    }
-    if arguments.iter().any(|argument| argument == "--split") {
-        return split(u32::MAX);
     }
     limit(&[64, 128, 256, 512]);
     sweep(&[8, 16, 32, 64]);

@@ -7,7 +7,7 @@ use super::vocabulary::{Function, sign};
 /// Lanes of a block: a few dozen registers of this length stay in cache.
 pub(super) const BLOCK: usize = 128;
 
-/// Registers of [`BLOCK`] lanes each.
+/// Registers of [`BLOCK`] lanes each, or of as many as a run had.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Registers {
     blocks: Vec<Vec<f64>>,
@@ -21,10 +21,16 @@ impl Registers {
 
     /// Runs `tape` on `count` lanes; `fetch` fills in what comes from outside.
     pub(super) fn run(&mut self, tape: &Tape, count: usize, fetch: impl FnMut(Source, &mut [f64])) {
-        if self.blocks.len() < tape.registers {
-            self.blocks.resize_with(tape.registers, || vec![0.0; BLOCK]);
-        }
+        self.make_room(tape.registers, count);
         pulp::Arch::new().dispatch(Run { registers: self, tape, count, fetch });
+    }
+
+    fn make_room(&mut self, registers: usize, count: usize) {
+        let lanes = count.max(self.blocks.first().map_or(BLOCK, Vec::len));
+        if self.blocks.len() < registers || self.blocks.iter().any(|block| block.len() < lanes) {
+            self.blocks.resize_with(self.blocks.len().max(registers), Vec::new);
+            self.blocks.iter_mut().for_each(|block| block.resize(lanes, 0.0));
+        }
     }
 
     #[inline(always)]
@@ -130,5 +136,45 @@ impl<F: FnMut(Source, &mut [f64])> pulp::WithSimd for Run<'_, F> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         self.registers.run_steps(self.tape, self.count, self.fetch);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::graph::{Graph, Variable};
+    use super::super::scope::Scope;
+    use super::*;
+
+    const COUNT: usize = 101;
+
+    /// Steps compiled for the widest vectors give the bits of those compiled for any processor. What would differ there
+    /// is a product and a sum rounded once: on these lanes that gives other bits.
+    #[test]
+    fn wide_vectors_give_the_bits_of_single_operations() {
+        let mut graph = Graph::new();
+        let scope = Scope::new(&[Variable::T]);
+        let texts = [
+            "0.3*t + 1/7",
+            "(t + 0.1)*(t - 0.7) - t/3",
+            "sqrt(abs(t))^3/(1 + t^2)",
+            "if(t < 0.5, sin(t)*exp(t), max(t, 1/3) - min(t^2, 0.9))",
+        ];
+        let roots = texts.map(|text| graph.parse(text, &scope).expect("a formula"));
+        let tape = Tape::compile(&graph, &roots, |_| None);
+        let times: Vec<f64> = (0..COUNT).map(|k| (0.1 + k as f64).sqrt() - 3.0).collect();
+        let fetch = |_: Source, out: &mut [f64]| out.copy_from_slice(&times);
+        let (mut wide, mut plain) = (Registers::default(), Registers::default());
+        wide.run(&tape, COUNT, fetch);
+        plain.make_room(tape.registers, COUNT);
+        plain.run_steps(&tape, COUNT, fetch);
+        let bits = |registers: &Registers, result: Register| -> Vec<u64> {
+            registers.lanes(result, COUNT).iter().map(|value| value.to_bits()).collect()
+        };
+        for (&result, text) in tape.results.iter().zip(texts) {
+            assert_eq!(bits(&wide, result), bits(&plain, result), "{text}");
+        }
+        let fused = |(t, bits): (&f64, u64)| 0.3f64.mul_add(*t, 1.0 / 7.0).to_bits() != bits;
+        let first = bits(&plain, tape.results[0]);
+        assert!(times.iter().zip(first).filter(|pair| fused(*pair)).count() > COUNT / 10);
     }
 }

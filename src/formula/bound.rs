@@ -1,5 +1,7 @@
 //! Programs at points.
 
+use std::convert::Infallible;
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::block::{BLOCK, Registers};
@@ -7,7 +9,7 @@ use super::past::Past;
 use super::program::{Plan, StageTape};
 use super::sampler::Surroundings;
 use super::stage::Stages;
-use super::tape::Source;
+use super::tape::{Register, Source};
 
 /// A program bound to points: holds fixed values, the past of hereditary
 /// integrals, and scratch memory.
@@ -20,6 +22,10 @@ pub struct Bound {
     points: usize,
     stages: Stages,
     slots: Vec<Vec<f64>>,
+    /// How many of the moving stages write slots: all, or all but the last
+    /// where that has a lane for each point.
+    stored: usize,
+    outputs: Vec<Output>,
     pasts: Vec<Past>,
     registers: Registers,
     /// Slots taken out while a stage writes them.
@@ -33,12 +39,38 @@ pub struct Bound {
     values: Vec<f64>,
 }
 
+/// Where the values of an output are.
+#[derive(Clone, Debug)]
+enum Output {
+    /// A register of the last stage.
+    Computed(Register),
+    /// A slot with a value for each point.
+    Stored(usize),
+    /// A slot with a value for each tuple, and room for those of a block.
+    Spread(usize, Vec<f64>),
+}
+
 impl Bound {
     pub(super) fn new(plan: Arc<Plan>, points: &[[f64; 3]]) -> Self {
         let (masks, pairs) = plan.stages();
         let stages = Stages::new(points, &masks, &pairs);
-        let mut slots: Vec<Vec<f64>> =
-            plan.masks.iter().map(|&mask| vec![0.0; stages.count(mask)]).collect();
+        // Nothing reads slots of the last stage but outputs.
+        let last = plan.moving.last().filter(|last| stages.count(last.mask) == points.len());
+        let computed = |slot: usize| {
+            let place = last?.slots.iter().position(|&own| own == slot)?;
+            Some(last?.tape.results[place])
+        };
+        let outputs = plan.outputs.iter().map(|&slot| match computed(slot) {
+            Some(register) => Output::Computed(register),
+            None if stages.count(plan.masks[slot]) == points.len() => Output::Stored(slot),
+            None => Output::Spread(slot, Vec::new()),
+        });
+        let outputs = outputs.collect();
+        let room = |(slot, &mask): (usize, &u8)| match computed(slot) {
+            Some(_) => Vec::new(),
+            None => vec![0.0; stages.count(mask)],
+        };
+        let mut slots: Vec<Vec<f64>> = plan.masks.iter().enumerate().map(room).collect();
         for &(slot, axis) in &plan.coordinates {
             let first = stages.first_points(plan.masks[slot]);
             slots[slot] = first.iter().map(|&p| points[p as usize][axis]).collect();
@@ -52,8 +84,10 @@ impl Bound {
         let mut bound = Self {
             plan: Arc::clone(&plan),
             points: points.len(),
+            stored: plan.moving.len() - usize::from(last.is_some()),
             stages,
             slots,
+            outputs,
             pasts,
             registers: Registers::default(),
             taken: Vec::new(),
@@ -78,22 +112,55 @@ impl Bound {
     /// vector is given the length of the points; `out` beyond the number of
     /// outputs is left alone.
     pub fn evaluate(&mut self, t: f64, zeta: f64, out: &mut [Vec<f64>]) {
+        out.iter_mut().take(self.outputs.len()).for_each(Vec::clear);
+        let Ok(()) = self.evaluate_in_blocks(t, zeta, BLOCK, |_, values| {
+            out.iter_mut().zip(values).for_each(|(out, values)| out.extend_from_slice(values));
+            Ok::<(), Infallible>(())
+        });
+    }
+
+    /// Evaluates all outputs and shows them for so many points at a time: a
+    /// few hundred stay in cache.  `visit` is given the numbers of the points,
+    /// and for each output its values there.
+    ///
+    /// # Errors
+    /// That of `visit`, which is not called again.
+    pub fn evaluate_in_blocks<E>(
+        &mut self,
+        t: f64,
+        zeta: f64,
+        length: usize,
+        mut visit: impl FnMut(Range<usize>, &[&[f64]]) -> Result<(), E>,
+    ) -> Result<(), E> {
         let plan = Arc::clone(&self.plan);
         self.recall(&plan, t, zeta);
-        for stage in &plan.moving {
+        for stage in &plan.moving[..self.stored] {
             self.run(stage, t, zeta);
         }
-        for (&slot, out) in plan.outputs.iter().zip(out) {
-            let values = &self.slots[slot];
-            let of_points = self.stages.of_points(plan.masks[slot]);
-            out.clear();
-            if values.len() == self.points {
-                // Tuples are numbered as they appear: these are the points.
-                out.extend_from_slice(values);
-            } else {
-                out.extend(of_points.iter().map(|&tuple| values[tuple as usize]));
+        let Self { stages, slots, registers, outputs, .. } = self;
+        for start in (0..self.points).step_by(length.max(1)) {
+            let lanes = start..self.points.min(start + length.max(1));
+            if let Some(last) = plan.moving.get(self.stored) {
+                let inputs =
+                    Inputs { stages, slots, masks: &plan.masks, stage: last.mask, t, zeta };
+                let fetch = |source, out: &mut [f64]| inputs.fetch(source, &lanes, out);
+                registers.run(&last.tape, lanes.len(), fetch);
             }
+            for output in outputs.iter_mut() {
+                if let Output::Spread(slot, room) = output {
+                    let tuples = &stages.of_points(plan.masks[*slot])[lanes.clone()];
+                    room.clear();
+                    room.extend(tuples.iter().map(|&tuple| slots[*slot][tuple as usize]));
+                }
+            }
+            let values = outputs.iter().map(|output| match output {
+                Output::Computed(register) => registers.lanes(*register, lanes.len()),
+                Output::Stored(slot) => &slots[*slot][lanes.clone()],
+                Output::Spread(_, values) => values,
+            });
+            visit(lanes.clone(), &values.collect::<Vec<&[f64]>>())?;
         }
+        Ok(())
     }
 
     /// Puts the hereditary integrals at time t into their slots.
@@ -137,33 +204,55 @@ impl Bound {
         let slots = &mut self.slots;
         self.taken.clear();
         self.taken.extend(stage.slots.iter().map(|&slot| std::mem::take(&mut slots[slot])));
-        let count = self.stages.count(stage.mask);
+        let (slots, stages, masks) = (&self.slots, &self.stages, &self.plan.masks);
+        let inputs = Inputs { stages, slots, masks, stage: stage.mask, t, zeta };
+        let count = stages.count(stage.mask);
         for start in (0..count).step_by(BLOCK) {
             let lanes = start..count.min(start + BLOCK);
-            let (slots, stages, masks) = (&self.slots, &self.stages, &self.plan.masks);
-            self.registers.run(&stage.tape, lanes.len(), |source, out| match source {
-                Source::Time => out.fill(t),
-                Source::Zeta => out.fill(zeta),
-                Source::Slot(slot) if masks[slot] == stage.mask => {
-                    out.copy_from_slice(&slots[slot][lanes.clone()]);
-                }
-                Source::Slot(slot) if masks[slot] == 0 => out.fill(slots[slot][0]),
-                Source::Slot(slot) => {
-                    let map = &stages.map(stage.mask, masks[slot])[lanes.clone()];
-                    let values = &slots[slot];
-                    for (out, &tuple) in out.iter_mut().zip(map) {
-                        *out = values[tuple as usize];
-                    }
-                }
-                // Integrals are read from slots here.
-                Source::Recall(..) => out.fill(f64::NAN),
-            });
+            let fetch = |source, out: &mut [f64]| inputs.fetch(source, &lanes, out);
+            self.registers.run(&stage.tape, lanes.len(), fetch);
             for (values, &result) in self.taken.iter_mut().zip(&stage.tape.results) {
                 values[lanes.clone()].copy_from_slice(self.registers.lanes(result, lanes.len()));
             }
         }
         for (&slot, values) in stage.slots.iter().zip(&mut self.taken) {
             self.slots[slot] = std::mem::take(values);
+        }
+    }
+}
+
+/// What a stage reads.
+struct Inputs<'a> {
+    stages: &'a Stages,
+    slots: &'a [Vec<f64>],
+    /// The space variables of the slots, and of the stage.
+    masks: &'a [u8],
+    stage: u8,
+    t: f64,
+    zeta: f64,
+}
+
+impl Inputs<'_> {
+    /// The values of a source at some tuples of the stage.
+    #[inline(always)]
+    fn fetch(&self, source: Source, lanes: &Range<usize>, out: &mut [f64]) {
+        let Self { stages, slots, masks, stage, t, zeta } = *self;
+        match source {
+            Source::Time => out.fill(t),
+            Source::Zeta => out.fill(zeta),
+            Source::Slot(slot) if masks[slot] == stage => {
+                out.copy_from_slice(&slots[slot][lanes.clone()]);
+            }
+            Source::Slot(slot) if masks[slot] == 0 => out.fill(slots[slot][0]),
+            Source::Slot(slot) => {
+                let map = &stages.map(stage, masks[slot])[lanes.clone()];
+                let values = &slots[slot];
+                for (out, &tuple) in out.iter_mut().zip(map) {
+                    *out = values[tuple as usize];
+                }
+            }
+            // Integrals are read from slots here.
+            Source::Recall(..) => out.fill(f64::NAN),
         }
     }
 }

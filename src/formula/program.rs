@@ -52,7 +52,7 @@ pub(super) struct Plan {
 impl Program {
     /// Prepares the outputs for evaluation over times from 0 to about
     /// `horizon`.  Later times are allowed; the horizon sets the panels of
-    /// hereditary integrals, horizon/64 wide and narrower for fast relaxation.
+    /// hereditary integrals, horizon/16 wide and narrower for fast relaxation.
     pub fn compile(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
         let histories = HistoryPlan::groups(graph, outputs, horizon);
         let mut compiler = Compiler::new(graph, &histories);
@@ -62,11 +62,16 @@ impl Program {
         Self { plan: Arc::new(plan) }
     }
 
-    /// Bytes that the program keeps for so many points of a structured set, in a space of dimension `d`, once it has been
+    /// Bytes that the program takes for so many points of a structured set, in a space of dimension `d`, once it has been
     /// evaluated up to time `t`: about, for the distinct tuples of some variables alone are a power of the points.
     pub fn bytes(&self, points: f64, d: usize, t: f64) -> f64 {
         let count = |mask: u8| points.powf((f64::from(mask.count_ones()) / d as f64).min(1.0));
-        let mut masks = self.plan.masks.clone();
+        // What is computed last is shown block by block.
+        let shown = self.plan.moving.last().filter(|last| last.mask.count_ones() as usize == d);
+        let kept = |(slot, mask): (usize, &u8)| {
+            shown.is_none_or(|last| !last.slots.contains(&slot)).then_some(*mask)
+        };
+        let mut masks: Vec<u8> = self.plan.masks.iter().enumerate().filter_map(kept).collect();
         let slots: f64 = masks.iter().map(|&mask| 8.0 * count(mask)).sum();
         masks.sort_unstable();
         masks.dedup();
@@ -76,8 +81,8 @@ impl Program {
             8.0 * (history.members.len() * (history.panel(t) + 1)) as f64 * count(history.mask)
         };
         let pasts: f64 = self.plan.histories.iter().map(past).sum();
-        let coordinates_and_outputs = 8.0 * (3 + self.plan.outputs.len()) as f64 * points;
-        slots + numbering + pasts + coordinates_and_outputs
+        let coordinates = 24.0 * points;
+        slots + numbering + pasts + coordinates
     }
 
     /// Binds the program to points; fixed values are computed here.

@@ -66,7 +66,7 @@ fn constant_in<const D: usize>(exact: &Exact, size: &[f64], t: f64) -> f64 {
     let simplices = simplices_of_a_cube::<D>();
     let numbers = nodes.len() / D;
     let density = |p: usize| {
-        let hessians: [Tensor<D>; D] = std::array::from_fn(|i| full(&out[numbers * i..], p));
+        let hessians: [Tensor<D>; D] = std::array::from_fn(|i| full(|k| out[numbers * i + k][p]));
         let sum: f64 = simplices.iter().map(|simplex| simplex.mean_square(&hessians)).sum();
         sum / simplices.len() as f64
     };
@@ -133,7 +133,8 @@ impl<'a> InterpolationError<'a> {
         for c in 0..self.mesh.cell_count() {
             let (interpolant, measure) = strain_of_interpolant::<D>(self.mesh, c, &nodal);
             for (q, weight) in self.rule.weights.iter().enumerate() {
-                let own: Tensor<D> = full(&strain, c * self.rule.weights.len() + q);
+                let p = c * self.rule.weights.len() + q;
+                let own: Tensor<D> = full(|k| strain[k][p]);
                 let pairs = own.as_flattened().iter().zip(interpolant.as_flattened());
                 sum += weight * measure * pairs.map(|(e, i)| (e - i).powi(2)).sum::<f64>();
             }

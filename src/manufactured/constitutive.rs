@@ -1,19 +1,20 @@
 //! σ of (5.1) from ε, the memory integrals H_i = ∫ b_i(t-s) ε ds and κ, on full D×D tensors.
 
 use super::exact::MaterialNumbers;
+use super::lanes::Number;
 
-/// A full second-order tensor.
-pub type Tensor<const D: usize> = [[f64; D]; D];
+/// A full second-order tensor, of one point or of several side by side.
+pub type Tensor<const D: usize, T = f64> = [[T; D]; D];
 
 /// σ = 𝒜ε + μ(ε - P_κ ε) + Σ_i (2 μ_i H_i + λ_i tr H_i I) (a stress); 𝒜ε = 2μ_L ε + λ tr ε I unless 𝒜 is
 /// given in full. `memory` holds one H_i a term.
-pub fn stress<const D: usize>(
+#[inline(always)]
+pub fn stress<const D: usize, T: Number>(
     material: &MaterialNumbers,
-    strain: &Tensor<D>,
-    memory: &[Tensor<D>],
+    strain: &Tensor<D, T>,
+    memory: &[Tensor<D, T>],
     kappa: f64,
-) -> Tensor<D> {
-    let trace = |tensor: &Tensor<D>| (0..D).map(|i| tensor[i][i]).sum::<f64>();
+) -> Tensor<D, T> {
     let trace_strain = trace(strain);
     let mut out = match &material.full {
         Some(mandel) => contracted(mandel, strain),
@@ -31,18 +32,29 @@ pub fn stress<const D: usize>(
         let excess = projected_excess(strain, trace_strain, kappa);
         for i in 0..D {
             for j in 0..D {
-                out[i][j] += mu * excess[i][j];
+                out[i][j] += T::from(mu) * excess[i][j];
             }
         }
     }
     out
 }
 
+#[inline(always)]
+fn trace<const D: usize, T: Number>(tensor: &Tensor<D, T>) -> T {
+    (1..D).fold(tensor[0][0], |sum, i| sum + tensor[i][i])
+}
+
 /// 2 μ τ + λ tr τ I.
-fn isotropic<const D: usize>(lambda: f64, mu: f64, tensor: &Tensor<D>, trace: f64) -> Tensor<D> {
-    let mut out = tensor.map(|row| row.map(|entry| 2.0 * mu * entry));
+#[inline(always)]
+fn isotropic<const D: usize, T: Number>(
+    lambda: f64,
+    mu: f64,
+    tensor: &Tensor<D, T>,
+    trace: T,
+) -> Tensor<D, T> {
+    let mut out = tensor.map(|row| row.map(|entry| T::from(2.0 * mu) * entry));
     for (i, row) in out.iter_mut().enumerate() {
-        row[i] += lambda * trace;
+        row[i] += T::from(lambda) * trace;
     }
     out
 }
@@ -60,13 +72,17 @@ pub fn component(mandel: &[[f64; 6]; 6], d: usize, [i, j, k, l]: [usize; 4]) -> 
 }
 
 /// σ_ij = Σ_kl 𝒜_ijkl ε_kl.
-fn contracted<const D: usize>(mandel: &[[f64; 6]; 6], strain: &Tensor<D>) -> Tensor<D> {
-    let mut out = [[0.0; D]; D];
+#[inline(always)]
+fn contracted<const D: usize, T: Number>(
+    mandel: &[[f64; 6]; 6],
+    strain: &Tensor<D, T>,
+) -> Tensor<D, T> {
+    let mut out = [[T::from(0.0); D]; D];
     for (i, row) in out.iter_mut().enumerate() {
         for (j, value) in row.iter_mut().enumerate() {
             for (k, line) in strain.iter().enumerate() {
                 for (l, entry) in line.iter().enumerate() {
-                    *value += component(mandel, D, [i, j, k, l]) * entry;
+                    *value += T::from(component(mandel, D, [i, j, k, l])) * *entry;
                 }
             }
         }
@@ -75,30 +91,34 @@ fn contracted<const D: usize>(mandel: &[[f64; 6]; 6], strain: &Tensor<D>) -> Ten
 }
 
 /// ε - P ε, where P ε = (tr ε/D) I + κ ε^D/‖ε^D‖ beyond the ball and ε inside.
-fn projected_excess<const D: usize>(strain: &Tensor<D>, trace: f64, kappa: f64) -> Tensor<D> {
+#[inline(always)]
+fn projected_excess<const D: usize, T: Number>(
+    strain: &Tensor<D, T>,
+    trace: T,
+    kappa: f64,
+) -> Tensor<D, T> {
     let mut deviator = *strain;
-    let mut squares = 0.0;
+    let mut squares = T::from(0.0);
     for i in 0..D {
-        deviator[i][i] -= trace / D as f64;
-        squares += deviator[i].iter().map(|e| e * e).sum::<f64>();
+        deviator[i][i] -= trace / T::from(D as f64);
+        let row = deviator[i];
+        squares += (1..D).fold(row[0] * row[0], |sum, j| sum + row[j] * row[j]);
     }
     let length = squares.sqrt();
-    if length <= kappa {
-        return [[0.0; D]; D];
-    }
-    deviator.map(|row| row.map(|e| e - kappa * e / length))
+    let kept = |e: T| length.at_most(kappa, T::from(0.0), e - T::from(kappa) * e / length);
+    deviator.map(|row| row.map(kept))
 }
 
-/// The symmetric tensor whose upper components, row by row, are the first fields of `values` at point p.
-#[inline]
-pub fn full<const D: usize>(values: &[Vec<f64>], p: usize) -> Tensor<D> {
-    let mut tensor = [[0.0; D]; D];
-    let mut fields = values.iter();
+/// The symmetric tensor of its upper components, row by row; `component` gives the k-th.
+#[inline(always)]
+pub fn full<const D: usize, T: Number>(component: impl Fn(usize) -> T) -> Tensor<D, T> {
+    let mut tensor = [[T::from(0.0); D]; D];
+    let mut k = 0;
     for i in 0..D {
         for j in i..D {
-            // A missing field would be a wrong number of outputs: NaN shows it in every norm.
-            tensor[i][j] = fields.next().map_or(f64::NAN, |field| field[p]);
+            tensor[i][j] = component(k);
             tensor[j][i] = tensor[i][j];
+            k += 1;
         }
     }
     tensor
@@ -106,21 +126,21 @@ pub fn full<const D: usize>(values: &[Vec<f64>], p: usize) -> Tensor<D> {
 
 /// Appends a symmetric tensor in the notation of moments: the diagonal, then √2 times yz, xz, xy (in the
 /// plane xy).
-#[inline]
-pub fn mandel<const D: usize>(tensor: &Tensor<D>, out: &mut Vec<f64>) {
+#[inline(always)]
+pub fn mandel<const D: usize, T: Number>(tensor: &Tensor<D, T>, out: &mut Vec<T>) {
     out.extend((0..D).map(|i| tensor[i][i]));
     let off: &[(usize, usize)] = if D == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] };
-    out.extend(off.iter().map(|&(i, j)| std::f64::consts::SQRT_2 * tensor[i][j]));
+    out.extend(off.iter().map(|&(i, j)| T::from(std::f64::consts::SQRT_2) * tensor[i][j]));
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::lanes::{Lanes, WIDTH};
     use super::*;
 
     #[test]
     fn moments_keep_the_frobenius_product() {
-        let list = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0].map(|value| vec![0.0, value]);
-        let tensor: Tensor<3> = full(&list, 1);
+        let tensor: Tensor<3> = full(|k| 1.0 + k as f64);
         assert_eq!(tensor, [[1.0, 2.0, 3.0], [2.0, 4.0, 5.0], [3.0, 5.0, 6.0]]);
         let mut numbers = Vec::new();
         mandel(&tensor, &mut numbers);
@@ -128,8 +148,6 @@ mod tests {
         assert!((numbers[3] / numbers[5] - 2.5).abs() < 1e-15 && numbers.len() == 6);
         let squares: f64 = tensor.as_flattened().iter().map(|s| s * s).sum();
         assert!((numbers.iter().map(|s| s * s).sum::<f64>() - squares).abs() < 1e-12);
-        // One shear component dropped is a wrong number of fields.
-        assert!(full::<3>(&list[..5], 1)[2][2].is_nan());
     }
 
     /// diag(1, 2, 6) in ℝ³: tr/3 = 3, so the deviator is diag(-2, -1, 3), of length √14. Its plane part alone,
@@ -148,5 +166,35 @@ mod tests {
         assert!((0..3).all(|i| (sigma[i][i] - [-1.0, -0.5, 1.5][i]).abs() < 1e-15), "{sigma:?}");
         let plane = stress(&material, &[[1.0, 0.0], [0.0, 2.0]], &[], 0.5 * 0.5f64.sqrt());
         assert!((plane[0][0] + 0.25).abs() < 1e-15 && (plane[1][1] - 0.25).abs() < 1e-15);
+    }
+
+    /// Strains on both sides of the yield surface, with memory and either elasticity, bit for bit.
+    #[test]
+    fn cells_side_by_side_have_the_stress_of_each() {
+        let mut full = [[0.0; 6]; 6];
+        full.iter_mut().enumerate().for_each(|(i, row)| row[i] = 2.0 + i as f64 / 3.0);
+        for full in [None, Some(full)] {
+            let (lambda, mu_l) = (1.1, 0.7);
+            let memory = vec![(0.25, 0.1), (-0.3, 0.2)];
+            let material = MaterialNumbers { lambda, mu_l, full, memory, projection: Some(0.9) };
+            let of = |seed: usize| -> Tensor<2> {
+                let entry = |k: usize| (seed * k) as f64 * 0.17 - 0.05 * seed as f64;
+                [[entry(1), entry(2)], [entry(2), entry(5)]]
+            };
+            let at = |seed: usize| stress(&material, &of(seed), &[of(seed + 1), of(2 * seed)], 0.6);
+            let side_by_side = |seed: &dyn Fn(usize) -> usize| {
+                let entry = |i: usize, j: usize| Lanes(std::array::from_fn(|l| of(seed(l))[i][j]));
+                [[entry(0, 0), entry(0, 1)], [entry(1, 0), entry(1, 1)]]
+            };
+            let memory = [side_by_side(&|l| l + 1), side_by_side(&|l| 2 * l)];
+            let all = stress(&material, &side_by_side(&|l| l), &memory, 0.6);
+            for l in 0..WIDTH {
+                assert_eq!(all.map(|row| row.map(|entry| entry.0[l])), at(l), "{l}");
+            }
+            // The first is inside and the last is not.
+            assert_eq!(projected_excess(&of(0), 0.0, 0.6), [[0.0; 2]; 2]);
+            let last = of(WIDTH - 1);
+            assert!(projected_excess(&last, trace(&last), 0.6)[0][1] != 0.0);
+        }
     }
 }

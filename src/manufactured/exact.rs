@@ -3,6 +3,7 @@
 use super::AccumulatedStrain;
 use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
+use super::lanes::Number;
 use super::{Separation, symbolic};
 use crate::formula::{Graph, Node, Program, Variable};
 use crate::mesh::{CoarseMesh, Mesh};
@@ -215,17 +216,18 @@ impl Exact {
         self.regions_at(&facets.iter().map(middle).collect::<Vec<_>>())
     }
 
-    /// ε at point p of the values of [`Self::interior`] and, into `memory`, the histories H_i there.
-    pub fn tensors<const D: usize>(
+    /// ε and, into `memory`, the histories H_i, where `field` gives the outputs of [`Self::interior`] by number.
+    #[inline(always)]
+    pub fn tensors<const D: usize, T: Number>(
         &self,
-        values: &[Vec<f64>],
-        p: usize,
-        memory: &mut Vec<Tensor<D>>,
-    ) -> Tensor<D> {
+        field: impl Fn(usize) -> T,
+        memory: &mut Vec<Tensor<D, T>>,
+    ) -> Tensor<D, T> {
         let count = self.strain.len();
+        let from = |first: usize| full(|k| field(first + k));
         memory.clear();
-        memory.extend(values[D + count..].chunks(count).map(|fields| full(fields, p)));
-        full(&values[D..], p)
+        memory.extend((0..self.memory.len() / count).map(|term| from(D + count * (1 + term))));
+        from(D)
     }
 
     /// The numbers of a region.
@@ -247,6 +249,15 @@ impl Exact {
     ///
     /// ξ is the selection where the scene gives one, else the law at u_ν - s.
     pub fn boundary(&self, normal: &[f64]) -> BoundaryFormulas {
+        self.boundary_at(normal, None)
+    }
+
+    /// The same on a plane where a coordinate has one value: terms that vanish there are left out.
+    pub(super) fn boundary_at(
+        &self,
+        normal: &[f64],
+        plane: Option<(Variable, f64)>,
+    ) -> BoundaryFormulas {
         let mut graph = self.data.graph.clone();
         let u_nu = normal_component(&mut graph, &self.data.u, normal);
         let zero = graph.constant(0.0);
@@ -269,7 +280,12 @@ impl Exact {
         let pressure = graph.add(xi, lambda);
         let gap = contact.and_then(|contact| contact.gap);
         let gap = gap.unwrap_or_else(|| graph.constant(f64::INFINITY));
-        let outputs = [u_nu, pressure, gap, xi, lambda];
+        let mut outputs = [u_nu, pressure, gap, xi, lambda];
+        if let Some((axis, value)) = plane {
+            let value = graph.constant(value);
+            outputs = outputs.map(|formula| graph.substitute(formula, axis, value));
+        }
+        let [u_nu, _, gap, xi, lambda] = outputs;
         let program = Program::compile(&mut graph, &outputs, self.data.horizon);
         BoundaryFormulas { graph, program, normal: u_nu, xi, lambda, gap }
     }

@@ -3,6 +3,7 @@
 use super::exact::{BoundaryFormulas, Exact};
 use super::sampled::Sampled;
 use crate::contact::{Discretization, LoadError};
+use crate::formula::Variable;
 use crate::mesh::Mesh;
 use crate::norms::facet_samples;
 use crate::space::quadrature::Rule;
@@ -37,6 +38,19 @@ impl FacetGroup {
     }
 }
 
+/// The coordinate that all vertices of some facets share, where their normal is that of an axis.
+fn plane(mesh: &Mesh, members: &[(usize, usize)], normal: &[f64; 3]) -> Option<(Variable, f64)> {
+    let axis = normal.iter().position(|component| component.abs() == 1.0)?;
+    let mut places = members
+        .iter()
+        .flat_map(|(_, facet)| mesh.facet(*facet))
+        .map(|&vertex| mesh.vertex(vertex)[axis]);
+    let first = places.next()?;
+    places
+        .all(|place| place == first)
+        .then_some(([Variable::X, Variable::Y, Variable::Z][axis], first))
+}
+
 /// Groups mesh facets by side and normal.
 pub(super) fn facet_groups(
     exact: &Exact,
@@ -60,7 +74,7 @@ pub(super) fn facet_groups(
         let facets: Vec<usize> = members.iter().map(|(_, f)| *f).collect();
         groups.push(FacetGroup {
             normal,
-            formulas: exact.boundary(&normal[..d]),
+            formulas: exact.boundary_at(&normal[..d], plane(mesh, &members, &normal)),
             points: sampled(rule),
             samples: sampled(&samples),
             strains: sampled(rule),

@@ -8,7 +8,8 @@ use super::contact_samples::StatePoints;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
 use super::nodal_force::facet_measure;
-use super::parts::{PartMoments, Parts, combined, forget_zeros};
+use super::part_moments::{PartMoments, combined, forget_zeros};
+use super::parts::Parts;
 use super::reduction::remainders;
 use super::sampled::Sampled;
 use super::separation::Separation;
@@ -35,7 +36,7 @@ pub struct ExactOnMesh {
     regions: Vec<usize>,
     loads: ByTime<Vec<f64>>,
     moments: ByTime<Moments>,
-    /// What does not separate, of loads and moments.
+    /// What goes beside the parts, of loads and moments.
     contact_forces: ByTime<Vec<f64>>,
     contact_moments: ByTime<ContactMoments>,
     /// Nodal vectors and moments of the parts; none where one is not finite.
@@ -144,48 +145,41 @@ impl ExactOnMesh {
         Ok(forces)
     }
 
-    /// F(t) over all nodes.
-    fn load_at<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
-        let mut forces = self.volume_forces::<D>(&self.at(t))?;
-        let mut force = forces.swap_remove(0);
-        self.add_contact_pressure(t, &mut force)?;
-        Ok(force)
-    }
-
-    /// The same from the parts; none where there are none, or a number is not finite.
-    fn load_from_parts<const D: usize>(&self, t: f64) -> Result<Option<Vec<f64>>, LoadError> {
-        let Some(separation) = self.separation() else { return Ok(None) };
+    /// That from the parts; none where there are none, or a number is not finite.
+    fn volume_from_parts<const D: usize>(&self, t: f64) -> Option<Vec<f64>> {
+        let separation = self.separation()?;
         let parts = self.load_parts.get_or_init(|| {
             let mut forces = self.volume_forces::<D>(&self.parts(separation)).ok()?;
             forget_zeros(&mut forces);
             Some(forces)
         });
-        let Some(parts) = parts else { return Ok(None) };
-        let mut force = combined(parts, &separation.factors_at(t), self.space.nodes.len());
-        self.add_contact_pressure(t, &mut force)?;
-        Ok(force.iter().all(|value| value.is_finite()).then_some(force))
+        let force = combined(parts.as_ref()?, &separation.factors_at(t), self.space.nodes.len());
+        force.iter().all(|value| value.is_finite()).then_some(force)
     }
 
     fn compute_load<const D: usize>(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
-        let own = |mut force: Vec<f64>| {
+        let with = |mut force: Vec<f64>, pressure: &[f64]| {
+            self.add_contact_pressure(pressure, &mut force);
             force.truncate(self.space.dofs());
             force
         };
-        match self.load_from_parts::<D>(t)? {
-            Some(force) => Ok(Arc::new(own(force))),
-            None => self.loads.get_or(t, || Ok(own(self.load_at::<D>(t)?))),
+        if let Some(force) = self.volume_from_parts::<D>(t) {
+            let pressure = self.contact_forces.get_or(t, || self.contact_pressure(t))?;
+            return Ok(Arc::new(with(force, &pressure)));
         }
+        self.loads.get_or(t, || {
+            let mut forces = self.volume_forces::<D>(&self.at(t))?;
+            Ok(with(forces.swap_remove(0), &self.contact_pressure(t)?))
+        })
     }
 
-    /// Adds ∫_{Γ3} c v_ν by the error rule of the facets.
-    fn add_contact_pressure(&self, t: f64, force: &mut [f64]) -> Result<(), LoadError> {
+    /// Adds ∫_{Γ3} c v_ν, d numbers a point of the trace, to a vector over all nodes.
+    fn add_contact_pressure(&self, pressure: &[f64], force: &mut [f64]) {
         let (d, points) = (self.space.mesh.dimension, &self.space.trace.points);
-        let forces = self.contact_forces.get_or(t, || self.contact_pressure(t))?;
-        for (point, own) in points.iter().zip(forces.chunks_exact(d)) {
+        for (point, own) in points.iter().zip(pressure.chunks_exact(d)) {
             let target = &mut force[d * point.node as usize..][..d];
             target.iter_mut().zip(own).for_each(|(target, value)| *target += value);
         }
-        Ok(())
     }
 
     /// ∫_{Γ3} c v_ν of the points of the trace, d numbers each.
@@ -221,17 +215,18 @@ impl ExactOnMesh {
     }
 
     fn compute_moments<const D: usize>(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
-        let whole = |cells: Moments| -> Result<Moments, LoadError> {
-            let on_contact = self.contact_moments.get_or(t, || self.compute_contact::<D>(t))?;
-            let ContactMoments { normal, pressure, locked } = (*on_contact).clone();
-            Ok(Moments { normal, pressure, locked, ..cells })
+        let with = |cells: Moments, on_contact: ContactMoments| {
+            let ContactMoments { normal, pressure, locked } = on_contact;
+            Moments { normal, pressure, locked, ..cells }
         };
-        match self.moments_from_parts::<D>(t) {
-            Some(cells) => whole(cells).map(Arc::new),
-            None => self
-                .moments
-                .get_or(t, || whole(self.at(t).moments::<D>(&self.error_points)?.single())),
+        if let Some(cells) = self.moments_from_parts::<D>(t) {
+            let on_contact = self.contact_moments.get_or(t, || self.compute_contact::<D>(t))?;
+            return Ok(Arc::new(with(cells, (*on_contact).clone())));
         }
+        self.moments.get_or(t, || {
+            let cells = self.at(t).moments::<D>(&self.error_points)?.single();
+            Ok(with(cells, self.compute_contact::<D>(t)?))
+        })
     }
 
     fn compute_contact<const D: usize>(&self, t: f64) -> Result<ContactMoments, LoadError> {

@@ -1,17 +1,21 @@
-//! Exact fields on a mesh, given as one or several parts: the nodal forces and the moments of each.
+//! Exact fields on a mesh, given as one or several parts: the nodal forces of each.
 //!
 //! The fields at one time are a single part. Fields that separate, Σ_m a_m(t) S_m(x), have as many as they have
 //! factors; where σ is linear in them, loads and moments at all times follow from those of the parts.
 
-use super::constitutive::{Tensor, mandel, stress};
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::constitutive::{Tensor, stress};
 use super::exact::Exact;
 use super::facet_group::FacetGroup;
+use super::lanes::{Lanes, WIDTH};
 use super::nodal_force::{add_stress, facet_measure};
-use super::reduction::{deviations, remainders};
 use super::sampled::{Sampled, tensor_names, vector_names};
 use crate::contact::{Discretization, LoadError};
 use crate::formula::Program;
-use crate::norms::{CellConstants, Moments, Piecewise};
+use crate::space::quadrature::Rule;
 
 /// Where the fields come from.
 pub(super) struct Parts<'a> {
@@ -31,15 +35,15 @@ pub(super) struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    fn fields(&self) -> usize {
+    pub(super) fn fields(&self) -> usize {
         self.exact.dimension() + self.exact.strain.len() + self.exact.memory.len()
     }
 
-    /// [u, ε, H_1, …] of all parts, how many formulas they are, and the names of those that must be finite.
-    fn inside(&self) -> ((&Program, usize), Vec<String>) {
+    /// [u, ε, H_1, …] of all parts, and the names of those that must be finite.
+    pub(super) fn inside(&self) -> (&Program, Vec<String>) {
         let d = self.exact.dimension();
         let names = [vector_names("u", d), tensor_names("ε", d)].concat();
-        ((self.interior, self.count * self.fields()), self.of_all(names, self.fields()))
+        (self.interior, self.of_all(names, self.fields()))
     }
 
     /// The names of one part, or one for each of the fields of several: no number of theirs may be anything else.
@@ -47,19 +51,17 @@ impl Parts<'_> {
         if self.again { names } else { vec![String::from("a part"); self.count * fields] }
     }
 
-    /// σ of each part at point p of the values in a region, with ε before it.
-    fn stresses<const D: usize>(
+    /// ε and σ of a part in some cells of the given regions; `field` gives its values by number.
+    #[inline(always)]
+    pub(super) fn of_cells<const D: usize>(
         &self,
-        (values, p): (&[Vec<f64>], usize),
-        region: usize,
-        memory: &mut Vec<Tensor<D>>,
-        mut put: impl FnMut(usize, &Tensor<D>, &Tensor<D>),
-    ) {
-        let material = self.exact.material_in(region);
-        for (m, part) in values.chunks_exact(self.fields()).enumerate() {
-            let strain: Tensor<D> = self.exact.tensors(part, p, memory);
-            put(m, &strain, &stress(material, &strain, memory, self.kappa));
-        }
+        regions: &[usize],
+        field: impl Fn(usize) -> Lanes,
+        memory: &mut Vec<Tensor<D, Lanes>>,
+    ) -> (Tensor<D, Lanes>, Tensor<D, Lanes>) {
+        let strain = self.exact.tensors(field, memory);
+        let law = |region| stress(self.exact.material_in(region), &strain, memory, self.kappa);
+        (strain, by_region(regions, law))
     }
 
     fn zeros(&self) -> Vec<Vec<f64>> {
@@ -71,28 +73,20 @@ impl Parts<'_> {
         &self,
         points: &Sampled,
     ) -> Result<Vec<Vec<f64>>, LoadError> {
-        let space = self.space;
-        let (mut forces, rule, mut memory) = (self.zeros(), &points.rule, Vec::new());
-        let mut means = vec![[[0.0; D]; D]; self.count];
+        let (space, rule) = (self.space, &points.rule);
+        let (mut forces, mut means) = (self.zeros(), vec![Vec::new(); self.count]);
         let (program, names) = self.inside();
         let at = (self.t, 0.0);
         points.each_block(&space.mesh, program, at, self.again, &names, |cells, values| {
-            for (index, c) in cells.enumerate() {
-                means.fill([[0.0; D]; D]);
-                for (q, weight) in rule.weights.iter().enumerate() {
-                    let p = rule.weights.len() * index + q;
-                    self.stresses(
-                        (values, p),
-                        self.regions[c],
-                        &mut memory,
-                        |m, _, sigma: &Tensor<D>| {
-                            let targets = means[m].as_flattened_mut().iter_mut();
-                            let pairs = targets.zip(sigma.as_flattened());
-                            pairs.for_each(|(target, value)| *target += weight * value);
-                        },
-                    );
-                }
-                for (mean, force) in means.iter().zip(&mut forces) {
+            pulp::Arch::new().dispatch(Means::<D> {
+                parts: self,
+                rule,
+                cells: &cells,
+                values,
+                means: &mut means,
+            });
+            for (mean, force) in means.iter().zip(&mut forces) {
+                for (c, mean) in cells.clone().zip(mean) {
                     add_stress(&space.mesh, c, space.cell_nodes(c), mean, force);
                 }
             }
@@ -107,14 +101,13 @@ impl Parts<'_> {
     ) -> Result<Vec<Vec<f64>>, LoadError> {
         let space = self.space;
         let (mut forces, rule) = (self.zeros(), &points.rule);
-        let program = (self.forces, D * self.count);
         let names = self.of_all(vector_names("f0", D), D);
         let at = (self.t, self.zeta);
-        points.each_block(&space.mesh, program, at, self.again, &names, |cells, values| {
-            for (index, c) in cells.enumerate() {
+        points.each_block(&space.mesh, self.forces, at, self.again, &names, |cells, values| {
+            for (index, c) in cells.clone().enumerate() {
                 let measure = space.geometry.measure[c];
                 for (q, weight) in rule.weights.iter().enumerate() {
-                    let p = rule.weights.len() * index + q;
+                    let p = cells.len() * q + index;
                     for (&node, shape) in space.cell_nodes(c).iter().zip(&rule.points[q]) {
                         let weight = weight * measure * shape;
                         for (force, part) in forces.iter_mut().zip(values.chunks_exact(D)) {
@@ -138,189 +131,101 @@ impl Parts<'_> {
         let (space, rule, mut memory) = (self.space, &group.strains.rule, Vec::new());
         let (program, names) = self.inside();
         let at = (self.t, 0.0);
-        let visit = |facets: std::ops::Range<usize>, values: &[Vec<f64>]| {
-            for (local, index) in facets.enumerate() {
-                let facet = group.mesh_facets[index];
+        let visit = |facets: Range<usize>, values: &[&[f64]]| {
+            for (local, index) in facets.clone().enumerate() {
+                let (facet, region) = (group.mesh_facets[index], group.regions[index]);
+                let material = self.exact.material_in(region);
                 let measure = facet_measure(&space.mesh, facet);
                 for (q, weight) in rule.weights.iter().enumerate() {
-                    let p = rule.weights.len() * local + q;
-                    let region = group.regions[index];
-                    self.stresses((values, p), region, &mut memory, |m, _, sigma: &Tensor<D>| {
-                        for (&vertex, shape) in space.mesh.facet(facet).iter().zip(&rule.points[q])
-                        {
+                    let p = facets.len() * q + local;
+                    for (force, part) in forces.iter_mut().zip(values.chunks(self.fields())) {
+                        let strain = self.exact.tensors(|k| part[k][p], &mut memory);
+                        let sigma: Tensor<D> = stress(material, &strain, &memory, self.kappa);
+                        let nodes = space.mesh.facet(facet).iter().zip(&rule.points[q]);
+                        for (&vertex, shape) in nodes {
                             let node = space.nodes.of_vertex[vertex as usize] as usize;
                             for (i, row) in sigma.iter().enumerate() {
                                 let traction: f64 =
                                     row.iter().zip(&group.normal).map(|(s, n)| s * n).sum();
-                                forces[m][D * node + i] += weight * measure * shape * traction;
+                                force[D * node + i] += weight * measure * shape * traction;
                             }
                         }
-                    });
+                    }
                 }
             }
         };
         group.strains.each_block(&space.mesh, program, at, self.again, &names, visit)
     }
-
-    /// Moments of u, ε and σ of all parts.
-    pub fn moments<const D: usize>(&self, points: &Sampled) -> Result<PartMoments, LoadError> {
-        let (space, rule, parts) = (self.space, &points.rule, self.count);
-        let (count, cells) = (rule.weights.len(), space.mesh.cell_count());
-        let (numbers, corners) = (self.exact.strain.len(), D + 1);
-        let [mut strain, mut stress] =
-            [(); 2].map(|()| PartFamily::with_room(parts, numbers * cells));
-        let mut displacement = PartFamily::with_room(parts, D * corners * cells);
-        let [mut strains, mut stresses] = [(); 2].map(|()| vec![Vec::new(); parts]);
-        let mut displacements = vec![vec![0.0; D * count]; parts];
-        let (mut memory, mut component) = (Vec::new(), vec![0.0; count]);
-        let (program, names) = self.inside();
-        let at = (self.t, 0.0);
-        points.each_block(&space.mesh, program, at, self.again, &names, |cells, values| {
-            for (index, c) in cells.enumerate() {
-                strains.iter_mut().chain(&mut stresses).for_each(Vec::clear);
-                let points = count * index..count * (index + 1);
-                for p in points.clone() {
-                    let region = self.regions[c];
-                    self.stresses(
-                        (values, p),
-                        region,
-                        &mut memory,
-                        |m, strain: &Tensor<D>, sigma| {
-                            mandel(strain, &mut strains[m]);
-                            mandel(sigma, &mut stresses[m]);
-                        },
-                    );
-                }
-                for (list, family) in [(&mut strains, &mut strain), (&mut stresses, &mut stress)] {
-                    for (own, vector) in list.iter_mut().zip(&mut family.vectors) {
-                        vector.extend_from_slice(&deviations(own, &rule.weights)[..numbers]);
-                    }
-                }
-                for (m, part) in values.chunks_exact(self.fields()).enumerate() {
-                    let vector = &mut displacement.vectors[m];
-                    let start = vector.len();
-                    vector.resize(start + D * corners, 0.0);
-                    for (i, field) in part[..D].iter().enumerate() {
-                        component.copy_from_slice(&field[points.clone()]);
-                        let linear = remainders(&mut component, rule);
-                        (0..corners).for_each(|a| vector[start + D * a + i] = linear[a]);
-                        (0..count).for_each(|q| displacements[m][D * q + i] = component[q]);
-                    }
-                }
-                let measure = space.geometry.measure[c];
-                strain.add_products(&strains, &rule.weights, measure);
-                stress.add_products(&stresses, &rule.weights, measure);
-                displacement.add_products(&displacements, &rule.weights, measure);
-            }
-        })?;
-        let lengths = [numbers * cells, D * corners * cells];
-        Ok(PartMoments { strain, stress, displacement, lengths })
-    }
 }
 
-/// A field of several parts: what P1 functions can have of each, and the products of what they cannot.
-#[derive(Debug, Default)]
-pub(super) struct PartFamily {
-    /// Cell means, or linear projections by their values at the corners; empty where they vanish.
-    vectors: Vec<Vec<f64>>,
-    /// Σ_K ∫_K r_m·r_l of the remainders, row by row.
-    products: Vec<f64>,
+/// The tensor that `law` gives of a region, for each cell that of its own.
+#[inline(always)]
+fn by_region<const D: usize>(
+    regions: &[usize],
+    law: impl Fn(usize) -> Tensor<D, Lanes>,
+) -> Tensor<D, Lanes> {
+    let mut all = law(regions[0]);
+    if regions.iter().any(|region| *region != regions[0]) {
+        for (l, &region) in regions.iter().enumerate().skip(1) {
+            let own = law(region);
+            let pairs = all.as_flattened_mut().iter_mut().zip(own.as_flattened());
+            pairs.for_each(|(all, own)| all.0[l] = own.0[l]);
+        }
+    }
+    all
 }
 
-impl PartFamily {
-    fn with_room(parts: usize, numbers: usize) -> Self {
-        let vectors = (0..parts).map(|_| Vec::with_capacity(numbers)).collect();
-        Self { vectors, products: vec![0.0; parts * parts] }
-    }
+/// Means of σ on some cells, on the widest vectors of the processor.
+struct Means<'a, const D: usize> {
+    parts: &'a Parts<'a>,
+    rule: &'a Rule,
+    cells: &'a Range<usize>,
+    values: &'a [&'a [f64]],
+    /// Of each part, cell by cell.
+    means: &'a mut [Vec<Tensor<D>>],
+}
 
-    /// Adds the products over one cell; `remainders` hold the numbers point by point, for each of `weights`.
-    fn add_products(&mut self, remainders: &[Vec<f64>], weights: &[f64], measure: f64) {
-        let parts = remainders.len();
-        for m in 0..parts {
-            let numbers = remainders[m].len() / weights.len();
-            for l in m..parts {
-                let mut sum = 0.0;
-                let pairs =
-                    remainders[m].chunks_exact(numbers).zip(remainders[l].chunks_exact(numbers));
-                for ((a, b), weight) in pairs.zip(weights) {
-                    sum += weight * a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+impl<const D: usize> WithSimd for Means<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { parts, rule, cells, values, means } = self;
+        let (count, mut memory) = (cells.len(), Vec::new());
+        for (part, means) in values.chunks(parts.fields()).zip(means) {
+            means.clear();
+            for first in (0..count).step_by(WIDTH) {
+                let end = count.min(first + WIDTH);
+                let regions = &parts.regions[cells.start + first..cells.start + end];
+                let mut mean = [[Lanes::from(0.0); D]; D];
+                for (q, weight) in rule.weights.iter().enumerate() {
+                    let field =
+                        |k: usize| Lanes::load(&part[k][count * q + first..count * q + end]);
+                    let (_, sigma) = parts.of_cells::<D>(regions, field, &mut memory);
+                    let pairs = mean.as_flattened_mut().iter_mut().zip(sigma.as_flattened());
+                    pairs.for_each(|(mean, value)| *mean += Lanes::from(*weight) * *value);
                 }
-                self.products[parts * m + l] += measure * sum;
+                means.extend((0..end - first).map(|l| mean.map(|row| row.map(|value| value.0[l]))));
             }
         }
     }
-
-    /// The field Σ_m a_m S_m; none if it is not finite.
-    fn combined(&self, factors: &[f64], length: usize) -> Option<(Vec<f64>, f64)> {
-        let parts = factors.len();
-        let mut rest = 0.0;
-        for m in 0..parts {
-            for l in m..parts {
-                let twice = if l > m { 2.0 } else { 1.0 };
-                rest += twice * factors[m] * factors[l] * self.products[parts * m + l];
-            }
-        }
-        // Parts that cancel leave rounding, of either sign.
-        let rest = if rest < 0.0 { 0.0 } else { rest };
-        let vector = combined(&self.vectors, factors, length);
-        (rest.is_finite() && vector.iter().all(|value| value.is_finite())).then_some((vector, rest))
-    }
 }
 
-/// Σ_m a_m v_m, of vectors that are empty where they vanish.
-pub(super) fn combined(vectors: &[Vec<f64>], factors: &[f64], length: usize) -> Vec<f64> {
-    let mut sum = vec![0.0; length];
-    for (vector, factor) in vectors.iter().zip(factors) {
-        sum.iter_mut().zip(vector).for_each(|(sum, value)| *sum += factor * value);
-    }
-    sum
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-/// Moments of u, ε and σ in the cells, part by part.
-#[derive(Debug, Default)]
-pub(super) struct PartMoments {
-    strain: PartFamily,
-    stress: PartFamily,
-    displacement: PartFamily,
-    /// Numbers of ε, and of u.
-    lengths: [usize; 2],
-}
-
-impl PartMoments {
-    /// The moments of Σ_m a_m S_m in the cells; none if a number is not finite.
-    pub fn at(&self, factors: &[f64]) -> Option<Moments> {
-        let [tensors, corners] = self.lengths;
-        let constants = |family: &PartFamily| {
-            let (mean, rest) = family.combined(factors, tensors)?;
-            Some(CellConstants { mean, rest })
+    #[test]
+    fn each_cell_has_the_law_of_its_own_region() {
+        // In lane l of region r: 10 r + l.
+        let law = |region: usize| {
+            let lanes = Lanes(std::array::from_fn(|l| (10 * region + l) as f64));
+            [[lanes; 2]; 2]
         };
-        let (strain, stress) = (constants(&self.strain)?, constants(&self.stress)?);
-        let (corner, rest) = self.displacement.combined(factors, corners)?;
-        let displacement = Piecewise { corner, rest };
-        Some(Moments { strain, stress, displacement, ..Moments::default() })
-    }
-
-    /// Those of a single part.
-    pub fn single(self) -> Moments {
-        let [strain, stress, displacement] = [self.strain, self.stress, self.displacement]
-            .map(|mut family| (family.vectors.swap_remove(0), family.products[0]));
-        let constants = |(mean, rest)| CellConstants { mean, rest };
-        let displacement = Piecewise { corner: displacement.0, rest: displacement.1 };
-        let (strain, stress) = (constants(strain), constants(stress));
-        Moments { strain, stress, displacement, ..Moments::default() }
-    }
-
-    /// Forgets vectors of nothing but zeros: the strain of a part that occurs in the memory alone.
-    pub fn without_zeros(mut self) -> Self {
-        let families = [&mut self.strain, &mut self.stress, &mut self.displacement];
-        families.into_iter().for_each(|family| forget_zeros(&mut family.vectors));
-        self
-    }
-}
-
-/// Empties the vectors of zeros.
-pub(super) fn forget_zeros(vectors: &mut [Vec<f64>]) {
-    for vector in vectors.iter_mut().filter(|vector| vector.iter().all(|value| *value == 0.0)) {
-        *vector = Vec::new();
+        let lanes = |regions: &[usize]| by_region(regions, law)[0][1].0;
+        assert_eq!(lanes(&[2, 2, 2, 2]), [20.0, 21.0, 22.0, 23.0]);
+        assert_eq!(lanes(&[0, 3, 0, 1]), [0.0, 31.0, 2.0, 13.0]);
+        // Of the last cells of a run only some lanes count.
+        assert_eq!(lanes(&[1, 0])[..2], [10.0, 1.0]);
     }
 }

@@ -6,6 +6,8 @@
 //! loads') is done once a mesh and time, and each case pays a few operations a cell, without
 //! cancellation.
 
+use std::ops::{Add, Mul, Sub};
+
 /// Cell means of a tensor field and the squared distance to them.
 #[derive(Debug, Clone, Default)]
 pub struct CellConstants {
@@ -59,11 +61,16 @@ pub fn facet_samples(corners: usize) -> Vec<Vec<f64>> {
 
 /// Corner values of Πf on a simplex of `corners` vertices from its moments m_a = mean of f λ_a:
 /// Πf(x_a) = N ((N + 1) m_a - Σ m_b), N the number of corners.
-pub fn linear_projection(moments: &[f64], out: &mut [f64]) {
+/// A number may stand for those of several simplices.
+#[inline(always)]
+pub fn linear_projection<T>(moments: &[T], out: &mut [T])
+where
+    T: Copy + From<f64> + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
+{
     let n = moments.len() as f64;
-    let total: f64 = moments.iter().sum();
+    let total = moments.iter().fold(T::from(0.0), |total, moment| total + *moment);
     for (value, moment) in out.iter_mut().zip(moments) {
-        *value = n * ((n + 1.0) * moment - total);
+        *value = T::from(n) * (T::from(n + 1.0) * *moment - total);
     }
 }
 

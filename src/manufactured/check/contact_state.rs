@@ -111,7 +111,7 @@ fn sample<const D: usize>(
         let kappa = exact.kappa(t);
         for p in 0..points.len() {
             let [u_nu, pressure, gap, _, lambda] = [0, 1, 2, 3, 4].map(|i| values[i][p]);
-            let strain = exact.tensors::<D>(&fields, p, &mut memory);
+            let strain = exact.tensors::<D, f64>(|k| fields[k][p], &mut memory);
             let sigma = stress(exact.material_in(regions[p]), &strain, &memory, kappa);
             extremes.add(u_nu, pressure, gap, lambda, has_law);
             let h3 = (0..D).map(|i| {

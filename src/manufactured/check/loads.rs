@@ -180,7 +180,7 @@ fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<T
     let (regions, mut memory) = (exact.regions_at(points), Vec::new());
     (0..points.len())
         .map(|p| {
-            let strain = exact.tensors::<D>(&out, p, &mut memory);
+            let strain = exact.tensors::<D, f64>(|k| out[k][p], &mut memory);
             stress(exact.material_in(regions[p]), &strain, &memory, kappa)
         })
         .collect()
@@ -215,7 +215,7 @@ fn yield_points<const D: usize>(exact: &Exact, t: f64, lines: &[([f64; 3], f64)]
     let beyond = |points: &[[f64; 3]]| -> Vec<bool> {
         let mut out = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
         exact.interior.bind(points).evaluate(t, 0.0, &mut out);
-        (0..points.len()).map(|p| deviator_norm::<D>(&full(&out[D..], p)) > kappa).collect()
+        (0..points.len()).map(|p| deviator_norm::<D>(&full(|k| out[D + k][p])) > kappa).collect()
     };
     let height = exact.data.size[1];
     let at = |i: usize, y: f64| [lines[i].0[0], y, lines[i].0[2]];

@@ -158,7 +158,7 @@ fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<T
     exact.interior.bind(points).evaluate(t, 0.0, &mut out);
     let (kappa, regions, mut memory) = (exact.kappa(t), exact.regions_at(points), Vec::new());
     let one = |p: usize| {
-        let strain = exact.tensors::<D>(&out, p, &mut memory);
+        let strain = exact.tensors::<D, f64>(|k| out[k][p], &mut memory);
         stress(exact.material_in(regions[p]), &strain, &memory, kappa)
     };
     (0..points.len()).map(one).collect()

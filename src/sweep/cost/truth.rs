@@ -9,8 +9,8 @@ use crate::space::quadrature::TruthRules;
 
 /// Seconds a point and time in formulas, for a load and for the moments of the truth in the plane, where u, ε and its
 /// memory are 8 fields; in space they are 15.
-pub(super) const LOAD: f64 = 0.7e-6 / 6.0;
-pub(super) const MOMENTS: f64 = 1.5e-6 / 12.0;
+pub(super) const LOAD: f64 = 0.55e-6 / 6.0;
+pub(super) const MOMENTS: f64 = 1.1e-6 / 12.0;
 /// Seconds a number and part in the sum of parts, and bytes a facet of Γ3 and time of what is not summed.
 const PART: f64 = 0.6e-9;
 const FACET: f64 = 128.0;
