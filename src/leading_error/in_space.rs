@@ -12,7 +12,7 @@ use super::law_slope::{Answer, answer};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::weight;
 use crate::contact::Discretization;
-use crate::formula::{Node, Point, Variable};
+use crate::formula::{Bound, Node, Point, Program, Variable};
 use crate::linalg::{axpy, dot};
 use crate::manufactured::{ComplianceRule, Exact, InterpolatedOnMesh};
 
@@ -27,8 +27,8 @@ pub(super) struct InSpace<const S: usize> {
     /// The region of each cell.
     regions: Vec<usize>,
     states: RefCell<HashMap<u64, Rc<State<S>>>>,
-    /// b_i by lag: uniform grids have as many lags as steps.
-    kernels: RefCell<HashMap<(Node, u64), f64>>,
+    /// b_i(t - x).
+    kernels: Vec<Program>,
 }
 
 /// I_h u with its exact histories at one time.
@@ -69,8 +69,14 @@ impl<const S: usize> InSpace<S> {
             .filter(|&kappa| graph.depends_on(kappa, Variable::Zeta))
             .map(|kappa| graph.derivative(kappa, Variable::Zeta));
         let regions = exact.cell_regions(&space.mesh);
-        let (states, kernels) = (RefCell::default(), RefCell::default());
-        Self { exact, space, truth, slope, graph, regions, states, kernels }
+        let (t, x) = (graph.variable(Variable::T), graph.variable(Variable::X));
+        let lag = graph.sub(t, x);
+        let of_lag = |&kernel: &Node| {
+            let shifted = graph.substitute(kernel, Variable::T, lag);
+            Program::compile(&mut graph, &[shifted], exact.data.horizon)
+        };
+        let kernels = exact.data.kernels.iter().map(of_lag).collect();
+        Self { exact, space, truth, slope, graph, regions, states: RefCell::default(), kernels }
     }
 
     /// Whether u(t) ∈ V^h, to rounding, at times that no scene has reason to single out.
@@ -90,9 +96,11 @@ impl<const S: usize> InSpace<S> {
         let mut errors: Vec<Vec<f64>> = vec![vec![0.0; self.space.nodes.len()]];
         // (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
         let mut of_norm = vec![0.0];
+        let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
+        let mut kernels: Vec<Bound> = self.kernels.iter().map(|b| b.bind(&places)).collect();
         let mut largest: f64 = 0.0;
         for n in 1..times.len() {
-            let past = self.past(times, n, &states, &errors, &of_norm);
+            let past = self.past(times, n, &states, &errors, &of_norm, &mut kernels);
             let error = self.level(times[n], &states[n], &past)?;
             let strain: Vec<Mandel<S>> = strains(&self.space, &error);
             let norm = inner(&self.space, &strain, &strain).sqrt();
@@ -106,12 +114,6 @@ impl<const S: usize> InSpace<S> {
             errors.push(error);
         }
         Ok(largest)
-    }
-
-    fn b(&self, kernel: Node, lag: f64) -> f64 {
-        let at = Point { t: lag, ..Point::default() };
-        let value = || self.exact.data.graph.evaluate(kernel, &at);
-        *self.kernels.borrow_mut().entry((kernel, lag.to_bits())).or_insert_with(value)
     }
 
     fn at_zeta(&self, node: Option<Node>, zeta: f64, absent: f64) -> f64 {
@@ -141,6 +143,7 @@ impl<const S: usize> InSpace<S> {
         states: &[Rc<State<S>>],
         errors: &[Vec<f64>],
         of_norm: &[f64],
+        kernels: &mut [Bound],
     ) -> Past<S> {
         let own = weight(times, n, n);
         let (mut zeta, mut zeta_error) = (own * states[n].norm, 0.0);
@@ -151,13 +154,16 @@ impl<const S: usize> InSpace<S> {
         }
         let length = self.space.nodes.len();
         let (mut memory, mut memory_error, mut own_memory) = (vec![], vec![], vec![]);
-        for &kernel in &self.exact.data.kernels {
+        // b(t_n - t_j); times after t_n are not used.
+        let mut b = vec![Vec::new()];
+        for kernel in kernels {
+            kernel.evaluate(times[n], 0.0, &mut b);
             let (mut exact, mut error) = (vec![0.0; length], vec![0.0; length]);
-            let now = own * self.b(kernel, 0.0);
+            let now = own * b[0][n];
             own_memory.push(now);
             axpy(now, &states[n].u, &mut exact);
             for j in 0..n {
-                let w = weight(times, n, j) * self.b(kernel, times[n] - times[j]);
+                let w = weight(times, n, j) * b[0][j];
                 axpy(w, &states[j].u, &mut exact);
                 axpy(w, &errors[j], &mut error);
             }
