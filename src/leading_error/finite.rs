@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::NoConstant;
 use super::law_slope::{Answer, answer};
 use super::time::weight;
-use crate::formula::{Graph, Node, Point, Program, Variable};
+use crate::formula::{Bound, Graph, Node, Point, Program, Variable};
 use crate::manufactured::LawNumbers;
 use crate::setup::AbstractSetup;
 
@@ -28,17 +28,18 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
     let mut errors: Vec<DVector<f64>> = Vec::with_capacity(times.len());
     let mut largest: f64 = 0.0;
     let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
+    let mut kernels: Vec<Bound> = problem.kernels.iter().map(|(q, _)| q.bind(&places)).collect();
+    let mut row = vec![Vec::new()];
     for (n, &t) in times.iter().enumerate() {
         let state = &states[n];
         let mut sum = problem.constant.clone();
         let mut past = DVector::zeros(m);
         let mut present = DMatrix::zeros(m, m);
-        for (kernel, matrix) in &problem.kernels {
-            let mut row = vec![Vec::new()];
-            kernel.bind(&places[..=n]).evaluate(t, 0.0, &mut row);
+        for (kernel, (_, matrix)) in kernels.iter_mut().zip(&problem.kernels) {
+            kernel.evaluate(t, 0.0, &mut row);
             let mut of_exact = DVector::zeros(m);
             let mut of_errors = DVector::zeros(m);
-            for (j, q) in row[0].iter().enumerate() {
+            for (j, q) in row[0][..=n].iter().enumerate() {
                 let w = weight(times, n, j);
                 // A kernel may be infinite where the sum is empty.
                 if w > 0.0 {
