@@ -1,18 +1,16 @@
 //! The time error on V^h: the linearised scheme of a contact scene along the nodal interpolant of its exact solution.
 
-use std::cell::RefCell;
-use std::collections::HashMap;
-use std::rc::Rc;
 use std::sync::Arc;
 
 use super::NoConstant;
 use super::cells::{Mandel, add_force, add_stiffness, inner, strains};
 use super::interpolation::InterpolationError;
 use super::law_slope::{Answer, answer};
+use super::sums::{Kernel, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::weight;
 use crate::contact::Discretization;
-use crate::formula::{Bound, Node, Point, Program, Variable};
+use crate::formula::{Node, Point, Variable};
 use crate::linalg::{axpy, dot};
 use crate::manufactured::{ComplianceRule, Exact, InterpolatedOnMesh};
 
@@ -26,9 +24,7 @@ pub(super) struct InSpace<const S: usize> {
     graph: crate::formula::Graph,
     /// The region of each cell.
     regions: Vec<usize>,
-    states: RefCell<HashMap<u64, Rc<State<S>>>>,
-    /// b_i(t - x).
-    kernels: Vec<Program>,
+    kernels: Vec<Kernel>,
 }
 
 /// I_h u with its exact histories at one time.
@@ -49,12 +45,18 @@ struct State<const S: usize> {
 struct Past<const S: usize> {
     /// One a term of the memory.
     memory: Vec<Vec<Mandel<S>>>,
-    zeta: f64,
     memory_error: Vec<Vec<Mandel<S>>>,
-    zeta_error: f64,
     /// The weights with which the level itself enters.
-    own: f64,
     own_memory: Vec<f64>,
+    accumulated: Accumulated,
+}
+
+/// ζ of the discrete history.
+struct Accumulated {
+    /// The weight with which the level itself enters.
+    own: f64,
+    zeta: f64,
+    zeta_error: f64,
 }
 
 impl<const S: usize> InSpace<S> {
@@ -69,14 +71,17 @@ impl<const S: usize> InSpace<S> {
             .filter(|&kappa| graph.depends_on(kappa, Variable::Zeta))
             .map(|kappa| graph.derivative(kappa, Variable::Zeta));
         let regions = exact.cell_regions(&space.mesh);
-        let (t, x) = (graph.variable(Variable::T), graph.variable(Variable::X));
-        let lag = graph.sub(t, x);
-        let of_lag = |&kernel: &Node| {
-            let shifted = graph.substitute(kernel, Variable::T, lag);
-            Program::compile(&mut graph, &[shifted], exact.data.horizon)
-        };
-        let kernels = exact.data.kernels.iter().map(of_lag).collect();
-        Self { exact, space, truth, slope, graph, regions, states: RefCell::default(), kernels }
+        let kernel = |&node: &Node| Kernel::new(&mut graph, node, exact.data.horizon);
+        let kernels = exact.data.kernels.iter().map(kernel).collect();
+        Self { exact, space, truth, slope, graph, regions, kernels }
+    }
+
+    /// The number of steps beyond which the sums over the past are dearer than what they tell.
+    pub(super) fn most_steps(&self) -> u32 {
+        match self.kernels.iter().any(Kernel::is_direct) {
+            true => (MOST_PRODUCTS / self.space.nodes.len() as f64).sqrt() as u32,
+            false => u32::MAX,
+        }
     }
 
     /// Whether u(t) ∈ V^h, to rounding, at times that no scene has reason to single out.
@@ -91,27 +96,34 @@ impl<const S: usize> InSpace<S> {
 
     /// max_n ‖ε(e_n)‖ on a grid.
     pub(super) fn largest_error(&self, times: &[f64]) -> Result<f64, NoConstant> {
-        let states: Vec<Rc<State<S>>> =
-            times.iter().map(|&t| self.state(t)).collect::<Result<_, _>>()?;
-        let mut errors: Vec<Vec<f64>> = vec![vec![0.0; self.space.nodes.len()]];
-        // (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
-        let mut of_norm = vec![0.0];
-        let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
-        let mut kernels: Vec<Bound> = self.kernels.iter().map(|b| b.bind(&places)).collect();
+        let mut sums = Sums::new(&self.kernels, times, self.space.nodes.len());
+        // Σ' over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
+        let (mut zeta, mut zeta_error) = (0.0, 0.0);
         let mut largest: f64 = 0.0;
-        for n in 1..times.len() {
-            let past = self.past(times, n, &states, &errors, &of_norm, &mut kernels);
-            let error = self.level(times[n], &states[n], &past)?;
-            let strain: Vec<Mandel<S>> = strains(&self.space, &error);
-            let norm = inner(&self.space, &strain, &strain).sqrt();
-            let own = inner(&self.space, &states[n].strain, &strain) / states[n].norm;
-            // Where ε vanishes the norm of its neighbour is the error's own.
-            of_norm.push(if states[n].norm > VANISHING * norm { own } else { norm });
-            if norm.is_nan() {
-                return Err(NoConstant::Singular { t: times[n] });
+        for (n, &t) in times.iter().enumerate() {
+            let state = self.state(t)?;
+            let (mut error, mut of_norm) = (vec![0.0; self.space.nodes.len()], 0.0);
+            if n > 0 {
+                let own = weight(times, n, n);
+                let zeta = zeta + own * state.norm;
+                let past = self.past(&sums, &state, Accumulated { own, zeta, zeta_error });
+                error = self.level(t, &state, &past)?;
+                let strain: Vec<Mandel<S>> = strains(&self.space, &error);
+                let norm = inner(&self.space, &strain, &strain).sqrt();
+                let along = inner(&self.space, &state.strain, &strain) / state.norm;
+                // Where ε vanishes the norm of its neighbour is the error's own.
+                of_norm = if state.norm > VANISHING * norm { along } else { norm };
+                if norm.is_nan() {
+                    return Err(NoConstant::Singular { t });
+                }
+                largest = largest.max(norm);
             }
-            largest = largest.max(norm);
-            errors.push(error);
+            if n + 1 < times.len() {
+                let w = weight(times, n + 1, n);
+                zeta += w * state.norm;
+                zeta_error += w * of_norm;
+                sums.advance([state.u, error]);
+            }
         }
         Ok(largest)
     }
@@ -121,56 +133,26 @@ impl<const S: usize> InSpace<S> {
         node.map_or(absent, |node| self.graph.evaluate(node, &at))
     }
 
-    fn state(&self, t: f64) -> Result<Rc<State<S>>, NoConstant> {
-        if let Some(known) = self.states.borrow().get(&t.to_bits()) {
-            return Ok(known.clone());
-        }
+    fn state(&self, t: f64) -> Result<State<S>, NoConstant> {
         let (u, memory) = self.truth.displacements(t)?;
         let strain: Vec<Mandel<S>> = strains(&self.space, &u);
         let memory = memory.iter().map(|history| strains(&self.space, history)).collect();
         let zeta = if self.slope.is_some() { self.truth.zeta(t)? } else { 0.0 };
         let norm = inner(&self.space, &strain, &strain).sqrt();
         let contact = self.truth.contact_state(t);
-        let state = Rc::new(State { u, strain, norm, memory, zeta, contact });
-        self.states.borrow_mut().insert(t.to_bits(), state.clone());
-        Ok(state)
+        Ok(State { u, strain, norm, memory, zeta, contact })
     }
 
-    fn past(
-        &self,
-        times: &[f64],
-        n: usize,
-        states: &[Rc<State<S>>],
-        errors: &[Vec<f64>],
-        of_norm: &[f64],
-        kernels: &mut [Bound],
-    ) -> Past<S> {
-        let own = weight(times, n, n);
-        let (mut zeta, mut zeta_error) = (own * states[n].norm, 0.0);
-        for j in 0..n {
-            let w = weight(times, n, j);
-            zeta += w * states[j].norm;
-            zeta_error += w * of_norm[j];
-        }
-        let length = self.space.nodes.len();
+    fn past(&self, sums: &Sums, state: &State<S>, accumulated: Accumulated) -> Past<S> {
         let (mut memory, mut memory_error, mut own_memory) = (vec![], vec![], vec![]);
-        // b(t_n - t_j); times after t_n are not used.
-        let mut b = vec![Vec::new()];
-        for kernel in kernels {
-            kernel.evaluate(times[n], 0.0, &mut b);
-            let (mut exact, mut error) = (vec![0.0; length], vec![0.0; length]);
-            let now = own * b[0][n];
-            own_memory.push(now);
-            axpy(now, &states[n].u, &mut exact);
-            for j in 0..n {
-                let w = weight(times, n, j) * b[0][j];
-                axpy(w, &states[j].u, &mut exact);
-                axpy(w, &errors[j], &mut error);
-            }
+        for term in 0..self.kernels.len() {
+            let ([mut exact, error], own) = (sums.before(term), sums.own(term));
+            axpy(own, &state.u, &mut exact);
+            own_memory.push(own);
             memory.push(strains(&self.space, &exact));
             memory_error.push(strains(&self.space, &error));
         }
-        Past { memory, zeta, memory_error, zeta_error, own, own_memory }
+        Past { memory, memory_error, own_memory, accumulated }
     }
 
     /// e_n from the linearised step
@@ -185,9 +167,9 @@ impl<const S: usize> InSpace<S> {
         let kappa = self.exact.data.kappa;
         let (exact_kappa, own_kappa) = (
             self.at_zeta(kappa, state.zeta, f64::INFINITY),
-            self.at_zeta(kappa, past.zeta, f64::INFINITY),
+            self.at_zeta(kappa, past.accumulated.zeta, f64::INFINITY),
         );
-        let slope = self.at_zeta(self.slope, past.zeta, 0.0);
+        let slope = self.at_zeta(self.slope, past.accumulated.zeta, 0.0);
         let mut values = vec![0.0; space.pattern.entries()];
         let mut right = vec![0.0; space.nodes.len()];
         let (mut column, mut row) = (right.clone(), right.clone());
@@ -210,13 +192,18 @@ impl<const S: usize> InSpace<S> {
             }
             let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
             let source: Mandel<S> = std::array::from_fn(|i| {
-                before[i] - after[i] - remembered[i] - by_zeta[i] * past.zeta_error
+                before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
             });
             add_force(space, c, &source, &mut right);
             add_stiffness(space, c, &tangent, &mut values);
             if self.slope.is_some() && state.norm > 0.0 {
                 add_force(space, c, &by_zeta, &mut column);
-                add_force(space, c, &strain.map(|e| past.own * e / state.norm), &mut row);
+                add_force(
+                    space,
+                    c,
+                    &strain.map(|e| past.accumulated.own * e / state.norm),
+                    &mut row,
+                );
             }
         }
         self.add_contact(state, &mut values);
@@ -292,6 +279,8 @@ impl<const S: usize> InSpace<S> {
     }
 }
 
+/// Numbers multiplied in the sums over the past of one grid: some seconds.
+const MOST_PRODUCTS: f64 = 1e10;
 /// Shares below this are zero but for rounding.
 const VANISHING: f64 = 1e-9;
 /// Stiffness of a held vertex, in units of the largest entry: it moves by 1e-10 of what it would.

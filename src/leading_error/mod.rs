@@ -22,6 +22,7 @@ mod in_space;
 mod interpolation;
 mod law_slope;
 mod quadratic;
+mod sums;
 mod tangent;
 mod time;
 
@@ -199,5 +200,6 @@ fn time_errors<const S: usize>(
         let h = case.n.map(|n| 1.0 / f64::from(n));
         Ok(LeadingError { case, h, k: time::largest_step(&times), error })
     };
-    cases.iter().map(error).collect()
+    let most = body.most_steps().max(cases.iter().map(|case| case.steps).min().unwrap_or(0));
+    cases.iter().filter(|case| case.steps <= most).map(error).collect()
 }
