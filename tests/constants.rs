@@ -8,10 +8,12 @@ mod shipped;
 use gronwall::contact::MemoryTerm;
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::MemoryKernel;
-use gronwall::leading_error::{InterpolationError, interpolation_constant};
+use gronwall::leading_error::{
+    Case, InterpolationError, Measured, interpolation_constant, leading_errors,
+};
 use gronwall::mesh::{Family, rectangle};
 use gronwall::record::{CaseRecord, Key};
-use gronwall::scene::{Norm, Scene, Source};
+use gronwall::scene::{Direction, Norm, Scene, Source};
 use gronwall::setup::{AbstractSetup, Setup, Subject};
 use gronwall::sweep::{CasePlan, foresee, judge_scene, run_abstract_case, run_contact_case};
 use gronwall::verdict::{Constant, Decision, Foreseen, Verdict};
@@ -226,6 +228,18 @@ fn a_scene_may_opt_out() {
 }
 
 /// What is foreseen does not know the solver's model.
+/// A sum over a past of a million steps under a kernel that is no sum of exponentials would take hours.
+#[test]
+fn a_past_too_long_for_direct_sums_is_left_out() {
+    let subject = Subject::Contact(Box::new(setup("power-law")));
+    let measured =
+        Measured { norm: Norm::VMax, variable: Direction::K, order: 2.0, time_reference: 2 };
+    let cases = [8, 1_000_000].map(|steps| Case { n: Some(4), steps });
+    let told = leading_errors(&subject, &measured, &cases).unwrap_or_else(|e| panic!("{e}"));
+    let steps: Vec<u32> = told.points.iter().map(|point| point.case.steps).collect();
+    assert_eq!(steps, [8]);
+}
+
 #[test]
 fn the_prediction_does_not_move_with_the_model() {
     let (sound, _) = affine_with(|_| (), |_| ());
