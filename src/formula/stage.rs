@@ -149,3 +149,41 @@ fn numbered(points: &[[f64; 3]], axis: usize) -> (Vec<u32>, usize) {
     }
     (numbers, known.len())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const X: u8 = 1;
+    const Y: u8 = 2;
+
+    type Place = fn(usize) -> [usize; 3];
+
+    /// Tuples against a search of all points, numbered by a table and by hashes: 12 of 12 combinations occur, or 50 of 31 · 29.
+    #[test]
+    fn tuples_are_numbered_in_order_of_appearance() {
+        let on_a_grid: Place = |k| [k % 4, k / 4 % 3, k];
+        let scattered: Place = |k| [k % 50 * 7 % 31, k % 50 * 11 % 29, k];
+        let few = |count: usize, points: usize| count <= WIDEST * points;
+        assert!(few(4 * 3, 60) && !few(31 * 29, 60));
+        for (place, distinct) in [(on_a_grid, 12), (scattered, 50)] {
+            let points: Vec<[f64; 3]> = (0..60).map(|k| place(k).map(|i| i as f64)).collect();
+            let stages = Stages::new(&points, &[X, Y, X | Y], &[(X | Y, X), (X | Y, Y)]);
+            assert_eq!(stages.count(X | Y), distinct);
+            let mut first: Vec<u32> = Vec::new();
+            for (p, point) in points.iter().enumerate() {
+                let same = |&q: &u32| points[q as usize][..2] == point[..2];
+                let tuple = first.iter().position(same).unwrap_or_else(|| {
+                    first.push(p as u32);
+                    first.len() - 1
+                });
+                assert_eq!(stages.of_points(X | Y)[p] as usize, tuple, "{point:?}");
+                for part in [X, Y] {
+                    let own = stages.map(X | Y, part)[tuple];
+                    assert_eq!(own, stages.of_points(part)[p], "{point:?}");
+                }
+            }
+            assert_eq!(stages.first_points(X | Y), first);
+        }
+    }
+}
