@@ -113,9 +113,7 @@ fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingErrors, N
     if setup.scene.time.rule != TimeRule::Trapezoid {
         return Err(NoConstant::Rule);
     }
-    let fewest = cases.iter().map(|case| case.steps).min().unwrap_or(0);
-    let told = |case: &&Case| case.steps <= MOST_STEPS.max(fewest);
-    let points = cases.iter().filter(told).map(|&case| {
+    let points = of_few_steps(cases, MOST_STEPS).map(|&case| {
         let times = time::times(&setup.scene.time, case.steps);
         let error = finite::largest_error(setup, &times)?;
         Ok(LeadingError { case, h: None, k: time::largest_step(&times), error })
@@ -200,6 +198,27 @@ fn time_errors<const S: usize>(
         let h = case.n.map(|n| 1.0 / f64::from(n));
         Ok(LeadingError { case, h, k: time::largest_step(&times), error })
     };
-    let most = body.most_steps().max(cases.iter().map(|case| case.steps).min().unwrap_or(0));
-    cases.iter().filter(|case| case.steps <= most).map(error).collect()
+    of_few_steps(cases, body.most_steps()).map(error).collect()
+}
+
+/// The cases of up to `most` steps; where all have more, those of the fewest.
+fn of_few_steps(cases: &[Case], most: u32) -> impl Iterator<Item = &Case> {
+    let fewest = cases.iter().map(|case| case.steps).min().unwrap_or(0);
+    cases.iter().filter(move |case| case.steps <= most.max(fewest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fewest_steps_are_told_however_many_they_are() {
+        let told = |steps: &[u32], most: u32| -> Vec<u32> {
+            let cases: Vec<Case> = steps.iter().map(|&steps| Case { n: None, steps }).collect();
+            of_few_steps(&cases, most).map(|case| case.steps).collect()
+        };
+        assert_eq!(told(&[64, 4096, 1024], 1024), [64, 1024]);
+        assert_eq!(told(&[4096, 2048, 8192], 1024), [2048]);
+        assert!(told(&[], 1024).is_empty());
+    }
 }
