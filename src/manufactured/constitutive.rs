@@ -1,4 +1,5 @@
-//! σ of (5.1) from ε, the memory integrals H_i = ∫ b_i(t-s) ε ds and κ, on full D×D tensors.
+//! σ of (5.1) from ε, the memory integrals H_i = ∫ b_i(t-s) ε ds and κ, on full D×D tensors. Loops by index: what they
+//! call is inlined, and runs on vectors.
 
 use super::exact::MaterialNumbers;
 use super::lanes::Number;
@@ -41,7 +42,11 @@ pub fn stress<const D: usize, T: Number>(
 
 #[inline(always)]
 fn trace<const D: usize, T: Number>(tensor: &Tensor<D, T>) -> T {
-    (1..D).fold(tensor[0][0], |sum, i| sum + tensor[i][i])
+    let mut sum = tensor[0][0];
+    for i in 1..D {
+        sum += tensor[i][i];
+    }
+    sum
 }
 
 /// 2 μ τ + λ tr τ I.
@@ -52,8 +57,11 @@ fn isotropic<const D: usize, T: Number>(
     tensor: &Tensor<D, T>,
     trace: T,
 ) -> Tensor<D, T> {
-    let mut out = tensor.map(|row| row.map(|entry| T::from(2.0 * mu) * entry));
+    let mut out = *tensor;
     for (i, row) in out.iter_mut().enumerate() {
+        for entry in row.iter_mut() {
+            *entry = T::from(2.0 * mu) * *entry;
+        }
         row[i] += T::from(lambda) * trace;
     }
     out
@@ -101,12 +109,21 @@ fn projected_excess<const D: usize, T: Number>(
     let mut squares = T::from(0.0);
     for i in 0..D {
         deviator[i][i] -= trace / T::from(D as f64);
-        let row = deviator[i];
-        squares += (1..D).fold(row[0] * row[0], |sum, j| sum + row[j] * row[j]);
+        let row = &deviator[i];
+        let mut of_row = row[0] * row[0];
+        for entry in &row[1..] {
+            of_row += *entry * *entry;
+        }
+        squares += of_row;
     }
     let length = squares.sqrt();
-    let kept = |e: T| length.at_most(kappa, T::from(0.0), e - T::from(kappa) * e / length);
-    deviator.map(|row| row.map(kept))
+    for row in &mut deviator {
+        for entry in row {
+            let outside = *entry - T::from(kappa) * *entry / length;
+            *entry = length.at_most(kappa, T::from(0.0), outside);
+        }
+    }
+    deviator
 }
 
 /// The symmetric tensor of its upper components, row by row; `component` gives the k-th.
@@ -124,13 +141,36 @@ pub fn full<const D: usize, T: Number>(component: impl Fn(usize) -> T) -> Tensor
     tensor
 }
 
-/// Appends a symmetric tensor in the notation of moments: the diagonal, then √2 times yz, xz, xy (in the
-/// plane xy).
+/// The N = D(D + 1)/2 numbers of a symmetric tensor in the notation of moments: the diagonal, then √2 times yz, xz, xy
+/// (in the plane xy).
 #[inline(always)]
-pub fn mandel<const D: usize, T: Number>(tensor: &Tensor<D, T>, out: &mut Vec<T>) {
-    out.extend((0..D).map(|i| tensor[i][i]));
-    let off: &[(usize, usize)] = if D == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] };
-    out.extend(off.iter().map(|&(i, j)| T::from(std::f64::consts::SQRT_2) * tensor[i][j]));
+pub fn mandel<const D: usize, const N: usize, T: Number>(tensor: &Tensor<D, T>) -> [T; N] {
+    let mut numbers = [T::from(0.0); N];
+    for i in 0..D {
+        numbers[i] = tensor[i][i];
+    }
+    for (k, &(i, j)) in off_diagonal(D).iter().enumerate() {
+        numbers[D + k] = T::from(std::f64::consts::SQRT_2) * tensor[i][j];
+    }
+    numbers
+}
+
+/// The index pairs off the diagonal, in the order of moments.
+#[inline(always)]
+const fn off_diagonal(d: usize) -> &'static [(usize, usize)] {
+    if d == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] }
+}
+
+/// The symmetric tensor of its numbers in the notation of moments.
+#[inline]
+pub fn from_mandel<const D: usize>(numbers: &[f64]) -> Tensor<D> {
+    let mut tensor = [[0.0; D]; D];
+    (0..D).for_each(|i| tensor[i][i] = numbers[i]);
+    for (&(i, j), number) in off_diagonal(D).iter().zip(&numbers[D..]) {
+        tensor[i][j] = std::f64::consts::FRAC_1_SQRT_2 * number;
+        tensor[j][i] = tensor[i][j];
+    }
+    tensor
 }
 
 #[cfg(test)]
@@ -142,12 +182,15 @@ mod tests {
     fn moments_keep_the_frobenius_product() {
         let tensor: Tensor<3> = full(|k| 1.0 + k as f64);
         assert_eq!(tensor, [[1.0, 2.0, 3.0], [2.0, 4.0, 5.0], [3.0, 5.0, 6.0]]);
-        let mut numbers = Vec::new();
-        mandel(&tensor, &mut numbers);
+        let numbers: [f64; 6] = mandel(&tensor);
         assert_eq!(numbers[..3], [1.0, 4.0, 6.0]);
-        assert!((numbers[3] / numbers[5] - 2.5).abs() < 1e-15 && numbers.len() == 6);
+        assert!((numbers[3] / numbers[5] - 2.5).abs() < 1e-15);
         let squares: f64 = tensor.as_flattened().iter().map(|s| s * s).sum();
         assert!((numbers.iter().map(|s| s * s).sum::<f64>() - squares).abs() < 1e-12);
+        let back: Tensor<3> = from_mandel(&numbers);
+        let pairs = back.as_flattened().iter().zip(tensor.as_flattened());
+        // √2 and its inverse, rounded.
+        pairs.for_each(|(a, b)| assert!((a / b - 1.0).abs() < 4e-16, "{back:?}"));
     }
 
     /// diag(1, 2, 6) in ℝ³: tr/3 = 3, so the deviator is diag(-2, -1, 3), of length √14. Its plane part alone,

@@ -226,7 +226,9 @@ impl Exact {
         let count = self.strain.len();
         let from = |first: usize| full(|k| field(first + k));
         memory.clear();
-        memory.extend((0..self.memory.len() / count).map(|term| from(D + count * (1 + term))));
+        for term in 0..self.memory.len() / count {
+            memory.push(from(D + count * (1 + term)));
+        }
         from(D)
     }
 

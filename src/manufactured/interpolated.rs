@@ -277,13 +277,18 @@ impl InterpolatedOnMesh {
         constitutive::stress(material, &strain, &remembered, kappa)
     }
 
-    fn compute_moments<const D: usize>(&self, t: f64) -> Result<Moments, LoadError> {
+    fn compute_moments<const D: usize, const N: usize>(
+        &self,
+        t: f64,
+    ) -> Result<Moments, LoadError> {
         let (u, memory) = self.displacements(t)?;
         let kappa = self.kappa(t)?;
         let mut moments = Moments::default();
         for c in 0..self.space.mesh.cell_count() {
-            mandel(&self.strain::<D>(&u, c), &mut moments.strain.mean);
-            mandel(&self.stress::<D>(&u, &memory, kappa, c), &mut moments.stress.mean);
+            let strain: [f64; N] = mandel(&self.strain::<D>(&u, c));
+            let stress: [f64; N] = mandel(&self.stress::<D>(&u, &memory, kappa, c));
+            moments.strain.mean.extend(strain);
+            moments.stress.mean.extend(stress);
             for &node in self.space.cell_nodes(c) {
                 moments.displacement.corner.extend(&u[D * node as usize..][..D]);
             }
@@ -318,8 +323,8 @@ impl Truth for InterpolatedOnMesh {
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
         let moments = match self.space.mesh.dimension {
-            2 => Self::compute_moments::<2>,
-            _ => Self::compute_moments::<3>,
+            2 => Self::compute_moments::<2, 3>,
+            _ => Self::compute_moments::<3, 6>,
         };
         self.moments.get_or(t, || moments(self, t))
     }

@@ -58,7 +58,7 @@ impl Lanes {
 impl Number for Lanes {
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Self(self.0.map(f64::sqrt))
+        Self(std::array::from_fn(|l| self.0[l].sqrt()))
     }
 
     #[inline(always)]

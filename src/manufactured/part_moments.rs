@@ -6,7 +6,7 @@ use pulp::{Simd, WithSimd};
 
 use super::constitutive::mandel;
 use super::lanes::{Lanes, WIDTH};
-use super::parts::Parts;
+use super::parts::{Parts, append};
 use super::reduction::{deviations, remainders};
 use super::sampled::Sampled;
 use crate::contact::LoadError;
@@ -16,61 +16,71 @@ use crate::space::quadrature::Rule;
 impl Parts<'_> {
     /// Moments of u, ε and σ of all parts.
     pub fn moments<const D: usize>(&self, points: &Sampled) -> Result<PartMoments, LoadError> {
-        let (space, cells) = (self.space, self.space.mesh.cell_count());
+        let cells = self.space.mesh.cell_count();
         let lengths = [self.exact.strain.len() * cells, D * (D + 1) * cells];
         let [strain, stress, displacement] = [lengths[0], lengths[0], lengths[1]]
             .map(|numbers| PartFamily::with_room(self.count, numbers));
         let mut sums = PartMoments { strain, stress, displacement, lengths };
-        let mut room = Remainders::new(self.count);
+        match D {
+            2 => self.add_moments::<D, 3>(points, &mut sums)?,
+            _ => self.add_moments::<D, 6>(points, &mut sums)?,
+        }
+        Ok(sums)
+    }
+
+    /// Adds them for tensors of N numbers.
+    fn add_moments<const D: usize, const N: usize>(
+        &self,
+        points: &Sampled,
+        sums: &mut PartMoments,
+    ) -> Result<(), LoadError> {
+        let (mesh, mut room) = (&self.space.mesh, Remainders::<D, N>::new(self.count));
         let (program, names) = self.inside();
         let at = (self.t, 0.0);
-        points.each_block(&space.mesh, program, at, self.again, &names, |cells, values| {
-            pulp::Arch::new().dispatch(Add::<D> {
+        points.each_block(mesh, program, at, self.again, &names, |cells, values| {
+            pulp::Arch::new().dispatch(Add::<D, N> {
                 parts: self,
                 rule: &points.rule,
                 cells,
                 values,
-                sums: &mut sums,
+                sums,
                 room: &mut room,
             });
-        })?;
-        Ok(sums)
+        })
     }
 }
 
 /// What P1 functions cannot have of ε, σ and u in a few cells, of each part: numbers point by point.
-struct Remainders {
-    strain: Vec<Vec<Lanes>>,
-    stress: Vec<Vec<Lanes>>,
-    displacement: Vec<Vec<Lanes>>,
-    component: Vec<Lanes>,
+struct Remainders<const D: usize, const N: usize> {
+    strain: Vec<Vec<[Lanes; N]>>,
+    stress: Vec<Vec<[Lanes; N]>>,
+    displacement: Vec<Vec<[Lanes; D]>>,
 }
 
-impl Remainders {
+impl<const D: usize, const N: usize> Remainders<D, N> {
     fn new(parts: usize) -> Self {
-        let [strain, stress, displacement] = [(); 3].map(|()| vec![Vec::new(); parts]);
-        Self { strain, stress, displacement, component: Vec::new() }
+        let [strain, stress] = [(); 2].map(|()| vec![Vec::new(); parts]);
+        Self { strain, stress, displacement: vec![Vec::new(); parts] }
     }
 }
 
 /// Adds the moments on some cells, on the widest vectors of the processor.
-struct Add<'a, const D: usize> {
+struct Add<'a, const D: usize, const N: usize> {
     parts: &'a Parts<'a>,
     rule: &'a Rule,
     cells: Range<usize>,
     values: &'a [&'a [f64]],
     sums: &'a mut PartMoments,
-    room: &'a mut Remainders,
+    room: &'a mut Remainders<D, N>,
 }
 
-impl<const D: usize> WithSimd for Add<'_, D> {
+impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { parts, rule, cells, values, sums, room } = self;
         let (count, points, mut memory) = (cells.len(), rule.weights.len(), Vec::new());
-        let numbers = parts.exact.strain.len();
         for first in (0..count).step_by(WIDTH) {
             let own = first..count.min(first + WIDTH);
             let global = cells.start + own.start..cells.start + own.end;
@@ -85,30 +95,54 @@ impl<const D: usize> WithSimd for Add<'_, D> {
                     let field = |k: usize| at(part[k], q);
                     let regions = &parts.regions[global.clone()];
                     let (strain, sigma) = parts.of_cells::<D>(regions, field, &mut memory);
-                    mandel(&strain, strains);
-                    mandel(&sigma, stresses);
+                    strains.push(mandel(&strain));
+                    stresses.push(mandel(&sigma));
                 }
-                let mean = deviations(strains, &rule.weights);
-                sums.strain.append(m, own.len(), &mean[..numbers]);
-                let mean = deviations(stresses, &rule.weights);
-                sums.stress.append(m, own.len(), &mean[..numbers]);
+                for (family, tensors) in [(&mut sums.strain, strains), (&mut sums.stress, stresses)]
+                {
+                    let mean = deviations(tensors, &rule.weights);
+                    append(&mut family.vectors[m], own.len(), &mean);
+                }
 
                 let displacements = &mut room.displacement[m];
-                displacements.resize(D * points, Lanes::from(0.0));
-                let mut corners = [Lanes::from(0.0); 12];
-                for (i, field) in part[..D].iter().enumerate() {
-                    room.component.clear();
-                    room.component.extend((0..points).map(|q| at(field, q)));
-                    let linear = remainders(&mut room.component, rule);
-                    (0..=D).for_each(|a| corners[D * a + i] = linear[a]);
-                    (0..points).for_each(|q| displacements[D * q + i] = room.component[q]);
+                displacements.clear();
+                for q in 0..points {
+                    let mut displacement = [Lanes::from(0.0); D];
+                    for i in 0..D {
+                        displacement[i] = at(part[i], q);
+                    }
+                    displacements.push(displacement);
                 }
-                sums.displacement.append(m, own.len(), &corners[..D * (D + 1)]);
+                let vector = &mut sums.displacement.vectors[m];
+                match D {
+                    2 => append_corners::<D, 3>(vector, own.len(), displacements, rule),
+                    _ => append_corners::<D, 4>(vector, own.len(), displacements, rule),
+                }
             }
             let measures = &parts.space.geometry.measure[global];
             sums.strain.add_products(&room.strain, &rule.weights, measures);
             sums.stress.add_products(&room.stress, &rule.weights, measures);
             sums.displacement.add_products(&room.displacement, &rule.weights, measures);
+        }
+    }
+}
+
+/// Appends what linear functions can have of u in a few cells, by its values at the C corners; what they cannot stays.
+#[inline(always)]
+fn append_corners<const D: usize, const C: usize>(
+    vector: &mut Vec<f64>,
+    cells: usize,
+    displacements: &mut [[Lanes; D]],
+    rule: &Rule,
+) {
+    let corners: [[Lanes; C]; D] = remainders(displacements, rule);
+    for l in 0..cells {
+        for a in 0..C {
+            let mut own = [0.0; D];
+            for i in 0..D {
+                own[i] = corners[i][a].0[l];
+            }
+            vector.extend_from_slice(&own);
         }
     }
 }
@@ -128,28 +162,24 @@ impl PartFamily {
         Self { vectors, products: vec![0.0; parts * parts] }
     }
 
-    /// Appends the numbers of so many cells to the vector of a part, cell by cell.
+    /// Adds the products over cells of the given measures; `remainders` hold numbers for each of `weights`.
     #[inline(always)]
-    fn append(&mut self, part: usize, cells: usize, numbers: &[Lanes]) {
-        let vector = &mut self.vectors[part];
-        (0..cells).for_each(|l| vector.extend(numbers.iter().map(|number| number.0[l])));
-    }
-
-    /// Adds the products over cells of the given measures; `remainders` hold the numbers point by point, for each of
-    /// `weights`.
-    #[inline(always)]
-    fn add_products(&mut self, remainders: &[Vec<Lanes>], weights: &[f64], measures: &[f64]) {
+    fn add_products<const N: usize>(
+        &mut self,
+        remainders: &[Vec<[Lanes; N]>],
+        weights: &[f64],
+        measures: &[f64],
+    ) {
         let parts = remainders.len();
         for m in 0..parts {
-            let numbers = remainders[m].len() / weights.len();
             for l in m..parts {
                 let mut sum = Lanes::from(0.0);
-                let pairs =
-                    remainders[m].chunks_exact(numbers).zip(remainders[l].chunks_exact(numbers));
-                for ((a, b), weight) in pairs.zip(weights) {
-                    let product = |i: usize| a[i] * b[i];
-                    let all = (1..numbers).fold(product(0), |all, i| all + product(i));
-                    sum += Lanes::from(*weight) * all;
+                for ((a, b), weight) in remainders[m].iter().zip(&remainders[l]).zip(weights) {
+                    let mut product = a[0] * b[0];
+                    for i in 1..N {
+                        product += a[i] * b[i];
+                    }
+                    sum += Lanes::from(*weight) * product;
                 }
                 let product = &mut self.products[parts * m + l];
                 measures.iter().zip(sum.0).for_each(|(measure, sum)| *product += measure * sum);
@@ -205,6 +235,11 @@ impl PartMoments {
         let (corner, rest) = self.displacement.combined(factors, corners)?;
         let displacement = Piecewise { corner, rest };
         Some(Moments { strain, stress, displacement, ..Moments::default() })
+    }
+
+    /// The means of σ of each part, in order of the cells.
+    pub fn stress_means(&self) -> &[Vec<f64>] {
+        &self.stress.vectors
     }
 
     /// Those of a single part.

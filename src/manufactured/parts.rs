@@ -7,11 +7,12 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::constitutive::{Tensor, stress};
+use super::constitutive::{Tensor, from_mandel, mandel, stress};
 use super::exact::Exact;
 use super::facet_group::FacetGroup;
 use super::lanes::{Lanes, WIDTH};
 use super::nodal_force::{add_stress, facet_measure};
+use super::reduction::mean;
 use super::sampled::{Sampled, tensor_names, vector_names};
 use crate::contact::{Discretization, LoadError};
 use crate::formula::Program;
@@ -78,20 +79,35 @@ impl Parts<'_> {
         let (program, names) = self.inside();
         let at = (self.t, 0.0);
         points.each_block(&space.mesh, program, at, self.again, &names, |cells, values| {
-            pulp::Arch::new().dispatch(Means::<D> {
-                parts: self,
-                rule,
-                cells: &cells,
-                values,
-                means: &mut means,
-            });
-            for (mean, force) in means.iter().zip(&mut forces) {
-                for (c, mean) in cells.clone().zip(mean) {
-                    add_stress(&space.mesh, c, space.cell_nodes(c), mean, force);
+            let (parts, cells, means) = (self, &cells, &mut means[..]);
+            match D {
+                2 => {
+                    pulp::Arch::new().dispatch(Means::<D, 3> { parts, rule, cells, values, means })
                 }
+                _ => {
+                    pulp::Arch::new().dispatch(Means::<D, 6> { parts, rule, cells, values, means })
+                }
+            }
+            for (mean, force) in means.iter().zip(&mut forces) {
+                self.add_means::<D>(cells.clone(), mean, force);
             }
         })?;
         Ok(forces)
+    }
+
+    /// Adds ∫ σ:ε(v) over some cells from the means of σ, in the notation of moments.
+    fn add_means<const D: usize>(&self, cells: Range<usize>, means: &[f64], force: &mut [f64]) {
+        for (c, mean) in cells.zip(means.chunks_exact(self.exact.strain.len())) {
+            let mean: Tensor<D> = from_mandel(mean);
+            add_stress(&self.space.mesh, c, self.space.cell_nodes(c), &mean, force);
+        }
+    }
+
+    /// The same over all cells and nodes, the means being none where σ vanishes.
+    pub fn force_of_means<const D: usize>(&self, means: &[f64]) -> Vec<f64> {
+        let mut force = vec![0.0; self.space.nodes.len()];
+        self.add_means::<D>(0..self.space.mesh.cell_count(), means, &mut force);
+        force
     }
 
     /// ∫ f0·v of each part, over all nodes.
@@ -158,54 +174,72 @@ impl Parts<'_> {
     }
 }
 
+/// Appends the numbers of the first cells, cell by cell.
+#[inline(always)]
+pub(super) fn append<const N: usize>(all: &mut Vec<f64>, cells: usize, numbers: &[Lanes; N]) {
+    for l in 0..cells {
+        let mut own = [0.0; N];
+        for i in 0..N {
+            own[i] = numbers[i].0[l];
+        }
+        all.extend_from_slice(&own);
+    }
+}
+
 /// The tensor that `law` gives of a region, for each cell that of its own.
 #[inline(always)]
 fn by_region<const D: usize>(
     regions: &[usize],
     law: impl Fn(usize) -> Tensor<D, Lanes>,
 ) -> Tensor<D, Lanes> {
-    let mut all = law(regions[0]);
-    if regions.iter().any(|region| *region != regions[0]) {
-        for (l, &region) in regions.iter().enumerate().skip(1) {
-            let own = law(region);
-            let pairs = all.as_flattened_mut().iter_mut().zip(own.as_flattened());
-            pairs.for_each(|(all, own)| all.0[l] = own.0[l]);
+    let mut all = [[Lanes::from(0.0); D]; D];
+    // Called at one place, that it is inlined there.
+    for (l, &region) in regions.iter().enumerate() {
+        if l > 0 && region == regions[0] {
+            continue;
         }
+        let own = law(region);
+        if l == 0 {
+            all = own;
+            continue;
+        }
+        let pairs = all.as_flattened_mut().iter_mut().zip(own.as_flattened());
+        pairs.for_each(|(all, own)| all.0[l] = own.0[l]);
     }
     all
 }
 
 /// Means of σ on some cells, on the widest vectors of the processor.
-struct Means<'a, const D: usize> {
+struct Means<'a, const D: usize, const N: usize> {
     parts: &'a Parts<'a>,
     rule: &'a Rule,
     cells: &'a Range<usize>,
     values: &'a [&'a [f64]],
-    /// Of each part, cell by cell.
-    means: &'a mut [Vec<Tensor<D>>],
+    /// Of each part, cell by cell, in the notation of moments.
+    means: &'a mut [Vec<f64>],
 }
 
-impl<const D: usize> WithSimd for Means<'_, D> {
+impl<const D: usize, const N: usize> WithSimd for Means<'_, D, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { parts, rule, cells, values, means } = self;
-        let (count, mut memory) = (cells.len(), Vec::new());
+        let (count, mut memory, mut sigmas) = (cells.len(), Vec::new(), Vec::new());
         for (part, means) in values.chunks(parts.fields()).zip(means) {
             means.clear();
             for first in (0..count).step_by(WIDTH) {
                 let end = count.min(first + WIDTH);
                 let regions = &parts.regions[cells.start + first..cells.start + end];
-                let mut mean = [[Lanes::from(0.0); D]; D];
-                for (q, weight) in rule.weights.iter().enumerate() {
+                sigmas.clear();
+                for q in 0..rule.weights.len() {
                     let field =
                         |k: usize| Lanes::load(&part[k][count * q + first..count * q + end]);
                     let (_, sigma) = parts.of_cells::<D>(regions, field, &mut memory);
-                    let pairs = mean.as_flattened_mut().iter_mut().zip(sigma.as_flattened());
-                    pairs.for_each(|(mean, value)| *mean += Lanes::from(*weight) * *value);
+                    sigmas.push(mandel(&sigma));
                 }
-                means.extend((0..end - first).map(|l| mean.map(|row| row.map(|value| value.0[l]))));
+                let mean: [Lanes; N] = mean(&sigmas, &rule.weights);
+                append(means, end - first, &mean);
             }
         }
     }

@@ -1,4 +1,5 @@
-//! Sampled fields reduced to what the distance to P1 functions needs.
+//! Sampled fields reduced to what the distance to P1 functions needs. Loops by index: what they call is inlined, and runs
+//! on vectors.
 
 use super::lanes::Number;
 use crate::norms::linear_projection;
@@ -7,33 +8,57 @@ use crate::space::quadrature::Rule;
 /// The mean of a tensor field on one cell; `values` holds the tensors point by point, one for each of `weights`, and
 /// becomes what they differ from it.
 #[inline(always)]
-pub fn deviations<T: Number>(values: &mut [T], weights: &[f64]) -> [T; 6] {
-    let numbers = values.len() / weights.len();
-    let mut mean = [T::from(0.0); 6];
-    for (value, weight) in values.chunks_exact(numbers).zip(weights) {
-        mean.iter_mut().zip(value).for_each(|(mean, value)| *mean += T::from(*weight) * *value);
-    }
-    for value in values.chunks_exact_mut(numbers) {
-        value.iter_mut().zip(&mean).for_each(|(value, mean)| *value -= *mean);
+pub fn deviations<T: Number, const N: usize>(values: &mut [[T; N]], weights: &[f64]) -> [T; N] {
+    let mean = mean(values, weights);
+    for value in values {
+        for i in 0..N {
+            value[i] -= mean[i];
+        }
     }
     mean
 }
 
-/// Linear projection of sampled values on one simplex, by its values at the corners; `at` becomes what is left.
+/// The same, and the values left as they are.
 #[inline(always)]
-pub fn remainders<T: Number>(at: &mut [T], rule: &Rule) -> [T; 4] {
-    let corners = rule.points[0].len();
-    let mut moment = [T::from(0.0); 4];
-    for ((value, weight), b) in at.iter().zip(&rule.weights).zip(&rule.points) {
-        for a in 0..corners {
-            moment[a] += T::from(*weight) * *value * T::from(b[a]);
+pub fn mean<T: Number, const N: usize>(values: &[[T; N]], weights: &[f64]) -> [T; N] {
+    let mut mean = [T::from(0.0); N];
+    for (value, weight) in values.iter().zip(weights) {
+        let weight = T::from(*weight);
+        for i in 0..N {
+            mean[i] += weight * value[i];
         }
     }
-    let mut corner = [T::from(0.0); 4];
-    linear_projection(&moment[..corners], &mut corner[..corners]);
+    mean
+}
+
+/// Linear projections of N sampled fields on one simplex of C corners, by their values there; `at` becomes what is left.
+#[inline(always)]
+pub fn remainders<T: Number, const N: usize, const C: usize>(
+    at: &mut [[T; N]],
+    rule: &Rule,
+) -> [[T; C]; N] {
+    let mut moment = [[T::from(0.0); C]; N];
+    for ((value, weight), b) in at.iter().zip(&rule.weights).zip(&rule.points) {
+        let weight = T::from(*weight);
+        for a in 0..C {
+            let shape = T::from(b[a]);
+            for i in 0..N {
+                moment[i][a] += weight * value[i] * shape;
+            }
+        }
+    }
+    let mut corner = [[T::from(0.0); C]; N];
+    for i in 0..N {
+        linear_projection(&moment[i], &mut corner[i]);
+    }
     for (value, b) in at.iter_mut().zip(&rule.points) {
-        let linear = |a: usize| corner[a] * T::from(b[a]);
-        *value -= (1..corners).fold(linear(0), |sum, a| sum + linear(a));
+        for i in 0..N {
+            let mut linear = corner[i][0] * T::from(b[0]);
+            for a in 1..C {
+                linear += corner[i][a] * T::from(b[a]);
+            }
+            value[i] -= linear;
+        }
     }
     corner
 }

@@ -20,6 +20,14 @@ pub trait Truth: Send + Sync {
     /// A formula that is not finite somewhere, a time that a reference run does not have.
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError>;
 
+    /// Told that the moments at these times will be asked for: what they share with the loads is done once.
+    ///
+    /// # Errors
+    /// Those of [`Self::moments`].
+    fn expect(&self, _times: &[f64]) -> Result<(), LoadError> {
+        Ok(())
+    }
+
     /// The truth on Γ3 with the contact state of each point, where formulas tell it; computed anew at
     /// each call, since few scenes ask.
     ///
@@ -52,14 +60,20 @@ impl<T> Default for ByTime<T> {
 }
 
 impl<T> ByTime<T> {
+    /// The value at t, if it is known.
+    pub(super) fn known(&self, t: f64) -> Option<Arc<T>> {
+        let values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        values.get(&t.to_bits()).cloned()
+    }
+
     pub(super) fn get_or(
         &self,
         t: f64,
         compute: impl FnOnce() -> Result<T, LoadError>,
     ) -> Result<Arc<T>, LoadError> {
         let lock = || self.values.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(value) = lock().get(&t.to_bits()) {
-            return Ok(value.clone());
+        if let Some(value) = self.known(t) {
+            return Ok(value);
         }
         // Computed outside the lock: two threads may both do it, with identical results.
         let value = Arc::new(compute()?);

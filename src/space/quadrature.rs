@@ -4,7 +4,7 @@
 //! interval by Newton's iteration on the Legendre polynomial.
 
 /// Points (barycentric) and weights.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
     /// Barycentric coordinates of each point.
     pub points: Vec<Vec<f64>>,
@@ -15,8 +15,10 @@ pub struct Rule {
 /// The rules by which loads and moments of a truth are integrated.
 #[derive(Debug, Clone)]
 pub struct TruthRules {
-    /// Loads in the cells.
+    /// Loads in the cells, but for σ of an exact solution.
     pub load: Rule,
+    /// σ of an exact solution in loads of the weak form: the rule of the moments, which have the means of σ.
+    pub stress: Rule,
     /// Moments of the exact fields in the cells.
     pub error: Rule,
     /// Loads and moments of an exact solution on the sides.
@@ -36,7 +38,7 @@ impl TruthRules {
                 (tetrahedron_degree_5(), tetrahedron_degree_6(), side.clone(), side)
             }
         };
-        Self { load, error, side, traction }
+        Self { load, stress: error.clone(), error, side, traction }
     }
 
     /// The next rule of each: what the usual one leaves out shows in the difference.
@@ -48,7 +50,7 @@ impl TruthRules {
                 (tetrahedron_degree_6(), tetrahedron_product(4), side.clone(), side)
             }
         };
-        Self { load, error, side, traction }
+        Self { load, stress: error.clone(), error, side, traction }
     }
 }
 

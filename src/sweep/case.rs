@@ -100,6 +100,7 @@ fn measure(
         }
         Ok(())
     };
+    data.truth.expect(setup.grid(case.steps).times())?;
     let info = setup.scheme.march(setup, data, case.steps, &mut observe)?;
     Ok((info, data.rule_check(setup)?.floors.plus(by_rule.times(ERROR_RULE))))
 }

@@ -19,7 +19,7 @@ use std::collections::HashSet;
 pub(super) use alone::march_bytes;
 pub use alone::{RunCost, run_cost};
 use linear::linear;
-use truth::{RuleRatios, TruthCost, truth, zeta};
+use truth::{TruthCost, next_formulas, truth, zeta};
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::contact::{Discretization, LinearSolver, Plan};
@@ -159,7 +159,7 @@ pub(super) fn predict_some(
 ) -> Result<PlanCost, SetupError> {
     let reference = reference.map(|own| reference_cost(setup, plan, own)).transpose()?;
     let (reference, reference_cells) = reference.unzip();
-    let check = RuleRatios::of(setup.scene.dimension);
+    let next_formulas = next_formulas(setup);
     let zeta = zeta(setup);
     let timed = |c: usize| cases[c].norms.contains(&Norm::VTimeMax);
     let finest = |c: usize| cases[c].steps * if timed(c) { 1 + TIME_REFERENCE } else { 1 };
@@ -170,7 +170,7 @@ pub(super) fn predict_some(
         let n = mesh_of(&cases[of_mesh[0]]);
         let space = setup.space(n)?;
         let own = truth(setup, reference_cells, &space);
-        let TruthCost { load, moment, formulas, .. } = own;
+        let TruthCost { moment, load, load_beside, formulas, .. } = own;
         let dofs = space.dofs() as f64;
         let mut known: [HashSet<u64>; 2] = Default::default();
         let mut trajectories = 0.0;
@@ -194,20 +194,14 @@ pub(super) fn predict_some(
                     kept += own.bytes_a_time.min(8.0 * dofs) * more;
                 }
             }
-            cost.memory_bytes += PROGRAM + kept + check.formulas * formulas;
+            cost.memory_bytes += PROGRAM + kept + next_formulas * formulas;
             cost.memory_bytes += reference.map_or(0.0, |run: Cost| run.memory_bytes - PROGRAM);
             let mesh = SPACE * space.pattern.entries() as f64;
             (cost.kept_bytes, cost.kept_once) = (kept + mesh, once + mesh);
             // The rules are compared once a mesh, at two times: loads by both, moments by the next.
-            let compared = match setup.exact {
-                Some(_) => {
-                    let [direct_load, direct_moment] = own.direct;
-                    2.0 * (load + check.load * direct_load + check.error * direct_moment)
-                }
-                None => 0.0,
-            };
-            let truth =
-                own.parts_seconds + load * loads.len() as f64 + moment * moments.len() as f64;
+            let compared = 2.0 * own.next;
+            let (measured, finer) = (moments.len() as f64, (loads.len() - moments.len()) as f64);
+            let truth = own.parts_seconds + (moment + load_beside) * measured + load * finer;
             cost.alone = [cost.seconds + compared + truth + zeta, truth];
             if place == 0 {
                 cost.seconds += compared + own.parts_seconds;
@@ -216,8 +210,9 @@ pub(super) fn predict_some(
             let fresh = |set: &mut HashSet<u64>, times: HashSet<u64>| {
                 times.into_iter().filter(|&t| set.insert(t)).count() as f64
             };
-            cost.seconds +=
-                load * fresh(known_loads, loads) + moment * fresh(known_moments, moments);
+            let measured = fresh(known_loads, moments.clone());
+            cost.seconds += load_beside * measured + load * fresh(known_loads, loads);
+            cost.seconds += moment * fresh(known_moments, moments);
             // All that the mesh keeps by now, as that of a case is counted above.
             let [loads, moments] = [known_loads.len(), known_moments.len()].map(|n| n as f64);
             let mut all = cost.kept_once + trajectories + own.bytes_a_time * moments;

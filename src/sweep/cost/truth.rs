@@ -3,7 +3,7 @@
 use super::tensor_numbers;
 use crate::contact::Discretization;
 use crate::formula::Variable;
-use crate::scene::Data;
+use crate::scene::{Data, LoadForm};
 use crate::setup::Setup;
 use crate::space::quadrature::TruthRules;
 
@@ -27,11 +27,12 @@ const MOST_STORED: f64 = 2_097_152.0;
 /// What the truth costs on a mesh.
 #[derive(Default)]
 pub(super) struct TruthCost {
-    /// Seconds a time for the load and for the moments.
-    pub load: f64,
+    /// Seconds a time for the moments, for the load, and for the load where moments are taken at that time as well.
     pub moment: f64,
-    /// The same where both are evaluated at each time.
-    pub direct: [f64; 2],
+    pub load: f64,
+    pub load_beside: f64,
+    /// Seconds for moments and load at one time by the next rules, nothing being known.
+    pub next: f64,
     /// Seconds, and bytes held, for the parts of fields that separate.
     pub parts_seconds: f64,
     pub parts_bytes: f64,
@@ -45,33 +46,39 @@ pub(super) fn truth(
     reference_cells: Option<usize>,
     space: &Discretization,
 ) -> TruthCost {
-    let [load, error] = points(&TruthRules::of(setup.scene.dimension));
     let (count, dofs) = (space.mesh.cell_count() as f64, space.dofs() as f64);
     let numbers = moment_numbers(space) as f64 * count + dofs;
     let bytes_a_time = 8.0 * numbers;
     match (&setup.body.data, &setup.exact) {
         (Data::Exact { interpolated: true, .. }, _) | (Data::Exact { .. }, None) => {
-            TruthCost { load: INTERPOLATED, bytes_a_time, ..TruthCost::default() }
+            let load = INTERPOLATED;
+            TruthCost { load, load_beside: load, bytes_a_time, ..TruthCost::default() }
         }
         (Data::Exact { .. }, Some(exact)) => {
             let d = setup.scene.dimension;
             let cost = (d + d * (d + 1)) as f64 / 8.0 * count;
-            let direct = [LOAD * load * cost, MOMENTS * error * cost];
+            let [load, error] = points(setup, &TruthRules::of(d));
+            let [next_load, next_error] = points(setup, &TruthRules::stronger(d));
+            let next = (beside(setup, LOAD * next_load) + MOMENTS * next_error) * cost;
+            let [load_seconds, moment] = [LOAD * load * cost, MOMENTS * error * cost];
             if let Some(separation) = &exact.separation {
                 let parts = separation.parts as f64;
                 return TruthCost {
-                    load: PART * parts * dofs,
                     moment: PART * parts * numbers,
-                    direct,
-                    parts_seconds: parts * (direct[0] + direct[1]),
+                    load: PART * parts * dofs,
+                    load_beside: PART * parts * dofs,
+                    next,
+                    parts_seconds: parts * (beside(setup, load_seconds) + moment),
                     parts_bytes: bytes_a_time * (1.0 + parts),
                     formulas: 0.0,
                     bytes_a_time: FACET * space.trace.measure.len() as f64,
                 };
             }
-            let formulas = formulas(setup, load * count) + formulas(setup, error * count);
-            let [load, moment] = direct;
-            TruthCost { load, moment, direct, formulas, bytes_a_time, ..TruthCost::default() }
+            let formulas =
+                formulas(setup, beside(setup, load) * count) + formulas(setup, error * count);
+            let (load, load_beside) = (load_seconds, beside(setup, load_seconds));
+            let parts = TruthCost::default();
+            TruthCost { moment, load, load_beside, next, formulas, bytes_a_time, ..parts }
         }
         (Data::Loads { .. }, _) => {
             let moment = reference_cells.map_or(0.0, |cells| REFERENCE * cells as f64);
@@ -85,7 +92,7 @@ pub(super) fn load_bytes(setup: &Setup, space: &Discretization) -> f64 {
     match setup.exact.as_ref().and_then(|exact| exact.separation.as_ref()) {
         Some(separation) => 8.0 * (separation.parts * space.dofs()) as f64,
         None => {
-            let [load, _] = points(&TruthRules::of(setup.scene.dimension));
+            let [load, _] = points(setup, &TruthRules::of(setup.scene.dimension));
             formulas(setup, load * space.mesh.cell_count() as f64)
         }
     }
@@ -109,24 +116,27 @@ fn moment_numbers(space: &Discretization) -> usize {
 }
 
 /// Points a cell of the rules of loads and errors.
-fn points(rules: &TruthRules) -> [f64; 2] {
-    [&rules.load, &rules.error].map(|rule| rule.weights.len() as f64)
+fn points(setup: &Setup, rules: &TruthRules) -> [f64; 2] {
+    let load = if is_shared(setup) { &rules.stress } else { &rules.load };
+    [load, &rules.error].map(|rule| rule.weights.len() as f64)
 }
 
-/// What the next rules have over the usual ones: points for loads, for errors, and those for errors over all usual ones.
-pub(super) struct RuleRatios {
-    pub load: f64,
-    pub error: f64,
-    pub formulas: f64,
+/// Whether the moments have all that the loads need.
+fn is_shared(setup: &Setup) -> bool {
+    matches!(setup.body.data, Data::Exact { form: LoadForm::Weak, .. })
 }
 
-impl RuleRatios {
-    pub fn of(dimension: usize) -> Self {
-        let ([load, error], [next_load, next_error]) =
-            (points(&TruthRules::of(dimension)), points(&TruthRules::stronger(dimension)));
-        let formulas = next_error / (load + error);
-        Self { load: next_load / load, error: next_error / error, formulas }
-    }
+/// What is left of a number of the loads where moments are there.
+fn beside(setup: &Setup, of_loads: f64) -> f64 {
+    if is_shared(setup) { 0.0 } else { of_loads }
+}
+
+/// Bytes of the formulas at the points of the next rules over those at the usual ones.
+pub(super) fn next_formulas(setup: &Setup) -> f64 {
+    let d = setup.scene.dimension;
+    let [load, error] = points(setup, &TruthRules::of(d));
+    let [_, next_error] = points(setup, &TruthRules::stronger(d));
+    next_error / (beside(setup, load) + error)
 }
 
 /// Seconds for ζ of the exact solution.
