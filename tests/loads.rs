@@ -12,7 +12,7 @@ use gronwall::contact::{BoundaryRule, LoadError, stress_force};
 use gronwall::manufactured::{Exact, ExactData, ExactOnMesh, LoadForm, Truth};
 use gronwall::norms::Moments;
 use gronwall::scene::Data;
-use gronwall::setup::{Setup, side_numbers};
+use gronwall::setup::{MeshData, Setup, side_numbers};
 use gronwall::space::quadrature::TruthRules;
 use shipped::{bodies, edited, on_mesh, relative, setup, setup_of, text, v_max};
 
@@ -252,5 +252,62 @@ fn fields_in_parts_are_those_of_each_time() {
     }
     for name in ["affine", "compliance", "pure-mild"] {
         assert!(separated.iter().all(|own| own != name), "{name} does not separate");
+    }
+}
+
+/// On meshes in rows products of (x, t) and y are integrated along columns and rows; the same as point by point. What is
+/// projected, and what is no such product, is not.
+#[test]
+fn fields_along_rows_are_those_of_each_point() {
+    let mut along = Vec::new();
+    for setup in bodies().into_iter().filter(|setup| setup.exact.is_some()) {
+        let (name, exact) = (setup.scene.name.clone(), exact(&setup));
+        let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+        let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied());
+        let space = setup.space(n.unwrap_or(4) as u32).unwrap_or_else(|error| panic!("{error}"));
+        if interpolated || exact.rows(&space.mesh).is_none() {
+            continue;
+        }
+        let sides = side_numbers(&setup.body.domain.traction);
+        let rules = TruthRules::of(setup.scene.dimension);
+        for form in [LoadForm::Weak, LoadForm::Strong] {
+            let new = || ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
+            let horizon = setup.scene.time.horizon;
+            let [early, late] = [0.31 * horizon, 0.32 * horizon];
+            for rows in [new(), new().time_by_time()] {
+                let points = new().time_by_time().point_by_point();
+                for t in [0.0, early, horizon] {
+                    let off = truths_apart(&rows, &points, [t, t]);
+                    // Sums over 12 points and a few products of numbers of order one; remainders are squares of small differences.
+                    assert!(off < 1e-11, "{name}, {form:?}, t = {t}: {off:e}");
+                }
+                let load = |truth: &ExactOnMesh, t: f64| {
+                    truth.load(t).unwrap_or_else(|error| panic!("{error}"))
+                };
+                let moves = load(&points, early) != load(&points, late);
+                let off = apart(&load(&rows, early), &load(&points, late));
+                assert!(off > 1e-4 || !moves, "{name}: another time, {off:e}");
+            }
+        }
+        along.push(name);
+    }
+    for name in ["compliance", "law-linear", "signorini", "viscoelastic", "zone-appears"] {
+        assert!(along.iter().any(|own| own == name), "{name} is a sum of products: {along:?}");
+    }
+    for name in ["corner", "layered", "oblique-trapezium", "pure-box", "pure-mild"] {
+        assert!(along.iter().all(|own| own != name), "{name} is none");
+    }
+}
+
+/// A load is the same whether the moments at its time are known or not.
+#[test]
+fn loads_do_not_depend_on_what_is_known() {
+    for scene in ["compliance", "layered", "pure-box", "pure-mild", "viscoelastic"] {
+        let setup = setup(scene);
+        let (alone, beside) = (on_mesh(&setup, 4), on_mesh(&setup, 4));
+        beside.truth.expect(&[0.5]).unwrap_or_else(|error| panic!("{error}"));
+        let load = |data: &MeshData| data.truth.load(0.5).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(load(&alone), load(&beside), "{scene}");
+        assert!(load(&alone).iter().any(|force| *force != 0.0));
     }
 }

@@ -77,7 +77,12 @@ impl Dependence {
 
     /// Nothing but t, if that.
     pub(super) fn at_most_time(self) -> bool {
-        self.space() == 0 && !self.contains(Variable::Zeta)
+        self.at_most(Variable::T)
+    }
+
+    /// Nothing but one variable, if that.
+    pub(super) fn at_most(self, variable: Variable) -> bool {
+        self.0 & !Self::HISTORY & !Self::of(variable).0 == 0
     }
 }
 

@@ -1,8 +1,8 @@
-//! Separation of space and time.
+//! Separation of one variable, time or a coordinate, from the others.
 
 use std::collections::HashMap;
 
-use super::graph::{Graph, Node, Op};
+use super::graph::{Graph, Node, Op, Variable};
 use super::vocabulary::Function;
 
 /// Longer sums count as not separable.
@@ -12,13 +12,13 @@ const MOST_TERMS: usize = 128;
 /// in 1e-300 t (x/1e150).
 const MOVED: std::ops::RangeInclusive<f64> = 1e-80..=1e80;
 
-/// The list (a, f) of sum a(t) f(x,y,z).
+/// The list (a, f) of sum a(v) f, v the variable and f of the others.
 type Separated = Vec<(Node, Node)>;
 
 /// Several formulas separated with common factors in time.
 #[derive(Clone, Debug, Default)]
 pub struct Together {
-    /// The a_m(t).
+    /// The a_m(v).
     pub factors: Vec<Node>,
     /// For each formula its terms (m, g), each m at most once.
     pub shapes: Vec<Vec<(usize, Node)>>,
@@ -30,12 +30,17 @@ impl Graph {
     /// and branches decided by space or by time alone.  `None` where the form
     /// of `f` does not show one; zero is the empty sum.
     pub fn separate(&mut self, f: Node) -> Option<Vec<(Node, Node)>> {
+        self.separate_from(Variable::T, f)
+    }
+
+    /// The same with another variable in place of time.
+    fn separate_from(&mut self, v: Variable, f: Node) -> Option<Separated> {
         let mut known: HashMap<Node, Option<Separated>> = HashMap::new();
-        for node in self.reachable(&[f], |n| !self.is_pure(n)) {
-            let sum = if self.is_pure(node) {
-                Some(self.pure(node))
+        for node in self.reachable(&[f], |n| !self.is_pure(v, n)) {
+            let sum = if self.is_pure(v, node) {
+                Some(self.pure(v, node))
             } else {
-                self.separate_one(node, &known)
+                self.separate_one(v, node, &known)
             };
             let sum = sum.and_then(|sum| self.collected(sum));
             known.insert(node, sum);
@@ -43,13 +48,14 @@ impl Graph {
         known.remove(&f).flatten()
     }
 
-    /// The factors a_m and, for each of several formulas, its list of (m, g) with f = sum a_m(t) g: factors that
-    /// differ by a number are one.  `None` if a formula does not separate.
-    pub fn separate_together(&mut self, formulas: &[Node]) -> Option<Together> {
+    /// The factors a_m(v), v being time or a coordinate, and, for each of several formulas, its list of (m, g) with
+    /// f = sum a_m(v) g, g of the other variables: factors that differ by a number are one.  `None` if a formula does not
+    /// separate.
+    pub fn separate_together(&mut self, v: Variable, formulas: &[Node]) -> Option<Together> {
         let mut together = Together::default();
         for &f in formulas {
             let mut shapes: Vec<(usize, Node)> = Vec::new();
-            for (a, g) in self.separate(f)? {
+            for (a, g) in self.separate_from(v, f)? {
                 let (number, a) = self.number_out(a);
                 let number = self.constant(number);
                 let g = self.mul(number, g);
@@ -76,20 +82,16 @@ impl Graph {
         }
     }
 
-    fn is_time_only(&self, f: Node) -> bool {
-        self.dependence(f).at_most_time()
+    /// The variable alone or the others alone.
+    fn is_pure(&self, v: Variable, f: Node) -> bool {
+        self.dependence(f).at_most(v) || !self.depends_on(f, v)
     }
 
-    /// Time alone or space alone.
-    fn is_pure(&self, f: Node) -> bool {
-        self.is_time_only(f) || !self.dependence(f).on_time()
-    }
-
-    fn pure(&mut self, f: Node) -> Separated {
+    fn pure(&mut self, v: Variable, f: Node) -> Separated {
         let one = self.constant(1.0);
         if self.value_of_constant(f) == Some(0.0) {
             Vec::new()
-        } else if self.dependence(f).on_time() {
+        } else if self.depends_on(f, v) {
             vec![(f, one)]
         } else {
             vec![(one, f)]
@@ -98,6 +100,7 @@ impl Graph {
 
     fn separate_one(
         &mut self,
+        v: Variable,
         f: Node,
         known: &HashMap<Node, Option<Separated>>,
     ) -> Option<Separated> {
@@ -132,11 +135,11 @@ impl Graph {
                 let (mut time, mut space) = (self.constant(1.0), self.constant(1.0));
                 for (a, g) in of(a)? {
                     let exponent = self.mul(a, g);
-                    if !self.is_pure(exponent) {
+                    if !self.is_pure(v, exponent) {
                         return None;
                     }
                     let factor = self.exp(exponent);
-                    if self.is_time_only(exponent) {
+                    if self.dependence(exponent).at_most(v) {
                         time = self.mul(time, factor);
                     } else {
                         space = self.mul(space, factor);
@@ -144,13 +147,19 @@ impl Graph {
                 }
                 Some(vec![(time, space)])
             }
-            Op::Less([a, b, p, q]) => self.separate_branches([a, b], of(p)?, of(q)?),
+            Op::Less([a, b, p, q]) => self.separate_branches(v, [a, b], of(p)?, of(q)?),
             Op::Relax(c, a) => {
-                let relax = |(a, g): (Node, Node)| (self.relax(f64::from_bits(c), a), g);
+                let relax = |(a, g): (Node, Node)| match v {
+                    Variable::T => (self.relax(f64::from_bits(c), a), g),
+                    _ => (a, self.relax(f64::from_bits(c), g)),
+                };
                 Some(of(a)?.into_iter().map(relax).collect())
             }
             Op::Convolve(kernel, a) => {
-                let convolve = |(a, g): (Node, Node)| (self.convolve(kernel, a), g);
+                let convolve = |(a, g): (Node, Node)| match v {
+                    Variable::T => (self.convolve(kernel, a), g),
+                    _ => (a, self.convolve(kernel, g)),
+                };
                 Some(of(a)?.into_iter().map(convolve).collect())
             }
             _ => None,
@@ -160,23 +169,23 @@ impl Graph {
     /// A branch decided in one of the two factors is taken there.
     fn separate_branches(
         &mut self,
+        v: Variable,
         [a, b]: [Node; 2],
         then: Separated,
         otherwise: Separated,
     ) -> Option<Separated> {
-        let in_time = self.is_time_only(a) && self.is_time_only(b);
-        let in_space = !self.dependence(a).on_time() && !self.dependence(b).on_time();
-        if !in_time && !in_space {
+        let in_first = self.dependence(a).at_most(v) && self.dependence(b).at_most(v);
+        if !in_first && (self.depends_on(a, v) || self.depends_on(b, v)) {
             return None;
         }
         let zero = self.constant(0.0);
         let mut sum = Vec::with_capacity(then.len() + otherwise.len());
         for (list, taken) in [(then, true), (otherwise, false)] {
-            for (time, space) in list {
-                let factor = if in_time { time } else { space };
+            for (first, second) in list {
+                let factor = if in_first { first } else { second };
                 let (p, q) = if taken { (factor, zero) } else { (zero, factor) };
                 let factor = self.select_less(a, b, p, q);
-                sum.push(if in_time { (factor, space) } else { (time, factor) });
+                sum.push(if in_first { (factor, second) } else { (first, factor) });
             }
         }
         Some(sum)
@@ -199,7 +208,7 @@ impl Graph {
         Some(sum)
     }
 
-    /// Numbers go to the factor in time if that varies, else to that in space.
+    /// Numbers go to the first factor if that varies, else to the second.
     fn normalised(&mut self, a: Node, g: Node) -> (Node, Node) {
         let one = self.constant(1.0);
         if self.value_of_constant(a).is_some() {

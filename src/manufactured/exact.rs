@@ -4,7 +4,7 @@ use super::AccumulatedStrain;
 use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
 use super::lanes::Number;
-use super::{Separation, symbolic};
+use super::{Products, Rows, Separation, symbolic};
 use crate::formula::{Graph, Node, Program, Variable};
 use crate::mesh::{CoarseMesh, Mesh};
 
@@ -136,6 +136,8 @@ pub struct Exact {
     pub forces: Program,
     /// ζ(t).
     pub zeta: AccumulatedStrain,
+    /// [u, ε, H_1, …] as sums of few products of (x, t) and y, where σ is linear in ε and the formulas show one.
+    pub products: Option<Products>,
     /// The fields as sums of few products of time and space, where σ is linear in ε and the formulas show one.
     pub separation: Option<Separation>,
 }
@@ -165,11 +167,24 @@ impl Exact {
         let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, &data.size, needs_zeta)
             .over(polytope);
         // σ is linear in ε without the projection.
-        let separation = match data.kappa {
-            None => Separation::of(&data.graph, &outputs, &body_force, data.horizon),
-            Some(_) => None,
-        };
-        Self { strain, memory, stress, body_force, interior, forces, zeta, separation, data }
+        let is_linear = data.kappa.is_none();
+        let separation = is_linear
+            .then(|| Separation::of(&data.graph, &outputs, &body_force, data.horizon))
+            .flatten();
+        let products =
+            is_linear.then(|| Products::of(&data.graph, &outputs, data.horizon)).flatten();
+        Self {
+            strain,
+            memory,
+            stress,
+            body_force,
+            interior,
+            forces,
+            zeta,
+            products,
+            separation,
+            data,
+        }
     }
 
     /// Space dimension.
@@ -207,6 +222,15 @@ impl Exact {
         let points: Vec<[f64; 3]> =
             (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &centroid)).collect();
         self.regions_at(&points)
+    }
+
+    /// The rows of a mesh of one material, where the fields are products along them.
+    pub fn rows(&self, mesh: &Mesh) -> Option<Rows> {
+        let separated =
+            self.separation.as_ref().and_then(|separation| separation.products.as_ref());
+        self.products.as_ref().or(separated)?;
+        let one_law = self.cell_regions(mesh).iter().all(|region| *region == 0);
+        if one_law { Rows::of(mesh) } else { None }
     }
 
     /// The region of each of some facets of a mesh, that of its centroid.

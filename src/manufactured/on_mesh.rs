@@ -8,9 +8,12 @@ use super::contact_samples::StatePoints;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
 use super::nodal_force::facet_measure;
+use super::on_rows::OnRows;
 use super::part_moments::{PartMoments, combined, forget_zeros};
 use super::parts::Parts;
+use super::products::Products;
 use super::reduction::remainders;
+use super::rows::Rows;
 use super::sampled::Sampled;
 use super::separation::Separation;
 use super::truth::{ByTime, Truth};
@@ -44,6 +47,9 @@ pub struct ExactOnMesh {
     moment_parts: OnceLock<Option<PartMoments>>,
     /// Whether fields that separate are taken in parts.
     in_parts: bool,
+    /// The rows of the mesh where it has some, and one material; the fields at one time on them.
+    rows: Option<Rows>,
+    on_rows: OnceLock<Arc<OnRows>>,
     state_points: OnceLock<StatePoints>,
 }
 
@@ -76,6 +82,7 @@ impl ExactOnMesh {
             force_points: cell_points(&rules.load),
             error_points: cell_points(&rules.error),
             regions: exact.cell_regions(&space.mesh),
+            rows: exact.rows(&space.mesh),
             contact,
             traction: facet_groups(&exact, &space, &free, &rules.side),
             exact,
@@ -88,6 +95,7 @@ impl ExactOnMesh {
             load_parts: OnceLock::new(),
             moment_parts: OnceLock::new(),
             in_parts: true,
+            on_rows: OnceLock::new(),
             state_points: OnceLock::new(),
         }
     }
@@ -95,6 +103,12 @@ impl ExactOnMesh {
     /// The same with all fields evaluated at each time: for few times, and as a check on the parts.
     pub fn time_by_time(mut self) -> Self {
         self.in_parts = false;
+        self
+    }
+
+    /// The same without products along rows: a check on these.
+    pub fn point_by_point(mut self) -> Self {
+        self.rows = None;
         self
     }
 
@@ -106,6 +120,7 @@ impl ExactOnMesh {
             regions: &self.regions,
             interior: &self.exact.interior,
             forces: &self.exact.forces,
+            products: self.exact.products.as_ref(),
             count: 1,
             again: true,
             t,
@@ -119,6 +134,7 @@ impl ExactOnMesh {
         Parts {
             interior: &separation.interior,
             forces: &separation.forces,
+            products: separation.products.as_ref(),
             count: separation.parts,
             again: false,
             t: 0.0,
@@ -142,6 +158,12 @@ impl ExactOnMesh {
     /// Nodal vectors of all loads but the pressure on Γ3, by part.
     fn volume_forces<const D: usize>(&self, parts: &Parts<'_>) -> Result<Vec<Vec<f64>>, LoadError> {
         if self.form == LoadForm::Weak {
+            if self.is_shared()
+                && let Some((rows, products)) = self.by_rows(parts)
+                && let Some(means) = rows.stress_means(parts, products)
+            {
+                return Ok(means.iter().map(|means| parts.force_of_means::<D>(means)).collect());
+            }
             let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
             return parts.stress_forces::<D>(points);
         }
@@ -222,12 +244,25 @@ impl ExactOnMesh {
         Ok(force)
     }
 
+    /// Products along the rows of the mesh, where it and the fields have them.
+    fn by_rows<'a>(&self, parts: &Parts<'a>) -> Option<(Arc<OnRows>, &'a Products)> {
+        let (rows, products) = (self.rows.as_ref()?, parts.products?);
+        let new = || Arc::new(OnRows::new(products, rows, &self.error_points.rule));
+        let on_rows = if parts.again { self.on_rows.get_or_init(new).clone() } else { new() };
+        Some((on_rows, products))
+    }
+
+    /// Moments in the cells of all parts.
+    fn part_moments<const D: usize>(&self, parts: &Parts<'_>) -> Result<PartMoments, LoadError> {
+        let by_rows = self.by_rows(parts).and_then(|(rows, own)| rows.moments(parts, own));
+        by_rows.map_or_else(|| parts.moments::<D>(&self.error_points), Ok)
+    }
+
     /// Moments in the cells from the parts; none where there are none, or a number is not finite.
     fn moments_from_parts<const D: usize>(&self, t: f64) -> Option<Moments> {
         let separation = self.separation()?;
         let parts = self.moment_parts.get_or_init(|| {
-            let parts = self.parts(separation).moments::<D>(&self.error_points).ok()?;
-            Some(parts.without_zeros())
+            Some(self.part_moments::<D>(&self.parts(separation)).ok()?.without_zeros())
         });
         parts.as_ref()?.at(&separation.factors_at(t))
     }
@@ -242,7 +277,7 @@ impl ExactOnMesh {
             return Ok(Arc::new(with(cells, (*on_contact).clone())));
         }
         self.moments.get_or(t, || {
-            let cells = self.at(t).moments::<D>(&self.error_points)?.single();
+            let cells = self.part_moments::<D>(&self.at(t))?.single();
             Ok(with(cells, self.compute_contact::<D>(t)?))
         })
     }

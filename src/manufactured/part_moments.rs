@@ -151,9 +151,9 @@ fn append_corners<const D: usize, const C: usize>(
 #[derive(Debug, Default)]
 pub(super) struct PartFamily {
     /// Cell means, or linear projections by their values at the corners; empty where they vanish.
-    vectors: Vec<Vec<f64>>,
+    pub(super) vectors: Vec<Vec<f64>>,
     /// Σ_K ∫_K r_m·r_l of the remainders, row by row.
-    products: Vec<f64>,
+    pub(super) products: Vec<f64>,
 }
 
 impl PartFamily {
@@ -216,11 +216,11 @@ pub(super) fn combined(vectors: &[Vec<f64>], factors: &[f64], length: usize) -> 
 /// Moments of u, ε and σ in the cells, part by part.
 #[derive(Debug, Default)]
 pub(super) struct PartMoments {
-    strain: PartFamily,
-    stress: PartFamily,
-    displacement: PartFamily,
+    pub(super) strain: PartFamily,
+    pub(super) stress: PartFamily,
+    pub(super) displacement: PartFamily,
     /// Numbers of ε, and of u.
-    lengths: [usize; 2],
+    pub(super) lengths: [usize; 2],
 }
 
 impl PartMoments {

@@ -12,6 +12,7 @@ use super::exact::Exact;
 use super::facet_group::FacetGroup;
 use super::lanes::{Lanes, WIDTH};
 use super::nodal_force::{add_stress, facet_measure};
+use super::products::Products;
 use super::reduction::mean;
 use super::sampled::{Sampled, tensor_names, vector_names};
 use crate::contact::{Discretization, LoadError};
@@ -27,6 +28,8 @@ pub(super) struct Parts<'a> {
     /// [u, ε, H_1, …] and f0 of one part after another.
     pub interior: &'a Program,
     pub forces: &'a Program,
+    /// [u, ε, H_1, …] of one part after another as products of (x, t) and y, where they are.
+    pub products: Option<&'a Products>,
     pub count: usize,
     /// Whether the same formulas are evaluated at other times: they then stay bound to the points.
     pub again: bool,

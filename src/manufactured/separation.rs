@@ -2,7 +2,8 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crate::formula::{Bound, Graph, Node, Program};
+use super::Products;
+use crate::formula::{Bound, Graph, Node, Program, Variable};
 
 /// Longer sums are evaluated time by time: a part costs as much as a time.
 const MOST_PARTS: usize = 8;
@@ -15,6 +16,8 @@ pub struct Separation {
     pub interior: Program,
     /// The S_m of f0.
     pub forces: Program,
+    /// The S_m of [u, ε, H_1, …] as products of x and y, where they are.
+    pub products: Option<Products>,
     factors: Mutex<Bound>,
 }
 
@@ -22,25 +25,25 @@ impl Separation {
     /// Separates the formulas; none if one of them does not show a short sum.
     pub fn of(graph: &Graph, interior: &[Node], forces: &[Node], horizon: f64) -> Option<Self> {
         let mut graph = graph.clone();
-        let together = graph.separate_together(&[interior, forces].concat())?;
+        let together = graph.separate_together(Variable::T, &[interior, forces].concat())?;
         let parts = together.factors.len();
         if parts > MOST_PARTS {
             return None;
         }
         let zero = graph.constant(0.0);
-        let mut shapes = |formulas: &[Vec<(usize, Node)>]| {
+        let shapes = |formulas: &[Vec<(usize, Node)>]| -> Vec<Node> {
             let shape = |m: usize, terms: &[(usize, Node)]| {
                 terms.iter().find(|(own, _)| *own == m).map_or(zero, |(_, shape)| *shape)
             };
-            let all: Vec<Node> = (0..parts)
-                .flat_map(|m| formulas.iter().map(move |terms| shape(m, terms)))
-                .collect();
-            Program::compile(&mut graph, &all, horizon)
+            (0..parts).flat_map(|m| formulas.iter().map(move |terms| shape(m, terms))).collect()
         };
         let (inside, outside) = together.shapes.split_at(interior.len());
-        let (interior, forces) = (shapes(inside), shapes(outside));
+        let (inside, outside) = (shapes(inside), shapes(outside));
+        let products = Products::of(&graph, &inside, horizon);
+        let [interior, forces] =
+            [inside, outside].map(|all| Program::compile(&mut graph, &all, horizon));
         let factors = Program::compile(&mut graph, &together.factors, horizon).bind(&[[0.0; 3]]);
-        Some(Self { parts, interior, forces, factors: Mutex::new(factors) })
+        Some(Self { parts, interior, forces, products, factors: Mutex::new(factors) })
     }
 
     /// The a_m(t).
