@@ -134,6 +134,9 @@ impl Breaks {
             for (lane, &watches) in self.watches.iter().enumerate() {
                 let (values, times) = (&values[first..], &self.sampler.times[first..]);
                 first += watches + 1;
+                if is_of_one_sign(&values[..=watches]) {
+                    continue;
+                }
                 for k in 0..watches {
                     let (low_sign, end_sign) = (class(values[k]), class(values[k + 1]));
                     if low_sign != end_sign {
@@ -186,6 +189,13 @@ impl Breaks {
             bracket.reopen()
         });
     }
+}
+
+/// Whether all values are above zero, or all below.
+fn is_of_one_sign(values: &[f64]) -> bool {
+    // Without a jump for each of them.
+    values.iter().fold(true, |all, value| all & (*value > 0.0))
+        || values.iter().fold(true, |all, value| all & (*value < 0.0))
 }
 
 impl Bracket {

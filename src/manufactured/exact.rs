@@ -224,6 +224,17 @@ impl Exact {
         self.regions_at(&points)
     }
 
+    /// Whether ε, all memories and the law are the same everywhere on a mesh.
+    pub fn is_uniform(&self, mesh: &Mesh) -> bool {
+        let varies = |node| {
+            let space = [Variable::X, Variable::Y, Variable::Z];
+            space.iter().any(|&axis| self.data.graph.depends_on(node, axis))
+        };
+        let regions = self.cell_regions(mesh);
+        regions.iter().all(|region| *region == regions[0])
+            && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
+    }
+
     /// The rows of a mesh of one material, where the fields are products along them.
     pub fn rows(&self, mesh: &Mesh) -> Option<Rows> {
         let separated =

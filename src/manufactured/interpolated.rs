@@ -4,7 +4,7 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::constitutive::{self, Tensor, mandel};
+use super::constitutive::{self, Tensor, from_mandel, mandel};
 use super::contact_samples::StatePoints;
 use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
 use super::exact::Exact;
@@ -250,13 +250,15 @@ impl InterpolatedOnMesh {
         self.contact_state(t).into_iter().map(|at| at[1]).collect()
     }
 
-    fn compute_load<const D: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
-        let (u, memory) = self.displacements(t)?;
-        let kappa = self.kappa(t)?;
+    fn compute_load<const D: usize, const N: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let space = &self.space;
+        let stress = match self.moments.known(t) {
+            Some(moments) => moments.stress.mean.clone(),
+            None => self.cells::<D, N>(t)?.stress,
+        };
         let mut force = vec![0.0; space.nodes.len()];
-        for c in 0..space.mesh.cell_count() {
-            let stress: Tensor<D> = self.stress(&u, &memory, kappa, c);
+        for (c, stress) in stress.chunks_exact(N).enumerate() {
+            let stress: Tensor<D> = from_mandel(stress);
             add_stress(&space.mesh, c, space.cell_nodes(c), &stress, &mut force);
         }
         self.add_contact_pressure(t, &mut force);
@@ -264,31 +266,35 @@ impl InterpolatedOnMesh {
         Ok(force)
     }
 
-    fn stress<const D: usize>(
-        &self,
-        u: &[f64],
-        memory: &[Vec<f64>],
-        kappa: f64,
-        c: usize,
-    ) -> Tensor<D> {
-        let strain = self.strain(u, c);
-        let remembered: Vec<Tensor<D>> = memory.iter().map(|h| self.strain(h, c)).collect();
-        let material = self.exact.material_in(self.regions[c]);
-        constitutive::stress(material, &strain, &remembered, kappa)
+    /// u, and ε and σ of all cells.
+    fn cells<const D: usize, const N: usize>(&self, t: f64) -> Result<CellFields, LoadError> {
+        let (u, memory) = self.displacements(t)?;
+        let kappa = self.kappa(t)?;
+        let cells = self.space.mesh.cell_count();
+        let [mut strains, mut stresses] = [(); 2].map(|()| Vec::with_capacity(N * cells));
+        let mut remembered: Vec<Tensor<D>> = Vec::new();
+        for c in 0..cells {
+            let strain = self.strain(&u, c);
+            remembered.clear();
+            remembered.extend(memory.iter().map(|h| self.strain(h, c)));
+            let material = self.exact.material_in(self.regions[c]);
+            let stress = constitutive::stress(material, &strain, &remembered, kappa);
+            for (all, tensor) in [(&mut strains, strain), (&mut stresses, stress)] {
+                let numbers: [f64; N] = mandel(&tensor);
+                all.extend_from_slice(&numbers);
+            }
+        }
+        Ok(CellFields { u, strain: strains, stress: stresses })
     }
 
     fn compute_moments<const D: usize, const N: usize>(
         &self,
         t: f64,
     ) -> Result<Moments, LoadError> {
-        let (u, memory) = self.displacements(t)?;
-        let kappa = self.kappa(t)?;
+        let CellFields { u, strain, stress } = self.cells::<D, N>(t)?;
         let mut moments = Moments::default();
+        (moments.strain.mean, moments.stress.mean) = (strain, stress);
         for c in 0..self.space.mesh.cell_count() {
-            let strain: [f64; N] = mandel(&self.strain::<D>(&u, c));
-            let stress: [f64; N] = mandel(&self.stress::<D>(&u, &memory, kappa, c));
-            moments.strain.mean.extend(strain);
-            moments.stress.mean.extend(stress);
             for &node in self.space.cell_nodes(c) {
                 moments.displacement.corner.extend(&u[D * node as usize..][..D]);
             }
@@ -315,8 +321,8 @@ impl InterpolatedOnMesh {
 impl Truth for InterpolatedOnMesh {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
         let load = match self.space.mesh.dimension {
-            2 => Self::compute_load::<2>,
-            _ => Self::compute_load::<3>,
+            2 => Self::compute_load::<2, 3>,
+            _ => Self::compute_load::<3, 6>,
         };
         self.loads.get_or(t, || load(self, t))
     }
@@ -329,6 +335,10 @@ impl Truth for InterpolatedOnMesh {
         self.moments.get_or(t, || moments(self, t))
     }
 
+    fn expect(&self, times: &[f64]) -> Result<(), LoadError> {
+        times.iter().try_for_each(|&t| self.moments(t).map(drop))
+    }
+
     fn contact_samples(&self, t: f64) -> Result<Option<ContactSamples>, LoadError> {
         if self.space.mesh.dimension != 2 {
             return Ok(None);
@@ -336,6 +346,13 @@ impl Truth for InterpolatedOnMesh {
         let points = || StatePoints::new(&self.exact, &self.space, true);
         Ok(Some(self.state_points.get_or_init(points).at(t)))
     }
+}
+
+/// u in the nodes, ε and σ in the cells, in the notation of moments.
+struct CellFields {
+    u: Vec<f64>,
+    strain: Vec<f64>,
+    stress: Vec<f64>,
 }
 
 /// Times at which a guard changes sign at some vertex.

@@ -13,6 +13,7 @@
 //!   against values from outside.
 
 mod accumulated;
+mod bound_products;
 mod check;
 pub mod constitutive;
 mod contact_samples;
@@ -41,6 +42,7 @@ mod sign_changes;
 mod simplex_points;
 mod symbolic;
 mod truth;
+mod uniform;
 
 pub use accumulated::AccumulatedStrain;
 pub use check::{

@@ -17,6 +17,7 @@ use super::rows::Rows;
 use super::sampled::Sampled;
 use super::separation::Separation;
 use super::truth::{ByTime, Truth};
+use super::uniform::Uniform;
 use crate::contact::{Discretization, LoadError};
 use crate::norms::{ContactSamples, Moments, Piecewise, facet_samples, is_locked};
 use crate::space::quadrature::{Rule, TruthRules};
@@ -47,6 +48,8 @@ pub struct ExactOnMesh {
     moment_parts: OnceLock<Option<PartMoments>>,
     /// Whether fields that separate are taken in parts.
     in_parts: bool,
+    /// The fields where their strain is the same everywhere.
+    uniform: Option<Uniform>,
     /// The rows of the mesh where it has some, and one material; the fields at one time on them.
     rows: Option<Rows>,
     on_rows: OnceLock<Arc<OnRows>>,
@@ -76,12 +79,14 @@ impl ExactOnMesh {
             Sampled::new(cells, rule)
         };
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
+        let regions = exact.cell_regions(&space.mesh);
+        let uniform = Uniform::new(&exact, &space.mesh);
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
         Self {
             stress_points: (rules.stress != rules.error).then(|| cell_points(&rules.stress)),
             force_points: cell_points(&rules.load),
             error_points: cell_points(&rules.error),
-            regions: exact.cell_regions(&space.mesh),
+            regions,
             rows: exact.rows(&space.mesh),
             contact,
             traction: facet_groups(&exact, &space, &free, &rules.side),
@@ -95,6 +100,7 @@ impl ExactOnMesh {
             load_parts: OnceLock::new(),
             moment_parts: OnceLock::new(),
             in_parts: true,
+            uniform,
             on_rows: OnceLock::new(),
             state_points: OnceLock::new(),
         }
@@ -106,9 +112,9 @@ impl ExactOnMesh {
         self
     }
 
-    /// The same without products along rows: a check on these.
+    /// The same with all fields evaluated at all points, whatever they are: a check on shorter ways.
     pub fn point_by_point(mut self) -> Self {
-        self.rows = None;
+        (self.uniform, self.rows) = (None, None);
         self
     }
 
@@ -158,10 +164,7 @@ impl ExactOnMesh {
     /// Nodal vectors of all loads but the pressure on Γ3, by part.
     fn volume_forces<const D: usize>(&self, parts: &Parts<'_>) -> Result<Vec<Vec<f64>>, LoadError> {
         if self.form == LoadForm::Weak {
-            if self.is_shared()
-                && let Some((rows, products)) = self.by_rows(parts)
-                && let Some(means) = rows.stress_means(parts, products)
-            {
+            if let Some(means) = self.stress_means::<D>(parts) {
                 return Ok(means.iter().map(|means| parts.force_of_means::<D>(means)).collect());
             }
             let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
@@ -254,8 +257,25 @@ impl ExactOnMesh {
 
     /// Moments in the cells of all parts.
     fn part_moments<const D: usize>(&self, parts: &Parts<'_>) -> Result<PartMoments, LoadError> {
+        if let Some(uniform) = self.uniform.as_ref().filter(|_| parts.again)
+            && let Some(moments) = uniform.moments::<D>(parts)
+        {
+            return Ok(moments);
+        }
         let by_rows = self.by_rows(parts).and_then(|(rows, own)| rows.moments(parts, own));
         by_rows.map_or_else(|| parts.moments::<D>(&self.error_points), Ok)
+    }
+
+    /// The means of σ as the moments have them, where that takes no points in the cells.
+    fn stress_means<const D: usize>(&self, parts: &Parts<'_>) -> Option<Vec<Vec<f64>>> {
+        if !self.is_shared() {
+            return None;
+        }
+        let uniform = self.uniform.as_ref().filter(|_| parts.again);
+        uniform.and_then(|uniform| uniform.stress_means::<D>(parts)).or_else(|| {
+            let (rows, products) = self.by_rows(parts)?;
+            rows.stress_means(parts, products)
+        })
     }
 
     /// Moments in the cells from the parts; none where there are none, or a number is not finite.

@@ -1,54 +1,25 @@
 //! Moments of fields Σ_m f_m(x, t) g_m(y) on a mesh in rows: integrals over cells are products of matrices, columns by
 //! points by rows, and the squares of what P1 functions cannot have are sums over columns times sums over rows.
 
-use std::sync::{Mutex, PoisonError};
-
 use nalgebra::DMatrix;
 
-use super::constitutive::{Tensor, mandel, stress};
-use super::lanes::{Lanes, WIDTH};
+use super::bound_products::{BoundProducts, Field, Fields, TENSOR, Term, Values};
+use super::lanes::WIDTH;
 use super::part_moments::{PartFamily, PartMoments};
 use super::parts::Parts;
 use super::products::Products;
 use super::rows::{HALVES, Rows, width};
-use crate::formula::{Bound, Program};
 use crate::norms::linear_projection;
 use crate::space::quadrature::Rule;
 
-/// Numbers of a tensor in the plane, corners of a triangle.
-const TENSOR: usize = 3;
+/// Corners of a triangle.
 const CORNERS: usize = 3;
-
-/// Values of a function of one variable at the points of the rule in all columns (or rows) of each half, one point of
-/// the rule after the other.
-type Values = [Vec<f64>; HALVES];
-
-/// f(x) g_m(y) with m.
-struct Term {
-    m: usize,
-    f: Values,
-}
-
-/// A number of a field: the sum of its terms.
-type Field = Vec<Term>;
-
-/// The fields of a part: ε, σ (Mandel) and u.
-struct Fields {
-    strain: [Field; TENSOR],
-    stress: [Field; TENSOR],
-    displacement: [Field; 2],
-}
 
 /// Products at the points of a rule on a mesh in rows.
 pub(super) struct OnRows {
     rows: Rows,
     rule: Rule,
-    /// Of each g_m.
-    along_y: Vec<Values>,
-    /// The f_m, at distinct abscissae.
-    along_x: Mutex<Bound>,
-    /// The abscissa of each point of each half, in the order of [`Values`].
-    abscissa: [Vec<u32>; HALVES],
+    products: BoundProducts,
     /// Distance of each point from the centroid of its cell, along either axis.
     from_centre: [Values; 2],
 }
@@ -57,24 +28,19 @@ impl OnRows {
     pub fn new(products: &Products, rows: &Rows, rule: &Rule) -> Self {
         let x = rows.x.each_ref().map(|corners| at_points(corners, rule));
         let y = rows.y.each_ref().map(|corners| at_points(corners, rule));
-        let (along_x, abscissa) = bound(&products.along_x, &x, |x| [x, 0.0, 0.0]);
-        let (mut along_y, ordinate) = bound(&products.along_y, &y, |y| [0.0, y, 0.0]);
-        let mut values = vec![Vec::new(); products.factors];
-        along_y.evaluate(0.0, 0.0, &mut values);
-        let along_y = values.iter().map(|values| spread(values, &ordinate)).collect();
         let from_centre = [(&x, rows.columns), (&y, rows.rows)].map(|(at, count)| {
             at.each_ref().map(|at| {
                 let centre = mean(at, count, &rule.weights);
                 at.iter().enumerate().map(|(p, at)| at - centre[p % count]).collect()
             })
         });
-        let (rows, rule, along_x) = (rows.clone(), rule.clone(), Mutex::new(along_x));
-        Self { rows, rule, along_y, along_x, abscissa, from_centre }
+        let products = BoundProducts::new(products, &x, &y);
+        Self { rows: rows.clone(), rule: rule.clone(), products, from_centre }
     }
 
     /// Moments of u, ε and σ of all parts; none if a number is not finite.
     pub fn moments(&self, parts: &Parts<'_>, products: &Products) -> Option<PartMoments> {
-        let fields = self.fields(parts, products)?;
+        let fields = self.products.fields(parts, products)?;
         let cells = HALVES * self.rows.columns * self.rows.rows;
         let lengths = [TENSOR * cells, 2 * CORNERS * cells];
         let tensors = |of: fn(&Fields) -> &[Field; TENSOR]| {
@@ -89,77 +55,9 @@ impl OnRows {
 
     /// The means of σ alone, to the last bit those of [`Self::moments`].
     pub fn stress_means(&self, parts: &Parts<'_>, products: &Products) -> Option<Vec<Vec<f64>>> {
-        let fields = self.fields(parts, products)?;
+        let fields = self.products.fields(parts, products)?;
         let means = fields.iter().map(|part| self.by_cell(&self.means(&part.stress)));
         means.map(finite).collect()
-    }
-
-    /// All fields along x.
-    fn fields(&self, parts: &Parts<'_>, products: &Products) -> Option<Vec<Fields>> {
-        let mut shapes = vec![Vec::new(); products.shapes];
-        let mut along_x = self.along_x.lock().unwrap_or_else(PoisonError::into_inner);
-        along_x.evaluate(parts.t, 0.0, &mut shapes);
-        if !shapes.iter().chain(self.along_y.iter().flatten()).flatten().all(|v| v.is_finite()) {
-            return None;
-        }
-        let of_part = |terms: &[Vec<(usize, usize)>]| {
-            let mut own = Fields {
-                strain: Default::default(),
-                stress: Default::default(),
-                displacement: Default::default(),
-            };
-            for m in 0..products.factors {
-                self.add_factor(parts, m, terms, &shapes, &mut own);
-            }
-            own
-        };
-        Some(products.terms.chunks(parts.fields()).map(of_part).collect())
-    }
-
-    /// Adds the terms with g_m; `terms` are those of all fields of the part.
-    fn add_factor(
-        &self,
-        parts: &Parts<'_>,
-        m: usize,
-        terms: &[Vec<(usize, usize)>],
-        shapes: &[Vec<f64>],
-        own: &mut Fields,
-    ) {
-        let place = |terms: &Vec<(usize, usize)>| {
-            terms.iter().find(|(factor, _)| *factor == m).map(|(_, place)| *place)
-        };
-        let places: Vec<Option<usize>> = terms.iter().map(place).collect();
-        if places.iter().all(Option::is_none) {
-            return;
-        }
-        let abscissae = shapes[0].len();
-        let mut numbers = vec![Vec::with_capacity(abscissae + WIDTH); 2 * TENSOR];
-        let mut memory: Vec<Tensor<2, Lanes>> = Vec::new();
-        for first in (0..abscissae).step_by(WIDTH) {
-            let end = abscissae.min(first + WIDTH);
-            let field = |k: usize| match places[k] {
-                Some(place) => Lanes::load(&shapes[place][first..end]),
-                None => Lanes::from(0.0),
-            };
-            let strain = parts.exact.tensors(field, &mut memory);
-            let sigma = stress(parts.exact.material_in(0), &strain, &memory, f64::INFINITY);
-            let both: [[Lanes; TENSOR]; 2] = [mandel(&strain), mandel(&sigma)];
-            for (all, lanes) in numbers.iter_mut().zip(both.as_flattened()) {
-                all.extend_from_slice(&lanes.0[..end - first]);
-            }
-        }
-        let add = |field: &mut Field, values: &[f64]| {
-            if values.iter().any(|value| *value != 0.0) {
-                field.push(Term { m, f: spread(values, &self.abscissa) });
-            }
-        };
-        let tensors = own.strain.iter_mut().chain(&mut own.stress);
-        tensors.zip(&numbers).for_each(|(field, values)| add(field, values));
-        for (field, place) in own.displacement.iter_mut().zip(&places) {
-            if let Some(place) = place {
-                add(field, &shapes[*place]);
-            }
-        }
     }
 
     /// ∫ of a field times each of some functions over all cells of a half, over the cells' area: one function after the
@@ -173,7 +71,7 @@ impl OnRows {
         for test in tests {
             for j in 0..rows {
                 for term in field {
-                    let g = &self.along_y[term.m][half];
+                    let g = &self.products.along_y[term.m][half];
                     right.extend(
                         test.iter().enumerate().map(|(q, weight)| weight * g[rows * q + j]),
                     );
@@ -194,11 +92,12 @@ impl OnRows {
 
     /// Numbers given field by field, each row by row: cell by cell.
     fn by_cell(&self, fields: &[Values]) -> Vec<f64> {
-        let squares = self.rows.columns * self.rows.rows;
-        let mut all = Vec::with_capacity(HALVES * squares * fields.len());
-        for square in 0..squares {
-            for half in 0..HALVES {
-                all.extend(fields.iter().map(|field| field[half][square]));
+        let (squares, count) = (self.rows.columns * self.rows.rows, fields.len());
+        let mut all = vec![0.0; HALVES * squares * count];
+        for (k, field) in fields.iter().enumerate() {
+            for (half, values) in field.iter().enumerate() {
+                let own = all[count * half + k..].iter_mut().step_by(HALVES * count);
+                own.zip(values).for_each(|(own, value)| *own = *value);
             }
         }
         all
@@ -214,7 +113,7 @@ impl OnRows {
                 let own = parts.iter().zip(&means).map(|(part, means)| {
                     let (mut terms, mut left) = (Vec::new(), means[k][half].clone());
                     for term in &part[k] {
-                        let [f, g] = [&term.f[half], &self.along_y[term.m][half]];
+                        let [f, g] = [&term.f[half], &self.products.along_y[term.m][half]];
                         let [f_mean, g_mean] = [self.mean_x(f), self.mean_y(g)];
                         for (j, row) in left.chunks_exact_mut(self.rows.columns).enumerate() {
                             row.iter_mut()
@@ -250,14 +149,14 @@ impl OnRows {
                 let own = parts.iter().zip(&mut vectors).map(|(part, vector)| {
                     let moments = self.integrals(&part[i], half, &tests);
                     let mut corners = vec![vec![0.0; squares]; CORNERS];
-                    for square in 0..squares {
-                        let moment: [f64; CORNERS] =
-                            std::array::from_fn(|a| moments[squares * a + square]);
+                    let cells = vector.chunks_exact_mut(2 * CORNERS).skip(half).step_by(HALVES);
+                    for (square, cell) in cells.enumerate() {
+                        let moment = [0, 1, 2].map(|a| moments[squares * a + square]);
                         let mut corner = [0.0; CORNERS];
                         linear_projection(&moment, &mut corner);
                         for a in 0..CORNERS {
                             corners[a][square] = corner[a];
-                            vector[2 * (CORNERS * (HALVES * square + half) + a) + i] = corner[a];
+                            cell[2 * a + i] = corner[a];
                         }
                     }
                     let mut terms = Vec::new();
@@ -265,8 +164,9 @@ impl OnRows {
                         terms.extend(self.beyond_linear(term, half, &mut corners));
                     }
                     // Σ_a v_a² + (Σ_a v_a)² of the values at the corners is 12 times the square over the area.
-                    let total = (0..squares).map(|square| corners.iter().map(|v| v[square]).sum());
-                    corners.push(total.collect());
+                    let total = (0..squares).map(|s| corners[0][s] + corners[1][s] + corners[2][s]);
+                    let total = total.collect();
+                    corners.push(total);
                     (terms, corners)
                 });
                 let own: Vec<Centred> = own.collect();
@@ -286,7 +186,7 @@ impl OnRows {
         corners: &mut [Vec<f64>],
     ) -> [(Vec<f64>, Vec<f64>); 3] {
         let columns = self.rows.columns;
-        let [f, g] = [&term.f[half], &self.along_y[term.m][half]];
+        let [f, g] = [&term.f[half], &self.products.along_y[term.m][half]];
         let [xi, eta] = self.from_centre.each_ref().map(|axis| &axis[half]);
         let [f_mean, g_mean] = [self.mean_x(f), self.mean_y(g)];
         let weights = &self.rule.weights;
@@ -397,26 +297,6 @@ fn finite(values: Vec<f64>) -> Option<Vec<f64>> {
 fn at_points(corners: &[[f64; CORNERS]], rule: &Rule) -> Vec<f64> {
     let at = |b: &[f64], corner: &[f64; CORNERS]| b.iter().zip(corner).map(|(b, x)| b * x).sum();
     rule.points.iter().flat_map(|b| corners.iter().map(|corner| at(b, corner))).collect()
-}
-
-/// A program bound to the distinct ones of some coordinates, and the place of each.
-fn bound(
-    program: &Program,
-    all: &Values,
-    point: impl Fn(f64) -> [f64; 3],
-) -> (Bound, [Vec<u32>; HALVES]) {
-    let mut distinct: Vec<f64> = all.iter().flatten().copied().collect();
-    distinct.sort_by(f64::total_cmp);
-    distinct.dedup_by(|a, b| a.to_bits() == b.to_bits());
-    let place = |at: &f64| distinct.partition_point(|own| own.total_cmp(at).is_lt()) as u32;
-    let places = all.each_ref().map(|all| all.iter().map(place).collect());
-    let points: Vec<[f64; 3]> = distinct.iter().map(|&at| point(at)).collect();
-    (program.bind(&points), places)
-}
-
-/// The values at all points.
-fn spread(values: &[f64], places: &[Vec<u32>; HALVES]) -> Values {
-    places.each_ref().map(|places| places.iter().map(|&place| values[place as usize]).collect())
 }
 
 /// The means over the points of the rule, of so many columns or rows.

@@ -1,8 +1,9 @@
 //! Exact fields as sums of products of time and space.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::Products;
+use super::truth::ByTime;
 use crate::formula::{Bound, Graph, Node, Program, Variable};
 
 /// Longer sums are evaluated time by time: a part costs as much as a time.
@@ -19,6 +20,7 @@ pub struct Separation {
     /// The S_m of [u, ε, H_1, …] as products of x and y, where they are.
     pub products: Option<Products>,
     factors: Mutex<Bound>,
+    known: ByTime<Vec<f64>>,
 }
 
 impl Separation {
@@ -43,13 +45,22 @@ impl Separation {
         let [interior, forces] =
             [inside, outside].map(|all| Program::compile(&mut graph, &all, horizon));
         let factors = Program::compile(&mut graph, &together.factors, horizon).bind(&[[0.0; 3]]);
-        Some(Self { parts, interior, forces, products, factors: Mutex::new(factors) })
+        Some(Self {
+            parts,
+            interior,
+            forces,
+            products,
+            factors: Mutex::new(factors),
+            known: ByTime::default(),
+        })
     }
 
     /// The a_m(t).
-    pub fn factors_at(&self, t: f64) -> Vec<f64> {
-        let mut out = vec![Vec::new(); self.parts];
-        self.factors.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
-        out.into_iter().flatten().collect()
+    pub fn factors_at(&self, t: f64) -> Arc<Vec<f64>> {
+        self.known.always(t, || {
+            let mut out = vec![Vec::new(); self.parts];
+            self.factors.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+            out.into_iter().flatten().collect()
+        })
     }
 }

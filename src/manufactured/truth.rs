@@ -71,12 +71,21 @@ impl<T> ByTime<T> {
         t: f64,
         compute: impl FnOnce() -> Result<T, LoadError>,
     ) -> Result<Arc<T>, LoadError> {
-        let lock = || self.values.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(value) = self.known(t) {
             return Ok(value);
         }
+        let value = compute()?;
+        Ok(self.always(t, || value))
+    }
+
+    /// The same for what cannot fail.
+    pub(super) fn always(&self, t: f64, compute: impl FnOnce() -> T) -> Arc<T> {
+        if let Some(value) = self.known(t) {
+            return value;
+        }
         // Computed outside the lock: two threads may both do it, with identical results.
-        let value = Arc::new(compute()?);
-        Ok(lock().entry(t.to_bits()).or_insert(value).clone())
+        let value = Arc::new(compute());
+        let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        values.entry(t.to_bits()).or_insert(value).clone()
     }
 }

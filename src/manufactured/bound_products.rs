@@ -1,0 +1,143 @@
+//! Products of (x, t) and y at the points of a rule, and the fields that they are.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::constitutive::{Tensor, mandel, stress};
+use super::lanes::{Lanes, WIDTH};
+use super::parts::Parts;
+use super::products::Products;
+use super::rows::HALVES;
+use crate::formula::{Bound, Program};
+
+/// Numbers of a tensor in the plane.
+pub(super) const TENSOR: usize = 3;
+
+/// Values of a function of one variable at the points of the rule in all columns (or rows) of each half, one point of
+/// the rule after the other.
+pub(super) type Values = [Vec<f64>; HALVES];
+
+/// f(x) g_m(y) with m.
+pub(super) struct Term {
+    pub m: usize,
+    pub f: Values,
+}
+
+/// A number of a field: the sum of its terms.
+pub(super) type Field = Vec<Term>;
+
+/// The fields of a part: ε, σ (Mandel) and u.
+pub(super) struct Fields {
+    pub strain: [Field; TENSOR],
+    pub stress: [Field; TENSOR],
+    pub displacement: [Field; 2],
+}
+
+/// Products bound to the points of a rule in all columns and rows.
+pub(super) struct BoundProducts {
+    /// Of each g_m.
+    pub along_y: Vec<Values>,
+    /// The f_m, at distinct abscissae.
+    along_x: Mutex<Bound>,
+    /// The abscissa of each point of each half, in the order of [`Values`].
+    abscissa: [Vec<u32>; HALVES],
+}
+
+impl BoundProducts {
+    /// Binds them to abscissae and ordinates.
+    pub fn new(products: &Products, x: &Values, y: &Values) -> Self {
+        let (along_x, abscissa) = bound(&products.along_x, x, |x| [x, 0.0, 0.0]);
+        let (mut along_y, ordinate) = bound(&products.along_y, y, |y| [0.0, y, 0.0]);
+        let mut values = vec![Vec::new(); products.factors];
+        along_y.evaluate(0.0, 0.0, &mut values);
+        let along_y = values.iter().map(|values| spread(values, &ordinate)).collect();
+        Self { along_y, along_x: Mutex::new(along_x), abscissa }
+    }
+
+    /// The fields of all parts along x; none if a number is not finite.
+    pub fn fields(&self, parts: &Parts<'_>, products: &Products) -> Option<Vec<Fields>> {
+        let mut shapes = vec![Vec::new(); products.shapes];
+        let mut along_x = self.along_x.lock().unwrap_or_else(PoisonError::into_inner);
+        along_x.evaluate(parts.t, 0.0, &mut shapes);
+        if !shapes.iter().chain(self.along_y.iter().flatten()).flatten().all(|v| v.is_finite()) {
+            return None;
+        }
+        let of_part = |terms: &[Vec<(usize, usize)>]| {
+            let mut own = Fields {
+                strain: Default::default(),
+                stress: Default::default(),
+                displacement: Default::default(),
+            };
+            for m in 0..products.factors {
+                self.add_factor(parts, m, terms, &shapes, &mut own);
+            }
+            own
+        };
+        Some(products.terms.chunks(parts.fields()).map(of_part).collect())
+    }
+
+    /// Adds the terms with g_m; `terms` are those of all fields of the part.
+    fn add_factor(
+        &self,
+        parts: &Parts<'_>,
+        m: usize,
+        terms: &[Vec<(usize, usize)>],
+        shapes: &[Vec<f64>],
+        own: &mut Fields,
+    ) {
+        let place = |terms: &Vec<(usize, usize)>| {
+            terms.iter().find(|(factor, _)| *factor == m).map(|(_, place)| *place)
+        };
+        let places: Vec<Option<usize>> = terms.iter().map(place).collect();
+        if places.iter().all(Option::is_none) {
+            return;
+        }
+        let abscissae = shapes[0].len();
+        let mut numbers = vec![Vec::new(); 2 * TENSOR];
+        let mut memory: Vec<Tensor<2, Lanes>> = Vec::new();
+        for first in (0..abscissae).step_by(WIDTH) {
+            let end = abscissae.min(first + WIDTH);
+            let field = |k: usize| match places[k] {
+                Some(place) => Lanes::load(&shapes[place][first..end]),
+                None => Lanes::from(0.0),
+            };
+            let strain = parts.exact.tensors(field, &mut memory);
+            let sigma = stress(parts.exact.material_in(0), &strain, &memory, f64::INFINITY);
+            let both: [[Lanes; TENSOR]; 2] = [mandel(&strain), mandel(&sigma)];
+            for (all, lanes) in numbers.iter_mut().zip(both.as_flattened()) {
+                all.extend_from_slice(&lanes.0[..end - first]);
+            }
+        }
+        let add = |field: &mut Field, values: &[f64]| {
+            if values.iter().any(|value| *value != 0.0) {
+                field.push(Term { m, f: spread(values, &self.abscissa) });
+            }
+        };
+        let tensors = own.strain.iter_mut().chain(&mut own.stress);
+        tensors.zip(&numbers).for_each(|(field, values)| add(field, values));
+        for (field, place) in own.displacement.iter_mut().zip(&places) {
+            if let Some(place) = place {
+                add(field, &shapes[*place]);
+            }
+        }
+    }
+}
+
+/// A program bound to the distinct ones of some coordinates, and the place of each.
+fn bound(
+    program: &Program,
+    all: &Values,
+    point: impl Fn(f64) -> [f64; 3],
+) -> (Bound, [Vec<u32>; HALVES]) {
+    let mut distinct: Vec<f64> = all.iter().flatten().copied().collect();
+    distinct.sort_by(f64::total_cmp);
+    distinct.dedup_by(|a, b| a.to_bits() == b.to_bits());
+    let place = |at: &f64| distinct.partition_point(|own| own.total_cmp(at).is_lt()) as u32;
+    let places = all.each_ref().map(|all| all.iter().map(place).collect());
+    let points: Vec<[f64; 3]> = distinct.iter().map(|&at| point(at)).collect();
+    (program.bind(&points), places)
+}
+
+/// The values at all points.
+fn spread(values: &[f64], places: &[Vec<u32>; HALVES]) -> Values {
+    places.each_ref().map(|places| places.iter().map(|&place| values[place as usize]).collect())
+}
