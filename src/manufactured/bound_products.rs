@@ -53,8 +53,13 @@ impl BoundProducts {
         Self { along_y, along_x: Mutex::new(along_x), abscissa }
     }
 
-    /// The fields of all parts along x; none if a number is not finite.
-    pub fn fields(&self, parts: &Parts<'_>, products: &Products) -> Option<Vec<Fields>> {
+    /// The fields of all parts along x, σ by the law of a region; none if a number is not finite.
+    pub fn fields(
+        &self,
+        parts: &Parts<'_>,
+        region: usize,
+        products: &Products,
+    ) -> Option<Vec<Fields>> {
         let mut shapes = vec![Vec::new(); products.shapes];
         let mut along_x = self.along_x.lock().unwrap_or_else(PoisonError::into_inner);
         along_x.evaluate(parts.t, 0.0, &mut shapes);
@@ -68,7 +73,7 @@ impl BoundProducts {
                 displacement: Default::default(),
             };
             for m in 0..products.factors {
-                self.add_factor(parts, m, terms, &shapes, &mut own);
+                self.add_factor((parts, region), m, terms, &shapes, &mut own);
             }
             own
         };
@@ -78,7 +83,7 @@ impl BoundProducts {
     /// Adds the terms with g_m; `terms` are those of all fields of the part.
     fn add_factor(
         &self,
-        parts: &Parts<'_>,
+        (parts, region): (&Parts<'_>, usize),
         m: usize,
         terms: &[Vec<(usize, usize)>],
         shapes: &[Vec<f64>],
@@ -101,7 +106,7 @@ impl BoundProducts {
                 None => Lanes::from(0.0),
             };
             let strain = parts.exact.tensors(field, &mut memory);
-            let sigma = stress(parts.exact.material_in(0), &strain, &memory, f64::INFINITY);
+            let sigma = stress(parts.exact.material_in(region), &strain, &memory, f64::INFINITY);
             let both: [[Lanes; TENSOR]; 2] = [mandel(&strain), mandel(&sigma)];
             for (all, lanes) in numbers.iter_mut().zip(both.as_flattened()) {
                 all.extend_from_slice(&lanes.0[..end - first]);

@@ -235,13 +235,14 @@ impl Exact {
             && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
     }
 
-    /// The rows of a mesh of one material, where the fields are products along them.
+    /// The rows of a mesh, of one material each, where the fields are products along them.
     pub fn rows(&self, mesh: &Mesh) -> Option<Rows> {
         let separated =
             self.separation.as_ref().and_then(|separation| separation.products.as_ref());
         self.products.as_ref().or(separated)?;
-        let one_law = self.cell_regions(mesh).iter().all(|region| *region == 0);
-        if one_law { Rows::of(mesh) } else { None }
+        let (rows, regions) = (Rows::of(mesh)?, self.cell_regions(mesh));
+        let mut of_rows = regions.chunks_exact(rows.length());
+        of_rows.all(|row| row.iter().all(|region| *region == row[0])).then_some(rows)
     }
 
     /// The region of each of some facets of a mesh, that of its centroid.

@@ -98,21 +98,25 @@ impl InterpolatedOnMesh {
         Ok((interleave(u), memory.chunks(d).map(interleave).collect()))
     }
 
+    /// The edges of cell c from its first corner.
+    fn edges<const D: usize>(&self, c: usize) -> [[f64; D]; D] {
+        let (mesh, cell) = (&self.space.mesh, self.space.mesh.cell(c));
+        let from = mesh.vertex(cell[0]);
+        std::array::from_fn(|a| {
+            let to = mesh.vertex(cell[a + 1]);
+            std::array::from_fn(|i| to[i] - from[i])
+        })
+    }
+
     /// ε of a nodal vector on cell c, as a full tensor: from differences along the edges, apart
     /// from the solver's shape gradients.
-    fn strain<const D: usize>(&self, nodal: &[f64], c: usize) -> Tensor<D> {
-        let mesh = &self.space.mesh;
-        let cell = mesh.cell(c);
+    fn strain<const D: usize>(&self, nodal: &[f64], edges: &[[f64; D]; D], c: usize) -> Tensor<D> {
+        let nodes = self.space.cell_nodes(c);
         let rise = |a: usize, i: usize| {
-            let at =
-                |a: usize| nodal[D * self.space.nodes.of_vertex[cell[a] as usize] as usize + i];
-            at(a) - at(0)
+            nodal[D * nodes[a] as usize + i] - nodal[D * nodes[0] as usize + i]
         };
-        let corner = |a: usize| mesh.vertex(cell[a]);
-        let edges: [[f64; D]; D] =
-            std::array::from_fn(|a| std::array::from_fn(|i| corner(a + 1)[i] - corner(0)[i]));
         let gradient: [[f64; D]; D] =
-            std::array::from_fn(|i| gradient_of(&edges, &std::array::from_fn(|a| rise(a + 1, i))));
+            std::array::from_fn(|i| gradient_of(edges, &std::array::from_fn(|a| rise(a + 1, i))));
         std::array::from_fn(|i| {
             std::array::from_fn(|j| match i == j {
                 true => gradient[i][i],
@@ -125,7 +129,7 @@ impl InterpolatedOnMesh {
         let (u, _) = self.displacements(t)?;
         let mut sum = 0.0;
         for c in 0..self.space.mesh.cell_count() {
-            let strain: Tensor<D> = self.strain(&u, c);
+            let strain: Tensor<D> = self.strain(&u, &self.edges(c), c);
             let mut square = 0.0;
             for i in 0..D {
                 square += strain[i][i] * strain[i][i];
@@ -274,9 +278,10 @@ impl InterpolatedOnMesh {
         let [mut strains, mut stresses] = [(); 2].map(|()| Vec::with_capacity(N * cells));
         let mut remembered: Vec<Tensor<D>> = Vec::new();
         for c in 0..cells {
-            let strain = self.strain(&u, c);
+            let edges = self.edges(c);
+            let strain = self.strain(&u, &edges, c);
             remembered.clear();
-            remembered.extend(memory.iter().map(|h| self.strain(h, c)));
+            remembered.extend(memory.iter().map(|h| self.strain(h, &edges, c)));
             let material = self.exact.material_in(self.regions[c]);
             let stress = constitutive::stress(material, &strain, &remembered, kappa);
             for (all, tensor) in [(&mut strains, strain), (&mut stresses, stress)] {

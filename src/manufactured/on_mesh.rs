@@ -4,11 +4,11 @@
 
 use std::sync::{Arc, OnceLock};
 
+use super::bands::Bands;
 use super::contact_samples::StatePoints;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
 use super::nodal_force::facet_measure;
-use super::on_rows::OnRows;
 use super::part_moments::{PartMoments, combined, forget_zeros};
 use super::parts::Parts;
 use super::products::Products;
@@ -50,9 +50,9 @@ pub struct ExactOnMesh {
     in_parts: bool,
     /// The fields where their strain is the same everywhere.
     uniform: Option<Uniform>,
-    /// The rows of the mesh where it has some, and one material; the fields at one time on them.
+    /// The rows of the mesh where it has some, of one material each; the fields at one time on them.
     rows: Option<Rows>,
-    on_rows: OnceLock<Arc<OnRows>>,
+    bands: OnceLock<Arc<Bands>>,
     state_points: OnceLock<StatePoints>,
 }
 
@@ -101,7 +101,7 @@ impl ExactOnMesh {
             moment_parts: OnceLock::new(),
             in_parts: true,
             uniform,
-            on_rows: OnceLock::new(),
+            bands: OnceLock::new(),
             state_points: OnceLock::new(),
         }
     }
@@ -248,11 +248,12 @@ impl ExactOnMesh {
     }
 
     /// Products along the rows of the mesh, where it and the fields have them.
-    fn by_rows<'a>(&self, parts: &Parts<'a>) -> Option<(Arc<OnRows>, &'a Products)> {
-        let (rows, products) = (self.rows.as_ref()?, parts.products?);
-        let new = || Arc::new(OnRows::new(products, rows, &self.error_points.rule));
-        let on_rows = if parts.again { self.on_rows.get_or_init(new).clone() } else { new() };
-        Some((on_rows, products))
+    fn by_rows<'a>(&self, parts: &Parts<'a>) -> Option<(Arc<Bands>, &'a Products)> {
+        let (rows, products, rule) =
+            (self.rows.as_ref()?, parts.products?, &self.error_points.rule);
+        let new = || Arc::new(Bands::new(products, rows, &self.regions, rule));
+        let bands = if parts.again { self.bands.get_or_init(new).clone() } else { new() };
+        Some((bands, products))
     }
 
     /// Moments in the cells of all parts.

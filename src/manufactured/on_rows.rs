@@ -18,6 +18,8 @@ const CORNERS: usize = 3;
 /// Products at the points of a rule on a mesh in rows.
 pub(super) struct OnRows {
     rows: Rows,
+    /// Of all its cells.
+    region: usize,
     rule: Rule,
     products: BoundProducts,
     /// Distance of each point from the centroid of its cell, along either axis.
@@ -25,7 +27,8 @@ pub(super) struct OnRows {
 }
 
 impl OnRows {
-    pub fn new(products: &Products, rows: &Rows, rule: &Rule) -> Self {
+    /// Binds products to the points of `rule` on rows of one region.
+    pub fn new(products: &Products, rows: Rows, region: usize, rule: &Rule) -> Self {
         let x = rows.x.each_ref().map(|corners| at_points(corners, rule));
         let y = rows.y.each_ref().map(|corners| at_points(corners, rule));
         let from_centre = [(&x, rows.columns), (&y, rows.rows)].map(|(at, count)| {
@@ -35,12 +38,12 @@ impl OnRows {
             })
         });
         let products = BoundProducts::new(products, &x, &y);
-        Self { rows: rows.clone(), rule: rule.clone(), products, from_centre }
+        Self { rows, region, rule: rule.clone(), products, from_centre }
     }
 
     /// Moments of u, ε and σ of all parts; none if a number is not finite.
     pub fn moments(&self, parts: &Parts<'_>, products: &Products) -> Option<PartMoments> {
-        let fields = self.products.fields(parts, products)?;
+        let fields = self.products.fields(parts, self.region, products)?;
         let cells = HALVES * self.rows.columns * self.rows.rows;
         let lengths = [TENSOR * cells, 2 * CORNERS * cells];
         let tensors = |of: fn(&Fields) -> &[Field; TENSOR]| {
@@ -55,7 +58,7 @@ impl OnRows {
 
     /// The means of σ alone, to the last bit those of [`Self::moments`].
     pub fn stress_means(&self, parts: &Parts<'_>, products: &Products) -> Option<Vec<Vec<f64>>> {
-        let fields = self.products.fields(parts, products)?;
+        let fields = self.products.fields(parts, self.region, products)?;
         let means = fields.iter().map(|part| self.by_cell(&self.means(&part.stress)));
         means.map(finite).collect()
     }
@@ -236,24 +239,27 @@ impl OnRows {
         let y: Vec<f64> = self.rows.y[half].iter().map(width).collect();
         let columns = x.len();
         for (m, (terms, cells)) in parts.iter().enumerate() {
+            let scaled: Vec<[Vec<f64>; 2]> =
+                terms.iter().map(|(f, g)| [times(f, &x), times(g, &y)]).collect();
             for (l, (others, other_cells)) in parts.iter().enumerate().skip(m) {
                 let mut all = 0.0;
-                for (f, g) in terms {
-                    for (other_f, other_g) in others {
+                for (r, [f, g]) in scaled.iter().enumerate() {
+                    // Of a part with itself each pair of terms comes once, and counts twice.
+                    let first = if l == m { r } else { 0 };
+                    for (s, (other_f, other_g)) in others.iter().enumerate().skip(first) {
+                        let mut pair = 0.0;
                         for (q, weight) in self.rule.weights.iter().enumerate() {
-                            let at = |count: usize| count * q..count * (q + 1);
-                            let [own, other] = [f, other_f].map(|f| &f[at(columns)]);
-                            let along_x = weighted(&x, own, other);
-                            let [own, other] = [g, other_g].map(|g| &g[at(y.len())]);
-                            all += weight * along_x * weighted(&y, own, other);
+                            let [i, j] = [columns, y.len()].map(|n| n * q..n * (q + 1));
+                            let along_x = dot(&f[i.clone()], &other_f[i]);
+                            pair += weight * along_x * dot(&g[j.clone()], &other_g[j]);
                         }
+                        all += if l == m && s > r { 2.0 * pair } else { pair };
                     }
                 }
                 for (own, other) in cells.iter().zip(other_cells) {
                     let pairs = own.chunks_exact(columns).zip(other.chunks_exact(columns));
-                    let of_row =
-                        |((own, other), y): ((&[f64], &[f64]), &f64)| y * weighted(&x, own, other);
-                    all -= scale * pairs.zip(&y).map(of_row).sum::<f64>();
+                    let rows = pairs.zip(&y).map(|((own, other), y)| y * weighted(&x, own, other));
+                    all -= scale * rows.sum::<f64>();
                 }
                 // A triangle is half of its square.
                 sum.products[sum.parts * m + l] += 0.5 * all;
@@ -321,6 +327,24 @@ fn slope(values: &[f64], from_centre: &[f64], count: usize, weights: &[f64]) -> 
 fn minus(values: &[f64], means: &[f64]) -> Vec<f64> {
     let own = values.chunks_exact(means.len()).flat_map(|own| own.iter().zip(means));
     own.map(|(value, mean)| value - mean).collect()
+}
+
+/// The values in all columns or rows times a number of each.
+fn times(values: &[f64], numbers: &[f64]) -> Vec<f64> {
+    let own = values.chunks_exact(numbers.len()).flat_map(|own| own.iter().zip(numbers));
+    own.map(|(value, number)| value * number).collect()
+}
+
+/// Σ a b.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut lanes = [0.0; WIDTH];
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<WIDTH>(), b.as_chunks::<WIDTH>());
+    for (a, b) in a.iter().zip(b) {
+        for l in 0..WIDTH {
+            lanes[l] += a[l] * b[l];
+        }
+    }
+    lanes.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
 /// Σ w a b.

@@ -1,7 +1,7 @@
 //! Errors at one time level, from the discrete solution and the moments of the truth.
 
 use super::moments::{Moments, facet_samples, hausdorff};
-use crate::contact::{Discretization, Model, StepView};
+use crate::contact::{Discretization, Model, StepView, TracePoint};
 use crate::law::Projection;
 use crate::space::strain_of;
 
@@ -135,24 +135,27 @@ fn contact_set<P: Projection>(
     if truth.locked.is_empty() {
         return 0.0;
     }
+    let is_locked = |(i, point): (usize, &TracePoint)| {
+        let gap = (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]));
+        is_locked(space.trace.normal(i, view.u), gap)
+    };
+    let locked: Vec<bool> = space.trace.points.iter().enumerate().map(is_locked).collect();
     let samples = facet_samples(space.trace.stride);
-    let (mut points, mut discrete) = (Vec::new(), Vec::new());
-    for f in 0..space.trace.measure.len() {
+    let facets = 0..space.trace.measure.len();
+    let discrete = facets.clone().flat_map(|f| {
         let members = space.trace.facet(f);
-        let vertices: Vec<u32> =
-            members.iter().map(|&i| space.trace.points[i as usize].vertex).collect();
-        let locked: Vec<bool> = members
-            .iter()
-            .zip(&vertices)
-            .map(|(&i, &vertex)| {
-                let gap = (boundary.gap)(space.mesh.point(&[vertex], &[1.0]));
-                is_locked(space.trace.normal(i as usize, view.u), gap)
-            })
-            .collect();
-        for b in &samples {
-            points.push(space.mesh.point(&vertices, b));
-            discrete.push(b.iter().zip(&locked).all(|(b, locked)| *b == 0.0 || *locked));
-        }
+        let counts = |(b, i): (&f64, &u32)| *b == 0.0 || locked[*i as usize];
+        samples.iter().map(|b| b.iter().zip(members).all(counts)).collect::<Vec<bool>>()
+    });
+    let discrete: Vec<bool> = discrete.collect();
+    if discrete == truth.locked {
+        return 0.0;
+    }
+    let mut points = Vec::with_capacity(discrete.len());
+    for f in facets {
+        let vertex = |&i: &u32| space.trace.points[i as usize].vertex;
+        let vertices: Vec<u32> = space.trace.facet(f).iter().map(vertex).collect();
+        points.extend(samples.iter().map(|b| space.mesh.point(&vertices, b)));
     }
     hausdorff(&points, &truth.locked, &discrete, diameter(space, &points))
 }
