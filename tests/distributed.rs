@@ -56,7 +56,7 @@ impl Distributed {
 
     fn plan(&self, out: &str) -> Output {
         let out = self.folder.argument(out);
-        let mut arguments = vec!["plan", "--out", &out, "--seconds", "0.05", "--json", "--quiet"];
+        let mut arguments = vec!["plan", "--out", &out, "--seconds", "0.01", "--json", "--quiet"];
         arguments.extend(self.scenes.iter().map(String::as_str));
         sweep(&arguments)
     }

@@ -15,7 +15,7 @@ const MOVED: std::ops::RangeInclusive<f64> = 1e-80..=1e80;
 /// The list (a, f) of sum a(v) f, v the variable and f of the others.
 type Separated = Vec<(Node, Node)>;
 
-/// Several formulas separated with common factors in time.
+/// Several formulas separated with common factors in one variable.
 #[derive(Clone, Debug, Default)]
 pub struct Together {
     /// The a_m(v).
@@ -114,16 +114,16 @@ impl Graph {
             }
             Op::Mul(a, b) => self.multiplied(&of(a)?, &of(b)?),
             Op::Div(a, b) => {
-                let [(time, space)] = of(b)?[..] else {
+                let [(first, second)] = of(b)?[..] else {
                     return None;
                 };
-                let divide = |(a, g): (Node, Node)| (self.div(a, time), self.div(g, space));
+                let divide = |(a, g): (Node, Node)| (self.div(a, first), self.div(g, second));
                 Some(of(a)?.into_iter().map(divide).collect())
             }
             Op::Power(a, n) => {
                 let base = of(a)?;
-                if let [(time, space)] = base[..] {
-                    return Some(vec![(self.powi(time, n), self.powi(space, n))]);
+                if let [(first, second)] = base[..] {
+                    return Some(vec![(self.powi(first, n), self.powi(second, n))]);
                 }
                 (2..=16).contains(&n).then_some(())?;
                 (1..n).try_fold(base.clone(), |sum, _| {
@@ -132,7 +132,7 @@ impl Graph {
                 })
             }
             Op::Apply(Function::Exp, a) => {
-                let (mut time, mut space) = (self.constant(1.0), self.constant(1.0));
+                let (mut first, mut second) = (self.constant(1.0), self.constant(1.0));
                 for (a, g) in of(a)? {
                     let exponent = self.mul(a, g);
                     if !self.is_pure(v, exponent) {
@@ -140,12 +140,12 @@ impl Graph {
                     }
                     let factor = self.exp(exponent);
                     if self.dependence(exponent).at_most(v) {
-                        time = self.mul(time, factor);
+                        first = self.mul(first, factor);
                     } else {
-                        space = self.mul(space, factor);
+                        second = self.mul(second, factor);
                     }
                 }
-                Some(vec![(time, space)])
+                Some(vec![(first, second)])
             }
             Op::Less([a, b, p, q]) => self.separate_branches(v, [a, b], of(p)?, of(q)?),
             Op::Relax(c, a) => {
@@ -232,10 +232,10 @@ impl Graph {
         let mut kept: Separated = Vec::new();
         for (a, g) in sum {
             let (a, g) = self.normalised(a, g);
-            if let Some((_, space)) = kept.iter_mut().find(|(b, _)| *b == a) {
-                *space = self.add(*space, g);
-            } else if let Some((time, _)) = kept.iter_mut().find(|(_, h)| *h == g) {
-                *time = self.add(*time, a);
+            if let Some((_, second)) = kept.iter_mut().find(|(b, _)| *b == a) {
+                *second = self.add(*second, g);
+            } else if let Some((first, _)) = kept.iter_mut().find(|(_, h)| *h == g) {
+                *first = self.add(*first, a);
             } else {
                 kept.push((a, g));
             }

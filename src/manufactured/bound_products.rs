@@ -1,6 +1,6 @@
 //! Products of (x, t) and y at the points of a rule, and the fields that they are.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::constitutive::{Tensor, mandel, stress};
 use super::lanes::{Lanes, WIDTH};
@@ -32,25 +32,39 @@ pub(super) struct Fields {
     pub displacement: [Field; 2],
 }
 
-/// Products bound to the points of a rule in all columns and rows.
+/// The f_m of products at the points of a rule in all columns.
+pub(super) struct AlongX {
+    /// The abscissae.
+    pub at: Values,
+    /// At the distinct ones.
+    shapes: Mutex<Bound>,
+    /// The place of each.
+    place: [Vec<u32>; HALVES],
+}
+
+impl AlongX {
+    /// Binds them to abscissae.
+    pub fn new(products: &Products, at: Values) -> Self {
+        let (shapes, place) = bound(&products.along_x, &at, |x| [x, 0.0, 0.0]);
+        Self { at, shapes: Mutex::new(shapes), place }
+    }
+}
+
+/// Products at the points of a rule in all columns and some rows.
 pub(super) struct BoundProducts {
     /// Of each g_m.
     pub along_y: Vec<Values>,
-    /// The f_m, at distinct abscissae.
-    along_x: Mutex<Bound>,
-    /// The abscissa of each point of each half, in the order of [`Values`].
-    abscissa: [Vec<u32>; HALVES],
+    /// The same for all rows of a mesh.
+    pub along_x: Arc<AlongX>,
 }
 
 impl BoundProducts {
-    /// Binds them to abscissae and ordinates.
-    pub fn new(products: &Products, x: &Values, y: &Values) -> Self {
-        let (along_x, abscissa) = bound(&products.along_x, x, |x| [x, 0.0, 0.0]);
-        let (mut along_y, ordinate) = bound(&products.along_y, y, |y| [0.0, y, 0.0]);
+    /// Binds them to ordinates.
+    pub fn new(products: &Products, along_x: Arc<AlongX>, y: &Values) -> Self {
+        let (mut along_y, place) = bound(&products.along_y, y, |y| [0.0, y, 0.0]);
         let mut values = vec![Vec::new(); products.factors];
         along_y.evaluate(0.0, 0.0, &mut values);
-        let along_y = values.iter().map(|values| spread(values, &ordinate)).collect();
-        Self { along_y, along_x: Mutex::new(along_x), abscissa }
+        Self { along_y: values.iter().map(|values| spread(values, &place)).collect(), along_x }
     }
 
     /// The fields of all parts along x, σ by the law of a region; none if a number is not finite.
@@ -61,8 +75,8 @@ impl BoundProducts {
         products: &Products,
     ) -> Option<Vec<Fields>> {
         let mut shapes = vec![Vec::new(); products.shapes];
-        let mut along_x = self.along_x.lock().unwrap_or_else(PoisonError::into_inner);
-        along_x.evaluate(parts.t, 0.0, &mut shapes);
+        let lock = || self.along_x.shapes.lock().unwrap_or_else(PoisonError::into_inner);
+        lock().evaluate(parts.t, 0.0, &mut shapes);
         if !shapes.iter().chain(self.along_y.iter().flatten()).flatten().all(|v| v.is_finite()) {
             return None;
         }
@@ -114,7 +128,7 @@ impl BoundProducts {
         }
         let add = |field: &mut Field, values: &[f64]| {
             if values.iter().any(|value| *value != 0.0) {
-                field.push(Term { m, f: spread(values, &self.abscissa) });
+                field.push(Term { m, f: spread(values, &self.along_x.place) });
             }
         };
         let tensors = own.strain.iter_mut().chain(&mut own.stress);

@@ -231,7 +231,10 @@ impl Exact {
             space.iter().any(|&axis| self.data.graph.depends_on(node, axis))
         };
         let regions = self.cell_regions(mesh);
+        // A jump of u has no strain between its sides.
+        let guards = self.data.graph.guards(&self.data.u);
         regions.iter().all(|region| *region == regions[0])
+            && !guards.into_iter().any(varies)
             && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
     }
 

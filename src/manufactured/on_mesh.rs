@@ -48,11 +48,14 @@ pub struct ExactOnMesh {
     moment_parts: OnceLock<Option<PartMoments>>,
     /// Whether fields that separate are taken in parts.
     in_parts: bool,
-    /// The fields where their strain is the same everywhere.
-    uniform: Option<Uniform>,
+    /// Whether strain and law are the same everywhere; the fields then.
+    is_uniform: bool,
+    uniform: OnceLock<Uniform>,
     /// The rows of the mesh where it has some, of one material each; the fields at one time on them.
     rows: Option<Rows>,
     bands: OnceLock<Arc<Bands>>,
+    /// The same at the points of σ in the weak form, where they are others.
+    stress_bands: OnceLock<Arc<Bands>>,
     state_points: OnceLock<StatePoints>,
 }
 
@@ -80,7 +83,7 @@ impl ExactOnMesh {
         };
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
         let regions = exact.cell_regions(&space.mesh);
-        let uniform = Uniform::new(&exact, &space.mesh);
+        let is_uniform = exact.is_uniform(&space.mesh);
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
         Self {
             stress_points: (rules.stress != rules.error).then(|| cell_points(&rules.stress)),
@@ -100,8 +103,10 @@ impl ExactOnMesh {
             load_parts: OnceLock::new(),
             moment_parts: OnceLock::new(),
             in_parts: true,
-            uniform,
+            is_uniform,
+            uniform: OnceLock::new(),
             bands: OnceLock::new(),
+            stress_bands: OnceLock::new(),
             state_points: OnceLock::new(),
         }
     }
@@ -114,7 +119,7 @@ impl ExactOnMesh {
 
     /// The same with all fields evaluated at all points, whatever they are: a check on shorter ways.
     pub fn point_by_point(mut self) -> Self {
-        (self.uniform, self.rows) = (None, None);
+        (self.is_uniform, self.rows) = (false, None);
         self
     }
 
@@ -247,34 +252,45 @@ impl ExactOnMesh {
         Ok(force)
     }
 
-    /// Products along the rows of the mesh, where it and the fields have them.
-    fn by_rows<'a>(&self, parts: &Parts<'a>) -> Option<(Arc<Bands>, &'a Products)> {
-        let (rows, products, rule) =
-            (self.rows.as_ref()?, parts.products?, &self.error_points.rule);
+    /// The fields, where their strain is the same everywhere and they are no parts.
+    fn uniform(&self, parts: &Parts<'_>) -> Option<&Uniform> {
+        let new = || Uniform::new(&self.exact, &self.space.mesh);
+        (self.is_uniform && parts.again).then(|| self.uniform.get_or_init(new))
+    }
+
+    /// Products along the rows of the mesh at the points of a rule, where it and the fields have them; `known` keeps those
+    /// that are evaluated again.
+    fn by_rows<'a>(
+        &self,
+        parts: &Parts<'a>,
+        rule: &Rule,
+        known: &OnceLock<Arc<Bands>>,
+    ) -> Option<(Arc<Bands>, &'a Products)> {
+        let (rows, products) = (self.rows.as_ref()?, parts.products?);
         let new = || Arc::new(Bands::new(products, rows, &self.regions, rule));
-        let bands = if parts.again { self.bands.get_or_init(new).clone() } else { new() };
+        let bands = if parts.again { known.get_or_init(new).clone() } else { new() };
         Some((bands, products))
     }
 
     /// Moments in the cells of all parts.
     fn part_moments<const D: usize>(&self, parts: &Parts<'_>) -> Result<PartMoments, LoadError> {
-        if let Some(uniform) = self.uniform.as_ref().filter(|_| parts.again)
-            && let Some(moments) = uniform.moments::<D>(parts)
-        {
-            return Ok(moments);
-        }
-        let by_rows = self.by_rows(parts).and_then(|(rows, own)| rows.moments(parts, own));
-        by_rows.map_or_else(|| parts.moments::<D>(&self.error_points), Ok)
+        let points = &self.error_points;
+        let uniform = self.uniform(parts).and_then(|uniform| uniform.moments::<D>(parts));
+        let short = uniform.or_else(|| {
+            let (rows, products) = self.by_rows(parts, &points.rule, &self.bands)?;
+            rows.moments(parts, products)
+        });
+        short.map_or_else(|| parts.moments::<D>(points), Ok)
     }
 
-    /// The means of σ as the moments have them, where that takes no points in the cells.
+    /// The means of σ, where they take no points in the cells.
     fn stress_means<const D: usize>(&self, parts: &Parts<'_>) -> Option<Vec<Vec<f64>>> {
-        if !self.is_shared() {
-            return None;
-        }
-        let uniform = self.uniform.as_ref().filter(|_| parts.again);
-        uniform.and_then(|uniform| uniform.stress_means::<D>(parts)).or_else(|| {
-            let (rows, products) = self.by_rows(parts)?;
+        let uniform = self.uniform(parts).and_then(|uniform| uniform.stress_means::<D>(parts));
+        uniform.or_else(|| {
+            let (rows, products) = match &self.stress_points {
+                Some(points) => self.by_rows(parts, &points.rule, &self.stress_bands)?,
+                None => self.by_rows(parts, &self.error_points.rule, &self.bands)?,
+            };
             rows.stress_means(parts, products)
         })
     }

@@ -1,9 +1,11 @@
 //! Moments of fields Σ_m f_m(x, t) g_m(y) on a mesh in rows: integrals over cells are products of matrices, columns by
 //! points by rows, and the squares of what P1 functions cannot have are sums over columns times sums over rows.
 
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
 
-use super::bound_products::{BoundProducts, Field, Fields, TENSOR, Term, Values};
+use super::bound_products::{AlongX, BoundProducts, Field, Fields, TENSOR, Term, Values};
 use super::lanes::WIDTH;
 use super::part_moments::{PartFamily, PartMoments};
 use super::parts::Parts;
@@ -27,18 +29,29 @@ pub(super) struct OnRows {
 }
 
 impl OnRows {
-    /// Binds products to the points of `rule` on rows of one region.
-    pub fn new(products: &Products, rows: Rows, region: usize, rule: &Rule) -> Self {
-        let x = rows.x.each_ref().map(|corners| at_points(corners, rule));
+    /// Binds products to the points of `rule` on rows of one region; `along_x` are those of [`Self::along_x`].
+    pub fn new(
+        products: &Products,
+        along_x: Arc<AlongX>,
+        rows: Rows,
+        region: usize,
+        rule: &Rule,
+    ) -> Self {
         let y = rows.y.each_ref().map(|corners| at_points(corners, rule));
-        let from_centre = [(&x, rows.columns), (&y, rows.rows)].map(|(at, count)| {
+        let from_centre = [(&along_x.at, rows.columns), (&y, rows.rows)].map(|(at, count)| {
             at.each_ref().map(|at| {
                 let centre = mean(at, count, &rule.weights);
                 at.iter().enumerate().map(|(p, at)| at - centre[p % count]).collect()
             })
         });
-        let products = BoundProducts::new(products, &x, &y);
+        let products = BoundProducts::new(products, along_x, &y);
         Self { rows, region, rule: rule.clone(), products, from_centre }
+    }
+
+    /// What all rows have in common.
+    pub fn along_x(products: &Products, rows: &Rows, rule: &Rule) -> Arc<AlongX> {
+        let x = rows.x.each_ref().map(|corners| at_points(corners, rule));
+        Arc::new(AlongX::new(products, x))
     }
 
     /// Moments of u, ε and σ of all parts; none if a number is not finite.

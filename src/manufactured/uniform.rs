@@ -15,14 +15,11 @@ pub(super) struct Uniform {
 }
 
 impl Uniform {
-    /// Binds the fields of `exact` to the vertices of a mesh; none where they vary.
-    pub fn new(exact: &Exact, mesh: &Mesh) -> Option<Self> {
-        if !exact.is_uniform(mesh) {
-            return None;
-        }
+    /// Binds the fields of `exact` to the vertices of a mesh.
+    pub fn new(exact: &Exact, mesh: &Mesh) -> Self {
         let points: Vec<[f64; 3]> =
             (0..mesh.vertices()).map(|v| mesh.point(&[v as u32], &[1.0])).collect();
-        Some(Self { vertices: Mutex::new(exact.interior.bind(&points)) })
+        Self { vertices: Mutex::new(exact.interior.bind(&points)) }
     }
 
     /// Moments of u, ε and σ; none if a number is not finite.
@@ -40,8 +37,8 @@ impl Uniform {
 
     fn of_numbers<const D: usize, const N: usize>(&self, parts: &Parts<'_>) -> Option<PartMoments> {
         let mut fields = vec![Vec::new(); parts.fields()];
-        let mut vertices = self.vertices.lock().unwrap_or_else(PoisonError::into_inner);
-        vertices.evaluate(parts.t, 0.0, &mut fields);
+        let lock = || self.vertices.lock().unwrap_or_else(PoisonError::into_inner);
+        lock().evaluate(parts.t, 0.0, &mut fields);
         if !fields.iter().flatten().all(|value| value.is_finite()) {
             return None;
         }

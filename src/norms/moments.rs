@@ -2,8 +2,8 @@
 //!
 //! On a cell the discrete strain and stress are constant and the discrete displacement is linear.
 //! For any field f and its L² projection Πf onto that space, ‖f - f_h‖² = ‖f - Πf‖² + ‖Πf - f_h‖²
-//! with the same quadrature in every term. So the quadrature of the truth is done once a mesh and time, and each case pays a few operations a cell, without
-//! cancellation.
+//! with the same quadrature in every term. So the quadrature of the truth is done once a mesh and
+//! time, and each case pays a few operations a cell, without cancellation.
 
 use std::ops::{Add, Mul, Sub};
 

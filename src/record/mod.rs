@@ -100,7 +100,7 @@ pub struct CaseRecord {
     pub active_set_changes: u64,
     /// Factorizations over all steps.
     pub factorizations: u64,
-    /// Seconds spent on loads.
+    /// Seconds spent on loads during the march; not what they share with the moments of the truth.
     pub seconds_load: f64,
     /// Seconds spent on assembly.
     pub seconds_assemble: f64,

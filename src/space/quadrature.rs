@@ -61,7 +61,7 @@ enum Orbit {
     Six { weight: f64, a: f64, b: f64 },
 }
 
-/// Triangle rule of 6 points, exact for degree 4: the rule of the loads.
+/// Triangle rule of 6 points, exact for degree 4: the rule of loads given or in strong form.
 pub fn triangle_degree_4() -> Rule {
     triangle(&[
         Orbit::Three { weight: 0.223_381_589_678_011_47, a: 0.445_948_490_915_964_9 },
@@ -69,7 +69,7 @@ pub fn triangle_degree_4() -> Rule {
     ])
 }
 
-/// Triangle rule of 12 points, exact for degree 6: the rule of the errors.
+/// Triangle rule of 12 points, exact for degree 6: the rule of the errors, and of σ in loads.
 pub fn triangle_degree_6() -> Rule {
     triangle(&[
         Orbit::Three { weight: 0.116_786_275_726_379_37, a: 0.249_286_745_170_910_42 },
@@ -143,7 +143,7 @@ enum SpatialOrbit {
     Twelve { weight: f64, a: f64, b: f64 },
 }
 
-/// Tetrahedron rule of 14 points, exact for degree 5: the rule of the loads.
+/// Tetrahedron rule of 14 points, exact for degree 5: the rule of loads given or in strong form.
 ///
 /// Source: the rule of this symmetry with positive weights, N. J. Walkington, Quadrature on simplices of
 /// arbitrary dimension (2000).
@@ -155,7 +155,7 @@ pub fn tetrahedron_degree_5() -> Rule {
     ])
 }
 
-/// Tetrahedron rule of 24 points, exact for degree 6: the rule of the errors.
+/// Tetrahedron rule of 24 points, exact for degree 6: the rule of the errors, and of σ in loads.
 ///
 /// Source: P. Keast, Moderate-degree tetrahedral quadrature formulas, Comput. Methods Appl. Mech. Engrg. 55 (1986),
 /// rule 7; its digits from the moment equations, solved anew.

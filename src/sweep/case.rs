@@ -59,6 +59,8 @@ fn measure(
     maxima: &mut Maxima,
 ) -> Result<(CaseInfo, Floors), CaseError> {
     let wants = |norm| case.norms.contains(&norm);
+    // Before loads are asked for, here or by the finer run.
+    data.truth.expect(setup.grid(case.steps).times())?;
     let finer = match wants(Norm::VTimeMax) {
         true => Some(data.trajectory(setup, TIME_REFERENCE * case.steps, case.steps)?),
         false => None,
@@ -100,7 +102,6 @@ fn measure(
         }
         Ok(())
     };
-    data.truth.expect(setup.grid(case.steps).times())?;
     let info = setup.scheme.march(setup, data, case.steps, &mut observe)?;
     Ok((info, data.rule_check(setup)?.floors.plus(by_rule.times(ERROR_RULE))))
 }

@@ -19,7 +19,7 @@ use std::collections::HashSet;
 pub(super) use alone::march_bytes;
 pub use alone::{RunCost, run_cost};
 use linear::linear;
-use truth::{TruthCost, next_formulas, truth, zeta};
+use truth::{TruthCost, truth, zeta};
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::contact::{Discretization, LinearSolver, Plan};
@@ -159,7 +159,6 @@ pub(super) fn predict_some(
 ) -> Result<PlanCost, SetupError> {
     let reference = reference.map(|own| reference_cost(setup, plan, own)).transpose()?;
     let (reference, reference_cells) = reference.unzip();
-    let next_formulas = next_formulas(setup);
     let zeta = zeta(setup);
     let timed = |c: usize| cases[c].norms.contains(&Norm::VTimeMax);
     let finest = |c: usize| cases[c].steps * if timed(c) { 1 + TIME_REFERENCE } else { 1 };
@@ -194,7 +193,7 @@ pub(super) fn predict_some(
                     kept += own.bytes_a_time.min(8.0 * dofs) * more;
                 }
             }
-            cost.memory_bytes += PROGRAM + kept + next_formulas * formulas;
+            cost.memory_bytes += PROGRAM + kept + own.next_formulas;
             cost.memory_bytes += reference.map_or(0.0, |run: Cost| run.memory_bytes - PROGRAM);
             let mesh = SPACE * space.pattern.entries() as f64;
             (cost.kept_bytes, cost.kept_once) = (kept + mesh, once + mesh);

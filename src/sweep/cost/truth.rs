@@ -40,6 +40,8 @@ pub(super) struct TruthCost {
     /// Seconds, and bytes held, for the parts of fields that separate.
     pub parts_seconds: f64,
     pub parts_bytes: f64,
+    /// Bytes held by formulas at the points of the next rules, while these are compared.
+    pub next_formulas: f64,
     /// Bytes held by formulas bound to points, and by loads and moments a time.
     pub formulas: f64,
     pub bytes_a_time: f64,
@@ -68,30 +70,41 @@ pub(super) fn truth(
                 Some([seconds, _]) => seconds * points / error,
                 None => MOMENTS * points * cost,
             };
+            let of_moments = |points: f64| match shorter {
+                Some([_, bytes]) => bytes * points / error,
+                None => formulas(setup, points * count),
+            };
             let next = beside(setup, LOAD * next_load * cost) + moments(next_error);
+            let next_loads = formulas(setup, beside(setup, next_load) * count);
+            let next_formulas = next_loads.max(of_moments(next_error));
             let moment = moments(error);
             let load_seconds = match shorter {
                 Some(_) if is_shared(setup) => moment,
                 _ => LOAD * load * cost,
             };
+            let none = TruthCost::default();
             if let Some(separation) = &exact.separation {
                 let parts = separation.parts as f64;
+                let a_part = match exact.rows(&space.mesh) {
+                    Some(_) => ROWS * count,
+                    None => MOMENTS * error * cost,
+                };
                 return TruthCost {
                     moment: PART * parts * numbers,
                     load: PART * parts * dofs,
                     load_beside: PART * parts * dofs,
                     next,
-                    parts_seconds: parts * (beside(setup, load_seconds) + moment),
+                    parts_seconds: parts * (beside(setup, load_seconds) + a_part),
                     parts_bytes: bytes_a_time * (1.0 + parts),
-                    formulas: 0.0,
+                    next_formulas,
                     bytes_a_time: FACET * space.trace.measure.len() as f64,
+                    ..none
                 };
             }
-            let of_moments = shorter.map_or_else(|| formulas(setup, error * count), |[_, own]| own);
-            let formulas = formulas(setup, beside(setup, load) * count) + of_moments;
+            let formulas = formulas(setup, beside(setup, load) * count) + of_moments(error);
             let (load, load_beside) = (load_seconds, beside(setup, load_seconds));
-            let parts = TruthCost::default();
-            TruthCost { moment, load, load_beside, next, formulas, bytes_a_time, ..parts }
+            let seconds = TruthCost { moment, load, load_beside, next, ..none };
+            TruthCost { next_formulas, formulas, bytes_a_time, ..seconds }
         }
         (Data::Loads { .. }, _) => {
             let moment = reference_cells.map_or(0.0, |cells| REFERENCE * cells as f64);
@@ -161,14 +174,6 @@ fn is_shared(setup: &Setup) -> bool {
 /// What is left of a number of the loads where moments are there.
 fn beside(setup: &Setup, of_loads: f64) -> f64 {
     if is_shared(setup) { 0.0 } else { of_loads }
-}
-
-/// Bytes of the formulas at the points of the next rules over those at the usual ones.
-pub(super) fn next_formulas(setup: &Setup) -> f64 {
-    let d = setup.scene.dimension;
-    let [load, error] = points(setup, &TruthRules::of(d));
-    let [_, next_error] = points(setup, &TruthRules::stronger(d));
-    next_error / (beside(setup, load) + error)
 }
 
 /// Seconds for ζ of the exact solution.
