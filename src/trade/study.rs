@@ -108,7 +108,8 @@ impl Study {
             return Err(TradeError::AllFailed { first: first.unwrap_or_default() });
         }
         let offered = knobs(&bench.plain.setup);
-        let places = places(&trials, offered.len() as u32 * (bench.repeats + 1), plan.budget);
+        let runs = offered.len() as u32 * (bench.repeats + 1);
+        let places = places(&trials, scene.dimension, runs, plan.budget);
         for knob in offered {
             let Some(variant) = Variant::new(&scene, knob)? else { continue };
             for &[n, steps] in &places {
@@ -164,16 +165,19 @@ fn plain(trials: &[Trial]) -> impl Iterator<Item = &Trial> + Clone {
     trials.iter().filter(move |trial| trial.knob == name)
 }
 
-/// Runs at which knobs are turned: the dearest that the budget bears `runs` times, the one with the next coarser mesh and
+/// Runs at which knobs are turned: the largest that the budget bears `runs` times, the one with the next coarser mesh and
 /// the same steps, and the one with the fewest steps on the same mesh, to see on what a price depends.
-fn places(trials: &[Trial], runs: u32, budget: f64) -> Vec<[u32; 2]> {
+///
+/// Which is the largest is a matter of cells and steps: short runs swap their seconds.
+fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u32; 2]> {
     let done = |trial: &&Trial| trial.done().is_some();
     let seconds = |trial: &Trial| trial.done().map_or(f64::INFINITY, |run| run.seconds);
     // The others cost less than the first.
     let borne = |trial: &&Trial| 3.0 * f64::from(runs) * seconds(trial) <= budget;
-    let by_time = |a: &&Trial, b: &&Trial| seconds(a).total_cmp(&seconds(b));
-    let first = plain(trials).filter(done).filter(borne).max_by(by_time);
-    let Some(first) = first.or_else(|| plain(trials).filter(done).min_by(by_time)) else {
+    let size = |trial: &Trial| f64::from(trial.n).powi(dimension as i32) * f64::from(trial.steps);
+    let by_size = |a: &&Trial, b: &&Trial| size(a).total_cmp(&size(b)).then(a.n.cmp(&b.n));
+    let first = plain(trials).filter(done).filter(borne).max_by(by_size);
+    let Some(first) = first.or_else(|| plain(trials).filter(done).min_by(by_size)) else {
         return Vec::new();
     };
     let coarser = plain(trials).filter(done).filter(|t| t.steps == first.steps && t.n < first.n);
@@ -263,4 +267,49 @@ fn measured_along(trials: &[Trial], s: f64) -> Option<f64> {
     let (coarse, fine) = (first.done()?, last.done()?);
     let exponent = (fine.seconds / coarse.seconds).ln() / (coarse.error / fine.error).ln();
     exponent.is_finite().then_some(exponent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::Outcome;
+    use super::*;
+
+    fn trial(n: u32, steps: u32, seconds: f64) -> Trial {
+        Trial {
+            knob: Knob::AsWritten.name(),
+            n,
+            steps,
+            h: f64::from(n).recip(),
+            k: f64::from(steps).recip(),
+            dofs: 0,
+            outcome: Ok(Outcome {
+                error: 1.0,
+                floor: 0.0,
+                seconds,
+                slowest: seconds,
+                repeats: 1,
+                load_share: 0.0,
+                bytes: 0.0,
+                history_bytes: 0,
+                newton_iterations: 0,
+                factorizations: 0,
+            }),
+        }
+    }
+
+    /// The clock may say that the run with the fewest steps took longest; three places it must be.
+    #[test]
+    fn knobs_are_turned_at_the_same_places_whatever_the_clock_says() {
+        let expected = vec![[8, 4], [4, 4], [8, 2]];
+        for slow in [[4, 2], [4, 4], [8, 2], [8, 4]] {
+            let seconds = |n, steps| if [n, steps] == slow { 2.0 } else { 1.0 };
+            let of = |n: u32| [2, 4].map(|steps| trial(n, steps, seconds(n, steps)));
+            let trials = [of(4), of(8)].concat();
+            assert_eq!(places(&trials, 2, 1, 60.0), expected, "{slow:?}");
+        }
+        // What the budget does not bear is left out.
+        let trials = [trial(4, 4, 1.0), trial(8, 4, 100.0)];
+        assert_eq!(places(&trials, 2, 1, 60.0), [[4, 4]]);
+        assert_eq!(places(&trials, 2, 100, 60.0), [[4, 4]]);
+    }
 }
