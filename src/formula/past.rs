@@ -186,10 +186,9 @@ impl Past {
     ) {
         self.sampler.clear();
         for piece in pieces {
-            for u in &GAUSS.abscissae {
-                let time = piece.from + (piece.to - piece.from) * u;
-                self.sampler.push(lanes[piece.lane as usize].tuple, time);
-            }
+            let at = |u: &f64| piece.from + (piece.to - piece.from) * u;
+            let tuple = lanes[piece.lane as usize].tuple;
+            self.sampler.extend(tuple, GAUSS.abscissae.iter().map(at));
         }
         self.sampler.run(&plan.tape, plan.mask, below, all);
     }
@@ -198,7 +197,9 @@ impl Past {
     fn is_resolved(&self, piece: usize) -> bool {
         self.sampler.values.iter().all(|values| {
             let values = &values[piece * ORDER..][..ORDER];
-            let largest = values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            let larger =
+                |most: f64, value: &f64| if value.abs() > most { value.abs() } else { most };
+            let largest = values.iter().fold(0.0, larger);
             let last = GAUSS.last.iter().map(|weights| dot(weights, values).abs());
             // Numbers that are not finite stay so on any part.
             let unresolved = last.sum::<f64>() > RESOLVED * largest;
@@ -209,6 +210,17 @@ impl Past {
 
 /// The sum over one set of quadrature points.
 pub(super) fn dot(weights: &[f64], values: &[f64]) -> f64 {
-    let pairs = weights[..ORDER].iter().zip(&values[..ORDER]);
-    pairs.map(|(w, v)| w * v).sum()
+    // Sums that do not wait for each other.
+    let mut sums = [0.0; WIDTH];
+    let (weights, values) = (&weights[..ORDER], &values[..ORDER]);
+    for (w, v) in weights.as_chunks::<WIDTH>().0.iter().zip(values.as_chunks::<WIDTH>().0) {
+        for l in 0..WIDTH {
+            sums[l] += w[l] * v[l];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
+
+/// Points that are summed side by side; a part of [`ORDER`].
+const WIDTH: usize = 4;
+const _: () = assert!(ORDER.is_multiple_of(WIDTH));

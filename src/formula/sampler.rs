@@ -61,9 +61,10 @@ impl Sampler {
         self.times.clear();
     }
 
-    pub(super) fn push(&mut self, tuple: u32, time: f64) {
-        self.tuples.push(tuple);
-        self.times.push(time);
+    /// Adds lanes of one tuple.
+    pub(super) fn extend(&mut self, tuple: u32, times: impl ExactSizeIterator<Item = f64>) {
+        self.tuples.extend(std::iter::repeat_n(tuple, times.len()));
+        self.times.extend(times);
     }
 
     /// Runs `tape` at all lanes, tuples being of the stage `mask`; `below` are
