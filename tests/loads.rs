@@ -8,7 +8,7 @@ mod shipped;
 
 use std::sync::Arc;
 
-use gronwall::contact::{BoundaryRule, LoadError, stress_force};
+use gronwall::contact::{BoundaryRule, Discretization, LoadError, stress_force};
 use gronwall::manufactured::{Exact, ExactData, ExactOnMesh, LoadForm, Truth};
 use gronwall::norms::Moments;
 use gronwall::scene::Data;
@@ -216,19 +216,26 @@ fn truths_apart(a: &dyn Truth, b: &dyn Truth, [t, s]: [f64; 2]) -> f64 {
     .fold(0f64, |worst, off| if off.is_nan() { f64::NAN } else { worst.max(off) })
 }
 
+/// Setups with an exact solution that no run interpolates, each with that solution and the mesh of its sweep's first n.
+fn integrated() -> impl Iterator<Item = (Setup, Arc<Exact>, Arc<Discretization>)> {
+    let interpolated =
+        |setup: &Setup| matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    bodies().into_iter().filter(move |setup| !interpolated(setup)).filter_map(|setup| {
+        let exact = setup.exact.clone()?;
+        let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied());
+        let space = setup.space(n.unwrap_or(4) as u32).unwrap_or_else(|error| panic!("{error}"));
+        Some((setup, exact, space))
+    })
+}
+
 /// Fields that separate in time are integrated once and combined; the same as at each time on its own. What moves in
 /// space, and what is projected, does not separate.
 #[test]
 fn fields_in_parts_are_those_of_each_time() {
     let mut separated = Vec::new();
-    for setup in bodies().into_iter().filter(|setup| setup.exact.is_some()) {
-        let (name, exact) = (setup.scene.name.clone(), exact(&setup));
-        let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-        let Some(separation) = exact.separation.as_ref().filter(|_| !interpolated) else {
-            continue;
-        };
-        let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied());
-        let space = setup.space(n.unwrap_or(4) as u32).unwrap_or_else(|error| panic!("{error}"));
+    for (setup, exact, space) in integrated() {
+        let name = setup.scene.name.clone();
+        let Some(separation) = &exact.separation else { continue };
         let sides = side_numbers(&setup.body.domain.traction);
         let rules = TruthRules::of(setup.scene.dimension);
         for form in [LoadForm::Weak, LoadForm::Strong] {
@@ -255,42 +262,45 @@ fn fields_in_parts_are_those_of_each_time() {
     }
 }
 
+/// Loads and moments by the shorter ways of a scene, in parts and at each time on its own, against point by point.
+fn shorter_ways_are_those_of_each_point(
+    setup: &Setup,
+    exact: &Arc<Exact>,
+    space: &Arc<Discretization>,
+) {
+    let name = &setup.scene.name;
+    let sides = side_numbers(&setup.body.domain.traction);
+    let rules = TruthRules::of(setup.scene.dimension);
+    let horizon = setup.scene.time.horizon;
+    let [early, late] = [0.31 * horizon, 0.32 * horizon];
+    for form in [LoadForm::Weak, LoadForm::Strong] {
+        let new = || ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
+        for short in [new(), new().time_by_time()] {
+            let points = new().time_by_time().point_by_point();
+            for t in [0.0, early, horizon] {
+                let off = truths_apart(&short, &points, [t, t]);
+                // Sums over 12 points and a few products of numbers of order one; remainders are squares of small differences.
+                assert!(off < 1e-11, "{name}, {form:?}, t = {t}: {off:e}");
+            }
+            let load = |truth: &ExactOnMesh, t: f64| {
+                truth.load(t).unwrap_or_else(|error| panic!("{error}"))
+            };
+            let moves = load(&points, early) != load(&points, late);
+            let off = apart(&load(&short, early), &load(&points, late));
+            assert!(off > 1e-4 || !moves, "{name}: another time, {off:e}");
+        }
+    }
+}
+
 /// On meshes in rows products of (x, t) and y are integrated along columns and rows, and a strain that is the same
 /// everywhere is evaluated once: the same as point by point. What is projected, and what is no such product, is not.
 #[test]
 fn shorter_ways_to_the_moments_are_those_of_each_point() {
     let mut along = Vec::new();
-    for setup in bodies().into_iter().filter(|setup| setup.exact.is_some()) {
-        let (name, exact) = (setup.scene.name.clone(), exact(&setup));
-        let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-        let n = setup.scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied());
-        let space = setup.space(n.unwrap_or(4) as u32).unwrap_or_else(|error| panic!("{error}"));
-        if interpolated {
-            continue;
-        }
-        let sides = side_numbers(&setup.body.domain.traction);
-        let rules = TruthRules::of(setup.scene.dimension);
-        for form in [LoadForm::Weak, LoadForm::Strong] {
-            let new = || ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
-            let horizon = setup.scene.time.horizon;
-            let [early, late] = [0.31 * horizon, 0.32 * horizon];
-            for short in [new(), new().time_by_time()] {
-                let points = new().time_by_time().point_by_point();
-                for t in [0.0, early, horizon] {
-                    let off = truths_apart(&short, &points, [t, t]);
-                    // Sums over 12 points and a few products of numbers of order one; remainders are squares of small differences.
-                    assert!(off < 1e-11, "{name}, {form:?}, t = {t}: {off:e}");
-                }
-                let load = |truth: &ExactOnMesh, t: f64| {
-                    truth.load(t).unwrap_or_else(|error| panic!("{error}"))
-                };
-                let moves = load(&points, early) != load(&points, late);
-                let off = apart(&load(&short, early), &load(&points, late));
-                assert!(off > 1e-4 || !moves, "{name}: another time, {off:e}");
-            }
-        }
-        if exact.rows(&space.mesh).is_some() {
-            along.push(name);
+    for (setup, exact, space) in integrated() {
+        shorter_ways_are_those_of_each_point(&setup, &exact, &space);
+        if exact.rows(&space.mesh, &exact.cell_regions(&space.mesh)).is_some() {
+            along.push(setup.scene.name);
         }
     }
     for name in ["compliance", "law-linear", "layered", "signorini", "viscoelastic", "zone-appears"]
@@ -299,6 +309,28 @@ fn shorter_ways_to_the_moments_are_those_of_each_point() {
     }
     for name in ["corner", "oblique-trapezium", "pure-box", "pure-mild"] {
         assert!(along.iter().all(|own| own != name), "{name} is none");
+    }
+}
+
+/// Columns and rows have widths of their own, and there are more of the ones than of the others: scenes are squares.
+#[test]
+fn rows_of_any_widths_are_those_of_each_point() {
+    for name in ["compliance", "layered", "signorini", "viscoelastic"] {
+        let size = ("size = [1.0, 1.0]", "size = [2.0, 1.0]");
+        let setup = setup_of(edited(&text(name), size.0, size.1));
+        let domain = &setup.body.domain;
+        let mut mesh = domain.mesh(6);
+        for at in mesh.coordinates.chunks_exact_mut(mesh.dimension) {
+            // Keeps y = 0, 1/2 and 1.
+            (at[0], at[1]) = (at[0].powf(1.3), at[1] + 1.2 * at[1] * (1.0 - at[1]) * (at[1] - 0.5));
+        }
+        let [clamped, contact] =
+            [&domain.clamped, &domain.contact].map(|sides| side_numbers(sides));
+        let space = Discretization::new(mesh, &clamped, &contact).unwrap_or_else(|e| panic!("{e}"));
+        let exact = exact(&setup);
+        let regions = exact.cell_regions(&space.mesh);
+        assert!(exact.rows(&space.mesh, &regions).is_some(), "{name}");
+        shorter_ways_are_those_of_each_point(&setup, &exact, &Arc::new(space));
     }
 }
 

@@ -134,10 +134,22 @@ impl StepView<'_> {
         model: &Model<P>,
         c: usize,
     ) -> [f64; S] {
+        let strain = strain_of(space.geometry.gradients(c), space.cell_nodes(c), self.u);
+        self.stress_of(space, model, c, &strain)
+    }
+
+    /// The same where ε(u_n^{kh}) on the cell is known.
+    #[inline]
+    pub fn stress_of<P: Projection, const S: usize>(
+        &self,
+        space: &Discretization,
+        model: &Model<P>,
+        c: usize,
+        strain: &[f64; S],
+    ) -> [f64; S] {
         let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-        let strain = strain_of::<S>(gradients, nodes, self.u);
         let region = space.region(c);
-        let mut stress = model.elasticity.on(region).apply(&strain);
+        let mut stress = model.elasticity.on(region).apply(strain);
         for (memory, history) in model.memory.iter().zip(self.history) {
             let remembered = strain_of::<S>(gradients, nodes, history);
             let part = memory.tensor.on(region).apply(&remembered);
@@ -145,7 +157,7 @@ impl StepView<'_> {
                 *target += value;
             }
         }
-        if let Some(extra) = model.projection.stress(&strain, self.kappa) {
+        if let Some(extra) = model.projection.stress(strain, self.kappa) {
             for (target, value) in stress.iter_mut().zip(extra) {
                 *target += value;
             }

@@ -224,13 +224,12 @@ impl Exact {
         self.regions_at(&points)
     }
 
-    /// Whether ε, all memories and the law are the same everywhere on a mesh.
-    pub fn is_uniform(&self, mesh: &Mesh) -> bool {
+    /// Whether ε, all memories and the law are the same everywhere, in cells of the given regions.
+    pub fn is_uniform(&self, regions: &[usize]) -> bool {
         let varies = |node| {
             let space = [Variable::X, Variable::Y, Variable::Z];
             space.iter().any(|&axis| self.data.graph.depends_on(node, axis))
         };
-        let regions = self.cell_regions(mesh);
         // A jump of u has no strain between its sides.
         let guards = self.data.graph.guards(&self.data.u);
         regions.iter().all(|region| *region == regions[0])
@@ -238,12 +237,13 @@ impl Exact {
             && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
     }
 
-    /// The rows of a mesh, of one material each, where the fields are products along them.
-    pub fn rows(&self, mesh: &Mesh) -> Option<Rows> {
+    /// The rows of a mesh, of one material each, where the fields are products along them; `regions` are those of its
+    /// cells.
+    pub fn rows(&self, mesh: &Mesh, regions: &[usize]) -> Option<Rows> {
         let separated =
             self.separation.as_ref().and_then(|separation| separation.products.as_ref());
         self.products.as_ref().or(separated)?;
-        let (rows, regions) = (Rows::of(mesh)?, self.cell_regions(mesh));
+        let rows = Rows::of(mesh)?;
         let mut of_rows = regions.chunks_exact(rows.length());
         of_rows.all(|row| row.iter().all(|region| *region == row[0])).then_some(rows)
     }

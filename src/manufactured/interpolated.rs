@@ -4,12 +4,12 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::constitutive::{self, Tensor, from_mandel, mandel};
+use super::constitutive::{self, Tensor, mandel};
 use super::contact_samples::StatePoints;
 use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
 use super::exact::Exact;
-use super::linear::gradient_of;
-use super::nodal_force::{add_stress, facet_measure};
+use super::linear::edge_slopes;
+use super::nodal_force::{facet_measure, force_of_means};
 use super::running_integral::RunningIntegral;
 use super::sampled::vector_names;
 use super::side_points::{SidePoints, side_points};
@@ -32,6 +32,8 @@ pub struct InterpolatedOnMesh {
     bound: Mutex<Bound>,
     /// Of each cell.
     regions: Vec<usize>,
+    /// Of each cell the gradients of linear functions that rise by one along one of the edges from its first corner.
+    slopes: Vec<f64>,
     /// Formulas on each side of Γ3, bound to its points of the trace.
     boundary: Vec<SidePoints>,
     /// Times in [0, T] at which a guard changes sign at some vertex, sorted.
@@ -62,6 +64,10 @@ impl InterpolatedOnMesh {
         Self {
             bound: Mutex::new(nodal.bind(&points)),
             regions: exact.cell_regions(&space.mesh),
+            slopes: match space.mesh.dimension {
+                2 => edge_slopes::<2>(&space.mesh),
+                _ => edge_slopes::<3>(&space.mesh),
+            },
             boundary,
             events,
             accumulated: RunningIntegral::new(horizon),
@@ -92,44 +98,48 @@ impl InterpolatedOnMesh {
             }
         }
         let interleave = |fields: &[Vec<f64>]| -> Vec<f64> {
-            (0..nodes).flat_map(|p| fields.iter().map(move |field| field[p])).collect()
+            let mut all = vec![0.0; nodes * fields.len()];
+            for (i, field) in fields.iter().enumerate() {
+                let own = all[i..].iter_mut().step_by(fields.len());
+                own.zip(field).for_each(|(own, value)| *own = *value);
+            }
+            all
         };
         let (u, memory) = out.split_at(d);
         Ok((interleave(u), memory.chunks(d).map(interleave).collect()))
     }
 
-    /// The edges of cell c from its first corner.
-    fn edges<const D: usize>(&self, c: usize) -> [[f64; D]; D] {
-        let (mesh, cell) = (&self.space.mesh, self.space.mesh.cell(c));
-        let from = mesh.vertex(cell[0]);
-        std::array::from_fn(|a| {
-            let to = mesh.vertex(cell[a + 1]);
-            std::array::from_fn(|i| to[i] - from[i])
-        })
-    }
-
     /// ε of a nodal vector on cell c, as a full tensor: from differences along the edges, apart
     /// from the solver's shape gradients.
-    fn strain<const D: usize>(&self, nodal: &[f64], edges: &[[f64; D]; D], c: usize) -> Tensor<D> {
+    fn strain<const D: usize>(&self, nodal: &[f64], c: usize) -> Tensor<D> {
         let nodes = self.space.cell_nodes(c);
-        let rise = |a: usize, i: usize| {
-            nodal[D * nodes[a] as usize + i] - nodal[D * nodes[0] as usize + i]
-        };
-        let gradient: [[f64; D]; D] =
-            std::array::from_fn(|i| gradient_of(edges, &std::array::from_fn(|a| rise(a + 1, i))));
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| match i == j {
-                true => gradient[i][i],
-                false => 0.5 * (gradient[i.min(j)][i.max(j)] + gradient[i.max(j)][i.min(j)]),
-            })
-        })
+        let slopes = &self.slopes.as_chunks::<D>().0[D * c..D * (c + 1)];
+        let values = nodal.as_chunks::<D>().0;
+        let from = &values[nodes[0] as usize];
+        let mut gradient = [[0.0; D]; D];
+        for (slope, &node) in slopes.iter().zip(&nodes[1..]) {
+            let to = &values[node as usize];
+            for i in 0..D {
+                for j in 0..D {
+                    gradient[i][j] += (to[i] - from[i]) * slope[j];
+                }
+            }
+        }
+        let mut strain = gradient;
+        for i in 0..D {
+            for j in i + 1..D {
+                strain[i][j] = 0.5 * (gradient[i][j] + gradient[j][i]);
+                strain[j][i] = strain[i][j];
+            }
+        }
+        strain
     }
 
     fn strain_norm<const D: usize>(&self, t: f64) -> Result<f64, LoadError> {
         let (u, _) = self.displacements(t)?;
         let mut sum = 0.0;
         for c in 0..self.space.mesh.cell_count() {
-            let strain: Tensor<D> = self.strain(&u, &self.edges(c), c);
+            let strain: Tensor<D> = self.strain(&u, c);
             let mut square = 0.0;
             for i in 0..D {
                 square += strain[i][i] * strain[i][i];
@@ -256,15 +266,10 @@ impl InterpolatedOnMesh {
 
     fn compute_load<const D: usize, const N: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let space = &self.space;
-        let stress = match self.moments.known(t) {
-            Some(moments) => moments.stress.mean.clone(),
-            None => self.cells::<D, N>(t)?.stress,
+        let mut force = match self.moments.known(t) {
+            Some(moments) => force_of_means::<D>(space, &moments.stress.mean),
+            None => force_of_means::<D>(space, &self.cells::<D, N>(t)?.stress),
         };
-        let mut force = vec![0.0; space.nodes.len()];
-        for (c, stress) in stress.chunks_exact(N).enumerate() {
-            let stress: Tensor<D> = from_mandel(stress);
-            add_stress(&space.mesh, c, space.cell_nodes(c), &stress, &mut force);
-        }
         self.add_contact_pressure(t, &mut force);
         force.truncate(space.dofs());
         Ok(force)
@@ -278,10 +283,9 @@ impl InterpolatedOnMesh {
         let [mut strains, mut stresses] = [(); 2].map(|()| Vec::with_capacity(N * cells));
         let mut remembered: Vec<Tensor<D>> = Vec::new();
         for c in 0..cells {
-            let edges = self.edges(c);
-            let strain = self.strain(&u, &edges, c);
+            let strain = self.strain(&u, c);
             remembered.clear();
-            remembered.extend(memory.iter().map(|h| self.strain(h, &edges, c)));
+            remembered.extend(memory.iter().map(|h| self.strain(h, c)));
             let material = self.exact.material_in(self.regions[c]);
             let stress = constitutive::stress(material, &strain, &remembered, kappa);
             for (all, tensor) in [(&mut strains, strain), (&mut stresses, stress)] {
@@ -299,10 +303,10 @@ impl InterpolatedOnMesh {
         let CellFields { u, strain, stress } = self.cells::<D, N>(t)?;
         let mut moments = Moments::default();
         (moments.strain.mean, moments.stress.mean) = (strain, stress);
-        for c in 0..self.space.mesh.cell_count() {
-            for &node in self.space.cell_nodes(c) {
-                moments.displacement.corner.extend(&u[D * node as usize..][..D]);
-            }
+        let corners = &self.space.nodes.cells;
+        moments.displacement.corner.reserve(D * corners.len());
+        for &node in corners {
+            moments.displacement.corner.extend_from_slice(&u.as_chunks::<D>().0[node as usize]);
         }
         let state = self.contact_state(t);
         let samples = facet_samples(D);

@@ -1,5 +1,7 @@
 //! Gradients of linear functions on a simplex from edges alone, apart from the solver's shape gradients.
 
+use crate::mesh::Mesh;
+
 /// ∇f of a linear function from its rises along the edges that leave one corner of a simplex.
 pub fn gradient_of<const D: usize>(edges: &[[f64; D]; D], rise: &[f64; D]) -> [f64; D] {
     if D == 2 {
@@ -16,6 +18,24 @@ pub fn gradient_of<const D: usize>(edges: &[[f64; D]; D], rise: &[f64; D]) -> [f
     };
     let determinant: f64 = (0..D).map(|i| edges[0][i] * cross(0, i)).sum();
     std::array::from_fn(|i| (0..D).map(|a| rise[a] * cross(a, i)).sum::<f64>() / determinant)
+}
+
+/// Of each cell the gradients of linear functions that rise by one along one of the edges from its first corner.
+pub fn edge_slopes<const D: usize>(mesh: &Mesh) -> Vec<f64> {
+    let mut all = Vec::with_capacity(D * D * mesh.cell_count());
+    for c in 0..mesh.cell_count() {
+        let cell = mesh.cell(c);
+        let from = mesh.vertex(cell[0]);
+        let edges: [[f64; D]; D] = std::array::from_fn(|a| {
+            let to = mesh.vertex(cell[a + 1]);
+            std::array::from_fn(|i| to[i] - from[i])
+        });
+        for a in 0..D {
+            let rise = std::array::from_fn(|b| f64::from(u8::from(a == b)));
+            all.extend(gradient_of(&edges, &rise));
+        }
+    }
+    all
 }
 
 #[cfg(test)]

@@ -3,7 +3,10 @@
 //! The solver multiplies σ by shape gradients in Mandel notation. Here the gradient is integrated over the
 //! boundary of the cell: an error in the solver's assembly stays visible as a wrong solution.
 
-use super::constitutive::Tensor;
+use std::ops::Range;
+
+use super::constitutive::{Tensor, from_mandel};
+use crate::contact::Discretization;
 use crate::mesh::Mesh;
 
 /// Adds ∫_K σ:ε(φ_a e_i) for the D + 1 shape functions of cell c to the nodal vector `force`; `mean` is the mean of σ
@@ -27,6 +30,26 @@ pub fn add_stress<const D: usize>(
             force[D * nodes[a] as usize + i] += work;
         }
     }
+}
+
+/// Adds ∫ σ:ε(v) over some cells from the means of σ, in the notation of moments; there are none where σ vanishes.
+pub(super) fn add_means<const D: usize>(
+    space: &Discretization,
+    cells: Range<usize>,
+    means: &[f64],
+    force: &mut [f64],
+) {
+    for (c, mean) in cells.zip(means.chunks_exact(D * (D + 1) / 2)) {
+        let mean: Tensor<D> = from_mandel(mean);
+        add_stress(&space.mesh, c, space.cell_nodes(c), &mean, force);
+    }
+}
+
+/// That over all cells and nodes.
+pub(super) fn force_of_means<const D: usize>(space: &Discretization, means: &[f64]) -> Vec<f64> {
+    let mut force = vec![0.0; space.nodes.len()];
+    add_means::<D>(space, 0..space.mesh.cell_count(), means, &mut force);
+    force
 }
 
 /// The other corners of a positively oriented tetrahedron, counter-clockwise as seen from outside.

@@ -38,12 +38,8 @@ impl OnRows {
         rule: &Rule,
     ) -> Self {
         let y = rows.y.each_ref().map(|corners| at_points(corners, rule));
-        let from_centre = [(&along_x.at, rows.columns), (&y, rows.rows)].map(|(at, count)| {
-            at.each_ref().map(|at| {
-                let centre = mean(at, count, &rule.weights);
-                at.iter().enumerate().map(|(p, at)| at - centre[p % count]).collect()
-            })
-        });
+        let from_centre = [(&along_x.at, rows.columns), (&y, rows.rows)]
+            .map(|(at, count)| at.each_ref().map(|at| minus(at, &mean(at, count, &rule.weights))));
         let products = BoundProducts::new(products, along_x, &y);
         Self { rows, region, rule: rule.clone(), products, from_centre }
     }
@@ -136,7 +132,7 @@ impl OnRows {
                                 .zip(&f_mean)
                                 .for_each(|(left, f)| *left -= f * g_mean[j]);
                         }
-                        let flat = self.repeated(&f_mean);
+                        let flat = f_mean.repeat(self.rule.weights.len());
                         let [f_left, g_left] = [minus(f, &f_mean), minus(g, &g_mean)];
                         terms.extend([(flat, g_left), (f_left, g.clone())]);
                     }
@@ -195,12 +191,7 @@ impl OnRows {
     /// f g without the linear part that f and g have in each cell, as products; that part is taken from `corners`.
     ///
     /// With f = f̄ + f' ξ + f̂ and g = ḡ + g' η + ĝ it is f' ξ g' η + (f̄ + f' ξ) ĝ + f̂ g.
-    fn beyond_linear(
-        &self,
-        term: &Term,
-        half: usize,
-        corners: &mut [Vec<f64>],
-    ) -> [(Vec<f64>, Vec<f64>); 3] {
+    fn beyond_linear(&self, term: &Term, half: usize, corners: &mut [Vec<f64>]) -> [Along; 3] {
         let columns = self.rows.columns;
         let [f, g] = [&term.f[half], &self.products.along_y[term.m][half]];
         let [xi, eta] = self.from_centre.each_ref().map(|axis| &axis[half]);
@@ -220,10 +211,7 @@ impl OnRows {
                 }
             }
         }
-        let linear = |values: &[f64], slopes: &[f64]| -> Vec<f64> {
-            values.iter().enumerate().map(|(p, at)| slopes[p % slopes.len()] * at).collect()
-        };
-        let [f_linear, g_linear] = [linear(xi, &f_slope), linear(eta, &g_slope)];
+        let [f_linear, g_linear] = [times(xi, &f_slope), times(eta, &g_slope)];
         let difference =
             |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
         let f_left = difference(&minus(f, &f_mean), &f_linear);
@@ -240,9 +228,15 @@ impl OnRows {
         mean(g, self.rows.rows, &self.rule.weights)
     }
 
-    /// The same at all points of the rule.
-    fn repeated(&self, values: &[f64]) -> Vec<f64> {
-        values.repeat(self.rule.weights.len())
+    /// Σ over columns, rows and points of the product of two products, each point with its weight.
+    fn product(&self, (f, g): &Along, (other_f, other_g): &Along) -> f64 {
+        let mut sum = 0.0;
+        for (q, weight) in self.rule.weights.iter().enumerate() {
+            let [i, j] = [self.rows.columns, self.rows.rows].map(|n| n * q..n * (q + 1));
+            let along_x = dot(&f[i.clone()], &other_f[i]);
+            sum += weight * along_x * dot(&g[j.clone()], &other_g[j]);
+        }
+        sum
     }
 
     /// Adds Σ |K| (Σ_q w_q d_m d_l - `scale` Σ_v c_mv c_lv) over the cells of a half for all pairs of parts, d being the
@@ -252,20 +246,15 @@ impl OnRows {
         let y: Vec<f64> = self.rows.y[half].iter().map(width).collect();
         let columns = x.len();
         for (m, (terms, cells)) in parts.iter().enumerate() {
-            let scaled: Vec<[Vec<f64>; 2]> =
-                terms.iter().map(|(f, g)| [times(f, &x), times(g, &y)]).collect();
+            let scaled: Vec<Along> =
+                terms.iter().map(|(f, g)| (times(f, &x), times(g, &y))).collect();
             for (l, (others, other_cells)) in parts.iter().enumerate().skip(m) {
                 let mut all = 0.0;
-                for (r, [f, g]) in scaled.iter().enumerate() {
+                for (r, own) in scaled.iter().enumerate() {
                     // Of a part with itself each pair of terms comes once, and counts twice.
                     let first = if l == m { r } else { 0 };
-                    for (s, (other_f, other_g)) in others.iter().enumerate().skip(first) {
-                        let mut pair = 0.0;
-                        for (q, weight) in self.rule.weights.iter().enumerate() {
-                            let [i, j] = [columns, y.len()].map(|n| n * q..n * (q + 1));
-                            let along_x = dot(&f[i.clone()], &other_f[i]);
-                            pair += weight * along_x * dot(&g[j.clone()], &other_g[j]);
-                        }
+                    for (s, other) in others.iter().enumerate().skip(first) {
+                        let pair = self.product(own, other);
                         all += if l == m && s > r { 2.0 * pair } else { pair };
                     }
                 }
@@ -281,9 +270,12 @@ impl OnRows {
     }
 }
 
+/// A function along x and one along y, at the points of the rule in all columns and rows of a half.
+type Along = (Vec<f64>, Vec<f64>);
+
 /// A part of a field in the cells of a half: what differs from P1 functions, but for numbers of each cell, as products of
 /// functions along x and along y; and these numbers, each in all cells row by row.
-type Centred = (Vec<(Vec<f64>, Vec<f64>)>, Vec<Vec<f64>>);
+type Centred = (Vec<Along>, Vec<Vec<f64>>);
 
 /// Products of what cells cannot have of each part, row by row.
 struct Differences {
@@ -338,14 +330,21 @@ fn slope(values: &[f64], from_centre: &[f64], count: usize, weights: &[f64]) -> 
 
 /// The values less a number of each column or row.
 fn minus(values: &[f64], means: &[f64]) -> Vec<f64> {
-    let own = values.chunks_exact(means.len()).flat_map(|own| own.iter().zip(means));
-    own.map(|(value, mean)| value - mean).collect()
+    combined(values, means, |value, mean| value - mean)
 }
 
 /// The values in all columns or rows times a number of each.
 fn times(values: &[f64], numbers: &[f64]) -> Vec<f64> {
-    let own = values.chunks_exact(numbers.len()).flat_map(|own| own.iter().zip(numbers));
-    own.map(|(value, number)| value * number).collect()
+    combined(values, numbers, |value, number| value * number)
+}
+
+/// The values in all columns or rows, each with a number of its own.
+fn combined(values: &[f64], numbers: &[f64], with: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let mut all = Vec::with_capacity(values.len());
+    for own in values.chunks_exact(numbers.len()) {
+        all.extend(own.iter().zip(numbers).map(|(value, number)| with(*value, *number)));
+    }
+    all
 }
 
 /// Σ a b.
@@ -361,9 +360,9 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Σ w a b.
-fn weighted(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
+fn weighted(w: &[f64], a: &[f64], b: &[f64]) -> f64 {
     let mut lanes = [0.0; WIDTH];
-    let [(w, w_rest), (a, a_rest), (b, b_rest)] = [weights, a, b].map(<[f64]>::as_chunks::<WIDTH>);
+    let [(w, w_rest), (a, a_rest), (b, b_rest)] = [w, a, b].map(|all| all.as_chunks::<WIDTH>());
     for ((w, a), b) in w.iter().zip(a).zip(b) {
         for l in 0..WIDTH {
             lanes[l] += w[l] * a[l] * b[l];

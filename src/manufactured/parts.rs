@@ -7,11 +7,11 @@ use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
-use super::constitutive::{Tensor, from_mandel, mandel, stress};
+use super::constitutive::{Tensor, mandel, stress};
 use super::exact::Exact;
 use super::facet_group::FacetGroup;
 use super::lanes::{Lanes, WIDTH};
-use super::nodal_force::{add_stress, facet_measure};
+use super::nodal_force::{add_means, facet_measure};
 use super::products::Products;
 use super::reduction::mean;
 use super::sampled::{Sampled, tensor_names, vector_names};
@@ -92,25 +92,10 @@ impl Parts<'_> {
                 }
             }
             for (mean, force) in means.iter().zip(&mut forces) {
-                self.add_means::<D>(cells.clone(), mean, force);
+                add_means::<D>(space, cells.clone(), mean, force);
             }
         })?;
         Ok(forces)
-    }
-
-    /// Adds ∫ σ:ε(v) over some cells from the means of σ, in the notation of moments.
-    fn add_means<const D: usize>(&self, cells: Range<usize>, means: &[f64], force: &mut [f64]) {
-        for (c, mean) in cells.zip(means.chunks_exact(self.exact.strain.len())) {
-            let mean: Tensor<D> = from_mandel(mean);
-            add_stress(&self.space.mesh, c, self.space.cell_nodes(c), &mean, force);
-        }
-    }
-
-    /// The same over all cells and nodes, the means being none where σ vanishes.
-    pub fn force_of_means<const D: usize>(&self, means: &[f64]) -> Vec<f64> {
-        let mut force = vec![0.0; self.space.nodes.len()];
-        self.add_means::<D>(0..self.space.mesh.cell_count(), means, &mut force);
-        force
     }
 
     /// ∫ f0·v of each part, over all nodes.

@@ -19,7 +19,7 @@ pub struct Rows {
     pub y: [Vec<[f64; 3]>; HALVES],
 }
 
-/// What a half takes of its square relative to the lengths of its corners, before it counts as no half.
+/// How far the area of a cell may be from half of its square, relative to that: rounding.
 const SAME_AREA: f64 = 1e-9;
 
 impl Rows {

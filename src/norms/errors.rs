@@ -56,23 +56,27 @@ fn cells<P: Projection, const D: usize, const S: usize>(
     let (mut v, mut stress) = (truth.strain.rest, truth.stress.rest);
     let mut l2 = truth.displacement.rest;
     let corners = D + 1;
-    for c in 0..space.mesh.cell_count() {
+    let scale = 1.0 / (corners * (corners + 1)) as f64;
+    let (strains, stresses) =
+        (truth.strain.mean.as_chunks::<S>().0, truth.stress.mean.as_chunks::<S>().0);
+    let (values, exact) = (view.u.as_chunks::<D>().0, truth.displacement.corner.as_chunks::<D>().0);
+    for (c, exact) in exact.chunks_exact(corners).enumerate() {
         let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
         let measure = space.geometry.measure[c];
-        let strain = strain_of::<S>(gradients, nodes, view.u);
-        v += measure * squared_distance(&strain, &truth.strain.mean[S * c..]);
-        let discrete = view.stress::<P, S>(space, model, c);
-        stress += measure * squared_distance(&discrete, &truth.stress.mean[S * c..]);
-        let exact = &truth.displacement.corner[D * corners * c..];
-        for i in 0..D {
-            let (mut total, mut squares) = (0.0, 0.0);
-            for a in 0..corners {
-                let difference = exact[D * a + i] - view.u[D * nodes[a] as usize + i];
-                total += difference;
+        let strain = strain_of(gradients, nodes, view.u);
+        v += measure * squared_distance(&strain, &strains[c]);
+        let discrete = view.stress_of(space, model, c, &strain);
+        stress += measure * squared_distance(&discrete, &stresses[c]);
+        let (mut total, mut squares) = ([0.0; D], 0.0);
+        for (exact, &node) in exact.iter().zip(nodes) {
+            let value = &values[node as usize];
+            for i in 0..D {
+                let difference = exact[i] - value[i];
+                total[i] += difference;
                 squares += difference * difference;
             }
-            l2 += measure * (squares + total * total) / (corners * (corners + 1)) as f64;
         }
+        l2 += measure * scale * (squares + squared_distance(&total, &[0.0; D]));
     }
     StepErrors { v: v.sqrt(), l2: l2.sqrt(), stress: stress.sqrt(), ..StepErrors::default() }
 }
@@ -80,10 +84,12 @@ fn cells<P: Projection, const D: usize, const S: usize>(
 /// ‖ε(u - v)‖ of a nodal vector v alone, which need be no level of a run: v = 0 gives ‖ε(u)‖.
 pub fn strain_error(space: &Discretization, v: &[f64], truth: &Moments) -> f64 {
     fn squares<const S: usize>(space: &Discretization, v: &[f64], truth: &Moments) -> f64 {
+        let means = truth.strain.mean.as_chunks::<S>().0;
         let cell = |c: usize| {
-            let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), v);
-            space.geometry.measure[c] * squared_distance(&strain, &truth.strain.mean[S * c..])
+            let strain = strain_of(space.geometry.gradients(c), space.cell_nodes(c), v);
+            space.geometry.measure[c] * squared_distance(&strain, &means[c])
         };
+
         (0..space.mesh.cell_count()).map(cell).sum()
     }
     let cells = match space.mesh.dimension {
@@ -93,7 +99,8 @@ pub fn strain_error(space: &Discretization, v: &[f64], truth: &Moments) -> f64 {
     (cells + truth.strain.rest).sqrt()
 }
 
-fn squared_distance(a: &[f64], b: &[f64]) -> f64 {
+#[inline]
+fn squared_distance<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
     a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
 }
 

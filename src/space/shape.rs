@@ -55,19 +55,19 @@ impl Geometry {
 pub fn strain_of<const S: usize>(gradients: &[f64], nodes: &[u32], v: &[f64]) -> [f64; S] {
     let mut strain = [0.0; S];
     let half = std::f64::consts::FRAC_1_SQRT_2;
+    // Pieces of fixed length: one check each, and loops that are unrolled.
     if S == 3 {
-        for (a, &node) in nodes.iter().enumerate() {
-            let (gx, gy) = (gradients[2 * a], gradients[2 * a + 1]);
-            let base = 2 * node as usize;
-            let (vx, vy) = (v[base], v[base + 1]);
+        let (gradients, values) = (gradients.as_chunks::<2>().0, v.as_chunks::<2>().0);
+        for (&[gx, gy], &node) in gradients.iter().zip(nodes) {
+            let [vx, vy] = values[node as usize];
             strain[0] += gx * vx;
             strain[1] += gy * vy;
             strain[2] += half * (gy * vx + gx * vy);
         }
     } else {
-        for (a, &node) in nodes.iter().enumerate() {
-            let g = &gradients[3 * a..3 * a + 3];
-            let w = &v[3 * node as usize..3 * node as usize + 3];
+        let (gradients, values) = (gradients.as_chunks::<3>().0, v.as_chunks::<3>().0);
+        for (g, &node) in gradients.iter().zip(nodes) {
+            let w = &values[node as usize];
             for i in 0..3 {
                 strain[i] += g[i] * w[i];
                 let (j, l) = ((i + 1) % 3, (i + 2) % 3);

@@ -85,7 +85,7 @@ pub(super) fn truth(
             let none = TruthCost::default();
             if let Some(separation) = &exact.separation {
                 let parts = separation.parts as f64;
-                let a_part = match exact.rows(&space.mesh) {
+                let a_part = match exact.rows(&space.mesh, &exact.cell_regions(&space.mesh)) {
                     Some(_) => ROWS * count,
                     None => MOMENTS * error * cost,
                 };
@@ -131,12 +131,12 @@ pub(super) fn load_bytes(setup: &Setup, space: &Discretization) -> f64 {
 /// Seconds a time for the moments, and bytes held, where they take no points in the cells.
 fn shorter_way(setup: &Setup, exact: &Exact, space: &Discretization) -> Option<[f64; 2]> {
     let (mesh, horizon) = (&space.mesh, setup.scene.time.horizon);
-    let cells = mesh.cell_count() as f64;
-    if exact.is_uniform(mesh) {
+    let (cells, regions) = (mesh.cell_count() as f64, exact.cell_regions(mesh));
+    if exact.is_uniform(&regions) {
         let bytes = exact.interior.bytes(mesh.vertices() as f64, mesh.dimension, horizon);
         return Some([UNIFORM * cells, bytes]);
     }
-    let rows = exact.rows(mesh)?;
+    let rows = exact.rows(mesh, &regions)?;
     let [_, error] = points(setup, &TruthRules::of(mesh.dimension));
     let abscissae = 2.0 * error * rows.columns as f64;
     let bytes = |products: &Products| products.along_x.bytes(abscissae, 1, horizon);
