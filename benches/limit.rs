@@ -288,12 +288,14 @@ fn split(largest: u32, only: &[&String]) {
             continue;
         };
         let most = steps.iter().copied().max().unwrap_or(0);
-        let finest = over_march(parts_of(setup, n, &[most]));
+        let finest = parts_of(setup, n, &[most]);
         let mut all = [0.0; 4];
-        for (&n, steps) in &cases {
-            let parts = parts_of(setup, n, steps);
+        for (&own_n, own_steps) in &cases {
+            let is_finest = own_n == n && own_steps.len() == 1;
+            let parts = if is_finest { finest } else { parts_of(setup, own_n, own_steps) };
             all.iter_mut().zip(parts).for_each(|(all, own)| *all += own);
         }
+        let finest = over_march(finest);
         let [loads, fields, errors, march] = all.map(|seconds| format!("{:.1}", 1e3 * seconds));
         let share = over_march(all);
         println!(

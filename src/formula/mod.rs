@@ -7,6 +7,7 @@
 
 mod block;
 mod bound;
+mod bracket;
 mod breaks;
 mod build;
 mod decompose;

@@ -32,7 +32,7 @@ pub struct InterpolatedOnMesh {
     bound: Mutex<Bound>,
     /// Of each cell.
     regions: Vec<usize>,
-    /// Of each cell the gradients of linear functions that rise by one along one of the edges from its first corner.
+    /// Those of edges.
     slopes: Vec<f64>,
     /// Formulas on each side of Γ3, bound to its points of the trace.
     boundary: Vec<SidePoints>,

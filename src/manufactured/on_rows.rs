@@ -330,16 +330,16 @@ fn slope(values: &[f64], from_centre: &[f64], count: usize, weights: &[f64]) -> 
 
 /// The values less a number of each column or row.
 fn minus(values: &[f64], means: &[f64]) -> Vec<f64> {
-    combined(values, means, |value, mean| value - mean)
+    each_with_own(values, means, |value, mean| value - mean)
 }
 
 /// The values in all columns or rows times a number of each.
 fn times(values: &[f64], numbers: &[f64]) -> Vec<f64> {
-    combined(values, numbers, |value, number| value * number)
+    each_with_own(values, numbers, |value, number| value * number)
 }
 
 /// The values in all columns or rows, each with a number of its own.
-fn combined(values: &[f64], numbers: &[f64], with: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+fn each_with_own(values: &[f64], numbers: &[f64], with: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let mut all = Vec::with_capacity(values.len());
     for own in values.chunks_exact(numbers.len()) {
         all.extend(own.iter().zip(numbers).map(|(value, number)| with(*value, *number)));

@@ -175,7 +175,8 @@ fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u3
     // The others cost less than the first.
     let borne = |trial: &&Trial| 3.0 * f64::from(runs) * seconds(trial) <= budget;
     let size = |trial: &Trial| f64::from(trial.n).powi(dimension as i32) * f64::from(trial.steps);
-    let by_size = |a: &&Trial, b: &&Trial| size(a).total_cmp(&size(b)).then(a.n.cmp(&b.n));
+    // Of two the one with more steps: others have fewer.
+    let by_size = |a: &&Trial, b: &&Trial| size(a).total_cmp(&size(b)).then(a.steps.cmp(&b.steps));
     let first = plain(trials).filter(done).filter(borne).max_by(by_size);
     let Some(first) = first.or_else(|| plain(trials).filter(done).min_by(by_size)) else {
         return Vec::new();
@@ -228,7 +229,7 @@ fn cost_samples(trials: &[Trial]) -> Vec<CostSample> {
     plain(trials).filter_map(sample).collect()
 }
 
-/// Steps against their halves at the dearest run, and every knob against the run as written.
+/// Steps against their halves at the finest run, and every knob against the run as written.
 fn prices(trials: &[Trial], on_mesh: bool) -> Vec<Price> {
     let at = |n: u32, steps: u32| plain(trials).find(|t| t.n == n && t.steps == steps);
     let done = |trial: &&Trial| trial.done().is_some();
@@ -307,6 +308,10 @@ mod tests {
             let trials = [of(4), of(8)].concat();
             assert_eq!(places(&trials, 2, 1, 60.0), expected, "{slow:?}");
         }
+        // Of 4² · 8 and 8² · 2 the first.
+        let trials = [(4, 2), (4, 8), (8, 2)].map(|(n, steps)| trial(n, steps, 1.0));
+        assert_eq!(places(&trials, 2, 1, 60.0), [[4, 8], [4, 2]]);
+        assert_eq!(places(&trials, 3, 1, 60.0), [[8, 2], [4, 2]]);
         // What the budget does not bear is left out.
         let trials = [trial(4, 4, 1.0), trial(8, 4, 100.0)];
         assert_eq!(places(&trials, 2, 1, 60.0), [[4, 4]]);
