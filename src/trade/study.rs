@@ -272,30 +272,11 @@ fn measured_along(trials: &[Trial], s: f64) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::trial::Outcome;
+    use super::super::trial::trial;
     use super::*;
 
-    fn trial(n: u32, steps: u32, seconds: f64) -> Trial {
-        Trial {
-            knob: Knob::AsWritten.name(),
-            n,
-            steps,
-            h: f64::from(n).recip(),
-            k: f64::from(steps).recip(),
-            dofs: 0,
-            outcome: Ok(Outcome {
-                error: 1.0,
-                floor: 0.0,
-                seconds,
-                slowest: seconds,
-                repeats: 1,
-                load_share: 0.0,
-                bytes: 0.0,
-                history_bytes: 0,
-                newton_iterations: 0,
-                factorizations: 0,
-            }),
-        }
+    fn written(n: u32, steps: u32, seconds: f64) -> Trial {
+        trial(&Knob::AsWritten.name(), [n, steps], 1.0, seconds)
     }
 
     /// The clock may say that the run with the fewest steps took longest; three places it must be.
@@ -304,16 +285,16 @@ mod tests {
         let expected = vec![[8, 4], [4, 4], [8, 2]];
         for slow in [[4, 2], [4, 4], [8, 2], [8, 4]] {
             let seconds = |n, steps| if [n, steps] == slow { 2.0 } else { 1.0 };
-            let of = |n: u32| [2, 4].map(|steps| trial(n, steps, seconds(n, steps)));
+            let of = |n: u32| [2, 4].map(|steps| written(n, steps, seconds(n, steps)));
             let trials = [of(4), of(8)].concat();
             assert_eq!(places(&trials, 2, 1, 60.0), expected, "{slow:?}");
         }
         // Of 4² · 8 and 8² · 2 the first.
-        let trials = [(4, 2), (4, 8), (8, 2)].map(|(n, steps)| trial(n, steps, 1.0));
+        let trials = [(4, 2), (4, 8), (8, 2)].map(|(n, steps)| written(n, steps, 1.0));
         assert_eq!(places(&trials, 2, 1, 60.0), [[4, 8], [4, 2]]);
         assert_eq!(places(&trials, 3, 1, 60.0), [[8, 2], [4, 2]]);
         // What the budget does not bear is left out.
-        let trials = [trial(4, 4, 1.0), trial(8, 4, 100.0)];
+        let trials = [written(4, 4, 1.0), written(8, 4, 100.0)];
         assert_eq!(places(&trials, 2, 1, 60.0), [[4, 4]]);
         assert_eq!(places(&trials, 2, 100, 60.0), [[4, 4]]);
     }
