@@ -79,6 +79,18 @@ fn relaxation_across_kinks_and_jumps() {
     });
 }
 
+/// A break as good as at the edge of a panel, and two breaks side by side, are breaks still: without them the integrals
+/// are off by 2e-8 and 1e-8.
+#[test]
+fn breaks_next_to_an_edge_or_another_are_kept() {
+    let edge = 0.5 + 2e-8;
+    check("relax(0, if(t < 0.5 + 2e-8, 0, 1))", 1e-13, |_, t| (t - edge).max(0.0));
+    let [from, to] = [0.55, 0.55 + 1e-8];
+    check("relax(0, if(t < 0.55, 0, if(t < 0.55 + 1e-8, 1, 0)))", 1e-13, |_, t| {
+        t.clamp(from, to) - from
+    });
+}
+
 #[test]
 fn nested_relaxation() {
     // (b, f) then (a, .): the split form, the equal rates and the nearly equal.
