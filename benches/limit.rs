@@ -11,6 +11,8 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 use gronwall::contact::{Load, LoadError, march};
+use gronwall::history::{Memory, TimeGrid, Trapezoid};
+use gronwall::law::MemoryKernel;
 use gronwall::linalg::{Analysis, Factor, Front, SIDES, Side};
 use gronwall::norms::step_errors;
 use gronwall::scene::{Registry, Scene};
@@ -218,20 +220,28 @@ fn sweep(numbers: &[u32]) {
     );
 }
 
-/// CPU seconds of loads, exact fields, errors and march of all cases on the mesh n, least of 3 each. Cases share the
-/// loads and fields of common times.
-fn parts_of(setup: &Setup, n: u32, steps: &[u32]) -> [f64; 4] {
+/// What the cases of a scene cost.
+const PARTS: [&str; 5] = ["loads", "exact fields", "errors", "space", "march"];
+
+/// CPU seconds of [`PARTS`] of all cases on the mesh n, least of 3 each. Cases share the space, and the loads and fields
+/// of common times. The space is the mesh, the numbering of its unknowns and the analysis of their pattern; points to
+/// which formulas are bound belong to the fields.
+fn parts_of(setup: &Setup, n: u32, steps: &[u32]) -> [f64; PARTS.len()] {
     let mut times: Vec<f64> =
         steps.iter().flat_map(|&steps| setup.grid(steps).times().to_vec()).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let mut best = [f64::INFINITY; 4];
+    let mut best = [f64::INFINITY; PARTS.len()];
     for _ in 0..3 {
+        let space = least(1, || drop(black_box(setup.space(n))));
+        let start = ThreadTime::now();
         let data = MeshData::new(setup, n, None).unwrap_or_else(|error| panic!("{error}"));
-        let fields = least(1, || {
-            data.truth.expect(&times).unwrap_or_else(|error| panic!("{error}"));
-            times.iter().for_each(|&t| drop(black_box(data.truth.moments(t))));
-        });
+        let binding = (start.elapsed().as_secs_f64() - space).max(0.0);
+        let fields = binding
+            + least(1, || {
+                data.truth.expect(&times).unwrap_or_else(|error| panic!("{error}"));
+                times.iter().for_each(|&t| drop(black_box(data.truth.moments(t))));
+            });
         let loads = least(1, || {
             times.iter().for_each(|&t| drop(black_box(data.truth.load(t))));
         });
@@ -252,23 +262,29 @@ fn parts_of(setup: &Setup, n: u32, steps: &[u32]) -> [f64; 4] {
                 .unwrap_or_else(|error| panic!("{error}"));
             }
         }) - observed;
-        for (least, value) in best.iter_mut().zip([loads, fields, measured, march]) {
+        for (least, value) in best.iter_mut().zip([loads, fields, measured, space, march]) {
             *least = least.min(value);
         }
     }
     best
 }
 
-/// Loads, exact fields and errors of manufactured scenes beside the march: of all cases of the gate, and over the march
-/// in the finest of them alone.
+/// Loads, exact fields and errors of manufactured scenes beside the solves, of all cases of the gate and in the finest of
+/// them alone. A solve is space and march.
 fn split(largest: u32, only: &[&String]) {
     println!(
-        "| scene | n | N | loads | exact fields | errors | march | all three over march | finest case alone |"
+        "| scene | n | N | {} | over the solves | finest case alone | over the march |",
+        PARTS.join(" | ")
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|");
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
     let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
-    let over_march = |parts: [f64; 4]| (parts[0] + parts[1] + parts[2]) / parts[3];
+    let over = |[loads, fields, errors, space, march]: [f64; PARTS.len()]| {
+        let beside = loads + fields + errors;
+        [beside / (space + march), beside / march]
+    };
+    let (mut total, mut below) = ([0.0; PARTS.len()], [0; 3]);
+    let mut scenes = 0;
     for name in
         registry.names().filter(|name| only.is_empty() || only.iter().any(|own| own == name))
     {
@@ -289,19 +305,60 @@ fn split(largest: u32, only: &[&String]) {
         };
         let most = steps.iter().copied().max().unwrap_or(0);
         let finest = parts_of(setup, n, &[most]);
-        let mut all = [0.0; 4];
+        let mut all = [0.0; PARTS.len()];
         for (&own_n, own_steps) in &cases {
             let is_finest = own_n == n && own_steps.len() == 1;
             let parts = if is_finest { finest } else { parts_of(setup, own_n, own_steps) };
             all.iter_mut().zip(parts).for_each(|(all, own)| *all += own);
         }
-        let finest = over_march(finest);
-        let [loads, fields, errors, march] = all.map(|seconds| format!("{:.1}", 1e3 * seconds));
-        let share = over_march(all);
+        let [finest, _] = over(finest);
+        let [solves, march] = over(all);
+        scenes += 1;
+        total.iter_mut().zip(all).for_each(|(total, own)| *total += own);
+        for (below, ratio) in below.iter_mut().zip([solves, finest, march]) {
+            *below += usize::from(ratio < 1.0);
+        }
         println!(
-            "| `{name}` | {n} | {most} | {loads} | {fields} | {errors} | {march} | {share:.2} | {finest:.2} |"
+            "| `{name}` | {n} | {most} | {} | {solves:.2} | {finest:.2} | {march:.2} |",
+            milliseconds(&all)
         );
     }
+    let [solves, march] = over(total);
+    println!("| all {scenes} | | | {} | {solves:.2} | | {march:.2} |", milliseconds(&total));
+    println!("| below 1 | | | | | | | | {} | {} | {} |", below[0], below[1], below[2]);
+}
+
+fn milliseconds(seconds: &[f64]) -> String {
+    seconds.iter().map(|s| format!("{:.1}", 1e3 * s)).collect::<Vec<_>>().join(" | ")
+}
+
+/// Wall seconds of the sums over the past of a kernel that is no sum of exponentials, by interpolation, and what is held.
+fn kernel(numbers: &[u32]) {
+    struct Power;
+    impl MemoryKernel for Power {
+        fn value(&self, lag: f64) -> f64 {
+            -(1.0 + 4.0 * lag).powf(-1.5)
+        }
+    }
+    const UNKNOWNS: usize = 2000;
+    let u = vec![0.5; UNKNOWNS];
+    let at = |&steps: &u32| {
+        let grid = TimeGrid::uniform(1.0, steps);
+        let seconds = least(3, || {
+            let mut memory = Memory::new(&Power, &Trapezoid, &grid, UNKNOWNS);
+            let mut past = vec![0.0; UNKNOWNS];
+            for _ in 0..=grid.steps() {
+                memory.past(&Power, &Trapezoid, &grid, &mut past);
+                memory.commit(&grid, &u);
+            }
+            black_box(past);
+        });
+        println!("| {steps} | {seconds:.3} |");
+        [f64::from(steps), seconds]
+    };
+    println!("sums over the past of -(1 + 4t)^-1.5, {UNKNOWNS} unknowns\n\n| N | s |\n|---|---|");
+    let [slope, half] = exponent(&numbers.iter().map(at).collect::<Vec<_>>());
+    println!("\nexponent in N: {slope:.2} ± {half:.2}");
 }
 
 fn main() {
@@ -317,11 +374,15 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--test") {
         limit(&[8, 16]);
         split(4, &[]);
+        kernel(&[16, 32, 64]);
         sweep(&[4, 8]);
         return growth(&[("linear-punch", &[4, 8, 16], &[4, 8, 16])]);
     }
     if arguments.iter().any(|argument| argument == "--sweep") {
         return sweep(&[8, 16, 32, 64]);
+    }
+    if arguments.iter().any(|argument| argument == "--kernel") {
+        return kernel(&[1024, 2048, 4096, 8192, 16384]);
     }
     limit(&[64, 128, 256, 512]);
     sweep(&[8, 16, 32, 64]);

@@ -1,5 +1,8 @@
 //! Rows of a mesh in bands of one material each.
 
+use std::sync::Arc;
+
+use super::bound_products::AlongX;
 use super::on_rows::OnRows;
 use super::part_moments::PartMoments;
 use super::parts::Parts;
@@ -14,13 +17,13 @@ impl Bands {
     /// Cuts `rows` where the region changes; `regions` are those of the cells, one for all of a row.
     pub fn new(products: &Products, rows: &Rows, regions: &[usize], rule: &Rule) -> Self {
         let of_row = |j: usize| regions[rows.length() * j];
-        let along_x = OnRows::along_x(products, rows, rule);
+        let along_x = Arc::new(AlongX::new(products, rows, rule));
         let mut bands = Vec::new();
         let mut first = 0;
         for j in 1..=rows.rows {
             if j == rows.rows || of_row(j) != of_row(first) {
                 let (band, region) = (rows.some(first..j), of_row(first));
-                bands.push(OnRows::new(products, along_x.clone(), band, region, rule));
+                bands.push(OnRows::new(products, along_x.clone(), &band, region, rule));
                 first = j;
             }
         }

@@ -1,19 +1,21 @@
 //! Products of (x, t) and y at the points of a rule, and the fields that they are.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use super::constitutive::{Tensor, mandel, stress};
 use super::lanes::{Lanes, WIDTH};
 use super::parts::Parts;
 use super::products::Products;
-use super::rows::HALVES;
+use super::row_half::{Places, at_points};
+use super::rows::{HALVES, Rows};
 use crate::formula::{Bound, Program};
+use crate::space::quadrature::Rule;
 
 /// Numbers of a tensor in the plane.
 pub(super) const TENSOR: usize = 3;
 
-/// Values of a function of one variable at the points of the rule in all columns (or rows) of each half, one point of
-/// the rule after the other.
+/// Values of a function of one variable in all columns (or rows) of each half, at one place (or point of the rule) after
+/// the other.
 pub(super) type Values = [Vec<f64>; HALVES];
 
 /// f(x) g_m(y) with m.
@@ -32,41 +34,36 @@ pub(super) struct Fields {
     pub displacement: [Field; 2],
 }
 
-/// The f_m of products at the points of a rule in all columns.
+/// The f_m of products at the points of a rule in all columns, points of one abscissa once.
 pub(super) struct AlongX {
-    /// The abscissae.
-    pub at: Values,
+    /// Of each half the abscissae.
+    pub places: [Places; HALVES],
     /// At the distinct ones.
     shapes: Mutex<Bound>,
-    /// The place of each.
+    /// The place of each among these.
     place: [Vec<u32>; HALVES],
 }
 
 impl AlongX {
-    /// Binds them to abscissae.
-    pub fn new(products: &Products, at: Values) -> Self {
-        let (shapes, place) = bound(&products.along_x, &at, |x| [x, 0.0, 0.0]);
-        Self { at, shapes: Mutex::new(shapes), place }
+    /// Binds them to the points of `rule` in the columns of `rows`.
+    pub fn new(products: &Products, rows: &Rows, rule: &Rule) -> Self {
+        let places = rows.x.each_ref().map(|corners| Places::new(corners, rule));
+        let x = places.each_ref().map(|places| places.x.clone());
+        let (shapes, place) = bound(&products.along_x, &x, |x| [x, 0.0, 0.0]);
+        Self { places, shapes: Mutex::new(shapes), place }
     }
 }
 
-/// Products at the points of a rule in all columns and some rows.
-pub(super) struct BoundProducts {
-    /// Of each g_m.
-    pub along_y: Vec<Values>,
-    /// The same for all rows of a mesh.
-    pub along_x: Arc<AlongX>,
+/// The g_m of products at the points of a rule in all rows.
+pub(super) fn along_y(products: &Products, rows: &Rows, rule: &Rule) -> Vec<Values> {
+    let y = rows.y.each_ref().map(|corners| at_points(corners, rule));
+    let (mut along_y, place) = bound(&products.along_y, &y, |y| [0.0, y, 0.0]);
+    let mut values = vec![Vec::new(); products.factors];
+    along_y.evaluate(0.0, 0.0, &mut values);
+    values.iter().map(|values| spread(values, &place)).collect()
 }
 
-impl BoundProducts {
-    /// Binds them to ordinates.
-    pub fn new(products: &Products, along_x: Arc<AlongX>, y: &Values) -> Self {
-        let (mut along_y, place) = bound(&products.along_y, y, |y| [0.0, y, 0.0]);
-        let mut values = vec![Vec::new(); products.factors];
-        along_y.evaluate(0.0, 0.0, &mut values);
-        Self { along_y: values.iter().map(|values| spread(values, &place)).collect(), along_x }
-    }
-
+impl AlongX {
     /// The fields of all parts along x, σ by the law of a region; none if a number is not finite.
     pub fn fields(
         &self,
@@ -75,9 +72,9 @@ impl BoundProducts {
         products: &Products,
     ) -> Option<Vec<Fields>> {
         let mut shapes = vec![Vec::new(); products.shapes];
-        let lock = || self.along_x.shapes.lock().unwrap_or_else(PoisonError::into_inner);
+        let lock = || self.shapes.lock().unwrap_or_else(PoisonError::into_inner);
         lock().evaluate(parts.t, 0.0, &mut shapes);
-        if !shapes.iter().chain(self.along_y.iter().flatten()).flatten().all(|v| v.is_finite()) {
+        if !shapes.iter().flatten().all(|v| v.is_finite()) {
             return None;
         }
         let of_part = |terms: &[Vec<(usize, usize)>]| {
@@ -128,7 +125,7 @@ impl BoundProducts {
         }
         let add = |field: &mut Field, values: &[f64]| {
             if values.iter().any(|value| *value != 0.0) {
-                field.push(Term { m, f: spread(values, &self.along_x.place) });
+                field.push(Term { m, f: spread(values, &self.place) });
             }
         };
         let tensors = own.strain.iter_mut().chain(&mut own.stress);

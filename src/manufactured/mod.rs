@@ -34,6 +34,7 @@ mod part_moments;
 mod parts;
 mod products;
 mod reduction;
+mod row_half;
 mod rows;
 mod running_integral;
 mod sampled;
