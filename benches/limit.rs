@@ -223,50 +223,65 @@ fn sweep(numbers: &[u32]) {
 /// What the cases of a scene cost.
 const PARTS: [&str; 5] = ["loads", "exact fields", "errors", "space", "march"];
 
-/// CPU seconds of [`PARTS`] of all cases on the mesh n, least of 3 each. Cases share the space, and the loads and fields
-/// of common times. The space is the mesh, the numbering of its unknowns and the analysis of their pattern; points to
-/// which formulas are bound belong to the fields.
-fn parts_of(setup: &Setup, n: u32, steps: &[u32]) -> [f64; PARTS.len()] {
+/// CPU seconds of [`PARTS`] of the cases of a scene, least of 3 each, every time anew; `cases` are the numbers of steps on
+/// each mesh. Cases share their space, and loads and fields of common times. The space is the mesh, the numbering of its
+/// unknowns and the analysis of their pattern; points to which formulas are bound belong to the fields, and so does ζ.
+fn parts_of(
+    registry: &Registry,
+    name: &str,
+    cases: &BTreeMap<u32, Vec<u32>>,
+) -> [f64; PARTS.len()] {
+    let mut best = [f64::INFINITY; PARTS.len()];
+    for _ in 0..3 {
+        let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));
+        let setup = Setup::new(scene).unwrap_or_else(|error| panic!("{error}"));
+        let mut all = [0.0; PARTS.len()];
+        for (&n, steps) in cases {
+            let parts = parts_on(&setup, n, steps);
+            all.iter_mut().zip(parts).for_each(|(all, own)| *all += own);
+        }
+        best.iter_mut().zip(all).for_each(|(least, own)| *least = least.min(own));
+    }
+    best
+}
+
+/// The same on one mesh, once.
+fn parts_on(setup: &Setup, n: u32, steps: &[u32]) -> [f64; PARTS.len()] {
     let mut times: Vec<f64> =
         steps.iter().flat_map(|&steps| setup.grid(steps).times().to_vec()).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let mut best = [f64::INFINITY; PARTS.len()];
-    for _ in 0..3 {
-        let space = least(1, || drop(black_box(setup.space(n))));
-        let start = ThreadTime::now();
-        let data = MeshData::new(setup, n, None).unwrap_or_else(|error| panic!("{error}"));
-        let binding = (start.elapsed().as_secs_f64() - space).max(0.0);
-        let fields = binding
-            + least(1, || {
-                data.truth.expect(&times).unwrap_or_else(|error| panic!("{error}"));
-                times.iter().for_each(|&t| drop(black_box(data.truth.moments(t))));
-            });
-        let loads = least(1, || {
-            times.iter().for_each(|&t| drop(black_box(data.truth.load(t))));
-        });
-        let newton = Newton::default();
-        // Moments at all times are fields, and paid above.
-        let (mut measured, mut observed) = (0.0, 0.0);
-        let march = least(1, || {
-            for &steps in steps {
-                data.march(setup, steps, &newton, &mut |view| {
-                    let start = ThreadTime::now();
-                    let moments = data.truth.moments(view.t)?;
-                    let known = ThreadTime::now();
-                    black_box(step_errors(&data.space, &setup.model, view, &moments));
-                    measured += known.elapsed().as_secs_f64();
-                    observed += start.elapsed().as_secs_f64();
-                    Ok(())
-                })
-                .unwrap_or_else(|error| panic!("{error}"));
-            }
-        }) - observed;
-        for (least, value) in best.iter_mut().zip([loads, fields, measured, space, march]) {
-            *least = least.min(value);
+    let space = least(1, || drop(black_box(setup.space(n))));
+    let mut data = None;
+    let with_points = least(1, || data = Some(MeshData::new(setup, n, None)));
+    let data =
+        data.map_or_else(|| panic!("one run"), |data| data.unwrap_or_else(|e| panic!("{e}")));
+    let binding = (with_points - space).max(0.0);
+    let fields = least(1, || {
+        data.truth.expect(&times).unwrap_or_else(|error| panic!("{error}"));
+        times.iter().for_each(|&t| drop(black_box(data.truth.moments(t))));
+    });
+    let loads = least(1, || {
+        times.iter().for_each(|&t| drop(black_box(data.truth.load(t))));
+    });
+    let newton = Newton::default();
+    // Moments at all times are fields, and paid above.
+    let (mut measured, mut observed) = (0.0, 0.0);
+    let march = least(1, || {
+        for &steps in steps {
+            data.march(setup, steps, &newton, &mut |view| {
+                let start = ThreadTime::now();
+                let moments = data.truth.moments(view.t)?;
+                let known = ThreadTime::now();
+                black_box(step_errors(&data.space, &setup.model, view, &moments));
+                measured += known.elapsed().as_secs_f64();
+                observed += start.elapsed().as_secs_f64();
+                Ok(())
+            })
+            .unwrap_or_else(|error| panic!("{error}"));
         }
-    }
-    best
+    }) - observed;
+    [loads, binding + fields, measured, space, march]
 }
 
 /// Loads, exact fields and errors of manufactured scenes beside the solves, of all cases of the gate and in the finest of
@@ -304,13 +319,8 @@ fn split(largest: u32, only: &[&String]) {
             continue;
         };
         let most = steps.iter().copied().max().unwrap_or(0);
-        let finest = parts_of(setup, n, &[most]);
-        let mut all = [0.0; PARTS.len()];
-        for (&own_n, own_steps) in &cases {
-            let is_finest = own_n == n && own_steps.len() == 1;
-            let parts = if is_finest { finest } else { parts_of(setup, own_n, own_steps) };
-            all.iter_mut().zip(parts).for_each(|(all, own)| *all += own);
-        }
+        let finest = parts_of(&registry, name, &BTreeMap::from([(n, vec![most])]));
+        let all = parts_of(&registry, name, &cases);
         let [finest, _] = over(finest);
         let [solves, march] = over(all);
         scenes += 1;

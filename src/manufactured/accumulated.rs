@@ -4,10 +4,12 @@
 //! lines. The integral over Ω is cut where a guard changes sign along x, the integral over time
 //! where a guard changes sign at an end of Ω. Pieces take Gauss-Legendre rules.
 
+use std::sync::{Mutex, PoisonError};
+
 use super::running_integral::RunningIntegral;
 use super::sign_changes::sign_changes;
 use super::simplex_points::SimplexPoints;
-use crate::formula::{Graph, Node, Program, Variable};
+use crate::formula::{Bound, Graph, Node, Program, Variable};
 use crate::mesh::CoarseMesh;
 use crate::space::quadrature::gauss_legendre;
 
@@ -28,6 +30,8 @@ pub struct AccumulatedStrain {
 
 struct Integrand {
     strain: Program,
+    /// The strain at the points last asked for: where no guard moves they are the same at all times.
+    bound: Mutex<Option<(Vec<[f64; 3]>, Bound)>>,
     guards: Program,
     guard_count: usize,
     /// Cuts of (0, height): uniform ones, and where a guard that depends on y alone changes sign.
@@ -61,6 +65,7 @@ impl AccumulatedStrain {
                 .collect();
             Integrand {
                 strain: Program::compile(graph, strain, horizon),
+                bound: Mutex::new(None),
                 cuts_in_y,
                 guard_count: guards.len(),
                 guards: Program::compile(graph, &guards, horizon),
@@ -138,8 +143,7 @@ impl Integrand {
     /// ‖ε(u(t))‖_ℋ.
     fn norm(&self, t: f64) -> f64 {
         if let Some((polytope, _)) = &self.polytope {
-            let mut out = vec![Vec::new(); self.weights.len()];
-            self.strain.bind(&polytope.points).evaluate(t, 0.0, &mut out);
+            let out = self.strain_at(&polytope.points, t);
             let parts = out.iter().zip(&self.weights);
             return parts.map(|(e, w)| w * polytope.sum_of_squares(e)).sum::<f64>().sqrt();
         }
@@ -156,8 +160,7 @@ impl Integrand {
             .iter()
             .flat_map(|(x, _)| lines().map(move |((y, _), (z, _))| [*x, *y, *z]))
             .collect();
-        let mut out = vec![Vec::new(); self.weights.len()];
-        self.strain.bind(&points).evaluate(t, 0.0, &mut out);
+        let out = self.strain_at(&points, t);
         let mut sum = 0.0;
         for (slice, (_, wx)) in xs.iter().enumerate() {
             let first = slice * ys.len() * zs.len();
@@ -170,6 +173,18 @@ impl Integrand {
             sum += wx * column;
         }
         sum.sqrt()
+    }
+
+    /// The components of ε(t) at the points.
+    fn strain_at(&self, points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
+        let mut known = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
+        let bound = match known.take() {
+            Some((own, bound)) if own == points => (own, bound),
+            _ => (points.to_vec(), self.strain.bind(points)),
+        };
+        let mut out = vec![Vec::new(); self.weights.len()];
+        known.insert(bound).1.evaluate(t, 0.0, &mut out);
+        out
     }
 
     /// Cuts of (0, a) where a guard changes sign at time t, or did at time 0: the relaxation

@@ -11,7 +11,6 @@ use super::parts::Parts;
 use super::products::Products;
 use super::row_half::{Along, CORNERS, Half, Term, minus};
 use super::rows::{HALVES, Rows};
-use crate::norms::linear_projection;
 use crate::space::quadrature::Rule;
 
 /// Products at the points of a rule on a mesh in rows.
@@ -135,21 +134,17 @@ impl OnRows {
         for (number, half) in self.halves.iter().enumerate() {
             for i in 0..2 {
                 let own = parts.iter().zip(&mut vectors).map(|(part, vector)| {
-                    let mut moments = DMatrix::zeros(self.columns, CORNERS * self.rows);
+                    let mut corners = DMatrix::zeros(self.columns, CORNERS * self.rows);
                     for term in &part[i] {
-                        half.add_corners(&term.f[number], term.m, &mut moments);
+                        half.add_corners(&term.f[number], term.m, &mut corners);
                     }
-                    let mut corners = vec![vec![0.0; squares]; CORNERS];
-                    let cells = vector.chunks_exact_mut(2 * CORNERS).skip(number).step_by(HALVES);
-                    for (square, cell) in cells.enumerate() {
-                        let moment = [0, 1, 2].map(|a| moments[squares * a + square]);
-                        let mut corner = [0.0; CORNERS];
-                        linear_projection(&moment, &mut corner);
-                        for a in 0..CORNERS {
-                            corners[a][square] = corner[a];
-                            cell[2 * a + i] = corner[a];
-                        }
+                    for (a, values) in corners.as_slice().chunks_exact(squares).enumerate() {
+                        let first = 2 * (CORNERS * number + a) + i;
+                        let own = vector[first..].iter_mut().step_by(2 * CORNERS * HALVES);
+                        own.zip(values).for_each(|(own, value)| *own = *value);
                     }
+                    let mut corners: Vec<Vec<f64>> =
+                        corners.as_slice().chunks_exact(squares).map(<[f64]>::to_vec).collect();
                     let mut terms = Vec::new();
                     for term in &part[i] {
                         let own = (term.f[number].as_slice(), term.m);

@@ -19,6 +19,9 @@ use crate::contact::{Discretization, LoadError};
 use crate::formula::Program;
 use crate::space::quadrature::Rule;
 
+/// Corners of a tetrahedron.
+const MOST_CORNERS: usize = 4;
+
 /// Where the fields come from.
 pub(super) struct Parts<'a> {
     pub exact: &'a Exact,
@@ -108,17 +111,22 @@ impl Parts<'_> {
         let names = self.of_all(vector_names("f0", D), D);
         let at = (self.t, self.zeta);
         points.each_block(&space.mesh, self.forces, at, self.again, &names, |cells, values| {
-            for (index, c) in cells.clone().enumerate() {
-                let measure = space.geometry.measure[c];
-                for (q, weight) in rule.weights.iter().enumerate() {
-                    let p = cells.len() * q + index;
-                    for (&node, shape) in space.cell_nodes(c).iter().zip(&rule.points[q]) {
-                        let weight = weight * measure * shape;
-                        for (force, part) in forces.iter_mut().zip(values.chunks_exact(D)) {
-                            for (i, field) in part.iter().enumerate() {
-                                force[D * node as usize + i] += weight * field[p];
-                            }
+            for (force, part) in forces.iter_mut().zip(values.chunks_exact(D)) {
+                for (index, c) in cells.clone().enumerate() {
+                    let mut own = [[0.0; D]; MOST_CORNERS];
+                    for (q, weight) in rule.weights.iter().enumerate() {
+                        let value: [f64; D] =
+                            std::array::from_fn(|i| weight * part[i][cells.len() * q + index]);
+                        for (own, shape) in own.iter_mut().zip(&rule.points[q]) {
+                            own.iter_mut()
+                                .zip(&value)
+                                .for_each(|(own, value)| *own += shape * value);
                         }
+                    }
+                    let measure = space.geometry.measure[c];
+                    for (&node, own) in space.cell_nodes(c).iter().zip(&own) {
+                        let force = &mut force[D * node as usize..][..D];
+                        force.iter_mut().zip(own).for_each(|(force, own)| *force += measure * own);
                     }
                 }
             }

@@ -6,6 +6,7 @@ use nalgebra::{DMatrix, DMatrixView};
 use super::bound_products::Values;
 use super::lanes::WIDTH;
 use super::rows::{Rows, width};
+use crate::norms::linear_projection;
 use crate::space::quadrature::Rule;
 
 /// Corners of a triangle.
@@ -84,7 +85,8 @@ struct AlongY {
     slope: Vec<f64>,
     /// Σ w g_m of the points of each place, by row.
     of_mean: DMatrix<f64>,
-    /// Σ w b_a g_m of the same, by row for one corner after the other.
+    /// Σ w ψ_a g_m of the same, by row for one corner after the other: ψ_a = 3 (4 b_a - 1), whose product with a P1 function
+    /// has the value at the corner as its mean.
     of_corners: DMatrix<f64>,
 }
 
@@ -124,11 +126,13 @@ impl Half {
             let mut of_mean = DMatrix::zeros(places.count(), count);
             let mut of_corners = DMatrix::zeros(places.count(), CORNERS * count);
             for (q, own) in g.chunks_exact(count).enumerate() {
-                let (place, weight, b) = (places.of[q], rule.weights[q], &rule.points[q]);
+                let (place, weight) = (places.of[q], rule.weights[q]);
+                let mut psi = [0.0; CORNERS];
+                linear_projection(&rule.points[q], &mut psi);
                 for (j, value) in own.iter().enumerate() {
                     of_mean[(place, j)] += weight * value;
-                    for a in 0..CORNERS {
-                        of_corners[(place, count * a + j)] += weight * b[a] * value;
+                    for (a, psi) in psi.iter().enumerate() {
+                        of_corners[(place, count * a + j)] += weight * psi * value;
                     }
                 }
             }
@@ -185,7 +189,7 @@ impl Half {
         sum.gemm(1.0, &self.by_place(f), &self.along_y[m].of_mean, 1.0);
     }
 
-    /// Adds Σ_q w_q b_a f g_m of all squares, for one corner after the other.
+    /// Adds the values at the corners of the linear projections of f g_m on all squares, for one corner after the other.
     pub fn add_corners(&self, f: &[f64], m: usize, sum: &mut DMatrix<f64>) {
         sum.gemm(1.0, &self.by_place(f), &self.along_y[m].of_corners, 1.0);
     }
