@@ -19,7 +19,7 @@ const PLANE: [usize; 2] = [14, 3];
 const SPACE: [usize; 2] = [8, 2];
 /// Intervals of the domain, and of a panel in time, in which guards are watched.
 const WATCHES: usize = 48;
-const TIME_WATCHES: usize = 8;
+const TIME_WATCHES: usize = 32;
 
 /// ζ(t) by quadrature.
 pub struct AccumulatedStrain {
