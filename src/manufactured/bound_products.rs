@@ -6,7 +6,7 @@ use super::constitutive::{Tensor, mandel, stress};
 use super::lanes::{Lanes, WIDTH};
 use super::parts::Parts;
 use super::products::Products;
-use super::row_half::{Places, at_points};
+use super::row_places::{Places, at_points};
 use super::rows::{HALVES, Rows};
 use crate::formula::{Bound, Program};
 use crate::space::quadrature::Rule;

@@ -35,6 +35,7 @@ mod parts;
 mod products;
 mod reduction;
 mod row_half;
+mod row_places;
 mod rows;
 mod running_integral;
 mod sampled;

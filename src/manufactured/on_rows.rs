@@ -9,8 +9,8 @@ use super::bound_products::{AlongX, Field, Fields, TENSOR, Values, along_y};
 use super::part_moments::{PartFamily, PartMoments};
 use super::parts::Parts;
 use super::products::Products;
-use super::row_half::{Along, CORNERS, Half, Term, minus};
-use super::rows::{HALVES, Rows};
+use super::row_half::{Along, Half, Term, minus};
+use super::rows::{CORNERS, HALVES, Rows};
 use crate::space::quadrature::Rule;
 
 /// Products at the points of a rule on a mesh in rows.

@@ -5,62 +5,10 @@ use nalgebra::{DMatrix, DMatrixView};
 
 use super::bound_products::Values;
 use super::lanes::WIDTH;
-use super::rows::{Rows, width};
+use super::row_places::{Places, at_points};
+use super::rows::{CORNERS, Rows, width};
 use crate::norms::linear_projection;
 use crate::space::quadrature::Rule;
-
-/// Corners of a triangle.
-pub const CORNERS: usize = 3;
-
-/// Abscissae of two points are one if they differ by no more than this share of the column's width: rounding.
-const SAME_ABSCISSA: f64 = 1e-13;
-
-/// Points of a rule by their abscissae: in a triangle with a side along y several share one, in every column.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Places {
-    /// Of each point.
-    pub of: Vec<usize>,
-    /// The abscissae, of one place after the other in all columns.
-    pub x: Vec<f64>,
-    /// The weights of the points at each.
-    pub weights: Vec<f64>,
-}
-
-impl Places {
-    /// Those of the points of `rule` in columns where the corners have the given abscissae.
-    pub fn new(corners: &[[f64; CORNERS]], rule: &Rule) -> Self {
-        let columns = corners.len();
-        let mut places = Self { of: Vec::new(), x: Vec::new(), weights: Vec::new() };
-        let all = at_points(corners, rule);
-        for (own, weight) in all.chunks_exact(columns).zip(&rule.weights) {
-            let same = |known: &[f64]| {
-                let pairs = known.iter().zip(own).zip(corners);
-                pairs
-                    .into_iter()
-                    .all(|((a, b), corners)| (a - b).abs() <= SAME_ABSCISSA * width(corners))
-            };
-            let place = places.x.chunks_exact(columns).position(same).unwrap_or_else(|| {
-                places.x.extend_from_slice(own);
-                places.weights.push(0.0);
-                places.weights.len() - 1
-            });
-            places.weights[place] += weight;
-            places.of.push(place);
-        }
-        places
-    }
-
-    /// How many.
-    pub fn count(&self) -> usize {
-        self.weights.len()
-    }
-}
-
-/// The points of a rule in all columns or rows, one point of the rule after the other.
-pub fn at_points(corners: &[[f64; CORNERS]], rule: &Rule) -> Vec<f64> {
-    let at = |b: &[f64], corner: &[f64; CORNERS]| b.iter().zip(corner).map(|(b, x)| b * x).sum();
-    rule.points.iter().flat_map(|b| corners.iter().map(|corner| at(b, corner))).collect()
-}
 
 /// A function along y, made of g_m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,6 +38,57 @@ struct AlongY {
     of_corners: DMatrix<f64>,
 }
 
+impl AlongY {
+    /// Those of g at the points of the rule; `eta` is their distance from the centroids.
+    fn new(g: &[f64], eta: &[f64], places: &Places, rule: &Rule) -> Self {
+        let (mean, slope) = (mean(g, &rule.weights), slope(g, eta, &rule.weights));
+        let rows = mean.len();
+        let mut of_mean = DMatrix::zeros(places.count(), rows);
+        let mut of_corners = DMatrix::zeros(places.count(), CORNERS * rows);
+        for (q, own) in g.chunks_exact(rows).enumerate() {
+            let (place, weight) = (places.of[q], rule.weights[q]);
+            let mut psi = [0.0; CORNERS];
+            linear_projection(&rule.points[q], &mut psi);
+            for (j, value) in own.iter().enumerate() {
+                of_mean[(place, j)] += weight * value;
+                for (a, psi) in psi.iter().enumerate() {
+                    of_corners[(place, rows * a + j)] += weight * psi * value;
+                }
+            }
+        }
+        Self { mean, slope, of_mean, of_corners }
+    }
+
+    /// In the order of [`Along`] what is made of g, at the points of the rule.
+    fn functions(&self, g: &[f64], eta: &[f64]) -> [Vec<f64>; KINDS] {
+        let varying = minus(g, &self.mean);
+        let linear = times(eta, &self.slope);
+        let curved = varying.iter().zip(&linear).map(|(a, b)| a - b).collect();
+        [g.to_vec(), varying, linear, curved]
+    }
+}
+
+/// Of each place the sums Σ w |row| f f' over its points and all rows, of all pairs of functions.
+fn products(
+    functions: &[Vec<f64>],
+    places: &Places,
+    rule: &Rule,
+    y_width: &[f64],
+) -> Vec<DMatrix<f64>> {
+    let (rows, count) = (y_width.len(), functions.len());
+    let mut products = vec![DMatrix::zeros(count, count); places.count()];
+    for (q, weight) in rule.weights.iter().enumerate() {
+        let at = |f: &Vec<f64>| f[rows * q..rows * (q + 1)].to_vec();
+        let own = DMatrix::from_vec(rows, count, functions.iter().flat_map(at).collect());
+        let mut weighted = own.clone();
+        for (mut row, width) in weighted.row_iter_mut().zip(y_width) {
+            row *= weight * width;
+        }
+        products[places.of[q]].gemm_tr(1.0, &own, &weighted, 1.0);
+    }
+    products
+}
+
 /// One half of all squares.
 pub struct Half {
     places: Places,
@@ -113,60 +112,16 @@ impl Half {
         let xi = minus(&places.x, &mean(&places.x, &places.weights));
         let at_y = at_points(y, rule);
         let eta = minus(&at_y, &mean(&at_y, &rule.weights));
+        let along_y: Vec<AlongY> =
+            g.iter().map(|g| AlongY::new(&g[half], &eta, &places, rule)).collect();
+        let functions = g.iter().zip(&along_y).flat_map(|(g, own)| own.functions(&g[half], &eta));
         let y_width: Vec<f64> = y.iter().map(width).collect();
-        let count = rows.rows;
-        let mut functions = Vec::with_capacity(KINDS * g.len());
-        let along_y = g.iter().map(|g| {
-            let g = &g[half];
-            let (mean, slope) = (mean(g, &rule.weights), slope(g, &eta, &rule.weights));
-            let varying = minus(g, &mean);
-            let linear = times(&eta, &slope);
-            let curved = varying.iter().zip(&linear).map(|(a, b)| a - b).collect();
-            functions.extend([g.clone(), varying, linear, curved]);
-            let mut of_mean = DMatrix::zeros(places.count(), count);
-            let mut of_corners = DMatrix::zeros(places.count(), CORNERS * count);
-            for (q, own) in g.chunks_exact(count).enumerate() {
-                let (place, weight) = (places.of[q], rule.weights[q]);
-                let mut psi = [0.0; CORNERS];
-                linear_projection(&rule.points[q], &mut psi);
-                for (j, value) in own.iter().enumerate() {
-                    of_mean[(place, j)] += weight * value;
-                    for (a, psi) in psi.iter().enumerate() {
-                        of_corners[(place, count * a + j)] += weight * psi * value;
-                    }
-                }
-            }
-            AlongY { mean, slope, of_mean, of_corners }
-        });
-        let along_y = along_y.collect();
-        let products = (0..places.count()).map(|place| {
-            let mut products = DMatrix::zeros(functions.len(), functions.len());
-            for q in (0..rule.weights.len()).filter(|&q| places.of[q] == place) {
-                let at = |f: &Vec<f64>| f[count * q..count * (q + 1)].to_vec();
-                let own = DMatrix::from_vec(
-                    count,
-                    functions.len(),
-                    functions.iter().flat_map(at).collect(),
-                );
-                let mut weighted = own.clone();
-                for (j, mut row) in weighted.row_iter_mut().enumerate() {
-                    row *= rule.weights[q] * y_width[j];
-                }
-                products.gemm_tr(1.0, &own, &weighted, 1.0);
-            }
-            products
-        });
-        let products = products.collect();
+        let products = products(&functions.collect::<Vec<_>>(), &places, rule, &y_width);
         let x_width = x.iter().map(width).collect();
         let corners = [x, y].map(|corners| {
             std::array::from_fn(|a| corners.iter().map(|own| own[a] - centre(own)).collect())
         });
         Self { places, x_width, xi, corners, along_y, y_width, products }
-    }
-
-    /// Columns and rows.
-    fn size(&self) -> [usize; 2] {
-        [self.x_width.len(), self.y_width.len()]
     }
 
     /// The means of f over the points of each column.
@@ -236,7 +191,7 @@ impl Half {
 
     /// Σ |square| a b over numbers of the squares.
     pub fn product_of_numbers(&self, a: &[f64], b: &[f64]) -> f64 {
-        let [columns, _] = self.size();
+        let columns = self.x_width.len();
         let pairs = a.chunks_exact(columns).zip(b.chunks_exact(columns));
         pairs.zip(&self.y_width).map(|((a, b), y)| y * weighted(&self.x_width, a, b)).sum()
     }

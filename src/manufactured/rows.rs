@@ -7,6 +7,9 @@ use crate::mesh::Mesh;
 /// Triangles of a square.
 pub const HALVES: usize = 2;
 
+/// Corners of a triangle.
+pub const CORNERS: usize = 3;
+
 /// A mesh whose triangles come row by row, and in a row square by square: the abscissae of their corners depend on the
 /// column and the half of the square, the ordinates on the row and the half.
 #[derive(Debug, Clone, PartialEq)]
@@ -14,9 +17,9 @@ pub struct Rows {
     pub columns: usize,
     pub rows: usize,
     /// Of each half the abscissae of its corners in each column.
-    pub x: [Vec<[f64; 3]>; HALVES],
+    pub x: [Vec<[f64; CORNERS]>; HALVES],
     /// Of each half the ordinates of its corners in each row.
-    pub y: [Vec<[f64; 3]>; HALVES],
+    pub y: [Vec<[f64; CORNERS]>; HALVES],
 }
 
 /// How far the area of a cell may be from half of its square, relative to that: rounding.
@@ -40,7 +43,7 @@ impl Rows {
         if mesh.dimension != 2 || cells < HALVES {
             return None;
         }
-        let along = |c: usize, axis: usize| -> [f64; 3] {
+        let along = |c: usize, axis: usize| -> [f64; CORNERS] {
             std::array::from_fn(|a| mesh.vertex(mesh.cell(c)[a])[axis])
         };
         let first = along(0, 0);
@@ -67,7 +70,7 @@ impl Rows {
 }
 
 /// The length that the corners of a half cover along an axis.
-pub fn width(corners: &[f64; 3]) -> f64 {
+pub fn width(corners: &[f64; CORNERS]) -> f64 {
     let [a, b, c] = *corners;
     a.max(b).max(c) - a.min(b).min(c)
 }

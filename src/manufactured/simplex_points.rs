@@ -58,11 +58,6 @@ impl SimplexPoints {
         }
         own
     }
-
-    /// ∫ f² of values at the points.
-    pub fn sum_of_squares(&self, values: &[f64]) -> f64 {
-        values.iter().zip(&self.weights).map(|(v, w)| w * v * v).sum()
-    }
 }
 
 /// Gauss points a direction in each of so many tetrahedra, for about `work` points in all.
