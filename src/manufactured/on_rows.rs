@@ -9,7 +9,7 @@ use super::bound_products::{AlongX, Field, Fields, TENSOR, Values, along_y};
 use super::part_moments::{PartFamily, PartMoments};
 use super::parts::Parts;
 use super::products::Products;
-use super::row_half::{Along, Half, Term, minus};
+use super::row_half::{Along, Half, Product, minus};
 use super::rows::{CORNERS, HALVES, Rows};
 use crate::space::quadrature::Rule;
 
@@ -113,8 +113,8 @@ impl OnRows {
                         let mean = half.mean_x(f);
                         half.subtract_means(&mean, m, &mut left);
                         let varying = minus(f, &mean);
-                        terms.push(Term { f: mean, m, along_y: Along::Varying });
-                        terms.push(Term { f: varying, m, along_y: Along::Whole });
+                        terms.push(Product { f: mean, m, along_y: Along::Varying });
+                        terms.push(Product { f: varying, m, along_y: Along::Whole });
                     }
                     (terms, vec![left])
                 });
@@ -167,7 +167,7 @@ impl OnRows {
 /// f g_m without the linear part that f and g_m have in each cell, as products; that part is taken from `corners`.
 ///
 /// With f = f̄ + f' ξ + f̂ and g = ḡ + g' η + ĝ it is f' ξ g' η + (f̄ + f' ξ) ĝ + f̂ g.
-fn beyond_linear(half: &Half, (f, m): (&[f64], usize), corners: &mut [Vec<f64>]) -> [Term; 3] {
+fn beyond_linear(half: &Half, (f, m): (&[f64], usize), corners: &mut [Vec<f64>]) -> [Product; 3] {
     let (mean, slope) = (half.mean_x(f), half.slope_x(f));
     for (a, corner) in corners.iter_mut().enumerate() {
         half.subtract_linear([&mean, &slope], m, a, corner);
@@ -176,12 +176,12 @@ fn beyond_linear(half: &Half, (f, m): (&[f64], usize), corners: &mut [Vec<f64>])
     let left: Vec<f64> = minus(f, &mean).iter().zip(&linear).map(|(a, b)| a - b).collect();
     let close = f.iter().zip(&left).map(|(f, left)| f - left).collect();
     [(linear, Along::Linear), (close, Along::Curved), (left, Along::Whole)]
-        .map(|(f, along_y)| Term { f, m, along_y })
+        .map(|(f, along_y)| Product { f, m, along_y })
 }
 
 /// A part of a field in the cells of a half: what differs from P1 functions, but for numbers of each cell, as products of
 /// functions along x and along y; and these numbers, each in all cells row by row.
-type Centred = (Vec<Term>, Vec<Vec<f64>>);
+type Centred = (Vec<Product>, Vec<Vec<f64>>);
 
 /// Products of what cells cannot have of each part, row by row.
 struct Differences {

@@ -173,9 +173,8 @@ impl Half {
         subtract(mean, &times(eta, &own.slope), from);
     }
 
-    /// Σ |K| Σ_q w_q of the product of two products over all cells of the half and their points, over half the area of a
-    /// square: `f` are functions along x, at all places or the same at each.
-    pub fn product(&self, own: &Term, other: &Term) -> f64 {
+    /// Σ |square| Σ_q w_q of one product times another over all squares and the points of their halves.
+    pub fn product(&self, own: &Product, other: &Product) -> f64 {
         let sums = self.products.iter().enumerate().map(|(place, products)| {
             let along_x = weighted(&self.x_width, self.at(&own.f, place), self.at(&other.f, place));
             along_x * products[(own.number(), other.number())]
@@ -183,10 +182,10 @@ impl Half {
         sums.sum()
     }
 
+    /// A function along x at a place of all columns.
     fn at<'a>(&self, f: &'a [f64], place: usize) -> &'a [f64] {
         let columns = self.x_width.len();
-        let first = columns * place;
-        f.get(first..first + columns).unwrap_or(f)
+        if f.len() == columns { f } else { &f[columns * place..columns * (place + 1)] }
     }
 
     /// Σ |square| a b over numbers of the squares.
@@ -198,14 +197,14 @@ impl Half {
 }
 
 /// f(x) times a function along y.
-pub struct Term {
+pub struct Product {
     /// At the places of all columns, or one number a column.
     pub f: Vec<f64>,
     pub m: usize,
     pub along_y: Along,
 }
 
-impl Term {
+impl Product {
     /// The number of its function along y.
     fn number(&self) -> usize {
         KINDS * self.m + self.along_y as usize

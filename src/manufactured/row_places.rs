@@ -3,8 +3,9 @@
 use super::rows::{CORNERS, width};
 use crate::space::quadrature::Rule;
 
-/// Abscissae of two points are one if they differ by no more than this share of the column's width: rounding.
-const SAME_ABSCISSA: f64 = 1e-13;
+/// Abscissae of two points are one if they differ by rounding: by no more than this share of the column's width and of
+/// themselves.
+const SAME_ABSCISSA: f64 = 1e-14;
 
 /// Points of a rule by their abscissae: in a triangle with a side along y several share one, in every column.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,9 +27,9 @@ impl Places {
         for (own, weight) in all.chunks_exact(columns).zip(&rule.weights) {
             let same = |known: &[f64]| {
                 let pairs = known.iter().zip(own).zip(corners);
-                pairs
-                    .into_iter()
-                    .all(|((a, b), corners)| (a - b).abs() <= SAME_ABSCISSA * width(corners))
+                pairs.into_iter().all(|((a, b), corners)| {
+                    (a - b).abs() <= SAME_ABSCISSA * (width(corners) + a.abs())
+                })
             };
             let place = places.x.chunks_exact(columns).position(same).unwrap_or_else(|| {
                 places.x.extend_from_slice(own);
@@ -65,9 +66,14 @@ mod tests {
     fn points_above_each_other_share_a_place() {
         let rule = triangle_degree_6();
         let rows = super::super::rows::Rows::of(&rectangle([0.7, 1.0], 3, Family::Structured));
+        // Many columns: abscissae far larger than their widths.
+        let many = super::super::rows::Rows::of(&rectangle([2.0, 0.1], 600, Family::Structured));
+        let many = many.expect("rows").x;
         let upright = rows.expect("rows").x;
         let slanted = vec![[0.0, 0.3, 1.0], [1.0, 1.3, 2.0]];
-        for (corners, count) in [(&upright[0], 7), (&upright[1], 7), (&slanted, 12)] {
+        for (corners, count) in
+            [(&upright[0], 7), (&upright[1], 7), (&many[0], 7), (&many[1], 7), (&slanted, 12)]
+        {
             let places = Places::new(corners, &rule);
             assert_eq!(places.count(), count);
             assert!((places.weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
