@@ -11,8 +11,7 @@ use std::time::Instant;
 
 use cpu_time::ThreadTime;
 use gronwall::contact::{Load, LoadError, march};
-use gronwall::history::{Memory, TimeGrid, Trapezoid};
-use gronwall::law::MemoryKernel;
+use gronwall::history::TimeGrid;
 use gronwall::linalg::{Analysis, Factor, Front, SIDES, Side};
 use gronwall::norms::step_errors;
 use gronwall::scene::{Registry, Scene};
@@ -20,6 +19,8 @@ use gronwall::setup::{MeshData, Setup, Subject, TruthLoad};
 use gronwall::sweep::{Overrides, ScenePlan};
 use gronwall::vhi::Newton;
 use statrs::distribution::{ContinuousCDF, StudentsT};
+
+mod general_kernel;
 
 fn setup(name: &str) -> Setup {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("manufactured/{name}.toml"));
@@ -322,8 +323,9 @@ fn split(largest: u32, only: &[&String]) {
             continue;
         };
         let most = steps.iter().copied().max().unwrap_or(0);
-        let finest = parts_of(&registry, name, &BTreeMap::from([(n, vec![most])]));
-        let all = parts_of(&registry, name, &cases);
+        let alone = BTreeMap::from([(n, vec![most])]);
+        let finest = parts_of(&registry, name, &alone);
+        let all = if cases == alone { finest } else { parts_of(&registry, name, &cases) };
         let [finest, _] = over(finest);
         let [solves, march] = over(all);
         scenes += 1;
@@ -347,25 +349,11 @@ fn milliseconds(seconds: &[f64]) -> String {
 
 /// CPU seconds of the sums over the past of a kernel that is no sum of exponentials, by interpolation.
 fn kernel(numbers: &[u32]) {
-    struct Power;
-    impl MemoryKernel for Power {
-        fn value(&self, lag: f64) -> f64 {
-            -(1.0 + 4.0 * lag).powf(-1.5)
-        }
-    }
     const UNKNOWNS: usize = 2000;
     let u = vec![0.5; UNKNOWNS];
     let at = |&steps: &u32| {
         let grid = TimeGrid::uniform(1.0, steps);
-        let seconds = least(3, || {
-            let mut memory = Memory::new(&Power, &Trapezoid, &grid, UNKNOWNS);
-            let mut past = vec![0.0; UNKNOWNS];
-            for _ in 0..=grid.steps() {
-                memory.past(&Power, &Trapezoid, &grid, &mut past);
-                memory.commit(&grid, &u);
-            }
-            black_box(past);
-        });
+        let seconds = least(3, || drop(black_box(general_kernel::sums(&grid, &u))));
         println!("| {steps} | {seconds:.3} |");
         [f64::from(steps), seconds]
     };

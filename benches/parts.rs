@@ -7,13 +7,15 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use gronwall::contact::{march, march_in_volume};
 use gronwall::fit::{Correction, Direction, Point, order_interval, samples};
 use gronwall::history::{Memory, TimeGrid, Trapezoid};
-use gronwall::law::{ExponentialSum, MemoryKernel, Projection};
+use gronwall::law::{ExponentialSum, Projection};
 use gronwall::linalg::Front;
 use gronwall::record::{CaseRecord, L2_MAX, NormError, STRESS_L2_MAX, Status, V_MAX, V_TIME_MAX};
 use gronwall::scene::Scene;
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::verdict::{Expect, Prediction, Variable, judge};
 use gronwall::vhi::Newton;
+
+mod general_kernel;
 
 fn setup(name: &str) -> Setup {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("manufactured/{name}.toml"));
@@ -103,24 +105,10 @@ fn history(c: &mut Criterion) {
 
 /// The sums over 4,096 steps of a kernel that is no sum of exponentials, by interpolation.
 fn fast_history(c: &mut Criterion) {
-    struct Power;
-    impl MemoryKernel for Power {
-        fn value(&self, lag: f64) -> f64 {
-            -(1.0 + 4.0 * lag).powf(-1.5)
-        }
-    }
     let grid = TimeGrid::uniform(1.0, 4096);
     let u = vec![0.5; 100];
     c.bench_function("history: interpolated kernel, N=4096", |b| {
-        b.iter(|| {
-            let mut memory = Memory::new(&Power, &Trapezoid, &grid, u.len());
-            let mut past = vec![0.0; u.len()];
-            for _ in 0..=grid.steps() {
-                memory.past(&Power, &Trapezoid, &grid, &mut past);
-                memory.commit(&grid, &u);
-            }
-            past
-        });
+        b.iter(|| general_kernel::sums(&grid, &u));
     });
 }
 

@@ -248,7 +248,7 @@ fn fields_in_parts_are_those_of_each_time() {
                 assert!(off < 1e-11, "{name}, {form:?}, t = {t}: {off:e}");
             }
             let moves =
-                separation.factors_at(0.31 * horizon) != separation.factors_at(0.32 * horizon);
+                separation.factors.at(0.31 * horizon) != separation.factors.at(0.32 * horizon);
             let off = truths_apart(&parts, &whole, [0.31 * horizon, 0.32 * horizon]);
             assert!(off > 1e-4 || !moves, "{name}: another time, {off:e}");
         }

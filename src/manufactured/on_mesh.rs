@@ -147,7 +147,7 @@ impl ExactOnMesh {
             interior: &separation.interior,
             forces: &separation.forces,
             products: separation.products.as_ref(),
-            count: separation.parts,
+            count: separation.factors.parts,
             again: false,
             t: 0.0,
             zeta: f64::NAN,
@@ -202,7 +202,7 @@ impl ExactOnMesh {
             forget_zeros(&mut forces);
             Some(forces)
         });
-        let force = combined(parts.as_ref()?, &separation.factors_at(t), self.space.nodes.len());
+        let force = combined(parts.as_ref()?, &separation.factors.at(t), self.space.nodes.len());
         force.iter().all(|value| value.is_finite()).then_some(force)
     }
 
@@ -305,7 +305,7 @@ impl ExactOnMesh {
         let parts = self.moment_parts.get_or_init(|| {
             Some(self.part_moments::<D>(&self.parts(separation)).ok()?.without_zeros())
         });
-        parts.as_ref()?.at(&separation.factors_at(t))
+        parts.as_ref()?.at(&separation.factors.at(t))
     }
 
     fn compute_moments<const D: usize>(&self, t: f64) -> Result<Arc<Moments>, LoadError> {

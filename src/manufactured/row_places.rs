@@ -26,8 +26,8 @@ impl Places {
         let all = at_points(corners, rule);
         for (own, weight) in all.chunks_exact(columns).zip(&rule.weights) {
             let same = |known: &[f64]| {
-                let pairs = known.iter().zip(own).zip(corners);
-                pairs.into_iter().all(|((a, b), corners)| {
+                let mut pairs = known.iter().zip(own).zip(corners);
+                pairs.all(|((a, b), corners)| {
                     (a - b).abs() <= SAME_ABSCISSA * (width(corners) + a.abs())
                 })
             };
@@ -56,6 +56,7 @@ pub fn at_points(corners: &[[f64; CORNERS]], rule: &Rule) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::rows::Rows;
     use super::*;
     use crate::mesh::{Family, rectangle};
     use crate::space::quadrature::triangle_degree_6;
@@ -65,11 +66,12 @@ mod tests {
     #[test]
     fn points_above_each_other_share_a_place() {
         let rule = triangle_degree_6();
-        let rows = super::super::rows::Rows::of(&rectangle([0.7, 1.0], 3, Family::Structured));
-        // Many columns: abscissae far larger than their widths.
-        let many = super::super::rows::Rows::of(&rectangle([2.0, 0.1], 600, Family::Structured));
-        let many = many.expect("rows").x;
-        let upright = rows.expect("rows").x;
+        let columns = |size: [f64; 2], n: u32| {
+            Rows::of(&rectangle(size, n, Family::Structured)).expect("rows").x
+        };
+        let upright = columns([0.7, 1.0], 3);
+        // Abscissae far larger than the widths of their columns.
+        let many = columns([2.0, 0.1], 600);
         let slanted = vec![[0.0, 0.3, 1.0], [1.0, 1.3, 2.0]];
         for (corners, count) in
             [(&upright[0], 7), (&upright[1], 7), (&many[0], 7), (&many[1], 7), (&slanted, 12)]

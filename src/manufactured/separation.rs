@@ -52,15 +52,14 @@ impl TimeFactors {
 
 /// [u, ε, H_1, H_2, …] and f0 as Σ_m a_m(t) S_m(x).
 pub struct Separation {
-    /// How many parts.
-    pub parts: usize,
+    /// The a_m.
+    pub factors: TimeFactors,
     /// The S_m of [u, ε, H_1, …], one part after another.
     pub interior: Program,
     /// The S_m of f0.
     pub forces: Program,
     /// The S_m of [u, ε, H_1, …] as products of x and y, where they are.
     pub products: Option<Products>,
-    factors: TimeFactors,
 }
 
 impl Separation {
@@ -75,11 +74,6 @@ impl Separation {
         let products = Products::of(&graph, &inside, horizon);
         let [interior, forces] =
             [inside, outside].map(|all| Program::compile(&mut graph, &all, horizon));
-        Some(Self { parts: factors.parts, interior, forces, products, factors })
-    }
-
-    /// The a_m(t).
-    pub fn factors_at(&self, t: f64) -> Arc<Vec<f64>> {
-        self.factors.at(t)
+        Some(Self { factors, interior, forces, products })
     }
 }

@@ -84,7 +84,7 @@ pub(super) fn truth(
             };
             let none = TruthCost::default();
             if let Some(separation) = &exact.separation {
-                let parts = separation.parts as f64;
+                let parts = separation.factors.parts as f64;
                 let a_part = match exact.rows(&space.mesh, &exact.cell_regions(&space.mesh)) {
                     Some(_) => ROWS * count,
                     None => MOMENTS * error * cost,
@@ -116,7 +116,7 @@ pub(super) fn truth(
 /// Bytes held for the loads of one run, beside those of its times.
 pub(super) fn load_bytes(setup: &Setup, space: &Discretization) -> f64 {
     match setup.exact.as_ref().and_then(|exact| exact.separation.as_ref()) {
-        Some(separation) => 8.0 * (separation.parts * space.dofs()) as f64,
+        Some(separation) => 8.0 * (separation.factors.parts * space.dofs()) as f64,
         None => {
             let [load, _] = points(setup, &TruthRules::of(setup.scene.dimension));
             let shorter = setup.exact.as_ref().filter(|_| is_shared(setup));
