@@ -5,7 +5,8 @@
 
 mod shipped;
 
-use gronwall::contact::{CaseInfo, Discretization, Plan, march, march_in_volume};
+use gronwall::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Plan};
+use gronwall::contact::{march, march_in_volume};
 use gronwall::history::{Memory, TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::MemoryKernel;
 use gronwall::setup::{MeshData, Setup, TruthLoad};
@@ -97,6 +98,76 @@ fn a_seeded_defect_in_one_plan_is_seen() {
         let (wrong, _) = levels(&setup, &data, 8, false);
         assert!(distance(&right, &wrong) > 10.0 * AGREE, "{name}");
     }
+}
+
+/// Parts of a load with weights that are off by so much.
+struct Parts<'a>(TruthLoad<'a>, f64);
+
+impl Load for Parts<'_> {
+    fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
+        self.0.assemble(t, out)
+    }
+
+    fn basis(&self) -> Option<&[Vec<f64>]> {
+        self.0.basis()
+    }
+
+    fn factors(&self, t: f64, out: &mut [f64]) {
+        self.0.factors(t, out);
+        out.iter_mut().for_each(|factor| *factor *= 1.0 + self.1);
+    }
+}
+
+/// Levels that are balanced by the parts of their load, on a mesh whose clamped nodes alone fill the last block of sums;
+/// parts that are not those of the load are seen at the last level.
+#[test]
+fn parts_of_a_load_balance_and_wrong_ones_are_refused() {
+    let setup = shipped::setup("linear-punch");
+    let data = shipped::on_mesh(&setup, 22);
+    let (short, info) = levels(&setup, &data, 8, false);
+    let (volume, _) = levels(&setup, &data, 8, true);
+    assert!(distance(&short, &volume) <= AGREE);
+    assert!(info.kkt_residual > 0.0 && info.kkt_residual < 1e-12, "{:e}", info.kkt_residual);
+    let newton = Newton::default();
+    let run = |off| {
+        let mut load = Parts(TruthLoad(&*data.truth), off);
+        march(&data.space, &setup.model, &setup.grid(8), &mut load, &newton, &mut |_| Ok(()))
+    };
+    assert!(run(0.0).is_ok());
+    // 1e-6 of the load is 5e-8 of the largest nodal force of these stresses.
+    let error = run(1e-6).unwrap_err();
+    assert!(matches!(error, CaseError::Kkt { n: 8, .. }), "{error}");
+}
+
+/// A load that is no number is named, not the balance that it spoils.
+#[test]
+fn a_load_in_parts_that_is_no_number_is_named() {
+    struct Endless<'a>(TruthLoad<'a>);
+    impl Load for Endless<'_> {
+        fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
+            self.0.assemble(t, out)?;
+            let error = LoadError::Reference { reason: "no number".into() };
+            if t > 0.4 { Err(error) } else { Ok(()) }
+        }
+
+        fn basis(&self) -> Option<&[Vec<f64>]> {
+            self.0.basis()
+        }
+
+        fn factors(&self, t: f64, out: &mut [f64]) {
+            self.0.factors(t, out);
+            if t > 0.4 {
+                out.fill(f64::INFINITY);
+            }
+        }
+    }
+    let setup = shipped::setup("linear-punch");
+    let data = shipped::on_mesh(&setup, 4);
+    let newton = Newton::default();
+    let mut load = Endless(TruthLoad(&*data.truth));
+    let error =
+        march(&data.space, &setup.model, &setup.grid(8), &mut load, &newton, &mut |_| Ok(()));
+    assert!(matches!(error, Err(CaseError::Load(_))), "{error:?}");
 }
 
 fn plan(setup: &Setup, space: &Discretization) -> Plan {

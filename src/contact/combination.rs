@@ -25,8 +25,10 @@ pub struct Combination {
     remembered: Vec<Vec<f64>>,
     /// (ε(w_i), ε(w_j)), row by row.
     gram: Vec<f64>,
-    balance: Vec<f64>,
 }
+
+/// Nodal forces that are summed together: three vectors of them stay in the nearest cache.
+const BLOCK: usize = 512;
 
 /// A ‖ε(u)‖² that is this share of the squares it is the sum of has lost digits, and is computed from u.
 const CANCELLED: f64 = 1e-4;
@@ -67,16 +69,12 @@ impl Combination {
         };
         let pairs = solutions.iter().flat_map(|a| solutions.iter().map(move |b| (a, b)));
         let gram = pairs.map(|(a, b)| strain_product(space, a, b)).collect();
-        let balance = vec![0.0; space.nodes.len()];
-        Self { solutions, elastic, remembered, gram, balance }
+        Self { solutions, elastic, remembered, gram }
     }
 
     /// `out` ← Σ c_i w_i.
     pub fn combine(&self, c: &[f64], out: &mut [f64]) {
-        out.fill(0.0);
-        for (c, solution) in c.iter().zip(&self.solutions) {
-            axpy(*c, solution, out);
-        }
+        sum(c.iter().zip(&self.solutions), 0, out);
     }
 
     /// ‖ε(u)‖ of u = Σ c_i w_i.
@@ -92,26 +90,48 @@ impl Combination {
         }
     }
 
-    /// What [`super::kkt_residual`] is of u = Σ c_i w_i with the history Σ d_i w_i, without contact.
+    /// What [`super::kkt_residual`] is of u = Σ c_i w_i with the history Σ d_i w_i and the load Σ a_i F_i, without
+    /// contact.
     pub fn kkt_residual(
-        &mut self,
+        &self,
         space: &Discretization,
-        c: &[f64],
-        d: &[f64],
-        load: &[f64],
+        [c, d]: [&[f64]; 2],
+        a: &[f64],
+        loads: &[Vec<f64>],
     ) -> f64 {
-        self.balance.fill(0.0);
-        let parts = c.iter().zip(&self.elastic).chain(d.iter().zip(&self.remembered));
-        for (factor, force) in parts {
-            axpy(*factor, force, &mut self.balance);
-        }
-        let scale = largest(&self.balance).max(largest(load));
-        let mut worst = 0.0;
-        for (force, load) in self.balance.iter().zip(load).take(space.dofs()) {
-            worst = larger(worst, (force - load).abs());
+        let (mut force, mut load) = ([0.0; BLOCK], [0.0; BLOCK]);
+        let (mut scale, mut worst) = (0.0, 0.0);
+        let (dofs, nodes) = (space.dofs(), space.nodes.len());
+        for start in (0..nodes).step_by(BLOCK) {
+            let force = &mut force[..BLOCK.min(nodes - start)];
+            let inside = dofs.saturating_sub(start).min(force.len());
+            let load = &mut load[..inside];
+            let parts = c.iter().zip(&self.elastic).chain(d.iter().zip(&self.remembered));
+            sum(parts, start, force);
+            sum(a.iter().zip(loads), start, load);
+            scale = larger(scale, larger(largest(force), largest(load)));
+            load.iter_mut().zip(&*force).for_each(|(load, force)| *load -= force);
+            worst = larger(worst, largest(load));
         }
         if scale > 0.0 { worst / scale } else { worst }
     }
+}
+
+/// `out` ← Σ c_i v_i, of the entries from `start` on.
+fn sum<'a>(
+    mut parts: impl Iterator<Item = (&'a f64, &'a Vec<f64>)>,
+    start: usize,
+    out: &mut [f64],
+) {
+    // Loads end before the clamped nodes do.
+    let from = |vector: &'a Vec<f64>| vector.get(start..).unwrap_or_default();
+    match parts.next() {
+        Some((c, vector)) => {
+            out.iter_mut().zip(from(vector)).for_each(|(out, value)| *out = c * value);
+        }
+        None => out.fill(0.0),
+    }
+    parts.for_each(|(c, vector)| axpy(*c, from(vector), out));
 }
 
 /// (ε(v), ε(w)) of nodal vectors.

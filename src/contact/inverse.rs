@@ -8,8 +8,18 @@ use crate::vhi::Newton;
 
 /// By a factor in double precision, or without.
 pub(super) enum Inverse<'a> {
-    Direct { space: &'a Discretization, factor: Factor, workspace: Workspace, work: LinearWork },
-    Multigrid { space: &'a Discretization, values: Vec<f64>, sequence: Box<MultigridSequence<'a>> },
+    Direct {
+        space: &'a Discretization,
+        values: Vec<f64>,
+        factor: Factor,
+        workspace: Workspace,
+        work: LinearWork,
+    },
+    Multigrid {
+        space: &'a Discretization,
+        values: Vec<f64>,
+        sequence: Box<MultigridSequence<'a>>,
+    },
 }
 
 /// Residual of one solve over its right side: further digits come from solving for what is left.
@@ -37,7 +47,7 @@ impl<'a> Inverse<'a> {
         space.analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace)?;
         let seconds_factor = start.elapsed().as_secs_f64();
         let work = LinearWork { factorizations: 1, seconds_factor, ..LinearWork::default() };
-        Ok(Self::Direct { space, factor, workspace, work })
+        Ok(Self::Direct { space, values, factor, workspace, work })
     }
 
     /// K⁻¹ b in place.
@@ -46,7 +56,7 @@ impl<'a> Inverse<'a> {
     /// Those of the iteration.
     pub(super) fn solve(&mut self, rhs: &mut [f64]) -> Result<(), FactorError> {
         match self {
-            Self::Direct { space, factor, workspace, work } => {
+            Self::Direct { space, factor, workspace, work, .. } => {
                 let start = Instant::now();
                 space.analysis.solve(factor, rhs, workspace);
                 work.solves += 1;
@@ -90,6 +100,13 @@ impl<'a> Inverse<'a> {
                 space.analysis.solve(factor, rhs, workspace);
             }
             Self::Multigrid { sequence, .. } => sequence.solve_again(rhs),
+        }
+    }
+
+    /// The lower-triangle values of the matrix.
+    pub(super) fn values(&self) -> &[f64] {
+        match self {
+            Self::Direct { values, .. } | Self::Multigrid { values, .. } => values,
         }
     }
 

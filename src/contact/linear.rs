@@ -47,10 +47,10 @@ pub fn march<P: Projection>(
     let mut response = Response::new(space, model, solver, load, &mut info.work)?;
     let seconds_basis = response.inverse.work().seconds_solve;
     // The solutions that all levels are combinations of, where the load separates.
-    let mut combination =
-        response.basis.as_ref().map(|basis| Combination::new(space, model, basis));
+    let combination = response.basis.as_ref().map(|basis| Combination::new(space, model, basis));
     let few = response.basis.as_ref().map_or(0, Vec::len);
     let (mut past, mut coefficients) = (vec![0.0; few], vec![0.0; few]);
+    let mut factors = vec![0.0; few];
     let length = if combination.is_some() { few } else { dofs };
     let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, grid, length));
     let (mut force, mut u) = (vec![0.0; dofs], vec![0.0; space.nodes.len()]);
@@ -61,7 +61,12 @@ pub fn march<P: Projection>(
     for n in 0..=grid.steps() {
         let t = grid.time(n);
         let start = Instant::now();
-        load.assemble(t, &mut force)?;
+        // A load that separates is summed for the last level alone: the others are balanced by its parts.
+        let whole = combination.is_none() || n == grid.steps();
+        if whole {
+            load.assemble(t, &mut force)?;
+        }
+        load.factors(t, &mut factors);
         info.seconds_load += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let implicit =
@@ -71,7 +76,7 @@ pub fn march<P: Projection>(
             return Err(failed(n, t, FactorError::NotPositiveDefinite { dof: 0 }).into());
         }
         match &combination {
-            Some(_) => load.factors(t, &mut coefficients),
+            Some(_) => coefficients.copy_from_slice(&factors),
             None => {
                 u[..dofs].copy_from_slice(&force);
                 let solved = response.inverse.solve(&mut u[..dofs]);
@@ -117,10 +122,17 @@ pub fn march<P: Projection>(
             compliance: &nothing,
             multiplier: &nothing,
         };
-        let residual = match &mut combination {
-            Some(combination) => combination.kkt_residual(space, &coefficients, &past, &force),
-            None => kkt_residual_in(space, model, &view, &force, &mut balance),
+        let residual = match &combination {
+            Some(combination) if !whole => {
+                let parts = load.basis().unwrap_or_default();
+                combination.kkt_residual(space, [&coefficients, &past], &factors, parts)
+            }
+            _ => kkt_residual_in(space, model, &view, &force, &mut balance),
         };
+        if !residual.is_finite() {
+            // A load that is no number is said first.
+            load.assemble(t, &mut force)?;
+        }
         info.accept(&view, residual)?;
         observe(&view)?;
     }
@@ -174,8 +186,8 @@ impl<'a> Response<'a> {
             axpy(beta, &history[..space.dofs()], &mut combined);
         }
         let mut delta = vec![0.0; space.nodes.len()];
-        let stiffness = space.stiffness(&model.elasticity);
-        space.pattern.multiply(&stiffness, &combined, &mut delta[..space.dofs()]);
+        let stiffness = self.inverse.values();
+        space.pattern.multiply(stiffness, &combined, &mut delta[..space.dofs()]);
         for (target, force) in delta.iter_mut().zip(force) {
             *target = force - *target;
         }

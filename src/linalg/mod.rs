@@ -82,7 +82,20 @@ pub fn larger(a: f64, b: f64) -> f64 {
 
 /// max |a_i|, 0 of nothing; a NaN stays.
 pub fn largest(a: &[f64]) -> f64 {
-    a.iter().fold(0.0, |worst, value| larger(worst, value.abs()))
+    let (blocks, rest) = a.as_chunks::<LANES>();
+    // No comparison with a NaN holds: it is looked for apart, so that lanes need no branch.
+    let (mut lanes, mut nothing) = ([0.0f64; LANES], [0.0; LANES]);
+    for block in blocks {
+        for l in 0..LANES {
+            let size = block[l].abs();
+            lanes[l] = if size > lanes[l] { size } else { lanes[l] };
+            nothing[l] += if size.is_nan() { 1.0 } else { 0.0 };
+        }
+    }
+    if nothing.iter().sum::<f64>() > 0.0 {
+        return f64::NAN;
+    }
+    lanes.iter().chain(rest).fold(0.0, |worst, value| larger(worst, value.abs()))
 }
 
 /// y ← y + α x.
@@ -109,5 +122,21 @@ mod tests {
         }
         assert_eq!((norm(&[]), norm(&[0.0, 0.0])), (0.0, 0.0));
         assert!(norm(&[f64::NAN, 1.0]).is_nan() && norm(&[f64::INFINITY]) == f64::INFINITY);
+    }
+
+    #[test]
+    fn the_largest_entry_is_found_at_every_place_and_a_nan_is_not_forgotten() {
+        assert_eq!(largest(&[]), 0.0);
+        for length in 1..=3 * LANES + 1 {
+            for place in 0..length {
+                let mut a: Vec<f64> = (0..length).map(|i| (i as f64).sin()).collect();
+                for (value, expected) in [(-7.5, 7.5), (f64::NEG_INFINITY, f64::INFINITY)] {
+                    a[place] = value;
+                    assert_eq!(largest(&a), expected, "{place} of {length}");
+                }
+                a[place] = f64::NAN;
+                assert!(largest(&a).is_nan(), "{place} of {length}");
+            }
+        }
     }
 }
