@@ -1,6 +1,8 @@
 //! The step loop allocates nothing: marches of N and 2N steps make the same number of allocations, but for what they
 //! keep on purpose.
 
+use std::hint::black_box;
+
 use allocation_counter::measure;
 use gronwall::contact::{Load, LoadError, Model, Plan, march};
 use gronwall::history::TimeGrid;
@@ -10,19 +12,24 @@ use gronwall::vhi::Newton;
 
 use super::shipped;
 
-/// F(t) = t F(1), without formulas, which make vectors of their own at every time; one allocation a level if it is a
-/// wasteful one.
+/// F(t) = t F(1), without formulas, which make vectors of their own at every time; an allocation wherever it is asked
+/// for if it is a wasteful one.
 struct Ramp {
     force: Vec<Vec<f64>>,
     wasteful: bool,
-    kept: Vec<Vec<f64>>,
+}
+
+impl Ramp {
+    fn waste(&self, out: &[f64]) {
+        if self.wasteful {
+            drop(black_box(out.to_vec()));
+        }
+    }
 }
 
 impl Load for Ramp {
     fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
-        if self.wasteful {
-            self.kept = vec![out.to_vec()];
-        }
+        self.waste(out);
         for (value, force) in out.iter_mut().zip(&self.force[0]) {
             *value = t * force;
         }
@@ -34,6 +41,7 @@ impl Load for Ramp {
     }
 
     fn factors(&self, t: f64, out: &mut [f64]) {
+        self.waste(out);
         out[0] = t;
     }
 }
@@ -63,7 +71,7 @@ fn allocations<P: Projection>(
     ended.unwrap_or_else(|error| panic!("{error}"));
     let mut factorizations = 0;
     let counted = measure(|| {
-        let mut load = Ramp { force, wasteful, kept: Vec::new() };
+        let mut load = Ramp { force, wasteful };
         let newton = Newton::default();
         let info = march(&data.space, model, grid, &mut load, &newton, &mut |_| Ok(()));
         let info = info.unwrap_or_else(|error| panic!("{error}"));
