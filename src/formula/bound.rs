@@ -46,6 +46,8 @@ enum Output {
     Computed(Register),
     /// A slot with a value for each point.
     Stored(usize),
+    /// A slot with one value for all points, and room for a block of it.
+    Same(usize, Vec<f64>),
     /// A slot with a value for each tuple, and room for those of a block.
     Spread(usize, Vec<f64>),
 }
@@ -63,6 +65,7 @@ impl Bound {
         let outputs = plan.outputs.iter().map(|&slot| match computed(slot) {
             Some(register) => Output::Computed(register),
             None if stages.count(plan.masks[slot]) == points.len() => Output::Stored(slot),
+            None if plan.masks[slot] == 0 => Output::Same(slot, Vec::new()),
             None => Output::Spread(slot, Vec::new()),
         });
         let outputs = outputs.collect();
@@ -147,15 +150,23 @@ impl Bound {
                 registers.run(&last.tape, lanes.len(), fetch);
             }
             for output in outputs.iter_mut() {
-                if let Output::Spread(slot, room) = output {
-                    let tuples = &stages.of_points(plan.masks[*slot])[lanes.clone()];
-                    room.clear();
-                    room.extend(tuples.iter().map(|&tuple| slots[*slot][tuple as usize]));
+                match output {
+                    Output::Same(slot, room) if lanes.start == 0 => {
+                        room.clear();
+                        room.resize(lanes.len(), slots[*slot][0]);
+                    }
+                    Output::Spread(slot, room) => {
+                        let tuples = &stages.of_points(plan.masks[*slot])[lanes.clone()];
+                        room.clear();
+                        room.extend(tuples.iter().map(|&tuple| slots[*slot][tuple as usize]));
+                    }
+                    _ => {}
                 }
             }
             let values = outputs.iter().map(|output| match output {
                 Output::Computed(register) => registers.lanes(*register, lanes.len()),
                 Output::Stored(slot) => &slots[*slot][lanes.clone()],
+                Output::Same(_, values) => &values[..lanes.len()],
                 Output::Spread(_, values) => values,
             });
             visit(lanes.clone(), &values.collect::<Vec<&[f64]>>())?;

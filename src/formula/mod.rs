@@ -10,6 +10,7 @@ mod bound;
 mod bracket;
 mod breaks;
 mod build;
+mod cost;
 mod decompose;
 mod derivative;
 mod error;

@@ -5,16 +5,23 @@
 //! on, once per distinct tuple of their values.  What depends on neither t nor
 //! zeta is fixed: computed when points are bound, and kept.  A value is stored
 //! in a slot where an expression of another stage needs it; all others live in
-//! registers.
+//! registers.  What takes a few sums and products of coordinates is computed
+//! again wherever it is needed: sooner than its tuples are numbered and its
+//! value is found.
 
 use std::collections::HashMap;
 use std::sync::Arc;
+
+use rustc_hash::FxHashSet;
 
 use super::bound::Bound;
 use super::graph::{Graph, Node, Op, Variable};
 use super::history::HistoryPlan;
 use super::stage::MASKS;
 use super::tape::{Source, Tape};
+
+/// The largest cost, in sums or products, of what is computed again.
+const CHEAP: u32 = 16;
 
 /// Expressions prepared for evaluation; bind to points to evaluate.
 #[derive(Clone, Debug)]
@@ -55,9 +62,27 @@ impl Program {
     /// hereditary integrals, horizon/16 wide and narrower for fast relaxation.
     pub fn compile(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
         let histories = HistoryPlan::groups(graph, outputs, horizon);
-        let mut compiler = Compiler::new(graph, &histories);
-        compiler.choose_slots(outputs);
-        let (mut plan, slots) = compiler.plan(outputs);
+        Self::with_histories(graph, outputs, histories, false)
+    }
+
+    /// The same for one time at any points: what does not depend on time is computed with the rest, and not kept.
+    pub fn compile_once(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
+        let histories = HistoryPlan::groups(graph, outputs, horizon);
+        // Integrals read what is kept.
+        let once = histories.is_empty();
+        Self::with_histories(graph, outputs, histories, once)
+    }
+
+    fn with_histories(
+        graph: &Graph,
+        outputs: &[Node],
+        histories: Vec<HistoryPlan>,
+        once: bool,
+    ) -> Self {
+        let mut compiler = Compiler::new(graph, &histories, outputs, once);
+        let outputs = compiler.places_of_outputs(outputs);
+        compiler.choose_slots(&outputs);
+        let (mut plan, slots) = compiler.plan(&outputs);
         plan.histories = compile_histories(graph, histories, &slots);
         Self { plan: Arc::new(plan) }
     }
@@ -91,78 +116,117 @@ impl Program {
     }
 }
 
-type Slots = HashMap<Node, usize>;
+/// An expression, and the space variables of the stage at which it is stored.
+type Place = (Node, u8);
+type Slots = HashMap<Place, usize>;
+
+/// The space variables of a stage, and whether it is computed at binding.
+type Stage = (u8, bool);
 
 struct Compiler<'a> {
     graph: &'a Graph,
     histories: &'a [HistoryPlan],
+    /// Whether nothing is kept for other times.
+    once: bool,
+    /// Of every node.
+    costs: Vec<u32>,
     slots: Slots,
-    /// The nodes of the slots, in order.
-    stored: Vec<Node>,
+    /// What is in the slots, in order.
+    stored: Vec<Place>,
 }
 
 impl<'a> Compiler<'a> {
-    fn new(graph: &'a Graph, histories: &'a [HistoryPlan]) -> Self {
-        Self { graph, histories, slots: Slots::new(), stored: Vec::new() }
+    fn new(graph: &'a Graph, histories: &'a [HistoryPlan], outputs: &[Node], once: bool) -> Self {
+        let costs = graph.costs(outputs);
+        Self { graph, histories, once, costs, slots: Slots::new(), stored: Vec::new() }
     }
 
-    fn store(&mut self, node: Node) {
+    fn space(&self, n: Node) -> u8 {
+        self.graph.dependence(n).space()
+    }
+
+    fn is_fixed(&self, n: Node) -> bool {
+        !self.once && self.graph.dependence(n).is_static()
+    }
+
+    /// Whether a node is computed wherever it is needed.
+    fn is_cheap(&self, n: Node) -> bool {
+        self.space(n) != 0 && self.costs[n.index()] <= CHEAP
+    }
+
+    /// Whether a node is no expression of others: a coordinate, or a hereditary integral.
+    fn is_given(&self, n: Node) -> bool {
+        is_hereditary(self.graph, n) || axis(self.graph, n).is_some()
+    }
+
+    /// Whether a stage computes a node that it needs.
+    fn is_local(&self, n: Node, stage: Stage) -> bool {
+        let own = || (self.space(n), self.is_fixed(n)) == stage;
+        !self.is_given(n) && (self.is_cheap(n) || own())
+    }
+
+    /// Where a stage finds what it does not compute. Coordinates are at hand at every stage.
+    fn place(&self, n: Node, (mask, _): Stage) -> Place {
+        (n, if axis(self.graph, n).is_some() { mask } else { self.space(n) })
+    }
+
+    fn store(&mut self, place: Place) {
         let next = self.stored.len();
-        if let std::collections::hash_map::Entry::Vacant(entry) = self.slots.entry(node) {
+        if let std::collections::hash_map::Entry::Vacant(entry) = self.slots.entry(place) {
             entry.insert(next);
-            self.stored.push(node);
+            self.stored.push(place);
         }
     }
 
-    /// Stores what crosses from one stage to another.
-    fn choose_slots(&mut self, outputs: &[Node]) {
+    /// Where outputs are stored: at the stage of all of them what is cheap, else at its own.
+    fn places_of_outputs(&self, outputs: &[Node]) -> Vec<Place> {
+        let all = outputs.iter().fold(0, |all, &n| all | self.space(n));
+        let everywhere = |n: Node| self.is_cheap(n) || axis(self.graph, n).is_some();
+        let mask = |n: Node| if everywhere(n) { all } else { self.space(n) };
+        outputs.iter().map(|&n| (n, mask(n))).collect()
+    }
+
+    /// Stores the outputs, and what crosses from one stage to another.
+    fn choose_slots(&mut self, outputs: &[Place]) {
         let graph = self.graph;
-        outputs.iter().for_each(|&output| self.store(output));
-        let stage = |n: Node| (graph.dependence(n).space(), graph.dependence(n).is_static());
-        for node in graph.reachable(outputs, |n| !is_hereditary(graph, n)) {
-            if is_hereditary(graph, node) {
-                self.store(node);
-                continue;
-            }
-            for operand in graph.op(node).operands() {
-                if stage(operand) != stage(node) && !is_immediate(graph, operand) {
-                    self.store(operand);
-                }
-            }
-        }
+        outputs.iter().for_each(|&place| self.store(place));
         for history in self.histories {
             let inner = |n| !graph.dependence(n).is_static() && !is_hereditary(graph, n);
             for node in graph.reachable(&history.roots(), inner) {
                 if graph.dependence(node).is_static() && !is_immediate(graph, node) {
-                    self.store(node);
+                    self.store((node, self.space(node)));
                 }
             }
         }
-        let mut fixed = self.stored.clone();
-        fixed.retain(|&n| graph.dependence(n).is_static());
-        for node in graph.reachable(&fixed, |_| true) {
-            if let Op::Variable(_) = graph.op(node) {
-                self.store(node);
-            }
-            for operand in graph.op(node).operands() {
-                if stage(operand) != stage(node) && !is_immediate(graph, operand) {
-                    self.store(operand);
+        let mut seen: FxHashSet<(Node, Stage)> = FxHashSet::default();
+        let mut next = 0;
+        while let Some(&(root, mask)) = self.stored.get(next) {
+            next += 1;
+            let stage = (mask, self.is_fixed(root));
+            let mut stack = if self.is_given(root) { Vec::new() } else { vec![root] };
+            while let Some(node) = stack.pop() {
+                if !seen.insert((node, stage)) {
+                    continue;
+                }
+                for operand in graph.op(node).operands() {
+                    if self.is_local(operand, stage) {
+                        stack.push(operand);
+                    } else if !is_immediate(graph, operand) {
+                        self.store(self.place(operand, stage));
+                    }
                 }
             }
         }
     }
 
-    fn plan(self, outputs: &[Node]) -> (Plan, Slots) {
-        let graph = self.graph;
+    fn plan(self, outputs: &[Place]) -> (Plan, Slots) {
         let mut plan = Plan {
-            masks: self.stored.iter().map(|&n| graph.dependence(n).space()).collect(),
-            outputs: outputs.iter().filter_map(|n| self.slots.get(n).copied()).collect(),
+            masks: self.stored.iter().map(|(_, mask)| *mask).collect(),
+            outputs: outputs.iter().filter_map(|place| self.slots.get(place).copied()).collect(),
             ..Plan::default()
         };
-        for (slot, &node) in self.stored.iter().enumerate() {
-            if let Op::Variable(v @ (Variable::X | Variable::Y | Variable::Z)) = graph.op(node) {
-                plan.coordinates.push((slot, v as usize));
-            }
+        for (slot, &(node, _)) in self.stored.iter().enumerate() {
+            plan.coordinates.extend(axis(self.graph, node).map(|axis| (slot, axis)));
             for (group, history) in self.histories.iter().enumerate() {
                 let member = history.members.iter().position(|m| m.node == node);
                 plan.recalled.extend(member.map(|member| (group, member, slot)));
@@ -172,35 +236,27 @@ impl<'a> Compiler<'a> {
         let mut masks: Vec<u8> = (0..MASKS as u8).collect();
         masks.sort_by_key(|m| m.count_ones());
         for mask in masks {
-            plan.fixed.extend(self.stage(mask, true));
-            plan.moving.extend(self.stage(mask, false));
+            plan.fixed.extend(self.stage((mask, true)));
+            plan.moving.extend(self.stage((mask, false)));
         }
         (plan, self.slots)
     }
 
     /// The tape of the slots of one stage that are computed.
-    fn stage(&self, mask: u8, fixed: bool) -> Option<StageTape> {
-        let graph = self.graph;
-        let here = |n: Node| {
-            graph.dependence(n).space() == mask && graph.dependence(n).is_static() == fixed
-        };
-        let given = |n: Node| {
-            is_hereditary(graph, n)
-                || matches!(graph.op(n), Op::Variable(Variable::X | Variable::Y | Variable::Z))
-        };
+    fn stage(&self, stage: Stage) -> Option<StageTape> {
+        let here = |(n, mask): Place| (mask, self.is_fixed(n)) == stage && !self.is_given(n);
         let (slots, roots): (Vec<usize>, Vec<Node>) = (self.stored.iter().enumerate())
-            .filter(|(_, n)| here(**n) && !given(**n))
-            .map(|(slot, n)| (slot, *n))
+            .filter(|(_, place)| here(**place))
+            .map(|(slot, (n, _))| (slot, *n))
             .unzip();
         if roots.is_empty() {
             return None;
         }
-        let tape = Tape::compile(graph, &roots, |n| {
-            let elsewhere = !here(n) || given(n);
-            let slot = self.slots.get(&n).filter(|_| elsewhere);
-            slot.map(|slot| Source::Slot(*slot))
+        let tape = Tape::compile(self.graph, &roots, |n| {
+            let slot = self.slots.get(&self.place(n, stage));
+            slot.filter(|_| !self.is_local(n, stage)).map(|slot| Source::Slot(*slot))
         });
-        Some(StageTape { mask, tape, slots })
+        Some(StageTape { mask: stage.0, tape, slots })
     }
 }
 
@@ -217,7 +273,8 @@ fn compile_histories(
     }
     for history in &mut histories {
         history.compile(graph, |n| {
-            let slot = slots.get(&n).filter(|_| graph.dependence(n).is_static());
+            let dependence = graph.dependence(n);
+            let slot = slots.get(&(n, dependence.space())).filter(|_| dependence.is_static());
             slot.map(|slot| Source::Slot(*slot)).or(places.get(&n).copied())
         });
     }
@@ -228,7 +285,45 @@ pub(super) fn is_hereditary(graph: &Graph, n: Node) -> bool {
     matches!(graph.op(n), Op::Relax(..) | Op::Convolve(..))
 }
 
+/// The axis of a coordinate.
+fn axis(graph: &Graph, n: Node) -> Option<usize> {
+    match graph.op(n) {
+        Op::Variable(v @ (Variable::X | Variable::Y | Variable::Z)) => Some(v as usize),
+        _ => None,
+    }
+}
+
 /// Values every tape has at hand: numbers, t and zeta.
 fn is_immediate(graph: &Graph, n: Node) -> bool {
     matches!(graph.op(n), Op::Constant(_) | Op::Variable(Variable::T | Variable::Zeta))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scope::Scope;
+    use super::*;
+
+    /// Space variables of the slots that are computed, at binding and at each evaluation.
+    fn computed(plan: &Plan) -> [Vec<u8>; 2] {
+        [&plan.fixed, &plan.moving].map(|stages| {
+            let slots = stages.iter().flat_map(|stage| &stage.slots);
+            slots.map(|&slot| plan.masks[slot]).collect()
+        })
+    }
+
+    /// Of (1 - y²) sin(x) + x t the sine is kept for each x, and (1 - y²) computed at each point.
+    #[test]
+    fn what_is_cheap_is_not_stored() {
+        let mut graph = Graph::new();
+        let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
+        let texts = ["(1 - y^2)*sin(x) + x*t", "y + 1", "exp(t)"];
+        let outputs = texts.map(|text| graph.parse(text, &scope).expect("a formula"));
+        let both = 0b11;
+        let plan = Program::compile(&mut graph, &outputs, 1.0).plan;
+        // (1 - y²) sin(x) does not change, nor does y + 1.
+        assert_eq!(computed(&plan), [vec![0b01, both, both], vec![0, both]]);
+        assert_eq!(plan.coordinates.len(), 3);
+        let plan = Program::compile_once(&mut graph, &outputs, 1.0).plan;
+        assert_eq!(computed(&plan), [vec![], vec![0, 0b01, both, both]]);
+    }
 }

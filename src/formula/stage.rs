@@ -42,6 +42,7 @@ impl Stages {
         for &mask in masks {
             stages.tuples[mask as usize].get_or_insert_with(|| match mask & varying {
                 part if part == varying => Tuples::one_a_point(points.len()),
+                0 => Tuples::one(points.len()),
                 part => Tuples::new(points.len(), part, &places),
             });
         }
@@ -90,6 +91,11 @@ impl Tuples {
     fn one_a_point(points: usize) -> Self {
         let all: Vec<u32> = (0..points as u32).collect();
         Self { of_point: all.clone(), first: all }
+    }
+
+    /// No axes: one tuple, of all points.
+    fn one(points: usize) -> Self {
+        Self { of_point: vec![0; points], first: vec![0; points.min(1)] }
     }
 
     /// Numbers what is distinct in the axes of `mask`; `places` has for each axis the number of a point's coordinate

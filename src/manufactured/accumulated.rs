@@ -77,7 +77,7 @@ impl AccumulatedStrain {
             Integrand {
                 strain: Program::compile(graph, strain, horizon),
                 parts: TimeFactors::of(graph, strain, horizon).map(|(factors, shapes)| {
-                    (factors, Program::compile(graph, &shapes.concat(), horizon))
+                    (factors, Program::compile_once(graph, &shapes.concat(), horizon))
                 }),
                 gram: OnceLock::new(),
                 bound: Mutex::new(None),

@@ -159,7 +159,8 @@ impl Exact {
             }
         }
         let body_force = symbolic::body_force(graph, &stress);
-        let outputs: Vec<Node> = data.u.iter().chain(&strain).chain(&memory).copied().collect();
+        let present = [&data.u[..], &strain].concat();
+        let outputs = [&present[..], &memory].concat();
         let interior = Program::compile(graph, &outputs, data.horizon);
         let forces = Program::compile(graph, &body_force, data.horizon);
         let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
@@ -169,7 +170,7 @@ impl Exact {
         // σ is linear in ε without the projection.
         let is_linear = data.kappa.is_none();
         let separation = is_linear
-            .then(|| Separation::of(&data.graph, &outputs, &body_force, data.horizon))
+            .then(|| Separation::of(&data.graph, [&present, &memory, &body_force], data.horizon))
             .flatten();
         let products =
             is_linear.then(|| Products::of(&data.graph, &outputs, data.horizon)).flatten();

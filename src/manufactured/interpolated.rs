@@ -37,7 +37,7 @@ pub struct InterpolatedOnMesh {
     /// Formulas on each side of Γ3, bound to its points of the trace.
     boundary: Vec<SidePoints>,
     /// Times in [0, T] at which a guard changes sign at some vertex, sorted.
-    events: Vec<f64>,
+    events: OnceLock<Vec<f64>>,
     /// ζ.
     accumulated: RunningIntegral,
     loads: ByTime<Vec<f64>>,
@@ -55,11 +55,7 @@ impl InterpolatedOnMesh {
         }
         let horizon = exact.data.horizon;
         let nodal = Program::compile(&mut graph, &outputs, horizon);
-        let points: Vec<[f64; 3]> =
-            space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect();
-        let guards = graph.guards(&exact.data.u);
-        let guards_program = Program::compile(&mut graph, &guards, horizon);
-        let events = events(&guards_program, guards.len(), &points, horizon);
+        let points = points_of_nodes(&space);
         let boundary = side_points(&exact, &space);
         Self {
             bound: Mutex::new(nodal.bind(&points)),
@@ -69,7 +65,7 @@ impl InterpolatedOnMesh {
                 _ => edge_slopes::<3>(&space.mesh),
             },
             boundary,
-            events,
+            events: OnceLock::new(),
             accumulated: RunningIntegral::new(horizon),
             loads: ByTime::default(),
             moments: ByTime::default(),
@@ -157,9 +153,9 @@ impl InterpolatedOnMesh {
     /// # Errors
     /// A formula that is not finite at a vertex.
     pub fn zeta(&self, t: f64) -> Result<f64, LoadError> {
-        let events = |from: f64, to: f64| {
-            self.events.iter().copied().filter(|&s| s > from && s < to).collect()
-        };
+        let all = self.events.get_or_init(|| events(&self.exact, &self.space));
+        let events =
+            |from: f64, to: f64| all.iter().copied().filter(|&s| s > from && s < to).collect();
         let norm = match self.space.mesh.dimension {
             2 => Self::strain_norm::<2>,
             _ => Self::strain_norm::<3>,
@@ -364,10 +360,18 @@ struct CellFields {
     stress: Vec<f64>,
 }
 
-/// Times at which a guard changes sign at some vertex.
-fn events(program: &Program, count: usize, points: &[[f64; 3]], horizon: f64) -> Vec<f64> {
+/// The vertices in node order.
+fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {
+    space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect()
+}
+
+/// Times at which a guard of u changes sign at some vertex.
+fn events(exact: &Exact, space: &Discretization) -> Vec<f64> {
+    let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
+    let guards = graph.guards(&exact.data.u);
+    let (count, program) = (guards.len(), Program::compile(&mut graph, &guards, horizon));
     // Guards of contact scenes depend on x and t: one vertex a distinct x will do.
-    let mut distinct: Vec<[f64; 3]> = points.to_vec();
+    let mut distinct = points_of_nodes(space);
     distinct.sort_by(|a, b| a[0].total_cmp(&b[0]));
     distinct.dedup_by(|a, b| a[0] == b[0]);
     let mut events = sign_changes(0.0, horizon, WATCHES, |times| {

@@ -98,12 +98,15 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
                     strains.push(mandel(&strain));
                     stresses.push(mandel(&sigma));
                 }
-                for (family, tensors) in [(&mut sums.strain, strains), (&mut sums.stress, stresses)]
-                {
-                    let mean = deviations(tensors, &rule.weights);
-                    append(&mut family.vectors[m], own.len(), &mean);
+                let mean = deviations(stresses, &rule.weights);
+                append(&mut sums.stress.vectors[m], own.len(), &mean);
+                if !parts.is_present(m) {
+                    // Empty, as what vanishes is.
+                    strains.clear();
+                    continue;
                 }
-
+                let mean = deviations(strains, &rule.weights);
+                append(&mut sums.strain.vectors[m], own.len(), &mean);
                 let displacements = &mut room.displacement[m];
                 displacements.clear();
                 for q in 0..points {

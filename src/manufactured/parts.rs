@@ -34,6 +34,8 @@ pub(super) struct Parts<'a> {
     /// [u, ε, H_1, …] of one part after another as products of (x, t) and y, where they are.
     pub products: Option<&'a Products>,
     pub count: usize,
+    /// Which of them have neither u nor ε; others where the list ends.
+    pub remembered_alone: &'a [bool],
     /// Whether the same formulas are evaluated at other times: they then stay bound to the points.
     pub again: bool,
     pub t: f64,
@@ -44,6 +46,11 @@ pub(super) struct Parts<'a> {
 impl Parts<'_> {
     pub(super) fn fields(&self) -> usize {
         self.exact.dimension() + self.exact.strain.len() + self.exact.memory.len()
+    }
+
+    /// Whether part m has u and ε.
+    pub(super) fn is_present(&self, m: usize) -> bool {
+        self.remembered_alone.get(m) != Some(&true)
     }
 
     /// [u, ε, H_1, …] of all parts, and the names of those that must be finite.

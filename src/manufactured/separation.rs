@@ -60,20 +60,29 @@ pub struct Separation {
     pub forces: Program,
     /// The S_m of [u, ε, H_1, …] as products of x and y, where they are.
     pub products: Option<Products>,
+    /// Which parts have neither u nor ε: they occur in the memory alone.
+    pub remembered_alone: Vec<bool>,
 }
 
 impl Separation {
-    /// Separates the formulas; none if one of them does not show a short sum.
-    pub fn of(graph: &Graph, interior: &[Node], forces: &[Node], horizon: f64) -> Option<Self> {
+    /// Separates [u, ε], [H_1, …] and f0; none if one of them does not show a short sum.
+    pub fn of(
+        graph: &Graph,
+        [present, memory, forces]: [&[Node]; 3],
+        horizon: f64,
+    ) -> Option<Self> {
         let mut graph = graph.clone();
-        let (factors, shapes) = TimeFactors::of(&mut graph, &[interior, forces].concat(), horizon)?;
-        let inside: Vec<Node> =
-            shapes.iter().flat_map(|part| &part[..interior.len()]).copied().collect();
-        let outside: Vec<Node> =
-            shapes.iter().flat_map(|part| &part[interior.len()..]).copied().collect();
+        let all = [present, memory, forces].concat();
+        let (factors, shapes) = TimeFactors::of(&mut graph, &all, horizon)?;
+        let inner = present.len() + memory.len();
+        let inside: Vec<Node> = shapes.iter().flat_map(|part| &part[..inner]).copied().collect();
+        let outside: Vec<Node> = shapes.iter().flat_map(|part| &part[inner..]).copied().collect();
+        let is_zero = |shape: &Node| graph.value_of_constant(*shape) == Some(0.0);
+        let remembered_alone =
+            shapes.iter().map(|part| part[..present.len()].iter().all(is_zero)).collect();
         let products = Products::of(&graph, &inside, horizon);
         let [interior, forces] =
-            [inside, outside].map(|all| Program::compile(&mut graph, &all, horizon));
-        Some(Self { factors, interior, forces, products })
+            [inside, outside].map(|all| Program::compile_once(&mut graph, &all, horizon));
+        Some(Self { factors, interior, forces, products, remembered_alone })
     }
 }
