@@ -1,6 +1,7 @@
 //! Source: the discrete problem (4.3) has one solution, whatever way it is computed.
 //! Goal: all plans that apply to a scene agree: recursion on coefficients, condensation onto Γ3 and Newton's method in
 //!   the volume; recursive, interpolated and direct sums over the past. Each plan is really taken where it is claimed.
+//!   Scenes with projection have no plan but Newton's method: the fixtures are about these.
 //! Mesh: 6 × 6 squares and 8 steps for every shipped scene in the plane, 2 × 2 × 2 cubes in space.
 
 mod shipped;

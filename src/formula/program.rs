@@ -137,7 +137,9 @@ struct Compiler<'a> {
 
 impl<'a> Compiler<'a> {
     fn new(graph: &'a Graph, histories: &'a [HistoryPlan], outputs: &[Node], once: bool) -> Self {
-        let costs = graph.costs(outputs);
+        // Guards are no part of what they guard.
+        let inner = histories.iter().flat_map(HistoryPlan::roots);
+        let costs = graph.costs(&outputs.iter().copied().chain(inner).collect::<Vec<Node>>());
         Self { graph, histories, once, costs, slots: Slots::new(), stored: Vec::new() }
     }
 
