@@ -18,7 +18,7 @@ use crate::theory::corner::{Corner, corners};
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, linear_solver: direct or multigrid, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
+    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, plan, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, condensed or newton, linear_solver: direct or multigrid, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -38,13 +38,15 @@ impl Explain {
         };
         meshes_fit(setup, &self.allowance.limit())?;
         let constants = predicted_constants(&plan);
-        let (algorithm, history, regions) = (algorithm(setup), history(setup), regions(setup));
+        let (history, regions) = (history(setup), regions(setup));
         // What the formulas of an exact solution do at the corners is their own matter.
         let corners = match &setup.body.data {
             Data::Loads { .. } => corners(&setup.body),
             Data::Exact { .. } => Vec::new(),
         };
         let costs = predict(setup, &plan)?;
+        let of_plan = |cost: &Cost| algorithm(setup, cost.plan);
+        let algorithm = of_meshes(&plan, &costs, of_plan);
         let cases: Vec<_> = plan
             .cases
             .iter()
@@ -54,6 +56,7 @@ impl Explain {
                     "n": case.n,
                     "steps": case.steps,
                     "dofs": cost.dofs,
+                    "plan": cost.plan.name(),
                     "linear_solver": cost.linear_solver.name(),
                     "history_bytes": setup.history_vectors(case.steps) * cost.dofs * 8,
                     "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
@@ -66,6 +69,7 @@ impl Explain {
             serde_json::json!({
                 "n": reference.n,
                 "steps": reference.steps,
+                "plan": cost.plan.name(),
                 "linear_solver": cost.linear_solver.name(),
                 "seconds_predicted": cost.seconds,
                 "memory_bytes_predicted": cost.memory_bytes.round() as u64,
@@ -91,7 +95,8 @@ impl Explain {
         print_text(&format!("truth      {}", truth(&setup.scene)));
         regions.iter().for_each(|(_, line)| print_text(&format!("region     {line}")));
         print_text(&format!("algorithm  {algorithm}"));
-        print_text(&format!("linear     {}", linear_solvers(&plan, &costs)));
+        let linear = of_meshes(&plan, &costs, |cost| in_words(cost.linear_solver));
+        print_text(&format!("linear     {linear}"));
         print_text(&format!("history    {history}"));
         if let (Some(reference), Some(cost)) = (&reference, &costs.reference) {
             let run = format!("n = {}, N = {}", reference["n"], reference["steps"]);
@@ -143,28 +148,36 @@ fn predicted(cost: &Cost) -> String {
     format!("about {} of CPU time, {:.0} MB", duration(cost.seconds), cost.memory_bytes / 1e6)
 }
 
-/// The linear solver of all runs, or the meshes with each of the two.
-fn linear_solvers(plan: &ScenePlan, costs: &PlanCost) -> String {
+/// What all runs have, or the meshes with each of it.
+fn of_meshes(
+    plan: &ScenePlan,
+    costs: &PlanCost,
+    words: impl Fn(&Cost) -> &'static str,
+) -> String {
     let own = plan.cases.iter().map(|case| case.n.unwrap_or_default());
     let ns = own.chain(plan.reference.map(|reference| reference.n as u32));
-    let solvers = costs.cases.iter().chain(&costs.reference).map(|cost| cost.linear_solver);
-    let all: Vec<(u32, LinearSolver)> = ns.zip(solvers).collect();
-    let on = |wanted: LinearSolver| {
-        let meshes: BTreeSet<u32> =
-            all.iter().filter(|(_, own)| *own == wanted).map(|(n, _)| *n).collect();
+    let mut found: Vec<(&'static str, BTreeSet<u32>)> = Vec::new();
+    for (n, cost) in ns.zip(costs.cases.iter().chain(&costs.reference)) {
+        let name = words(cost);
+        match found.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, meshes)) => _ = meshes.insert(n),
+            None => found.push((name, BTreeSet::from([n]))),
+        }
+    }
+    if let [(name, _)] = found[..] {
+        return name.to_string();
+    }
+    let list = |meshes: &BTreeSet<u32>| {
         meshes.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
     };
-    let names = [
-        (LinearSolver::Direct, "Cholesky factors"),
-        (LinearSolver::Multigrid, "conjugate gradients with multigrid"),
-    ];
-    let used: Vec<_> = names.iter().filter(|(solver, _)| !on(*solver).is_empty()).collect();
-    match used[..] {
-        [(_, name)] => (*name).to_string(),
-        _ => {
-            let each = used.iter().map(|(solver, name)| format!("{name} for n = {}", on(*solver)));
-            each.collect::<Vec<_>>().join("; ")
-        }
+    let each = found.iter().map(|(name, meshes)| format!("{name} for n = {}", list(meshes)));
+    each.collect::<Vec<_>>().join("; ")
+}
+
+fn in_words(solver: LinearSolver) -> &'static str {
+    match solver {
+        LinearSolver::Direct => "Cholesky factors",
+        LinearSolver::Multigrid => "conjugate gradients with multigrid",
     }
 }
 
@@ -172,9 +185,9 @@ fn duration(seconds: f64) -> String {
     if seconds < 1.0 { format!("{:.1} ms", 1e3 * seconds) } else { format!("{seconds:.1} s") }
 }
 
-fn algorithm(setup: &Setup) -> &'static str {
+fn algorithm(setup: &Setup, plan: Plan) -> &'static str {
     let model = &setup.model;
-    match Plan::foreseen(model, setup.scene.dimension) {
+    match plan {
         Plan::Recursion => {
             "linear, memory a multiple of the elasticity or absent: one factorization; loads that separate in time are solved once, and a level is a recursion on their coefficients"
         }

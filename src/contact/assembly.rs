@@ -1,7 +1,7 @@
 //! Cell integrals: Bᵀσ, BᵀCB and their scatter.
 
 use super::{Discretization, Frames};
-use crate::law::Stiffness;
+use crate::law::TensorField;
 
 /// The columns of B on a cell: the Mandel strain of each unit displacement, (d+1)·d of them.
 #[inline]
@@ -89,7 +89,7 @@ pub fn stress_force<const D: usize, const S: usize>(
 pub fn stiffness_of<const D: usize, const S: usize>(
     space: &Discretization,
     frames: &Frames,
-    law: &impl Stiffness,
+    law: &TensorField,
     values: &mut [f64],
 ) {
     let order = D * (D + 1);
@@ -97,7 +97,7 @@ pub fn stiffness_of<const D: usize, const S: usize>(
     for c in 0..space.mesh.cell_count() {
         let measure = space.geometry.measure[c];
         let gradients = space.geometry.gradients(c);
-        let matrix = law.matrix_on::<S>(space.region(c));
+        let matrix = law.on(space.region(c)).matrix::<S>();
         cell_stiffness::<D, S>(gradients, &matrix, measure, &mut local[..order * order]);
         frames.rotate_cell(space.cell_nodes(c), &mut local[..order * order]);
         space.pattern.scatter::<D>(c, space.cell_nodes(c), &local[..order * order], values);

@@ -9,6 +9,7 @@
 
 mod expansion;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use expansion::Pending;
@@ -16,7 +17,7 @@ use expansion::Pending;
 use super::boundary::boundary_graph;
 use super::condensed_level::CondensedLevel;
 use super::march::{CaseError, CaseInfo, Observer};
-use super::{Discretization, Load, Model};
+use super::{Discretization, Load, Model, Unknowns};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
 use crate::linalg::{Analysis, Factor, FactorError, Front, SIDES, Side, Workspace, axpy};
@@ -46,7 +47,7 @@ pub fn march<P: Projection>(
     let unanalysed =
         |source| FailedStep { n: 0, t: 0.0, source: StepError::Factor { iteration: 0, source } };
     let analysis = space.condensing().map_err(unanalysed)?;
-    let mut march = Condensed::new(space, analysis, model, grid);
+    let mut march = Condensed::new(space, analysis, model, grid).map_err(unanalysed)?;
     for n in 0..=grid.steps() {
         let solved = march.solve(n, grid, load, newton);
         // What was solved is shown, also before a level that has no solution.
@@ -71,11 +72,11 @@ struct Condensed<'a, P> {
     /// With a multiple: the memory of the unknowns of Γ3 alone, and its sum over the past.
     on_side: Option<Memory>,
     past_on_side: Vec<f64>,
-    elastic: Vec<f64>,
+    elastic: Arc<Vec<f64>>,
     /// Stiffness of each ℬ_i, where it is no multiple, and of 𝒜 + Σ W_i ℬ_i.
     by_memory: Vec<Vec<f64>>,
     matrix: Vec<f64>,
-    factor: Factor,
+    factor: Arc<Factor>,
     workspace: Workspace,
     front: Front<f64>,
     /// Weights W_i of the last slot of the level, and of the factor; `None` before the first.
@@ -117,14 +118,23 @@ impl<'a, P: Projection> Condensed<'a, P> {
         analysis: &'a Analysis,
         model: &'a Model<P>,
         grid: &TimeGrid,
-    ) -> Self {
-        let start = Instant::now();
-        let elastic = space.stiffness_of_unknowns(&model.elasticity);
-        let beta = model.memory_multiple();
-        let terms = model.memory.iter();
-        let by_memory = match beta {
-            Some(_) => Vec::new(),
-            None => terms.clone().map(|m| space.stiffness_of_unknowns(&m.tensor)).collect(),
+    ) -> Result<Self, FactorError> {
+        let mut info = CaseInfo::default();
+        let (beta, terms) = (model.memory_multiple(), model.memory.iter());
+        let mut by_memory = Vec::new();
+        let (elastic, factor) = match beta {
+            Some(_) => {
+                let (tensor, last) = (&model.elasticity, Unknowns::ContactLast);
+                let kept = space.stiffness_factor(tensor, last, &mut info.work)?;
+                (kept.values.clone(), kept.factor.clone())
+            }
+            None => {
+                let start = Instant::now();
+                by_memory.extend(terms.clone().map(|m| space.stiffness_of_unknowns(&m.tensor)));
+                let elastic = space.stiffness_of_unknowns(&model.elasticity);
+                info.work.seconds_assemble += start.elapsed().as_secs_f64();
+                (Arc::new(elastic), Arc::new(analysis.factor()))
+            }
         };
         let graph = boundary_graph(space, model, &elastic);
         let graphs = graph.coordinates.len();
@@ -139,17 +149,18 @@ impl<'a, P: Projection> Condensed<'a, P> {
         let framed = if space.frames.is_empty() { 0 } else { model.memory.len() };
         let ahead = if beta.is_some() { SIDES } else { 1 };
         let level = CondensedLevel::new(graph, unknowns);
-        let mut info = CaseInfo::default();
-        info.work.seconds_assemble += start.elapsed().as_secs_f64();
-        Self {
+        Ok(Self {
             state: StepState { u: vec![0.0; side], pressure: vec![0.0; graphs] },
             memory: remember(dofs).collect(),
             on_side: beta.and_then(|_| remember(side).next()),
             past_on_side: vec![0.0; side],
             slot: vec![0.0; model.memory.len()],
-            matrix: if beta.is_some() { Vec::new() } else { elastic.clone() },
-            factor: analysis.factor(),
-            workspace: analysis.workspace(1),
+            matrix: if beta.is_some() { Vec::new() } else { elastic.to_vec() },
+            factor,
+            workspace: match beta {
+                Some(_) => analysis.solve_workspace(1),
+                None => analysis.workspace(1),
+            },
             front: Front::default(),
             factorized: None,
             basis: None,
@@ -180,7 +191,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
             elastic,
             by_memory,
             level,
-        }
+        })
     }
 
     /// Solves level n on Γ3.
@@ -255,16 +266,18 @@ impl<'a, P: Projection> Condensed<'a, P> {
             return Ok(());
         }
         let start = Instant::now();
+        let analysis = self.analysis;
         if self.beta.is_none() {
             self.matrix.copy_from_slice(&self.elastic);
             for (matrix, own) in self.by_memory.iter().zip(&self.slot) {
                 axpy(*own, matrix, &mut self.matrix);
             }
+            let (pattern, matrix) = (&self.space.pattern, &self.matrix);
+            // Nobody else has it: no copy is made.
+            let factor = Arc::make_mut(&mut self.factor);
+            self.info.work.linear.factorizations += 1;
+            analysis.factorize(pattern, matrix, factor, &mut self.workspace)?;
         }
-        let matrix = if self.beta.is_some() { &self.elastic } else { &self.matrix };
-        let analysis = self.analysis;
-        self.info.work.linear.factorizations += 1;
-        analysis.factorize(&self.space.pattern, matrix, &mut self.factor, &mut self.workspace)?;
         self.factorized = Some(self.slot.clone());
         self.level.set_schur(&analysis.last_triangle(&self.factor, self.cut));
         self.info.work.linear.seconds_factor += start.elapsed().as_secs_f64();

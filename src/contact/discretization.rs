@@ -2,12 +2,13 @@
 
 use std::sync::OnceLock;
 
-use crate::law::Stiffness;
+use crate::law::TensorField;
 use crate::linalg::{Analysis, BlockPattern, FactorError, Levels, Precision, nested_dissection};
 use crate::mesh::{Mesh, Nesting};
 use crate::space::{Geometry, Nodes};
 
 use super::linear_solver::levels;
+use super::stiffness::StiffnessFactors;
 use super::{ContactTrace, Frames, LinearSolver, stiffness_of};
 
 /// V^h on one mesh: nodes, geometry, matrix pattern with its analysis, the trace on Γ3.
@@ -37,6 +38,7 @@ pub struct Discretization {
     pub precision: Option<Precision>,
     levels: OnceLock<Result<Option<Levels>, FactorError>>,
     condensing: OnceLock<Result<Analysis, FactorError>>,
+    pub(super) factors: StiffnessFactors,
 }
 
 impl Discretization {
@@ -66,6 +68,7 @@ impl Discretization {
             precision: None,
             levels,
             condensing,
+            factors: StiffnessFactors::default(),
         })
     }
 
@@ -104,16 +107,16 @@ impl Discretization {
     }
 
     /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components.
-    pub fn stiffness(&self, law: &impl Stiffness) -> Vec<f64> {
+    pub fn stiffness(&self, law: &TensorField) -> Vec<f64> {
         self.stiffness_in(law, &Frames::default())
     }
 
     /// The same on the unknowns of the contact problem.
-    pub fn stiffness_of_unknowns(&self, law: &impl Stiffness) -> Vec<f64> {
+    pub fn stiffness_of_unknowns(&self, law: &TensorField) -> Vec<f64> {
         self.stiffness_in(law, &self.frames)
     }
 
-    fn stiffness_in(&self, law: &impl Stiffness, frames: &Frames) -> Vec<f64> {
+    fn stiffness_in(&self, law: &TensorField, frames: &Frames) -> Vec<f64> {
         let mut values = vec![0.0; self.pattern.entries()];
         match self.mesh.dimension {
             2 => stiffness_of::<2, 3>(self, frames, law, &mut values),

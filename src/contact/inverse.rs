@@ -2,23 +2,19 @@
 
 use std::time::Instant;
 
-use super::{Discretization, LinearSolver};
-use crate::linalg::{Factor, FactorError, LinearWork, MultigridSequence, Workspace, norm};
+use super::{Discretization, LinearSolver, StiffnessInverse, Work};
+use crate::law::TensorField;
+use crate::linalg::{FactorError, MultigridSequence, norm};
 use crate::vhi::Newton;
 
 /// By a factor in double precision, or without.
 pub(super) enum Inverse<'a> {
-    Direct {
-        space: &'a Discretization,
-        values: Vec<f64>,
-        factor: Factor,
-        workspace: Workspace,
-        work: LinearWork,
-    },
+    Direct { inverse: StiffnessInverse<'a>, work: Work },
     Multigrid {
         space: &'a Discretization,
         values: Vec<f64>,
         sequence: Box<MultigridSequence<'a>>,
+        seconds_assemble: f64,
     },
 }
 
@@ -28,26 +24,26 @@ const FORCING: f64 = 1e-8;
 const STANDSTILL: f64 = 0.5;
 
 impl<'a> Inverse<'a> {
-    /// Of the matrix with these lower-triangle `values`.
+    /// Of the stiffness matrix of `tensor`.
     ///
     /// # Errors
     /// A matrix that is not positive definite.
     pub(super) fn new(
         space: &'a Discretization,
         solver: LinearSolver,
-        values: Vec<f64>,
+        tensor: &TensorField,
     ) -> Result<Self, FactorError> {
         if let Some(levels) = solver.levels(space) {
+            let start = Instant::now();
+            let values = space.stiffness(tensor);
+            let seconds_assemble = start.elapsed().as_secs_f64();
             let mut sequence = Box::new(MultigridSequence::new(levels, &space.pattern));
             sequence.prepare(values.clone(), None, false)?;
-            return Ok(Self::Multigrid { space, values, sequence });
+            return Ok(Self::Multigrid { space, values, sequence, seconds_assemble });
         }
-        let start = Instant::now();
-        let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
-        space.analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace)?;
-        let seconds_factor = start.elapsed().as_secs_f64();
-        let work = LinearWork { factorizations: 1, seconds_factor, ..LinearWork::default() };
-        Ok(Self::Direct { space, values, factor, workspace, work })
+        let mut work = Work::default();
+        let inverse = StiffnessInverse::held(space, tensor, &mut work)?;
+        Ok(Self::Direct { inverse, work })
     }
 
     /// K⁻¹ b in place.
@@ -56,13 +52,13 @@ impl<'a> Inverse<'a> {
     /// Those of the iteration.
     pub(super) fn solve(&mut self, rhs: &mut [f64]) -> Result<(), FactorError> {
         match self {
-            Self::Direct { space, factor, workspace, work, .. } => {
+            Self::Direct { inverse, work } => {
                 let start = Instant::now();
-                space.analysis.solve(factor, rhs, workspace);
-                work.solves += 1;
-                work.seconds_solve += start.elapsed().as_secs_f64();
+                inverse.solve(rhs);
+                work.linear.solves += 1;
+                work.linear.seconds_solve += start.elapsed().as_secs_f64();
             }
-            Self::Multigrid { space, values, sequence } => {
+            Self::Multigrid { space, values, sequence, .. } => {
                 let diagonal = |dof: usize, x: f64| values[space.pattern.diagonal(dof)] * x;
                 let size = norm(rhs);
                 let mut residual = rhs.to_vec();
@@ -96,9 +92,7 @@ impl<'a> Inverse<'a> {
     /// The same without the last digits, for estimates; not a number where it fails.
     pub(super) fn estimate(&mut self, rhs: &mut [f64]) {
         match self {
-            Self::Direct { space, factor, workspace, .. } => {
-                space.analysis.solve(factor, rhs, workspace);
-            }
+            Self::Direct { inverse, .. } => inverse.solve(rhs),
             Self::Multigrid { sequence, .. } => sequence.solve_again(rhs),
         }
     }
@@ -106,15 +100,20 @@ impl<'a> Inverse<'a> {
     /// The lower-triangle values of the matrix.
     pub(super) fn values(&self) -> &[f64] {
         match self {
-            Self::Direct { values, .. } | Self::Multigrid { values, .. } => values,
+            Self::Direct { inverse, .. } => inverse.values(),
+            Self::Multigrid { values, .. } => values,
         }
     }
 
     /// Counters and times.
-    pub(super) fn work(&self) -> LinearWork {
+    pub(super) fn work(&self) -> Work {
         match self {
             Self::Direct { work, .. } => *work,
-            Self::Multigrid { sequence, .. } => sequence.work,
+            Self::Multigrid { sequence, seconds_assemble, .. } => Work {
+                seconds_assemble: *seconds_assemble,
+                linear: sequence.work,
+                ..Work::default()
+            },
         }
     }
 }

@@ -10,11 +10,10 @@ use super::floor::Accepted;
 use super::inverse::Inverse;
 use super::kkt::kkt_residual_in;
 use super::march::{CaseError, CaseInfo, Observer, StepView};
-use super::work::Work;
 use super::{Discretization, Floors, LinearSolver, Load, Model};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
-use crate::linalg::{FactorError, LinearWork, axpy, is_sound_sum, root_of_squares};
+use crate::linalg::{FactorError, axpy, is_sound_sum, root_of_squares};
 use crate::space::strain_of;
 use crate::tensor::contract;
 use crate::vhi::{FailedStep, Newton, StepError};
@@ -44,8 +43,8 @@ pub fn march<P: Projection>(
     // One term at most: `march` sends no other scene here.
     let kernel = model.memory.first().map(|term| &*term.kernel);
     let solver = LinearSolver::of(space, model, grid.steps());
-    let mut response = Response::new(space, model, solver, load, &mut info.work)?;
-    let seconds_basis = response.inverse.work().seconds_solve;
+    let mut response = Response::new(space, model, solver, load)?;
+    let seconds_basis = response.inverse.work().linear.seconds_solve;
     // The solutions that all levels are combinations of, where the load separates.
     let combination = response.basis.as_ref().map(|basis| Combination::new(space, model, basis));
     let few = response.basis.as_ref().map_or(0, Vec::len);
@@ -138,7 +137,8 @@ pub fn march<P: Projection>(
     }
     info.floors = response.floors(space, model, &force, &u, &history);
     let seconds_solve = seconds_basis + info.work.linear.seconds_solve;
-    info.work.linear = LinearWork { seconds_solve, ..response.inverse.work() };
+    info.work = response.inverse.work();
+    info.work.linear.seconds_solve = seconds_solve;
     Ok(info)
 }
 
@@ -157,13 +157,9 @@ impl<'a> Response<'a> {
         model: &Model<P>,
         solver: LinearSolver,
         load: &dyn Load,
-        work: &mut Work,
     ) -> Result<Self, CaseError> {
-        let start = Instant::now();
-        let stiffness = space.stiffness(&model.elasticity);
-        work.seconds_assemble += start.elapsed().as_secs_f64();
         let at_start = |source| failed(0, 0.0, source);
-        let mut inverse = Inverse::new(space, solver, stiffness).map_err(at_start)?;
+        let mut inverse = Inverse::new(space, solver, &model.elasticity).map_err(at_start)?;
         let mut basis = load.basis().map(<[Vec<f64>]>::to_vec);
         for vector in basis.iter_mut().flatten() {
             inverse.solve(vector).map_err(at_start)?;

@@ -23,6 +23,7 @@ mod open_level;
 mod pieces;
 mod plan;
 mod problem;
+mod stiffness;
 mod trace;
 mod trace_constant;
 mod work;
@@ -42,6 +43,7 @@ pub use model::{Boundary, BoundaryRule, MemoryTerm, Model, OnContact, relaxation
 pub use open_level::OpenLevel;
 pub use plan::Plan;
 pub use problem::ContactProblem;
+pub use stiffness::{StiffnessFactor, StiffnessInverse, Unknowns};
 pub use trace::{ContactTrace, TracePoint, facet_measure};
 pub use trace_constant::{TraceMass, trace_constant};
 pub use work::Work;

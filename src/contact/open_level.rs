@@ -4,7 +4,7 @@ use super::assembly::stress_force;
 use super::last_slot::LastSlot;
 use super::{CaseError, Discretization, Evolution, Model};
 use crate::history::TimeGrid;
-use crate::law::{Isotropic, Projection};
+use crate::law::{Projection, TensorField};
 use crate::linalg::{Factor, FactorError, Workspace, axpy, dot};
 use crate::space::strain_of;
 use crate::vhi::{BoundaryGraph, FrozenDerivative, HistoryInequality, StepInequality, StepState};
@@ -38,7 +38,7 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
         model: &'a Model<P>,
         evolution: Evolution<'a, P>,
     ) -> Result<Self, FactorError> {
-        let gram = space.stiffness_of_unknowns(&Isotropic { lambda: 0.0, mu: 0.5 });
+        let gram = space.stiffness_of_unknowns(&TensorField::identity());
         let (mut gram_factor, mut workspace) =
             (space.analysis.factor(), space.analysis.workspace(1));
         space.analysis.factorize(&space.pattern, &gram, &mut gram_factor, &mut workspace)?;

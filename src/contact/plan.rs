@@ -15,6 +15,15 @@ pub enum Plan {
 }
 
 impl Plan {
+    /// Its name in output.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Recursion => "recursion",
+            Self::Condensed => "condensed",
+            Self::Newton => "newton",
+        }
+    }
+
     /// The plan of a run of `steps` steps; only a solver that is Newton's method alone (`newton`) may be replaced.
     pub fn of<P: Projection>(
         space: &Discretization,

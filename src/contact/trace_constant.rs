@@ -3,10 +3,10 @@
 //! With 𝒞 = I it is c_j² of (2.4); with 𝒞 = 𝒜 it is the energy constant, which with α_ν decides by
 //! itself whether the elastic part of a step is monotone.
 
-use super::Discretization;
-use crate::law::Stiffness;
+use super::{Discretization, StiffnessInverse};
+use crate::law::TensorField;
 use crate::linalg::{
-    EigenError, Extreme, Factor, FactorError, LinearMap, Workspace, largest_eigenvalue, signed_unit,
+    EigenError, Extreme, FactorError, LinearMap, largest_eigenvalue, signed_unit,
 };
 
 /// How ‖v_ν‖² is integrated over Γ3.
@@ -24,14 +24,12 @@ pub enum TraceMass {
 /// A stiffness matrix that cannot be factorized.
 pub fn trace_constant(
     space: &Discretization,
-    tensor: &impl Stiffness,
+    tensor: &TensorField,
     mass: TraceMass,
 ) -> Result<Extreme, EigenError> {
-    let stiffness = space.stiffness(tensor);
-    let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
-    space.analysis.factorize(&space.pattern, &stiffness, &mut factor, &mut workspace)?;
+    let stiffness = StiffnessInverse::passing(space, tensor)?;
     let nodal = vec![0.0; space.nodes.len()];
-    let mut map = Quotient { space, stiffness, factor, workspace, mass, nodal };
+    let mut map = Quotient { space, stiffness, mass, nodal };
     // A constant pressure and some of everything else: no symmetry of the mesh hides the maximum.
     let (mut seed, mut load) = (1, vec![0.0; space.nodes.len()]);
     for (i, _) in space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped) {
@@ -48,9 +46,7 @@ pub fn trace_constant(
 /// K⁻¹M in the inner product of K.
 struct Quotient<'a> {
     space: &'a Discretization,
-    stiffness: Vec<f64>,
-    factor: Factor,
-    workspace: Workspace,
+    stiffness: StiffnessInverse<'a>,
     mass: TraceMass,
     nodal: Vec<f64>,
 }
@@ -61,12 +57,12 @@ impl LinearMap for Quotient<'_> {
         let mut force = trace_mass(self.space, self.mass, &self.nodal);
         force.truncate(out.len());
         out.copy_from_slice(&force);
-        self.space.analysis.solve(&self.factor, out, &mut self.workspace);
+        self.stiffness.solve(out);
         Ok(())
     }
 
     fn gram(&mut self, x: &[f64], out: &mut [f64]) {
-        self.space.pattern.multiply(&self.stiffness, x, out);
+        self.stiffness.multiply(x, out);
     }
 }
 

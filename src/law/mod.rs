@@ -16,4 +16,4 @@ pub use kernel::{Convolution, ExponentialSum, HistoryKernel, MemoryKernel};
 pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError, graph_distance};
 pub use projection::{NoProjection, Projection, Response, VonMises, YieldLimit};
 pub use scaled::Scaled;
-pub use tensor_field::{FourthOrder, Stiffness, TensorField};
+pub use tensor_field::{FourthOrder, TensorField};

@@ -123,35 +123,6 @@ impl From<Isotropic> for FourthOrder {
     }
 }
 
-/// What a stiffness matrix is made of: the Mandel matrix on a region.
-pub trait Stiffness {
-    /// The S×S matrix on a region.
-    fn matrix_on<const S: usize>(&self, region: usize) -> [[f64; S]; S];
-
-    /// True if it is the same on all regions.
-    fn is_uniform(&self) -> bool;
-}
-
-impl Stiffness for Isotropic {
-    fn matrix_on<const S: usize>(&self, _: usize) -> [[f64; S]; S] {
-        self.matrix()
-    }
-
-    fn is_uniform(&self) -> bool {
-        true
-    }
-}
-
-impl Stiffness for TensorField {
-    fn matrix_on<const S: usize>(&self, region: usize) -> [[f64; S]; S] {
-        self.on(region).matrix()
-    }
-
-    fn is_uniform(&self) -> bool {
-        self.regions.len() == 1
-    }
-}
-
 /// A tensor a region; region 0 is what belongs to no other one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TensorField {
@@ -169,6 +140,17 @@ impl TensorField {
     /// `base` on region 0 and `others` on the next ones.
     pub fn new(base: FourthOrder, others: impl IntoIterator<Item = FourthOrder>) -> Self {
         Self { regions: std::iter::once(base).chain(others).collect() }
+    }
+
+    /// The identity of S^d, whose stiffness matrix has the energy ‖ε(v)‖².
+    pub fn identity() -> Self {
+        // 2 μ ε with μ = ½.
+        Isotropic { lambda: 0.0, mu: 0.5 }.into()
+    }
+
+    /// True if it is the same on all regions.
+    pub fn is_uniform(&self) -> bool {
+        self.regions.len() == 1
     }
 
     /// The tensor on a region.
@@ -274,11 +256,10 @@ mod tests {
             pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-15
         };
         assert!(close(FourthOrder::from(LAW).matrix()) && close(full(2).matrix()));
-        assert!(close(LAW.matrix_on(5)) && LAW.is_uniform());
         let soft = Isotropic { lambda: 0.1, mu: 0.2 };
         let field = TensorField::new(soft.into(), [full(2)]);
-        assert!(close(field.matrix_on(1)) && !close(field.matrix_on(0)) && !field.is_uniform());
-        assert!(close(TensorField::from(LAW).matrix_on(1)) && TensorField::from(LAW).is_uniform());
+        assert!(close(field.on(1).matrix()) && !close(field.on(0).matrix()) && !field.is_uniform());
+        assert!(close(TensorField::from(LAW).on(1).matrix()) && TensorField::from(LAW).is_uniform());
         assert_eq!(field.regions(), &[soft.into(), full(2)]);
         // Seventeen entries: four of the normal strains, and 2μ/2 for each of the four shears.
         let sum = 2.0 * (2.7 + 1.3) + 4.0 * 0.7;

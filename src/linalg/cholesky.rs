@@ -173,6 +173,12 @@ impl Analysis {
         Workspace { memory: MemBuffer::new(StackReq::any_of(&[factorize, solve])) }
     }
 
+    /// The same for solves alone.
+    pub fn solve_workspace(&self, columns: usize) -> Workspace {
+        let solve = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
+        Workspace { memory: MemBuffer::new(solve) }
+    }
+
     /// Computes L of the matrix with these lower-triangle `values`.
     ///
     /// # Errors

@@ -3,17 +3,16 @@
 //! contact and projection do, without most of the interpolation error.
 
 use super::Moments;
-use crate::contact::{Discretization, stress_force};
-use crate::law::{Isotropic, TensorField};
-use crate::linalg::{Factor, FactorError, Workspace};
+use crate::contact::{Discretization, StiffnessInverse, Work, stress_force};
+use crate::law::TensorField;
+use crate::linalg::FactorError;
 use crate::space::strain_of;
 
 /// A on one mesh, factorized.
 pub struct ElasticProjection<'a> {
     space: &'a Discretization,
     operator: TensorField,
-    factor: Factor,
-    workspace: Workspace,
+    inverse: StiffnessInverse<'a>,
 }
 
 impl<'a> ElasticProjection<'a> {
@@ -26,13 +25,23 @@ impl<'a> ElasticProjection<'a> {
         elasticity: &TensorField,
         mu: f64,
     ) -> Result<Self, FactorError> {
-        // 2 μ_L ε + μ ε: the identity has ½ as its second Lamé number.
-        let identity = TensorField::from(Isotropic { lambda: 0.0, mu: 0.5 });
-        let operator = elasticity.plus(mu, &identity, space.mesh.dimension);
-        let values = space.stiffness(&operator);
-        let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
-        space.analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace)?;
-        Ok(Self { space, operator, factor, workspace })
+        let operator = operator(space, elasticity, mu);
+        let inverse = StiffnessInverse::passing(space, &operator)?;
+        Ok(Self { space, operator, inverse })
+    }
+
+    /// The same by a factor that `space` holds from then on: runs on other grids in time ask for it again.
+    ///
+    /// # Errors
+    /// The factorization's.
+    pub fn held(
+        space: &'a Discretization,
+        elasticity: &TensorField,
+        mu: f64,
+    ) -> Result<Self, FactorError> {
+        let operator = operator(space, elasticity, mu);
+        let inverse = StiffnessInverse::held(space, &operator, &mut Work::default())?;
+        Ok(Self { space, operator, inverse })
     }
 
     /// A⁻¹F for a force over the unknowns, as a nodal vector: one solve.
@@ -40,7 +49,7 @@ impl<'a> ElasticProjection<'a> {
         let mut nodal = vec![0.0; self.space.nodes.len()];
         let unknowns = &mut nodal[..self.space.dofs()];
         unknowns.copy_from_slice(force);
-        self.space.analysis.solve(&self.factor, unknowns, &mut self.workspace);
+        self.inverse.solve(unknowns);
         nodal
     }
 
@@ -70,8 +79,13 @@ impl<'a> ElasticProjection<'a> {
             stress_force::<D, S>(gradients, nodes, &stress, &mut force);
         }
         let unknowns = &mut force[..space.dofs()];
-        space.analysis.solve(&self.factor, unknowns, &mut self.workspace);
+        self.inverse.solve(unknowns);
         force[space.dofs()..].fill(0.0);
         crate::contact::strain_norm(space, &force)
     }
+}
+
+/// A = 𝒜 + μ.
+fn operator(space: &Discretization, elasticity: &TensorField, mu: f64) -> TensorField {
+    elasticity.plus(mu, &TensorField::identity(), space.mesh.dimension)
 }

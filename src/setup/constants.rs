@@ -4,7 +4,7 @@ use super::trace_family::{TraceFamily, trace_family};
 use super::{Setup, SetupError, elasticity, memory_tensor};
 use crate::contact::TraceMass;
 use crate::formula::{Node, Point};
-use crate::law::{Isotropic, TensorField};
+use crate::law::TensorField;
 use crate::vhi::StepBounds;
 
 /// Constants that the step-size bound and the smallness condition need.
@@ -183,5 +183,5 @@ pub fn trace_levels(setup: &Setup) -> &'static [u32] {
 
 fn strain_trace_family(setup: &Setup, levels: &[u32]) -> Result<TraceFamily, SetupError> {
     // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
-    trace_family(setup, &Isotropic { lambda: 0.0, mu: 0.5 }, TraceMass::Consistent, levels)
+    trace_family(setup, &TensorField::identity(), TraceMass::Consistent, levels)
 }

@@ -2,7 +2,7 @@
 
 use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
 use crate::contact::{Discretization, TraceMass, trace_constant};
-use crate::law::Isotropic;
+use crate::law::TensorField;
 
 /// α_ν c_j²/m on this mesh and grid, with m = m_𝒜 - (k/2)(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))) and c_j² by
 /// the lumped trace mass; below one exactly if the step satisfies (2.9) with these constants. Infinite
@@ -19,9 +19,7 @@ pub fn decomposition_bound(
     if constants::alpha_nu(setup) == 0.0 {
         return Ok(0.0);
     }
-    // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
-    let tensor = Isotropic { lambda: 0.0, mu: 0.5 };
-    let c_j = trace_constant(space, &tensor, TraceMass::Lumped)
+    let c_j = trace_constant(space, &TensorField::identity(), TraceMass::Lumped)
         .map_err(|source| SetupError::Constant { n, source })?;
     let constants = with_trace_constant(setup, c_j.value);
     let destabilizing = constants.step_bounds().destabilizing;

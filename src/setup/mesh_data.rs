@@ -198,5 +198,7 @@ pub fn reference_run(
         }
         Ok(())
     })?;
+    // The mesh stays for as long as there are cases, and nothing is solved on it again.
+    data.space.forget_factors();
     Ok(run)
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Setup, SetupError};
 use crate::contact::{TraceMass, trace_constant};
-use crate::law::Stiffness;
+use crate::law::TensorField;
 
 /// sup ‖v_ν‖²/(𝒞ε(v), ε(v)) on meshes, each twice as fine as the one before.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,7 +23,7 @@ pub struct TraceFamily {
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn trace_family(
     setup: &Setup,
-    tensor: &impl Stiffness,
+    tensor: &TensorField,
     mass: TraceMass,
     levels: &[u32],
 ) -> Result<TraceFamily, SetupError> {

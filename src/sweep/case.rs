@@ -67,7 +67,7 @@ fn measure(
     };
     let mut projection = match wants(Norm::VProjectionMax) {
         true => Some(
-            ElasticProjection::new(&data.space, &setup.model.elasticity, setup.projection_mu())
+            ElasticProjection::held(&data.space, &setup.model.elasticity, setup.projection_mu())
                 .map_err(|error| LoadError::Reference { reason: error.to_string() })?,
         ),
         false => None,

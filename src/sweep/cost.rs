@@ -42,10 +42,10 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The kind of a scene.
-    pub fn of(setup: &Setup) -> Self {
+    /// The kind of a scene that is solved by `plan`.
+    pub fn of(setup: &Setup, plan: Plan) -> Self {
         let model = &setup.model;
-        match Plan::foreseen(model, setup.scene.dimension) {
+        match plan {
             Plan::Recursion => Self::LinearMultiple,
             Plan::Condensed => Self::Condensed,
             Plan::Newton if model.is_linear() => Self::Linear,
@@ -110,6 +110,8 @@ const SPACE: f64 = 16.0;
 pub struct Cost {
     /// Unknowns.
     pub dofs: usize,
+    /// How the levels are solved on this mesh.
+    pub plan: Plan,
     /// The solver of the linear systems.
     pub linear_solver: LinearSolver,
     /// Newton iterations over all levels, without finer runs for the time error.
@@ -195,7 +197,8 @@ pub(super) fn predict_some(
             }
             cost.memory_bytes += PROGRAM + kept + own.next_formulas;
             cost.memory_bytes += reference.map_or(0.0, |run: Cost| run.memory_bytes - PROGRAM);
-            let mesh = SPACE * space.pattern.entries() as f64;
+            // With the factor that serves all grids in time.
+            let mesh = SPACE * space.pattern.entries() as f64 + cost.kept_bytes;
             (cost.kept_bytes, cost.kept_once) = (kept + mesh, once + mesh);
             // The rules are compared once a mesh, at two times: loads by both, moments by the next.
             let compared = 2.0 * own.next;
@@ -276,11 +279,8 @@ fn times(setup: &Setup, steps: u32) -> HashSet<u64> {
 /// One march without its truth.
 fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
     let linear_solver = LinearSolver::of(space, &setup.model, steps as usize);
-    let kind = match Kind::of(setup) {
-        // Condensation takes a factor.
-        Kind::Condensed if linear_solver == LinearSolver::Multigrid => Kind::Contact,
-        kind => kind,
-    };
+    let plan = Plan::of(space, &setup.model, steps as usize, true);
+    let kind = Kind::of(setup, plan);
     let levels = f64::from(steps) + 1.0;
     let crossed = f64::from(n) * setup.scene.time.horizon / f64::from(steps);
     let [iterations, mut factorizations] = kind.work(crossed, f64::from(steps)).map(|w| w * levels);
@@ -302,22 +302,31 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
     let history = setup.history_vectors(steps) * dofs * 8;
     // Five matrices with their index; some thirty vectors, and three for each of the eight levels that are expanded
     // together where condensation has one factor.
-    let together = kind == Kind::Condensed && !Plan::changes_factor(&setup.model);
+    let multiple = !Plan::changes_factor(&setup.model);
+    let together = kind == Kind::Condensed && multiple;
     let vectors_bytes = if together { 240.0 + 192.0 } else { 240.0 } * dofs as f64;
+    let one_factor = linear_solver == LinearSolver::Direct
+        && (together || kind == Kind::LinearMultiple && multiple);
     let memory_bytes =
         linear_bytes + 52.0 * space.pattern.entries() as f64 + vectors_bytes + history as f64;
     Cost {
         dofs,
+        plan,
         linear_solver,
         iterations,
         factorizations,
         seconds: passes * per_iteration + linear + MEASURING * cells * levels,
         alone: [0.0; 2],
         memory_bytes,
-        kept_bytes: 0.0,
+        kept_bytes: if one_factor { held_bytes(space) } else { 0.0 },
         kept_once: 0.0,
         left_bytes: 0.0,
     }
+}
+
+/// A stiffness matrix with its factor, which serves all runs on a mesh.
+fn held_bytes(space: &Discretization) -> f64 {
+    8.0 * (space.analysis.factor_entries() + space.pattern.entries()) as f64
 }
 
 #[cfg(test)]

@@ -93,6 +93,23 @@ fn a_case_finds_on_its_mesh_what_longer_ones_have_left() {
     assert_eq!(left(&[4]), [0.0]);
 }
 
+/// The factor of 𝒜 stays for the other grids in time where all of them have it, and only there.
+#[test]
+fn a_factor_that_serves_all_grids_in_time_is_kept() {
+    let factor = |scene: &str| {
+        let plan = plan(scene, 8, &[4]);
+        let space = setup(&plan).space(8).unwrap_or_else(|error| panic!("{error}"));
+        march(setup(&plan), &space, 8, 4).kept_bytes / space.analysis.factor_entries() as f64
+    };
+    // Eight bytes a number, and those of the matrix.
+    for scene in ["linear-punch", "elastic-punch"] {
+        assert!(factor(scene) > 8.0 && factor(scene) < 16.0, "{scene}: {}", factor(scene));
+    }
+    for scene in ["punch", "bulk-shear"] {
+        assert_eq!(factor(scene), 0.0, "{scene}");
+    }
+}
+
 #[test]
 fn a_reference_run_costs_more_than_the_cases_it_serves() {
     let plan = plan("elastic-punch", 8, &[8, 16]);

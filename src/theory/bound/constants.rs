@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::ladder::BoundError;
 use crate::contact::{Discretization, TraceMass, trace_constant};
-use crate::law::{Isotropic, Potential, Stiffness};
+use crate::law::{Potential, TensorField};
 use crate::setup::{Constants, Setup, TraceFamily, trace_family, with_trace_constant};
 
 /// How a number was obtained.
@@ -75,7 +75,7 @@ impl TraceConstants {
             return Ok(None);
         }
         let levels = Self::meshes(setup);
-        let strain = Isotropic { lambda: 0.0, mu: 0.5 };
+        let strain = TensorField::identity();
         let elastic = &setup.model.elasticity;
         // Coarse meshes may not follow the boundaries of regions.
         let follow: Vec<u32> =
@@ -106,7 +106,7 @@ impl TraceConstants {
 
 fn both_masses(
     setup: &Setup,
-    tensor: &impl Stiffness,
+    tensor: &TensorField,
     levels: &[u32],
 ) -> Result<[TraceFamily; 2], BoundError> {
     let family = |mass| trace_family(setup, tensor, mass, levels);
@@ -125,7 +125,7 @@ pub fn on_mesh(
 ) -> Result<Constants, BoundError> {
     let Some(traces) = traces else { return Ok(with_trace_constant(setup, 0.0)) };
     let (limit, uncertainty) = TraceConstants::limit(&traces.strain);
-    let strain = Isotropic { lambda: 0.0, mu: 0.5 };
+    let strain = TensorField::identity();
     let consistent = trace_constant(space, &strain, TraceMass::Consistent)?.value;
     let lumped = trace_constant(space, &strain, TraceMass::Lumped)?.value;
     let own = limit + if uncertainty.is_nan() { 0.0 } else { uncertainty };

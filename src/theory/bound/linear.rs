@@ -2,11 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use crate::contact::{Discretization, Model, relaxation};
+use crate::contact::{Discretization, Model, StiffnessInverse, relaxation};
 use crate::law::{FourthOrder, Projection};
-use crate::linalg::{
-    EigenError, Factor, FactorError, LinearMap, Workspace, largest_eigenvalue, signed_unit,
-};
+use crate::linalg::{EigenError, FactorError, LinearMap, largest_eigenvalue, signed_unit};
 
 /// The smallest k > 0 at which the step of a linear scene is singular; infinite if none is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,13 +38,11 @@ pub fn linear_loss<P: Projection>(
     if ratio == 0.0 {
         return Ok(Some(none));
     }
-    let stiffness = space.stiffness(&model.elasticity);
-    let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
-    space.analysis.factorize(&space.pattern, &stiffness, &mut factor, &mut workspace)?;
+    let stiffness = StiffnessInverse::passing(space, &model.elasticity)?;
     // Shifted by the smallest quotient on S^d, so that it is positive semidefinite.
     let shift = quotients.iter().copied().fold(0.0, f64::min);
     let memory = space.stiffness(&minus);
-    let mut map = Quotient { space, stiffness, memory, shift, factor, workspace };
+    let mut map = Quotient { space, stiffness, memory, shift };
     let mut seed = 21;
     let start: Vec<f64> = (0..space.dofs()).map(|_| signed_unit(&mut seed)).collect();
     let largest = largest_eigenvalue(&mut map, &start)?.value + shift;
@@ -75,17 +71,15 @@ fn quotients(tensor: &FourthOrder, elastic: &FourthOrder, d: usize) -> Vec<f64> 
 /// K_𝒜⁻¹K_{-ℬ(0)} - shift, in the inner product of K_𝒜.
 struct Quotient<'a> {
     space: &'a Discretization,
-    stiffness: Vec<f64>,
+    stiffness: StiffnessInverse<'a>,
     memory: Vec<f64>,
     shift: f64,
-    factor: Factor,
-    workspace: Workspace,
 }
 
 impl LinearMap for Quotient<'_> {
     fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
         self.space.pattern.multiply(&self.memory, x, out);
-        self.space.analysis.solve(&self.factor, out, &mut self.workspace);
+        self.stiffness.solve(out);
         for (value, x) in out.iter_mut().zip(x) {
             *value -= self.shift * x;
         }
@@ -93,6 +87,6 @@ impl LinearMap for Quotient<'_> {
     }
 
     fn gram(&mut self, x: &[f64], out: &mut [f64]) {
-        self.space.pattern.multiply(&self.stiffness, x, out);
+        self.stiffness.multiply(x, out);
     }
 }

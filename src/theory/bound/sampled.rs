@@ -4,10 +4,12 @@
 use serde::Serialize;
 
 use super::ladder::BoundError;
-use crate::contact::{Boundary, Discretization, MemoryTerm, strain_norm, stress_force};
+use crate::contact::{
+    Boundary, Discretization, MemoryTerm, StiffnessInverse, strain_norm, stress_force,
+};
 use crate::history::{Accumulated, Memory, TimeGrid, Trapezoid};
-use crate::law::{Isotropic, Potential, Projection, TensorField};
-use crate::linalg::{Factor, FactorError, Workspace, larger, signed_unit};
+use crate::law::{Potential, Projection, TensorField};
+use crate::linalg::{FactorError, larger, signed_unit};
 use crate::setup::{Constants, Setup};
 use crate::space::strain_of;
 use crate::tensor::contract;
@@ -145,8 +147,7 @@ fn lipschitz_kappa(limit: &dyn crate::law::YieldLimit, declared: f64, horizon: f
 /// in V^h.
 pub struct Fields<'a, const D: usize, const S: usize> {
     space: &'a Discretization,
-    factor: Factor,
-    workspace: Workspace,
+    gram: StiffnessInverse<'a>,
     seed: u64,
 }
 
@@ -159,10 +160,8 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
     /// # Errors
     /// The factorization of the strain products.
     pub fn new(space: &'a Discretization) -> Result<Self, FactorError> {
-        let gram = space.stiffness(&Isotropic { lambda: 0.0, mu: 0.5 });
-        let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
-        space.analysis.factorize(&space.pattern, &gram, &mut factor, &mut workspace)?;
-        Ok(Self { space, factor, workspace, seed: 47 })
+        let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
+        Ok(Self { space, gram, seed: 47 })
     }
 
     fn unit(&mut self) -> f64 {
@@ -206,7 +205,7 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
             stress_force::<D, S>(gradients, nodes, &stress, &mut force);
         }
         let mut riesz = force.clone();
-        space.analysis.solve(&self.factor, &mut riesz[..space.dofs()], &mut self.workspace);
+        self.gram.solve(&mut riesz[..space.dofs()]);
         riesz[space.dofs()..].fill(0.0);
         crate::linalg::dot(&force, &riesz).max(0.0).sqrt()
     }

@@ -6,10 +6,12 @@ use super::estimate::Estimate;
 use super::in_time::InTime;
 use super::measure::TemporalRun;
 use super::truth::TemporalTruth;
-use crate::contact::{Discretization, Load, LoadError, march, strain_distance};
+use crate::contact::{
+    Discretization, Load, LoadError, StiffnessInverse, march, strain_distance,
+};
 use crate::history::TimeGrid;
-use crate::law::Isotropic;
-use crate::linalg::{Factor, Workspace, dot};
+use crate::law::TensorField;
+use crate::linalg::dot;
 use crate::setup::{MeshData, Setup, TruthLoad};
 use crate::vhi::Newton;
 
@@ -119,9 +121,7 @@ impl Load for Levels<'_> {
 
 /// ‖F‖_* = sup F(v)/‖ε(v)‖ over V^h, by one solve with the strain stiffness.
 pub struct DualNorm<'a> {
-    space: &'a Discretization,
-    factor: Factor,
-    workspace: Workspace,
+    gram: StiffnessInverse<'a>,
 }
 
 impl<'a> DualNorm<'a> {
@@ -130,17 +130,14 @@ impl<'a> DualNorm<'a> {
     /// # Errors
     /// The factorization's.
     pub fn new(space: &'a Discretization) -> Result<Self, GronwallError> {
-        // 2 μ ε with μ = ½ is the identity.
-        let stiffness = space.stiffness(&Isotropic { lambda: 0.0, mu: 0.5 });
-        let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(1));
-        space.analysis.factorize(&space.pattern, &stiffness, &mut factor, &mut workspace)?;
-        Ok(Self { space, factor, workspace })
+        let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
+        Ok(Self { gram })
     }
 
     /// ‖F‖_* of a vector over the unknowns.
     pub fn of(&mut self, load: &[f64]) -> f64 {
         let mut riesz = load.to_vec();
-        self.space.analysis.solve(&self.factor, &mut riesz, &mut self.workspace);
+        self.gram.solve(&mut riesz);
         dot(load, &riesz).max(0.0).sqrt()
     }
 }
