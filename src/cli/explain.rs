@@ -9,7 +9,8 @@ use super::list::{terms, truth};
 use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_text};
 use crate::contact::{LinearSolver, Plan};
-use crate::history::{FAST_ERROR, FAST_FROM};
+use crate::history::FastConvolution;
+use crate::law::INTERPOLATED_TO;
 use crate::scene::{Data, Memory};
 use crate::setup::{Setup, Subject};
 use crate::sweep::{Cost, Overrides, PlanCost, ScenePlan, predict};
@@ -231,7 +232,8 @@ fn history(setup: &Setup) -> String {
             format!("recursion, {} exponential(s), O(1) a step", terms.len())
         }
         None if trapezoidal => format!(
-            "direct trapezoidal sum, O(n) at step n; from {FAST_FROM} steps on O(1) a step by interpolation of the kernel to {FAST_ERROR:.0e}, where it is smooth"
+            "direct trapezoidal sum, O(n) at step n; from {} steps on O(1) a step by interpolation of the kernel to {INTERPOLATED_TO:.0e}, where it is smooth",
+            FastConvolution::foreseen_from(INTERPOLATED_TO)
         ),
         _ => "direct sum by the rule's own weights, O(n) at step n".into(),
     };

@@ -19,8 +19,14 @@ use crate::linalg::{axpy, dot, larger};
 
 /// Nodes a cluster that are tried. A singularity at zero lag lies three half widths from the middle of the
 /// nearest cluster: the error falls by 3 + √8 a node, 24 nodes are rounding for any such kernel.
-const NODES: [usize; 4] = [12, 16, 20, MOST];
+const NODES: [usize; 7] = [4, 6, 8, 12, 16, 20, MOST];
 const MOST: usize = 24;
+/// Of the nodes that the rate asks for so many suffice where a kernel is smooth: 16 for 1e-13.
+const SMOOTH: f64 = 0.92;
+/// The same for kernels without a singularity anywhere, whose error falls faster: 12 for 1e-13.
+const ENTIRE: f64 = 0.65;
+/// Direct sums of N steps are N/2 vectors a step in the mean; interpolation by r nodes is some 10 r.
+const PAYS_FROM: usize = 21;
 /// Levels of a smallest cluster over nodes: direct sums over neighbours then cost what the rest does.
 const LEAF: usize = 2;
 /// Clusters of one size that are held: the open one and three before it.
@@ -31,6 +37,8 @@ const CHECKS: usize = 5;
 /// History of coefficient vectors by interpolated kernels.
 pub struct FastConvolution {
     dofs: usize,
+    /// N.
+    steps: usize,
     nodes: usize,
     leaf: usize,
     /// Moments, by size and number modulo [`HELD`]: r vectors each; and what acts on the open cluster.
@@ -63,7 +71,7 @@ impl FastConvolution {
         dofs: usize,
         tolerance: f64,
     ) -> Option<Self> {
-        NODES.into_iter().find_map(|nodes| {
+        candidates(tolerance).find_map(|nodes| {
             // Vectors come after the check: it needs none.
             let mut plan = Self::with_nodes(nodes, grid, 0);
             plan.error = plan.largest_error(kernel, grid);
@@ -82,6 +90,7 @@ impl FastConvolution {
         let size = || Size { moments: std::array::from_fn(|_| empty()), acting: empty() };
         Self {
             dofs,
+            steps: grid.steps(),
             nodes,
             leaf,
             sizes: (0..count).map(|_| size()).collect(),
@@ -97,6 +106,27 @@ impl FastConvolution {
     /// Number of committed steps.
     pub fn committed(&self) -> usize {
         self.committed
+    }
+
+    /// Steps from which on interpolation to `tolerance` may cost less than direct sums.
+    pub fn least_steps(tolerance: f64) -> usize {
+        PAYS_FROM * candidates(tolerance).next().unwrap_or(MOST)
+    }
+
+    /// Whether it does on this grid, by the nodes that it took.
+    pub fn pays(&self) -> bool {
+        self.steps >= PAYS_FROM * self.nodes
+    }
+
+    /// Vectors held over N steps for a smooth kernel; none where direct sums are taken.
+    pub fn foreseen_vectors(steps: usize, tolerance: f64) -> Option<usize> {
+        let nodes = foreseen_nodes(tolerance);
+        (steps >= PAYS_FROM * nodes).then(|| Self::vectors(steps, nodes))
+    }
+
+    /// Steps from which on smooth kernels are interpolated to `tolerance`.
+    pub fn foreseen_from(tolerance: f64) -> usize {
+        PAYS_FROM * foreseen_nodes(tolerance)
     }
 
     /// Vectors held over N steps with so many nodes a cluster.
@@ -266,6 +296,23 @@ impl FastConvolution {
             }
         }
     }
+}
+
+/// Nodes that are tried for a tolerance: few are no use for a strict one.
+fn candidates(tolerance: f64) -> impl Iterator<Item = usize> {
+    let least = ENTIRE * nodes_by_rate(tolerance);
+    NODES.into_iter().filter(move |&nodes| nodes as f64 >= least || nodes == MOST)
+}
+
+/// r with (3 + √8)^-r = tolerance.
+fn nodes_by_rate(tolerance: f64) -> f64 {
+    -tolerance.ln() / (3.0 + 8f64.sqrt()).ln()
+}
+
+/// Nodes that smooth kernels need.
+fn foreseen_nodes(tolerance: f64) -> usize {
+    let least = SMOOTH * nodes_by_rate(tolerance);
+    NODES.into_iter().find(|&nodes| nodes as f64 >= least).unwrap_or(MOST)
 }
 
 /// Chebyshev node i of r on [-1, 1].

@@ -30,15 +30,9 @@ pub enum Memory {
     Fast(Box<FastConvolution>),
 }
 
-/// Steps from which on a general kernel is interpolated: a direct sum is about 300 vectors a step then, as
-/// many as the other takes.
-pub const FAST_FROM: usize = 512;
-/// Relative error of an interpolated kernel: far below the floors of solvers, 1e-12 and more.
-pub const FAST_ERROR: f64 = 1e-13;
-
 impl Memory {
-    /// Recursion where the kernel is a sum of exponentials, interpolation for other kernels on long grids where
-    /// it reaches [`FAST_ERROR`], both with the trapezoidal rule; else the direct sum.
+    /// Recursion where the kernel is a sum of exponentials, interpolation for other kernels on long grids where it
+    /// reaches the error that they allow, both with the trapezoidal rule; else the direct sum.
     pub fn new(
         kernel: &dyn MemoryKernel,
         rule: &dyn TimeRule,
@@ -52,11 +46,14 @@ impl Memory {
                 last: vec![0.0; dofs],
                 committed: 0,
             },
-            None if rule.is_trapezoidal() && grid.steps() >= FAST_FROM => {
-                match FastConvolution::new(kernel, grid, dofs, FAST_ERROR) {
-                    Some(fast) => Self::Fast(Box::new(fast)),
-                    None => Self::direct(),
-                }
+            None if rule.is_trapezoidal() => {
+                let fast = kernel.interpolated_to().and_then(|error| {
+                    // Also the fewest nodes pay from here on alone: nothing is tried before.
+                    let long = grid.steps() >= FastConvolution::least_steps(error);
+                    let fast = long.then(|| FastConvolution::new(kernel, grid, dofs, error));
+                    fast.flatten().filter(FastConvolution::pays)
+                });
+                fast.map_or_else(Self::direct, |fast| Self::Fast(Box::new(fast)))
             }
             _ => Self::direct(),
         }

@@ -9,5 +9,5 @@ mod rules;
 pub use accumulated::Accumulated;
 pub use fast::FastConvolution;
 pub use grid::{TimeGrid, TimeRule, Trapezoid};
-pub use memory::{FAST_ERROR, FAST_FROM, Memory};
+pub use memory::Memory;
 pub use rules::{CorrectedEnd, ProductIntegration};

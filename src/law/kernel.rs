@@ -29,6 +29,33 @@ pub trait MemoryKernel: Send + Sync {
     fn exponentials(&self) -> Option<&[(f64, f64)]> {
         None
     }
+
+    /// Relative to its largest value, the error to which sums over the past may interpolate a kernel that is no sum of
+    /// exponentials; none where they are to be direct.
+    fn interpolated_to(&self) -> Option<f64> {
+        Some(INTERPOLATED_TO)
+    }
+}
+
+/// Far below the floors of solvers, 1e-12 and more.
+pub const INTERPOLATED_TO: f64 = 1e-13;
+
+/// A kernel without its exponentials: sums over the past are direct, or interpolate it to another error.
+pub struct Summed {
+    /// b.
+    pub kernel: Box<dyn MemoryKernel>,
+    /// See [`MemoryKernel::interpolated_to`].
+    pub interpolated_to: Option<f64>,
+}
+
+impl MemoryKernel for Summed {
+    fn value(&self, lag: f64) -> f64 {
+        self.kernel.value(lag)
+    }
+
+    fn interpolated_to(&self) -> Option<f64> {
+        self.interpolated_to
+    }
 }
 
 /// b(t) = Σ a_i exp(-c_i t): Maxwell elements, also called a Prony series.

@@ -12,7 +12,9 @@ mod tensor_field;
 
 pub use curve::{Curve, Curved};
 pub use elasticity::Isotropic;
-pub use kernel::{Convolution, ExponentialSum, HistoryKernel, MemoryKernel};
+pub use kernel::{
+    Convolution, ExponentialSum, HistoryKernel, INTERPOLATED_TO, MemoryKernel, Summed,
+};
 pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError, graph_distance};
 pub use projection::{NoProjection, Projection, Response, VonMises, YieldLimit};
 pub use scaled::Scaled;

@@ -39,17 +39,16 @@ pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
 pub use subject::Subject;
 pub use trace_family::{TraceFamily, trace_family};
 
-use crate::contact::{Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, Model};
-use crate::history::{
-    CorrectedEnd, FAST_FROM, FastConvolution, ProductIntegration, TimeGrid, TimeRule, Trapezoid,
+use crate::contact::{
+    Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
 };
-use crate::law::VonMises;
+use crate::history::{
+    CorrectedEnd, FastConvolution, ProductIntegration, TimeGrid, TimeRule, Trapezoid,
+};
+use crate::law::{Summed, VonMises};
 use crate::linalg::{EigenError, FactorError, Precision};
 use crate::manufactured::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polytope};
 use crate::scene::{self, Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
-
-/// Nodes a cluster that an interpolated kernel needs where it is smooth.
-const NODES: usize = 16;
 
 /// The model of a scene.
 pub type SceneModel = Model<Option<VonMises<YieldFormula>>>;
@@ -162,19 +161,37 @@ impl Setup {
         time_grid(&self.scene.time, steps)
     }
 
+    /// The same scene with kernels that are no sums of exponentials interpolated to an error; without one, the same
+    /// with direct sums over the past for all kernels.
+    pub fn with_history(mut self, interpolated_to: Option<f64>) -> Self {
+        let by_sums = |term: MemoryTerm| match (term.kernel.exponentials(), interpolated_to) {
+            (Some(_), Some(_)) => term,
+            _ => {
+                let kernel = Box::new(Summed { kernel: term.kernel, interpolated_to });
+                MemoryTerm { kernel, ..term }
+            }
+        };
+        let terms = std::mem::take(&mut self.model.memory);
+        self.model.memory = terms.into_iter().map(by_sums).collect();
+        self
+    }
+
     /// Vectors of unknowns held for the history after N steps; of interpolated kernels with as many nodes as
     /// smooth ones need.
     pub fn history_vectors(&self, steps: u32) -> usize {
-        let of_term = |memory: &scene::Memory| {
-            let all = steps as usize + 1;
+        let steps = steps as usize;
+        let of_term = |term: &MemoryTerm| {
             let trapezoidal = self.model.time_rule.is_trapezoidal();
-            match &memory.exponentials {
+            let interpolated = |error| FastConvolution::foreseen_vectors(steps, error);
+            match term.kernel.exponentials() {
                 Some(terms) if trapezoidal => terms.len() + 1,
-                None if trapezoidal && all > FAST_FROM => FastConvolution::vectors(all - 1, NODES),
-                _ => all,
+                None if trapezoidal => {
+                    term.kernel.interpolated_to().and_then(interpolated).unwrap_or(steps + 1)
+                }
+                _ => steps + 1,
             }
         };
-        self.body.material.memory.iter().map(of_term).sum()
+        self.model.memory.iter().map(of_term).sum()
     }
 
     /// Where the compliance term is integrated; without contact the rule does not matter.

@@ -11,11 +11,8 @@ use super::case::{
 };
 use super::cost::Cost;
 use super::plan::{CasePlan, TIME_REFERENCE};
-use crate::contact::{
-    CaseError, CaseInfo, Floors, LevelFields, LoadError, MemoryTerm, strain_distance,
-};
+use crate::contact::{CaseError, CaseInfo, Floors, LevelFields, LoadError, strain_distance};
 use crate::finite::{FiniteError, march};
-use crate::law::MemoryKernel;
 use crate::norms::step_errors;
 use crate::scene::{Data, Norm, Reference};
 use crate::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, SetupError, reference_run};
@@ -70,25 +67,11 @@ pub struct FloorRow {
 const NORMS: [Norm; 5] =
     [Norm::VMax, Norm::L2Max, Norm::TraceL2Max, Norm::PressureL2Max, Norm::StressL2Max];
 
-/// A scene whose history is summed directly at every step.
-struct DirectSum(Box<dyn MemoryKernel>);
-
-impl MemoryKernel for DirectSum {
-    fn value(&self, lag: f64) -> f64 {
-        self.0.value(lag)
-    }
-}
-
 /// The same scene with the direct sum in place of a recursion; none where there is no recursion.
-pub fn direct_history(mut setup: Setup) -> Option<Setup> {
-    let recursive = setup.model.time_rule.is_trapezoidal();
-    let terms = std::mem::take(&mut setup.model.memory);
-    if !recursive || terms.iter().all(|term| term.kernel.exponentials().is_none()) {
-        return None;
-    }
-    let direct = |term: MemoryTerm| MemoryTerm { kernel: Box::new(DirectSum(term.kernel)), ..term };
-    setup.model.memory = terms.into_iter().map(direct).collect();
-    Some(setup)
+pub fn direct_history(setup: Setup) -> Option<Setup> {
+    let trapezoidal = setup.model.time_rule.is_trapezoidal();
+    let recursive = setup.model.memory.iter().any(|term| term.kernel.exponentials().is_some());
+    (trapezoidal && recursive).then(|| setup.with_history(None))
 }
 
 /// Every part of the floor of the case (n, steps) of `setup`; `direct` is the scene of

@@ -1,11 +1,12 @@
 //! What a run may do otherwise than its scene says, one thing at a time, and which of it a scene offers.
 
 use crate::contact::{BoundaryRule, CaseError, CaseInfo, Observer};
+use crate::history::FastConvolution;
+use crate::law::INTERPOLATED_TO;
 use crate::linalg::Precision;
 use crate::scene::{Data, LoadForm, Scene, TimeRule};
 use crate::setup::{MeshData, Setup, SetupError};
 use crate::space::quadrature::{Rule, TruthRules};
-use crate::sweep::direct_history;
 use crate::vhi::Newton;
 
 /// One departure from the scene as written.
@@ -25,8 +26,10 @@ pub enum Knob {
     Form(LoadForm),
     /// Where the compliance is integrated.
     Contact(BoundaryRule),
-    /// The history summed directly in place of the recursion.
+    /// The history summed directly in place of the recursion or of interpolated kernels.
     DirectHistory,
+    /// Kernels that are no sums of exponentials interpolated to this error, relative to their largest value.
+    HistoryTolerance(f64),
     /// (4 u_k - u_2k)/3 at the times of 2k, of the two runs: Richardson's extrapolation in k for order 2.
     Extrapolated,
 }
@@ -37,6 +40,9 @@ const TOLERANCES: [f64; 3] = [1e-12, 1e-10, 1e-8];
 
 /// Residuals at which linear solves may end, beside 1e-4.
 const LINEAR_TOLERANCES: [f64; 2] = [1e-2, 1e-8];
+
+/// Errors to which kernels may be interpolated, beside 1e-13.
+const HISTORY_TOLERANCES: [f64; 3] = [1e-9, 1e-6, 1e-3];
 
 impl Knob {
     /// Its name in tables.
@@ -54,6 +60,7 @@ impl Knob {
             Self::Contact(BoundaryRule::Gauss) => "contact by Gauss points".into(),
             Self::Contact(BoundaryRule::Exact) => "contact exact".into(),
             Self::DirectHistory => "history direct".into(),
+            Self::HistoryTolerance(error) => format!("history to {error:.0e}"),
             Self::Extrapolated => "Richardson in k".into(),
         }
     }
@@ -90,11 +97,28 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
         found
             .extend(other.filter(|rule| d == 2 || *rule != BoundaryRule::Exact).map(Knob::Contact));
     }
-    let recursive = body.material.memory.iter().any(|memory| memory.exponentials.is_some());
-    if recursive && setup.scene.time.rule == TimeRule::Trapezoid {
+    if !body.material.memory.is_empty() && setup.scene.time.rule == TimeRule::Trapezoid {
         found.push(Knob::DirectHistory);
+        if body.material.memory.iter().any(|memory| memory.exponentials.is_none()) {
+            found.extend(HISTORY_TOLERANCES.map(Knob::HistoryTolerance));
+        }
     }
     found
+}
+
+impl Knob {
+    /// Whether a run of so many steps is another one with this knob turned: short sums over the past are direct anyway.
+    pub fn matters(self, setup: &Setup, steps: u32) -> bool {
+        let kernels = || setup.model.memory.iter().map(|term| &term.kernel);
+        let long = |error| steps as usize >= FastConvolution::foreseen_from(error);
+        match self {
+            Self::DirectHistory => {
+                kernels().any(|kernel| kernel.exponentials().is_some()) || long(INTERPOLATED_TO)
+            }
+            Self::HistoryTolerance(error) => long(error),
+            _ => true,
+        }
+    }
 }
 
 /// A scene with one knob turned.
@@ -137,10 +161,8 @@ impl Variant {
                 Some(boundary) => boundary.rule = rule,
                 None => return Ok(None),
             },
-            Knob::DirectHistory => match direct_history(setup) {
-                Some(direct) => setup = direct,
-                None => return Ok(None),
-            },
+            Knob::DirectHistory => setup = setup.with_history(None),
+            Knob::HistoryTolerance(error) => setup = setup.with_history(Some(error)),
         }
         Ok(Some(Self { knob, setup, rules, newton }))
     }
@@ -231,9 +253,60 @@ mod tests {
         // No law, no rule for it; loads given as formulas are what they are.
         assert!(!offered("signorini").iter().any(|knob| knob.starts_with("contact")));
         assert_eq!(offered("linear-punch"), ["history direct"]);
+        let general = ["history direct", "history to 1e-9", "history to 1e-6", "history to 1e-3"];
+        assert!(offered("power-law").ends_with(&general.map(String::from)));
         // Nothing is integrated where u lives in V^h, and the plane alone cuts edges.
         assert!(!offered("in-space").iter().any(|knob| knob.contains("loads")));
         assert!(!offered("pure-box").iter().any(|knob| knob == "contact exact"));
+    }
+
+    /// Sums over a short past are direct whatever is asked for; a recursion is another sum from the first step on.
+    #[test]
+    fn history_knobs_are_turned_where_they_change_the_sum() {
+        let setup = |name| Setup::new(scene(name)).unwrap_or_else(|error| panic!("{error}"));
+        let from = |knob: Knob, name| {
+            let setup = setup(name);
+            (1..2000).find(|&steps| knob.matters(&setup, steps))
+        };
+        assert_eq!(from(Knob::DirectHistory, "linear-punch"), Some(1));
+        // 21 steps a node: 4 nodes for 1e-3, 8 for 1e-6, 12 for 1e-9, 16 for 1e-13.
+        let errors = [1e-3, 1e-6, 1e-9].map(Knob::HistoryTolerance);
+        let found = errors.map(|knob| from(knob, "power-law"));
+        assert_eq!(found, [Some(84), Some(168), Some(252)]);
+        assert_eq!(from(Knob::DirectHistory, "power-law"), Some(336));
+    }
+
+    /// Looser sums are other sums, by no more than what they are allowed, and hold less.
+    #[test]
+    fn looser_histories_move_the_solution_by_what_they_say() {
+        let run = |knob: Knob| {
+            let variant = Variant::new(&scene("power-law"), knob).unwrap().expect("a knob");
+            let data = variant.on_mesh(4).unwrap();
+            let mut all = Vec::new();
+            let mut observe = |view: &crate::contact::StepView<'_>| {
+                all.extend_from_slice(view.u);
+                Ok(())
+            };
+            let info = variant.march(&data, 700, &mut observe).unwrap();
+            (all, info.peak_history_bytes)
+        };
+        let (direct, all) = run(Knob::DirectHistory);
+        let largest = direct.iter().fold(0.0f64, |most, u| most.max(u.abs()));
+        let mut bytes = all;
+        for (knob, error) in [
+            (Knob::AsWritten, INTERPOLATED_TO),
+            (Knob::HistoryTolerance(1e-9), 1e-9),
+            (Knob::HistoryTolerance(1e-6), 1e-6),
+            (Knob::HistoryTolerance(1e-3), 1e-3),
+        ] {
+            let (u, held) = run(knob);
+            let off = u.iter().zip(&direct).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+            // ∫b is below 1/2 and the resolvent of this kernel below 2; rounding of 700 terms.
+            assert!(off <= (error + 1e-13) * largest, "{}: {off:e}", knob.name());
+            assert!(error < 1e-12 || off > 1e-13 * largest, "{}: {off:e}", knob.name());
+            assert!(held < bytes, "{}: {held} and {bytes} bytes", knob.name());
+            bytes = held;
+        }
     }
 
     /// The last displacements of a short run with one knob turned, and its passes over factors.

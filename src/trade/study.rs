@@ -113,7 +113,9 @@ impl Study {
         for knob in offered {
             let Some(variant) = Variant::new(&scene, knob)? else { continue };
             for &[n, steps] in &places {
-                keep(bench.trial(&variant, n, steps), &mut trials)?;
+                if knob.matters(&bench.plain.setup, steps) {
+                    keep(bench.trial(&variant, n, steps), &mut trials)?;
+                }
             }
         }
         Ok(Self::of(bench, trials, plan))

@@ -1,6 +1,7 @@
 //! Interpolated sums against direct ones.
 
 use super::super::{Memory, Trapezoid};
+use crate::law::Summed;
 use super::*;
 
 /// A kernel by a function.
@@ -91,6 +92,46 @@ fn the_stated_error_has_no_unit() {
     // Roundings of values of order one, against an error of 1e-8 and more.
     assert!(once > 1e-9 && (thousand - once).abs() < 1e-14, "{once} {thousand}");
     assert_eq!(stated(By(|_| 0.0)), 0.0);
+}
+
+/// A looser kernel has fewer nodes and an error that is really there, but not above what it states and was allowed.
+#[test]
+fn looser_sums_are_as_loose_as_they_say_and_cheaper() {
+    let grid = TimeGrid::uniform(1.0, 1000);
+    for (i, kernel) in KERNELS.iter().enumerate() {
+        let mut held = usize::MAX;
+        for tolerance in [1e-13, 1e-9, 1e-6, 1e-3] {
+            let mut fast = FastConvolution::new(kernel, &grid, 2, tolerance).expect("smooth");
+            assert!(fast.error <= tolerance && fast.pays());
+            assert!(fast.numbers() <= held, "kernel {i}, {tolerance:e}");
+            held = fast.numbers();
+            let stated = fast.error;
+            // The largest sum has the largest kernel value times a part of the grid: a fifth for the fastest of them.
+            let off = difference(&mut fast, kernel, kernel, &grid);
+            assert!(off <= 20.0 * stated + 1e-12, "kernel {i}, {tolerance:e}: {off:e}");
+            assert!(tolerance < 1e-12 || off > 1e-14, "kernel {i}, {tolerance:e}: {off:e}");
+        }
+        assert!(held < FastConvolution::vectors(1000, 16));
+    }
+}
+
+/// What a kernel allows is what its memory does; nothing allowed is the direct sum, however long the grid is.
+#[test]
+fn a_kernel_says_how_its_past_is_summed() {
+    let summed = |interpolated_to, steps| {
+        let kernel = Summed { kernel: Box::new(By(|lag| lag.sqrt())), interpolated_to };
+        let grid = TimeGrid::uniform(1.0, steps);
+        match Memory::new(&kernel, &Trapezoid, &grid, 1) {
+            Memory::Fast(fast) => Some(fast.nodes),
+            _ => None,
+        }
+    };
+    assert_eq!(summed(None, 2000), None);
+    assert!(summed(Some(1e-3), 2000) < summed(Some(1e-13), 2000));
+    let from = FastConvolution::least_steps(1e-3) as u32;
+    assert_eq!(summed(Some(1e-3), from - 1), None);
+    assert!(summed(Some(1e-3), 2 * from).is_some());
+    assert_eq!(summed(Some(1e-13), 300), None);
 }
 
 /// A kernel with a kink away from zero lag is not smooth there: it stays with the direct sum.
