@@ -124,6 +124,12 @@ fn a_trade_measures_what_a_sweep_measures_and_answers_a_target() {
         .filter_map(|(i, row)| (row["front"] == true).then_some(i))
         .collect();
     assert!(is_front(&points, &on_front));
+    // Memory is another axis: who is best in time and error is best in three, and some save memory alone.
+    let memory = std::fs::read_to_string(folder.at("out/compliance-trade-memory.svg"));
+    assert!(memory.expect("a picture").contains("memory in MB"));
+    let flag = |key: &'static str| trials.iter().filter(move |row| row[key] == true).count();
+    assert!(trials.iter().all(|row| row["front"] != true || row["front_memory"] == true));
+    assert!(flag("front_memory") >= flag("front"));
     // Space error of order 1, and an answer that has the error that was asked for. Which knob is the fastest is the
     // clock's, but none that is taken moves the error by more than 5 %.
     let order = number(&document["error_model"]["space"]["order"]);

@@ -150,11 +150,7 @@ fn predicted(cost: &Cost) -> String {
 }
 
 /// What all runs have, or the meshes with each of it.
-fn of_meshes(
-    plan: &ScenePlan,
-    costs: &PlanCost,
-    words: impl Fn(&Cost) -> &'static str,
-) -> String {
+fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'static str) -> String {
     let own = plan.cases.iter().map(|case| case.n.unwrap_or_default());
     let ns = own.chain(plan.reference.map(|reference| reference.n as u32));
     let mut found: Vec<(&'static str, BTreeSet<u32>)> = Vec::new();
@@ -168,9 +164,8 @@ fn of_meshes(
     if let [(name, _)] = found[..] {
         return name.to_string();
     }
-    let list = |meshes: &BTreeSet<u32>| {
-        meshes.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
-    };
+    let list =
+        |meshes: &BTreeSet<u32>| meshes.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
     let each = found.iter().map(|(name, meshes)| format!("{name} for n = {}", list(meshes)));
     each.collect::<Vec<_>>().join("; ")
 }

@@ -14,14 +14,14 @@ use crate::scene::{Norm, Scene};
 use crate::setup::{Setup, Subject};
 use crate::sweep::{Overrides, ScenePlan};
 use crate::trade::{
-    Bench, Extrapolated, Knob, NORMS, Plan, Study, Table, Variant, admit_trade, in_space, in_time,
-    own_grid,
+    Bench, Extrapolated, Knob, NORMS, Plan, Resource, Study, Table, Variant, admit_trade, in_space,
+    in_time, own_grid,
 };
 
 /// `sweep trade`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is run --repeats times from nothing (mesh, analysis, loads, march); its time is the least CPU time of the thread, errors are measured in a run of their own. Knobs beside h and k are turned one at a time at three cases. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row as soon as its case ends; failures have status `failed`), SCENE-trade.json, SCENE-trade.svg.\n\nJSON keys with --json: scene, fingerprint (of its text), norm, size (largest strain norm of the truth), trials (knob, n, steps, h, k, dofs, error, floor, cpu_seconds, cpu_slowest, repeats, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, front), error_model (model, space and time with constant, order, interval; source, residual), cost_model (base, constant, space and time with exponent and interval; residual), composition (seconds a run, a cell, a cell and level, an operation of a factorization, one and level), coupling (exponent, factor, space_share, cost_exponent), paths (exponent, modelled, measured), prices (what, n, steps, speed, range, error, bytes, words), extrapolation (what, step, rows, orders), answer (target, n, steps, h, k, knob, error, cpu_seconds, bytes, optimum, extrapolates), confirmed (error, cpu_seconds, cpu_slowest, bytes, ratios). Exit code 2: no error can be measured, or none of the wanted size is in reach."
+    after_help = "Each case is run --repeats times from nothing (mesh, analysis, loads, march); its time is the least CPU time of the thread, errors are measured in a run of their own. Knobs beside h and k are turned one at a time at three cases. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row as soon as its case ends; failures have status `failed`), SCENE-trade.json, SCENE-trade.svg (error against time), SCENE-trade-memory.svg (error against predicted memory).\n\nJSON keys with --json: scene, fingerprint (of its text), norm, size (largest strain norm of the truth), trials (knob, n, steps, h, k, dofs, error, floor, cpu_seconds, cpu_slowest, repeats, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, front: no run is as good in time and error and better in one, front_memory: nor in time, error and memory), error_model (model, space and time with constant, order, interval; source, residual), cost_model (base, constant, space and time with exponent and interval; residual), composition (seconds a run, a cell, a cell and level, an operation of a factorization, one and level), coupling (exponent, factor, space_share, cost_exponent), paths (exponent, modelled, measured), prices (what, n, steps, speed, range, error, bytes, words), extrapolation (what, step, rows, orders), answer (target, n, steps, h, k, knob, error, cpu_seconds, bytes, optimum, extrapolates), confirmed (error, cpu_seconds, cpu_slowest, bytes, ratios). Exit code 2: no error can be measured, or none of the wanted size is in reach."
 )]
 pub struct TradeCommand {
     /// Name of a scene, or path of a TOML file
@@ -83,8 +83,12 @@ impl TradeCommand {
         }
         // What was measured is on disk before a target can be refused.
         write_json(&self.at(&scene, "json"), &document)?;
-        if let Some(svg) = study.svg()? {
-            write_file(&self.at(&scene, "svg"), svg)?;
+        for (resource, ending) in
+            [(Resource::Time, "trade.svg"), (Resource::Memory, "trade-memory.svg")]
+        {
+            if let Some(svg) = study.svg(resource)? {
+                write_file(&self.out.join(format!("{}-{ending}", scene.name)), svg)?;
+            }
         }
         if let Some(target) = target {
             let found =

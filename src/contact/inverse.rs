@@ -9,7 +9,10 @@ use crate::vhi::Newton;
 
 /// By a factor in double precision, or without.
 pub(super) enum Inverse<'a> {
-    Direct { inverse: StiffnessInverse<'a>, work: Work },
+    Direct {
+        inverse: StiffnessInverse<'a>,
+        work: Work,
+    },
     Multigrid {
         space: &'a Discretization,
         values: Vec<f64>,

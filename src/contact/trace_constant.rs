@@ -5,9 +5,7 @@
 
 use super::{Discretization, StiffnessInverse};
 use crate::law::TensorField;
-use crate::linalg::{
-    EigenError, Extreme, FactorError, LinearMap, largest_eigenvalue, signed_unit,
-};
+use crate::linalg::{EigenError, Extreme, FactorError, LinearMap, largest_eigenvalue, signed_unit};
 
 /// How ‖v_ν‖² is integrated over Γ3.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

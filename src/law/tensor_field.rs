@@ -259,7 +259,9 @@ mod tests {
         let soft = Isotropic { lambda: 0.1, mu: 0.2 };
         let field = TensorField::new(soft.into(), [full(2)]);
         assert!(close(field.on(1).matrix()) && !close(field.on(0).matrix()) && !field.is_uniform());
-        assert!(close(TensorField::from(LAW).on(1).matrix()) && TensorField::from(LAW).is_uniform());
+        assert!(
+            close(TensorField::from(LAW).on(1).matrix()) && TensorField::from(LAW).is_uniform()
+        );
         assert_eq!(field.regions(), &[soft.into(), full(2)]);
         // Seventeen entries: four of the normal strains, and 2μ/2 for each of the four shears.
         let sum = 2.0 * (2.7 + 1.3) + 4.0 * 0.7;

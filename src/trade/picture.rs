@@ -1,25 +1,46 @@
-//! Error against CPU time, a marker a run, with the Pareto front.
+//! Error against CPU time or memory, a marker a run, with the Pareto front of both.
 
 use super::{Knob, Study, Trial, front};
 use crate::record::norm_label;
 use crate::report::{Axis, Chart, Datum, Key, Part, ReportError, Scale, Series};
+
+/// What a run costs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Resource {
+    /// CPU seconds.
+    Time,
+    /// Peak memory of a process that does it alone, predicted.
+    Memory,
+}
 
 impl Study {
     /// The picture; none without two runs.
     ///
     /// # Errors
     /// [`ReportError::Drawing`].
-    pub fn svg(&self) -> Result<Option<String>, ReportError> {
-        self.chart().svg()
+    pub fn svg(&self, resource: Resource) -> Result<Option<String>, ReportError> {
+        self.chart(resource).svg()
     }
 
-    fn chart(&self) -> Chart {
-        let question = "Which error does a second buy? Lines: one mesh each, from few steps to many. CPU time of one thread, the least of the repeats: mesh, loads and march.";
+    fn chart(&self, resource: Resource) -> Chart {
+        let (title, question, axis) = match resource {
+            Resource::Time => (
+                "speed against accuracy",
+                "Which error does a second buy? Lines: one mesh each, from few steps to many. CPU time of one thread, the least of the repeats: mesh, loads and march.",
+                "CPU time in seconds",
+            ),
+            Resource::Memory => (
+                "memory against accuracy",
+                "Which error does a megabyte buy? Lines: one mesh each, from few steps to many. Peak memory of a process that does the run alone, predicted, with its history as it was counted.",
+                "memory in MB",
+            ),
+        };
+        let place = |trial: &Trial| place(trial, resource);
         let label = norm_label(self.norm.name());
         let mut chart = Chart::new(
-            &format!("{}: speed against accuracy", self.scene),
+            &format!("{}: {title}", self.scene),
             question,
-            Axis::new("CPU time in seconds", Scale::Log),
+            Axis::new(axis, Scale::Log),
             Axis::new(format!("error {label}"), Scale::Log),
         );
         let mut ns: Vec<u32> = self.plain().map(|trial| trial.n).collect();
@@ -60,7 +81,10 @@ impl Study {
     }
 }
 
-/// CPU time and error.
-fn place(trial: &Trial) -> Option<Datum> {
-    trial.done().map(|run| (run.seconds, run.error))
+/// Resource and error.
+fn place(trial: &Trial, resource: Resource) -> Option<Datum> {
+    trial.done().map(|run| match resource {
+        Resource::Time => (run.seconds, run.error),
+        Resource::Memory => (1e-6 * run.bytes, run.error),
+    })
 }

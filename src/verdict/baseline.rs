@@ -70,6 +70,12 @@ pub struct RecordedCase {
     pub newton_iterations: u64,
     /// Factorizations over all steps.
     pub factorizations: u64,
+    /// Changes of the active set over all steps; none where a baseline does not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub active_set_changes: Option<u64>,
+    /// Largest bytes of the history, likewise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub history_bytes: Option<u64>,
     /// The error in each norm, to nine digits.
     pub errors: BTreeMap<String, f64>,
     /// Relative deviations allowed beyond the general one, of errors near their floors.
@@ -161,6 +167,8 @@ impl RecordedCase {
             steps: record.steps,
             newton_iterations: record.newton_iterations,
             factorizations: record.factorizations,
+            active_set_changes: Some(record.active_set_changes),
+            history_bytes: Some(record.peak_history_bytes),
             errors: errors.collect(),
             allowed: allowed.collect(),
         }
@@ -213,10 +221,15 @@ fn changes_of_scene(name: &str, old: &Recorded, new: &Recorded) -> Vec<String> {
             }
         }
         for (what, was, is) in [
-            ("Newton iterations", before.newton_iterations, case.newton_iterations),
-            ("factorizations", before.factorizations, case.factorizations),
+            ("Newton iterations", Some(before.newton_iterations), Some(case.newton_iterations)),
+            ("factorizations", Some(before.factorizations), Some(case.factorizations)),
+            ("changes of the active set", before.active_set_changes, case.active_set_changes),
+            ("bytes of history", before.history_bytes, case.history_bytes),
         ] {
-            if was != is {
+            // What an older baseline does not say has not changed.
+            if let (Some(was), Some(is)) = (was, is)
+                && was != is
+            {
                 lines.push(format!("{name}, {}: {what} {was} -> {is}", case.name()));
             }
         }

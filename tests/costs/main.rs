@@ -5,6 +5,7 @@
 
 mod absent;
 mod allocations;
+mod counters;
 mod factors;
 #[path = "../shipped/mod.rs"]
 mod shipped;

@@ -233,7 +233,9 @@ fn best_knob(setup: &Setup, study: &Study, choice: Answer) -> (Knob, [f64; 2]) {
             nearest.map_or([1.0; 2], |price| [1.0 / price.speed, 1.0 + price.error])
         })
     };
-    let turned = knobs(setup).into_iter().filter_map(|knob| Some((knob, factors(knob)?)));
+    // Sums over a short past do not know the knobs of a long one.
+    let offered = knobs(setup).into_iter().filter(|knob| knob.matters(setup, choice.steps));
+    let turned = offered.filter_map(|knob| Some((knob, factors(knob)?)));
     let best = turned.min_by(|a, b| a.1[0].total_cmp(&b.1[0]));
     best.unwrap_or((Knob::AsWritten, [1.0; 2]))
 }

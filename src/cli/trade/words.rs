@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use super::super::print_text;
 use super::finite;
 use crate::fit::Interval;
-use crate::trade::{Extrapolated, Study, Term, Trial, front};
+use crate::trade::{Extrapolated, Study, Term, Trial, front, front_of_three};
 
 /// A finished run on stderr.
 pub(super) fn row(trial: &Trial) -> String {
@@ -18,12 +18,16 @@ pub(super) fn row(trial: &Trial) -> String {
     }
 }
 
-/// Indices of the rows on the Pareto front.
-fn best(trials: &[Trial]) -> Vec<usize> {
-    let nowhere = (f64::NAN, f64::NAN);
-    let places: Vec<(f64, f64)> =
-        trials.iter().map(|t| t.done().map_or(nowhere, |run| (run.seconds, run.error))).collect();
-    front(&places)
+/// Indices of the rows on the Pareto front of time and error, and on that with memory as a third axis.
+fn best(trials: &[Trial]) -> [Vec<usize>; 2] {
+    let place = |trial: &Trial| match trial.done() {
+        Some(run) => [run.seconds, run.bytes, run.error],
+        None => [f64::NAN; 3],
+    };
+    let places: Vec<[f64; 3]> = trials.iter().map(place).collect();
+    let flat: Vec<(f64, f64)> =
+        places.iter().map(|&[seconds, _, error]| (seconds, error)).collect();
+    [front(&flat), front_of_three(&places)]
 }
 
 /// An interval in brackets; of two runs it is not known.
@@ -44,7 +48,7 @@ fn table(trials: &[Trial]) -> Table {
     table.force_no_tty();
     table.load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
     table.set_header(["knob", "n", "N", "error", "CPU s", "spread", "in loads", "memory", "front"]);
-    let best = best(trials);
+    let [fast, small] = best(trials);
     for (i, trial) in trials.iter().enumerate() {
         let mut cells = vec![trial.knob.clone(), trial.n.to_string(), trial.steps.to_string()];
         match &trial.outcome {
@@ -54,7 +58,11 @@ fn table(trials: &[Trial]) -> Table {
                 format!("+{:.0} %", 100.0 * (run.slowest / run.seconds - 1.0)),
                 format!("{:.0} %", 100.0 * run.load_share),
                 megabytes(run.bytes),
-                if best.contains(&i) { "*".into() } else { String::new() },
+                match (fast.contains(&i), small.contains(&i)) {
+                    (true, _) => "*".into(),
+                    (_, true) => "memory".into(),
+                    _ => String::new(),
+                },
             ]),
             Err(reason) => {
                 let short: String = reason.chars().take(48).collect();
@@ -151,7 +159,7 @@ fn print_paths(study: &Study) {
 
 /// The study as JSON.
 pub(super) fn document(study: &Study, extrapolations: &[Extrapolated]) -> Value {
-    let best = best(&study.trials);
+    let [fast, small] = best(&study.trials);
     let interval = |i: Interval| json!([finite(i.lo), finite(i.hi)]);
     let term = |term: &Option<Term>| {
         term.map(|t| json!({ "constant": t.constant, "order": t.order, "interval": interval(t.interval) }))
@@ -162,7 +170,7 @@ pub(super) fn document(study: &Study, extrapolations: &[Extrapolated]) -> Value 
         "scene": study.scene,
         "norm": study.norm.name(),
         "size": study.size,
-        "trials": study.trials.iter().enumerate().map(|(i, t)| trial(t, best.contains(&i))).collect::<Vec<_>>(),
+        "trials": study.trials.iter().enumerate().map(|(i, t)| trial(t, [&fast, &small].map(|front| front.contains(&i)))).collect::<Vec<_>>(),
         "error_model": match &study.error {
             Ok(error) => json!({
                 "model": error.model.name(),
@@ -214,7 +222,7 @@ pub(super) fn document(study: &Study, extrapolations: &[Extrapolated]) -> Value 
     })
 }
 
-fn trial(trial: &Trial, on_front: bool) -> Value {
+fn trial(trial: &Trial, [front, front_memory]: [bool; 2]) -> Value {
     let mut row = json!({
         "knob": trial.knob,
         "n": trial.n,
@@ -222,7 +230,8 @@ fn trial(trial: &Trial, on_front: bool) -> Value {
         "h": trial.h,
         "k": trial.k,
         "dofs": trial.dofs,
-        "front": on_front,
+        "front": front,
+        "front_memory": front_memory,
     });
     let more = match &trial.outcome {
         Ok(run) => json!({

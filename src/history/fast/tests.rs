@@ -1,8 +1,8 @@
 //! Interpolated sums against direct ones.
 
 use super::super::{Memory, Trapezoid};
-use crate::law::Summed;
 use super::*;
+use crate::law::Summed;
 
 /// A kernel by a function.
 struct By(fn(f64) -> f64);

@@ -18,7 +18,7 @@ use theory::{Audit, Bound, Claim, Gronwall};
 pub(super) type Number = Option<f64>;
 
 /// What a file is called, its command, and what it shows.
-const PICTURES: [(&str, &str, &str); 11] = [
+const PICTURES: [(&str, &str, &str); 12] = [
     ("-bound.svg", "sweep bound", "contraction factor of Λ against k, with the bounds of (3.4)"),
     ("-audit.svg", "sweep audit", "shares of the bounds of the proofs against h"),
     (
@@ -35,6 +35,7 @@ const PICTURES: [(&str, &str, &str); 11] = [
         "bound over measured error, over the horizon",
     ),
     ("-trade.svg", "sweep trade", "error against CPU seconds, with the Pareto front"),
+    ("-trade-memory.svg", "sweep trade", "error against predicted memory, with the Pareto front"),
     ("-contact.svg", "sweep solve --pictures", "contact state of Γ3 over time, exact and discrete"),
     ("-body.svg", "sweep solve --pictures", "deformed body at the last time level"),
     ("extremes.svg", "sweep extremes", "every rung of the ladders against its expectation"),

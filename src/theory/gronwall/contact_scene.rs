@@ -6,9 +6,7 @@ use super::estimate::Estimate;
 use super::in_time::InTime;
 use super::measure::TemporalRun;
 use super::truth::TemporalTruth;
-use crate::contact::{
-    Discretization, Load, LoadError, StiffnessInverse, march, strain_distance,
-};
+use crate::contact::{Discretization, Load, LoadError, StiffnessInverse, march, strain_distance};
 use crate::history::TimeGrid;
 use crate::law::TensorField;
 use crate::linalg::dot;

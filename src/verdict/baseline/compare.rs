@@ -234,14 +234,17 @@ impl Place<'_> {
 
     fn work(&self, found: &CaseRecord) -> Vec<Deviation> {
         let counters = [
-            ("newton_iterations", self.case.newton_iterations, found.newton_iterations),
-            ("factorizations", self.case.factorizations, found.factorizations),
+            ("newton_iterations", Some(self.case.newton_iterations), found.newton_iterations),
+            ("factorizations", Some(self.case.factorizations), found.factorizations),
+            ("active_set_changes", self.case.active_set_changes, found.active_set_changes),
+            ("peak_history_bytes", self.case.history_bytes, found.peak_history_bytes),
         ];
         let grew = |recorded: u64, now: u64| {
             now > recorded + WORK_NUMBER && now as f64 > recorded as f64 * (1.0 + WORK_SHARE)
         };
         counters
             .into_iter()
+            .filter_map(|(name, recorded, now)| Some((name, recorded?, now)))
             .filter(|&(_, recorded, now)| grew(recorded, now))
             .map(|(name, recorded, now)| {
                 let what = format!("rose from {recorded} to {now}: the same result costs more");

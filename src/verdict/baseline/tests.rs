@@ -86,6 +86,25 @@ fn every_seeded_deviation_is_found() {
     assert_eq!((costly.kind, costly.norm.as_deref()), (Kind::Cost, Some("newton_iterations")));
     let refactored = seeded(|records| records[0].factorizations = 40);
     assert_eq!((refactored.kind, refactored.verdict), (Kind::Cost, Decision::Fail));
+    let restless = seeded(|records| records[0].active_set_changes = 9);
+    assert_eq!((restless.kind, restless.norm.as_deref()), (Kind::Cost, Some("active_set_changes")));
+    let hoarding = seeded(|records| records[0].peak_history_bytes = 1152);
+    assert_eq!((hoarding.kind, hoarding.norm.as_deref()), (Kind::Cost, Some("peak_history_bytes")));
+}
+
+/// What an older baseline does not hold is not compared.
+#[test]
+fn a_baseline_without_the_newer_counters_is_read() {
+    let text = r#"{"scenes": {"block": {"hash": "hash", "cases": [
+        {"n": 8, "steps": 4, "newton_iterations": 40, "factorizations": 20, "errors": {"V_max": 0.0123456789}}]}}}"#;
+    let old: Baseline = serde_json::from_str(text).expect("a baseline");
+    let restless = CaseRecord { active_set_changes: 999, ..record(4, 1.23456789e-2) };
+    let (scene, hash) = ("block".into(), "hash".into());
+    let run = Run { scene, hash, planned: vec![restless.key()], own_grids: true };
+    assert!(compare_with_baseline(&old, &[run], &[restless]).deviations.is_empty());
+    assert!(
+        old.changes(&Baseline::of(&[record(4, 1.23456789e-2)], &[("block", "hash")])).is_empty()
+    );
 }
 
 /// More than two and more than a tenth.
