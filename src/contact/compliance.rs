@@ -1,7 +1,9 @@
 //! ∫_{Γ3} ∂j_ν(u_ν - s) v_ν by points on the facets: Gauss points, or Gauss points on the pieces of
 //! each edge between the kinks of ∂j_ν (the integral itself).
 
-use super::pieces::{EdgePoint, EdgeShift, Pieces, points};
+use std::cell::Cell;
+
+use super::pieces::{EdgeShift, Pieces, Room, points};
 use super::{Boundary, BoundaryRule, Discretization};
 use crate::linalg::BlockPattern;
 use crate::space::quadrature::{Rule, edge, triangle_degree_4};
@@ -11,6 +13,8 @@ pub struct FacetCompliance<'a> {
     boundary: &'a Boundary,
     facets: Vec<Facet>,
     rule: PointRule,
+    /// For one edge after the other.
+    room: Cell<Room>,
 }
 
 /// Where the points of a facet lie.
@@ -72,7 +76,7 @@ impl<'a> FacetCompliance<'a> {
                 }
             }
         };
-        Some(Self { boundary, facets, rule })
+        Some(Self { boundary, facets, rule, room: Cell::default() })
     }
 
     /// α of (2.8c) for the law on every facet, with the largest factor at the points of the rule (for the
@@ -126,7 +130,7 @@ impl<'a> FacetCompliance<'a> {
     }
 
     fn each_point(&self, nodal: &[f64], mut visit: impl FnMut(&Facet, &FacetPoint)) {
-        let mut on_edge: Vec<EdgePoint> = Vec::new();
+        let mut room = self.room.take();
         for (f, facet) in self.facets.iter().enumerate() {
             let normal = |&(component, sign, _): &(usize, f64, bool)| sign * nodal[component];
             match &self.rule {
@@ -146,8 +150,8 @@ impl<'a> FacetCompliance<'a> {
                 PointRule::Exact { law, shift } => {
                     let ends = [normal(&facet.members[0]), normal(&facet.members[1])];
                     let formula = |x: f64| (self.boundary.shift)(facet.on_edge(x));
-                    points(ends, &shift[f], formula, law, &mut on_edge);
-                    for point in &on_edge {
+                    points(ends, &shift[f], formula, law, &mut room);
+                    for point in &room.points {
                         let shape = [1.0 - point.place, point.place, 0.0];
                         let weight = point.weight * facet.measure;
                         let scale = self.boundary.scale_at(facet.on_edge(point.place));
@@ -157,6 +161,7 @@ impl<'a> FacetCompliance<'a> {
                 }
             }
         }
+        self.room.set(room);
     }
 }
 

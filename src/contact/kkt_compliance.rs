@@ -1,10 +1,12 @@
 //! The compliance forces of the separate KKT evaluation: from the subdifferential alone, and, for the
 //! exact rule, without a formula for the crossings of kinks.
 
+use std::sync::OnceLock;
+
 use super::compliance::facet_rule;
 use super::march::StepView;
 use super::{Boundary, Discretization};
-use crate::space::quadrature::{Rule, edge};
+use crate::space::quadrature::{Rule, gauss_legendre};
 
 /// Intervals of an edge before any is halved, and Gauss points on each: degree 19, so that intervals of
 /// one resolution of a curved law are integrated to rounding by other points than the solver's.
@@ -23,9 +25,14 @@ pub fn add_gauss(
     view: &StepView<'_>,
     balance: &mut [f64],
 ) {
-    let rule = facet_rule(space.mesh.dimension);
+    // Made once: a march comes here at every level.
+    static RULES: [OnceLock<Rule>; 2] = [const { OnceLock::new() }; 2];
+    let dimension = space.mesh.dimension;
+    let rule = RULES[usize::from(dimension == 3)].get_or_init(|| facet_rule(dimension));
     for facet in 0..space.trace.measure.len() {
-        add_points(space, boundary, view, facet, &rule, balance);
+        for (shape, weight) in rule.points.iter().zip(&rule.weights) {
+            add_point(space, boundary, view, facet, shape, *weight, balance);
+        }
     }
 }
 
@@ -36,17 +43,23 @@ pub fn add_exact(
     view: &StepView<'_>,
     balance: &mut [f64],
 ) {
-    let gauss = edge(POINTS);
+    static GAUSS: OnceLock<Vec<(f64, f64)>> = OnceLock::new();
+    let gauss = GAUSS.get_or_init(|| gauss_legendre(POINTS));
     for facet in 0..space.trace.measure.len() {
         let argument = |x: f64| argument(space, boundary, view, facet, &[1.0 - x, x]);
         let piece = |x: f64| boundary.potential.kinks().partition_point(|kink| *kink < argument(x));
         let sizes = boundary.potential.kinks().iter().copied();
         let size = sizes.chain([0.0, 0.5, 1.0].map(argument)).fold(0.0f64, |m, r| m.max(r.abs()));
         let end = |i: usize| i as f64 / INTERVALS as f64;
-        let mut left: Vec<(f64, f64, u32)> =
-            (0..INTERVALS).map(|i| (end(i), end(i + 1), 0)).collect();
-        let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
-        while let Some((from, to, halvings)) = left.pop() {
+        // Depth first: of every halving one half waits.
+        let mut left = [(0.0, 0.0, 0); INTERVALS + HALVINGS as usize];
+        let mut waiting = INTERVALS;
+        for (i, interval) in left.iter_mut().enumerate().take(INTERVALS) {
+            *interval = (end(i), end(i + 1), 0);
+        }
+        while waiting > 0 {
+            waiting -= 1;
+            let (from, to, halvings) = left[waiting];
             let middle = 0.5 * (from + to);
             // Between places on one piece a curved argument can still cross a kink twice: it strays
             // from them by less than its second difference.
@@ -62,17 +75,17 @@ pub fn add_exact(
                 .max(2.0 * (argument(middle) - argument(from)).abs());
             let resolved = moves <= boundary.potential.resolution();
             if (one_piece && resolved) || moves <= ROUNDING * size || halvings == HALVINGS {
-                for (b, weight) in gauss.points.iter().zip(&gauss.weights) {
-                    let x = from + b[1] * (to - from);
-                    rule.points.push(vec![1.0 - x, x]);
-                    rule.weights.push(weight * (to - from));
+                for (place, weight) in gauss {
+                    let x = from + 0.5 * (1.0 + place) * (to - from);
+                    let weight = 0.5 * weight * (to - from);
+                    add_point(space, boundary, view, facet, &[1.0 - x, x], weight, balance);
                 }
             } else {
-                left.push((from, middle, halvings + 1));
-                left.push((middle, to, halvings + 1));
+                left[waiting] = (from, middle, halvings + 1);
+                left[waiting + 1] = (middle, to, halvings + 1);
+                waiting += 2;
             }
         }
-        add_points(space, boundary, view, facet, &rule, balance);
     }
 }
 
@@ -87,30 +100,34 @@ fn argument(
     let members = space.trace.facet(facet);
     let values = members.iter().map(|&i| space.trace.normal(i as usize, view.u));
     let normal: f64 = values.zip(shape).map(|(u, s)| s * u).sum();
-    normal - (boundary.shift)(space.mesh.point(&vertices(space, facet), shape))
+    normal - (boundary.shift)(place(space, facet, shape))
 }
 
-fn vertices(space: &Discretization, facet: usize) -> Vec<u32> {
-    space.trace.facet(facet).iter().map(|&i| space.trace.points[i as usize].vertex).collect()
+fn place(space: &Discretization, facet: usize, shape: &[f64]) -> [f64; 3] {
+    let members = space.trace.facet(facet);
+    let mut vertices = [0; 3];
+    for (vertex, &i) in vertices.iter_mut().zip(members) {
+        *vertex = space.trace.points[i as usize].vertex;
+    }
+    space.mesh.point(&vertices[..members.len()], shape)
 }
 
-fn add_points(
+fn add_point(
     space: &Discretization,
     boundary: &Boundary,
     view: &StepView<'_>,
     facet: usize,
-    rule: &Rule,
+    shape: &[f64],
+    weight: f64,
     balance: &mut [f64],
 ) {
-    for (shape, weight) in rule.points.iter().zip(&rule.weights) {
-        let r = argument(space, boundary, view, facet, shape);
-        let mut pressure = boundary.potential.subdifferential(r).0;
-        if let Some(scale) = &boundary.scale {
-            pressure *= scale(space.mesh.point(&vertices(space, facet), shape));
-        }
-        for (&i, s) in space.trace.facet(facet).iter().zip(shape) {
-            let value = weight * space.trace.measure[facet] * pressure * s;
-            space.trace.add_normal(i as usize, value, balance);
-        }
+    let r = argument(space, boundary, view, facet, shape);
+    let mut pressure = boundary.potential.subdifferential(r).0;
+    if let Some(scale) = &boundary.scale {
+        pressure *= scale(place(space, facet, shape));
+    }
+    for (&i, s) in space.trace.facet(facet).iter().zip(shape) {
+        let value = weight * space.trace.measure[facet] * pressure * s;
+        space.trace.add_normal(i as usize, value, balance);
     }
 }

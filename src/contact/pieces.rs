@@ -2,6 +2,8 @@
 //! so Gauss points integrate it exactly where the shift is affine and ∂j_ν piecewise linear, and to
 //! rounding where ∂j_ν is curved, on pieces no longer than its resolution.
 
+use std::sync::OnceLock;
+
 use crate::space::quadrature::gauss_legendre;
 
 /// Gauss points a piece where s is affine on the edge: ∂j_ν φ is a quadratic polynomial there.
@@ -61,44 +63,52 @@ pub struct Pieces {
     pub scaled: bool,
 }
 
+/// Points of an edge and the places where it is cut, in memory that is kept.
+#[derive(Debug, Default)]
+pub struct Room {
+    /// The points.
+    pub points: Vec<EdgePoint>,
+    cuts: Vec<f64>,
+}
+
 /// The points of an edge with end values `normal` of u_ν; `shift` is s by ξ.
 pub fn points(
     normal: [f64; 2],
     along: &EdgeShift,
     shift: impl Fn(f64) -> f64,
     law: &Pieces,
-    out: &mut Vec<EdgePoint>,
+    room: &mut Room,
 ) {
+    let Room { points: out, cuts } = room;
     let (kinks, resolution) = (law.kinks.as_slice(), law.resolution);
     let straight = |ends: [f64; 2], x: f64| ends[0] + x * (ends[1] - ends[0]);
     out.clear();
+    cuts.clear();
+    cuts.extend([0.0, 1.0]);
     match along {
         EdgeShift::Affine(ends) => {
             let argument = [normal[0] - ends[0], normal[1] - ends[1]];
-            let cuts = affine_cuts(argument, kinks);
+            affine_cuts(argument, kinks, cuts);
             let polynomial = resolution.is_infinite() && !law.scaled;
             let count = if polynomial { POINTS_AFFINE } else { POINTS_CURVED };
-            fill(&cuts, count, resolution, |x| straight(argument, x), out);
+            fill(cuts, count, resolution, |x| straight(argument, x), out);
         }
         EdgeShift::Curved(values) => {
             let argument = |x: f64| straight(normal, x) - shift(x);
             let count = values.len() - 1;
             let at = |i: usize| straight(normal, i as f64 / count as f64) - values[i];
-            let cuts = curved_cuts(argument, at, kinks);
-            fill(&cuts, POINTS_CURVED, resolution, argument, out);
+            curved_cuts(argument, at, kinks, cuts);
+            fill(cuts, POINTS_CURVED, resolution, argument, out);
         }
     }
 }
 
-/// 0, the crossings of kinks, 1.
-fn affine_cuts(argument: [f64; 2], kinks: &[f64]) -> Vec<f64> {
+/// Adds the crossings of kinks to 0 and 1.
+fn affine_cuts(argument: [f64; 2], kinks: &[f64], cuts: &mut Vec<f64>) {
     let slope = argument[1] - argument[0];
-    let mut cuts = vec![0.0];
     let crossing = |kink: &f64| (kink - argument[0]) / slope;
     cuts.extend(kinks.iter().map(crossing).filter(|x| *x > 0.0 && *x < 1.0));
-    cuts.push(1.0);
-    cuts.sort_by(f64::total_cmp);
-    cuts
+    cuts.sort_unstable_by(f64::total_cmp);
 }
 
 /// The same for a curved argument: sign changes on half intervals, and between two crossings in
@@ -107,28 +117,27 @@ fn curved_cuts(
     argument: impl Fn(f64) -> f64,
     at: impl Fn(usize) -> f64,
     kinks: &[f64],
-) -> Vec<f64> {
+    cuts: &mut Vec<f64>,
+) {
     let place = |i: usize| i as f64 / (2 * WATCHES) as f64;
-    let mut cuts = vec![0.0, 1.0];
     for kink in kinks {
         let offset = |x: f64| argument(x) - kink;
         for watch in 0..WATCHES {
             let (a, m, b) = (2 * watch, 2 * watch + 1, 2 * watch + 2);
             let [fa, fm, fb] = [a, m, b].map(|i| at(i) - kink);
-            let mut ends = vec![place(a), place(m), place(b)];
+            let (mut ends, mut count) = ([place(a), place(m), place(b), 0.0], 3);
             let bend = fa - 2.0 * fm + fb;
             let vertex = 0.5 * (fa - fb) / bend;
             if vertex.abs() < 1.0 {
-                ends.push(place(m) + 0.5 * vertex / WATCHES as f64);
-                ends.sort_by(f64::total_cmp);
+                (ends[3], count) = (place(m) + 0.5 * vertex / WATCHES as f64, 4);
+                ends.sort_unstable_by(f64::total_cmp);
             }
-            for pair in ends.windows(2) {
+            for pair in ends[..count].windows(2) {
                 cuts.extend(crossing(offset, pair[0], pair[1]));
             }
         }
     }
-    cuts.sort_by(f64::total_cmp);
-    cuts
+    cuts.sort_unstable_by(f64::total_cmp);
 }
 
 /// The sign change of f between two places, by bisection to rounding.
@@ -145,6 +154,12 @@ fn crossing(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> Option<f64> 
     Some(0.5 * (low + high))
 }
 
+/// Gauss's rule of so many points, made once: residuals come here for every piece.
+fn gauss(count: usize) -> &'static [(f64, f64)] {
+    static RULES: [OnceLock<Vec<(f64, f64)>>; 2] = [const { OnceLock::new() }; 2];
+    RULES[usize::from(count == POINTS_CURVED)].get_or_init(|| gauss_legendre(count))
+}
+
 fn fill(
     cuts: &[f64],
     count: usize,
@@ -152,6 +167,7 @@ fn fill(
     argument: impl Fn(f64) -> f64,
     out: &mut Vec<EdgePoint>,
 ) {
+    let rule = gauss(count);
     for pair in cuts.windows(2).filter(|pair| pair[1] > pair[0]) {
         let range = (argument(pair[1]) - argument(pair[0])).abs();
         // A NaN argument shows in the points; it must not make a number of parts.
@@ -160,7 +176,7 @@ fn fill(
         let length = (pair[1] - pair[0]) / parts;
         for part in 0..parts as usize {
             let (middle, half) = (pair[0] + (part as f64 + 0.5) * length, 0.5 * length);
-            out.extend(gauss_legendre(count).into_iter().map(|(x, weight)| {
+            out.extend(rule.iter().map(|(x, weight)| {
                 let place = middle + half * x;
                 EdgePoint { place, weight: 0.5 * weight * length, argument: argument(place) }
             }));

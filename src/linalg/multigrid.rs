@@ -165,7 +165,7 @@ impl<'a, C: Parts> Multigrid<'a, C> {
         if !self.scale.is_finite() {
             return Err(FactorError::NotFinite);
         }
-        self.turns = Turns::new(d, self.fine.nodes(), &self.levels.frames, held);
+        self.turns.set(d, self.fine.nodes(), &self.levels.frames, held);
         for level in 0..self.levels.patterns.len() {
             let (done, rest) = self.values.split_at_mut(level);
             let (pattern, finer) = match done.last() {

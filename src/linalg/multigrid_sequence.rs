@@ -32,6 +32,10 @@ pub struct MultigridSequence<'a> {
     rank_one: Option<RankOne>,
     /// K⁻¹a of the last solve: the next one starts there.
     response: Vec<f64>,
+    /// Room for a solution, for what its residual is and for its correction.
+    solution: Vec<f64>,
+    residual: Vec<f64>,
+    correction: Vec<f64>,
     vectors: Directions,
     /// Counters and times: a factorization is that of the coarsest matrix.
     pub work: LinearWork,
@@ -65,6 +69,9 @@ impl<'a> MultigridSequence<'a> {
             held: Vec::new(),
             rank_one: None,
             response: Vec::new(),
+            solution: Vec::new(),
+            residual: Vec::new(),
+            correction: Vec::new(),
             vectors: Directions::default(),
             work: LinearWork::default(),
         }
@@ -137,12 +144,17 @@ impl<'a> MultigridSequence<'a> {
         rhs: &mut [f64],
         target: f64,
     ) -> Result<(), FactorError> {
+        let size = norm(&rank_one.a);
+        if size == 0.0 {
+            // No cell yields: nothing is below a share of a right side that vanishes, and nothing is to be solved.
+            return self.solve_matrix(rhs, target);
+        }
         self.solve_matrix(rhs, 0.5 * target)?;
         let along = dot(&rank_one.b, rhs);
         let mut response = std::mem::take(&mut self.response);
         response.resize(rhs.len(), 0.0);
         self.held.iter().for_each(|&dof| response[dof] = 0.0);
-        let mut wanted = (0.5 * target / along.abs()).min(ROUGHLY * norm(&rank_one.a));
+        let mut wanted = (0.5 * target / along.abs()).min(ROUGHLY * size);
         let factor = loop {
             self.improve(&rank_one.a, &mut response, wanted)?;
             let denominator = 1.0 + dot(&rank_one.b, &response);
@@ -163,26 +175,32 @@ impl<'a> MultigridSequence<'a> {
 
     /// K⁻¹ r in place to a residual of at most `target`. Held unknowns have equations of their own.
     fn solve_matrix(&mut self, rhs: &mut [f64], target: f64) -> Result<(), FactorError> {
-        let mut x = vec![0.0; rhs.len()];
+        let mut x = std::mem::take(&mut self.solution);
+        x.clear();
+        x.resize(rhs.len(), 0.0);
         for &dof in &self.held {
             x[dof] = rhs[dof] / self.values[self.pattern.diagonal(dof)];
         }
-        self.improve(rhs, &mut x, target)?;
-        rhs.copy_from_slice(&x);
-        Ok(())
+        let outcome = self.improve(rhs, &mut x, target);
+        if outcome.is_ok() {
+            rhs.copy_from_slice(&x);
+        }
+        self.solution = x;
+        outcome
     }
 
     /// Improves x until the residual r - Kx is at most `target`.
     fn improve(&mut self, rhs: &[f64], x: &mut [f64], target: f64) -> Result<(), FactorError> {
-        let Self { cycle, pattern, values, vectors, work, held, .. } = self;
+        let Self { cycle, pattern, values, vectors, work, held, residual, correction, .. } = self;
         let mut matrix = Matrix { pattern, values, cycle };
-        let (mut residual, mut correction) = (vec![0.0; rhs.len()], vec![0.0; rhs.len()]);
+        residual.resize(rhs.len(), 0.0);
+        correction.resize(rhs.len(), 0.0);
         let mut last = f64::INFINITY;
         for round in 0..ROUNDS {
-            matrix.apply(x, &mut residual);
+            matrix.apply(x, residual);
             residual.iter_mut().zip(rhs).for_each(|(own, r)| *own = r - *own);
             held.iter().for_each(|&dof| residual[dof] = 0.0);
-            let size = norm(&residual);
+            let size = norm(residual);
             // Also where rounding lets nothing more be won; the level then judges by its own residual.
             if size <= target || (round > 0 && size > 0.5 * last) {
                 break;
@@ -194,13 +212,13 @@ impl<'a> MultigridSequence<'a> {
             correction.fill(0.0);
             work.iterations += conjugate_gradients(
                 &mut matrix,
-                &mut residual,
-                &mut correction,
+                residual,
+                correction,
                 target / unit,
                 LIMIT,
                 vectors,
             )?;
-            axpy(unit, &correction, x);
+            axpy(unit, correction, x);
             work.solves += 1;
         }
         Ok(())

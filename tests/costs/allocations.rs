@@ -4,10 +4,14 @@
 use std::hint::black_box;
 
 use allocation_counter::measure;
-use gronwall::contact::{Load, LoadError, Model, Plan, march};
-use gronwall::history::TimeGrid;
-use gronwall::law::{NoProjection, Projection, VonMises, YieldLimit};
-use gronwall::setup::{MeshData, TruthLoad};
+use gronwall::contact::{
+    Discretization, LinearSolver, Load, LoadError, MemoryTerm, Model, Plan, march,
+};
+use gronwall::history::{Memory, TimeGrid};
+use gronwall::law::{
+    ExponentialSum, Isotropic, MemoryKernel, NoProjection, Projection, VonMises, YieldLimit,
+};
+use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
 
 use super::shipped;
@@ -80,16 +84,163 @@ fn allocations<P: Projection>(
     (counted.count_total, factorizations)
 }
 
+/// (1 + t/τ)^-p: no sum of exponentials, and smooth.
+struct Power;
+
+impl MemoryKernel for Power {
+    fn value(&self, lag: f64) -> f64 {
+        -(1.0 + lag / 0.25).powf(-1.5)
+    }
+}
+
 /// Floors are recorded anew when the load has doubled, or a residual is the largest so far: the logarithm of N times more
-/// or less, with some five vectors each; and the vectors of iterative solves are made when an iteration first needs them.
-/// So many allocations may come with twice the steps; one a level would be 256.
+/// or less, with some five vectors each; lists of what is kept grow by doubling; and the vectors of iterative solves are
+/// made when an iteration first needs them. So many allocations may come with twice the steps; one a level would be 250
+/// at least.
 const FLOORS: u64 = 100;
 
-/// Allocations that 512 steps have over 256, without those of the library in the factorizations that they have more.
+/// A march whose allocations are counted.
+struct Case {
+    /// What it is there for.
+    what: &'static str,
+    scene: &'static str,
+    n: u32,
+    /// N; the march is compared with one of 2N steps.
+    steps: u32,
+    plan: Plan,
+    /// What makes the case of the scene.
+    change: fn(&mut Setup),
+    /// What its memory is.
+    memory: fn(&Memory) -> bool,
+    /// Vectors a level that are kept on purpose.
+    kept: u64,
+}
+
+fn nothing(_: &mut Setup) {}
+
+fn general(setup: &mut Setup) {
+    setup.model.memory.iter_mut().for_each(|term| term.kernel = Box::new(Power));
+}
+
+/// ℬ₀ with other Lamé numbers than a multiple of 𝒜.
+fn no_multiple(setup: &mut Setup) {
+    setup.model.memory[0].tensor = Isotropic { lambda: 0.1, mu: 0.3 }.into();
+}
+
+fn two_terms(setup: &mut Setup) {
+    let kernel = Box::new(ExponentialSum { terms: vec![(-0.1, 2.0), (-0.1, 0.5)] });
+    let tensor = Isotropic { lambda: 0.1, mu: 0.3 }.into();
+    setup.model.memory.push(MemoryTerm { kernel, tensor });
+}
+
+fn two_general_terms(setup: &mut Setup) {
+    two_terms(setup);
+    general(setup);
+}
+
+fn by_multigrid(setup: &mut Setup) {
+    setup.linear_solver = Some(LinearSolver::Multigrid);
+}
+
+fn is_recursive(memory: &Memory) -> bool {
+    matches!(memory, Memory::Recursive { .. })
+}
+
+fn is_direct(memory: &Memory) -> bool {
+    matches!(memory, Memory::Direct { .. })
+}
+
+fn is_fast(memory: &Memory) -> bool {
+    matches!(memory, Memory::Fast(_))
+}
+
+const PLAIN: Case = Case {
+    what: "plain",
+    scene: "punch",
+    n: 16,
+    steps: 256,
+    plan: Plan::Newton,
+    change: nothing,
+    memory: is_recursive,
+    kept: 0,
+};
+
+/// 2N steps stay below those from which on a kernel is interpolated.
+const DIRECT: Case = Case { what: "direct sums", steps: 250, memory: is_direct, ..PLAIN };
+
+const CASES: [Case; 17] = [
+    PLAIN,
+    Case { scene: "linear-punch", plan: Plan::Recursion, ..PLAIN },
+    Case { scene: "elastic-punch", plan: Plan::Condensed, ..PLAIN },
+    Case { n: 6, change: general, kept: 1, ..DIRECT },
+    // Of the coefficients alone.
+    Case { scene: "linear-punch", plan: Plan::Recursion, change: general, kept: 1, ..DIRECT },
+    // The past of the volume, and that of Γ3.
+    Case { scene: "elastic-punch", plan: Plan::Condensed, change: general, kept: 2, ..DIRECT },
+    Case { n: 6, change: two_general_terms, kept: 2, ..DIRECT },
+    Case {
+        what: "interpolated memory",
+        n: 4,
+        steps: 512,
+        change: general,
+        memory: is_fast,
+        ..PLAIN
+    },
+    Case {
+        what: "interpolated memory",
+        scene: "elastic-punch",
+        n: 4,
+        steps: 512,
+        plan: Plan::Condensed,
+        change: general,
+        memory: is_fast,
+        ..PLAIN
+    },
+    Case { what: "multigrid", n: 24, change: by_multigrid, ..PLAIN },
+    Case {
+        what: "multigrid in the volume",
+        scene: "elastic-punch",
+        n: 24,
+        change: by_multigrid,
+        ..PLAIN
+    },
+    Case { what: "in space", scene: "punch-box", n: 4, ..PLAIN },
+    Case { what: "two terms of memory", change: two_terms, ..PLAIN },
+    Case { what: "two terms, linear", scene: "linear-punch", change: two_terms, ..PLAIN },
+    Case {
+        what: "no multiple",
+        scene: "elastic-punch",
+        plan: Plan::Condensed,
+        change: no_multiple,
+        ..PLAIN
+    },
+    Case {
+        what: "two terms, condensed",
+        scene: "elastic-punch",
+        plan: Plan::Condensed,
+        change: two_terms,
+        ..PLAIN
+    },
+    Case { what: "a curved law on edges", scene: "law-rational", ..PLAIN },
+];
+
+/// Allocations of the library in a factorization of `space`.
+fn of_a_factor<P: Projection>(space: &Discretization, model: &Model<P>) -> u64 {
+    let values = space.stiffness(&model.elasticity);
+    let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(2));
+    let counted = measure(|| {
+        let done = space.analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace);
+        assert!(done.is_ok());
+    });
+    counted.count_total
+}
+
+/// Allocations that 2N steps have over N, without those of the library in the factorizations that they have more.
 fn more<P: Projection>(
-    name: &str,
+    case: &Case,
     model: &Model<P>,
     data: &MeshData,
+    factorized: &Discretization,
     grids: &[TimeGrid; 3],
     wasteful: bool,
 ) -> u64 {
@@ -97,30 +248,37 @@ fn more<P: Projection>(
     allocations(model, data, &grids[0], false);
     let [(once, factors), (twice, more_factors)] =
         [1, 2].map(|i| allocations(model, data, &grids[i], wasteful));
-    let space = &data.space;
-    let values = space.stiffness(&model.elasticity);
-    let (mut factor, mut workspace) = (space.analysis.factor(), space.analysis.workspace(2));
-    let of_a_factor = measure(|| {
-        let done = space.analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace);
-        assert!(done.is_ok());
-    });
-    let library = of_a_factor.count_total * more_factors.saturating_sub(factors);
-    println!("{name}: {once} {twice} allocations, {factors} {more_factors} factors, {library}");
+    let library = of_a_factor(factorized, model) * more_factors.saturating_sub(factors);
+    let Case { what, scene, .. } = case;
+    println!(
+        "{scene} {what}: {once} {twice} allocations, {factors} {more_factors} factors, {library}"
+    );
     twice.saturating_sub(once + library)
 }
 
-/// The same for a plan, by a scene whose formulas are replaced by numbers: they make vectors wherever they are
+/// The same for a case, by a scene whose formulas are replaced by numbers: they make vectors wherever they are
 /// evaluated, and the KKT check evaluates those of Γ3 anew at every level.
-fn more_with_twice_the_steps(plan: Plan, wasteful: bool) -> u64 {
-    let name = match plan {
-        Plan::Recursion => "linear-punch",
-        Plan::Condensed => "elastic-punch",
-        Plan::Newton => "punch",
+fn more_with_twice_the_steps(case: &Case, wasteful: bool) -> u64 {
+    let mut setup = shipped::setup(case.scene);
+    (case.change)(&mut setup);
+    let data = shipped::on_mesh(&setup, case.n);
+    let name = case.what;
+    let grids = [2, case.steps, 2 * case.steps].map(|steps| setup.grid(steps));
+    for grid in &grids[1..] {
+        assert_eq!(Plan::of(&data.space, &setup.model, grid.steps(), true), case.plan, "{name}");
+        assert!(!setup.model.memory.is_empty());
+        let rule = &*setup.model.time_rule;
+        let memory = |term: &MemoryTerm| Memory::new(&*term.kernel, rule, grid, 1);
+        assert!(setup.model.memory.iter().map(memory).all(|m| (case.memory)(&m)), "{name}");
+    }
+    // Multigrid factorizes the coarsest matrix: its mesh has half as many cells a side.
+    let solver = LinearSolver::of(&data.space, &setup.model, case.steps as usize);
+    assert_eq!(solver == LinearSolver::Multigrid, name.starts_with("multigrid"), "{name}");
+    let coarser = match solver {
+        LinearSolver::Multigrid => Some(shipped::on_mesh(&setup, case.n / 2)),
+        LinearSolver::Direct => None,
     };
-    let setup = shipped::setup(name);
-    let data = shipped::on_mesh(&setup, 16);
-    assert_eq!(Plan::of(&data.space, &setup.model, 256, true), plan, "{name}");
-    let grids = [2, 256, 512].map(|steps| setup.grid(steps));
+    let factorized = &*coarser.as_ref().unwrap_or(&data).space;
     let Model { elasticity, memory, projection, mut boundary, time_rule } = setup.model;
     if let Some(boundary) = &mut boundary {
         let gap = (boundary.gap)([0.0; 3]);
@@ -130,30 +288,31 @@ fn more_with_twice_the_steps(plan: Plan, wasteful: bool) -> u64 {
     match projection {
         None => {
             let model = Model { elasticity, memory, projection: NoProjection, boundary, time_rule };
-            more(name, &model, &data, &grids, wasteful)
+            more(case, &model, &data, factorized, &grids, wasteful)
         }
         Some(VonMises { mu, .. }) => {
             let projection = VonMises { mu, limit: Rising };
             let model = Model { elasticity, memory, projection, boundary, time_rule };
-            more(name, &model, &data, &grids, wasteful)
+            more(case, &model, &data, factorized, &grids, wasteful)
         }
     }
 }
 
-const PLANS: [Plan; 3] = [Plan::Recursion, Plan::Condensed, Plan::Newton];
-
+/// Nothing but what is kept on purpose, and that once a level.
 #[test]
 fn the_step_loop_allocates_nothing() {
-    for plan in PLANS {
-        let more = more_with_twice_the_steps(plan, false);
-        assert!(more < FLOORS, "{plan:?}: {more}");
+    for case in &CASES {
+        let (more, kept) = (more_with_twice_the_steps(case, false), case.kept * case.steps as u64);
+        let Case { what, scene, .. } = case;
+        assert!((kept..kept + FLOORS).contains(&more), "{scene} {what}: {more}, {kept} kept");
     }
 }
 
 #[test]
 fn an_allocation_a_level_is_seen() {
-    for plan in PLANS {
-        let more = more_with_twice_the_steps(plan, true);
-        assert!(more > FLOORS, "{plan:?}: {more}");
+    for case in &CASES {
+        let (more, kept) = (more_with_twice_the_steps(case, true), case.kept * case.steps as u64);
+        let Case { what, scene, .. } = case;
+        assert!(more >= kept + FLOORS, "{scene} {what}: {more}, {kept} kept");
     }
 }

@@ -136,22 +136,23 @@ pub(in crate::linalg) struct Turns {
 }
 
 impl Turns {
-    pub(super) fn new(d: usize, nodes: usize, frames: &[NodeFrame], held: &[usize]) -> Self {
-        let mut turns = Self::default();
+    /// Takes the frames of a mesh and the unknowns that are held, in the memory that is there.
+    pub(super) fn set(&mut self, d: usize, nodes: usize, frames: &[NodeFrame], held: &[usize]) {
+        self.of_node.clear();
+        self.matrices.clear();
         if frames.is_empty() && held.is_empty() {
-            return turns;
+            return;
         }
-        turns.of_node = vec![NONE; nodes];
+        self.of_node.resize(nodes, NONE);
         for frame in frames.iter().filter(|frame| frame.node < nodes) {
-            let own = turns.at(frame.node);
+            let own = self.at(frame.node);
             for (i, row) in frame.rows.chunks_exact(d).enumerate() {
                 own[3 * i..3 * i + d].copy_from_slice(row);
             }
         }
         for &dof in held {
-            turns.at(dof / d)[3 * (dof % d)..3 * (dof % d + 1)].fill(0.0);
+            self.at(dof / d)[3 * (dof % d)..3 * (dof % d + 1)].fill(0.0);
         }
-        turns
     }
 
     fn at(&mut self, node: usize) -> &mut [f64; 9] {
