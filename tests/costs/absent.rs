@@ -1,8 +1,16 @@
 //! A term that a scene does not have costs nothing, by the counters of a run.
 
-use gronwall::contact::{CaseInfo, MemoryTerm, Plan, march};
-use gronwall::law::ExponentialSum;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use gronwall::contact::{BoundaryRule, CaseInfo, MemoryTerm, Model, Plan, march, march_in_volume};
+use gronwall::history::{TimeGrid, TimeRule};
+use gronwall::law::{
+    ExponentialSum, HistoryKernel, MemoryKernel, NoPotential, Potential, Projection, Response,
+    YieldLimit,
+};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
+use gronwall::tensor::Symmetric;
 use gronwall::vhi::Newton;
 
 use super::shipped::{bodies, on_a_mesh};
@@ -30,7 +38,13 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
     };
     let volume = plan == Plan::Newton;
     zero(setup.body.material.memory.is_empty(), "bytes of history", info.peak_history_bytes);
-    zero(model.boundary.is_none(), "changes of the active set", info.active_set_changes as usize);
+    // Without bound and jumps a graph is one piece.
+    let one_piece = model.boundary.as_ref().is_none_or(|boundary| {
+        let points = data.space.trace.points.iter();
+        let mut places = points.map(|point| data.space.mesh.point(&[point.vertex], &[1.0]));
+        boundary.potential.jumps().is_empty() && places.all(|x| (boundary.gap)(x).is_infinite())
+    });
+    zero(one_piece, "changes of the active set", info.active_set_changes as usize);
     zero(model.projection.is_none(), "assembled tangents", info.work.tangents as usize);
     zero(!volume, "residuals in the volume", info.work.residuals as usize);
     zero(true, "applications of Λ", info.fixed_point_iterations as usize);
@@ -92,4 +106,222 @@ fn a_term_that_is_paid_for_in_vain_is_found() {
         ..sound
     };
     assert!(paid_for_nothing(&setup, &data, &heavy).len() >= 3);
+}
+
+/// How often components of a model were asked: a scene without a term has nobody to ask.
+#[derive(Clone, Default)]
+struct Asked(Arc<AtomicUsize>);
+
+impl Asked {
+    fn once(&self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+
+    fn count(&self) -> usize {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// The rule of a scene; sums over the past, which kernels weigh, are counted.
+struct CountedRule(Box<dyn TimeRule>, Asked);
+
+impl TimeRule for CountedRule {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        self.0.weight(grid, n, j)
+    }
+
+    fn kernel_weight(
+        &self,
+        kernel: &dyn HistoryKernel,
+        grid: &TimeGrid,
+        n: usize,
+        j: usize,
+    ) -> f64 {
+        self.1.once();
+        self.0.kernel_weight(kernel, grid, n, j)
+    }
+
+    fn is_trapezoidal(&self) -> bool {
+        self.0.is_trapezoidal()
+    }
+}
+
+/// A kernel that is summed over the past, whatever it is.
+struct General(Box<dyn MemoryKernel>);
+
+impl MemoryKernel for General {
+    fn value(&self, lag: f64) -> f64 {
+        self.0.value(lag)
+    }
+}
+
+/// Weights of kernels that a march of `setup` asks for.
+fn weights(setup: &mut Setup, data: &MeshData) -> usize {
+    let asked = Asked::default();
+    let rule =
+        std::mem::replace(&mut setup.model.time_rule, Box::new(gronwall::history::Trapezoid));
+    setup.model.time_rule = Box::new(CountedRule(rule, asked.clone()));
+    run(setup, data);
+    asked.count()
+}
+
+/// Without memory no weight of a kernel is asked for, with a recursion that of the last slot, and only a general kernel
+/// is summed over the past.
+#[test]
+fn what_is_not_remembered_is_not_summed() {
+    let (mut without, mut recursive) = (0, 0);
+    let levels = STEPS as usize + 1;
+    for mut setup in bodies() {
+        let (data, name) = (on_a_mesh(&setup), setup.scene.name.clone());
+        let terms = setup.model.memory.len();
+        let all_are = |setup: &Setup| {
+            setup.model.memory.iter().all(|term| term.kernel.exponentials().is_some())
+        };
+        if !(all_are(&setup) && setup.model.time_rule.is_trapezoidal()) {
+            continue;
+        }
+        assert_eq!(weights(&mut setup, &data), terms * levels, "{name}");
+        (without, recursive) =
+            (without + usize::from(terms == 0), recursive + usize::from(terms > 0));
+        // What is summed is counted: a recursion that sums would be seen. In a plan on Γ3 its past is summed as well.
+        let mut setup = Setup::new(setup.scene).unwrap_or_else(|error| panic!("{error}"));
+        for term in &mut setup.model.memory {
+            let none = Box::new(ExponentialSum { terms: Vec::new() });
+            term.kernel = Box::new(General(std::mem::replace(&mut term.kernel, none)));
+        }
+        let sums = terms * levels * (levels - 1) / 2;
+        assert!(weights(&mut setup, &data) >= terms * levels + sums, "{name}");
+    }
+    assert!(without >= 3 && recursive >= 10, "{without} {recursive}");
+}
+
+/// A law that vanishes, and counts how often it is asked.
+struct CountedNothing(Asked, bool);
+
+impl Potential for CountedNothing {
+    fn subdifferential(&self, r: f64) -> (f64, f64) {
+        self.0.once();
+        NoPotential.subdifferential(r)
+    }
+
+    fn value_and_slope(&self, r: f64) -> (f64, f64) {
+        self.0.once();
+        NoPotential.value_and_slope(r)
+    }
+
+    fn jumps(&self) -> &[f64] {
+        &[]
+    }
+
+    fn kinks(&self) -> &[f64] {
+        &[]
+    }
+
+    fn alpha(&self) -> f64 {
+        0.0
+    }
+
+    fn growth(&self) -> (f64, f64) {
+        (0.0, 0.0)
+    }
+
+    fn is_absent(&self) -> bool {
+        self.1
+    }
+}
+
+/// Questions to a law that vanishes, which says so or does not, on the facets of Γ3; and how many are allowed: one a
+/// point and level, for the pressures that are shown.
+fn questions(name: &str, rule: BoundaryRule, says_so: bool) -> (usize, usize) {
+    let mut setup = super::shipped::setup(name);
+    let asked = Asked::default();
+    let boundary = setup.model.boundary.as_mut().expect("a scene with contact");
+    (boundary.potential, boundary.rule) = (Arc::new(CountedNothing(asked.clone(), says_so)), rule);
+    let data = on_a_mesh(&setup);
+    let (mut load, grid) = (TruthLoad(&*data.truth), setup.grid(STEPS));
+    let newton = Newton::default();
+    march_in_volume(&data.space, &setup.model, &grid, &mut load, &newton, &mut |_| Ok(()))
+        .unwrap_or_else(|error| panic!("{name}: {error}"));
+    (asked.count(), data.space.trace.points.len() * (STEPS as usize + 1))
+}
+
+/// A compliance that vanishes is evaluated on no facet, neither by the solver nor by the separate evaluation of the KKT
+/// system; one that does not say so is.
+#[test]
+fn a_law_that_vanishes_is_not_integrated() {
+    for (name, rule) in [
+        ("signorini", BoundaryRule::Exact),
+        ("signorini", BoundaryRule::Gauss),
+        ("punch-box", BoundaryRule::Gauss),
+    ] {
+        let (asked, allowed) = questions(name, rule, true);
+        assert!(asked <= allowed, "{name} {rule:?}: {asked} {allowed}");
+        let (asked, allowed) = questions(name, rule, false);
+        assert!(asked > 3 * allowed, "{name} {rule:?}: {asked} {allowed}");
+    }
+}
+
+/// No projection, or one that never acts; evaluations are counted.
+struct CountedProjection {
+    stresses: Asked,
+    tangents: Asked,
+    limit: Option<Far>,
+}
+
+/// A limit that no strain reaches.
+struct Far;
+
+impl YieldLimit for Far {
+    fn value(&self, _: f64) -> f64 {
+        f64::MAX
+    }
+
+    fn slope(&self, _: f64) -> f64 {
+        0.0
+    }
+}
+
+impl Projection for CountedProjection {
+    fn stress<const S: usize>(&self, _: &Symmetric<S>, _: f64) -> Option<Symmetric<S>> {
+        self.stresses.once();
+        None
+    }
+
+    fn response<const S: usize>(&self, _: &Symmetric<S>, _: f64) -> Option<Response<S>> {
+        self.tangents.once();
+        None
+    }
+
+    fn limit(&self) -> Option<&dyn YieldLimit> {
+        self.limit.as_ref().map(|limit| limit as &dyn YieldLimit)
+    }
+}
+
+/// Stresses and tangents of the projection that a march in the volume asks for, cell by cell, and how many stresses the
+/// separate evaluation asks for: one a cell and level.
+fn projections(name: &str, limit: Option<Far>) -> [usize; 3] {
+    let setup = super::shipped::setup(name);
+    let data = on_a_mesh(&setup);
+    let projection =
+        CountedProjection { stresses: Asked::default(), tangents: Asked::default(), limit };
+    let Model { elasticity, memory, boundary, time_rule, .. } = setup.scene_model();
+    let model = Model { elasticity, memory, projection, boundary, time_rule };
+    let (mut load, grid) = (TruthLoad(&*data.truth), setup.grid(STEPS));
+    let newton = Newton::default();
+    march_in_volume(&data.space, &model, &grid, &mut load, &newton, &mut |_| Ok(()))
+        .unwrap_or_else(|error| panic!("{name}: {error}"));
+    let CountedProjection { stresses, tangents, .. } = &model.projection;
+    let checks = data.space.mesh.cell_count() * (STEPS as usize + 1);
+    [stresses.count(), tangents.count(), checks]
+}
+
+/// A projection that is absent is evaluated in no cell by the solver; one that is there and never acts is.
+#[test]
+fn a_projection_that_is_absent_is_not_evaluated() {
+    for name in ["elastic-punch", "viscoelastic", "signorini"] {
+        let [stresses, tangents, checks] = projections(name, None);
+        assert_eq!((stresses, tangents), (checks, 0), "{name}");
+        let [stresses, tangents, checks] = projections(name, Some(Far));
+        assert!(stresses > checks && tangents > 0, "{name}: {stresses} {tangents} {checks}");
+    }
 }
