@@ -61,7 +61,7 @@ fn run(setup: &Setup, data: &MeshData, steps: u32, place: Where, solver: &impl S
     };
     let info = info.unwrap_or_else(|error| panic!("{}: {error}", setup.scene.name));
     assert_eq!(u.len(), steps as usize + 1);
-    let stress = model.elasticity.eigenvalues(setup.scene.dimension as usize).1 * info.strain_norm;
+    let stress = model.elasticity.eigenvalues(setup.scene.dimension).1 * info.strain_norm;
     Run { u, pressure, zeta, info, stress }
 }
 
