@@ -61,25 +61,18 @@ impl Program {
     /// `horizon`.  Later times are allowed; the horizon sets the panels of
     /// hereditary integrals, horizon/16 wide and narrower for fast relaxation.
     pub fn compile(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
-        let histories = HistoryPlan::groups(graph, outputs, horizon);
-        Self::with_histories(graph, outputs, histories, false)
+        Self::of(graph, outputs, horizon, false)
     }
 
     /// The same for one time at any points: what does not depend on time is computed with the rest, and not kept.
     pub fn compile_once(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
-        let histories = HistoryPlan::groups(graph, outputs, horizon);
-        // Integrals read what is kept.
-        let once = histories.is_empty();
-        Self::with_histories(graph, outputs, histories, once)
+        Self::of(graph, outputs, horizon, true)
     }
 
-    fn with_histories(
-        graph: &Graph,
-        outputs: &[Node],
-        histories: Vec<HistoryPlan>,
-        once: bool,
-    ) -> Self {
-        let mut compiler = Compiler::new(graph, &histories, outputs, once);
+    fn of(graph: &mut Graph, outputs: &[Node], horizon: f64, once: bool) -> Self {
+        let histories = HistoryPlan::groups(graph, outputs, horizon);
+        // Integrals read what is kept.
+        let mut compiler = Compiler::new(graph, &histories, outputs, once && histories.is_empty());
         let outputs = compiler.places_of_outputs(outputs);
         compiler.choose_slots(&outputs);
         let (mut plan, slots) = compiler.plan(&outputs);
