@@ -126,12 +126,12 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
     }
 
     fn set_linear_part(&mut self) {
-        self.linear_law = self.model.elasticity.clone();
+        self.linear_law.clone_from(&self.model.elasticity);
         self.linear.copy_from_slice(&self.elastic);
         let d = self.space.mesh.dimension;
         let terms = self.model.memory.iter().zip(&self.memory).zip(&self.slot.memory);
         for ((term, stiffness), &scale) in terms {
-            self.linear_law = self.linear_law.plus(scale, &term.tensor, d);
+            self.linear_law.add(scale, &term.tensor, d);
             for (target, b) in self.linear.iter_mut().zip(stiffness) {
                 *target += scale * b;
             }

@@ -124,10 +124,21 @@ impl From<Isotropic> for FourthOrder {
 }
 
 /// A tensor a region; region 0 is what belongs to no other one.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub struct TensorField {
     /// One where the body is homogeneous.
     regions: Vec<FourthOrder>,
+}
+
+impl Clone for TensorField {
+    fn clone(&self) -> Self {
+        Self { regions: self.regions.clone() }
+    }
+
+    /// In the memory that is there: a grid that is not uniform has another tensor at every level.
+    fn clone_from(&mut self, other: &Self) {
+        self.regions.clone_from(&other.regions);
+    }
 }
 
 impl<T: Into<FourthOrder>> From<T> for TensorField {
@@ -189,6 +200,17 @@ impl TensorField {
     /// factor·self.
     pub fn scaled(&self, factor: f64) -> Self {
         Self { regions: self.regions.iter().map(|tensor| tensor.scaled(factor)).collect() }
+    }
+
+    /// `self` ← self + scale·other on S^d; isotropic tensors in the memory that is there.
+    pub fn add(&mut self, scale: f64, other: &Self, d: usize) {
+        if self.regions.len() < other.regions.len() {
+            *self = self.plus(scale, other, d);
+            return;
+        }
+        for (region, own) in self.regions.iter_mut().enumerate() {
+            *own = own.plus(scale, other.on(region), d);
+        }
     }
 
     /// self + scale·other on S^d, region by region.

@@ -168,7 +168,7 @@ const PLAIN: Case = Case {
 /// 2N steps stay below those from which on a kernel is interpolated.
 const DIRECT: Case = Case { what: "direct sums", steps: 250, memory: is_direct, ..PLAIN };
 
-const CASES: [Case; 17] = [
+const CASES: [Case; 18] = [
     PLAIN,
     Case { scene: "linear-punch", plan: Plan::Recursion, ..PLAIN },
     Case { scene: "elastic-punch", plan: Plan::Condensed, ..PLAIN },
@@ -222,6 +222,7 @@ const CASES: [Case; 17] = [
         ..PLAIN
     },
     Case { what: "a curved law on edges", scene: "law-rational", ..PLAIN },
+    Case { what: "a graded grid", scene: "affine-graded", ..PLAIN },
 ];
 
 /// Allocations of the library in a factorization of `space`.
