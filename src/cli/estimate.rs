@@ -1,4 +1,6 @@
-//! `sweep solve --estimate`: the error of one run from its coarser companions.
+//! `sweep solve --estimate`: the error of one run from its coarser companions, and the n and N of another error.
+
+mod advice;
 
 use serde_json::{Value, json};
 
@@ -9,9 +11,15 @@ use crate::setup::Setup;
 use crate::trade::estimate::{
     Companions, Estimate, Part, QuantityEstimate, companions, norm_estimate, quantity,
 };
+pub(super) use advice::Wanted;
 
-/// Runs a case with its companions and prints what they say of its error.
-pub(super) fn execute(setup: &Setup, n: u32, steps: u32, as_json: bool) -> Result<u8, CliError> {
+/// Runs a case with its companions and prints what they say of its error, and of the error that is wanted.
+pub(super) fn execute(
+    setup: &Setup,
+    [n, steps]: [u32; 2],
+    wanted: Option<Wanted>,
+    as_json: bool,
+) -> Result<u8, CliError> {
     let found = companions(setup, n, steps)?;
     let estimates: Vec<(Norm, Estimate)> =
         found.norms.iter().map(|own| (own.norm, norm_estimate(setup, &found, own))).collect();
@@ -20,28 +28,49 @@ pub(super) fn execute(setup: &Setup, n: u32, steps: u32, as_json: bool) -> Resul
         .iter()
         .map(|own| quantity(&own.name, own.space, own.time, own.value))
         .collect();
+    let advice = wanted.map(|wanted| (wanted.norm(), wanted.advise(setup, [n, steps], &found)));
     if as_json {
-        print_json(&json!({
+        let mut document = json!({
             "scene": setup.scene.name,
             "n": n,
             "steps": steps,
             "norms": estimates.iter().map(|(norm, own)| norm_json(&found, *norm, own)).collect::<Vec<_>>(),
             "quantities": quantities.iter().map(quantity_json).collect::<Vec<_>>(),
             "state": found.state,
-        }))?;
-        return Ok(0);
+        });
+        if let Some((norm, advice)) = &advice {
+            document["recommendation"] = advice::json(advice, &found, *norm);
+        }
+        print_json(&document)?;
+    } else {
+        let name = &setup.scene.name;
+        print_text(&format!("{name} n = {n}, N = {steps}: estimated error of this run"));
+        print(&found, &estimates, &quantities);
     }
-    print_text(&format!("{} n = {n}, N = {steps}: estimated error of this run", setup.scene.name));
-    for (norm, own) in &estimates {
-        print_text(&norm_words(&found, *norm, own));
+    // What is known of the run is printed before a target is refused.
+    let Some((norm, advice)) = advice else { return Ok(0) };
+    let advice = advice.map_err(CliError::other)?;
+    let own = estimates.iter().find(|(own, _)| *own == norm);
+    if let Some((norm, estimate)) = own.filter(|_| !as_json) {
+        advice::print(&advice, &found, *norm, estimate);
+    }
+    Ok(0)
+}
+
+fn print(found: &Companions, estimates: &[(Norm, Estimate)], quantities: &[QuantityEstimate]) {
+    for (norm, own) in estimates {
+        print_text(&norm_words(found, *norm, own));
     }
     print_text(
         "\nquantities at t = T: value, bound of its distance to the limit, extrapolated value, orders in h and k",
     );
-    for own in &quantities {
+    for own in quantities {
         print_text(&quantity_words(own));
     }
-    Ok(0)
+}
+
+fn megabytes(bytes: f64) -> String {
+    format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
 }
 
 fn bracketed(interval: Interval) -> String {
@@ -49,13 +78,13 @@ fn bracketed(interval: Interval) -> String {
 }
 
 fn part_words(part: &Part) -> String {
-    match part {
-        Part::Below(0.0) => "none".into(),
-        Part::Below(bound) => format!("below {bound:.1e} (rounding)"),
-        Part::Known { order, value, interval } => {
-            format!("{value:.3e} in {} (order {order:.2})", bracketed(*interval))
+    match (part, part.order().zip(part.at(1.0))) {
+        (Part::Below(0.0), _) => "none".into(),
+        (Part::Below(bound), _) => format!("below {bound:.1e} (rounding)"),
+        (_, Some((order, (value, interval)))) => {
+            format!("{value:.3e} in {} (order {order:.2})", bracketed(interval))
         }
-        Part::Unknown(_) => "unknown".into(),
+        _ => "unknown".into(),
     }
 }
 
@@ -92,12 +121,13 @@ fn quantity_words(own: &QuantityEstimate) -> String {
 }
 
 fn norm_json(found: &Companions, norm: Norm, own: &Estimate) -> Value {
-    let part = |part: &Part| match part {
-        Part::Below(bound) => json!({ "value": 0.0, "interval": [0.0, bound] }),
-        Part::Known { order, value, interval } => {
+    let part = |part: &Part| match (part, part.order().zip(part.at(1.0))) {
+        (Part::Below(bound), _) => json!({ "value": 0.0, "interval": [0.0, bound] }),
+        (Part::Unknown(reason), _) => json!({ "reason": reason }),
+        (_, Some((order, (value, interval)))) => {
             json!({ "order": order, "value": value, "interval": [interval.lo, interval.hi] })
         }
-        Part::Unknown(reason) => json!({ "reason": reason }),
+        _ => json!({ "reason": "no admissible order" }),
     };
     let total = own.total();
     json!({

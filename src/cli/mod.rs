@@ -30,6 +30,7 @@ mod run;
 mod shell;
 mod solve;
 mod swept;
+mod target;
 mod trade;
 mod verify;
 

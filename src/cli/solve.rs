@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 
+use super::estimate::Wanted;
 use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, create_dir, print_json, print_text, write_file};
 use crate::contact::{CaseInfo, Discretization, LinearSolver, StepView};
@@ -25,7 +26,7 @@ use pictures::Pictures;
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run). docs/TRADE.md explains them."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run); with --target also recommendation (norm, target, relative: the target over the largest |eps(u)|, choice and cautious with n, steps, h, k, error, interval, cpu_seconds, bytes, finer: h and k of this run over these, extrapolates; cautious_refused, seconds_from: times or counts, check: n and steps, refused). docs/TRADE.md explains them. Exit code 2 with --target: the error of this run has no order to go on with, or no n and N in reach have the error."
 )]
 pub struct Solve {
     /// Name of a scene, or path of a TOML file
@@ -53,6 +54,14 @@ pub struct Solve {
     /// scenes without an exact solution; n and N must be multiples of 4
     #[arg(long, conflicts_with_all = ["vtu", "solver"])]
     estimate: bool,
+    /// Say which n and N reach this error at least predicted cost, from the estimate alone: `1%` is a
+    /// hundredth of the largest strain norm of this run (V_max alone), a plain number is an error in the
+    /// norm. A second pair is cautious: there the upper end of the error's interval is this error
+    #[arg(long, value_name = "E", requires = "estimate")]
+    target: Option<String>,
+    /// Norm of --target: V_max, L2_max, trace_L2_max, pressure_L2_max or stress_L2_max
+    #[arg(long, requires = "target", default_value = "V_max")]
+    norm: String,
     /// Write one VTU file a step and a .pvd index into this directory
     #[arg(long, value_name = "DIR")]
     vtu: Option<PathBuf>,
@@ -120,11 +129,10 @@ impl Solve {
                 setup.linear_solver = self.linear_solver.map(LinearSolver::from);
                 setup.scene.check_cells(n)?;
                 self.admit(&setup, n, None)?;
-                if self.estimate {
-                    companion_runs(&setup, n, self.steps).admit(&self.allowance.limit())?;
-                    return super::estimate::execute(&setup, n, self.steps, self.json);
+                match self.estimate {
+                    true => self.estimated(&setup, n),
+                    false => self.contact(&setup, n),
                 }
-                self.contact(&setup, n)
             }
             (Subject::Abstract(setup), _) if self.estimate => {
                 let hint = "sweep run measures its error against the exact solution";
@@ -149,6 +157,15 @@ impl Solve {
                 Err(setup.scene.error("sweep.n", "a body needs a mesh", hint).into())
             }
         }
+    }
+
+    /// The error of the run, and what another error asks for: nonsense is refused before anything is run.
+    fn estimated(&self, setup: &Setup, n: u32) -> Result<u8, CliError> {
+        let limit = self.allowance.limit();
+        let read = |target: &String| Wanted::read(setup, target, &self.norm, limit);
+        let wanted = self.target.as_ref().map(read).transpose()?;
+        companion_runs(setup, n, self.steps).admit(&limit)?;
+        super::estimate::execute(setup, [n, self.steps], wanted, self.json)
     }
 
     fn decomposes(&self) -> bool {

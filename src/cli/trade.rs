@@ -9,13 +9,13 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::machine::Allowance;
-use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
+use super::{CliError, Scenes, create_dir, print_json, print_text, target, write_file, write_json};
 use crate::scene::{Norm, Scene};
 use crate::setup::{Setup, Subject};
 use crate::sweep::{Overrides, ScenePlan};
 use crate::trade::{
-    Bench, Extrapolated, Knob, NORMS, Plan, Resource, Study, Table, Variant, admit_trade, in_space,
-    in_time, own_grid,
+    Bench, Extrapolated, Knob, Plan, Resource, Study, Table, Variant, admit_trade, in_space, in_time,
+    own_grid,
 };
 
 /// `sweep trade`.
@@ -61,9 +61,9 @@ pub struct TradeCommand {
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        let norm = self.norm()?;
+        let norm = target::norm(&self.norm)?;
         let target =
-            self.target.as_deref().map(|text| answer::Target::read(text, norm)).transpose()?;
+            self.target.as_deref().map(|text| target::Target::read(text, norm)).transpose()?;
         let plain = self.as_written(&scene, norm)?;
         let plan = self.plan(&plain)?;
         self.admit(&scene, [&plan.n, &plan.steps])?;
@@ -124,17 +124,6 @@ impl TradeCommand {
 
     fn at(&self, scene: &Scene, ending: &str) -> PathBuf {
         self.out.join(format!("{}-trade.{ending}", scene.name))
-    }
-
-    fn norm(&self) -> Result<Norm, CliError> {
-        NORMS.into_iter().find(|norm| norm.name() == self.norm).ok_or_else(|| {
-            let known: Vec<&str> = NORMS.iter().map(|norm| norm.name()).collect();
-            CliError::other(format!(
-                "no norm `{}` here: choose one of {}",
-                self.norm,
-                known.join(", ")
-            ))
-        })
     }
 
     /// The scene as written, if errors can be measured in it.

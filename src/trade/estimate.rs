@@ -8,14 +8,18 @@
 //! positive (with three levels there is no drift to measure), and the order of the theorem where the observed one is
 //! within that half. Outside of these no number is given, but the reason.
 
+mod advice;
 mod companions;
+mod costs;
 mod quantity;
 
-pub use companions::{Companions, NormDifferences, Scalar, companion_runs, companions};
+pub use advice::{Advice, Advised, Goal, NoAdvice, advise};
+pub use companions::{Companions, NormDifferences, RunTime, Scalar, companion_runs, companions};
+pub use costs::{CostSource, costs};
 pub use quantity::{QuantityEstimate, quantity};
 
 use crate::fit::{FLOORS_ABOVE, Interval};
-use crate::scene::{Direction, Norm};
+use crate::scene::{Direction, Norm, Prediction};
 use crate::setup::Setup;
 
 /// Half of the width of the orders that are admitted around an observed one. A P1 run on h ≤ 1/8 of the shipped scenes
@@ -35,6 +39,25 @@ pub enum Alignment {
     Either,
 }
 
+/// One admissible reading of the differences: the error of the run, and how it changes with the step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// Error of the run.
+    pub value: f64,
+    /// p towards coarser steps, where the companions are.
+    pub order: f64,
+    /// The same towards finer steps, where nothing was run: at most the order of elements and rule.
+    pub finer: f64,
+}
+
+impl Reading {
+    /// e (s/s₀)^p, with `ratio` = s/s₀ of a step to that of the run.
+    pub fn at(self, ratio: f64) -> f64 {
+        let order = if ratio < 1.0 { self.finer } else { self.order };
+        self.value * ratio.powf(order)
+    }
+}
+
 /// The error of a run in one step.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Part {
@@ -44,10 +67,10 @@ pub enum Part {
     Known {
         /// Observed order.
         order: f64,
-        /// Best value.
-        value: f64,
-        /// Hull of the admissible ones.
-        interval: Interval,
+        /// All that is admissible, the best first.
+        readings: Vec<Reading>,
+        /// The most that elements, rule or theorem allow towards finer steps.
+        most: f64,
     },
     /// None, and why.
     Unknown(String),
@@ -81,29 +104,54 @@ impl Part {
         }
         let near = theory.filter(|theory| (theory - order).abs() <= HALF);
         let orders = [order, order - HALF, order + HALF].into_iter();
-        let orders = orders.chain(near).filter(|order| *order >= LEAST_ORDER);
-        let hull = Interval::of(orders.flat_map(|order| factors(order, how)).map(|f| f * fine));
         // The last two agree with a theorem better than with each other's noise.
-        let best = factors(near.unwrap_or(order), how)[0] * fine;
-        match hull {
-            Some(interval) => Self::Known { order, value: best, interval },
-            None => Self::Unknown("no admissible order".into()),
+        let orders = std::iter::once(near.unwrap_or(order)).chain(orders).chain(near);
+        let read = |order: f64| {
+            let values = factors(order, how).into_iter().map(move |factor| factor * fine);
+            values.map(move |value| Reading { value, order, finer: order })
+        };
+        let readings = orders.filter(|order| *order >= LEAST_ORDER).flat_map(read).collect();
+        Self::Known { order, readings, most: f64::INFINITY }
+    }
+
+    /// Observed order.
+    pub fn order(&self) -> Option<f64> {
+        match self {
+            Self::Known { order, .. } => Some(*order),
+            _ => None,
         }
     }
 
-    fn value(&self) -> Option<f64> {
+    /// The order that is counted on towards finer steps, and the most that is possible.
+    pub fn counted_on(&self) -> Option<[f64; 2]> {
         match self {
-            Self::Below(_) => Some(0.0),
-            Self::Known { value, .. } => Some(*value),
+            Self::Known { readings, most, .. } => Some([readings.first()?.finer, *most]),
+            _ => None,
+        }
+    }
+
+    /// Best value and hull of the admissible ones, at `ratio` times the step of the run.
+    pub fn at(&self, ratio: f64) -> Option<(f64, Interval)> {
+        match self {
+            Self::Below(bound) => Some((0.0, Interval { lo: 0.0, hi: *bound })),
+            Self::Known { readings, .. } => {
+                let values = readings.iter().map(|reading| reading.at(ratio));
+                Some((readings.first()?.at(ratio), Interval::of(values)?))
+            }
             Self::Unknown(_) => None,
         }
     }
 
-    fn interval(&self) -> Option<Interval> {
+    /// Readings fall with orders within `limits` towards finer steps.
+    fn limited(self, limits: Interval) -> Self {
         match self {
-            Self::Below(bound) => Some(Interval { lo: 0.0, hi: *bound }),
-            Self::Known { interval, .. } => Some(*interval),
-            Self::Unknown(_) => None,
+            Self::Known { order, readings, .. } => {
+                let finer = |own: Reading| own.finer.max(limits.lo).min(limits.hi);
+                let limit = |own: Reading| Reading { finer: finer(own), ..own };
+                let readings = readings.into_iter().map(limit).collect();
+                Self::Known { order, readings, most: limits.hi }
+            }
+            other => other,
         }
     }
 }
@@ -132,9 +180,14 @@ impl Estimate {
     /// Both together: best by the root of the sum of squares, the hull from the larger lower end (errors may cancel no
     /// further than that in either model of `fit`) to the sum of the upper ones. None where a part is unknown.
     pub fn total(&self) -> Option<(f64, Interval)> {
-        let value = self.space.value()?.hypot(self.time.value()?);
-        let (space, time) = (self.space.interval()?, self.time.interval()?);
-        Some((value, Interval { lo: space.lo.max(time.lo), hi: space.hi + time.hi }))
+        self.at([1.0; 2])
+    }
+
+    /// The same at other steps, `ratios` = \[h/h₀, k/k₀\] to those of the run: E² = (e_h (h/h₀)^p)² + (e_k (k/k₀)^q)².
+    pub fn at(&self, ratios: [f64; 2]) -> Option<(f64, Interval)> {
+        let (h, space) = self.space.at(ratios[0])?;
+        let (k, time) = self.time.at(ratios[1])?;
+        Some((h.hypot(k), Interval { lo: space.lo.max(time.lo), hi: space.hi + time.hi }))
     }
 
     /// Why there is no total.
@@ -147,24 +200,46 @@ impl Estimate {
     }
 }
 
-/// The error of the run in one norm.
-pub fn norm_estimate(setup: &Setup, found: &Companions, own: &NormDifferences) -> Estimate {
-    let theory = |variable: Direction| {
-        let predicts = setup.scene.predicts.iter();
-        let serves = |p: &&crate::scene::Prediction| p.norm == own.norm && p.variable == variable;
-        predicts.filter(serves).map(|p| p.order).next()
-    };
-    let how = match own.norm {
+/// The order of a theorem for a norm, where the scene has one.
+fn theory(setup: &Setup, norm: Norm, variable: Direction) -> Option<&Prediction> {
+    setup.scene.predicts.iter().find(|p| p.norm == norm && p.variable == variable)
+}
+
+/// Orders towards finer steps. The most is that of piecewise linear elements and the trapezoidal rule (strains and
+/// stresses of P1 are constant in a cell, h; displacements, h²; history, k²), and no more than a theorem says, unless it
+/// says "at least". The least is zero without a theorem; with one, and an order that was observed within the half of it,
+/// twice as far below the theorem's as the observed one is away: the rule of `fit` for a drift, ± 2 |last - limit|.
+fn limits(part: &Part, norm: Norm, variable: Direction, theory: Option<&Prediction>) -> Interval {
+    let strains = how(norm) == Alignment::Orthogonal;
+    let scheme = if strains && variable == Direction::H { 1.0 } else { 2.0 };
+    let hi = theory.filter(|p| !p.at_least).map_or(scheme, |p| p.order.min(scheme));
+    let away = theory.zip(part.order()).map(|(p, order)| (p.order, (p.order - order).abs()));
+    let lo = away.filter(|(_, away)| *away <= HALF).map_or(0.0, |(order, away)| order - 2.0 * away);
+    Interval { lo, hi }
+}
+
+/// Galerkin's orthogonality is one of strains.
+fn how(norm: Norm) -> Alignment {
+    match norm {
         Norm::VMax | Norm::StressL2Max => Alignment::Orthogonal,
         _ => Alignment::Either,
-    };
+    }
+}
+
+/// The error of the run in one norm.
+pub fn norm_estimate(setup: &Setup, found: &Companions, own: &NormDifferences) -> Estimate {
+    let [in_h, in_k] =
+        [Direction::H, Direction::K].map(|own_step| theory(setup, own.norm, own_step));
     let [no_space, no_time] = found.missing.clone().map(|missing| missing.map(Part::Unknown));
     let space = match found.own_on_each_mesh {
         true => Part::Below(0.0),
-        false => Part::of(own.space, own.floor, theory(Direction::H), how),
+        false => Part::of(own.space, own.floor, in_h.map(|p| p.order), how(own.norm)),
     };
-    let time = Part::of(own.time, own.floor, theory(Direction::K), Alignment::Aligned);
-    Estimate { space: no_space.unwrap_or(space), time: no_time.unwrap_or(time) }
+    let time = Part::of(own.time, own.floor, in_k.map(|p| p.order), Alignment::Aligned);
+    let (space, time) = (no_space.unwrap_or(space), no_time.unwrap_or(time));
+    let [of_h, of_k] =
+        [limits(&space, own.norm, Direction::H, in_h), limits(&time, own.norm, Direction::K, in_k)];
+    Estimate { space: space.limited(of_h), time: time.limited(of_k) }
 }
 
 #[cfg(test)]
@@ -173,7 +248,10 @@ mod tests {
 
     fn known(part: &Part) -> (f64, f64, Interval) {
         match part {
-            Part::Known { order, value, interval } => (*order, *value, *interval),
+            Part::Known { order, .. } => {
+                let (value, interval) = part.at(1.0).expect("readings");
+                (*order, value, interval)
+            }
             other => panic!("{other:?}"),
         }
     }
@@ -221,15 +299,48 @@ mod tests {
 
     #[test]
     fn a_total_needs_both_parts() {
+        let read = |value| Reading { value, order: 1.0, finer: 1.0 };
         let part = |value: f64| Part::Known {
             order: 1.0,
-            value,
-            interval: Interval { lo: 0.5 * value, hi: 2.0 * value },
+            readings: [1.0, 0.5, 2.0].map(|factor| read(factor * value)).to_vec(),
+            most: 1.0,
         };
         let both = Estimate { space: part(3.0), time: part(4.0) };
         let (value, interval) = both.total().expect("a total");
         assert!((value - 5.0).abs() < 1e-15 && interval == Interval { lo: 2.0, hi: 14.0 });
         let one = Estimate { time: Part::Unknown("N = 3".into()), ..both };
         assert!(one.total().is_none() && one.reasons() == ["k: N = 3"]);
+    }
+
+    #[test]
+    fn other_steps_have_the_errors_of_the_law() {
+        // 3 h + 4 k² in the sense of u_h - u, at h = k = 1: d₁ = 3, d₂ = 6 in h, 12 and 48 in k.
+        let space = Part::of([3.0, 6.0], 0.0, None, Alignment::Aligned);
+        let time = Part::of([12.0, 48.0], 0.0, None, Alignment::Aligned);
+        let estimate = Estimate { space, time };
+        for [h, k] in [[1.0, 1.0], [0.25, 0.5], [2.0, 0.1], [0.1, 4.0]] {
+            let (value, interval) = estimate.at([h, k]).expect("both parts");
+            let truth = (3.0 * h).hypot(4.0 * k * k);
+            // Roundings of powers.
+            assert!((value / truth - 1.0).abs() < 1e-14, "{h} {k}: {value} {truth}");
+            assert!(interval.contains(truth));
+        }
+        // Half an order less over a factor 16 is a factor 4 of error, beside that of the value itself.
+        let (value, interval) = estimate.at([1.0 / 16.0; 2]).expect("both parts");
+        assert!(interval.hi > 4.0 * value && interval.lo < value / 4.0);
+        // Nothing falls faster than its elements, and nothing is changed towards coarser steps.
+        let fast = Part::of([3.0, 12.0], 0.0, None, Alignment::Orthogonal);
+        let limited = fast.clone().limited(Interval { lo: 0.0, hi: 1.0 });
+        let best = |part: &Part, ratio: f64| part.at(ratio).expect("a value").0;
+        assert!((best(&limited, 0.25) / best(&limited, 1.0) - 0.25).abs() < 1e-15);
+        assert!((best(&fast, 0.25) / best(&fast, 1.0) - 0.0625).abs() < 1e-15);
+        assert_eq!(best(&limited, 4.0), best(&fast, 4.0));
+        // A theorem bounds the slowest reading as well: without it half an order less goes on.
+        let upper = |part: &Part| part.at(1.0 / 64.0).expect("a hull").1.hi;
+        let slow = fast.clone().limited(Interval { lo: 0.9, hi: 1.0 });
+        let unlimited = Part::of([3.0, 6.0], 0.0, None, Alignment::Orthogonal);
+        let bounded = unlimited.clone().limited(Interval { lo: 0.9, hi: 1.0 });
+        assert!((upper(&unlimited) / upper(&bounded) / 64f64.powf(0.4) - 1.0).abs() < 1e-14);
+        assert!(upper(&slow) <= upper(&limited));
     }
 }

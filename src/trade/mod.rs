@@ -1,6 +1,7 @@
 //! Speed against accuracy, measured: runs over the knobs that a scene offers, models of error and cost, the cheapest
 //! way to an error, and what each knob buys; and the error of a single run from coarser ones.
 
+mod candidates;
 mod composition;
 mod cost_model;
 mod error_model;
@@ -17,6 +18,7 @@ mod study;
 mod target;
 mod trial;
 
+pub use candidates::{Candidates, MOST};
 pub use composition::Composition;
 pub use cost_model::{CostModel, CostSample, NoCost};
 pub use error_model::{ErrorModel, Term};
@@ -29,5 +31,5 @@ pub use pareto::{front, front_of_three};
 pub use picture::Resource;
 pub use prices::Price;
 pub use study::{Plan, Study, TradeError};
-pub use target::{Answer, Choices, NoAnswer, cheapest};
+pub use target::{Answer, AtSteps, Choices, NoAnswer, cheapest};
 pub use trial::{Outcome, Table, TableError, Trial};

@@ -1,7 +1,5 @@
 //! "Which n and N for this error?": the cheapest whole numbers that the models allow.
 
-use super::ErrorModel;
-
 /// What may be chosen from.
 pub struct Choices<'a> {
     /// Smallest n, and smallest N: models are not trusted on coarser grids than were run.
@@ -68,14 +66,17 @@ pub enum NoAnswer {
     },
 }
 
-/// The cheapest choice whose predicted error is at most `target`; `seconds` is the cost at (h, k), growing with either
-/// refinement.
+/// A number at (h, k).
+pub type AtSteps<'a> = dyn Fn(f64, f64) -> f64 + 'a;
+
+/// The cheapest choice whose predicted error is at most `target`: the least `seconds` under `error` ≤ `target`, the one
+/// growing and the other falling with either refinement.
 ///
 /// # Errors
 /// [`NoAnswer`].
 pub fn cheapest(
-    error: &ErrorModel,
-    seconds: &dyn Fn(f64, f64) -> f64,
+    error: &AtSteps<'_>,
+    seconds: &AtSteps<'_>,
     target: f64,
     choices: &Choices<'_>,
 ) -> Result<Answer, NoAnswer> {
@@ -92,26 +93,23 @@ pub fn cheapest(
         }
         let Some(steps) = steps(error, target, h, choices) else { continue };
         let k = (choices.k)(steps);
-        let found = Answer { n, steps, error: error.error(h, k), seconds: seconds(h, k) };
+        let found = Answer { n, steps, error: error(h, k), seconds: seconds(h, k) };
         if best.is_none_or(|best| found.seconds < best.seconds) {
             best = Some(found);
-        }
-        if error.space.is_none() {
-            break;
         }
     }
     best.ok_or_else(|| NoAnswer::OutOfReach {
         target,
         n: most[0],
         steps: most[1],
-        least: error.error((choices.h)(most[0]), (choices.k)(most[1])),
+        least: error((choices.h)(most[0]), (choices.k)(most[1])),
     })
 }
 
 /// The fewest steps on a mesh.
-fn steps(error: &ErrorModel, target: f64, h: f64, choices: &Choices<'_>) -> Option<u32> {
+fn steps(error: &AtSteps<'_>, target: f64, h: f64, choices: &Choices<'_>) -> Option<u32> {
     let [least, most] = [choices.least[1], choices.most[1]];
-    let serves = |steps: u32| error.error(h, (choices.k)(steps)) <= target;
+    let serves = |steps: u32| error(h, (choices.k)(steps)) <= target;
     if !serves(most) {
         return None;
     }
@@ -129,11 +127,11 @@ fn steps(error: &ErrorModel, target: f64, h: f64, choices: &Choices<'_>) -> Opti
 
 #[cfg(test)]
 mod tests {
-    use super::super::Term;
+    use super::super::{ErrorModel, Term};
     use super::*;
     use crate::fit::{Interval, Model};
 
-    fn models() -> (ErrorModel, fn(f64, f64) -> f64) {
+    fn error(h: f64, k: f64) -> f64 {
         let term = |constant, order| {
             Some(Term { constant, order, interval: Interval::around(order, 0.0) })
         };
@@ -144,7 +142,11 @@ mod tests {
             source: String::new(),
             residual: 0.0,
         };
-        (error, |h, k| 1e-6 * h.powf(-2.2) * k.powf(-0.9))
+        error.error(h, k)
+    }
+
+    fn cost(h: f64, k: f64) -> f64 {
+        1e-6 * h.powf(-2.2) * k.powf(-0.9)
     }
 
     const ALL: Choices<'_> = Choices {
@@ -158,18 +160,17 @@ mod tests {
 
     #[test]
     fn the_answer_is_the_cheapest_of_all_pairs() {
-        let (error, cost) = models();
         for (choices, target) in [
             (Choices { ..ALL }, 0.02),
             (Choices { ..ALL }, 0.1),
             (Choices { cells: &|n| n % 8 == 0, steps: &|steps| 64 % steps == 0, ..ALL }, 0.03),
         ] {
-            let found = cheapest(&error, &|h, k| cost(h, k), target, &choices).expect("an answer");
+            let found = cheapest(&error, &cost, target, &choices).expect("an answer");
             let mut least = f64::INFINITY;
             for n in (4..=200).filter(|&n| (choices.cells)(n)) {
                 for steps in (2..=100).filter(|&steps| (choices.steps)(steps)) {
                     let (h, k) = (1.0 / f64::from(n), 1.0 / f64::from(steps));
-                    if error.error(h, k) <= target {
+                    if error(h, k) <= target {
                         least = least.min(cost(h, k));
                     }
                 }
@@ -182,13 +183,11 @@ mod tests {
 
     #[test]
     fn nonsense_and_the_unreachable_are_refused() {
-        let (error, cost) = models();
         for target in [0.0, -1.0, f64::NAN] {
-            let refused = cheapest(&error, &|h, k| cost(h, k), target, &ALL);
+            let refused = cheapest(&error, &cost, target, &ALL);
             assert!(matches!(refused, Err(NoAnswer::NotPositive { .. })));
         }
-        let refused =
-            cheapest(&error, &|h, k| cost(h, k), 0.002, &ALL).expect_err("h = 1/200 leaves 0.0025");
+        let refused = cheapest(&error, &cost, 0.002, &ALL).expect_err("h = 1/200 leaves 0.0025");
         assert!(matches!(refused, NoAnswer::OutOfReach { n: 200, least, .. } if least > 0.0025));
     }
 }

@@ -1,58 +1,24 @@
 //! `--target E` and `--confirm`: the cheapest n, N and knob for an error, and the same run for real.
 
-use std::cell::RefCell;
-use std::collections::HashMap;
-
 use serde_json::{Value, json};
 
+use super::super::target::Target;
 use super::super::{CliError, Scenes};
 use super::finite;
 use super::words::megabytes;
 use crate::fit::FLOORS_ABOVE;
 use crate::scene::Norm;
-use crate::setup::{Setup, Subject, check_step_sizes};
+use crate::setup::Setup;
 use crate::sweep::{MemoryLimit, admit_run, run_cost};
 use crate::trade::{
-    Answer, Bench, Choices, Knob, NoAnswer, Optimum, Plan, Study, Variant, cheapest, knobs, optimum,
+    Answer, Bench, Candidates, Choices, Knob, MOST, NoAnswer, Optimum, Plan, Study, Variant,
+    cheapest, knobs, optimum,
 };
 
 /// Runs of a confirmed answer for the clock.
 const CONFIRMING: u32 = 5;
-/// No larger n or N is proposed: `sweep solve` takes no larger n, and N beyond it is a campaign of its own.
-const MOST: [u32; 2] = [4096, 100_000];
 /// A knob is taken where it saves this part of the time at least, and moves the error by less.
 const WORTH: f64 = 0.05;
-
-/// An error that is wanted.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Target {
-    Absolute(f64),
-    /// A part of the largest ‖ε(u)‖.
-    Relative(f64),
-}
-
-impl Target {
-    pub(super) fn read(text: &str, norm: Norm) -> Result<Self, CliError> {
-        let (number, relative) = match text.trim().strip_suffix('%') {
-            Some(number) => (number.trim(), true),
-            None => (text.trim(), false),
-        };
-        let value: f64 = number.parse().map_err(|_| {
-            CliError::other(format!("--target {text}: not a number; `0.01` is an error in the norm, `1%` a hundredth of the solution"))
-        })?;
-        if !(value.is_finite() && value > 0.0) {
-            return Err(CliError::other(NoAnswer::NotPositive { target: value }));
-        }
-        match (relative, norm) {
-            (false, _) => Ok(Self::Absolute(value)),
-            (true, Norm::VMax) => Ok(Self::Relative(value / 100.0)),
-            (true, _) => Err(CliError::other(format!(
-                "--target {text}: a part of the solution is known in V_max alone; give an error in {}",
-                norm.name()
-            ))),
-        }
-    }
-}
 
 /// The answer with what it rests on.
 pub(super) struct Answered {
@@ -76,10 +42,7 @@ impl Answered {
         limit: &MemoryLimit,
     ) -> Result<Self, CliError> {
         let setup = &bench.plain.setup;
-        let target = match target {
-            Target::Absolute(value) => value,
-            Target::Relative(part) => part * study.size,
-        };
+        let target = target.of(study.size);
         let words =
             |what: &str, reason: &String| CliError::other(format!("no answer: {what}: {reason}"));
         let error =
@@ -98,17 +61,9 @@ impl Answered {
         let reference = reference.filter(|_| setup.exact.is_none());
         // A run as fine as the reference has no error against it.
         let most = reference.map_or(MOST, |r| [r.n as u32 / 2, r.steps as u32 / 2]);
-        let h = |n: u32| setup.body.domain.h(n);
-        let k = |steps: u32| setup.grid(steps).largest_step();
-        let cells = |n: u32| setup.scene.check_cases(&[n], &[]).is_ok();
-        let subject = Subject::new(setup.scene.clone())?;
-        // Whether (3.4) and solvability leave a number of steps: asked once for each.
-        let known: RefCell<HashMap<u32, bool>> = RefCell::default();
-        let safe = |steps: u32| {
-            let verdict = || check_step_sizes(&subject, &[steps]).is_ok();
-            *known.borrow_mut().entry(steps).or_insert_with(verdict)
-        };
-        let steps = |steps: u32| setup.scene.check_cases(&[], &[steps]).is_ok() && safe(steps);
+        let own = Candidates::new(setup, true)?;
+        let (h, k) = (|n: u32| own.h(n), |steps: u32| own.k(steps));
+        let (cells, steps) = (|n: u32| own.cells(n), |steps: u32| own.steps(steps));
         let [Some(&n0), Some(&steps0)] = [plan.n.first(), plan.steps.first()] else {
             return Err(CliError::other("no answer: nothing was run"));
         };
@@ -118,11 +73,12 @@ impl Answered {
         let seconds = |h: f64, k: f64| {
             sum.map_or_else(|| cost.seconds(h, k), |composition| composition.seconds(h, k))
         };
-        let mut choice = cheapest(error, &seconds, target, &choices).map_err(CliError::other)?;
+        let law = |h: f64, k: f64| error.error(h, k);
+        let mut choice = cheapest(&law, &seconds, target, &choices).map_err(CliError::other)?;
         let (knob, factors) = best_knob(setup, study, choice);
         let inner = target / factors[1].max(1.0);
         if inner < target {
-            choice = cheapest(error, &seconds, inner, &choices).map_err(CliError::other)?;
+            choice = cheapest(&law, &seconds, inner, &choices).map_err(CliError::other)?;
         }
         choice.seconds *= factors[0];
         choice.error *= factors[1];

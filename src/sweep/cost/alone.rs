@@ -1,6 +1,6 @@
 //! What one run takes without measuring its error.
 
-use super::truth::load_bytes;
+use super::truth::{load_bytes, truth};
 use super::{PROGRAM, march};
 use crate::contact::Discretization;
 use crate::setup::Setup;
@@ -8,6 +8,8 @@ use crate::setup::Setup;
 /// What one run takes without measuring its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunCost {
+    /// CPU seconds of loads and march, without mesh and analysis.
+    pub seconds: f64,
     /// Peak memory of a process that does this run alone.
     pub memory_bytes: f64,
     /// What the march has of it: factor, matrices, vectors and history.
@@ -18,11 +20,13 @@ pub struct RunCost {
     pub load_bytes: f64,
 }
 
-/// The memory of one run, mesh, loads and march, as `sweep solve` does it.
+/// The cost of one run, mesh, loads and march, as `sweep solve` does it.
 pub fn run_cost(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> RunCost {
     let run = march(setup, space, n, steps);
     let load_bytes = load_bytes(setup, space);
+    let own = truth(setup, None, space);
     RunCost {
+        seconds: run.seconds + own.parts_seconds + own.load * (f64::from(steps) + 1.0),
         memory_bytes: PROGRAM + run.memory_bytes + load_bytes,
         march_bytes: run.memory_bytes,
         history_bytes: (setup.history_vectors(steps) * space.dofs() * 8) as f64,

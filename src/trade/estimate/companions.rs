@@ -1,8 +1,11 @@
 //! A run with its coarser companions, and the differences of each pair in every norm.
 
+use std::time::{Duration, Instant};
+
+use cpu_time::ThreadTime;
 use serde_json::Value;
 
-use crate::contact::{CaseError, Discretization, Floors, LevelFields, LoadError};
+use crate::contact::{CaseError, Discretization, Floors, LevelFields, LoadError, StepView};
 use crate::norms::{ReferenceRun, step_errors};
 use crate::scene::{Data, Norm};
 use crate::setup::{MeshData, Setup, SetupError};
@@ -22,6 +25,22 @@ pub struct Companions {
     pub missing: [Option<String>; 2],
     /// The data depend on the mesh, so that each mesh has a solution of its own and h no error.
     pub own_on_each_mesh: bool,
+    /// Largest ‖ε(u_n)‖ of the run.
+    pub size: f64,
+    /// What each run took, the run itself first.
+    pub times: Vec<RunTime>,
+}
+
+/// CPU seconds of one run as if it were alone: mesh, analysis, loads and march, without what companions are kept and
+/// compared for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunTime {
+    /// Cells a unit length.
+    pub n: u32,
+    /// Number of steps.
+    pub steps: u32,
+    /// CPU seconds of the thread.
+    pub seconds: f64,
 }
 
 /// A named quantity in a run and its companions.
@@ -55,8 +74,35 @@ const COMPARED: u32 = 64;
 /// Two times are the same within rounding.
 const SAME_TIME: f64 = 1e-9;
 
+/// A mesh with its loads, and the CPU seconds that it took.
+struct Meshed {
+    n: u32,
+    data: MeshData,
+    seconds: f64,
+}
+
+impl Meshed {
+    fn new(setup: &Setup, n: u32) -> Result<Self, SetupError> {
+        let clock = ThreadTime::now();
+        let data = MeshData::new(setup, n, None)?;
+        Ok(Self { n, data, seconds: clock.elapsed().as_secs_f64() })
+    }
+}
+
+/// CPU seconds of a run: mesh, loads, and all else of the march.
+#[derive(Clone, Copy)]
+struct Clock {
+    mesh: f64,
+    load: f64,
+    march: f64,
+}
+
 /// One run: fields at the compared times, the state at T, floors.
 struct Run {
+    n: u32,
+    steps: u32,
+    clock: Clock,
+    size: f64,
     levels: Vec<LevelFields>,
     state: FinalState,
     floors: Floors,
@@ -70,14 +116,15 @@ struct Run {
 /// # Errors
 /// The run itself; a companion that fails is `missing`.
 pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, SetupError> {
-    let data = MeshData::new(setup, n, None)?;
+    let mesh = Meshed::new(setup, n)?;
     let own_on_each_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-    let own = run(setup, &data, n, [steps, steps], None)?;
-    let (in_time, no_time) = split(time_companions(setup, &data, n, steps));
+    let own = run(setup, &mesh, [steps, steps], None)?;
+    let (in_time, no_time) = split(time_companions(setup, &mesh, steps));
     let (in_space, no_space) = match own_on_each_mesh {
         true => (None, None),
         false => split(space_companions(setup, n, steps, &own)),
     };
+    let data = &mesh.data;
     let floors = [&in_time, &in_space]
         .into_iter()
         .flatten()
@@ -85,7 +132,7 @@ pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, Setup
         .fold(own.floors, |floors, run| floors.max(run.floors));
     let time = in_time
         .as_ref()
-        .map(|[half, quarter]| [distance(&data, &own, half), distance(&data, half, quarter)]);
+        .map(|[half, quarter]| [distance(data, &own, half), distance(data, half, quarter)]);
     let space = in_space.as_ref().map(|[half, quarter]| [half.apart, quarter.apart]);
     let read = |pair: &Option<[Floors; 2]>, norm: Norm| {
         pair.map_or([f64::NAN; 2], |pair| pair.map(|floors| floor_in(&floors, norm)))
@@ -102,6 +149,8 @@ pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, Setup
         let [half, quarter] = runs.as_ref()?;
         Some([scalar(&quarter.state, name)?, scalar(&half.state, name)?, value])
     };
+    let runs = [&in_time, &in_space].into_iter().flatten().flatten();
+    let times = std::iter::once(&own).chain(runs).map(|run| run.alone(&own)).collect();
     let quantities = scalars(&own.state).into_iter().map(|(name, value)| {
         let space = match own_on_each_mesh {
             true => Some([value; 3]),
@@ -115,6 +164,8 @@ pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, Setup
         quantities: quantities.collect(),
         missing: [no_space, no_time],
         own_on_each_mesh,
+        size: own.size,
+        times,
         state: own.state,
     })
 }
@@ -139,7 +190,7 @@ fn split<T>(outcome: Result<T, String>) -> (Option<T>, Option<String>) {
 }
 
 /// Half and a quarter of the steps on the same mesh.
-fn time_companions(setup: &Setup, data: &MeshData, n: u32, steps: u32) -> Result<[Run; 2], String> {
+fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2], String> {
     if !steps.is_multiple_of(4) {
         return Err(format!("N = {steps} is no multiple of 4"));
     }
@@ -149,7 +200,7 @@ fn time_companions(setup: &Setup, data: &MeshData, n: u32, steps: u32) -> Result
         return Err("the grids of N and N/4 steps share no times".into());
     }
     let companion = |own: u32| {
-        run(setup, data, n, [own, steps], None)
+        run(setup, mesh, [own, steps], None)
             .map_err(|error| format!("the companion with N = {own} fails: {error}"))
     };
     Ok([companion(steps / 2)?, companion(steps / 4)?])
@@ -166,49 +217,83 @@ fn space_companions(setup: &Setup, n: u32, steps: u32, own: &Run) -> Result<[Run
     let companion = |own: u32, finer: &Run| -> Result<Run, String> {
         let failed =
             |error: &dyn std::fmt::Display| format!("the companion with n = {own} fails: {error}");
-        let data = MeshData::new(setup, own, None).map_err(|error| failed(&error))?;
-        run(setup, &data, own, [steps, steps], Some(&finer.kept)).map_err(|error| failed(&error))
+        let mesh = Meshed::new(setup, own).map_err(|error| failed(&error))?;
+        run(setup, &mesh, [steps, steps], Some(&finer.kept)).map_err(|error| failed(&error))
     };
     let half = companion(n / 2, own)?;
     let quarter = companion(n / 4, &half)?;
     Ok([half, quarter])
 }
 
+impl Run {
+    /// The seconds of this run alone. Loads are those of the first run on a mesh, a level: companions may find them there.
+    fn alone(&self, first: &Self) -> RunTime {
+        let levels = |run: &Self| f64::from(run.steps + 1);
+        let Clock { mesh, load, march } = self.clock;
+        let load = match self.n == first.n {
+            true => first.clock.load * levels(self) / levels(first),
+            false => load,
+        };
+        RunTime { n: self.n, steps: self.steps, seconds: mesh + load + march }
+    }
+}
+
 /// One run, kept at the times of N/4 steps (thinned), N being the steps of the finest one.
 fn run(
     setup: &Setup,
-    data: &MeshData,
-    n: u32,
+    mesh: &Meshed,
     [own, finest]: [u32; 2],
     finer: Option<&ReferenceRun>,
 ) -> Result<Run, CaseError> {
     let refused =
         |error: &dyn std::fmt::Display| LoadError::Reference { reason: error.to_string() };
-    let refinement = finer.map(|finer| finer.refinement(&data.space)).transpose();
+    let (n, space) = (mesh.n, &mesh.data.space);
+    let refinement = finer.map(|finer| finer.refinement(space)).transpose();
     let refinement = refinement.map_err(|error| refused(&error))?;
     let stride = stride(own, finest);
-    let mut kept = ReferenceRun::new(data.space.clone());
+    let mut kept = ReferenceRun::new(space.clone());
     let (mut levels, mut state, mut apart) = (Vec::new(), None, Floors::default());
-    let info = setup.scheme.march(setup, data, own, &mut |view| {
+    let mut keep = |view: &StepView<'_>| -> Result<(), CaseError> {
         let last = view.n == own as usize;
         if !(last || view.n.is_multiple_of(stride as usize)) {
             return Ok(());
         }
         if let Some((finer, refinement)) = finer.zip(refinement.as_ref()) {
             let truth =
-                finer.moments(refinement, &data.space, view.t).map_err(|error| refused(&error))?;
-            apart = apart.max(as_floors(&step_errors(&data.space, &setup.model, view, &truth)));
+                finer.moments(refinement, space, view.t).map_err(|error| refused(&error))?;
+            apart = apart.max(as_floors(&step_errors(space, &setup.model, view, &truth)));
         }
         kept.keep(&setup.model, view);
-        levels.push(LevelFields::of(&data.space, &setup.model, view));
+        levels.push(LevelFields::of(space, &setup.model, view));
         if last {
-            state = Some(FinalState::new(&data.space, &setup.model, view));
+            state = Some(FinalState::new(space, &setup.model, view));
         }
         Ok(())
+    };
+    let (clock, wall, mut keeping) = (ThreadTime::now(), Instant::now(), Duration::ZERO);
+    let info = setup.scheme.march(setup, &mesh.data, own, &mut |view| {
+        let clock = ThreadTime::now();
+        let outcome = keep(view);
+        keeping += clock.elapsed();
+        outcome
     })?;
+    let taken = clock.elapsed().as_secs_f64();
+    // A share of the wall is one of the CPU time, wherever the thread had to wait.
+    let load = taken * (info.seconds_load / wall.elapsed().as_secs_f64()).min(1.0);
+    let march = (taken - keeping.as_secs_f64() - load).max(0.0);
     let missing =
         || LoadError::Reference { reason: format!("the run on n = {n} has no last level") };
-    Ok(Run { levels, state: state.ok_or_else(missing)?, floors: info.floors, kept, apart })
+    Ok(Run {
+        n,
+        steps: own,
+        clock: Clock { mesh: mesh.seconds, load, march },
+        size: info.strain_norm,
+        levels,
+        state: state.ok_or_else(missing)?,
+        floors: info.floors,
+        kept,
+        apart,
+    })
 }
 
 /// Levels of a run with `own` steps between two compared ones, N = `finest` being the steps of the finest.
