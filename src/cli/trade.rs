@@ -14,8 +14,8 @@ use crate::scene::{Norm, Scene};
 use crate::setup::{Setup, Subject};
 use crate::sweep::{Overrides, ScenePlan};
 use crate::trade::{
-    Bench, Extrapolated, Knob, Plan, Resource, Study, Table, Variant, admit_trade, in_space, in_time,
-    own_grid,
+    Bench, Extrapolated, Knob, Plan, Resource, Study, Table, Variant, admit_trade, in_space,
+    in_time, own_grid,
 };
 
 /// `sweep trade`.
