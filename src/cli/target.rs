@@ -41,6 +41,7 @@ impl Target {
             ))),
         }
     }
+
     /// The error itself, where the solution has this size.
     pub(super) fn of(self, size: f64) -> f64 {
         match self {
