@@ -225,15 +225,20 @@ fn list_explain_and_check_have_their_json() {
     for case in cases {
         keys(
             case,
-            &[&["n", "steps", "dofs", "linear_solver", "history_bytes", "norms"][..], &predicted]
-                .concat(),
+            &[
+                &["n", "steps", "dofs", "plan", "linear_solver", "history_bytes", "norms"][..],
+                &predicted,
+            ]
+            .concat(),
         );
+        assert_eq!(case["plan"], "newton");
         assert!(predicted.iter().all(|key| case[key].as_f64().is_some_and(|value| value > 0.0)));
         // 4 × 4 squares, 25 vertices, 5 of them clamped, two unknowns each.
         assert_eq!(case["dofs"], 40);
     }
     let punch = json(&sweep(&["explain", "punch", "--json"]));
-    keys(&punch["reference"], &[&["n", "steps", "linear_solver"][..], &predicted].concat());
+    let run = ["n", "steps", "plan", "linear_solver"];
+    keys(&punch["reference"], &[&run[..], &predicted].concat());
     assert!(plan["reference"].is_null());
     let check = json(&sweep(&["check", "affine", "--json"]));
     keys(&check, &["scene", "findings"]);
