@@ -69,10 +69,6 @@ fn print(found: &Companions, estimates: &[(Norm, Estimate)], quantities: &[Quant
     }
 }
 
-fn megabytes(bytes: f64) -> String {
-    format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
-}
-
 fn bracketed(interval: Interval) -> String {
     format!("[{:.3e}, {:.3e}]", interval.lo, interval.hi)
 }

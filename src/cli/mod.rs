@@ -41,7 +41,7 @@ use std::process::ExitCode;
 pub use fit::{Fitted, fitted};
 
 use clap::{Parser, Subcommand};
-use output::{create_dir, print_json, print_text, write_file, write_json};
+use output::{create_dir, megabytes, print_json, print_text, write_file, write_json};
 
 use crate::scene::{Registry, Scene, SceneError};
 use crate::setup::{Setup, SetupError, Subject};

@@ -20,6 +20,11 @@ pub fn print_text(text: &str) {
     }
 }
 
+/// Bytes in MiB.
+pub fn megabytes(bytes: f64) -> String {
+    format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
+}
+
 /// Creates a directory and what is above it.
 pub fn create_dir(dir: &Path) -> Result<(), CliError> {
     std::fs::create_dir_all(dir).map_err(|error| CliError::about(dir.display(), error))

@@ -52,10 +52,15 @@ impl StiffnessFactor {
         let (values, factor) = (Arc::new(values), Arc::new(factor));
         Ok(Self { tensor: tensor.clone(), unknowns, values, factor })
     }
+}
 
-    fn is(&self, tensor: &TensorField, unknowns: Unknowns) -> bool {
-        self.unknowns == unknowns && self.tensor == *tensor
-    }
+/// The one of `tensor`, if it is held.
+fn find(
+    held: &[Arc<StiffnessFactor>],
+    tensor: &TensorField,
+    unknowns: Unknowns,
+) -> Option<Arc<StiffnessFactor>> {
+    held.iter().find(|own| own.unknowns == unknowns && own.tensor == *tensor).cloned()
 }
 
 /// The factors that a mesh holds.
@@ -83,8 +88,8 @@ impl Discretization {
         work.linear.factorizations += 1;
         // Locked while the factor is made: another run that needs it waits for it.
         let mut held = self.factors.held.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = held.iter().find(|own| own.is(tensor, unknowns)) {
-            return Ok(found.clone());
+        if let Some(found) = find(&held, tensor, unknowns) {
+            return Ok(found);
         }
         let new = Arc::new(StiffnessFactor::new(self, tensor, unknowns, work)?);
         if held.len() == HELD {
@@ -98,14 +103,11 @@ impl Discretization {
     fn passing_factor(&self, tensor: &TensorField) -> Result<Arc<StiffnessFactor>, FactorError> {
         let unknowns = Unknowns::Displacements;
         let held = self.factors.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = held.iter().find(|own| own.is(tensor, unknowns)).cloned();
+        let found = find(&held, tensor, unknowns);
+        // Nobody waits for a factor that is not held.
         drop(held);
-        match found {
-            Some(found) => Ok(found),
-            None => {
-                StiffnessFactor::new(self, tensor, unknowns, &mut Work::default()).map(Arc::new)
-            }
-        }
+        let own = || StiffnessFactor::new(self, tensor, unknowns, &mut Work::default());
+        found.map_or_else(|| own().map(Arc::new), Ok)
     }
 
     /// How many factors of stiffness matrices were made on this mesh.

@@ -25,9 +25,7 @@ impl<'a> ElasticProjection<'a> {
         elasticity: &TensorField,
         mu: f64,
     ) -> Result<Self, FactorError> {
-        let operator = operator(space, elasticity, mu);
-        let inverse = StiffnessInverse::passing(space, &operator)?;
-        Ok(Self { space, operator, inverse })
+        Self::by(space, elasticity, mu, StiffnessInverse::passing)
     }
 
     /// The same by a factor that `space` holds from then on: runs on other grids in time ask for it again.
@@ -39,8 +37,22 @@ impl<'a> ElasticProjection<'a> {
         elasticity: &TensorField,
         mu: f64,
     ) -> Result<Self, FactorError> {
-        let operator = operator(space, elasticity, mu);
-        let inverse = StiffnessInverse::held(space, &operator, &mut Work::default())?;
+        Self::by(space, elasticity, mu, |space, operator| {
+            StiffnessInverse::held(space, operator, &mut Work::default())
+        })
+    }
+
+    fn by(
+        space: &'a Discretization,
+        elasticity: &TensorField,
+        mu: f64,
+        inverse: impl FnOnce(
+            &'a Discretization,
+            &TensorField,
+        ) -> Result<StiffnessInverse<'a>, FactorError>,
+    ) -> Result<Self, FactorError> {
+        let operator = elasticity.plus(mu, &TensorField::identity(), space.mesh.dimension);
+        let inverse = inverse(space, &operator)?;
         Ok(Self { space, operator, inverse })
     }
 
@@ -83,9 +95,4 @@ impl<'a> ElasticProjection<'a> {
         force[space.dofs()..].fill(0.0);
         crate::contact::strain_norm(space, &force)
     }
-}
-
-/// A = 𝒜 + μ.
-fn operator(space: &Discretization, elasticity: &TensorField, mu: f64) -> TensorField {
-    elasticity.plus(mu, &TensorField::identity(), space.mesh.dimension)
 }

@@ -17,7 +17,7 @@ mod truth;
 use std::collections::HashSet;
 
 pub(super) use alone::march_bytes;
-pub use alone::{RunCost, run_cost};
+pub use alone::{RunCost, run_cost, run_seconds};
 use linear::linear;
 use truth::{TruthCost, truth, zeta};
 
@@ -302,11 +302,10 @@ fn march(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> Cost {
     let history = setup.history_vectors(steps) * dofs * 8;
     // Five matrices with their index; some thirty vectors, and three for each of the eight levels that are expanded
     // together where condensation has one factor.
-    let multiple = !Plan::changes_factor(&setup.model);
-    let together = kind == Kind::Condensed && multiple;
+    let together = kind == Kind::Condensed && !Plan::changes_factor(&setup.model);
     let vectors_bytes = if together { 240.0 + 192.0 } else { 240.0 } * dofs as f64;
-    let one_factor = linear_solver == LinearSolver::Direct
-        && (together || kind == Kind::LinearMultiple && multiple);
+    let one_factor =
+        together || (kind == Kind::LinearMultiple && linear_solver == LinearSolver::Direct);
     let memory_bytes =
         linear_bytes + 52.0 * space.pattern.entries() as f64 + vectors_bytes + history as f64;
     Cost {

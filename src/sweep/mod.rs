@@ -23,7 +23,7 @@ pub use abstract_case::run_abstract_case;
 pub use admission::{Beside, Refused, Runs, admit_plan};
 pub use case::{as_floors, floor_in, run_contact_case};
 pub use circumstances::Circumstances;
-pub use cost::{Cost, Kind, PlanCost, RunCost, predict, run_cost};
+pub use cost::{Cost, Kind, PlanCost, RunCost, predict, run_cost, run_seconds};
 pub use extend::{AddedCase, ROUNDS, Step, extend, words};
 pub use floors::{
     FloorPart, FloorRow, abstract_floors, contact_floors, direct_history, floors_beside,

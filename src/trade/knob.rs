@@ -276,6 +276,26 @@ mod tests {
         assert_eq!(from(Knob::DirectHistory, "power-law"), Some(336));
     }
 
+    /// A tolerance is one for general kernels: sums of exponentials keep their recursion, in what is predicted as well.
+    #[test]
+    fn a_history_tolerance_leaves_recursions_alone() {
+        let vectors = |name, interpolated_to: Option<Option<f64>>| {
+            let setup = Setup::new(scene(name)).unwrap_or_else(|error| panic!("{error}"));
+            let setup = match interpolated_to {
+                Some(error) => setup.with_history(error),
+                None => setup,
+            };
+            setup.history_vectors(1000)
+        };
+        let [written, loose, direct] =
+            [None, Some(Some(1e-3)), Some(None)].map(|to| vectors("linear-punch", to));
+        // One state and the last level; all levels.
+        assert_eq!([written, loose, direct], [2, 2, 1001]);
+        let [written, loose, direct] =
+            [None, Some(Some(1e-3)), Some(None)].map(|to| vectors("power-law", to));
+        assert!(loose < written && written < direct && direct == 1001, "{loose} {written}");
+    }
+
     /// Looser sums are other sums, by no more than what they are allowed, and hold less.
     #[test]
     fn looser_histories_move_the_solution_by_what_they_say() {

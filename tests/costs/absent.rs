@@ -6,8 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use gronwall::contact::{BoundaryRule, CaseInfo, MemoryTerm, Model, Plan, march, march_in_volume};
 use gronwall::history::{TimeGrid, TimeRule};
 use gronwall::law::{
-    ExponentialSum, HistoryKernel, MemoryKernel, NoPotential, Potential, Projection, Response,
-    YieldLimit,
+    ExponentialSum, HistoryKernel, NoPotential, Potential, Projection, Response, YieldLimit,
 };
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::tensor::Symmetric;
@@ -146,15 +145,6 @@ impl TimeRule for CountedRule {
     }
 }
 
-/// A kernel that is summed over the past, whatever it is.
-struct General(Box<dyn MemoryKernel>);
-
-impl MemoryKernel for General {
-    fn value(&self, lag: f64) -> f64 {
-        self.0.value(lag)
-    }
-}
-
 /// Weights of kernels that a march of `setup` asks for.
 fn weights(setup: &mut Setup, data: &MeshData) -> usize {
     let asked = Asked::default();
@@ -184,11 +174,8 @@ fn what_is_not_remembered_is_not_summed() {
         (without, recursive) =
             (without + usize::from(terms == 0), recursive + usize::from(terms > 0));
         // What is summed is counted: a recursion that sums would be seen. In a plan on Γ3 its past is summed as well.
-        let mut setup = Setup::new(setup.scene).unwrap_or_else(|error| panic!("{error}"));
-        for term in &mut setup.model.memory {
-            let none = Box::new(ExponentialSum { terms: Vec::new() });
-            term.kernel = Box::new(General(std::mem::replace(&mut term.kernel, none)));
-        }
+        let setup = Setup::new(setup.scene).unwrap_or_else(|error| panic!("{error}"));
+        let mut setup = setup.with_history(None);
         let sums = terms * levels * (levels - 1) / 2;
         assert!(weights(&mut setup, &data) >= terms * levels + sums, "{name}");
     }

@@ -1,5 +1,6 @@
 //! Recursive, interpolated and direct sums over the past, for every scene whose kernels and rule have all three.
 
+use gronwall::contact::MemoryTerm;
 use gronwall::history::{Memory, TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::MemoryKernel;
 use gronwall::setup::{MeshData, Setup};
@@ -32,19 +33,12 @@ impl MemoryKernel for Secret {
 }
 
 fn keep_secret(setup: &mut Setup, off: f64) {
-    for term in &mut setup.model.memory {
-        let nothing = Box::new(Secret { kernel: Box::new(Zero), off: 0.0 });
-        let kernel = std::mem::replace(&mut term.kernel, nothing);
-        term.kernel = Box::new(Secret { kernel, off });
-    }
-}
-
-struct Zero;
-
-impl MemoryKernel for Zero {
-    fn value(&self, _: f64) -> f64 {
-        0.0
-    }
+    let secret = |MemoryTerm { kernel, tensor }| MemoryTerm {
+        kernel: Box::new(Secret { kernel, off }),
+        tensor,
+    };
+    let terms = std::mem::take(&mut setup.model.memory);
+    setup.model.memory = terms.into_iter().map(secret).collect();
 }
 
 /// The coarsest mesh of a scene: sums over the past are the same for every number of unknowns.

@@ -3,8 +3,8 @@
 use serde_json::{Value, json};
 
 use super::super::target::Target;
-use super::super::{CliError, print_text};
-use super::{bracketed, megabytes};
+use super::super::{CliError, megabytes, print_text};
+use super::bracketed;
 use crate::scene::Norm;
 use crate::setup::Setup;
 use crate::sweep::MemoryLimit;

@@ -3,9 +3,8 @@
 use serde_json::{Value, json};
 
 use super::super::target::Target;
-use super::super::{CliError, Scenes};
+use super::super::{CliError, Scenes, megabytes};
 use super::finite;
-use super::words::megabytes;
 use crate::fit::FLOORS_ABOVE;
 use crate::scene::Norm;
 use crate::setup::Setup;

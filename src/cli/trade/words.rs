@@ -4,7 +4,7 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{LineStyle, Table};
 use serde_json::{Value, json};
 
-use super::super::print_text;
+use super::super::{megabytes, print_text};
 use super::finite;
 use crate::fit::Interval;
 use crate::trade::{Extrapolated, Study, Term, Trial, front, front_of_three};
@@ -37,10 +37,6 @@ fn bracketed(interval: Interval) -> String {
     } else {
         "[interval unknown: too few levels]".into()
     }
-}
-
-pub(super) fn megabytes(bytes: f64) -> String {
-    format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
 }
 
 fn table(trials: &[Trial]) -> Table {

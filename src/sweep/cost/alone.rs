@@ -8,8 +8,6 @@ use crate::setup::Setup;
 /// What one run takes without measuring its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunCost {
-    /// CPU seconds of loads and march, without mesh and analysis.
-    pub seconds: f64,
     /// Peak memory of a process that does this run alone.
     pub memory_bytes: f64,
     /// What the march has of it: factor, matrices, vectors and history.
@@ -20,18 +18,23 @@ pub struct RunCost {
     pub load_bytes: f64,
 }
 
-/// The cost of one run, mesh, loads and march, as `sweep solve` does it.
+/// The memory of one run, mesh, loads and march, as `sweep solve` does it.
 pub fn run_cost(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> RunCost {
     let run = march(setup, space, n, steps);
     let load_bytes = load_bytes(setup, space);
-    let own = truth(setup, None, space);
     RunCost {
-        seconds: run.seconds + own.parts_seconds + own.load * (f64::from(steps) + 1.0),
         memory_bytes: PROGRAM + run.memory_bytes + load_bytes,
         march_bytes: run.memory_bytes,
         history_bytes: (setup.history_vectors(steps) * space.dofs() * 8) as f64,
         load_bytes,
     }
+}
+
+/// The CPU seconds of one run for loads and march, without mesh and analysis.
+pub fn run_seconds(setup: &Setup, space: &Discretization, n: u32, steps: u32) -> f64 {
+    let own = truth(setup, None, space);
+    let loads = own.parts_seconds + own.load * (f64::from(steps) + 1.0);
+    march(setup, space, n, steps).seconds + loads
 }
 
 /// The memory of one march alone.

@@ -5,7 +5,9 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use serde_json::Value;
 
-use crate::contact::{CaseError, Discretization, Floors, LevelFields, LoadError, StepView};
+use crate::contact::{
+    CaseError, CaseInfo, Discretization, Floors, LevelFields, LoadError, Observer, StepView,
+};
 use crate::norms::{ReferenceRun, step_errors};
 use crate::scene::{Data, Norm};
 use crate::setup::{MeshData, Setup, SetupError};
@@ -270,8 +272,31 @@ fn run(
         }
         Ok(())
     };
+    let (info, clock) = timed(setup, mesh, own, &mut keep)?;
+    let missing =
+        || LoadError::Reference { reason: format!("the run on n = {n} has no last level") };
+    Ok(Run {
+        n,
+        steps: own,
+        clock,
+        size: info.strain_norm,
+        levels,
+        state: state.ok_or_else(missing)?,
+        floors: info.floors,
+        kept,
+        apart,
+    })
+}
+
+/// A march that shows its levels to `keep`, and its CPU seconds without those of `keep`.
+fn timed(
+    setup: &Setup,
+    mesh: &Meshed,
+    steps: u32,
+    keep: &mut Observer<'_>,
+) -> Result<(CaseInfo, Clock), CaseError> {
     let (clock, wall, mut keeping) = (ThreadTime::now(), Instant::now(), Duration::ZERO);
-    let info = setup.scheme.march(setup, &mesh.data, own, &mut |view| {
+    let info = setup.scheme.march(setup, &mesh.data, steps, &mut |view| {
         let clock = ThreadTime::now();
         let outcome = keep(view);
         keeping += clock.elapsed();
@@ -281,19 +306,7 @@ fn run(
     // A share of the wall is one of the CPU time, wherever the thread had to wait.
     let load = taken * (info.seconds_load / wall.elapsed().as_secs_f64()).min(1.0);
     let march = (taken - keeping.as_secs_f64() - load).max(0.0);
-    let missing =
-        || LoadError::Reference { reason: format!("the run on n = {n} has no last level") };
-    Ok(Run {
-        n,
-        steps: own,
-        clock: Clock { mesh: mesh.seconds, load, march },
-        size: info.strain_norm,
-        levels,
-        state: state.ok_or_else(missing)?,
-        floors: info.floors,
-        kept,
-        apart,
-    })
+    Ok((info, Clock { mesh: mesh.seconds, load, march }))
 }
 
 /// Levels of a run with `own` steps between two compared ones, N = `finest` being the steps of the finest.

@@ -2,7 +2,7 @@
 
 use super::{Companions, RunTime};
 use crate::setup::{Setup, SetupError};
-use crate::sweep::run_cost;
+use crate::sweep::run_seconds;
 use crate::trade::{Composition, CostSample};
 
 /// A run has a time of its own from here on, in CPU seconds: page faults and a cold cache are about a millisecond, a
@@ -27,21 +27,17 @@ pub fn costs(
     setup: &Setup,
     found: &Companions,
 ) -> Result<Option<(Composition, CostSource)>, SetupError> {
-    let sample = |n: u32, steps: u32, seconds: f64| CostSample {
-        h: setup.body.domain.h(n),
-        k: setup.grid(steps).largest_step(),
-        seconds,
+    let sample = |run: &RunTime| CostSample {
+        h: setup.body.domain.h(run.n),
+        k: setup.grid(run.steps).largest_step(),
+        seconds: run.seconds,
     };
     let shortest = found.times.iter().map(|run| run.seconds).fold(f64::INFINITY, f64::min);
-    let (samples, source) = if shortest >= TIMED {
-        let samples = found.times.iter().map(|run| sample(run.n, run.steps, run.seconds)).collect();
-        (samples, CostSource::Timed)
-    } else {
-        let counted = counted(setup, &found.times)?;
-        let samples = counted.iter().map(|run| sample(run.n, run.steps, run.seconds)).collect();
-        (samples, CostSource::Counted)
+    let (runs, source) = match shortest >= TIMED {
+        true => (found.times.clone(), CostSource::Timed),
+        false => (counted(setup, &found.times)?, CostSource::Counted),
     };
-    let samples: Vec<CostSample> = samples;
+    let samples: Vec<CostSample> = runs.iter().map(sample).collect();
     let (dimension, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
     let fitted = Composition::fit(&samples, dimension, horizon);
     Ok(fitted.map(|composition| (composition, source)))
@@ -60,7 +56,7 @@ fn counted(setup: &Setup, times: &[RunTime]) -> Result<Vec<RunTime>, SetupError>
     for n in meshes {
         let space = setup.space(n)?;
         for &steps in &numbers {
-            found.push(RunTime { n, steps, seconds: run_cost(setup, &space, n, steps).seconds });
+            found.push(RunTime { n, steps, seconds: run_seconds(setup, &space, n, steps) });
         }
     }
     Ok(found)
