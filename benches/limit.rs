@@ -383,7 +383,8 @@ fn main() {
         return sweep(&[8, 16, 32, 64]);
     }
     if arguments.iter().any(|argument| argument == "--kernel") {
-        return kernel(&[1024, 2048, 4096, 8192, 16384]);
+        // Half octaves: an exponent of five points has an interval as wide as what it is compared with.
+        return kernel(&[1024, 1448, 2048, 2896, 4096, 5793, 8192, 11585, 16384]);
     }
     limit(&[64, 128, 256, 512]);
     sweep(&[8, 16, 32, 64]);

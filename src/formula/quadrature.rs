@@ -12,6 +12,8 @@ pub(super) struct Rule {
     /// By what sums over values at the points give the last two coefficients
     /// of their Legendre series.
     pub(super) last: [[f64; ORDER]; 2],
+    /// 1 / prod (u_i - u_j) over all other abscissae, of each.
+    apart: [f64; ORDER],
 }
 
 /// The rule, computed once.
@@ -22,8 +24,8 @@ impl Rule {
     /// weights 2 / ((1 - r^2) P_n'(r)^2), moved from (-1, 1) to (0, 1).
     fn legendre() -> Self {
         let n = ORDER as f64;
-        let mut rule =
-            Self { abscissae: [0.0; ORDER], weights: [0.0; ORDER], last: [[0.0; ORDER]; 2] };
+        let none = [0.0; ORDER];
+        let mut rule = Self { abscissae: none, weights: none, last: [none; 2], apart: none };
         for k in 0..ORDER {
             let angle = std::f64::consts::PI * (ORDER as f64 - k as f64 - 0.25) / (n + 0.5);
             let mut r = angle.cos();
@@ -37,7 +39,27 @@ impl Rule {
                 weights[k] = (2 * degree + 1) as f64 * rule.weights[k] * legendre(degree, r);
             }
         }
+        let nodes = rule.abscissae;
+        rule.apart = std::array::from_fn(|i| {
+            let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
+            others.map(|(_, node)| nodes[i] - node).product::<f64>().recip()
+        });
         rule
+    }
+
+    /// The Lagrange polynomials of the abscissae at x.
+    pub(super) fn lagrange(&self, x: f64) -> [f64; ORDER] {
+        // Products over the nodes before and behind each, as a quotient by x - u_i would lose what is near it.
+        let mut values = self.apart;
+        let (mut before, mut behind) = (1.0, 1.0);
+        for i in 0..ORDER {
+            values[i] *= before;
+            before *= x - self.abscissae[i];
+            let k = ORDER - 1 - i;
+            values[k] *= behind;
+            behind *= x - self.abscissae[k];
+        }
+        values
     }
 }
 
@@ -71,6 +93,29 @@ mod tests {
                 // Twelve terms of up to 2.
                 assert!((found - expected).abs() < 1e-14, "{degree} {k}: {found}");
             }
+        }
+    }
+
+    /// They are 1 and 0 at the abscissae, and interpolate what has their degree; a node itself takes no quotient.
+    #[test]
+    fn lagrange_polynomials_interpolate() {
+        for (i, u) in GAUSS.abscissae.iter().enumerate() {
+            for (k, value) in GAUSS.lagrange(*u).into_iter().enumerate() {
+                let expected = f64::from(u8::from(i == k));
+                assert!((value - expected).abs() < 1e-13, "{i} {k}: {value}");
+            }
+        }
+        for x in [0.0, 0.003, 0.5, 0.731, 1.0] {
+            let values = GAUSS.lagrange(x);
+            for degree in 0..ORDER as i32 {
+                let pairs = values.iter().zip(&GAUSS.abscissae);
+                let found: f64 = pairs.map(|(value, u)| value * u.powi(degree)).sum();
+                // Twelve terms of up to a few, with products of twelve roundings.
+                assert!((found - x.powi(degree)).abs() < 1e-13, "{x} {degree}: {found}");
+            }
+            let pairs = values.iter().zip(&GAUSS.abscissae);
+            let beyond: f64 = pairs.map(|(value, u)| value * u.powi(ORDER as i32)).sum();
+            assert!((beyond - x.powi(ORDER as i32)).abs() > 1e-9, "{x}: one degree more");
         }
     }
 

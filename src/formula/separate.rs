@@ -49,13 +49,39 @@ impl Graph {
     }
 
     /// The factors a_m(v), v being time or a coordinate, and, for each of several formulas, its list of (m, g) with
-    /// f = sum a_m(v) g, g of the other variables: factors that differ by a number are one.  `None` if a formula does not
-    /// separate.
+    /// f = sum a_m(v) g, g of the other variables: factors that differ by a number are one, and a sum is none where its
+    /// addends are fewer in all.  `None` if a formula does not separate.
     pub fn separate_together(&mut self, v: Variable, formulas: &[Node]) -> Option<Together> {
+        let sums: Option<Vec<Separated>> =
+            formulas.iter().map(|&f| self.separate_from(v, f)).collect();
+        let sums = sums?;
+        let addends: Vec<Separated> = sums.iter().map(|sum| self.in_addends(sum)).collect();
+        let [whole, split] = [sums, addends].map(|sums| self.with_common_factors(&sums));
+        Some(if split.factors.len() < whole.factors.len() { split } else { whole })
+    }
+
+    /// Sums with each factor in its addends.
+    fn in_addends(&mut self, sum: &Separated) -> Separated {
+        let one = self.constant(1.0);
+        let mut all = Vec::with_capacity(sum.len());
+        for &(a, g) in sum {
+            for (number, addend) in self.addends(a) {
+                let (number, addend) = match self.value_of_constant(addend) {
+                    Some(value) => (number * value, one),
+                    None => (number, addend),
+                };
+                let number = self.constant(number);
+                all.push((addend, self.mul(number, g)));
+            }
+        }
+        all
+    }
+
+    fn with_common_factors(&mut self, sums: &[Separated]) -> Together {
         let mut together = Together::default();
-        for &f in formulas {
+        for sum in sums {
             let mut shapes: Vec<(usize, Node)> = Vec::new();
-            for (a, g) in self.separate_from(v, f)? {
+            for &(a, g) in sum {
                 let (number, a) = self.number_out(a);
                 let number = self.constant(number);
                 let g = self.mul(number, g);
@@ -71,7 +97,7 @@ impl Graph {
             }
             together.shapes.push(shapes);
         }
-        Some(together)
+        together
     }
 
     /// f = number * rest, with the numbers of a product taken out.

@@ -8,15 +8,6 @@ use super::tape::Source;
 /// Parts of a piece near the end, in y.
 const PARTS: u32 = 4;
 
-/// The Lagrange polynomials of the Gauss points at x.
-fn lagrange(x: f64) -> [f64; ORDER] {
-    let nodes = &GAUSS.abscissae;
-    std::array::from_fn(|i| {
-        let others = nodes.iter().enumerate().filter(|(j, _)| *j != i);
-        others.map(|(_, node)| (x - node) / (nodes[i] - node)).product()
-    })
-}
-
 /// The weights last asked for: most lanes ask for the same.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Weights {
@@ -71,7 +62,7 @@ impl Weights {
             for (i, (u, w)) in GAUSS.abscissae.iter().zip(&GAUSS.weights).enumerate() {
                 let density = 4.0 * place(*u).powi(3) * width * w * kernels[i];
                 let share = (end - lags[i] - from) / (to - from);
-                for (weight, lagrange) in weights.iter_mut().zip(lagrange(share)) {
+                for (weight, lagrange) in weights.iter_mut().zip(GAUSS.lagrange(share)) {
                     *weight += density * lagrange;
                 }
             }

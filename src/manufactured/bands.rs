@@ -7,6 +7,7 @@ use super::on_rows::OnRows;
 use super::part_moments::PartMoments;
 use super::parts::Parts;
 use super::products::Products;
+use super::row_places::rules_of_halves;
 use super::rows::Rows;
 use crate::space::quadrature::Rule;
 
@@ -14,16 +15,18 @@ use crate::space::quadrature::Rule;
 pub(super) struct Bands(Vec<OnRows>);
 
 impl Bands {
-    /// Cuts `rows` where the region changes; `regions` are those of the cells, one for all of a row.
+    /// Cuts `rows` where the region changes; `regions` are those of the cells, one for all of a row. Fields are integrated
+    /// to the degree of `rule`.
     pub fn new(products: &Products, rows: &Rows, regions: &[usize], rule: &Rule) -> Self {
         let of_row = |j: usize| regions[rows.length() * j];
-        let along_x = Arc::new(AlongX::new(products, rows, rule));
+        let rules = rules_of_halves(rows, rule);
+        let along_x = Arc::new(AlongX::new(products, rows, &rules));
         let mut bands = Vec::new();
         let mut first = 0;
         for j in 1..=rows.rows {
             if j == rows.rows || of_row(j) != of_row(first) {
                 let (band, region) = (rows.some(first..j), of_row(first));
-                bands.push(OnRows::new(products, along_x.clone(), &band, region, rule));
+                bands.push(OnRows::new(products, along_x.clone(), &band, region, &rules));
                 first = j;
             }
         }

@@ -6,7 +6,7 @@ use super::constitutive::{Tensor, mandel, stress};
 use super::lanes::{Lanes, WIDTH};
 use super::parts::Parts;
 use super::products::Products;
-use super::row_places::{Places, at_points};
+use super::row_places::{Places, SAME_ABSCISSA, at_points};
 use super::rows::{HALVES, Rows};
 use crate::formula::{Bound, Program};
 use crate::space::quadrature::Rule;
@@ -34,7 +34,7 @@ pub(super) struct Fields {
     pub displacement: [Field; 2],
 }
 
-/// The f_m of products at the points of a rule in all columns, points of one abscissa once.
+/// The f_m of products at the points of a rule of each half in all columns, points of one abscissa once.
 pub(super) struct AlongX {
     /// Of each half the abscissae.
     pub places: [Places; HALVES],
@@ -45,18 +45,18 @@ pub(super) struct AlongX {
 }
 
 impl AlongX {
-    /// Binds them to the points of `rule` in the columns of `rows`.
-    pub fn new(products: &Products, rows: &Rows, rule: &Rule) -> Self {
-        let places = rows.x.each_ref().map(|corners| Places::new(corners, rule));
+    /// Binds them to the points of the rules in the columns of `rows`.
+    pub fn new(products: &Products, rows: &Rows, rules: &[Rule; HALVES]) -> Self {
+        let places = [0, 1].map(|half| Places::new(&rows.x[half], &rules[half]));
         let x = places.each_ref().map(|places| places.x.clone());
         let (shapes, place) = bound(&products.along_x, &x, |x| [x, 0.0, 0.0]);
         Self { places, shapes: Mutex::new(shapes), place }
     }
 }
 
-/// The g_m of products at the points of a rule in all rows.
-pub(super) fn along_y(products: &Products, rows: &Rows, rule: &Rule) -> Vec<Values> {
-    let y = rows.y.each_ref().map(|corners| at_points(corners, rule));
+/// The g_m of products at the points of a rule of each half in all rows.
+pub(super) fn along_y(products: &Products, rows: &Rows, rules: &[Rule; HALVES]) -> Vec<Values> {
+    let y = [0, 1].map(|half| at_points(&rows.y[half], &rules[half]));
     let (mut along_y, place) = bound(&products.along_y, &y, |y| [0.0, y, 0.0]);
     let mut values = vec![Vec::new(); products.factors];
     along_y.evaluate(0.0, 0.0, &mut values);
@@ -146,8 +146,9 @@ fn bound(
 ) -> (Bound, [Vec<u32>; HALVES]) {
     let mut distinct: Vec<f64> = all.iter().flatten().copied().collect();
     distinct.sort_by(f64::total_cmp);
-    distinct.dedup_by(|a, b| a.to_bits() == b.to_bits());
-    let place = |at: &f64| distinct.partition_point(|own| own.total_cmp(at).is_lt()) as u32;
+    // Of some that differ by rounding the first stays.
+    distinct.dedup_by(|next, own| *next - *own <= SAME_ABSCISSA * next.abs().max(own.abs()));
+    let place = |at: &f64| distinct.partition_point(|own| own <= at).saturating_sub(1) as u32;
     let places = all.each_ref().map(|all| all.iter().map(place).collect());
     let points: Vec<[f64; 3]> = distinct.iter().map(|&at| point(at)).collect();
     (program.bind(&points), places)

@@ -3,8 +3,6 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
-
 use super::bound_products::{AlongX, Field, Fields, TENSOR, Values, along_y};
 use super::part_moments::{PartFamily, PartMoments};
 use super::parts::Parts;
@@ -26,17 +24,18 @@ pub(super) struct OnRows {
 }
 
 impl OnRows {
-    /// Binds products to the points of `rule` on rows of one region.
+    /// Binds products to the points of a rule of each half on rows of one region.
     pub fn new(
         products: &Products,
         along_x: Arc<AlongX>,
         rows: &Rows,
         region: usize,
-        rule: &Rule,
+        rules: &[Rule; HALVES],
     ) -> Self {
-        let g = along_y(products, rows, rule);
+        let g = along_y(products, rows, rules);
         let is_finite = g.iter().flatten().flatten().all(|value| value.is_finite());
-        let half = |half: usize| Half::new(rows, half, along_x.places[half].clone(), &g, rule);
+        let half =
+            |half: usize| Half::new(rows, half, along_x.places[half].clone(), &g, &rules[half]);
         let halves = std::array::from_fn(half);
         Self { columns: rows.columns, rows: rows.rows, region, along_x, halves, is_finite }
     }
@@ -75,13 +74,7 @@ impl OnRows {
     /// The means of some fields, each row by row.
     fn means(&self, fields: &[Field]) -> Vec<Values> {
         let of = |field: &Field| {
-            std::array::from_fn(|half| {
-                let mut mean = DMatrix::zeros(self.columns, self.rows);
-                for term in field {
-                    self.halves[half].add_mean(&term.f[half], term.m, &mut mean);
-                }
-                mean.data.into()
-            })
+            std::array::from_fn(|half| self.halves[half].means(&terms_of(field, half)))
         };
         fields.iter().map(of).collect()
     }
@@ -107,16 +100,17 @@ impl OnRows {
             for k in 0..TENSOR {
                 // f g = f̄ ḡ + f̄ (g - ḡ) + (f - f̄) g, and of the first nothing is left.
                 let own = parts.iter().zip(&means).map(|(part, means)| {
-                    let (mut terms, mut left) = (Vec::new(), means[k][number].clone());
-                    for own in &part[k] {
-                        let (f, m) = (&own.f[number], own.m);
-                        let mean = half.mean_x(f);
-                        half.subtract_means(&mean, m, &mut left);
+                    let all = terms_of(&part[k], number);
+                    let constant: Vec<Vec<f64>> = all.iter().map(|(f, _)| half.mean_x(f)).collect();
+                    let numbers = constant.iter().zip(&all).map(|(f, &(_, m))| (f.as_slice(), m));
+                    let mut left = means[k][number].clone();
+                    half.subtract_means(&numbers.collect::<Vec<_>>(), &mut left);
+                    let products = all.iter().zip(constant).flat_map(|(&(f, m), mean)| {
                         let varying = minus(f, &mean);
-                        terms.push(Product { f: mean, m, along_y: Along::Varying });
-                        terms.push(Product { f: varying, m, along_y: Along::Whole });
-                    }
-                    (terms, vec![left])
+                        [(mean, Along::Varying), (varying, Along::Whole)]
+                            .map(|(f, along_y)| Product { f, m, along_y })
+                    });
+                    (products.collect(), left)
                 });
                 let own: Vec<Centred> = own.collect();
                 sum.add(half, &own, 1.0);
@@ -134,26 +128,19 @@ impl OnRows {
         for (number, half) in self.halves.iter().enumerate() {
             for i in 0..2 {
                 let own = parts.iter().zip(&mut vectors).map(|(part, vector)| {
-                    let mut corners = DMatrix::zeros(self.columns, CORNERS * self.rows);
-                    for term in &part[i] {
-                        half.add_corners(&term.f[number], term.m, &mut corners);
-                    }
-                    for (a, values) in corners.as_slice().chunks_exact(squares).enumerate() {
+                    let all = terms_of(&part[i], number);
+                    let mut corners = half.corners(&all);
+                    for (a, values) in corners.chunks_exact(squares).enumerate() {
                         let first = 2 * (CORNERS * number + a) + i;
                         let own = vector[first..].iter_mut().step_by(2 * CORNERS * HALVES);
                         own.zip(values).for_each(|(own, value)| *own = *value);
                     }
-                    let mut corners: Vec<Vec<f64>> =
-                        corners.as_slice().chunks_exact(squares).map(<[f64]>::to_vec).collect();
-                    let mut terms = Vec::new();
-                    for term in &part[i] {
-                        let own = (term.f[number].as_slice(), term.m);
-                        terms.extend(beyond_linear(half, own, &mut corners));
-                    }
+                    let terms = beyond_linear(half, &all, &mut corners);
                     // Σ_a v_a² + (Σ_a v_a)² of the values at the corners is 12 times the square over the area.
-                    let total = (0..squares).map(|s| corners[0][s] + corners[1][s] + corners[2][s]);
-                    let total = total.collect();
-                    corners.push(total);
+                    let total =
+                        |s: usize| corners[s] + corners[squares + s] + corners[2 * squares + s];
+                    let total: Vec<f64> = (0..squares).map(total).collect();
+                    corners.extend(total);
                     (terms, corners)
                 });
                 let own: Vec<Centred> = own.collect();
@@ -164,24 +151,36 @@ impl OnRows {
     }
 }
 
-/// f g_m without the linear part that f and g_m have in each cell, as products; that part is taken from `corners`.
+/// The terms of a field in one half.
+fn terms_of(field: &Field, half: usize) -> Vec<(&[f64], usize)> {
+    field.iter().map(|term| (term.f[half].as_slice(), term.m)).collect()
+}
+
+/// Σ_m f g_m without the linear parts that f and g_m have in each cell, as products; these are taken from `corners`.
 ///
 /// With f = f̄ + f' ξ + f̂ and g = ḡ + g' η + ĝ it is f' ξ g' η + (f̄ + f' ξ) ĝ + f̂ g.
-fn beyond_linear(half: &Half, (f, m): (&[f64], usize), corners: &mut [Vec<f64>]) -> [Product; 3] {
-    let (mean, slope) = (half.mean_x(f), half.slope_x(f));
-    for (a, corner) in corners.iter_mut().enumerate() {
-        half.subtract_linear([&mean, &slope], m, a, corner);
-    }
-    let linear = half.line_x(&slope);
-    let left: Vec<f64> = minus(f, &mean).iter().zip(&linear).map(|(a, b)| a - b).collect();
-    let close = f.iter().zip(&left).map(|(f, left)| f - left).collect();
-    [(linear, Along::Linear), (close, Along::Curved), (left, Along::Whole)]
-        .map(|(f, along_y)| Product { f, m, along_y })
+fn beyond_linear(half: &Half, terms: &[(&[f64], usize)], corners: &mut [f64]) -> Vec<Product> {
+    let lines: Vec<[Vec<f64>; 2]> =
+        terms.iter().map(|(f, _)| [half.mean_x(f), half.slope_x(f)]).collect();
+    let linear: Vec<([&[f64]; 2], usize)> = lines
+        .iter()
+        .zip(terms)
+        .map(|([mean, slope], &(_, m))| ([mean.as_slice(), slope.as_slice()], m))
+        .collect();
+    half.subtract_linear(&linear, corners);
+    let products = terms.iter().zip(&lines).flat_map(|(&(f, m), [mean, slope])| {
+        let linear = half.line_x(slope);
+        let left: Vec<f64> = minus(f, mean).iter().zip(&linear).map(|(a, b)| a - b).collect();
+        let close = f.iter().zip(&left).map(|(f, left)| f - left).collect();
+        [(linear, Along::Linear), (close, Along::Curved), (left, Along::Whole)]
+            .map(|(f, along_y)| Product { f, m, along_y })
+    });
+    products.collect()
 }
 
 /// A part of a field in the cells of a half: what differs from P1 functions, but for numbers of each cell, as products of
-/// functions along x and along y; and these numbers, each in all cells row by row.
-type Centred = (Vec<Product>, Vec<Vec<f64>>);
+/// functions along x and along y; and these numbers, one in all cells row by row after the other.
+type Centred = (Vec<Product>, Vec<f64>);
 
 /// Products of what cells cannot have of each part, row by row.
 struct Differences {
@@ -208,9 +207,7 @@ impl Differences {
                         all += if l == m && s > r { 2.0 * pair } else { pair };
                     }
                 }
-                for (own, other) in cells.iter().zip(other_cells) {
-                    all -= scale * half.product_of_numbers(own, other);
-                }
+                all -= scale * half.product_of_numbers(cells, other_cells);
                 // A triangle is half of its square.
                 self.products[self.parts * m + l] += 0.5 * all;
             }

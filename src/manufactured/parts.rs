@@ -160,14 +160,15 @@ impl Parts<'_> {
                     for (force, part) in forces.iter_mut().zip(values.chunks(self.fields())) {
                         let strain = self.exact.tensors(|k| part[k][p], &mut memory);
                         let sigma: Tensor<D> = stress(material, &strain, &memory, self.kappa);
+                        let along = |row: [f64; D]| -> f64 {
+                            row.iter().zip(&group.normal).map(|(s, n)| s * n).sum()
+                        };
+                        let traction = sigma.map(|row| weight * measure * along(row));
                         let nodes = space.mesh.facet(facet).iter().zip(&rule.points[q]);
                         for (&vertex, shape) in nodes {
                             let node = space.nodes.of_vertex[vertex as usize] as usize;
-                            for (i, row) in sigma.iter().enumerate() {
-                                let traction: f64 =
-                                    row.iter().zip(&group.normal).map(|(s, n)| s * n).sum();
-                                force[D * node + i] += weight * measure * shape * traction;
-                            }
+                            let own = force[D * node..][..D].iter_mut();
+                            own.zip(traction).for_each(|(own, t)| *own += shape * t);
                         }
                     }
                 }

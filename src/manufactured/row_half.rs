@@ -1,7 +1,7 @@
 //! What does not change in time on a mesh in rows: of one half of all squares, the points of a rule with their places
 //! along x, and sums over points and rows of functions of y.
 
-use nalgebra::{DMatrix, DMatrixView};
+use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut};
 
 use super::bound_products::Values;
 use super::lanes::WIDTH;
@@ -139,38 +139,52 @@ impl Half {
         times(&self.xi, slope)
     }
 
-    /// Adds Σ_q w_q f g_m of all squares.
-    pub fn add_mean(&self, f: &[f64], m: usize, sum: &mut DMatrix<f64>) {
-        sum.gemm(1.0, &self.by_place(f), &self.along_y[m].of_mean, 1.0);
+    /// Σ_m Σ_q w_q f g_m of all squares, row by row, of functions f each with its m.
+    pub fn means(&self, terms: &[(&[f64], usize)]) -> Vec<f64> {
+        let mut sum = DMatrix::zeros(self.x_width.len(), self.y_width.len());
+        let pairs = terms.iter().map(|&(f, m)| (f, self.along_y[m].of_mean.as_view()));
+        add_products(1.0, pairs, &mut sum.as_view_mut());
+        sum.data.into()
     }
 
-    /// Adds the values at the corners of the linear projections of f g_m on all squares, for one corner after the other.
-    pub fn add_corners(&self, f: &[f64], m: usize, sum: &mut DMatrix<f64>) {
-        sum.gemm(1.0, &self.by_place(f), &self.along_y[m].of_corners, 1.0);
+    /// The values at the corners of the linear projections of Σ_m f g_m on all squares, row by row for one corner after
+    /// the other.
+    pub fn corners(&self, terms: &[(&[f64], usize)]) -> Vec<f64> {
+        let mut sum = DMatrix::zeros(self.x_width.len(), CORNERS * self.y_width.len());
+        let pairs = terms.iter().map(|&(f, m)| (f, self.along_y[m].of_corners.as_view()));
+        add_products(1.0, pairs, &mut sum.as_view_mut());
+        sum.data.into()
     }
 
-    fn by_place<'a>(&self, f: &'a [f64]) -> DMatrixView<'a, f64> {
-        DMatrixView::from_slice(f, self.x_width.len(), self.places.count())
+    /// Subtracts Σ_m f̄ ḡ_m from numbers of the squares, where the f are the means f̄.
+    pub fn subtract_means(&self, terms: &[(&[f64], usize)], from: &mut [f64]) {
+        let pairs = terms.iter().map(|&(f, m)| (f, row(&self.along_y[m].mean)));
+        add_products(-1.0, pairs, &mut self.squares(from));
     }
 
-    /// Subtracts f̄ ḡ_m, `f` being the means f̄.
-    pub fn subtract_means(&self, f: &[f64], m: usize, from: &mut [f64]) {
-        subtract(f, &self.along_y[m].mean, from);
+    /// Subtracts from numbers of the squares at all corners the linear parts of Σ_m f g_m, f̄ ḡ + f' ξ ḡ + f̄ g' η; of f
+    /// its mean and its slope.
+    pub fn subtract_linear(&self, terms: &[([&[f64]; 2], usize)], from: &mut [f64]) {
+        let squares = self.x_width.len() * self.y_width.len();
+        for (corner, from) in from.chunks_exact_mut(squares).enumerate() {
+            let [xi, eta] = self.corners.each_ref().map(|at| &at[corner]);
+            let close = |[mean, slope]: [&[f64]; 2]| -> Vec<f64> {
+                mean.iter().zip(slope).zip(xi).map(|((f, slope), xi)| f + slope * xi).collect()
+            };
+            let parts: Vec<[Vec<f64>; 2]> = terms
+                .iter()
+                .map(|&(f, m)| [close(f), times(eta, &self.along_y[m].slope)])
+                .collect();
+            let pairs = terms.iter().zip(&parts).flat_map(|(&([mean, _], m), [close, sloped])| {
+                [(close.as_slice(), row(&self.along_y[m].mean)), (mean, row(sloped))]
+            });
+            add_products(-1.0, pairs, &mut self.squares(from));
+        }
     }
 
-    /// Subtracts at a corner the linear part of f g_m, f̄ ḡ + f' ξ ḡ + f̄ g' η.
-    pub fn subtract_linear(
-        &self,
-        [mean, slope]: [&[f64]; 2],
-        m: usize,
-        corner: usize,
-        from: &mut [f64],
-    ) {
-        let (own, [xi, eta]) = (&self.along_y[m], self.corners.each_ref().map(|at| &at[corner]));
-        let close: Vec<f64> =
-            mean.iter().zip(slope).zip(xi).map(|((f, slope), xi)| f + slope * xi).collect();
-        subtract(&close, &own.mean, from);
-        subtract(mean, &times(eta, &own.slope), from);
+    /// Numbers of the squares, row by row, as columns by rows.
+    fn squares<'a>(&self, numbers: &'a mut [f64]) -> DMatrixViewMut<'a, f64> {
+        DMatrixViewMut::from_slice(numbers, self.x_width.len(), self.y_width.len())
     }
 
     /// Σ |square| Σ_q w_q of one product times another over all squares and the points of their halves.
@@ -188,11 +202,12 @@ impl Half {
         if f.len() == columns { f } else { &f[columns * place..columns * (place + 1)] }
     }
 
-    /// Σ |square| a b over numbers of the squares.
+    /// Σ |square| a b over numbers of the squares, row by row, one list of them after the other.
     pub fn product_of_numbers(&self, a: &[f64], b: &[f64]) -> f64 {
         let columns = self.x_width.len();
         let pairs = a.chunks_exact(columns).zip(b.chunks_exact(columns));
-        pairs.zip(&self.y_width).map(|((a, b), y)| y * weighted(&self.x_width, a, b)).sum()
+        let widths = self.y_width.iter().cycle();
+        pairs.zip(widths).map(|((a, b), y)| y * weighted(&self.x_width, a, b)).sum()
     }
 }
 
@@ -215,11 +230,27 @@ fn centre(at: &[f64; CORNERS]) -> f64 {
     at.iter().sum::<f64>() / CORNERS as f64
 }
 
-/// Takes f(i) g(j) from numbers of the squares, row by row.
-fn subtract(f: &[f64], g: &[f64], from: &mut [f64]) {
-    for (row, g) in from.chunks_exact_mut(f.len()).zip(g) {
-        row.iter_mut().zip(f).for_each(|(own, f)| *own -= f * g);
+/// Numbers of rows as a matrix with one place.
+fn row(numbers: &[f64]) -> DMatrixView<'_, f64> {
+    DMatrixView::from_slice(numbers, 1, numbers.len())
+}
+
+/// Adds `scale` Σ f g of pairs f, columns by places, and g, places by what the sum has beside columns: one product of
+/// matrices, which passes over the sum once.
+fn add_products<'a>(
+    scale: f64,
+    pairs: impl Iterator<Item = (&'a [f64], DMatrixView<'a, f64>)>,
+    sum: &mut DMatrixViewMut<'_, f64>,
+) {
+    let pairs: Vec<_> = pairs.collect();
+    let f = pairs.iter().map(|(f, _)| *f).collect::<Vec<_>>().concat();
+    let mut g = DMatrix::zeros(pairs.iter().map(|(_, g)| g.nrows()).sum(), sum.ncols());
+    let mut first = 0;
+    for (_, own) in &pairs {
+        g.rows_mut(first, own.nrows()).copy_from(own);
+        first += own.nrows();
     }
+    sum.gemm(scale, &DMatrixView::from_slice(&f, sum.nrows(), first), &g, 1.0);
 }
 
 /// The means over the points of a rule.

@@ -1,6 +1,6 @@
 //! Sums of exponentials, separation and guards.
 
-use super::{Graph, Point, Variable, assert_close, everything, node};
+use super::{Graph, Node, Point, Variable, assert_close, everything, node};
 
 #[test]
 fn sums_of_exponentials() {
@@ -86,6 +86,31 @@ fn several_formulas_share_their_factors_in_time() {
     }
     let moving = node(&mut graph, &everything(), "sin(x*t)");
     assert!(graph.separate_together(Variable::T, &[formulas[0], moving]).is_none());
+}
+
+/// Of t, t + sin t and 2t - sin t two are enough; of t + sin t and y alone the sum is.
+#[test]
+fn sums_of_factors_of_others_are_none_of_their_own() {
+    let at = Point { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
+    for (texts, factors) in [
+        (["t*x", "(t + sin(t))*y", "(2*t - sin(t))/3*z"], 2),
+        (["(t + 1)*x", "(t - 1)*y", "(sin(t) + 2)*z + t"], 3),
+        (["(t + sin(t))*x", "(t + sin(t))*y", "z*(t + sin(t))"], 1),
+    ] {
+        let mut graph = Graph::new();
+        let formulas = texts.map(|text| node(&mut graph, &everything(), text));
+        let together = graph.separate_together(Variable::T, &formulas).expect("sums of products");
+        assert_eq!(together.factors.len(), factors, "{texts:?}");
+        for ((text, f), shapes) in texts.iter().zip(formulas).zip(&together.shapes) {
+            let term = |&(m, shape): &(usize, Node)| {
+                graph.evaluate(together.factors[m], &at) * graph.evaluate(shape, &at)
+            };
+            let sum: f64 = shapes.iter().map(term).sum();
+            assert_close(sum, graph.evaluate(f, &at), 1e-14, text);
+            let alone = |(m, _): &(usize, Node)| shapes.iter().filter(|(n, _)| n == m).count() == 1;
+            assert!(shapes.iter().all(alone), "{text}: a factor comes once");
+        }
+    }
 }
 
 /// f(x, t) g(y): integrals over the past go to the first factor.

@@ -1,0 +1,139 @@
+//! Rules on tetrahedra.
+
+use super::Rule;
+
+/// A symmetric orbit of tetrahedron points: (a, a, a, 1-3a), (a, a, ½-a, ½-a) or (a, a, b, 1-2a-b).
+enum SpatialOrbit {
+    Four { weight: f64, a: f64 },
+    Six { weight: f64, a: f64 },
+    Twelve { weight: f64, a: f64, b: f64 },
+}
+
+/// Tetrahedron rule of 14 points, exact for degree 5: the rule of loads given or in strong form.
+///
+/// Source: the rule of this symmetry with positive weights, N. J. Walkington, Quadrature on simplices of
+/// arbitrary dimension (2000).
+pub fn tetrahedron_degree_5() -> Rule {
+    tetrahedron(&[
+        SpatialOrbit::Four { weight: 0.112_687_925_718_015_85, a: 0.310_885_919_263_300_6 },
+        SpatialOrbit::Four { weight: 0.073_493_043_116_361_95, a: 0.092_735_250_310_891_23 },
+        SpatialOrbit::Six { weight: 0.042_546_020_777_081_466, a: 0.045_503_704_125_649_65 },
+    ])
+}
+
+/// Tetrahedron rule of 24 points, exact for degree 6: the rule of the errors, and of σ in loads.
+///
+/// Source: P. Keast, Moderate-degree tetrahedral quadrature formulas, Comput. Methods Appl. Mech. Engrg. 55 (1986),
+/// rule 7; its digits from the moment equations, solved anew.
+pub fn tetrahedron_degree_6() -> Rule {
+    tetrahedron(&[
+        SpatialOrbit::Four { weight: 0.039_922_750_258_167_49, a: 0.214_602_871_259_152_03 },
+        SpatialOrbit::Four { weight: 0.010_077_211_055_320_643, a: 0.040_673_958_534_611_35 },
+        SpatialOrbit::Four { weight: 0.055_357_181_543_654_72, a: 0.322_337_890_142_275_5 },
+        SpatialOrbit::Twelve {
+            weight: 27.0 / 560.0,
+            a: 0.063_661_001_875_017_53,
+            b: 0.269_672_331_458_315_8,
+        },
+    ])
+}
+
+fn tetrahedron(orbits: &[SpatialOrbit]) -> Rule {
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    let mut put = |weight: f64, others: f64, own: &[(usize, f64)]| {
+        let mut point = vec![others; 4];
+        own.iter().for_each(|&(corner, value)| point[corner] = value);
+        points.push(point);
+        weights.push(weight);
+    };
+    for orbit in orbits {
+        match *orbit {
+            SpatialOrbit::Four { weight, a } => {
+                (0..4).for_each(|p| put(weight, a, &[(p, 1.0 - 3.0 * a)]));
+            }
+            SpatialOrbit::Six { weight, a } => {
+                for p in 0..4 {
+                    (p + 1..4).for_each(|q| put(weight, 0.5 - a, &[(p, a), (q, a)]));
+                }
+            }
+            SpatialOrbit::Twelve { weight, a, b } => {
+                for p in 0..4 {
+                    for q in (0..4).filter(|&q| q != p) {
+                        put(weight, a, &[(p, b), (q, 1.0 - 2.0 * a - b)]);
+                    }
+                }
+            }
+        }
+    }
+    Rule { points, weights }
+}
+
+/// Tetrahedron rule of `count`³ points, exact for degree 2·count - 1: Gauss points of the cube, of which one face is
+/// collapsed to an edge and that to a corner, by Gauss-Jacobi rules that hold the measure.
+///
+/// Source: A. H. Stroud, Approximate Calculation of Multiple Integrals (1971), conical products.
+pub fn tetrahedron_product(count: usize) -> Rule {
+    let [first, second, third] = [2, 1, 0].map(|power| gauss_jacobi(count, power));
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for &(a, wa) in &first {
+        for &(b, wb) in &second {
+            for &(c, wc) in &third {
+                let (p, q, r) = (a, (1.0 - a) * b, (1.0 - a) * (1.0 - b) * c);
+                points.push(vec![1.0 - p - q - r, p, q, r]);
+                weights.push(6.0 * wa * wb * wc);
+            }
+        }
+    }
+    Rule { points, weights }
+}
+
+/// Points and weights of ∫_0^1 (1-x)^p f(x) dx, exact for f of degree 2·count - 1: eigenvalues of the recurrence of the
+/// Jacobi polynomials P^(p,0).
+///
+/// Source: G. H. Golub, J. H. Welsch, Math. Comp. 23 (1969) 221-230.
+fn gauss_jacobi(count: usize, power: u32) -> Vec<(f64, f64)> {
+    let p = f64::from(power);
+    let recurrence = nalgebra::DMatrix::from_fn(count, count, |i, j| {
+        let n = i.max(j) as f64;
+        let s = 2.0 * n + p;
+        match i.abs_diff(j) {
+            0 if i == 0 => -p / (p + 2.0),
+            0 => -p * p / (s * (s + 2.0)),
+            1 => 2.0 * n * (n + p) / (s * ((s + 1.0) * (s - 1.0)).sqrt()),
+            _ => 0.0,
+        }
+    });
+    let eigen = recurrence.symmetric_eigen();
+    let first = |i: usize| eigen.eigenvectors[(0, i)];
+    (0..count).map(|i| (0.5 * (1.0 + eigen.eigenvalues[i]), first(i).powi(2) / (p + 1.0))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// ∫ of x^i y^j z^l over the reference tetrahedron, divided by its volume: 6 i! j! l! / (i+j+l+3)!.
+    #[test]
+    fn tetrahedron_rules_have_exactly_their_degree() {
+        let factorial = |m: i32| (1..=m).map(f64::from).product::<f64>();
+        let off = |rule: &Rule, i: i32, j: i32, l: i32| {
+            let power = |p: &Vec<f64>| p[1].powi(i) * p[2].powi(j) * p[3].powi(l);
+            let sum: f64 = rule.points.iter().zip(&rule.weights).map(|(p, w)| w * power(p)).sum();
+            let exact = factorial(i) * factorial(j) * factorial(l) / factorial(i + j + l + 3);
+            (sum - 6.0 * exact).abs()
+        };
+        let rules =
+            [(tetrahedron_degree_5(), 5), (tetrahedron_degree_6(), 6), (tetrahedron_product(4), 7)];
+        for (rule, degree) in rules {
+            for i in 0..=degree {
+                for j in 0..=degree - i {
+                    // Points and weights have 16 digits; sums have up to 64 terms.
+                    let exact = |l: i32| off(&rule, i, j, l) < 4e-15;
+                    assert!((0..=degree - i - j).all(exact), "{i} {j}");
+                }
+            }
+            assert!(off(&rule, 0, 0, degree + 1).max(off(&rule, degree + 1, 0, 0)) > 1e-7);
+            assert!(rule.weights.iter().all(|weight| *weight > 0.0));
+        }
+    }
+}
