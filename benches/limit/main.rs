@@ -2,7 +2,6 @@
 //! Informs where the solver is worth work: what is near the limit is left alone. Not a benchmark of criterion's: sizes
 //! are compared with each other, not with the last run. `cargo bench --bench limit`; with `--test` on small sizes.
 
-use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::OnceLock;
@@ -10,17 +9,17 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use cpu_time::ThreadTime;
-use gronwall::contact::{Load, LoadError, march};
+use gronwall::contact::{Load, LoadError, kkt_residual, march, strain_norm};
 use gronwall::history::TimeGrid;
 use gronwall::linalg::{Analysis, Factor, Front, SIDES, Side};
-use gronwall::norms::step_errors;
-use gronwall::scene::{Registry, Scene};
-use gronwall::setup::{MeshData, Setup, Subject, TruthLoad};
-use gronwall::sweep::{Overrides, ScenePlan};
+use gronwall::scene::Scene;
+use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+#[path = "../general_kernel/mod.rs"]
 mod general_kernel;
+mod split;
 
 fn setup(name: &str) -> Setup {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("manufactured/{name}.toml"));
@@ -109,11 +108,26 @@ fn passes(analysis: &Analysis, factor: &Factor, single: &Factor<f32>, size: usiz
     [double, single, together / SIDES as f64]
 }
 
+/// Seconds of what a step does beside its solve: the KKT residual and ‖ε(u)‖, each from strains.
+fn checks(setup: &Setup, data: &MeshData) -> [f64; 2] {
+    let (grid, newton, mut seconds) = (setup.grid(1), Newton::default(), [f64::NAN; 2]);
+    let mut load = TruthLoad(&*data.truth);
+    march(&data.space, &setup.model, &grid, &mut load, &newton, &mut |view| {
+        let force = data.truth.load(view.t)?;
+        let residual = || kkt_residual(&data.space, &setup.model, view, &force);
+        let norm = || strain_norm(&data.space, view.u);
+        seconds = [least(5, || _ = black_box(residual())), least(5, || _ = black_box(norm()))];
+        Ok(())
+    })
+    .unwrap_or_else(|error| panic!("{error}"));
+    seconds
+}
+
 fn limit(sizes: &[u32]) {
     println!(
-        "| n | unknowns | MB of L | GB/s | limit, ms | solve | single | backward of 8, each | step, a solve each | step, load separates |"
+        "| n | unknowns | MB of L | GB/s | limit, ms | solve | single | backward of 8, each | step, a solve each | its KKT residual | its norm | step, load separates |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|---|---|");
     let setup = setup("linear-punch");
     for &n in sizes {
         let data = MeshData::new(&setup, n, None).unwrap_or_else(|error| panic!("{error}"));
@@ -136,7 +150,8 @@ fn limit(sizes: &[u32]) {
         let combined = seconds_a_step(&setup, &data, steps, false);
         print!("| {n} | {} | {:.1} ", space.dofs(), 8e-6 * entries as f64);
         print!("| {:.0} | {:.2} ", 1e-9 * bandwidth, 1e3 * limit);
-        for seconds in [double, narrow, together, solved, combined] {
+        let [residual, norm] = checks(&setup, &data);
+        for seconds in [double, narrow, together, solved, residual, norm, combined] {
             print!("| {:.2} ms, {:.1} ", 1e3 * seconds, seconds / limit);
         }
         println!("|");
@@ -221,132 +236,6 @@ fn sweep(numbers: &[u32]) {
     );
 }
 
-/// What the cases of a scene cost.
-const PARTS: [&str; 5] = ["loads", "exact fields", "errors", "space", "march"];
-
-/// CPU seconds of [`PARTS`] of the cases of a scene, the shortest of 3 runs, every time anew; `cases` are the numbers of steps on
-/// each mesh. Cases share their space, and loads and fields of common times. The space is the mesh, the numbering of its
-/// unknowns and the analysis of their pattern; points to which formulas are bound belong to the fields, and so does ζ.
-fn parts_of(
-    registry: &Registry,
-    name: &str,
-    cases: &BTreeMap<u32, Vec<u32>>,
-) -> [f64; PARTS.len()] {
-    let once = || {
-        let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));
-        let setup = Setup::new(scene).unwrap_or_else(|error| panic!("{error}"));
-        let mut all = [0.0; PARTS.len()];
-        for (&n, steps) in cases {
-            let parts = parts_on(&setup, n, steps);
-            all.iter_mut().zip(parts).for_each(|(all, own)| *all += own);
-        }
-        all
-    };
-    let total = |parts: &[f64; PARTS.len()]| parts.iter().sum::<f64>();
-    let runs = [(); 3].map(|()| once());
-    runs.into_iter().min_by(|a, b| total(a).total_cmp(&total(b))).unwrap_or([f64::NAN; PARTS.len()])
-}
-
-/// The same on one mesh, once.
-fn parts_on(setup: &Setup, n: u32, steps: &[u32]) -> [f64; PARTS.len()] {
-    let mut times: Vec<f64> =
-        steps.iter().flat_map(|&steps| setup.grid(steps).times().to_vec()).collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
-    // The first one pays for memory that the next ones find.
-    drop(black_box(setup.space(n)));
-    let space = least(2, || drop(black_box(setup.space(n))));
-    let mut data = None;
-    let with_points = least(1, || data = Some(MeshData::new(setup, n, None)));
-    let data =
-        data.map_or_else(|| panic!("one run"), |data| data.unwrap_or_else(|e| panic!("{e}")));
-    let binding = (with_points - space).max(0.0);
-    let fields = least(1, || {
-        data.truth.expect(&times).unwrap_or_else(|error| panic!("{error}"));
-        times.iter().for_each(|&t| drop(black_box(data.truth.moments(t))));
-    });
-    let loads = least(1, || {
-        times.iter().for_each(|&t| drop(black_box(data.truth.load(t))));
-    });
-    let newton = Newton::default();
-    // Moments at all times are fields, and paid above.
-    let (mut measured, mut observed) = (0.0, 0.0);
-    let march = least(1, || {
-        for &steps in steps {
-            data.march(setup, steps, &newton, &mut |view| {
-                let start = ThreadTime::now();
-                let moments = data.truth.moments(view.t)?;
-                let known = ThreadTime::now();
-                black_box(step_errors(&data.space, &setup.model, view, &moments));
-                measured += known.elapsed().as_secs_f64();
-                observed += start.elapsed().as_secs_f64();
-                Ok(())
-            })
-            .unwrap_or_else(|error| panic!("{error}"));
-        }
-    }) - observed;
-    [loads, binding + fields, measured, space, march]
-}
-
-/// Loads, exact fields and errors of manufactured scenes beside the solves, of all cases of the gate and in the finest of
-/// them alone. A solve is space and march.
-fn split(largest: u32, only: &[&String]) {
-    println!(
-        "| scene | n | N | {} | over the solves | finest case alone | over the march |",
-        PARTS.join(" | ")
-    );
-    println!("|---|---|---|---|---|---|---|---|---|---|---|");
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("manufactured");
-    let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
-    let over = |[loads, fields, errors, space, march]: [f64; PARTS.len()]| {
-        let beside = loads + fields + errors;
-        [beside / (space + march), beside / march]
-    };
-    let (mut total, mut below) = ([0.0; PARTS.len()], [0; 3]);
-    let mut scenes = 0;
-    for name in
-        registry.names().filter(|name| only.is_empty() || only.iter().any(|own| own == name))
-    {
-        let scene = registry.load(name).unwrap_or_else(|error| panic!("{error}"));
-        let Ok(subject) = Subject::new(scene) else { continue };
-        let plan = ScenePlan::new(subject, &Overrides::default());
-        let Subject::Contact(setup) = &plan.subject else { continue };
-        if setup.exact.is_none() {
-            continue;
-        }
-        // Of each mesh its numbers of steps.
-        let mut cases: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for case in &plan.cases {
-            case.n.into_iter().for_each(|n| cases.entry(n).or_default().push(case.steps));
-        }
-        let Some((&n, steps)) = cases.last_key_value().filter(|(n, _)| **n <= largest) else {
-            continue;
-        };
-        let most = steps.iter().copied().max().unwrap_or(0);
-        let alone = BTreeMap::from([(n, vec![most])]);
-        let finest = parts_of(&registry, name, &alone);
-        let all = if cases == alone { finest } else { parts_of(&registry, name, &cases) };
-        let [finest, _] = over(finest);
-        let [solves, march] = over(all);
-        scenes += 1;
-        total.iter_mut().zip(all).for_each(|(total, own)| *total += own);
-        for (below, ratio) in below.iter_mut().zip([solves, finest, march]) {
-            *below += usize::from(ratio < 1.0);
-        }
-        println!(
-            "| `{name}` | {n} | {most} | {} | {solves:.2} | {finest:.2} | {march:.2} |",
-            milliseconds(&all)
-        );
-    }
-    let [solves, march] = over(total);
-    println!("| all {scenes} | | | {} | {solves:.2} | | {march:.2} |", milliseconds(&total));
-    println!("| below 1 | | | | | | | | {} | {} | {} |", below[0], below[1], below[2]);
-}
-
-fn milliseconds(seconds: &[f64]) -> String {
-    seconds.iter().map(|s| format!("{:.1}", 1e3 * s)).collect::<Vec<_>>().join(" | ")
-}
-
 /// CPU seconds of the sums over the past of a kernel that is no sum of exponentials, by interpolation.
 fn kernel(numbers: &[u32]) {
     const UNKNOWNS: usize = 2000;
@@ -366,7 +255,7 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let names = arguments.iter().filter(|argument| !argument.starts_with('-'));
     if arguments.iter().any(|argument| argument == "--split") {
-        return split(u32::MAX, &names.collect::<Vec<&String>>());
+        return split::split(u32::MAX, &names.collect::<Vec<&String>>());
     }
     // Named benchmarks are others.
     if names.clone().count() > 0 && names.clone().all(|name| name != "limit") {
@@ -374,7 +263,7 @@ fn main() {
     }
     if arguments.iter().any(|argument| argument == "--test") {
         limit(&[8, 16]);
-        split(4, &[]);
+        split::split(4, &[]);
         kernel(&[16, 32, 64]);
         sweep(&[4, 8]);
         return growth(&[("linear-punch", &[4, 8, 16], &[4, 8, 16])]);
