@@ -16,7 +16,9 @@ pub enum LinearSolver {
     Multigrid,
 }
 
-/// Unknowns from which on a run in three dimensions takes multigrid, if a factor serves a single step or so.
+/// Unknowns from which on a run in three dimensions takes multigrid, if a factor serves a single step or so. Less than half
+/// of them are enough for `punch-box`, but 1.2 to 1.9 times in a tenth of a second are not worth the iterations of
+/// materials that are nearly incompressible.
 ///
 /// `sweep solve punch-box --steps 4` with every term, CPU seconds (least of two runs, one at n = 24) and peak resident
 /// memory, on a machine with other work:
@@ -33,7 +35,7 @@ pub enum LinearSolver {
 /// (104,544 unknowns) with 4, 3.2 s and 351 MB at n = 40 (201,720) with one. With λ/μ_L = 1000 a solve takes 58 iterations
 /// in place of 5, and n = 16 took 2.8 s against 5.2 s with factors that had the unknowns of Γ3 last, which cost twice those
 /// of today. In the plane factors are cheaper at any size that fits in memory.
-pub const MULTIGRID_FROM: usize = 5_000;
+const MULTIGRID_FROM: usize = 5_000;
 /// Unknowns a solve from which on the factor that serves all solves costs more than they do without one: about 15
 /// solves at 104,544 unknowns; a factor in three dimensions grows with the square of the unknowns, a solve in
 /// proportion to them.
@@ -50,8 +52,7 @@ impl LinearSolver {
         // Linear runs and condensed ones have one matrix; a step of the others factorizes anew about once.
         let one =
             model.is_linear() || Plan::foreseen(model, space.mesh.dimension) == Plan::Condensed;
-        let solves = if one { steps + 1 } else { 1 };
-        let least = MULTIGRID_FROM.max(UNKNOWNS_A_SOLVE * solves);
+        let least = if one { UNKNOWNS_A_SOLVE * (steps + 1) } else { MULTIGRID_FROM };
         let large = space.mesh.dimension == 3 && space.dofs() >= least;
         let by_size = if large { Self::Multigrid } else { Self::Direct };
         match space.linear_solver.unwrap_or(by_size) {

@@ -36,7 +36,7 @@ pub use frames::Frames;
 pub use kkt::kkt_residual;
 pub use last_slot::LastSlot;
 pub use linear::strain_norm;
-pub use linear_solver::{LinearSolver, MULTIGRID_FROM};
+pub use linear_solver::LinearSolver;
 pub use load::{Load, LoadError};
 pub use march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, march, march_in_volume};
 pub use model::{Boundary, BoundaryRule, MemoryTerm, Model, OnContact, relaxation};

@@ -33,6 +33,8 @@ pub struct ContactProblem<'a, P> {
     memory: Vec<Vec<f64>>,
     /// 𝒜 + Σ W ℬ₀ as a law and as matrix values.
     linear_law: TensorField,
+    /// 𝒜, as full as the terms of the memory: to it they are added in the memory that is there.
+    elasticity: TensorField,
     linear: Vec<f64>,
     solver: TangentSolver<'a>,
     /// What the last tangent was made of.
@@ -66,11 +68,17 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
         let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
         let needs_strains = model.projection.limit().is_some();
+        let d = space.mesh.dimension;
+        let elasticity = model
+            .memory
+            .iter()
+            .fold(model.elasticity.clone(), |sum, term| sum.plus(0.0, &term.tensor, d));
         let tensor = if space.mesh.dimension == 2 { 3 } else { 6 };
         Self {
             solver: LinearSolver::Direct.on(space),
             last: TangentOf::default(),
-            linear_law: model.elasticity.clone(),
+            linear_law: elasticity.clone(),
+            elasticity,
             linear: elastic.clone(),
             elastic,
             memory,
@@ -126,7 +134,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
     }
 
     fn set_linear_part(&mut self) {
-        self.linear_law.clone_from(&self.model.elasticity);
+        self.linear_law.clone_from(&self.elasticity);
         self.linear.copy_from_slice(&self.elastic);
         let d = self.space.mesh.dimension;
         let terms = self.model.memory.iter().zip(&self.memory).zip(&self.slot.memory);

@@ -7,12 +7,29 @@ use super::Isotropic;
 use crate::tensor::Symmetric;
 
 /// A symmetric fourth-order tensor on S^d (a stress).
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, PartialEq)]
 pub enum FourthOrder {
     /// By its Lamé numbers.
     Isotropic(Isotropic),
     /// By its symmetric S×S matrix in Mandel notation, the leading block of this one.
     Full(Box<[[f64; 6]; 6]>),
+}
+
+impl Clone for FourthOrder {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Isotropic(law) => Self::Isotropic(*law),
+            Self::Full(matrix) => Self::Full(matrix.clone()),
+        }
+    }
+
+    /// In the memory that is there, as [`TensorField`] is.
+    fn clone_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Full(own), Self::Full(other)) => own.clone_from(other),
+            (own, other) => *own = other.clone(),
+        }
+    }
 }
 
 impl FourthOrder {
@@ -99,13 +116,20 @@ impl FourthOrder {
             let (lambda, mu) = (a.lambda + scale * b.lambda, a.mu + scale * b.mu);
             return Self::Isotropic(Isotropic { lambda, mu });
         }
-        let mut sum = self.block(d);
-        for (row, own) in sum.iter_mut().zip(other.block(d)) {
-            for (value, own) in row.iter_mut().zip(own) {
-                *value += scale * own;
-            }
+        let mut sum = Self::Full(Box::new(self.block(d)));
+        sum.add(scale, other, d);
+        sum
+    }
+
+    /// `self` ← self + scale·other on S^d; a full one in the memory that is there.
+    fn add(&mut self, scale: f64, other: &Self, d: usize) {
+        let Self::Full(matrix) = self else {
+            *self = self.plus(scale, other, d);
+            return;
+        };
+        for (row, own) in matrix.iter_mut().zip(other.block(d)) {
+            row.iter_mut().zip(own).for_each(|(value, own)| *value += scale * own);
         }
-        Self::Full(Box::new(sum))
     }
 
     /// β with `self` = β·`other`, both isotropic, if there is one (to rounding).
@@ -202,14 +226,14 @@ impl TensorField {
         Self { regions: self.regions.iter().map(|tensor| tensor.scaled(factor)).collect() }
     }
 
-    /// `self` ← self + scale·other on S^d; isotropic tensors in the memory that is there.
+    /// `self` ← self + scale·other on S^d, in the memory that is there where `self` is as full and as divided as `other`.
     pub fn add(&mut self, scale: f64, other: &Self, d: usize) {
         if self.regions.len() < other.regions.len() {
             *self = self.plus(scale, other, d);
             return;
         }
         for (region, own) in self.regions.iter_mut().enumerate() {
-            *own = own.plus(scale, other.on(region), d);
+            own.add(scale, other.on(region), d);
         }
     }
 

@@ -9,8 +9,8 @@ use gronwall::contact::{
 };
 use gronwall::history::{Memory, TimeGrid};
 use gronwall::law::{
-    ExponentialSum, INTERPOLATED_TO, Isotropic, MemoryKernel, NoProjection, Projection, VonMises,
-    YieldLimit,
+    ExponentialSum, FourthOrder, INTERPOLATED_TO, Isotropic, MemoryKernel, NoProjection,
+    Projection, VonMises, YieldLimit,
 };
 use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
@@ -137,6 +137,16 @@ fn no_multiple(setup: &mut Setup) {
     setup.model.memory[0].tensor = Isotropic { lambda: 0.1, mu: 0.3 }.into();
 }
 
+/// ℬ₀ by its numbers.
+fn full(setup: &mut Setup) {
+    let mut matrix = [[0.0; 6]; 6];
+    let isotropic = Isotropic { lambda: 0.1, mu: 0.3 }.matrix::<3>();
+    for (row, own) in matrix.iter_mut().zip(isotropic) {
+        row[..3].copy_from_slice(&own);
+    }
+    setup.model.memory[0].tensor = FourthOrder::Full(Box::new(matrix)).into();
+}
+
 fn two_terms(setup: &mut Setup) {
     let kernel = Box::new(ExponentialSum { terms: vec![(-0.1, 2.0), (-0.1, 0.5)] });
     let tensor = Isotropic { lambda: 0.1, mu: 0.3 }.into();
@@ -150,6 +160,11 @@ fn two_direct_terms(setup: &mut Setup) {
 
 fn by_multigrid(setup: &mut Setup) {
     setup.linear_solver = Some(LinearSolver::Multigrid);
+}
+
+fn two_terms_by_multigrid(setup: &mut Setup) {
+    two_terms(setup);
+    by_multigrid(setup);
 }
 
 fn is_recursive(memory: &Memory) -> bool {
@@ -177,7 +192,7 @@ const PLAIN: Case = Case {
 
 const DIRECT: Case = Case { what: "direct sums", memory: is_direct, ..PLAIN };
 
-const CASES: [Case; 18] = [
+const CASES: [Case; 22] = [
     PLAIN,
     Case { scene: "linear-punch", plan: Plan::Recursion, ..PLAIN },
     Case { scene: "elastic-punch", plan: Plan::Condensed, ..PLAIN },
@@ -213,6 +228,13 @@ const CASES: [Case; 18] = [
         change: by_multigrid,
         ..PLAIN
     },
+    Case {
+        what: "multigrid, two terms, linear",
+        scene: "linear-punch",
+        n: 24,
+        change: two_terms_by_multigrid,
+        ..PLAIN
+    },
     Case { what: "in space", scene: "punch-box", n: 4, ..PLAIN },
     Case { what: "two terms of memory", change: two_terms, ..PLAIN },
     Case { what: "two terms, linear", scene: "linear-punch", change: two_terms, ..PLAIN },
@@ -232,6 +254,14 @@ const CASES: [Case; 18] = [
     },
     Case { what: "a curved law on edges", scene: "law-rational", ..PLAIN },
     Case { what: "a graded grid", scene: "affine-graded", ..PLAIN },
+    Case {
+        what: "no multiple on a graded grid",
+        scene: "affine-graded",
+        change: no_multiple,
+        ..PLAIN
+    },
+    Case { what: "a full tensor on a graded grid", scene: "affine-graded", change: full, ..PLAIN },
+    Case { what: "a full tensor, linear", scene: "linear-punch", change: full, ..PLAIN },
 ];
 
 /// Allocations of the library in a factorization of `space`.
