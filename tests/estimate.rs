@@ -49,9 +49,21 @@ const TOLERANCE: f64 = 0.25;
 
 /// A fraction of the estimated V error of a run, as a goal.
 fn goal<'a>(setup: &'a Setup, run: [u32; 2], found: &Companions, fraction: f64) -> Goal<'a> {
-    let (value, _) = norm_estimate(setup, found, v_of(found)).total().expect("an estimate");
+    goal_in(Norm::VMax, setup, run, found, fraction)
+}
+
+/// The same in any norm.
+fn goal_in<'a>(
+    norm: Norm,
+    setup: &'a Setup,
+    run: [u32; 2],
+    found: &Companions,
+    fraction: f64,
+) -> Goal<'a> {
+    let own = found.norms.iter().find(|own| own.norm == norm).expect("the norm");
+    let (value, _) = norm_estimate(setup, found, own).total().expect("an estimate");
     let limit = MemoryLimit::of_bytes(1e9);
-    Goal { setup, run, norm: Norm::VMax, target: fraction * value, limit }
+    Goal { setup, run, norm, target: fraction * value, limit }
 }
 
 fn v_of(found: &Companions) -> &NormDifferences {
@@ -60,17 +72,31 @@ fn v_of(found: &Companions) -> &NormDifferences {
 
 /// What is wrong with a recommendation: its run is made, and its real error compared with prediction and target.
 fn faults(setup: &Setup, advice: &Advice) -> Vec<String> {
+    faults_in(Norm::VMax, setup, advice)
+}
+
+/// The same in any norm. Where errors are not orthogonal to differences less may be predicted, as [`bounds`] say; how much
+/// more, the interval says: finer meshes may converge faster than the orders that can be counted on.
+fn faults_in(norm: Norm, setup: &Setup, advice: &Advice) -> Vec<String> {
     let own = &advice.choice;
-    let real = errors(setup, [own.n, own.steps], &[Norm::VMax])[0];
+    let real = errors(setup, [own.n, own.steps], &[norm])[0];
     println!(
-        "{}: target {:.3e}, n = {}, N = {}: predicted {:.3e}, real {real:.3e}",
-        setup.scene.name, advice.target, own.n, own.steps, own.error
+        "{} {}: target {:.3e}, n = {}, N = {}: predicted {:.3e}, real {real:.3e}",
+        setup.scene.name,
+        norm.name(),
+        advice.target,
+        own.n,
+        own.steps,
+        own.error
     );
+    let aligned = if matches!(norm, Norm::VMax | Norm::StressL2Max) { 1.0 } else { 3f64.sqrt() };
+    let least = (1.0 - TOLERANCE) / aligned;
+    let most = if norm == Norm::VMax { 1.0 + TOLERANCE } else { f64::INFINITY };
     let mut found = Vec::new();
-    if !((1.0 - TOLERANCE)..=(1.0 + TOLERANCE)).contains(&(own.error / real)) {
+    if !(least..=most).contains(&(own.error / real)) {
         found.push(format!("predicted over real is {:.3}", own.error / real));
     }
-    if real > (1.0 + TOLERANCE) * advice.target {
+    if real > (1.0 + TOLERANCE) * aligned * advice.target {
         found.push(format!("the error is {:.3} targets", real / advice.target));
     }
     if !own.interval.contains(real) {
@@ -105,6 +131,35 @@ fn a_recommended_run_has_the_error_that_was_wanted() {
             assert!(cautious.interval.hi <= goal.target && cautious.error < own.error, "{name}");
             assert!(cautious.seconds >= own.seconds, "{name}: {cautious:?}");
         }
+    }
+}
+
+/// In space, and in the other norms. With an eighth of the differences the run misses: best values are up to three times
+/// what is real.
+#[test]
+fn so_has_a_run_that_is_recommended_in_another_norm() {
+    for (name, n, steps, fraction, norm) in [
+        ("pure-box", 8, 4, 0.5, Norm::VMax),
+        ("pure-box", 8, 4, 0.5, Norm::StressL2Max),
+        ("compliance", 16, 8, 0.25, Norm::StressL2Max),
+        ("compliance", 16, 8, 0.25, Norm::L2Max),
+        ("signorini", 32, 8, 0.25, Norm::TraceL2Max),
+        ("viscoelastic", 16, 8, 0.25, Norm::L2Max),
+        ("in-space", 8, 32, 0.25, Norm::StressL2Max),
+    ] {
+        let setup = setup(name);
+        let found = found(&setup, n, steps);
+        let goal = goal_in(norm, &setup, [n, steps], &found, fraction);
+        let advice = advise(&goal, &found).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(advice.choice.error <= goal.target, "{name}");
+        assert_eq!(faults_in(norm, &setup, &advice), Vec::<String>::new(), "{name}");
+        let mut wrong = found;
+        for own in &mut wrong.norms {
+            own.space = own.space.map(|d| 0.125 * d);
+            own.time = own.time.map(|d| 0.125 * d);
+        }
+        let advice = advise(&goal, &wrong).unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert!(!faults_in(norm, &setup, &advice).is_empty(), "{name}");
     }
 }
 
