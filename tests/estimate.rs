@@ -66,10 +66,6 @@ fn goal_in<'a>(
     Goal { setup, run, norm, target: fraction * value, limit }
 }
 
-fn v_of(found: &Companions) -> &NormDifferences {
-    found.norms.iter().find(|own| own.norm == Norm::VMax).expect("V_max")
-}
-
 /// What is wrong with a recommendation: its run is made, and its real error compared with prediction and target.
 fn faults(setup: &Setup, advice: &Advice) -> Vec<String> {
     faults_in(Norm::VMax, setup, advice)
