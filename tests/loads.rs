@@ -288,6 +288,38 @@ fn with_chords_upright(setup: &Setup, mut mesh: Mesh) -> (Arc<Discretization>, T
     (space_on(setup, mesh), TruthRules { error: rule.clone(), stress: rule, ..rules })
 }
 
+/// Memory by a multiple of 𝒜 is a matter of factors in time; by other numbers it has parts of its own. With a multiple that
+/// is not the material's σ is another.
+#[test]
+fn memory_that_is_a_multiple_has_no_parts() {
+    for (scene, parts, alone) in [
+        ("viscoelastic", 2, 0),
+        ("sourced-box", 3, 0),
+        ("law-linear", 1, 0),
+        // λ and μ_L of the memory have another ratio; kernels of bulk and shear differ.
+        ("layered", 1, 1),
+        ("bulk-shear", 2, 4),
+    ] {
+        let exact = exact(&setup(scene));
+        let separation = exact.separation.as_ref().expect("fields that separate");
+        let own = separation.remembered_alone.iter().filter(|alone| !**alone).count();
+        assert_eq!([own, separation.factors.parts - own], [parts, alone], "{scene}");
+    }
+    let setup = setup("viscoelastic");
+    let mut mixed = changed(&setup, |_| {});
+    // The law point by point gets the new number; the factors, derived already, keep the old one.
+    let material = &mut Arc::get_mut(&mut mixed).expect("one owner").data.material;
+    material.memory[0] = (1.5 * material.memory[0].0, 1.5 * material.memory[0].1);
+    let space = on_mesh(&setup, 4).space;
+    let sides = side_numbers(&setup.body.domain.traction);
+    let new = || {
+        let rules = TruthRules::of(2);
+        ExactOnMesh::new(mixed.clone(), space.clone(), LoadForm::Weak, &sides, &rules)
+    };
+    let off = truths_apart(&new(), &new().time_by_time(), [0.7, 0.7]);
+    assert!(off > 1e-3, "{off:e}");
+}
+
 /// Loads and moments by the shorter ways of a scene, in parts and at each time on its own, against point by point. Whether
 /// the ways were along rows.
 fn shorter_ways_are_those_of_each_point(setup: &Setup, exact: &Arc<Exact>, mesh: Mesh) -> bool {

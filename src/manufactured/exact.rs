@@ -150,14 +150,8 @@ impl Exact {
         let terms = data.kernels.iter();
         let memory: Vec<Node> =
             terms.flat_map(|&kernel| symbolic::memory(graph, kernel, &strain)).collect();
-        let mut stress = symbolic::stress(graph, &data.material, data.kappa, &strain, &memory);
-        let zero = graph.constant(0.0);
-        for region in &data.regions {
-            let inside = symbolic::stress(graph, &region.material, data.kappa, &strain, &memory);
-            for (outside, inside) in stress.iter_mut().zip(inside) {
-                *outside = graph.select_less(zero, region.condition, inside, *outside);
-            }
-        }
+        let material = (&data.material, &data.regions[..]);
+        let stress = symbolic::stress_in_regions(graph, material, data.kappa, &strain, &memory);
         let body_force = symbolic::body_force(graph, &stress);
         let present = [&data.u[..], &strain].concat();
         let outputs = [&present[..], &memory].concat();
@@ -169,9 +163,7 @@ impl Exact {
             .over(polytope);
         // σ is linear in ε without the projection.
         let is_linear = data.kappa.is_none();
-        let separation = is_linear
-            .then(|| Separation::of(&data.graph, [&present, &memory, &body_force], data.horizon))
-            .flatten();
+        let separation = is_linear.then(|| Separation::of(&data, &strain)).flatten();
         let products =
             is_linear.then(|| Products::of(&data.graph, &outputs, data.horizon)).flatten();
         Self {

@@ -204,7 +204,8 @@ impl ExactOnMesh {
             forget_zeros(&mut forces);
             Some(forces)
         });
-        let force = combined(parts.as_ref()?, &separation.factors.at(t), self.space.nodes.len());
+        let factors = separation.of_stress().at(t);
+        let force = combined(parts.as_ref()?, &factors, self.space.nodes.len());
         force.iter().all(|value| value.is_finite()).then_some(force)
     }
 
@@ -307,7 +308,7 @@ impl ExactOnMesh {
         let parts = self.moment_parts.get_or_init(|| {
             Some(self.part_moments::<D>(&self.parts(separation)).ok()?.without_zeros())
         });
-        parts.as_ref()?.at(&separation.factors.at(t))
+        parts.as_ref()?.at(&separation.factors.at(t), &separation.of_stress().at(t))
     }
 
     fn compute_moments<const D: usize>(&self, t: f64) -> Result<Arc<Moments>, LoadError> {

@@ -227,14 +227,15 @@ pub(super) struct PartMoments {
 }
 
 impl PartMoments {
-    /// The moments of Σ_m a_m S_m in the cells; none if a number is not finite.
-    pub fn at(&self, factors: &[f64]) -> Option<Moments> {
+    /// The moments of Σ_m a_m S_m in the cells, σ with factors `of_stress`; none if a number is not finite.
+    pub fn at(&self, factors: &[f64], of_stress: &[f64]) -> Option<Moments> {
         let [tensors, corners] = self.lengths;
-        let constants = |family: &PartFamily| {
+        let constants = |family: &PartFamily, factors: &[f64]| {
             let (mean, rest) = family.combined(factors, tensors)?;
             Some(CellConstants { mean, rest })
         };
-        let (strain, stress) = (constants(&self.strain)?, constants(&self.stress)?);
+        let strain = constants(&self.strain, factors)?;
+        let stress = constants(&self.stress, of_stress)?;
         let (corner, rest) = self.displacement.combined(factors, corners)?;
         let displacement = Piecewise { corner, rest };
         Some(Moments { strain, stress, displacement, ..Moments::default() })

@@ -1,6 +1,6 @@
 //! Fields as formulas: strain, memory integral, stress and body force of an exact displacement.
 
-use super::exact::MaterialNumbers;
+use super::exact::{MaterialNumbers, RegionNumbers};
 use crate::formula::{Graph, Node, Variable};
 
 /// The space variables in order.
@@ -30,9 +30,28 @@ pub fn memory(graph: &mut Graph, kernel: Node, strain: &[Node]) -> Vec<Node> {
     strain.iter().map(|&e| graph.convolve(kernel, e)).collect()
 }
 
+/// The same where regions have materials of their own.
+pub fn stress_in_regions(
+    graph: &mut Graph,
+    (material, regions): (&MaterialNumbers, &[RegionNumbers]),
+    kappa: Option<Node>,
+    strain: &[Node],
+    memory: &[Node],
+) -> Vec<Node> {
+    let mut all = stress(graph, material, kappa, strain, memory);
+    let zero = graph.constant(0.0);
+    for region in regions {
+        let inside = stress(graph, &region.material, kappa, strain, memory);
+        for (outside, inside) in all.iter_mut().zip(inside) {
+            *outside = graph.select_less(zero, region.condition, inside, *outside);
+        }
+    }
+    all
+}
+
 /// σ of (5.1) as formulas in x, t and ζ: the symbolic twin of [`super::constitutive::stress`], needed
 /// where σ is differentiated.
-pub fn stress(
+fn stress(
     graph: &mut Graph,
     material: &MaterialNumbers,
     kappa: Option<Node>,
