@@ -5,11 +5,13 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-/// A file that is written beside its place, and stands there when it is finished. Given up, it leaves nothing.
+/// A file that is written beside its place, and stands there when it is finished. Given up, it leaves nothing. What is no
+/// file, a device or a pipe, stays what it is and is written as it comes.
 #[derive(Debug)]
 pub struct Replacement {
     path: PathBuf,
-    partial: PathBuf,
+    /// None where there is no file to replace.
+    partial: Option<PathBuf>,
     file: BufWriter<File>,
 }
 
@@ -19,11 +21,17 @@ impl Replacement {
     /// # Errors
     /// What the file system reports.
     pub fn create(path: &Path) -> io::Result<Self> {
+        // A link stays, and what it names is replaced.
+        let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+        if fs::metadata(&path).is_ok_and(|known| !known.is_file()) {
+            let file = BufWriter::new(File::options().write(true).open(&path)?);
+            return Ok(Self { path, partial: None, file });
+        }
         let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
         name.push(format!(".{}.partial", std::process::id()));
         let partial = path.with_file_name(name);
         let file = BufWriter::new(File::create(&partial)?);
-        Ok(Self { path: path.to_owned(), partial, file })
+        Ok(Self { path, partial: Some(partial), file })
     }
 
     /// Renames the file over an older one.
@@ -32,8 +40,13 @@ impl Replacement {
     /// What the file system reports; the old file is then still there.
     pub fn finish(mut self) -> io::Result<()> {
         self.file.flush()?;
-        self.file.get_ref().sync_all()?;
-        fs::rename(&self.partial, &self.path)
+        match &self.partial {
+            None => Ok(()),
+            Some(partial) => {
+                self.file.get_ref().sync_all()?;
+                fs::rename(partial, &self.path)
+            }
+        }
     }
 }
 
@@ -50,7 +63,9 @@ impl Write for Replacement {
 impl Drop for Replacement {
     /// After the rename there is nothing to remove; the error to report was the first one.
     fn drop(&mut self) {
-        let _ = fs::remove_file(&self.partial);
+        if let Some(partial) = &self.partial {
+            let _ = fs::remove_file(partial);
+        }
     }
 }
 
@@ -78,6 +93,34 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"two");
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
         assert!(replace_file(&folder.join("no/such/folder.txt"), b"").is_err());
+        assert!(replace_file(&folder, b"").is_err() && folder.is_dir());
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    /// `--json` to a device or through a link: neither becomes a file.
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_links_stay_what_they_are() {
+        use std::os::unix::fs::FileTypeExt;
+
+        let folder = std::env::temp_dir().join(format!("gronwall-pipe-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let [pipe, file, link] = ["pipe", "file", "link"].map(|name| folder.join(name));
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
+        assert!(made.success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read(pipe).unwrap()
+        });
+        replace_file(&pipe, b"one").unwrap();
+        // A pipe that became a file would leave the reader waiting.
+        assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
+        assert_eq!(reader.join().unwrap(), b"one");
+        fs::write(&file, b"old").unwrap();
+        std::os::unix::fs::symlink(&file, &link).unwrap();
+        replace_file(&link, b"new").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read(&file).unwrap(), b"new");
         fs::remove_dir_all(&folder).unwrap();
     }
 }
