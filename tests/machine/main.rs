@@ -1,6 +1,7 @@
 //! Source: the contract of the program towards the machine it runs on.
 //! Goal: memory is predicted before it is taken, and within a limit; the longest case begins first; reports say what made
-//!   them; nothing is written but under --out; every dependency has a licence that is allowed.
+//!   them; nothing is written but under --out; pipes stay pipes;
+//!   every dependency has a licence that is allowed.
 //! Data: small shipped scenes, and the manifests of the dependencies.
 
 #[allow(dead_code)] // Its main is cargo's.
@@ -8,6 +9,8 @@
 mod build;
 mod licences;
 mod memory;
+#[cfg(unix)]
+mod pipes;
 mod privileges;
 #[path = "../program/mod.rs"]
 mod program;
