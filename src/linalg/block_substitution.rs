@@ -4,7 +4,8 @@
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::cholesky::{Analysis, Factor};
-use super::substitution::{COLUMNS, Front, Supernode, supernode};
+use super::substitution::Front;
+use super::supernode::{COLUMNS, Supernode, supernode};
 
 /// Right sides that are taken together: two registers of four doubles.
 pub const SIDES: usize = 8;
@@ -63,6 +64,7 @@ fn substitute(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut 
     let mut j = columns;
     while !j.is_multiple_of(COLUMNS) {
         j -= 1;
+        node.reads_backward(j, 1);
         let column = node.column(j, j);
         let (own, rest) = rows[j..].split_at_mut(1);
         let [sum] = products([&column[1..]], rest);
@@ -72,6 +74,7 @@ fn substitute(node: &Supernode<'_, f64>, cut: usize, x: &mut [Side], rows: &mut 
     }
     while j > 0 {
         j -= COLUMNS;
+        node.reads_backward(j, COLUMNS);
         let (own, rest) = rows[j..].split_at_mut(COLUMNS);
         let sums: [Side; COLUMNS] =
             products(std::array::from_fn(|a| node.column(j + a, j + COLUMNS)), rest);

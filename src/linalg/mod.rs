@@ -1,5 +1,6 @@
 //! Sparse symmetric matrices over node blocks, their assembly, Cholesky factorization and multigrid.
 
+mod ahead;
 mod block_substitution;
 mod cholesky;
 mod conjugate_gradient;
@@ -13,6 +14,7 @@ mod pattern;
 mod random;
 mod sequence;
 mod substitution;
+mod supernode;
 mod tangent_solver;
 
 pub use block_substitution::{SIDES, Side};

@@ -8,9 +8,8 @@ use faer::sparse::linalg::cholesky::SymbolicCholeskyRaw;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
 use super::cholesky::{Analysis, Factor, Real};
+use super::supernode::{COLUMNS, Supernode, supernode};
 
-/// Columns that are taken together.
-pub(super) const COLUMNS: usize = 4;
 /// Partial sums of a scalar product: two registers of four doubles, for each column.
 const LANES: usize = 8;
 const HALF: usize = LANES / 2;
@@ -19,27 +18,6 @@ const HALF: usize = LANES / 2;
 #[derive(Debug, Clone, Default)]
 pub struct Front<T> {
     pub(super) rows: Vec<T>,
-}
-
-/// A supernode: columns `start..start + width`, `below` the rows under its triangle, numbers by columns.
-pub(super) struct Supernode<'a, T> {
-    pub(super) start: usize,
-    pub(super) width: usize,
-    pub(super) below: &'a [u32],
-    values: &'a [T],
-}
-
-impl<T: Real> Supernode<'_, T> {
-    #[inline(always)]
-    fn height(&self) -> usize {
-        self.width + self.below.len()
-    }
-
-    /// Rows `from..` of column j.
-    #[inline(always)]
-    pub(super) fn column(&self, j: usize, from: usize) -> &[T] {
-        &self.values[self.height() * j + from..self.height() * (j + 1)]
-    }
 }
 
 impl Analysis {
@@ -130,21 +108,6 @@ impl<T: Real> pulp::WithSimd for Pass<'_, T> {
     }
 }
 
-#[inline(always)]
-pub(super) fn supernode<'a, T>(
-    symbolic: &'a SymbolicSupernodalCholesky<u32>,
-    factor: &'a Factor<T>,
-    s: usize,
-) -> Supernode<'a, T> {
-    let (start, end) =
-        (symbolic.supernode_begin()[s] as usize, symbolic.supernode_end()[s] as usize);
-    let rows = symbolic.col_ptr_for_row_idx()[s] as usize;
-    let below = &symbolic.row_idx()[rows..rows + symbolic.nnz_per_super()[s] as usize];
-    let values = symbolic.col_ptr_for_val();
-    let values = &factor.values[values[s] as usize..values[s + 1] as usize];
-    Supernode { start, width: end - start, below, values }
-}
-
 /// The forward step of one supernode.
 #[inline(always)]
 fn eliminate<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &mut Vec<T>) {
@@ -155,6 +118,7 @@ fn eliminate<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &m
     let columns = width.min(cut - start);
     let mut j = 0;
     while j + COLUMNS <= columns {
+        node.reads_forward(j, COLUMNS);
         let (own, rest) = rows[j..].split_at_mut(COLUMNS);
         for a in 0..COLUMNS {
             let column = node.column(j + a, j + a);
@@ -168,6 +132,7 @@ fn eliminate<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &m
         j += COLUMNS;
     }
     while j < columns {
+        node.reads_forward(j, 1);
         let column = node.column(j, j);
         let (own, rest) = rows[j..].split_at_mut(1);
         own[0] /= column[0];
@@ -193,12 +158,14 @@ fn substitute<T: Real>(node: &Supernode<'_, T>, cut: usize, x: &mut [T], rows: &
     let mut j = columns;
     while !j.is_multiple_of(COLUMNS) {
         j -= 1;
+        node.reads_backward(j, 1);
         let column = node.column(j, j);
         let (own, rest) = rows[j..].split_at_mut(1);
         own[0] = (own[0] - product(&column[1..], rest)) / column[0];
     }
     while j > 0 {
         j -= COLUMNS;
+        node.reads_backward(j, COLUMNS);
         let (own, rest) = rows[j..].split_at_mut(COLUMNS);
         let sums = products(std::array::from_fn(|a| node.column(j + a, j + COLUMNS)), rest);
         for a in (0..COLUMNS).rev() {

@@ -1,0 +1,65 @@
+//! Columns of a factor that have the same rows, as the substitutions read them.
+
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
+
+use super::ahead::{ask_before, ask_behind};
+use super::cholesky::{Factor, Real};
+
+/// Columns that are taken together.
+pub(super) const COLUMNS: usize = 4;
+
+/// A supernode: columns `start..start + width`, `below` the rows under its triangle, numbers by columns from `first` on
+/// among those of the factor.
+pub(super) struct Supernode<'a, T> {
+    pub(super) start: usize,
+    pub(super) width: usize,
+    pub(super) below: &'a [u32],
+    values: &'a [T],
+    first: usize,
+}
+
+impl<T: Real> Supernode<'_, T> {
+    #[inline(always)]
+    pub(super) fn height(&self) -> usize {
+        self.width + self.below.len()
+    }
+
+    /// Where column j begins.
+    #[inline(always)]
+    fn begin(&self, j: usize) -> usize {
+        self.first + self.height() * j
+    }
+
+    /// Rows `from..` of column j.
+    #[inline(always)]
+    pub(super) fn column(&self, j: usize, from: usize) -> &[T] {
+        &self.values[self.begin(j) + from..self.begin(j + 1)]
+    }
+
+    /// To be called before columns j..j + count are read by a forward pass: asks for numbers that come later.
+    #[inline(always)]
+    pub(super) fn reads_forward(&self, j: usize, count: usize) {
+        ask_behind(self.values, self.begin(j)..self.begin(j + count));
+    }
+
+    /// The same for a backward pass.
+    #[inline(always)]
+    pub(super) fn reads_backward(&self, j: usize, count: usize) {
+        ask_before(self.values, self.begin(j)..self.begin(j + count));
+    }
+}
+
+/// Supernode s of a factor.
+#[inline(always)]
+pub(super) fn supernode<'a, T>(
+    symbolic: &'a SymbolicSupernodalCholesky<u32>,
+    factor: &'a Factor<T>,
+    s: usize,
+) -> Supernode<'a, T> {
+    let (start, end) =
+        (symbolic.supernode_begin()[s] as usize, symbolic.supernode_end()[s] as usize);
+    let rows = symbolic.col_ptr_for_row_idx()[s] as usize;
+    let below = &symbolic.row_idx()[rows..rows + symbolic.nnz_per_super()[s] as usize];
+    let first = symbolic.col_ptr_for_val()[s] as usize;
+    Supernode { start, width: end - start, below, values: &factor.values, first }
+}
