@@ -66,20 +66,16 @@ fn linear_algebra(c: &mut Criterion) {
     });
     let space = setup.space(64).unwrap_or_else(|error| panic!("{error}"));
     let values = space.stiffness(&setup.model.elasticity);
-    let (mut factor, mut workspace) = (space.analysis.factor::<f64>(), space.analysis.workspace(1));
+    let (mut factor, mut workspace) = (space.analysis.factor::<f64>(), space.analysis.workspace());
     let mut x = vec![1.0; space.dofs()];
     c.bench_function("factorization n=64", |b| {
         b.iter(|| space.analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace));
     });
     c.bench_function("solve n=64", |b| {
-        b.iter(|| space.analysis.solve(&factor, black_box(&mut x), &mut workspace));
-    });
-    let (mut front, whole) = (Front::default(), x.len());
-    c.bench_function("solve by own substitution n=64", |b| {
+        let mut front = Front::default();
         b.iter(|| {
             x.fill(1.0);
-            space.analysis.forward(&factor, whole, black_box(&mut x), &mut front);
-            space.analysis.backward(&factor, whole, black_box(&mut x), &mut front);
+            space.analysis.solve(&factor, black_box(&mut x), &mut front);
         });
     });
 }

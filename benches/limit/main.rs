@@ -135,7 +135,7 @@ fn limit(sizes: &[u32]) {
         let values = space.stiffness(&setup.model.elasticity);
         let narrow: Vec<f32> = values.iter().map(|value| *value as f32).collect();
         let (mut factor, mut single) = (space.analysis.factor(), space.analysis.factor());
-        let mut workspace = space.analysis.workspace(1);
+        let mut workspace = space.analysis.workspace();
         let (analysis, pattern) = (&space.analysis, &space.pattern);
         let done = analysis.factorize(pattern, &values, &mut factor, &mut workspace);
         let also = analysis.factorize(pattern, &narrow, &mut single, &mut workspace);

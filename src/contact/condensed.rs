@@ -77,7 +77,8 @@ struct Condensed<'a, P> {
     by_memory: Vec<Vec<f64>>,
     matrix: Vec<f64>,
     factor: Arc<Factor>,
-    workspace: Workspace,
+    /// Of factors of its own: none with a multiple.
+    workspace: Option<Workspace>,
     front: Front<f64>,
     /// Weights W_i of the last slot of the level, and of the factor; `None` before the first.
     slot: Vec<f64>,
@@ -157,10 +158,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
             slot: vec![0.0; model.memory.len()],
             matrix: if beta.is_some() { Vec::new() } else { elastic.to_vec() },
             factor,
-            workspace: match beta {
-                Some(_) => analysis.solve_workspace(1),
-                None => analysis.workspace(1),
-            },
+            workspace: beta.is_none().then(|| analysis.workspace()),
             front: Front::default(),
             factorized: None,
             basis: None,
@@ -267,7 +265,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
         }
         let start = Instant::now();
         let analysis = self.analysis;
-        if self.beta.is_none() {
+        if let Some(workspace) = &mut self.workspace {
             self.matrix.copy_from_slice(&self.elastic);
             for (matrix, own) in self.by_memory.iter().zip(&self.slot) {
                 axpy(*own, matrix, &mut self.matrix);
@@ -276,7 +274,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
             // Nobody else has it: no copy is made.
             let factor = Arc::make_mut(&mut self.factor);
             self.info.work.linear.factorizations += 1;
-            analysis.factorize(pattern, matrix, factor, &mut self.workspace)?;
+            analysis.factorize(pattern, matrix, factor, workspace)?;
         }
         self.factorized = Some(self.slot.clone());
         self.level.set_schur(&analysis.last_triangle(&self.factor, self.cut));

@@ -5,7 +5,7 @@ use super::last_slot::LastSlot;
 use super::{CaseError, Discretization, Evolution, Model};
 use crate::history::TimeGrid;
 use crate::law::{Projection, TensorField};
-use crate::linalg::{Factor, FactorError, Workspace, axpy, dot};
+use crate::linalg::{Factor, FactorError, Front, axpy, dot};
 use crate::space::strain_of;
 use crate::vhi::{BoundaryGraph, FrozenDerivative, HistoryInequality, StepInequality, StepState};
 
@@ -20,7 +20,7 @@ pub struct OpenLevel<'a, P> {
     /// Strain products G and their factor.
     gram: Vec<f64>,
     gram_factor: Factor,
-    workspace: Workspace,
+    front: Front<f64>,
     /// ∂F/∂ζ at Λη and w ∂‖ε(η)‖/∂η, where the level depends on ζ.
     by_zeta: Option<(Vec<f64>, Vec<f64>)>,
 }
@@ -40,7 +40,7 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
     ) -> Result<Self, FactorError> {
         let gram = space.stiffness_of_unknowns(&TensorField::identity());
         let (mut gram_factor, mut workspace) =
-            (space.analysis.factor(), space.analysis.workspace(1));
+            (space.analysis.factor(), space.analysis.workspace());
         space.analysis.factorize(&space.pattern, &gram, &mut gram_factor, &mut workspace)?;
         let terms = model.memory.iter();
         Ok(Self {
@@ -48,7 +48,7 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
             memory: terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect(),
             gram,
             gram_factor,
-            workspace,
+            front: Front::default(),
             by_zeta: None,
             space,
             model,
@@ -122,7 +122,7 @@ impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
         if let Some((by_zeta, by_eta)) = &self.by_zeta {
             axpy(-dot(by_zeta, &force), by_eta, out);
         }
-        self.space.analysis.solve(&self.gram_factor, out, &mut self.workspace);
+        self.space.analysis.solve(&self.gram_factor, out, &mut self.front);
         Ok(())
     }
 

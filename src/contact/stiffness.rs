@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use super::{Discretization, Work};
 use crate::law::TensorField;
-use crate::linalg::{Factor, FactorError, Workspace};
+use crate::linalg::{Factor, FactorError, Front};
 
 /// The unknowns of a factor, and their order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,7 +45,7 @@ impl StiffnessFactor {
         };
         work.seconds_assemble += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace(1));
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
         analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace)?;
         space.factors.made.fetch_add(1, Ordering::Relaxed);
         work.linear.seconds_factor += start.elapsed().as_secs_f64();
@@ -125,7 +125,7 @@ impl Discretization {
 pub struct StiffnessInverse<'a> {
     space: &'a Discretization,
     kept: Arc<StiffnessFactor>,
-    workspace: Workspace,
+    front: Front<f64>,
 }
 
 impl<'a> StiffnessInverse<'a> {
@@ -139,7 +139,7 @@ impl<'a> StiffnessInverse<'a> {
         work: &mut Work,
     ) -> Result<Self, FactorError> {
         let kept = space.stiffness_factor(tensor, Unknowns::Displacements, work)?;
-        Ok(Self { space, kept, workspace: space.analysis.solve_workspace(1) })
+        Ok(Self { space, kept, front: Front::default() })
     }
 
     /// The same for one use: by a factor that the mesh holds, else by one of its own.
@@ -148,12 +148,12 @@ impl<'a> StiffnessInverse<'a> {
     /// A matrix that is not positive definite.
     pub fn passing(space: &'a Discretization, tensor: &TensorField) -> Result<Self, FactorError> {
         let kept = space.passing_factor(tensor)?;
-        Ok(Self { space, kept, workspace: space.analysis.solve_workspace(1) })
+        Ok(Self { space, kept, front: Front::default() })
     }
 
     /// K⁻¹b in place, over the unknowns.
     pub fn solve(&mut self, b: &mut [f64]) {
-        self.space.analysis.solve(&self.kept.factor, b, &mut self.workspace);
+        self.space.analysis.solve(&self.kept.factor, b, &mut self.front);
     }
 
     /// Kx.

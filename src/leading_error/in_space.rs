@@ -11,7 +11,7 @@ use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::weight;
 use crate::contact::Discretization;
 use crate::formula::{Node, Point, Variable};
-use crate::linalg::{axpy, dot};
+use crate::linalg::{Front, axpy, dot};
 use crate::manufactured::{ComplianceRule, Exact, InterpolatedOnMesh};
 
 /// A contact scene on one mesh, with tensors of S numbers.
@@ -261,18 +261,21 @@ impl<const S: usize> InSpace<S> {
     ) -> Result<Vec<f64>, NoConstant> {
         let (space, dofs) = (&self.space, self.space.dofs());
         let analysis = &space.analysis;
-        let (mut factor, mut workspace) = (analysis.factor::<f64>(), analysis.workspace(2));
+        let (mut factor, mut workspace) = (analysis.factor::<f64>(), analysis.workspace());
         analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
-        let mut sides: Vec<f64> = right[..dofs].iter().chain(&column[..dofs]).copied().collect();
-        analysis.solve(&factor, &mut sides, &mut workspace);
-        let (error, answer) = sides.split_at(dofs);
-        let denominator = 1.0 + dot(&row[..dofs], answer);
+        let mut front = Front::default();
+        let [error, answer] = [&right, &column].map(|side| {
+            let mut x = side[..dofs].to_vec();
+            analysis.solve(&factor, &mut x, &mut front);
+            x
+        });
+        let denominator = 1.0 + dot(&row[..dofs], &answer);
         if denominator.is_nan() || denominator.abs() <= VANISHING {
             return Err(NoConstant::Singular { t });
         }
-        let factor = dot(&row[..dofs], error) / denominator;
+        let factor = dot(&row[..dofs], &error) / denominator;
         right.fill(0.0);
-        for (target, (e, a)) in right.iter_mut().zip(error.iter().zip(answer)) {
+        for (target, (e, a)) in right.iter_mut().zip(error.iter().zip(&answer)) {
             *target = e - factor * a;
         }
         Ok(right)

@@ -132,7 +132,7 @@ mod tests {
         let last: Vec<u32> = (0..12).map(|v| 2 * v + 1).collect();
         let analysis =
             Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates, &last)).unwrap();
-        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace(1));
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
         analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
         let cut = 288 - last.len();
         let side = |l: usize| (0..288).map(move |i| ((3 * i + 7 * l) as f64).cos());

@@ -3,16 +3,16 @@
 
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, Sub, SubAssign};
 
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltError;
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Par, Side};
 
 use super::pattern::BlockPattern;
 
@@ -65,7 +65,6 @@ const MERGED: [(usize, f64); 4] = [(4, 0.5), (16, 0.2), (48, 0.05), (usize::MAX,
 #[derive(Debug)]
 pub struct Analysis {
     pub(super) symbolic: SymbolicCholesky<u32>,
-    order: usize,
 }
 
 /// Real numbers in which a factor can be kept: f64, or f32 as a preconditioner.
@@ -106,7 +105,7 @@ pub struct Factor<T = f64> {
     pub(super) values: Vec<T>,
 }
 
-/// Scratch memory of factorizations and solves with up to a fixed number of right sides.
+/// Scratch memory of factorizations.
 pub struct Workspace {
     memory: MemBuffer,
 }
@@ -133,7 +132,7 @@ impl Analysis {
             },
         )
         .map_err(|error| FactorError::Analysis { order, reason: format!("{error:?}") })?;
-        Ok(Self { symbolic, order })
+        Ok(Self { symbolic })
     }
 
     /// Numbers stored in a factor.
@@ -165,18 +164,11 @@ impl Analysis {
         Factor { values: vec![T::ZERO; self.symbolic.len_val()] }
     }
 
-    /// Scratch memory for factorizations and for solves with up to `columns` right sides.
-    pub fn workspace(&self, columns: usize) -> Workspace {
+    /// Scratch memory for factorizations.
+    pub fn workspace(&self) -> Workspace {
         let factorize =
             self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let solve = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
-        Workspace { memory: MemBuffer::new(StackReq::any_of(&[factorize, solve])) }
-    }
-
-    /// The same for solves alone.
-    pub fn solve_workspace(&self, columns: usize) -> Workspace {
-        let solve = self.symbolic.solve_in_place_scratch::<f64>(columns, Par::Seq);
-        Workspace { memory: MemBuffer::new(solve) }
+        Workspace { memory: MemBuffer::new(factorize) }
     }
 
     /// Computes L of the matrix with these lower-triangle `values`.
@@ -213,18 +205,6 @@ impl Analysis {
             }
         }
     }
-
-    /// Solves L Lᵀ x = b in place for the right sides stored one after another in `rhs`.
-    pub fn solve<T: Real>(&self, factor: &Factor<T>, rhs: &mut [T], workspace: &mut Workspace) {
-        let columns = rhs.len() / self.order.max(1);
-        let rhs = MatMut::from_column_major_slice_mut(rhs, self.order, columns);
-        LltRef::new(&self.symbolic, &factor.values).solve_in_place_with_conj(
-            Conj::No,
-            rhs,
-            Par::Seq,
-            MemStack::new(&mut workspace.memory),
-        );
-    }
 }
 
 fn symbolic_matrix(pattern: &BlockPattern) -> SymbolicSparseColMatRef<'_, u32> {
@@ -234,7 +214,7 @@ fn symbolic_matrix(pattern: &BlockPattern) -> SymbolicSparseColMatRef<'_, u32> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::nested_dissection;
+    use super::super::{Front, nested_dissection};
     use super::*;
 
     fn laplacian() -> (BlockPattern, Vec<f64>, Vec<f64>) {
@@ -251,18 +231,16 @@ mod tests {
     }
 
     #[test]
-    fn solves_with_two_right_sides() {
+    fn a_factor_solves() {
         let (pattern, values, coordinates) = laplacian();
         let analysis =
             Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates, &[])).unwrap();
-        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace(2));
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
         analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
-        let x: Vec<f64> = (0..120).map(|i| f64::from(i % 7) - 3.0).collect();
-        let mut b = vec![0.0; 120];
-        let (left, right) = b.split_at_mut(60);
-        pattern.multiply(&values, &x[..60], left);
-        pattern.multiply(&values, &x[60..], right);
-        analysis.solve(&factor, &mut b, &mut workspace);
+        let x: Vec<f64> = (0..60).map(|i| f64::from(i % 7) - 3.0).collect();
+        let mut b = vec![0.0; 60];
+        pattern.multiply(&values, &x, &mut b);
+        analysis.solve(&factor, &mut b, &mut Front::default());
         assert!(b.iter().zip(&x).all(|(p, q)| (p - q).abs() < 1e-14));
     }
 
@@ -286,7 +264,7 @@ mod tests {
         let (pattern, values, coordinates) = laplacian();
         let analysis =
             Analysis::new(&pattern, &nested_dissection(&pattern, &coordinates, &[])).unwrap();
-        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace(1));
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
         for dof in 0..60 {
             let mut bad = values.clone();
             bad[pattern.diagonal(dof)] = -1.0;

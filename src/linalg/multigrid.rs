@@ -15,6 +15,7 @@ mod transfer;
 use super::cholesky::{Analysis, Factor, FactorError, Workspace};
 use super::nested_dissection;
 use super::pattern::BlockPattern;
+use super::substitution::Front;
 use galerkin::galerkin;
 use gauss_seidel::Sweeps;
 pub use transfer::NodeFrame;
@@ -123,6 +124,7 @@ pub(super) struct Multigrid<'a, C = Symmetric> {
     vectors: Vec<Vectors>,
     factor: Factor<f64>,
     workspace: Workspace,
+    front: Front<f64>,
     coarse: Vec<f64>,
     /// The largest diagonal entry: sweeps hold the matrix over this.
     scale: f64,
@@ -143,7 +145,8 @@ impl<'a, C: Parts> Multigrid<'a, C> {
             values: levels.patterns.iter().map(|p| vec![0.0; p.entries()]).collect(),
             vectors: all().map(vectors).collect(),
             factor: levels.coarsest.factor(),
-            workspace: levels.coarsest.workspace(1),
+            workspace: levels.coarsest.workspace(),
+            front: Front::default(),
             coarse: vec![0.0; levels.coarsest_unknowns()],
             scale: 1.0,
             parts,
@@ -232,7 +235,7 @@ impl<'a, C: Parts> Multigrid<'a, C> {
         for (value, right) in self.coarse.iter_mut().zip(&*right) {
             *value = f64::from(*right) * self.scale;
         }
-        self.levels.coarsest.solve(&self.factor, &mut self.coarse, &mut self.workspace);
+        self.levels.coarsest.solve(&self.factor, &mut self.coarse, &mut self.front);
         for (solution, value) in solution.iter_mut().zip(&self.coarse) {
             *solution = *value as f32;
         }

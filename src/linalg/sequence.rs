@@ -64,7 +64,7 @@ fn worth(analysis: &Analysis) -> u32 {
 /// A factor, in the precision it is kept in. Single precision holds that of K/`scale`, so that no
 /// unit of force leaves its range.
 enum Stored {
-    Double { factor: Factor<f64>, ordered: Vec<f64>, front: Front<f64> },
+    Double { factor: Factor<f64>, front: Front<f64> },
     Single { factor: Factor<f32>, scale: f64, ordered: Vec<f32>, front: Front<f32> },
 }
 
@@ -100,7 +100,7 @@ impl<'a> SequenceSolver<'a> {
         Self {
             analysis,
             pattern,
-            workspace: analysis.workspace(2),
+            workspace: analysis.workspace(),
             stored: None,
             precision: None,
             exact: false,
@@ -184,12 +184,12 @@ impl<'a> SequenceSolver<'a> {
     }
 
     fn factorize_double(&mut self) -> Result<(), FactorError> {
-        let (mut factor, ordered, front) = match self.stored.take() {
-            Some(Stored::Double { factor, ordered, front }) => (factor, ordered, front),
-            _ => (self.analysis.factor(), Vec::new(), Front::default()),
+        let (mut factor, front) = match self.stored.take() {
+            Some(Stored::Double { factor, front }) => (factor, front),
+            _ => (self.analysis.factor(), Front::default()),
         };
         self.analysis.factorize(self.pattern, &self.values, &mut factor, &mut self.workspace)?;
-        self.stored = Some(Stored::Double { factor, ordered, front });
+        self.stored = Some(Stored::Double { factor, front });
         self.exact = true;
         Ok(())
     }
@@ -230,15 +230,7 @@ impl<'a> SequenceSolver<'a> {
         let (analysis, whole) = (self.analysis, x.len());
         match &mut self.stored {
             None => {}
-            Some(Stored::Double { factor, ordered, front }) => {
-                ordered.clear();
-                ordered.extend(analysis.order().iter().map(|&dof| x[dof as usize]));
-                analysis.forward(factor, whole, ordered, front);
-                analysis.backward(factor, whole, ordered, front);
-                for (&value, &dof) in ordered.iter().zip(analysis.order()) {
-                    x[dof as usize] = value;
-                }
-            }
+            Some(Stored::Double { factor, front }) => analysis.solve(factor, x, front),
             Some(Stored::Single { factor, scale, ordered, front }) => {
                 // The right side is scaled to one as well: only its direction needs single range.
                 let size = x.iter().fold(0.0f64, |size, value| size.max(value.abs()));

@@ -14,10 +14,13 @@ use super::supernode::{COLUMNS, Supernode, supernode};
 const LANES: usize = 8;
 const HALF: usize = LANES / 2;
 
-/// Rows of one supernode: those of its own columns, then those below.
+/// What a pass takes beside the factor.
 #[derive(Debug, Clone, Default)]
 pub struct Front<T> {
+    /// Rows of one supernode: those of its own columns, then those below.
     pub(super) rows: Vec<T>,
+    /// The right side of a whole solve in the order of the factor.
+    ordered: Vec<T>,
 }
 
 impl Analysis {
@@ -32,6 +35,19 @@ impl Analysis {
     /// Position → dof.
     pub fn order(&self) -> &[u32] {
         self.symbolic.perm().map_or(&[], |perm| perm.arrays().0)
+    }
+
+    /// Solves L Lᵀ x = b in place; x and b are over the unknowns.
+    pub fn solve<T: Real>(&self, factor: &Factor<T>, x: &mut [T], front: &mut Front<T>) {
+        let (order, mut ordered) = (self.order(), std::mem::take(&mut front.ordered));
+        ordered.clear();
+        ordered.extend(order.iter().map(|&dof| x[dof as usize]));
+        self.forward(factor, order.len(), &mut ordered, front);
+        self.backward(factor, order.len(), &mut ordered, front);
+        for (&value, &dof) in ordered.iter().zip(order) {
+            x[dof as usize] = value;
+        }
+        front.ordered = ordered;
     }
 
     /// Solves L y = x in place in the columns before `cut`; what they leave of the right side stands
@@ -300,7 +316,7 @@ mod tests {
     fn passes_solve_and_condense() {
         let last = [21, 3, 77, 139, 60];
         let (pattern, values, analysis) = chain(&last);
-        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace(1));
+        let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
         analysis.factorize(&pattern, &values, &mut factor, &mut workspace).unwrap();
         let exact: Vec<f64> = (0..140).map(|i| (f64::from(i) * 0.7).sin()).collect();
         let mut b = vec![0.0; 140];
@@ -316,6 +332,9 @@ mod tests {
         analysis.forward(&factor, 140, &mut x, &mut front);
         analysis.backward(&factor, 140, &mut x, &mut front);
         assert!(close(&x, 1e-13));
+        let mut x = b.clone();
+        analysis.solve(&factor, &mut x, &mut front);
+        assert!(close(&in_order(&x), 1e-13) && !close(&x, 1e-1));
         let cut = 140 - last.len();
         let mut x = in_order(&b);
         analysis.forward(&factor, cut, &mut x, &mut front);

@@ -169,7 +169,7 @@ impl<P: Projection> Condensed<'_, P> {
         // What the tolerance of Newton's method in the volume would be.
         let tolerance = Newton::default().rounding_units * f64::EPSILON * size;
         let accepted = Accepted { residual: norm(&unbalanced), tolerance };
-        self.analysis.solve(&self.factor, &mut unbalanced, &mut self.workspace);
+        self.analysis.solve(&self.factor, &mut unbalanced, &mut self.front);
         unbalanced.resize(space.nodes.len(), 0.0);
         space.frames.to_cartesian(&mut unbalanced);
         let largest = self.model.elasticity.eigenvalues(space.mesh.dimension).1;

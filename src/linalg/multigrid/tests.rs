@@ -265,12 +265,8 @@ fn a_matrix_that_is_not_positive_definite_is_an_error_on_every_scale() {
         let analysis =
             Analysis::new(&body.pattern, &nested_dissection(&body.pattern, &natural, &[])).unwrap();
         let mut factor = analysis.factor::<f64>();
-        let direct = analysis.factorize(
-            &body.pattern,
-            &body.values,
-            &mut factor,
-            &mut analysis.workspace(1),
-        );
+        let direct =
+            analysis.factorize(&body.pattern, &body.values, &mut factor, &mut analysis.workspace());
         let found = trial(&body, &levels, &[], Symmetric).0;
         assert!(matches!(direct, Err(FactorError::NotPositiveDefinite { .. })));
         assert!(matches!(found, Err(FactorError::NotPositiveDefinite { .. })));
