@@ -62,10 +62,10 @@ fn worth(analysis: &Analysis) -> u32 {
 }
 
 /// A factor, in the precision it is kept in. Single precision holds that of K/`scale`, so that no
-/// unit of force leaves its range.
+/// unit of force leaves its range; `narrow` is room for the numbers of the matrix.
 enum Stored {
     Double { factor: Factor<f64>, front: Front<f64> },
-    Single { factor: Factor<f32>, scale: f64, ordered: Vec<f32>, front: Front<f32> },
+    Single { factor: Factor<f32>, scale: f64, narrow: Vec<f32>, front: Front<f32> },
 }
 
 /// Solver for a sequence of nearby Jacobians.
@@ -195,16 +195,16 @@ impl<'a> SequenceSolver<'a> {
     }
 
     fn factorize_single(&mut self) -> Result<(), FactorError> {
-        let (mut factor, mut ordered, front) = match self.stored.take() {
-            Some(Stored::Single { factor, ordered, front, .. }) => (factor, ordered, front),
+        let (mut factor, mut narrow, front) = match self.stored.take() {
+            Some(Stored::Single { factor, narrow, front, .. }) => (factor, narrow, front),
             _ => (self.analysis.factor(), Vec::new(), Front::default()),
         };
         let diagonal = |dof: usize| self.values[self.pattern.diagonal(dof)].abs();
         let scale = (0..self.pattern.order()).map(diagonal).fold(f64::MIN_POSITIVE, f64::max);
-        ordered.clear();
-        ordered.extend(self.values.iter().map(|value| (value / scale) as f32));
-        self.analysis.factorize(self.pattern, &ordered, &mut factor, &mut self.workspace)?;
-        self.stored = Some(Stored::Single { factor, scale, ordered, front });
+        narrow.clear();
+        narrow.extend(self.values.iter().map(|value| (value / scale) as f32));
+        self.analysis.factorize(self.pattern, &narrow, &mut factor, &mut self.workspace)?;
+        self.stored = Some(Stored::Single { factor, scale, narrow, front });
         Ok(())
     }
 
@@ -227,22 +227,17 @@ impl<'a> SequenceSolver<'a> {
     /// x ← (factorized K)⁻¹ x.
     fn apply_factor(&mut self, x: &mut [f64]) {
         let start = Instant::now();
-        let (analysis, whole) = (self.analysis, x.len());
+        let analysis = self.analysis;
         match &mut self.stored {
             None => {}
             Some(Stored::Double { factor, front }) => analysis.solve(factor, x, front),
-            Some(Stored::Single { factor, scale, ordered, front }) => {
+            Some(Stored::Single { factor, scale, front, .. }) => {
                 // The right side is scaled to one as well: only its direction needs single range.
                 let size = x.iter().fold(0.0f64, |size, value| size.max(value.abs()));
                 if size > 0.0 && size.is_finite() {
-                    ordered.clear();
-                    let order = analysis.order().iter();
-                    ordered.extend(order.map(|&dof| (x[dof as usize] / size) as f32));
-                    analysis.forward(factor, whole, ordered, front);
-                    analysis.backward(factor, whole, ordered, front);
-                    for (&value, &dof) in ordered.iter().zip(analysis.order()) {
-                        x[dof as usize] = f64::from(value) * (size / *scale);
-                    }
+                    let into = |value| (value / size) as f32;
+                    let back = |value| f64::from(value) * (size / *scale);
+                    analysis.solve_in(factor, x, front, into, back);
                 }
             }
         }

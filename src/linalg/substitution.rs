@@ -39,13 +39,25 @@ impl Analysis {
 
     /// Solves L Lᵀ x = b in place; x and b are over the unknowns.
     pub fn solve<T: Real>(&self, factor: &Factor<T>, x: &mut [T], front: &mut Front<T>) {
+        self.solve_in(factor, x, front, |value| value, |value| value);
+    }
+
+    /// The same in the numbers of the factor, to which `into` takes those of b, and from which `back` takes those of x.
+    pub(super) fn solve_in<T: Real, X: Copy>(
+        &self,
+        factor: &Factor<T>,
+        x: &mut [X],
+        front: &mut Front<T>,
+        into: impl Fn(X) -> T,
+        back: impl Fn(T) -> X,
+    ) {
         let (order, mut ordered) = (self.order(), std::mem::take(&mut front.ordered));
         ordered.clear();
-        ordered.extend(order.iter().map(|&dof| x[dof as usize]));
+        ordered.extend(order.iter().map(|&dof| into(x[dof as usize])));
         self.forward(factor, order.len(), &mut ordered, front);
         self.backward(factor, order.len(), &mut ordered, front);
         for (&value, &dof) in ordered.iter().zip(order) {
-            x[dof as usize] = value;
+            x[dof as usize] = back(value);
         }
         front.ordered = ordered;
     }
