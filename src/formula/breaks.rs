@@ -37,6 +37,17 @@ impl Lane {
 }
 
 impl Piece {
+    /// Its length.
+    pub(super) fn width(&self) -> f64 {
+        (self.to - self.from).abs()
+    }
+
+    /// Whether there is a number between its ends.
+    pub(super) fn can_be_halved(&self) -> bool {
+        let middle = 0.5 * (self.from + self.to);
+        middle != self.from && middle != self.to
+    }
+
     /// Its two halves, in order of integration.
     pub(super) fn halves(&self) -> [Self; 2] {
         let middle = 0.5 * (self.from + self.to);

@@ -154,12 +154,21 @@ pub struct Graph {
     pub(super) derivatives: FxHashMap<(Node, Variable), Node>,
     /// For each branching node the expression whose sign decides.
     pub(super) deciders: FxHashMap<Node, Node>,
+    /// Whether programs add to hereditary integrals what these may lack.
+    pub(super) adds_remainders: bool,
 }
 
 impl Graph {
     /// An empty graph.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Programs compiled from now on give hereditary integrals plus an estimate of what their quadrature leaves unresolved:
+    /// what that moves shows in the difference. It is nothing but for integrands that are hardly integrable, or that no
+    /// halving resolves.
+    pub fn add_remainders(&mut self) {
+        self.adds_remainders = true;
     }
 
     pub(super) fn op(&self, node: Node) -> Op {
@@ -197,6 +206,11 @@ impl Graph {
     /// with t.
     pub fn depends_on(&self, f: Node, v: Variable) -> bool {
         self.dependence(f).contains(v)
+    }
+
+    /// Whether a hereditary integral occurs in `f`.
+    pub fn remembers(&self, f: Node) -> bool {
+        self.dependence(f).on_history()
     }
 
     /// The number `f` is, if it is one.

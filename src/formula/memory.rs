@@ -2,9 +2,9 @@
 
 use super::breaks::{Lane, Piece};
 use super::history::{HistoryPlan, Kernel};
-use super::past::dot;
+use super::past::{dot, lacking};
 use super::quadrature::ORDER;
-use super::weights::Weights;
+use super::weights::{STRIDE, Weights};
 
 /// One panel: its pieces by tuples, and the integrands at their points.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +14,8 @@ struct Panel {
     pieces: Vec<(f64, f64)>,
     /// [`ORDER`] values for each integrand of each piece.
     values: Vec<f64>,
+    /// Whether a piece was left unresolved.
+    left: Vec<bool>,
 }
 
 /// The panels so far, and the weights of unbroken panels for one time.
@@ -22,6 +24,9 @@ pub(super) struct Memory {
     panels: Vec<Panel>,
     time: Option<u64>,
     whole: Vec<Vec<f64>>,
+    /// Pieces of the panel that is being integrated, whether they are left unresolved, and their values.
+    kept: Vec<(Piece, bool)>,
+    kept_values: Vec<f64>,
 }
 
 impl HistoryPlan {
@@ -42,40 +47,49 @@ impl HistoryPlan {
 }
 
 impl Memory {
-    /// Keeps the integrands of whole panels at more tuples, in order.
+    /// Keeps the integrands on piece k of those sampled, in any order, until [`Self::put_away`].
     pub(super) fn keep(
         &mut self,
         plan: &HistoryPlan,
-        panel: Option<usize>,
-        lanes: &[Lane],
-        pieces: &[Piece],
+        (k, piece): (usize, &Piece),
+        left: bool,
         values: &[Vec<f64>],
     ) {
-        let Some(index) = panel else { return };
-        self.panels.resize_with(index + 1, Panel::default);
-        let panel = &mut self.panels[index];
-        let mut next = 0;
-        for lane in 0..lanes.len() {
-            panel.starts.push(panel.pieces.len());
-            while let Some(piece) = pieces.get(next).filter(|p| p.lane as usize == lane) {
-                panel.pieces.push((piece.from, piece.to));
-                for (_, _, integrand) in plan.remembered() {
-                    let points = next * ORDER..(next + 1) * ORDER;
-                    panel.values.extend_from_slice(&values[integrand][points]);
-                }
-                next += 1;
-            }
+        self.kept.push((*piece, left));
+        for (_, _, integrand) in plan.remembered() {
+            self.kept_values.extend_from_slice(&values[integrand][k * ORDER..][..ORDER]);
         }
     }
 
-    /// Adds the sums over all panels before `panel` to the values of a lane.
+    /// Puts what was kept into a panel: the pieces of so many more tuples, one a lane.
+    pub(super) fn put_away(&mut self, plan: &HistoryPlan, index: usize, lanes: usize) {
+        let length = plan.remembered().count() * ORDER;
+        self.panels.resize_with(self.panels.len().max(index + 1), Panel::default);
+        let panel = &mut self.panels[index];
+        let mut order: Vec<usize> = (0..self.kept.len()).collect();
+        order.sort_by_key(|&k| self.kept[k].0.lane);
+        let mut next = order.into_iter().peekable();
+        for lane in 0..lanes {
+            panel.starts.push(panel.pieces.len());
+            while let Some(k) = next.next_if(|&k| self.kept[k].0.lane as usize == lane) {
+                let (piece, left) = self.kept[k];
+                panel.pieces.push((piece.from, piece.to));
+                panel.left.push(left);
+                panel.values.extend_from_slice(&self.kept_values[k * length..][..length]);
+            }
+        }
+        self.kept.clear();
+        self.kept_values.clear();
+    }
+
+    /// Adds the sums over all panels before `panel` to the values of a lane, and to what they may lack.
     pub(super) fn add(
         &mut self,
         plan: &HistoryPlan,
         weights: &mut Weights,
         panel: usize,
         lane: &Lane,
-        out: &mut [f64],
+        [out, remainders]: [&mut [f64]; 2],
     ) {
         let count = plan.remembered().count();
         if count == 0 {
@@ -94,8 +108,13 @@ impl Memory {
                     weights.of(plan, piece.0, piece.1, lane.to)
                 };
                 for (place, (member, kernel, _)) in plan.remembered().enumerate() {
-                    let values = &panel.values[(k * count + place) * ORDER..];
-                    out[member] += dot(&weights[kernel * ORDER..], values);
+                    let values = &panel.values[(k * count + place) * ORDER..][..ORDER];
+                    let weights = &weights[kernel * STRIDE..][..STRIDE];
+                    out[member] += dot(weights, values);
+                    let left = panel.left[k];
+                    if left || weights[ORDER] > 0.0 {
+                        remainders[member] += lacking(weights, values, left);
+                    }
                 }
             }
         }

@@ -29,6 +29,7 @@ mod parser;
 mod past;
 mod program;
 mod quadrature;
+mod resolution;
 mod sampler;
 mod scalar;
 mod scope;

@@ -7,23 +7,20 @@
 //! and the value at t is the same with t in place of T_{p+1}.  The values at
 //! edges are kept.  They depend on the panels alone, so that a value is the
 //! same whichever times were evaluated before.
+//!
+//! What the quadrature leaves unresolved is estimated, and carried along with
+//! the values.
 
 use super::breaks::{Breaks, Lane, Piece};
 use super::history::{HistoryPlan, Kernel};
 use super::memory::Memory;
 use super::quadrature::{GAUSS, ORDER};
+use super::resolution::{Mark, Resolution, last};
 use super::sampler::{Sampler, Surroundings};
-use super::weights::Weights;
+use super::weights::{STRIDE, Weights};
 
 /// Lanes integrated at once.
 const CHUNK: usize = 128;
-
-/// The last two coefficients of a resolved integrand over its largest value.
-/// They then fall by the tenth root of this or faster, and what the rule,
-/// exact to degree 23, leaves out is below the rounding.
-const RESOLVED: f64 = 1e-8;
-/// How often a part of a panel is halved.
-const HALVINGS: usize = 4;
 
 /// Integrals up to every panel edge reached so far, and scratch memory.
 #[derive(Clone, Debug)]
@@ -32,13 +29,24 @@ pub(super) struct Past {
     tuples: usize,
     /// For each edge the values of all members at all tuples.
     edges: Vec<Vec<f64>>,
+    /// What these may lack; empty where it is nothing.
+    remainders: Vec<Vec<f64>>,
     memory: Memory,
     breaks: Breaks,
     sampler: Sampler,
     weights: Weights,
+    resolution: Resolution,
     lanes: Vec<Lane>,
     /// Of pieces that are not resolved.
     halves: Vec<Piece>,
+    /// What the values last asked for may lack.
+    lacking: Vec<f64>,
+}
+
+/// Integrals of lanes, `members` each, and estimates of what they may lack.
+struct Sums<'a> {
+    values: &'a mut [f64],
+    lacking: &'a mut [f64],
 }
 
 impl Past {
@@ -48,18 +56,22 @@ impl Past {
             group,
             tuples,
             edges: vec![vec![0.0; tuples * plan.members.len()]],
+            remainders: vec![Vec::new()],
             memory: Memory::default(),
             breaks: Breaks::new(&nested),
             sampler: Sampler::new(&nested),
             weights: Weights::default(),
+            resolution: Resolution::default(),
             lanes: Vec::new(),
             halves: Vec::new(),
+            lacking: Vec::new(),
         }
     }
 
     /// Forgets everything, for another zeta.
     pub(super) fn reset(&mut self) {
         self.edges.truncate(1);
+        self.remainders.truncate(1);
         self.memory = Memory::default();
     }
 
@@ -87,29 +99,40 @@ impl Past {
         }));
         out.clear();
         out.resize(lanes.len() * members, 0.0);
-        self.integrate(plan, below, all, &lanes, out, None);
-        for ((lane, time), out) in lanes.iter().zip(times).zip(out.chunks_mut(members.max(1))) {
+        let mut lacking = std::mem::take(&mut self.lacking);
+        lacking.clear();
+        lacking.resize(out.len(), 0.0);
+        let mut sums = Sums { values: out, lacking: &mut lacking };
+        self.integrate(plan, below, all, &lanes, &mut sums, None);
+        let parts = out.chunks_mut(members.max(1)).zip(lacking.chunks_mut(members.max(1)));
+        for ((lane, time), (values, lacking)) in lanes.iter().zip(times).zip(parts) {
             if time.is_finite() {
-                self.add_past(plan, lane, out);
+                self.add_past(plan, lane, &mut Sums { values, lacking });
             } else {
-                out.fill(f64::NAN);
+                values.fill(f64::NAN);
             }
         }
-        self.lanes = lanes;
+        if all.plan.adds_remainders {
+            out.iter_mut().zip(&lacking).for_each(|(value, lacking)| *value += lacking);
+        }
+        (self.lanes, self.lacking) = (lanes, lacking);
     }
 
     /// Adds what went before the beginning of the lane's panel.
-    fn add_past(&mut self, plan: &HistoryPlan, lane: &Lane, out: &mut [f64]) {
+    fn add_past(&mut self, plan: &HistoryPlan, lane: &Lane, sums: &mut Sums<'_>) {
         let panel = plan.panel(lane.to);
         let decay = self.weights.decay(plan, lane.to - lane.from);
         let start = lane.tuple as usize * plan.members.len();
-        let edge = &self.edges[panel][start..];
-        for ((member, out), edge) in plan.members.iter().zip(out.iter_mut()).zip(edge) {
+        for (m, member) in plan.members.iter().enumerate() {
             if let Kernel::Exponential(_) = plan.kernels[member.kernel] {
-                *out += decay[member.kernel] * edge;
+                let factor = decay[member.kernel];
+                sums.values[m] += factor * self.edges[panel][start + m];
+                if let Some(lacking) = self.remainders[panel].get(start + m) {
+                    sums.lacking[m] += factor * lacking;
+                }
             }
         }
-        self.memory.add(plan, &mut self.weights, panel, lane, out);
+        self.memory.add(plan, &mut self.weights, panel, lane, [sums.values, sums.lacking]);
     }
 
     /// Fills in the values at edges up to that of panel `last`.
@@ -120,13 +143,21 @@ impl Past {
             let lane = |tuple| Lane { tuple: tuple as u32, from, to };
             let lanes: Vec<Lane> = (0..self.tuples).map(lane).collect();
             let mut next = vec![0.0; lanes.len() * plan.members.len()];
-            self.integrate(plan, below, all, &lanes, &mut next, Some(panel));
+            let mut lacking = next.clone();
+            let mut sums = Sums { values: &mut next, lacking: &mut lacking };
+            self.integrate(plan, below, all, &lanes, &mut sums, Some(panel));
             let decay = self.weights.decay(plan, to - from);
-            let factors = plan.members.iter().map(|m| decay[m.kernel]).cycle();
-            for ((next, edge), factor) in next.iter_mut().zip(&self.edges[panel]).zip(factors) {
-                *next += factor * edge;
-            }
+            let add = |next: &mut [f64], before: &[f64]| {
+                let factors = plan.members.iter().map(|m| decay[m.kernel]).cycle();
+                for ((next, before), factor) in next.iter_mut().zip(before).zip(factors) {
+                    *next += factor * before;
+                }
+            };
+            add(&mut next, &self.edges[panel]);
+            add(&mut lacking, &self.remainders[panel]);
             self.edges.push(next);
+            lacking.truncate(if lacking.iter().all(|&part| part == 0.0) { 0 } else { usize::MAX });
+            self.remainders.push(lacking);
         }
     }
 
@@ -138,29 +169,32 @@ impl Past {
         below: &mut [Past],
         all: Surroundings,
         lanes: &[Lane],
-        sums: &mut [f64],
+        sums: &mut Sums<'_>,
         whole: Option<usize>,
     ) {
         let members = plan.members.len();
-        let halvings = if plan.is_general() { 0 } else { HALVINGS };
-        for (lanes, sums) in lanes.chunks(CHUNK).zip(sums.chunks_mut(CHUNK * members)) {
+        let whole = whole.filter(|_| plan.is_general());
+        for (index, lanes) in lanes.chunks(CHUNK).enumerate() {
+            let own = members * CHUNK * index..members * (CHUNK * index + lanes.len());
+            let values = &mut sums.values[own.clone()];
+            let mut own = Sums { values, lacking: &mut sums.lacking[own] };
             self.breaks.find(plan, below, all, lanes);
             let mut pieces = std::mem::take(&mut self.breaks.pieces);
-            for halving in 0..=halvings {
+            for depth in 0.. {
                 self.sample(plan, below, all, lanes, &pieces);
+                let values = &self.sampler.values;
+                self.resolution.mark(plan, lanes.len(), &pieces, values, depth);
                 self.halves.clear();
                 for (k, piece) in pieces.iter().enumerate() {
-                    if halving < halvings && !self.is_resolved(k) {
-                        self.halves.extend(piece.halves());
-                        continue;
-                    }
-                    let lane = &lanes[piece.lane as usize];
-                    let weights = self.weights.of(plan, piece.from, piece.to, lane.to);
-                    let sums = &mut sums[piece.lane as usize * members..];
-                    for (member, sum) in plan.members.iter().zip(sums) {
-                        let values = &self.sampler.values[member.integrand][k * ORDER..];
-                        let weights = &weights[member.kernel * ORDER..];
-                        *sum += dot(weights, values);
+                    match self.resolution.marks[k] {
+                        Mark::Halved => self.halves.extend(piece.halves()),
+                        mark => {
+                            let left = mark == Mark::Left;
+                            self.add_piece(plan, lanes, (k, piece), left, &mut own);
+                            if whole.is_some() {
+                                self.memory.keep(plan, (k, piece), left, &self.sampler.values);
+                            }
+                        }
                     }
                 }
                 if self.halves.is_empty() {
@@ -168,10 +202,32 @@ impl Past {
                 }
                 std::mem::swap(&mut pieces, &mut self.halves);
             }
-            if whole.is_some() && plan.is_general() {
-                self.memory.keep(plan, whole, lanes, &pieces, &self.sampler.values);
+            if let Some(panel) = whole {
+                self.memory.put_away(plan, panel, lanes.len());
             }
             self.breaks.pieces = pieces;
+        }
+    }
+
+    /// Adds the integrals of all members over piece k of those sampled; what they may lack if it is `left` unresolved.
+    fn add_piece(
+        &mut self,
+        plan: &HistoryPlan,
+        lanes: &[Lane],
+        (k, piece): (usize, &Piece),
+        left: bool,
+        sums: &mut Sums<'_>,
+    ) {
+        let lane = piece.lane as usize;
+        let weights = self.weights.of(plan, piece.from, piece.to, lanes[lane].to);
+        let first = lane * plan.members.len();
+        for (m, member) in plan.members.iter().enumerate() {
+            let values = &self.sampler.values[member.integrand][k * ORDER..][..ORDER];
+            let weights = &weights[member.kernel * STRIDE..][..STRIDE];
+            sums.values[first + m] += dot(weights, values);
+            if left || weights[ORDER] > 0.0 {
+                sums.lacking[first + m] += lacking(weights, values, left);
+            }
         }
     }
 
@@ -192,20 +248,15 @@ impl Past {
         }
         self.sampler.run(&plan.tape, plan.mask, below, all);
     }
+}
 
-    /// Whether the last coefficients of all integrands on a piece are small.
-    fn is_resolved(&self, piece: usize) -> bool {
-        self.sampler.values.iter().all(|values| {
-            let values = &values[piece * ORDER..][..ORDER];
-            let larger =
-                |most: f64, value: &f64| if value.abs() > most { value.abs() } else { most };
-            let largest = values.iter().fold(0.0, larger);
-            let last = GAUSS.last.iter().map(|weights| dot(weights, values).abs());
-            // Numbers that are not finite stay so on any part.
-            let unresolved = last.sum::<f64>() > RESOLVED * largest;
-            !unresolved
-        })
-    }
+/// What Σ w_i f_i lacks of an integral, from [`STRIDE`] weights: of the kernel, and of the integrand if it is `left`
+/// unresolved.
+pub(super) fn lacking(weights: &[f64], values: &[f64], left: bool) -> f64 {
+    let (weights, of_kernel) = (&weights[..ORDER], weights[ORDER]);
+    let largest = values.iter().fold(0.0, |largest: f64, value| largest.max(value.abs()));
+    let of_integrand = weights.iter().map(|w| w.abs()).sum::<f64>() * last(values);
+    of_kernel * largest + if left { of_integrand } else { 0.0 }
 }
 
 /// The sum over one set of quadrature points.

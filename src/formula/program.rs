@@ -54,6 +54,8 @@ pub(super) struct Plan {
     pub(super) recalled: Vec<(usize, usize, usize)>,
     /// The slot of each output.
     pub(super) outputs: Vec<usize>,
+    /// Whether integrals come with what they may lack.
+    pub(super) adds_remainders: bool,
 }
 
 impl Program {
@@ -77,6 +79,7 @@ impl Program {
         compiler.choose_slots(&outputs);
         let (mut plan, slots) = compiler.plan(&outputs);
         plan.histories = compile_histories(graph, histories, &slots);
+        plan.adds_remainders = graph.adds_remainders;
         Self { plan: Arc::new(plan) }
     }
 

@@ -3,10 +3,13 @@
 use super::block::Registers;
 use super::history::{HistoryPlan, Kernel};
 use super::quadrature::{GAUSS, ORDER};
+use super::resolution::{NEGLIGIBLE, RESOLVED, is_unresolved, last};
 use super::tape::Source;
 
-/// Parts of a piece near the end, in y.
-const PARTS: u32 = 4;
+/// Numbers a kernel: its weights, and what its integral may lack.
+pub(super) const STRIDE: usize = ORDER + 1;
+/// Parts of a piece on which a kernel is taken at most: 600 halvings towards a power, as of an integrand.
+const MOST_PARTS: usize = 1200;
 
 /// The weights last asked for: most lanes ask for the same.
 #[derive(Clone, Debug, Default)]
@@ -20,50 +23,64 @@ pub(super) struct Weights {
 
 impl Weights {
     /// For each kernel k in turn the weights (b-a) w_i k(end - s_i) of a piece
-    /// (a, b), [`ORDER`] each; those of [`Self::near_end`] where a general
-    /// kernel may have a root at a lag of zero nearby.
+    /// (a, b), and 0; those of [`Self::graded`] of a general kernel that is
+    /// not resolved there, as near a root at a lag of zero.
     pub(super) fn of(&mut self, plan: &HistoryPlan, from: f64, to: f64, end: f64) -> &[f64] {
         let key = [from, to, end].map(f64::to_bits);
         if self.of != Some(key) {
             self.of = Some(key);
             self.weights.clear();
             for kernel in &plan.kernels {
-                if matches!(kernel, Kernel::General(..)) && end - to < to - from {
-                    let near = self.near_end(kernel, from, to, end);
-                    self.weights.extend(near);
-                    continue;
-                }
                 let mut lags = [0.0; ORDER];
                 for (lag, u) in lags.iter_mut().zip(&GAUSS.abscissae) {
                     *lag = end - (from + (to - from) * u);
                 }
                 self.apply(kernel, &mut lags);
+                if matches!(kernel, Kernel::General(..)) && is_unresolved(&lags, RESOLVED) {
+                    let graded = self.graded(kernel, from, to, end);
+                    self.weights.extend(graded);
+                    continue;
+                }
                 let pairs = lags.iter().zip(&GAUSS.weights);
                 self.weights.extend(pairs.map(|(k, w)| (to - from) * w * k));
+                self.weights.push(0.0);
             }
         }
         &self.weights
     }
 
     /// Weights that integrate the polynomial through the values at the Gauss
-    /// points against the kernel: only the function has to be smooth.
-    ///
-    /// Lags are graded as y^4, which makes a power lag^a a polynomial for
-    /// a = 1/4, 1/2, 3/4; 1e-13 of the integral for other a > 0.
-    fn near_end(&mut self, kernel: &Kernel, from: f64, to: f64, end: f64) -> [f64; ORDER] {
-        let mut weights = [0.0; ORDER];
-        let (low, high) = ((end - to).max(0.0).powf(0.25), (end - from).max(0.0).powf(0.25));
-        let width = (high - low) / f64::from(PARTS);
-        for part in 0..PARTS {
-            let place = |u: f64| low + width * (f64::from(part) + u);
-            let lags = GAUSS.abscissae.map(|u| place(u).powi(4));
+    /// points against the kernel, whose lags are halved where it is not
+    /// resolved: only the function has to be smooth. The last number is what
+    /// the integral of |k| may lack.
+    fn graded(&mut self, kernel: &Kernel, from: f64, to: f64, end: f64) -> [f64; STRIDE] {
+        let mut weights = [0.0; STRIDE];
+        let mut parts = vec![[end - to, end - from]];
+        let (mut taken, mut size) = (0, 0.0);
+        while let Some([low, high]) = parts.pop() {
+            taken += 1;
+            let width = high - low;
+            let lags = GAUSS.abscissae.map(|u| low + width * u);
             let mut kernels = lags;
             self.apply(kernel, &mut kernels);
-            for (i, (u, w)) in GAUSS.abscissae.iter().zip(&GAUSS.weights).enumerate() {
-                let density = 4.0 * place(*u).powi(3) * width * w * kernels[i];
+            let pairs = kernels.iter().zip(&GAUSS.weights);
+            let own = width.abs() * pairs.map(|(k, w)| w * k.abs()).sum::<f64>();
+            if taken == 1 {
+                size = own;
+            }
+            let left = width.abs() * last(&kernels);
+            if is_unresolved(&kernels, RESOLVED) && left > NEGLIGIBLE * size {
+                let middle = 0.5 * (low + high);
+                if taken < MOST_PARTS && middle != low && middle != high {
+                    parts.extend([[middle, high], [low, middle]]);
+                    continue;
+                }
+                weights[ORDER] += left;
+            }
+            for (i, w) in GAUSS.weights.iter().enumerate() {
                 let share = (end - lags[i] - from) / (to - from);
                 for (weight, lagrange) in weights.iter_mut().zip(GAUSS.lagrange(share)) {
-                    *weight += density * lagrange;
+                    *weight += width * w * kernels[i] * lagrange;
                 }
             }
         }

@@ -3,11 +3,15 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::NoConstant;
+use super::adaptive::integral;
 use super::law_slope::{Answer, answer};
 use super::time::weight;
 use crate::formula::{Bound, Graph, Node, Point, Program, Variable};
 use crate::manufactured::LawNumbers;
 use crate::setup::AbstractSetup;
+
+/// Pieces of [0, t] before any is halved.
+const PIECES: usize = 8;
 
 /// max_n ‖e_n‖_X on a grid, where
 ///
@@ -33,6 +37,7 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
     for (n, &t) in times.iter().enumerate() {
         let state = &states[n];
         let mut sum = problem.constant.clone();
+        let mut of_sums = Vec::new();
         let mut past = DVector::zeros(m);
         let mut present = DMatrix::zeros(m, m);
         for (kernel, (_, matrix)) in kernels.iter_mut().zip(&problem.kernels) {
@@ -51,11 +56,14 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
                     }
                 }
             }
-            sum += matrix * of_exact;
+            sum += matrix * &of_exact;
+            of_sums.push(of_exact);
             past += matrix * of_errors;
         }
         let discrete = &problem.r * sum;
-        let (source, by_y, by_r) = problem.force(&state.u, &state.history, discrete.as_slice());
+        let history = problem.history(t, &of_sums);
+        let (source, by_y, by_r) =
+            problem.force(&state.u, history.as_slice(), discrete.as_slice());
         let mut tangent = &problem.matrix + DMatrix::from_diagonal(&by_r);
         tangent += DMatrix::from_diagonal(&by_y) * &problem.r * present;
         let right = source - by_y.component_mul(&(&problem.r * past));
@@ -74,6 +82,8 @@ struct Linearised<'a> {
     r: DMatrix<f64>,
     constant: DVector<f64>,
     kernels: Vec<(Program, DMatrix<f64>)>,
+    /// q_l(t, s) u_j(s), by l, then j.
+    integrands: Program,
     /// g_i'.
     nonlinear: Vec<Node>,
     /// N_i, ∂N_i/∂y, ∂N_i/∂r.
@@ -95,6 +105,15 @@ impl<'a> Linearised<'a> {
                 (Program::compile(&mut graph, &[kernel.q], horizon), rows(&kernel.matrix))
             })
             .collect();
+        let s = graph.variable(Variable::X);
+        let mut integrands = Vec::new();
+        for kernel in &problem.kernels {
+            for &u in &problem.u {
+                let past = graph.substitute(u, Variable::T, s);
+                integrands.push(graph.mul(kernel.q, past));
+            }
+        }
+        let integrands = Program::compile(&mut graph, &integrands, horizon);
         let mut by = |f: Node, variable| graph.derivative(f, variable);
         let nonlinear = problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();
         let force = problem
@@ -110,6 +129,7 @@ impl<'a> Linearised<'a> {
             constant: DVector::from_column_slice(&problem.a_s),
             laws: setup.exact.laws(),
             kernels,
+            integrands,
             nonlinear,
             force,
             graph,
@@ -119,6 +139,26 @@ impl<'a> Linearised<'a> {
 
     fn norm(&self, e: &DVector<f64>) -> f64 {
         (e.dot(&(&self.product * e))).sqrt()
+    }
+
+    /// (S u)(t), integrated apart from the truth; `sums` are those in place of its integrals.
+    fn history(&self, t: f64, sums: &[DVector<f64>]) -> DVector<f64> {
+        let m = self.constant.len();
+        let mut sum = self.constant.clone();
+        let discrete: Vec<f64> = sums.iter().flat_map(|sum| sum.iter().copied()).collect();
+        if t > 0.0 && !discrete.is_empty() {
+            let cuts: Vec<f64> = (0..=PIECES).map(|i| t * i as f64 / PIECES as f64).collect();
+            let integrals = integral(&cuts, &discrete, |times| {
+                let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
+                let mut values = vec![Vec::new(); discrete.len()];
+                self.integrands.bind(&places).evaluate(t, 0.0, &mut values);
+                (0..times.len()).map(|k| values.iter().map(|list| list[k]).collect()).collect()
+            });
+            for ((_, matrix), part) in self.kernels.iter().zip(integrals.chunks(m)) {
+                sum += matrix * DVector::from_column_slice(part);
+            }
+        }
+        &self.r * sum
     }
 
     /// N(S u, u) - N(S^k u, u), ∂N/∂y, and the diagonal g' + ∂N/∂r.

@@ -6,6 +6,7 @@ use super::NoConstant;
 use super::cells::{Mandel, add_force, add_stiffness, inner, strains};
 use super::interpolation::InterpolationError;
 use super::law_slope::{Answer, answer};
+use super::own_history::OwnHistory;
 use super::sums::{Kernel, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::weight;
@@ -89,8 +90,8 @@ impl<const S: usize> InSpace<S> {
         let mut interpolation = InterpolationError::new(&self.exact, &self.space.mesh);
         [0.37, 0.83, 1.0].iter().all(|share| {
             let t = share * horizon;
-            let norm = self.state(t).map_or(f64::NAN, |state| state.norm);
-            interpolation.at(t) <= VANISHING * norm
+            let strain: Vec<Mandel<S>> = strains(&self.space, &self.own_history().displacement(t));
+            interpolation.at(t) <= VANISHING * inner(&self.space, &strain, &strain).sqrt()
         })
     }
 
@@ -100,8 +101,12 @@ impl<const S: usize> InSpace<S> {
         // Σ' over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
         let (mut zeta, mut zeta_error) = (0.0, 0.0);
         let mut largest: f64 = 0.0;
+        let mut history = self.own_history();
         for (n, &t) in times.iter().enumerate() {
-            let state = self.state(t)?;
+            if n > 0 {
+                history.advance(t);
+            }
+            let state = self.state(t, &mut history, &sums);
             let (mut error, mut of_norm) = (vec![0.0; self.space.nodes.len()], 0.0);
             if n > 0 {
                 let own = weight(times, n, n);
@@ -133,14 +138,23 @@ impl<const S: usize> InSpace<S> {
         node.map_or(absent, |node| self.graph.evaluate(node, &at))
     }
 
-    fn state(&self, t: f64) -> Result<State<S>, NoConstant> {
-        let (u, memory) = self.truth.displacements(t)?;
+    fn own_history(&self) -> OwnHistory<'_, S> {
+        OwnHistory::new(&self.exact, &self.space, &self.kernels, self.slope.is_some())
+    }
+
+    /// That of the time to which `history` and `sums` have come.
+    fn state(&self, t: f64, history: &mut OwnHistory<'_, S>, sums: &Sums) -> State<S> {
+        let u = history.displacement(t);
         let strain: Vec<Mandel<S>> = strains(&self.space, &u);
-        let memory = memory.iter().map(|history| strains(&self.space, history)).collect();
-        let zeta = if self.slope.is_some() { self.truth.zeta(t)? } else { 0.0 };
+        let remembered = |term: usize| {
+            let [mut discrete, _] = sums.before(term);
+            axpy(sums.own(term), &u, &mut discrete);
+            strains(&self.space, &history.remembered(term, &discrete))
+        };
+        let memory = (0..self.kernels.len()).map(remembered).collect();
         let norm = inner(&self.space, &strain, &strain).sqrt();
-        let contact = self.truth.contact_state(t);
-        Ok(State { u, strain, norm, memory, zeta, contact })
+        let (zeta, contact) = (history.zeta(), self.truth.contact_state(t));
+        State { u, strain, norm, memory, zeta, contact }
     }
 
     fn past(&self, sums: &Sums, state: &State<S>, accumulated: Accumulated) -> Past<S> {

@@ -11,16 +11,19 @@
 //! For smooth data its leading term is k² E(t), driven by (1/12)[∂_s(q(t,s) u(s))]_0^t; the source is taken whole, so
 //! that other grids, kernels like (t-s)^a, kinks and jumps are covered by the same lines.
 //!
-//! Independence: numbers of the scene, formulas, the manufactured side's stress and histories, and linear algebra.
+//! Independence: numbers of the scene, formulas, the manufactured side's stress, and linear algebra. Its histories are
+//! integrated here once more (`adaptive`): where those of the truth are wrong, the error is off its prediction.
 //! Nothing is taken from the solver's model, laws, time weights, assembly or march, so that a wrong one among them does
 //! not move the prediction; `tests/house.rs` holds the list of what is shared.
 
+mod adaptive;
 mod cells;
 mod error;
 mod finite;
 mod in_space;
 mod interpolation;
 mod law_slope;
+mod own_history;
 mod quadratic;
 mod sums;
 mod tangent;

@@ -23,6 +23,30 @@ impl Kernel {
         Self::Any(Program::compile(graph, &[of_lag], horizon))
     }
 
+    /// The list (a, c), empty where there is none.
+    pub(super) fn exponentials(&self) -> &[(f64, f64)] {
+        match self {
+            Self::Exponentials(terms) => terms,
+            Self::Any(_) => &[],
+        }
+    }
+
+    /// b(t - s) at some times s.
+    pub(super) fn at_lags(&self, t: f64, times: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Exponentials(terms) => {
+                let at = |s: f64| terms.iter().map(|(a, c)| a * (-c * (t - s)).exp()).sum();
+                times.iter().map(|&s| at(s)).collect()
+            }
+            Self::Any(program) => {
+                let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
+                let mut values = vec![Vec::new()];
+                program.bind(&places).evaluate(t, 0.0, &mut values);
+                values.swap_remove(0)
+            }
+        }
+    }
+
     /// Whether its sums go over all earlier levels anew.
     pub(super) fn is_direct(&self) -> bool {
         matches!(self, Self::Any(_))

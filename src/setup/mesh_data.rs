@@ -3,14 +3,17 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use super::rule_check::{RuleCheck, rule_check};
+use super::rule_check::{RuleCheck, check_times, rule_check};
 use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
 use crate::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
-use crate::manufactured::{ExactOnMesh, InterpolatedOnMesh, Truth};
+use crate::manufactured::{Exact, ExactOnMesh, InterpolatedOnMesh, Truth};
 use crate::norms::{ReferenceRun, Trajectory};
 use crate::scene::{Data, Side};
 use crate::space::quadrature::TruthRules;
 use crate::vhi::StepSolver;
+
+/// Cells in which it is asked whether hereditary integrals lack anything.
+const CELLS_ASKED: usize = 16;
 
 /// A scene on one mesh.
 pub struct MeshData {
@@ -55,7 +58,7 @@ impl MeshData {
     ) -> Result<Self, SetupError> {
         let rules = TruthRules::of(setup.scene.dimension);
         let space = setup.space(n)?;
-        let truth = truth(setup, &space, reference, &rules, true)?;
+        let truth = truth(setup, setup.exact.as_ref(), &space, reference, &rules, true)?;
         let mut data = Self::with_truth(space, truth);
         data.own = Some(data.truth.clone());
         Ok(data)
@@ -72,7 +75,7 @@ impl MeshData {
         rules: &TruthRules,
     ) -> Result<Self, SetupError> {
         let space = setup.space(n)?;
-        let truth = truth(setup, &space, reference, rules, true)?;
+        let truth = truth(setup, setup.exact.as_ref(), &space, reference, rules, true)?;
         Ok(Self::with_truth(space, truth))
     }
 
@@ -89,16 +92,32 @@ impl MeshData {
     /// A load that is not finite.
     pub fn rule_check(&self, setup: &Setup) -> Result<&RuleCheck, LoadError> {
         let known = self.rule_check.get_or_init(|| {
-            if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+            let remainders = self.with_remainders(setup);
+            let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+            if interpolated && remainders.is_none() {
                 return Ok(RuleCheck::default());
             }
-            let by = |rules: TruthRules| {
-                truth(setup, &self.space, None, &rules, false)
+            let by = |rules: &TruthRules, next: bool| {
+                let exact = remainders.as_ref().filter(|_| next).or(setup.exact.as_ref());
+                truth(setup, exact, &self.space, None, rules, false)
                     .map_err(|error| LoadError::Reference { reason: error.to_string() })
             };
             rule_check(setup, &self.space, self.own.clone(), by)
         });
         known.as_ref().map_err(Clone::clone)
+    }
+
+    /// The exact solution with what its hereditary integrals may lack, where that is anything in some cells.
+    fn with_remainders(&self, setup: &Setup) -> Option<Arc<Exact>> {
+        let mesh = &self.space.mesh;
+        let centroid = vec![1.0 / (mesh.dimension + 1) as f64; mesh.dimension + 1];
+        let every = mesh.cell_count().div_ceil(CELLS_ASKED).max(1);
+        let points: Vec<[f64; 3]> = (0..mesh.cell_count())
+            .step_by(every)
+            .map(|c| mesh.point(mesh.cell(c), &centroid))
+            .collect();
+        let times = check_times(setup, mesh.cell_count());
+        setup.exact.as_ref()?.with_remainders(&points, &times).map(Arc::new)
     }
 
     /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`.
@@ -149,12 +168,13 @@ impl MeshData {
 /// pays at more than a few times.
 fn truth(
     setup: &Setup,
+    exact: Option<&Arc<Exact>>,
     space: &Arc<Discretization>,
     reference: Option<Arc<ReferenceRun>>,
     rules: &TruthRules,
     in_parts: bool,
 ) -> Result<Arc<dyn Truth>, SetupError> {
-    Ok(match (&setup.body.data, &setup.exact) {
+    Ok(match (&setup.body.data, exact) {
         (Data::Exact { interpolated: true, .. }, Some(exact)) => {
             Arc::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
         }

@@ -44,8 +44,16 @@ impl RuleCheck {
     }
 }
 
+/// The times at which rules are compared.
+pub(super) fn check_times(setup: &Setup, cells: usize) -> Vec<f64> {
+    let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
+    let most = if cells <= FEW { TIMES_ON_FEW } else { TIMES };
+    let parts = steps.map_or(most, |&steps| most.min(steps as u32));
+    (1..=parts).map(|i| setup.scene.time.horizon * f64::from(i) / f64::from(parts)).collect()
+}
+
 /// Compares the rules; `own` are loads and fields by the rules of the scene, if they are at hand, and
-/// `truth` makes them by given rules. Those of the next rules are not kept: their formulas take more
+/// `truth` makes them by given rules, the next ones with what hereditary integrals may lack. Those of the next rules are not kept: their formulas take more
 /// memory than the case.
 ///
 /// # Errors
@@ -54,18 +62,14 @@ pub(super) fn rule_check(
     setup: &Setup,
     space: &Discretization,
     own: Option<Arc<dyn Truth>>,
-    truth: impl Fn(TruthRules) -> Result<Arc<dyn Truth>, LoadError>,
+    truth: impl Fn(&TruthRules, bool) -> Result<Arc<dyn Truth>, LoadError>,
 ) -> Result<RuleCheck, LoadError> {
-    let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
-    let most = if space.mesh.cell_count() <= FEW { TIMES_ON_FEW } else { TIMES };
-    let parts = steps.map_or(most, |&steps| most.min(steps as u32));
-    let times: Vec<f64> =
-        (1..=parts).map(|i| setup.scene.time.horizon * f64::from(i) / f64::from(parts)).collect();
+    let times = check_times(setup, space.mesh.cell_count());
     let loads = |truth: &dyn Truth| -> Result<Vec<Arc<Vec<f64>>>, LoadError> {
         times.iter().map(|&t| truth.load(t)).collect()
     };
-    let own = own.map_or_else(|| truth(TruthRules::of(setup.scene.dimension)), Ok)?;
-    let next = || truth(TruthRules::stronger(setup.scene.dimension));
+    let own = own.map_or_else(|| truth(&TruthRules::of(setup.scene.dimension), false), Ok)?;
+    let next = || truth(&TruthRules::stronger(setup.scene.dimension), true);
     let mut stronger = next()?;
     let moments = match setup.exact.is_some() {
         // Moments of a reference run are exact.
