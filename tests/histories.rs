@@ -113,7 +113,8 @@ fn general_kernels_meet_powers_at_both_ends() {
         let past = graph.convolve(kernel, f);
         // 1/(2 - t + s) = Σ_k (-s)^k / (2 - t)^{k+1}, for t below 1.
         let series = |t: f64| {
-            let term = |k: i32| (-1.0f64).powi(k) * (t / (2.0 - t)).powi(k) / (a + 1.0 + f64::from(k));
+            let term =
+                |k: i32| (-1.0f64).powi(k) * (t / (2.0 - t)).powi(k) / (a + 1.0 + f64::from(k));
             t.powf(a + 1.0) / (2.0 - t) * (0..200).map(term).sum::<f64>()
         };
         for (t, found) in times.iter().zip(values(&mut graph, past, &times)).take(5) {
@@ -133,9 +134,17 @@ fn scene(f: &str, interpolated: bool) -> Setup {
     let whole = text("affine");
     let (before, rest) = whole.split_once("[material.projection]").expect("a projection");
     let (_, rest) = rest.split_once("[exact]").expect("an exact solution");
-    let scene = edited(&format!("{before}[exact]{rest}"), "b = \"0.3*sin(2*t)\"", &format!("b = \"0.3*({f})\""));
+    let scene = edited(
+        &format!("{before}[exact]{rest}"),
+        "b = \"0.3*sin(2*t)\"",
+        &format!("b = \"0.3*({f})\""),
+    );
     let scene = edited(&scene, "a = \"0.08*t*(2 - t)\"", &format!("a = \"0.2*({f})\""));
-    let scene = edited(&scene, "[\"left\", \"right\"]\ncontact = [\"bottom\"]", "[\"left\", \"right\", \"bottom\"]");
+    let scene = edited(
+        &scene,
+        "[\"left\", \"right\"]\ncontact = [\"bottom\"]",
+        "[\"left\", \"right\", \"bottom\"]",
+    );
     let scene = edited(&scene, "dimension = 2", "dimension = 2\nviolates = [\"3.17\"]");
     let own = if interpolated { "interpolated = true\n[exact.define]" } else { "[exact.define]" };
     setup_of(edited(&scene, "[exact.define]", own))
@@ -184,7 +193,9 @@ fn errors_of_powers_are_those_of_the_exact_convolution() {
         for (steps, foreseen) in list.into_iter().zip(foreseen) {
             let exact = scalar_error(|t| t.powf(a), |t| fading_power(a, t), steps);
             let [error, floor] = measured(&setup, &data, steps);
-            println!("{a} {steps}: {error:.6e} {exact:.6e} floor {floor:.1e} predicted {foreseen:.6e}");
+            println!(
+                "{a} {steps}: {error:.6e} {exact:.6e} floor {floor:.1e} predicted {foreseen:.6e}"
+            );
             assert!((error - exact).abs() <= floor, "{a} {steps}: {error:e} {exact:e} {floor:e}");
             assert!(floor < 1e-3 * error, "{a} {steps}: floor {floor:e} of {error:e}");
             assert!((foreseen / exact - 1.0).abs() < 1e-4, "{a} {steps}: {foreseen:e} {exact:e}");
@@ -257,7 +268,8 @@ fn coarse_panels_of_the_truth_move_the_ratio_of_the_constant() {
     let excess = by_coarse_panels(a) - fading_power(a, 1.0 / 16.0);
     assert!(excess.abs() > 1e-12, "{excess:e}");
     let coarse = Coarse { own: sound.truth.clone(), base, excess };
-    let [error, floor] = measured(&setup, &MeshData::with_truth(sound.space, Arc::new(coarse)), steps);
+    let [error, floor] =
+        measured(&setup, &MeshData::with_truth(sound.space, Arc::new(coarse)), steps);
     let foreseen = predicted(scene("t^0.6", false), 1.6, &[steps])[0];
     let ratio = error / foreseen;
     println!("{error:e} {foreseen:e} {ratio}, floor {floor:e}");

@@ -77,8 +77,7 @@ impl Resolution {
             let lane = piece.lane as usize;
             let sizes = &self.sizes[lane * values.len()..];
             let negligible = |(values, size): (&[f64], &f64)| {
-                piece.width() * last(values) <= NEGLIGIBLE * size
-                    || !is_unresolved(values, share)
+                piece.width() * last(values) <= NEGLIGIBLE * size || !is_unresolved(values, share)
             };
             if *mark == Mark::Left && of(k).zip(sizes).all(negligible) {
                 *mark = Mark::Resolved;

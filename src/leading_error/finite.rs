@@ -3,15 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::NoConstant;
-use super::adaptive::integral;
+use super::adaptive::{cuts, integral};
 use super::law_slope::{Answer, answer};
 use super::time::weight;
 use crate::formula::{Bound, Graph, Node, Point, Program, Variable};
 use crate::manufactured::LawNumbers;
 use crate::setup::AbstractSetup;
-
-/// Pieces of [0, t] before any is halved.
-const PIECES: usize = 8;
 
 /// max_n ‖e_n‖_X on a grid, where
 ///
@@ -34,6 +31,7 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
     let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
     let mut kernels: Vec<Bound> = problem.kernels.iter().map(|(q, _)| q.bind(&places)).collect();
     let mut row = vec![Vec::new()];
+    let kinks = problem.kinks(times);
     for (n, &t) in times.iter().enumerate() {
         let state = &states[n];
         let mut sum = problem.constant.clone();
@@ -61,9 +59,8 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
             past += matrix * of_errors;
         }
         let discrete = &problem.r * sum;
-        let history = problem.history(t, &of_sums);
-        let (source, by_y, by_r) =
-            problem.force(&state.u, history.as_slice(), discrete.as_slice());
+        let history = problem.history(t, &of_sums, &kinks);
+        let (source, by_y, by_r) = problem.force(&state.u, history.as_slice(), discrete.as_slice());
         let mut tangent = &problem.matrix + DMatrix::from_diagonal(&by_r);
         tangent += DMatrix::from_diagonal(&by_y) * &problem.r * present;
         let right = source - by_y.component_mul(&(&problem.r * past));
@@ -141,14 +138,35 @@ impl<'a> Linearised<'a> {
         (e.dot(&(&self.product * e))).sqrt()
     }
 
-    /// (S u)(t), integrated apart from the truth; `sums` are those in place of its integrals.
-    fn history(&self, t: f64, sums: &[DVector<f64>]) -> DVector<f64> {
+    /// Where a guard of u changes its sign between two of these times.
+    fn kinks(&self, times: &[f64]) -> Vec<f64> {
+        let mut kinks = Vec::new();
+        for guard in self.graph.guards(&self.setup.problem.u) {
+            let above = |t: f64| self.graph.evaluate(guard, &Point { t, ..Point::default() }) > 0.0;
+            for ends in times.windows(2) {
+                let (mut low, mut high) = (ends[0], ends[1]);
+                let before = above(low);
+                if above(high) == before {
+                    continue;
+                }
+                let mut middle = 0.5 * (low + high);
+                while low < middle && middle < high {
+                    *if above(middle) == before { &mut low } else { &mut high } = middle;
+                    middle = 0.5 * (low + high);
+                }
+                kinks.push(high);
+            }
+        }
+        kinks
+    }
+
+    /// (S u)(t), integrated apart from the truth; `sums` are those in place of its integrals, `kinks` the kinks of u.
+    fn history(&self, t: f64, sums: &[DVector<f64>], kinks: &[f64]) -> DVector<f64> {
         let m = self.constant.len();
         let mut sum = self.constant.clone();
         let discrete: Vec<f64> = sums.iter().flat_map(|sum| sum.iter().copied()).collect();
         if t > 0.0 && !discrete.is_empty() {
-            let cuts: Vec<f64> = (0..=PIECES).map(|i| t * i as f64 / PIECES as f64).collect();
-            let integrals = integral(&cuts, &discrete, |times| {
+            let integrals = integral(&cuts(t, kinks), &discrete, |times| {
                 let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
                 let mut values = vec![Vec::new(); discrete.len()];
                 self.integrands.bind(&places).evaluate(t, 0.0, &mut values);

@@ -1,15 +1,12 @@
 //! The exact histories of I_h u as the prediction takes them: integrated here, so that an error of those of the truth
 //! moves the ratio of the two.
 
-use super::adaptive::integral;
+use super::adaptive::{cuts, integral};
 use super::cells::{Mandel, inner, strains};
 use super::sums::Kernel;
 use crate::contact::Discretization;
 use crate::formula::{Bound, Program};
 use crate::manufactured::Exact;
-
-/// Pieces of [0, t] before any is halved, under kernels without a recursion.
-const PIECES: usize = 8;
 
 /// ∫_0^t b_i(t-s) u(s) ds at the nodes, and ζ(t) = ∫_0^t ‖ε(I_h u(s))‖ ds, from one time to the next.
 pub(super) struct OwnHistory<'a, const S: usize> {
@@ -22,6 +19,10 @@ pub(super) struct OwnHistory<'a, const S: usize> {
     carried: Vec<f64>,
     rates: Vec<f64>,
     with_zeta: bool,
+    /// What decides branches of u at the nodes, where kernels have no recursion, and its values at t.
+    guards: Option<(Bound, Vec<Vec<f64>>)>,
+    /// The ends of steps in which one of these changes its sign.
+    kinked: Vec<f64>,
 }
 
 impl<'a, const S: usize> OwnHistory<'a, S> {
@@ -39,7 +40,16 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         let terms = kernels.iter().flat_map(Kernel::exponentials);
         let rates: Vec<f64> = terms.map(|&(_, rate)| rate).collect();
         let carried = vec![0.0; rates.len() * space.nodes.len() + usize::from(with_zeta)];
-        Self { space, u: program.bind(&points), kernels, t: 0.0, carried, rates, with_zeta }
+        let guards = graph.guards(&exact.data.u);
+        let guards = kernels.iter().any(Kernel::is_direct).then(|| {
+            let mut values = vec![Vec::new(); guards.len()];
+            let program = Program::compile(&mut graph, &guards, exact.data.horizon);
+            let mut bound = program.bind(&points);
+            bound.evaluate(0.0, 0.0, &mut values);
+            (bound, values)
+        });
+        let (u, kinked) = (program.bind(&points), Vec::new());
+        Self { space, u, kernels, t: 0.0, carried, rates, with_zeta, guards, kinked }
     }
 
     /// I_h u at time t.
@@ -49,8 +59,18 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
 
     /// On to a later time.
     pub(super) fn advance(&mut self, to: f64) {
-        let Self { space, u, rates, carried, with_zeta, t: from, .. } = self;
+        let Self { space, u, rates, carried, with_zeta, t: from, guards, kinked, .. } = self;
+        if let Some((bound, before)) = guards {
+            let mut values = vec![Vec::new(); before.len()];
+            bound.evaluate(to, 0.0, &mut values);
+            let pairs = before.iter().flatten().zip(values.iter().flatten());
+            if pairs.into_iter().any(|(a, b)| (*a > 0.0) != (*b > 0.0)) {
+                kinked.extend([*from, to]);
+            }
+            *before = values;
+        }
         if carried.is_empty() {
+            *from = to;
             return;
         }
         let mut f = |times: &[f64]| -> Vec<Vec<f64>> {
@@ -87,14 +107,12 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         }
         let kernel = &self.kernels[term];
         if kernel.is_direct() {
-            let cuts: Vec<f64> =
-                (0..=PIECES).map(|i| t * i as f64 / PIECES as f64).collect();
+            let cuts = cuts(t, &self.kinked);
             let (u, space) = (&mut self.u, self.space);
             return integral(&cuts, discrete, |times| {
                 let of_lag = kernel.at_lags(t, times);
-                let at = |(&s, b): (&f64, &f64)| {
-                    nodal(u, space, s).into_iter().map(|u| b * u).collect()
-                };
+                let at =
+                    |(&s, b): (&f64, &f64)| nodal(u, space, s).into_iter().map(|u| b * u).collect();
                 times.iter().zip(&of_lag).map(at).collect()
             });
         }

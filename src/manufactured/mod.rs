@@ -34,6 +34,7 @@ mod part_moments;
 mod parts;
 mod products;
 mod reduction;
+mod remainders;
 mod row_half;
 mod row_places;
 mod rows;
