@@ -13,8 +13,11 @@ pub enum NoConstant {
     #[error("no exact solution: a reference run knows no constant beforehand")]
     NoExact,
     /// Nothing is predicted of this norm.
-    #[error("{norm} has no predicted constant, V_max and V_time_max have one")]
+    #[error("{norm} has no predicted constant: it is no norm of a leading error")]
     Norm { norm: &'static str },
+    /// In space u_h and I_h u are told apart at the order of the error itself.
+    #[error("{norm} has no predicted constant in h: V_max and stress_L2_max have one")]
+    InSpace { norm: &'static str },
     /// Both directions at once.
     #[error("both steps are refined: constants are predicted along h alone and along k alone")]
     Joint,

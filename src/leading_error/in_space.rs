@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::NoConstant;
-use super::cells::{Mandel, add_force, add_stiffness, inner, strains};
+use super::cells::{Mandel, add_force, add_stiffness, inner, product, strains};
 use super::interpolation::InterpolationError;
 use super::law_slope::{Answer, answer};
+use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
 use super::sums::{Kernel, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
@@ -60,6 +61,24 @@ struct Accumulated {
     zeta_error: f64,
 }
 
+/// How the stress of a cell moves, linearised.
+struct Response<const S: usize> {
+    /// By the strain of the level, its own share of the memory included.
+    tangent: [Mandel<S>; S],
+    /// What it misses beside that: minus its part from the past.
+    source: Mandel<S>,
+    /// By ζ.
+    by_zeta: Mandel<S>,
+}
+
+impl<const S: usize> Response<S> {
+    /// The leading part of σ^k - σ.
+    fn stress(&self, strain: &Mandel<S>, zeta: f64) -> Mandel<S> {
+        let of = |i: usize| product(&self.tangent[i], strain) + zeta * self.by_zeta[i];
+        std::array::from_fn(|i| of(i) - self.source[i])
+    }
+}
+
 impl<const S: usize> InSpace<S> {
     /// Binds the exact solution to the mesh of `space`.
     pub(super) fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
@@ -95,12 +114,12 @@ impl<const S: usize> InSpace<S> {
         })
     }
 
-    /// max_n ‖ε(e_n)‖ on a grid.
-    pub(super) fn largest_error(&self, times: &[f64]) -> Result<f64, NoConstant> {
+    /// The largest errors on a grid, max_n ‖ε(e_n)‖ and those of the other norms.
+    pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
         let mut sums = Sums::new(&self.kernels, times, self.space.nodes.len());
         // Σ' over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
         let (mut zeta, mut zeta_error) = (0.0, 0.0);
-        let mut largest: f64 = 0.0;
+        let mut largest = Largest::default();
         let mut history = self.own_history();
         for (n, &t) in times.iter().enumerate() {
             if n > 0 {
@@ -112,16 +131,16 @@ impl<const S: usize> InSpace<S> {
                 let own = weight(times, n, n);
                 let zeta = zeta + own * state.norm;
                 let past = self.past(&sums, &state, Accumulated { own, zeta, zeta_error });
-                error = self.level(t, &state, &past)?;
-                let strain: Vec<Mandel<S>> = strains(&self.space, &error);
-                let norm = inner(&self.space, &strain, &strain).sqrt();
-                let along = inner(&self.space, &state.strain, &strain) / state.norm;
+                let level = self.level(t, &state, &past)?;
+                let norm = inner(&self.space, &level.strain, &level.strain).sqrt();
+                let along = inner(&self.space, &state.strain, &level.strain) / state.norm;
                 // Where ε vanishes the norm of its neighbour is the error's own.
                 of_norm = if state.norm > VANISHING * norm { along } else { norm };
                 if norm.is_nan() {
                     return Err(NoConstant::Singular { t });
                 }
-                largest = largest.max(norm);
+                largest.raise(&self.space, &level);
+                error = level.error;
             }
             if n + 1 < times.len() {
                 let w = weight(times, n + 1, n);
@@ -176,7 +195,7 @@ impl<const S: usize> InSpace<S> {
     /// ```
     ///
     /// with ρ the stress of the discrete history less that of the exact one.
-    fn level(&self, t: f64, state: &State<S>, past: &Past<S>) -> Result<Vec<f64>, NoConstant> {
+    fn level(&self, t: f64, state: &State<S>, past: &Past<S>) -> Result<Level<S>, NoConstant> {
         let space = &self.space;
         let kappa = self.exact.data.kappa;
         let (exact_kappa, own_kappa) = (
@@ -187,6 +206,7 @@ impl<const S: usize> InSpace<S> {
         let mut values = vec![0.0; space.pattern.entries()];
         let mut right = vec![0.0; space.nodes.len()];
         let (mut column, mut row) = (right.clone(), right.clone());
+        let mut responses = Vec::with_capacity(space.mesh.cell_count());
         for c in 0..space.mesh.cell_count() {
             let (strain, material) = (&state.strain[c], self.exact.material_in(self.regions[c]));
             let of_cell = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
@@ -210,6 +230,7 @@ impl<const S: usize> InSpace<S> {
             });
             add_force(space, c, &source, &mut right);
             add_stiffness(space, c, &tangent, &mut values);
+            responses.push(Response { tangent, source, by_zeta });
             if self.slope.is_some() && state.norm > 0.0 {
                 add_force(space, c, &by_zeta, &mut column);
                 add_force(
@@ -220,29 +241,57 @@ impl<const S: usize> InSpace<S> {
                 );
             }
         }
-        self.add_contact(state, &mut values);
-        self.solve(t, &values, right, column, &row)
+        let answers = self.answers(state);
+        self.add_contact(&answers, &mut values);
+        let error = self.solve(t, &values, right, column, &row)?;
+        let strain: Vec<Mandel<S>> = strains(space, &error);
+        // The change of ζ that the level itself makes.
+        let share = match self.slope.is_some() && state.norm > 0.0 {
+            true => past.accumulated.own * inner(space, &state.strain, &strain) / state.norm,
+            false => 0.0,
+        };
+        let stress: Vec<Mandel<S>> =
+            responses.iter().zip(&strain).map(|(own, e)| own.stress(e, share)).collect();
+        let balance = balancing(space, &stress);
+        let pressure = answers.iter().enumerate().map(|(i, answer)| match answer {
+            None => 0.0,
+            Some(Answer::Slope(slope)) => slope * normal(space, i, &error),
+            Some(Answer::Held) => balance[i],
+        });
+        let pressure = pressure.collect();
+        Ok(Level { error, strain, stress, pressure })
     }
 
-    /// Adds the slopes of the law at the vertices; holds the vertices whose u_ν does not move.
-    fn add_contact(&self, state: &State<S>, values: &mut [f64]) {
-        let law = self.exact.data.contact.as_ref().and_then(|contact| contact.law.as_ref());
-        let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+    /// How the pressure at each point of the trace answers; `None` where u = 0 is given.
+    fn answers(&self, state: &State<S>) -> Vec<Option<Answer>> {
+        let contact = self.exact.data.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref());
+        let mut answers = Vec::with_capacity(state.contact.len());
         for (point, &[normal, _, _, xi, lambda]) in
             self.space.trace.points.iter().zip(&state.contact)
         {
-            if point.clamped {
-                continue;
-            }
             // The law is c p: its slope is c times that of p at ξ/c.
-            let contact = self.exact.data.contact.as_ref();
             let shift =
                 self.at_vertex(contact.and_then(|contact| contact.shift), 0.0, point.vertex);
             let scale =
                 self.at_vertex(contact.and_then(|contact| contact.scale), 1.0, point.vertex);
-            let answer = match answer(law, normal - shift, xi / scale, lambda) {
-                Answer::Slope(slope) => point.weight * scale * slope,
-                Answer::Held => HELD * stiffness,
+            let own = match answer(law, normal - shift, xi / scale, lambda) {
+                Answer::Slope(slope) => Answer::Slope(scale * slope),
+                Answer::Held => Answer::Held,
+            };
+            answers.push((!point.clamped).then_some(own));
+        }
+        answers
+    }
+
+    /// Adds the slopes of the law at the vertices; holds the vertices whose u_ν does not move.
+    fn add_contact(&self, answers: &[Option<Answer>], values: &mut [f64]) {
+        let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+        for (point, answer) in self.space.trace.points.iter().zip(answers) {
+            let answer = match answer {
+                None => continue,
+                Some(Answer::Slope(slope)) => point.weight * slope,
+                Some(Answer::Held) => HELD * stiffness,
             };
             // answer · ν νᵀ on the components of the vertex.
             let d = self.space.mesh.dimension;

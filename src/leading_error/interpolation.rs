@@ -1,8 +1,12 @@
 //! The space error: ‖ε(u - I_h u)‖ on a mesh, and its limit over h from the second derivatives of u.
 
+use std::sync::Arc;
+
+use super::interpolation_stress::StressInterpolationError;
 use super::quadratic::QuadraticError;
 use super::time::{largest_step, times};
 use super::{Case, LeadingError, LeadingErrors, NoConstant};
+use crate::contact::LoadError;
 use crate::formula::{Bound, Program, Variable};
 use crate::manufactured::Exact;
 use crate::manufactured::constitutive::{Tensor, full};
@@ -179,10 +183,11 @@ const ALL_TIMES: u32 = 32;
 /// On finer meshes the times with the largest errors of the next coarser one are tried, so many of them.
 const TRIED: usize = 3;
 
-/// The largest interpolation errors over the grids of the cases.
+/// The largest interpolation errors of ε or, where `of_stress`, of σ over the grids of the cases.
 pub(super) fn over_cases(
     setup: &Setup,
-    exact: &Exact,
+    exact: &Arc<Exact>,
+    of_stress: bool,
     cases: &[Case],
 ) -> Result<LeadingErrors, NoConstant> {
     let mut sorted: Vec<(u32, Case)> =
@@ -198,8 +203,17 @@ pub(super) fn over_cases(
             false => worst.iter().take(TRIED).map(|&(t, _)| t).collect(),
         };
         let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
-        let mut interpolation = InterpolationError::new(exact, &space.mesh);
-        worst = tried.iter().map(|&t| (t, interpolation.at(t))).collect();
+        worst = match of_stress {
+            true => {
+                let mut stress = StressInterpolationError::new(exact.clone(), space.clone());
+                let at = |&t: &f64| Ok((t, stress.at(t)?));
+                tried.iter().map(at).collect::<Result<_, LoadError>>()?
+            }
+            false => {
+                let mut strain = InterpolationError::new(exact, &space.mesh);
+                tried.iter().map(|&t| (t, strain.at(t))).collect()
+            }
+        };
         // A NaN comes first and stays.
         worst.sort_by(|a, b| b.1.total_cmp(&a.1));
         let Some(&(_, error)) = worst.first() else { continue };
@@ -208,7 +222,7 @@ pub(super) fn over_cases(
     }
     let domain = &setup.body.domain;
     // The integral of second derivatives is over a rectangle or box.
-    let at = worst.first().filter(|_| domain.shape == Shape::Box);
+    let at = worst.first().filter(|_| domain.shape == Shape::Box && !of_stress);
     let limit = at.map(|&(t, _)| interpolation_constant(exact, &domain.size, t));
     Ok(LeadingErrors { points, limit, tolerance: TOLERANCE })
 }

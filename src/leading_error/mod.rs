@@ -22,7 +22,9 @@ mod error;
 mod finite;
 mod in_space;
 mod interpolation;
+mod interpolation_stress;
 mod law_slope;
+mod measures;
 mod own_history;
 mod quadratic;
 mod sums;
@@ -31,6 +33,7 @@ mod time;
 
 pub use error::NoConstant;
 pub use interpolation::{InterpolationError, interpolation_constant};
+pub use interpolation_stress::StressInterpolationError;
 pub use quadratic::QuadraticError;
 
 use std::sync::Arc;
@@ -132,16 +135,19 @@ fn in_space_direction(
 ) -> Result<LeadingErrors, NoConstant> {
     let violated = |hypothesis| setup.scene.violates.contains(&hypothesis);
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
-    if measured.norm != Norm::VMax {
-        return Err(NoConstant::Norm { norm: measured.norm.name() });
-    }
+    // ‖u - u_h‖ is as small as ‖u - I_h u‖, and no more than that: neither L² norm of u has a leading error here.
+    let of_stress = match measured.norm {
+        Norm::VMax => false,
+        Norm::StressL2Max => true,
+        other => return Err(NoConstant::InSpace { norm: other.name() }),
+    };
     if setup.body.domain.mesh != MeshFamily::Structured {
         return Err(NoConstant::Mesh);
     }
     if violated(Hypothesis::RegularInSpace) || violated(Hypothesis::ConcaveGap) {
         return Err(NoConstant::Regularity);
     }
-    interpolation::over_cases(setup, exact, cases)
+    interpolation::over_cases(setup, exact, of_stress, cases)
 }
 
 fn in_time_direction(
@@ -156,7 +162,9 @@ fn in_time_direction(
     let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
     // The reference of M times the steps has M^-order of the error.
     let (share, tolerance) = match measured.norm {
-        Norm::VMax => (1.0, IN_TIME),
+        Norm::VMax | Norm::L2Max | Norm::StressL2Max | Norm::TraceL2Max | Norm::PressureL2Max => {
+            (1.0, IN_TIME)
+        }
         Norm::VTimeMax => {
             (1.0 - f64::from(measured.time_reference).powf(-measured.order), ALONG_THE_INTERPOLANT)
         }
@@ -166,7 +174,7 @@ fn in_time_direction(
     let mut ns: Vec<u32> = cases.iter().filter_map(|case| case.n).collect();
     ns.sort_unstable();
     ns.dedup();
-    let in_space = measured.norm == Norm::VMax && !interpolated;
+    let in_space = measured.norm != Norm::VTimeMax && !interpolated;
     for n in ns {
         let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
         let own: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
@@ -175,7 +183,7 @@ fn in_time_direction(
             _ => time_errors::<6>,
         };
         points.extend(
-            on_mesh(setup, exact, space, &own, in_space)?
+            on_mesh(setup, exact, space, measured.norm, &own, in_space)?
                 .into_iter()
                 .map(|point| LeadingError { error: share * point.error, ..point }),
         );
@@ -188,6 +196,7 @@ fn time_errors<const S: usize>(
     setup: &Setup,
     exact: &Arc<Exact>,
     space: Arc<Discretization>,
+    norm: Norm,
     cases: &[Case],
     in_space: bool,
 ) -> Result<Vec<LeadingError>, NoConstant> {
@@ -197,7 +206,8 @@ fn time_errors<const S: usize>(
     }
     let error = |&case: &Case| {
         let times = time::times(&setup.scene.time, case.steps);
-        let error = body.largest_error(&times)?;
+        let largest = body.largest_errors(&times)?;
+        let error = largest.of(norm).ok_or(NoConstant::Norm { norm: norm.name() })?;
         let h = case.n.map(|n| 1.0 / f64::from(n));
         Ok(LeadingError { case, h, k: time::largest_step(&times), error })
     };
