@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 use super::estimate::Wanted;
 use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, create_dir, print_json, print_text, write_file};
-use crate::contact::{CaseInfo, Discretization, LinearSolver, StepView};
+use crate::contact::{CaseInfo, Discretization, LinearSolver, Path, StepView};
 use crate::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
@@ -26,7 +26,7 @@ use pictures::Pictures;
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run); with --target also recommendation (norm, target, relative: the target over the largest |eps(u)|, choice and cautious with n, steps, h, k, error, interval, cpu_seconds, bytes, finer: h and k of this run over these, extrapolates; cautious_refused, seconds_from: times or counts, check: n and steps, refused). docs/TRADE.md explains them. Exit code 2 with --target: the error of this run has no order to go on with, or no n and N in reach have the error."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, paths (what the run walked: plan, memory, rule, solver, form, states of the law), seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run); with --target also recommendation (norm, target, relative: the target over the largest |eps(u)|, choice and cautious with n, steps, h, k, error, interval, cpu_seconds, bytes, finer: h and k of this run over these, extrapolates; cautious_refused, seconds_from: times or counts, check: n and steps, refused). docs/TRADE.md explains them. Exit code 2 with --target: the error of this run has no order to go on with, or no n and N in reach have the error."
 )]
 pub struct Solve {
     /// Name of a scene, or path of a TOML file
@@ -282,6 +282,8 @@ impl Solve {
             object.insert("linear_solver".into(), solver.name().into());
             object.insert("linear_iterations".into(), info.work.linear.iterations.into());
             object.insert("kkt_residual".into(), info.kkt_residual.into());
+            let paths: Vec<&str> = info.paths.iter().map(Path::name).collect();
+            object.insert("paths".into(), paths.into());
             object.insert("seconds".into(), seconds.into());
             object.insert("dofs".into(), dofs.into());
             object.insert("peak_resident_bytes".into(), peak_resident_bytes().into());

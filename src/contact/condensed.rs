@@ -17,6 +17,7 @@ use expansion::Pending;
 use super::boundary::boundary_graph;
 use super::condensed_level::CondensedLevel;
 use super::march::{CaseError, CaseInfo, Observer};
+use super::path::of_storage;
 use super::{Discretization, Load, Model, Unknowns};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
@@ -147,12 +148,16 @@ impl<'a, P: Projection> Condensed<'a, P> {
             let new = move |term: &super::MemoryTerm| Memory::new(&*term.kernel, rule, grid, dofs);
             terms.clone().map(new)
         };
+        let memory: Vec<Memory> = remember(dofs).collect();
+        for memory in &memory {
+            info.paths.insert(of_storage(memory.storage(), grid));
+        }
         let framed = if space.frames.is_empty() { 0 } else { model.memory.len() };
         let ahead = if beta.is_some() { SIDES } else { 1 };
         let level = CondensedLevel::new(graph, unknowns);
         Ok(Self {
             state: StepState { u: vec![0.0; side], pressure: vec![0.0; graphs] },
-            memory: remember(dofs).collect(),
+            memory,
             on_side: beta.and_then(|_| remember(side).next()),
             past_on_side: vec![0.0; side],
             slot: vec![0.0; model.memory.len()],
@@ -224,6 +229,7 @@ impl<'a, P: Projection> Condensed<'a, P> {
             newton.solve(&mut self.level, &mut self.state, &mut self.scratch).map_err(failed)?;
         self.extrapolation.keep(t, &self.state);
         self.info.newton_iterations += info.iterations;
+        self.info.damped_iterations += info.damped;
         self.info.active_set_changes += info.active_set_changes;
         if let Some(memory) = &mut self.on_side {
             memory.commit(grid, &self.state.u);

@@ -4,6 +4,7 @@
 use std::time::Instant;
 
 use super::last_slot::LastSlot;
+use super::path::{Paths, of_storage};
 use super::{CaseError, ContactProblem, Discretization, LinearSolver, Load, Model, strain_norm};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
@@ -106,6 +107,15 @@ impl<'a, P: Projection> Evolution<'a, P> {
         nodal.resize(self.space.nodes.len(), 0.0);
         self.space.frames.to_cartesian(&mut nodal);
         nodal
+    }
+
+    /// How the memory is kept.
+    pub(super) fn paths(&self) -> Paths {
+        let mut paths = Paths::default();
+        for memory in &self.memory {
+            paths.insert(of_storage(memory.storage(), self.grid));
+        }
+        paths
     }
 
     /// ζ_n of the last committed level.

@@ -10,6 +10,7 @@ use super::floor::Accepted;
 use super::inverse::Inverse;
 use super::kkt::kkt_residual_in;
 use super::march::{CaseError, CaseInfo, Observer, StepView};
+use super::path::of_storage;
 use super::{Discretization, Floors, LinearSolver, Load, Model};
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
@@ -52,6 +53,9 @@ pub fn march<P: Projection>(
     let mut factors = vec![0.0; few];
     let length = if combination.is_some() { few } else { dofs };
     let mut memory = kernel.map(|kernel| Memory::new(kernel, rule, grid, length));
+    if let Some(memory) = &memory {
+        info.paths.insert(of_storage(memory.storage(), grid));
+    }
     let (mut force, mut u) = (vec![0.0; dofs], vec![0.0; space.nodes.len()]);
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
     let mut balance = Vec::new();

@@ -2,6 +2,7 @@
 
 use super::floor::Accepted;
 use super::kkt::kkt_residual_in;
+use super::path::{self, Path, Paths};
 use super::plan::Plan;
 use super::work::Work;
 use super::{Discretization, Evolution, Floors, Load, LoadError, Model, condensed, linear};
@@ -115,6 +116,10 @@ pub struct CaseInfo {
     pub seconds_load: f64,
     /// Largest memory held by the history.
     pub peak_history_bytes: usize,
+    /// Halved Newton steps over all levels.
+    pub damped_iterations: u32,
+    /// The ways that the run took.
+    pub paths: Paths,
     /// What solver and rounding contribute to each error.
     pub floors: Floors,
 }
@@ -179,13 +184,24 @@ fn march_by<P: Projection, S: StepSolver>(
     solver: &S,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let info = match (plan, solver.newton()) {
-        (Plan::Recursion, _) => linear::march(space, model, grid, load, observe),
-        (Plan::Condensed, Some(newton)) => {
-            condensed::march(space, model, grid, load, newton, observe)
+    let mut paths = path::foreseen(plan, space, model, grid);
+    let mut see = |view: &StepView<'_>| {
+        if view.n == grid.steps() {
+            paths = paths.union(path::of_level(space, model, view));
         }
-        _ => March::new(space, model, grid, load, solver).run(grid, observe),
+        observe(view)
+    };
+    let mut info = match (plan, solver.newton()) {
+        (Plan::Recursion, _) => linear::march(space, model, grid, load, &mut see),
+        (Plan::Condensed, Some(newton)) => {
+            condensed::march(space, model, grid, load, newton, &mut see)
+        }
+        _ => March::new(space, model, grid, load, solver).run(grid, &mut see),
     }?;
+    if info.damped_iterations > 0 {
+        paths.insert(Path::Damped);
+    }
+    info.paths = info.paths.union(paths);
     measurable(space, model, info.strain_norm)?;
     Ok(info)
 }
@@ -237,6 +253,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
     fn step(&mut self, n: usize, t: f64, observe: &mut Observer<'_>) -> Result<(), CaseError> {
         let info = self.stepper.step(&mut self.evolution)?;
         self.info.newton_iterations += info.iterations;
+        self.info.damped_iterations += info.damped;
         self.info.fixed_point_iterations += info.fixed_point_iterations;
         self.info.active_set_changes += info.active_set_changes;
         self.info.convex_problems += info.convex_problems;
@@ -270,6 +287,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
         self.info.work = self.evolution.problem().work();
         self.info.seconds_load = self.evolution.seconds_load;
         self.info.peak_history_bytes = self.evolution.peak_history_bytes;
+        self.info.paths = self.evolution.paths();
         self.info
     }
 

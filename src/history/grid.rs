@@ -69,6 +69,12 @@ impl TimeGrid {
         self.times[n] - self.times[n - 1]
     }
 
+    /// Whether all steps are the same but for the rounding of their ends.
+    pub fn is_uniform(&self) -> bool {
+        let (k, end) = (self.times.get(1).map_or(0.0, |_| self.step(1)), self.times[self.steps()]);
+        (1..=self.steps()).all(|n| (self.step(n) - k).abs() <= 4.0 * f64::EPSILON * end)
+    }
+
     /// k, the largest step.
     pub fn largest_step(&self) -> f64 {
         (1..self.times.len()).map(|n| self.step(n)).fold(0.0, f64::max)

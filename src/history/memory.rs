@@ -30,6 +30,17 @@ pub enum Memory {
     Fast(Box<FastConvolution>),
 }
 
+/// How a [`Memory`] keeps the past.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Storage {
+    /// [`Memory::Direct`].
+    Direct,
+    /// [`Memory::Recursive`].
+    Recursive,
+    /// [`Memory::Fast`].
+    Fast,
+}
+
 impl Memory {
     /// Recursion where the kernel is a sum of exponentials, interpolation for other kernels on long grids where it
     /// reaches the error that they allow, both with the trapezoidal rule; else the direct sum.
@@ -62,6 +73,15 @@ impl Memory {
     /// The direct sum, for any kernel and rule.
     pub fn direct() -> Self {
         Self::Direct { past: Vec::new() }
+    }
+
+    /// How it keeps the past.
+    pub fn storage(&self) -> Storage {
+        match self {
+            Self::Direct { .. } => Storage::Direct,
+            Self::Recursive { .. } => Storage::Recursive,
+            Self::Fast(_) => Storage::Fast,
+        }
     }
 
     /// Number of committed steps: the index n of the next one.

@@ -9,5 +9,5 @@ mod rules;
 pub use accumulated::Accumulated;
 pub use fast::FastConvolution;
 pub use grid::{TimeGrid, TimeRule, Trapezoid};
-pub use memory::Memory;
+pub use memory::{Memory, Storage};
 pub use rules::{CorrectedEnd, ProductIntegration};

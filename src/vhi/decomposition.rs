@@ -66,6 +66,7 @@ impl StepSolver for Decomposition {
             let (change, size) = (problem.norm(&difference), problem.norm(&state.u));
             total.iterations += info.iterations;
             total.active_set_changes += info.active_set_changes;
+            total.damped += info.damped;
             total.convex_problems = count;
             if !change.is_finite() {
                 return Err(StepError::NotFinite { iteration: count, value: change });

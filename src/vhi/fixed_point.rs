@@ -58,6 +58,7 @@ impl FixedPoint {
             total = StepInfo {
                 iterations: total.iterations + info.iterations,
                 active_set_changes: total.active_set_changes + info.active_set_changes,
+                damped: total.damped + info.damped,
                 fixed_point_iterations: iteration,
                 ..info
             };

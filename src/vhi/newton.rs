@@ -28,6 +28,8 @@ pub struct StepInfo {
     pub iterations: u32,
     /// Coordinates that changed their piece, summed over the iterations.
     pub active_set_changes: u32,
+    /// Halved steps.
+    pub damped: u32,
     /// Norm of residual and graph defects at the end (a force).
     pub residual: f64,
     /// The tolerance it had to meet.
@@ -137,6 +139,7 @@ impl Newton {
                 .advance(problem, state, damping, forcing)
                 .map_err(|source| StepError::Factor { iteration: info.iterations, source })?;
             info.iterations += 1;
+            info.damped += u32::from(damping < 1.0);
             problem.residual(&state.u, &mut scratch.force);
         }
     }

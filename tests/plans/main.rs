@@ -3,11 +3,13 @@
 //!   the volume; old factors with GMRES and fresh ones, in single and double precision; factors and multigrid;
 //!   recursive, interpolated and direct sums over the past. Each way is really taken where it is claimed, by the
 //!   counters of the run, and a seeded defect in one of them is seen.
+//!   Grids are those of the scenes, and graded and random ones of this test.
 //! Mesh: for every shipped scene 6 × 6 squares or 2 × 2 × 2 cubes and 8 steps; the coarsest mesh that has levels; the
 //!   coarsest mesh and 520 steps for sums over the past. `punch` also where factors are kept in single precision.
 
 mod anew;
 mod factors;
+mod grids;
 mod multigrid;
 mod parts;
 mod past;

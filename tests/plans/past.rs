@@ -54,7 +54,7 @@ fn all_are(setup: &Setup, way: fn(&Memory) -> bool) -> bool {
 }
 
 /// What a scene has by all ways, `None` where a way does not apply: recursion, interpolation, direct sums.
-fn by_all_ways(mut setup: Setup, off: f64) -> [Option<Run>; 3] {
+pub fn by_all_ways(mut setup: Setup, off: f64) -> [Option<Run>; 3] {
     let data = coarsest(&setup);
     let recursion = all_are(&setup, |memory| matches!(memory, Memory::Recursive { .. }));
     let recursive = recursion.then(|| shortest(&setup, &data, STEPS));
