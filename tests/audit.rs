@@ -30,7 +30,7 @@ use gronwall::contact::{BoundaryRule, MemoryTerm, Model, march};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{MemoryKernel, PiecewiseLinear, Projection, VonMises, YieldLimit};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::theory::audit::{AuditConstants, Auditor, Row, SceneAudit};
+use gronwall::theory::audit::{AuditConstants, Auditor, Row, SceneAudit, Standing, audit_case};
 use gronwall::theory::ledger::{LedgerError, ledger};
 use gronwall::vhi::Newton;
 use shipped::{edited, on_mesh, setup_of, text};
@@ -285,6 +285,48 @@ fn nan_is_a_violation() {
     assert!(["(4.14)", "(4.15)", "(4.18)", "(4.20)"].iter().all(|line| found.contains(line)));
     let audit = SceneAudit { cases: Vec::new(), ..one_run() };
     assert!(!audit.holds(), "no run is no proof");
+}
+
+/// m0 <= 0: the bounds that divide by it have no constant. They are no violations and do not hold; with m0 a hair above
+/// zero they hold.
+#[test]
+fn a_bound_without_a_constant_is_not_defined_and_does_not_hold() {
+    let bounds = ["(4.18)", "(4.20)"];
+    let audited = |off: f64| {
+        let setup = exact_rule("affine");
+        let mut audit = one_run();
+        // m0 = m_A - alpha_phi - alpha_j c_j^2.
+        let taken = audit.constants.alpha_phi;
+        audit.constants.alpha_phi = taken + audit.constants.m0() - off;
+        let data = on_mesh(&setup, 4);
+        let case = audit_case(&setup, &data, 2, &audit.constants);
+        audit.cases = vec![case.expect("an audit")];
+        audit
+    };
+    let sound = audited(1e-3);
+    assert!(sound.holds() && sound.undefined().is_empty(), "{:?}", sound.violations());
+    for off in [0.0, -0.1] {
+        let audit = audited(off);
+        let of = |standing: Standing| -> Vec<&str> {
+            let summaries = audit.summaries();
+            let with = summaries.iter().filter(|summary| summary.standing == standing);
+            with.map(|summary| summary.statement.name).collect()
+        };
+        assert_eq!(of(Standing::Undefined), bounds);
+        assert!(of(Standing::Violated).is_empty(), "{:?}", audit.violations());
+        assert!(!audit.holds() && audit.violations().is_empty());
+        assert_eq!(audit.undefined().len(), 2);
+        assert!(audit.undefined()[0].contains("(4.18) has no defined constant: m0 = "));
+        let document = audit.json();
+        assert_eq!((&document["holds"], document["undefined"].as_array().map(Vec::len)), (&false.into(), Some(2)));
+        for line in document["lines"].as_array().expect("lines") {
+            let defined = !bounds.contains(&line["line"].as_str().expect("a name"));
+            assert_eq!((&line["defined"], &line["holds"]), (&defined.into(), &defined.into()), "{line}");
+            assert_eq!(line["right"].is_null(), !defined, "{line}");
+        }
+        let table = String::from_utf8(audit.csv().expect("a table")).expect("text");
+        assert!(!table.contains("inf") && table.matches(",false,").count() == 2, "{table}");
+    }
 }
 
 fn one_run() -> SceneAudit {

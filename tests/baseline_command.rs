@@ -131,6 +131,12 @@ fn the_shipped_baseline_is_of_the_shipped_scenes() {
         let recorded = shipped.scenes.get(name).unwrap_or_else(|| panic!("{name}: make baseline"));
         assert_eq!(recorded.hash, scene.source.hash, "{name} changed: make baseline");
         // Reference runs may be too near to tell; what is judged has errors to compare.
+        // A judged scene owes a verdict for each of its predictions.
+        let owes = recorded.owes.as_ref();
+        let owes =
+            owes.unwrap_or_else(|| panic!("{name} does not say what it owes: make baseline"));
+        let predicted = if scene.judge { scene.predicts.len() } else { 0 };
+        assert_eq!(owes.len(), predicted, "{name}: make baseline");
         let compared = recorded.cases.iter().any(|case| !case.errors.is_empty());
         assert!(compared || !scene.judge, "{name}");
         scenes += 1;

@@ -100,6 +100,43 @@ fn what_cannot_be_studied_is_refused() {
     }
 }
 
+/// Where m0 <= 0 no k is below (3.4): what is defined is printed, the rest says why not, and (2.9) is a violation.
+#[test]
+fn without_monotonicity_the_rest_is_still_said() {
+    for (name, m0) in [("broken-m0-beyond", -0.1), ("broken-m0-at", 0.0)] {
+        let output = sweep(&["bound", name]);
+        let text = stdout(&output);
+        assert_eq!(code(&output), 1, "{}", stderr(&output));
+        for phrase in ["m_A ", "|DLambda| = ", "random starts", "no k: m0 = ", "FAILS: 0 < m0, (2.9)"] {
+            assert!(text.contains(phrase), "no `{phrase}` in\n{text}");
+        }
+        assert!(text.contains("not followed: m0 = ") && text.contains("(2.9) is violated"), "{text}");
+        assert!(!text.contains("NaN") && !text.contains("inf") && !text.contains("every k"), "{text}");
+        let folder = Folder::new("bound-m0");
+        let output = sweep(&["bound", name, "--json", "--out", &folder.argument("out")]);
+        assert_eq!(code(&output), 1, "{}", stderr(&output));
+        let document = json(&output);
+        let thresholds = &document["thresholds"];
+        assert!(thresholds["norm_one"].is_null() && thresholds["loss"].is_null(), "{thresholds}");
+        let reason = thresholds["not_followed"].as_str().expect("a reason");
+        assert!(reason.contains("(2.9) is violated"), "{reason}");
+        for key in ["paper_norm", "theorem", "sharpened", "solvable"] {
+            assert_eq!(thresholds[key], 0.0, "{key}");
+        }
+        assert_eq!(document["rungs"], serde_json::json!([]));
+        let levels = document["levels"].as_array().expect("levels");
+        assert!(levels.iter().all(|level| level["norm"].is_number() && level["sharpened"].is_null()));
+        let constants = document["constants"].as_array().expect("constants");
+        let found = constants.iter().find(|c| c["name"] == "m0").expect("m0");
+        assert!((found["value"].as_f64().expect("m0") - m0).abs() < 1e-12, "{found}");
+        assert!(folder.names().contains(&"out".to_owned()));
+        // Gronwall's lemma divides by m0 as well.
+        let output = sweep(&["gronwall", name]);
+        assert_eq!(code(&output), 2);
+        assert!(stderr(&output).contains("is not positive"), "{}", stderr(&output));
+    }
+}
+
 /// The fixed-point iteration is a solver one can choose; it agrees with Newton's method, and says when it cannot.
 #[test]
 fn solve_takes_either_solver() {

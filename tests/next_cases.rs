@@ -11,7 +11,10 @@ use gronwall::report::{Place, annotations, step_summary};
 use gronwall::scene::{Scene, Source};
 use gronwall::setup::Subject;
 use gronwall::sweep::{AddedCase, Overrides, ScenePlan, Step, extend};
-use gronwall::verdict::{Decision, Expect, NextCase, Prediction, Variable, Verdict, judge};
+use gronwall::verdict::{
+    Decision, Expect, FloorSource, Foreseen, LeadingLine, LeadingPoint, NextCase, Prediction,
+    Variable, Verdict, judge, judge_foreseen,
+};
 use program::{Folder, code, command, stderr, stdout, sweep};
 use shipped::{edited, text};
 
@@ -56,6 +59,46 @@ fn open_verdicts_name_cases_on_their_line() {
     let joint = Prediction { order_k: Some(2.0), ..predict(Variable::Joint, 1.0) };
     let both = judged(&table(&grid, 0.0, |h, k| h + k * k), &joint);
     assert_eq!(both.next, [next(32, 4), next(32, 8), next(8, 16), next(16, 16)], "{}", both.reason);
+}
+
+/// The way out names what the floor comes from.
+#[test]
+fn a_floor_is_lowered_where_it_comes_from() {
+    let lost = table(&[(8, 4), (16, 4), (32, 4), (64, 4)], 1.0, |h, _| h);
+    for (floor, said, other) in [
+        (FloorSource::Unknown, "a stronger quadrature", "load quadrature"),
+        (FloorSource::Solver, "it is the solver's", "quadrature"),
+        (FloorSource::Quadrature, "it is the quadrature of loads and errors", "solver"),
+        (FloorSource::LoadQuadrature, "it is the load quadrature of form = \"strong\"", "solver"),
+        (FloorSource::Reference, "the reference run, a finer one", "quadrature"),
+    ] {
+        let prediction = Prediction { floor, ..predict(Variable::H, 1.0) };
+        let Verdict { reason, next, .. } = judged(&lost, &prediction);
+        assert!(reason.contains(said) && !reason.contains(other), "{floor:?}: {reason}");
+        assert!(next.is_empty());
+    }
+}
+
+/// Where several solutions may exist a constant that is off may be that of another one; else it is a factor.
+#[test]
+fn a_constant_of_another_solution_is_no_factor() {
+    let ns = [8, 16, 32, 64];
+    let records = table(&ns.map(|n| (n, 4)), 0.0, |h, _| 2.0 * h);
+    let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
+    let point = |n: u32| {
+        let h = 1.0 / f64::from(n);
+        LeadingPoint { n: Some(n), steps: 4, h: Some(h), k: 0.25, error: h }
+    };
+    let line = LeadingLine { points: ns.map(point).into(), limit: None, tolerance: 0.01 };
+    for (unique, blames) in [(true, false), (false, true)] {
+        let prediction = Prediction { unique, ..predict(Variable::H, 1.0) };
+        let foreseen = Foreseen::Leading(line.clone());
+        let found =
+            judge_foreseen("block", &records, &keys, &prediction, Some(&foreseen), Expect::Pass);
+        assert_eq!(found.decision, Decision::Fail, "{}", found.reason);
+        let another = found.reason.contains("another solution may have been followed");
+        assert!(another == blames && found.reason.contains("off by a factor"), "{}", found.reason);
+    }
 }
 
 #[test]

@@ -14,7 +14,7 @@ use super::{
 };
 use crate::contact::BoundaryRule;
 use crate::setup::Setup;
-use crate::theory::audit::{Relation, SceneAudit, Summary, audit_runs};
+use crate::theory::audit::{Relation, SceneAudit, Standing, Summary, audit_runs};
 
 /// Meshes of a scene's own list up to this n are audited unless --n names others: a level costs some
 /// 60 evaluations of the exact solution a cell.
@@ -27,9 +27,9 @@ const WIDTH: u16 = 110;
 #[derive(Args)]
 #[command(
     after_help = "Runs use the paper's own boundary integral (5.14), rule exact, unless --rule says otherwise; laws with a jump keep the vertex rule. Columns: largest left and right of the finest run, worst left/right over all runs (of an identity: |left - right| over the larger side; - where both are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
-JSON keys with --json: scene, fingerprint (of its text), theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, power_h, power_k, holds), cases (n, steps, h, k, lines), violations. Files with --out: SCENE-audit.csv, SCENE-audit.json, SCENE-audit.svg. \
+JSON keys with --json: scene, fingerprint (of its text), theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, power_h, power_k, holds, defined), cases (n, steps, h, k, lines), violations, undefined (lines without a defined constant). Files with --out: SCENE-audit.csv, SCENE-audit.json, SCENE-audit.svg. \
 With --ledger: a list of claim, hypotheses, quantity, proved, observed, used, claimed, confirmed, scene, command; file ledger.json. \
-Exit code 1: a line is violated beyond its accuracy, or a claim is not confirmed."
+Exit code 1: a line is violated beyond its accuracy or has no defined constant (m0 <= 0), or a claim is not confirmed."
 )]
 pub struct Audit {
     /// Name of a scene with an exact solution, or path of a TOML file
@@ -167,8 +167,16 @@ fn print(audit: &SceneAudit) {
     for violation in &violations {
         print_text(&format!("violated: {violation}"));
     }
-    let held = summaries.iter().filter(|summary| summary.violation.is_none()).count();
-    print_text(&format!("{held} of {} lines hold in all runs", summaries.len()));
+    let undefined = audit.undefined();
+    for line in &undefined {
+        print_text(&format!("not defined: {line}"));
+    }
+    let held = summaries.iter().filter(|summary| summary.standing == Standing::Holds).count();
+    let without = match undefined.len() {
+        0 => String::new(),
+        number => format!("; {number} without a defined constant"),
+    };
+    print_text(&format!("{held} of {} lines hold in all runs{without}", summaries.len()));
 }
 
 fn table(summaries: &[Summary]) -> String {
@@ -182,14 +190,26 @@ fn table(summaries: &[Summary]) -> String {
             summary.statement.name.to_owned(),
             format!("{:.3e}", summary.left),
             sign.to_owned(),
-            format!("{:.3e}", summary.right),
+            right(summary),
             summary.ratio.map_or("-".to_owned(), ratio),
             powers(summary.power_h),
             powers(summary.power_k),
-            if summary.violation.is_none() { "holds" } else { "VIOLATED" }.to_owned(),
+            match summary.standing {
+                Standing::Holds => "holds",
+                Standing::Violated => "VIOLATED",
+                Standing::Undefined => "NOT DEFINED",
+            }
+            .to_owned(),
         ]);
     }
     table.trim_fmt()
+}
+
+fn right(summary: &Summary) -> String {
+    match summary.standing {
+        Standing::Undefined => "-".to_owned(),
+        _ => format!("{:.3e}", summary.right),
+    }
 }
 
 fn ratio(ratio: f64) -> String {

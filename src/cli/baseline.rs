@@ -54,7 +54,7 @@ impl BaselineCommand {
         let sources = swept.plans.iter().map(ScenePlan::scene);
         let hashes: Vec<(&str, &str)> =
             sources.map(|scene| (scene.name.as_str(), scene.source.hash.as_str())).collect();
-        let mut new = Baseline::of(&swept.records, &hashes);
+        let mut new = Baseline::of(&swept.records, &hashes).owing(&swept.verdicts);
         let before = old.unwrap_or_default();
         if !self.scenes.is_empty() {
             for (name, recorded) in &before.scenes {

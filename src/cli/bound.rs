@@ -16,7 +16,7 @@ use crate::theory::bound::threshold::Crossing;
 /// `sweep bound`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, fingerprint (of its text), n, steps, constants (name, value, uncertainty, how, safe, note), samples (what, declared, needed, samples, holds), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, loss_tensors, loss_mesh), ratio, attained, worst, levels, meshes (mesh, level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, finite_random, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), violations (k, what, left, right). Exit code 1: an inequality or a declared constant does not hold."
+    after_help = "JSON keys with --json: scene, fingerprint (of its text), n, steps, constants (name, value, uncertainty, how, safe, note), samples (what, declared, needed, samples, holds), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, loss_tensors, loss_mesh, not_followed: why norm_one, radius_one and loss are null and rungs is empty, where m0 <= 0), ratio, attained, worst, levels, meshes (mesh, level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, finite_random, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), violations (k, what, left, right). Exit code 1: an inequality or a declared constant does not hold."
 )]
 pub struct BoundCommand {
     /// Name of a scene, or path of a TOML file
@@ -102,6 +102,7 @@ fn document(bound: &Bound) -> Value {
             "loss": thresholds.loss.as_ref().map(|loss| [loss.bracket.0, loss.bracket.1]),
             "loss_reason": thresholds.loss.as_ref().map(|loss| loss.reason.to_string()),
             "loss_eigenvalue": thresholds.loss.as_ref().map(|loss| loss.rightmost),
+            "not_followed": study.not_followed,
             "loss_tensors": study.linear.and_then(|loss| finite(loss.tensors)),
             "loss_mesh": study.linear.and_then(|loss| finite(loss.mesh)),
         },
@@ -188,8 +189,11 @@ fn print_ladder(bound: &Bound) {
     for at in &study.meshes {
         let mesh = at.mesh.map_or(String::new(), |n| n.to_string());
         print_text(&format!(
-            "  n = {mesh:<4} k = {:.6}  |DLambda| = {:.10}  spectral radius = {:.10}  sharpened = {:.10}",
-            at.k, at.norm, at.radius, at.sharpened
+            "  n = {mesh:<4} k = {:.6}  |DLambda| = {:.10}  spectral radius = {:.10}  sharpened = {}",
+            at.k,
+            at.norm,
+            at.radius,
+            bounded(at.sharpened)
         ));
     }
     print_text(&format!(
@@ -200,6 +204,9 @@ fn print_ladder(bound: &Bound) {
         study.starts.distinct,
         study.starts.failed
     ));
+    if let Some(reason) = &study.not_followed {
+        return print_text(&format!("a last step of size k after the same past: none, {reason}"));
+    }
     print_text("a last step of size k after the same past");
     print_text(&format!(
         "  {:>11} {:>11} {:>11} {:>11} {:>11} {:>11} {:>11} {:>11}  {:<9} {:<9} {}",
@@ -237,10 +244,19 @@ fn print_ladder(bound: &Bound) {
     }
 }
 
+/// A bound of a factor.
+fn bounded(bound: f64) -> String {
+    if bound.is_finite() { format!("{bound:.10}") } else { "none".into() }
+}
+
 fn print_thresholds(bound: &Bound) {
     let (limits, study) = (&bound.limits, &bound.study);
     let line = |what: &str, value: String| print_text(&format!("  {what:<58} {value}"));
-    let number = |k: f64| if k.is_finite() { format!("{k:.8}") } else { "every k".into() };
+    let number = |k: f64| match k {
+        k if k.is_infinite() => "every k".into(),
+        k if k > 0.0 => format!("{k:.8}"),
+        _ => format!("no k: m0 = {:.6}", limits.m0),
+    };
     let crossing = |crossing: Option<Crossing>| match crossing {
         None => "every k: Lambda does not depend on eta".to_string(),
         Some(Crossing::Between(low, high)) => {
@@ -253,14 +269,19 @@ fn print_thresholds(bound: &Bound) {
     line("1  (3.4), the paper's norm of B", number(limits.paper_limit()));
     line("1  (3.4), operator norm", number(limits.limit()));
     line("2  sharpened: half weight, terms apart", number(limits.sharpened_limit()));
-    line("3  measured: |DLambda| = 1", crossing(study.thresholds.norm));
-    line("3  measured: spectral radius of DLambda = 1", crossing(study.thresholds.radius));
+    if let Some(reason) = &study.not_followed {
+        line("3  measured: |DLambda| = 1", format!("not followed: {reason}"));
+    } else {
+        line("3  measured: |DLambda| = 1", crossing(study.thresholds.norm));
+        line("3  measured: spectral radius of DLambda = 1", crossing(study.thresholds.radius));
+    }
     line("4  one solution guaranteed, by monotonicity", number(limits.solvable_limit()));
     if let Some(loss) = study.linear {
         line("4  linear: A + (k/2)B(0) singular on S^d", number(loss.tensors));
         line("4  linear: A + (k/2)B(0) singular on the mesh", number(loss.mesh));
     }
     match &study.thresholds.loss {
+        _ if study.not_followed.is_some() => {}
         Some(loss) => {
             let (low, high) = loss.bracket;
             line(

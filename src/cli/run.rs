@@ -17,7 +17,7 @@ use crate::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
     reference_error, run_more, run_sweep,
 };
-use crate::verdict::{Baseline, Verdict, compare_with_baseline};
+use crate::verdict::{Baseline, Comparison, Verdict, compare_owed, compare_with_baseline};
 
 /// The default directory of reports.
 pub(super) const LATEST: &str = "reports/latest";
@@ -27,7 +27,7 @@ pub(super) const BASELINE: &str = "reports/baseline.json";
 /// `sweep run`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, deviations with scene, n, steps, norm, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error)."
+    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, owed with verdicts and constants, owed_not_said, deviations with scene, n, steps, norm, variable, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error)."
 )]
 pub struct Run {
     #[command(flatten)]
@@ -208,8 +208,12 @@ impl What {
             verdicts = judged(&plans, &records);
         }
         let provenance = Provenance::of_run(&plans, &machine).json();
-        let comparison =
-            baseline.map(|baseline| compare_with_baseline(&baseline, &self.runs(&plans), &records));
+        let comparison = baseline.map(|baseline| -> Comparison {
+            let runs = self.runs(&plans);
+            let mut comparison = compare_with_baseline(&baseline, &runs, &records);
+            compare_owed(&baseline, &runs, &verdicts, &mut comparison);
+            comparison
+        });
         let found =
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
         let references = plans.iter().filter_map(found).collect();

@@ -254,6 +254,7 @@ pub(super) fn at_least(variable: Direction, order: f64, why: &str) -> Prediction
         at_least: true,
         exact: false,
         constant: true,
+        constant_within: None,
         why: why.to_owned(),
         window_n: None,
         window_steps: None,

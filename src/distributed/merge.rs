@@ -127,8 +127,8 @@ pub fn merge(
         Some((plan, _)) => plan.scenes.iter().map(|scene| scene.name.as_str()).collect(),
         None => verdicts.keys().copied().collect(),
     };
-    merged.comparison = comparing.map(|comparing| comparing.found(&order));
     merged.verdicts = order.iter().filter_map(|name| verdicts.remove(name)).flatten().collect();
+    merged.comparison = comparing.map(|comparing| comparing.found(&order, &merged.verdicts));
     Ok((merged, table))
 }
 

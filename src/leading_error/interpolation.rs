@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::interpolation_stress::StressInterpolationError;
 use super::quadratic::QuadraticError;
 use super::time::{largest_step, times};
-use super::{Case, LeadingError, LeadingErrors, NoConstant};
+use super::{Case, LeadingError, LeadingErrors, NoConstant, along_the_interpolant};
 use crate::contact::LoadError;
 use crate::formula::{Bound, Program, Variable};
 use crate::manufactured::Exact;
@@ -224,10 +224,7 @@ pub(super) fn over_cases(
     // The integral of second derivatives is over a rectangle or box.
     let at = worst.first().filter(|_| domain.shape == Shape::Box && !of_stress);
     let limit = at.map(|&(t, _)| interpolation_constant(exact, &domain.size, t));
-    Ok(LeadingErrors { points, limit, tolerance: TOLERANCE })
+    let finest = points.iter().filter_map(|point| point.h).fold(f64::INFINITY, f64::min);
+    let tolerance = along_the_interpolant(setup, finest);
+    Ok(LeadingErrors { points, limit, tolerance })
 }
-
-/// On the finest meshes of the shipped scenes ‖ε(u - u_h)‖ is within 0.3 % of the interpolation error, in space within
-/// 1.3 %; on the coarsest in their windows within 2.5 %: what is left is ‖ε(I_h u - u_h)‖, of higher order, and the time
-/// error.
-const TOLERANCE: f64 = 0.03;

@@ -132,6 +132,9 @@ pub struct Prediction {
     pub exact: bool,
     /// The constant is compared with its prediction, where there is one.
     pub constant: bool,
+    /// How far from one the constant may be from its prediction, where the scene has a reason for another share than the
+    /// usual one.
+    pub constant_within: Option<f64>,
     /// The theorem or equation that promises it.
     pub why: String,
     pub window_n: Option<[usize; 2]>,
@@ -173,6 +176,7 @@ impl Prediction {
             at_least: written.at_least,
             exact: written.exact,
             constant: written.constant,
+            constant_within: constant_within(reading, &key, written)?,
             why: written.why.clone(),
             window_n: reading.window(&key("window_n"), written.window_n.as_ref())?,
             window_steps: reading.window(&key("window_steps"), written.window_steps.as_ref())?,
@@ -194,6 +198,44 @@ impl Prediction {
             return Err(reading.error(&key("variable"), message, "write variable = \"k\""));
         }
         Ok(())
+    }
+}
+
+/// The share by which a constant may differ from its prediction: in (0, 1), and never without a reason.
+fn constant_within(
+    reading: &Reading,
+    key: &dyn Fn(&str) -> String,
+    written: &written::Prediction,
+) -> Result<Option<f64>, SceneError> {
+    let (within, why) = (key("constant_within"), key("constant_why"));
+    let reason = written.constant_why.as_ref().filter(|reason| !reason.trim().is_empty());
+    match (written.constant_within, reason) {
+        (None, None) if written.constant_why.is_some() => {
+            Err(reading.error(&why, "`constant_why` is empty", "state the reason, or remove it"))
+        }
+        (None, None) => Ok(None),
+        (None, Some(_)) => Err(reading.key_error(
+            &why,
+            "`constant_why` explains a share that is not there",
+            "add it: constant_within = 0.03, or remove constant_why",
+        )),
+        (Some(_), _) if !written.constant => Err(reading.key_error(
+            &within,
+            "`constant_within` beside constant = false: nothing is compared",
+            "keep one of the two",
+        )),
+        (Some(_), None) => Err(reading.key_error(
+            &within,
+            "`constant_within` without a reason",
+            "say why the usual share does not do: constant_why = \"n = 6 is the finest mesh\"",
+        )),
+        (Some(share), Some(_)) if share.is_nan() || share <= 0.0 || share >= 1.0 => Err(reading
+            .error(
+                &within,
+                format!("`constant_within` = {share} is no share between 0 and 1"),
+                "give the relative distance that is allowed, such as 0.03",
+            )),
+        (Some(share), Some(_)) => Ok(Some(share)),
     }
 }
 

@@ -342,6 +342,8 @@ pub struct Prediction {
     pub exact: bool,
     #[serde(default = "yes")]
     pub constant: bool,
+    pub constant_within: Option<f64>,
+    pub constant_why: Option<String>,
     pub why: String,
     pub window_n: Option<Vec<i64>>,
     pub window_steps: Option<Vec<i64>>,

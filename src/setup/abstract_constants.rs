@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::SetupError;
 use crate::finite::{ComponentLaw, FiniteModel};
 use crate::scene::{AbstractScene, Law, Scene};
-use crate::vhi::StepBounds;
+use crate::vhi::{StepBounds, monotonicity};
 
 /// Constants of (2.5)-(2.11).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -105,7 +105,7 @@ pub fn abstract_constants(
     let alpha_j = alpha_j.fold(0.0, f64::max);
     let c_j_squared = norm(&to_dual(&trace));
     let m_a = SymmetricEigen::new(symmetric).eigenvalues.min();
-    let m0 = m_a - alpha_phi - alpha_j * c_j_squared;
+    let m0 = monotonicity(m_a, alpha_phi + alpha_j * c_j_squared);
     let r_norm = norm(&(&inverse_half * &model.r * &half));
     let (q_norm, q_norm_now) = kernel_norms(scene.time.horizon, model, to_dual);
     Ok(AbstractConstants {

@@ -5,7 +5,7 @@ use super::{Setup, SetupError, elasticity, memory_tensor};
 use crate::contact::TraceMass;
 use crate::formula::{Node, Point};
 use crate::law::TensorField;
-use crate::vhi::StepBounds;
+use crate::vhi::{StepBounds, monotonicity};
 
 /// Constants that the step-size bound and the smallness condition need.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,7 +119,7 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
         alpha_nu,
         c_j_squared,
         c_j_squared_bound: proved_bound(setup),
-        m0: m_elastic - alpha_nu * c_j_squared,
+        m0: monotonicity(m_elastic, alpha_nu * c_j_squared),
         lipschitz_kappa,
         root_area,
         yielding,

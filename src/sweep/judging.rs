@@ -3,10 +3,11 @@
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
 use crate::leading_error::{Case, Measured, NoConstant, leading_errors};
 use crate::record::{CaseRecord, Key};
-use crate::scene::{Direction, Expectation, Prediction, Scene};
+use crate::scene::{Data, Direction, Expectation, Hypothesis, LoadForm, Prediction, Scene};
 use crate::setup::Subject;
 use crate::verdict::{
-    self, Expect, Foreseen, ForeseenConstant, LeadingLine, LeadingPoint, Variable, Verdict,
+    self, Expect, FloorSource, Foreseen, ForeseenConstant, LeadingLine, LeadingPoint, Variable,
+    Verdict,
 };
 
 /// The verdicts of a scene; none if it is not judged. `foreseen` holds what is known beforehand of constants, of this
@@ -116,8 +117,19 @@ fn foreseen(subject: &Subject, written: &Prediction, cases: &[Case]) -> Foreseen
                 })
                 .collect(),
             limit: leading.limit,
-            tolerance: leading.tolerance,
+            tolerance: written.constant_within.unwrap_or(leading.tolerance),
         }),
+    }
+}
+
+/// What the floors of a scene's errors come from: nothing is integrated of what is exact in V^h or in ℝ^m, and a
+/// reference run is no better than its own error.
+fn floor_source(scene: &Scene) -> FloorSource {
+    match scene.as_contact().map(|body| &body.data) {
+        None | Some(Data::Exact { interpolated: true, .. }) => FloorSource::Solver,
+        Some(Data::Exact { form: LoadForm::Strong, .. }) => FloorSource::LoadQuadrature,
+        Some(Data::Exact { .. }) => FloorSource::Quadrature,
+        Some(_) => FloorSource::Reference,
     }
 }
 
@@ -138,5 +150,9 @@ fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
         why: written.why.clone(),
         window_n: pair(written.window_n.or(scene.window_n)),
         window_steps: pair(written.window_steps.or(scene.window_steps)),
+        floor: floor_source(scene),
+        unique: ![Hypothesis::Smallness, Hypothesis::StepSize]
+            .iter()
+            .any(|hypothesis| scene.violates.contains(hypothesis)),
     }
 }

@@ -3,6 +3,7 @@
 //! A factor in an error that no theorem predicts moves no order; against its recorded value it shows.
 
 mod compare;
+mod owed;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,6 +11,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 pub use compare::{Comparison, Deviation, Kind, Run, compare_with_baseline};
+pub use owed::{Owed, Owing, compare_owed};
 
 use crate::record::{CaseRecord, NormError, replace_file};
 
@@ -54,6 +56,9 @@ pub struct Baseline {
 pub struct Recorded {
     /// Hash of the scene file that was run.
     pub hash: String,
+    /// The verdicts that a run on its own grids has to judge; none where a baseline does not say it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub owes: Option<Vec<Owed>>,
     /// Its cases, by n and steps.
     pub cases: Vec<RecordedCase>,
 }
@@ -84,7 +89,8 @@ pub struct RecordedCase {
 }
 
 impl Baseline {
-    /// The baseline of a run: `hashes` are the scenes with the hashes of their files.
+    /// The baseline of a run: `hashes` are the scenes with the hashes of their files. [`Baseline::owing`] adds what they
+    /// owe.
     pub fn of(records: &[CaseRecord], hashes: &[(&str, &str)]) -> Self {
         let cases = |scene: &str| -> Vec<RecordedCase> {
             let mut own: Vec<&CaseRecord> =
@@ -93,7 +99,7 @@ impl Baseline {
             own.into_iter().map(RecordedCase::of).collect()
         };
         let scenes = hashes.iter().map(|&(name, hash)| {
-            (name.to_owned(), Recorded { hash: hash.to_owned(), cases: cases(name) })
+            (name.to_owned(), Recorded { hash: hash.to_owned(), owes: None, cases: cases(name) })
         });
         Self { scenes: scenes.collect() }
     }
@@ -126,7 +132,14 @@ impl Baseline {
             let lines = lines.map_err(json)?.join(",\n");
             let name = serde_json::to_string(name).map_err(json)?;
             let hash = serde_json::to_string(&recorded.hash).map_err(json)?;
-            scenes.push(format!("{name}: {{\"hash\": {hash}, \"cases\": [\n{lines}\n]}}"));
+            let owes = match &recorded.owes {
+                None => String::new(),
+                Some(owes) => {
+                    format!("\"owes\": {}, ", serde_json::to_string(owes).map_err(json)?)
+                }
+            };
+            let heading = format!("{name}: {{\"hash\": {hash}, {owes}\"cases\": [");
+            scenes.push(format!("{heading}\n{lines}\n]}}"));
         }
         let text = format!("{{\"scenes\": {{\n{}\n}}}}\n", scenes.join(",\n"));
         replace_file(path, text.as_bytes())
@@ -191,6 +204,7 @@ fn changes_of_scene(name: &str, old: &Recorded, new: &Recorded) -> Vec<String> {
     if old.hash != new.hash {
         lines.push(format!("{name}: the scene file changed"));
     }
+    lines.extend(owed::changes_of_owed(name, old, new));
     let find = |cases: &[RecordedCase], like: &RecordedCase| {
         cases.iter().find(|case| (case.n, case.steps) == (like.n, like.steps)).cloned()
     };

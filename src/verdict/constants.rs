@@ -105,7 +105,8 @@ pub(super) fn compare_constant(
         ..fitted
     };
     let previous = pairs.len().checked_sub(2).map(|at| pairs[at].1);
-    let (decision, sentence) = decide(ratio, previous, line.tolerance, direction);
+    let (decision, sentence) =
+        decide(ratio, previous, line.tolerance, direction, prediction.unique);
     Some(Comparison { constant, decision, sentence })
 }
 
@@ -116,24 +117,38 @@ fn decide(
     previous: Option<f64>,
     tolerance: f64,
     direction: Direction,
+    unique: bool,
 ) -> (Decision, String) {
     let (name, cause, cure) = match direction {
         Direction::Space => ("C_h", "h, a load, a rule or a norm", "more cells n"),
         Direction::Time => ("C_k", "k, a weight or the kernel", "more steps"),
     };
-    let sentence = format!("{name} is {ratio:.4} times the predicted one");
-    let percent = 100.0 * tolerance;
+    // As many digits as tell it from one.
+    let digits = if (ratio - 1.0).abs() < 2e-3 { 6 } else { 4 };
+    let sentence = format!("{name} is {ratio:.digits$} times the predicted one");
+    let percent = percent(tolerance);
     let off = ratio.ln();
     let drift = previous.map_or(0.0, |previous| 2.0 * (off - previous.ln()).abs());
     if (ratio - 1.0).abs() <= tolerance {
         (Decision::Pass, sentence)
     } else if off.abs() - drift <= tolerance.ln_1p() && off.is_finite() {
-        let open = format!("beyond {percent:.0} % and still drifting: {cure} would tell");
+        let open = format!("beyond {percent} % and still drifting: {cure} would tell");
         (Decision::Unresolved, format!("{sentence}, {open}"))
     } else {
-        let missed = format!("beyond {percent:.0} %: {cause} is off by a factor");
+        let missed = match unique {
+            true => format!("beyond {percent} %: {cause} is off by a factor"),
+            // Of several solutions each is right, and has an error of its own.
+            false => format!(
+                "beyond {percent} %: uniqueness is not guaranteed, (2.9) or (3.4) is violated, and another solution may have been followed; else {cause} is off by a factor"
+            ),
+        };
         (Decision::Fail, format!("{sentence}, {missed}"))
     }
+}
+
+/// A share in percent with the digits that it has: 3, 0.5, 0.01.
+fn percent(share: f64) -> f64 {
+    format!("{:.1e}", 100.0 * share).parse().unwrap_or(100.0 * share)
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::compare::{Aim, compare};
-use super::judge::{Finding, pair};
+use super::judge::{Finding, HIGHER_ORDER, clearly_above, pair};
 use super::next::{NextCase, next_case};
 use super::selection::Selection;
 use super::{Constant, Decision, Prediction};
@@ -27,17 +27,18 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
     let space = compare(best.order_h.interval, Aim { order, at_least, exact });
     let time = compare(best.order_k.interval, Aim { order: order_k, at_least, exact });
     let decision = space.0.and(time.0);
-    let open = |direction, (decision, _): &(Decision, String)| match decision {
-        Decision::Unresolved => next_case(selection, direction, prediction).cases,
-        Decision::Pass | Decision::Fail => Vec::new(),
+    let of = |direction, found, interval, order| Part {
+        direction,
+        found,
+        too_high: clearly_above(interval, order),
     };
-    let next = [open(Direction::Space, &space), open(Direction::Time, &time)].concat();
-    let reason = format!(
-        "{}; {}; residual {}",
-        sentence("h", &space, selection, Direction::Space, prediction),
-        sentence("k", &time, selection, Direction::Time, prediction),
-        residuals(&best, fits.other.as_ref()),
-    );
+    let parts = [
+        of(Direction::Space, space, best.order_h.interval, order),
+        of(Direction::Time, time, best.order_k.interval, order_k),
+    ];
+    let next = parts.iter().flat_map(|part| part.next(selection, prediction)).collect();
+    let [in_h, in_k] = parts.each_ref().map(|part| part.sentence(selection, prediction));
+    let reason = format!("{in_h}; {in_k}; residual {}", residuals(&best, fits.other.as_ref()));
     Finding {
         orders: Some((best.order_h.value, best.order_h.interval)),
         orders_k: Some((best.order_k.value, best.order_k.interval)),
@@ -55,19 +56,39 @@ fn in_both(selection: &Selection, prediction: &Prediction) -> Vec<NextCase> {
     [cases(Direction::Space), cases(Direction::Time)].concat()
 }
 
-fn sentence(
-    name: &str,
-    (decision, text): &(Decision, String),
-    selection: &Selection,
+/// What was found of the order in one direction.
+struct Part {
     direction: Direction,
-    prediction: &Prediction,
-) -> String {
-    match decision {
-        Decision::Unresolved => {
-            let next = next_case(selection, direction, prediction).text;
-            format!("in {name}: {text}: {next}")
+    found: (Decision, String),
+    /// The order is settled above the prediction.
+    too_high: bool,
+}
+
+impl Part {
+    /// The cases that would help.
+    fn next(&self, selection: &Selection, prediction: &Prediction) -> Vec<NextCase> {
+        match self.found.0 {
+            Decision::Unresolved if !self.too_high => {
+                next_case(selection, self.direction, prediction).cases
+            }
+            _ => Vec::new(),
         }
-        _ => format!("in {name}: {text}"),
+    }
+
+    fn sentence(&self, selection: &Selection, prediction: &Prediction) -> String {
+        let name = match self.direction {
+            Direction::Space => "h",
+            Direction::Time => "k",
+        };
+        let text = &self.found.1;
+        match self.found.0 {
+            Decision::Unresolved if self.too_high => format!("in {name}: {text}: {HIGHER_ORDER}"),
+            Decision::Unresolved => {
+                let next = next_case(selection, self.direction, prediction).text;
+                format!("in {name}: {text}: {next}")
+            }
+            _ => format!("in {name}: {text}"),
+        }
     }
 }
 

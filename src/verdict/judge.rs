@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::compare::{Aim, WIDEST_HALF_WIDTH, compare};
+use super::compare::{Aim, CLEAR_MISS, WIDEST_HALF_WIDTH, compare};
 use super::constants::{Comparison, Foreseen, LeadingLine, compare_constant};
 use super::joint::judge_grid;
 use super::next::{NextCase, next_case};
@@ -166,7 +166,10 @@ fn judge_line(
         constants: constants(&samples, prediction, direction),
         decision,
         reason,
-        next: if decision == Decision::Unresolved { next.cases } else { Vec::new() },
+        next: match decision {
+            Decision::Unresolved if !clearly_above(found.interval, prediction.order) => next.cases,
+            _ => Vec::new(),
+        },
     }
 }
 
@@ -177,6 +180,10 @@ fn decide(found: &OrderInterval, prediction: &Prediction, next: &str) -> (Decisi
     let (decision, sentence) = compare(found.interval, Aim { order, at_least, exact });
     if decision != Decision::Unresolved {
         return (decision, sentence);
+    }
+    if clearly_above(found.interval, order) {
+        // No mesh makes a settled order smaller.
+        return (decision, format!("{sentence}: {HIGHER_ORDER}"));
     }
     let wide = found.interval.half_width() > WIDEST_HALF_WIDTH;
     let part = if wide { format!(", from {}", found.widest_part()) } else { String::new() };
@@ -191,6 +198,14 @@ pub(super) fn correction(prediction: &Prediction, direction: Direction) -> Corre
     } else {
         Correction::Linear
     }
+}
+
+/// What to do about an order that is settled above the prediction.
+pub(super) const HIGHER_ORDER: &str = "finer cases would not lower it; state the higher order with its theorem, at_least = true where the theory gives a bound, or choose a solution that excites the term";
+
+/// An order too high that is known as well as an order has to be.
+pub(super) fn clearly_above(interval: Interval, order: f64) -> bool {
+    interval.lo - order > CLEAR_MISS && interval.half_width() <= WIDEST_HALF_WIDTH
 }
 
 fn constant_name(direction: Direction) -> &'static str {

@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 use crate::record::{CaseRecord, Status};
 
 pub use baseline::{
-    Baseline, BaselineError, Comparison, Deviation, Kind, Recorded, RecordedCase, Run,
-    compare_with_baseline,
+    Baseline, BaselineError, Comparison, Deviation, Kind, Owed, Owing, Recorded, RecordedCase, Run,
+    compare_owed, compare_with_baseline,
 };
 pub use compare::{Aim, compare};
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
@@ -57,6 +57,43 @@ impl Variable {
     }
 }
 
+/// What most of the floor of an error comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FloorSource {
+    /// Nothing is known: a table of numbers.
+    #[default]
+    Unknown,
+    /// The tolerance of the solver, and rounding.
+    Solver,
+    /// The quadrature of loads and errors.
+    Quadrature,
+    /// The quadrature of f0 and f2, given or derived pointwise.
+    LoadQuadrature,
+    /// The error of the reference run.
+    Reference,
+}
+
+impl FloorSource {
+    /// How a floor from there is lowered.
+    pub(crate) fn remedy(self) -> &'static str {
+        match self {
+            Self::Unknown => {
+                "lower the floor: a tighter solver tolerance, a stronger quadrature of loads and errors or a finer reference"
+            }
+            Self::Solver => "lower the floor: it is the solver's, a tighter tolerance",
+            Self::Quadrature => {
+                "lower the floor: it is the quadrature of loads and errors, where a kink cuts cells; `sweep floors` measures its parts"
+            }
+            Self::LoadQuadrature => {
+                "lower the floor: it is the load quadrature of form = \"strong\", where f0 or a traction jumps inside cells; leave form out for loads in weak form; `sweep floors` measures its parts"
+            }
+            Self::Reference => {
+                "lower the floor: it is the error of the reference run, a finer one in [sweep] reference"
+            }
+        }
+    }
+}
+
 /// An order that the theory predicts for a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Prediction {
@@ -78,6 +115,10 @@ pub struct Prediction {
     pub window_n: Option<[u32; 2]>,
     /// First and last number of steps to be judged.
     pub window_steps: Option<[u32; 2]>,
+    /// What the floor of an error comes from, for advice.
+    pub floor: FloorSource,
+    /// The data have one solution that a run must find; else another one of them may have been followed.
+    pub unique: bool,
 }
 
 impl Prediction {
@@ -95,6 +136,8 @@ impl Prediction {
             why: String::new(),
             window_n: None,
             window_steps: None,
+            floor: FloorSource::Unknown,
+            unique: true,
         }
     }
 }

@@ -36,13 +36,13 @@ pub(super) fn next_case(
     let lost = finest_is_below_floor(selection, direction);
     let levels = levels(selection.used.iter(), direction);
     let (wanted, text) = match (&levels[..], lost) {
-        ([], true) => (Vec::new(), "lower the floor: a tighter solver tolerance".to_owned()),
+        ([], true) => (Vec::new(), prediction.floor.remedy().to_owned()),
         ([], false) => (Vec::new(), format!("run three values of {name}")),
         ([first, ..], true) => match coarser(first.0, levels.get(1).map(|level| level.0)) {
             Some(level) => {
                 (vec![level], format!("run {name} = {level}: finer ones are below floor"))
             }
-            None => (Vec::new(), "lower the floor: a tighter solver tolerance".to_owned()),
+            None => (Vec::new(), prediction.floor.remedy().to_owned()),
         },
         ([.., previous, last], false) => {
             let level = finer(*previous, *last);
@@ -212,10 +212,7 @@ mod tests {
         assert_eq!(part, "run n = 32");
         let whole = text(&[(8, 4), (16, 4)], &[(32, 4)]);
         assert_eq!(whole, "run n = 4: finer ones are below floor");
-        assert_eq!(
-            text(&[(1, 4), (2, 4)], &[(4, 4)]),
-            "lower the floor: a tighter solver tolerance"
-        );
+        assert_eq!(text(&[(1, 4), (2, 4)], &[(4, 4)]), predict(Variable::H).floor.remedy());
         assert_eq!(text(&[], &[]), "run three values of n");
     }
 }

@@ -23,5 +23,5 @@ pub use history_inequality::{FailedStep, HistoryInequality};
 pub use newton::{Newton, Scratch, StepError, StepInfo};
 pub use polished::Polished;
 pub use step::{StepInequality, StepState};
-pub use step_bounds::{StepBounds, StepPlace};
+pub use step_bounds::{StepBounds, StepPlace, monotonicity};
 pub use stepper::{StepSolver, Stepper};

@@ -22,20 +22,35 @@ pub struct StepBounds {
     pub destabilizing: f64,
 }
 
+/// The eigenvalue, the slopes and the trace constant of (2.9) are each known to a few units of rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// m0 = m_A - `taken` of (2.9), with `taken` = α_φ + α_j c_j². Zero where the difference is no more than rounding of its
+/// terms: 1e-16 is no stress that a bound could be divided by.
+pub fn monotonicity(m_a: f64, taken: f64) -> f64 {
+    let m0 = m_a - taken;
+    if m0.abs() <= ROUNDING * m_a.abs().max(taken.abs()) { 0.0 } else { m0 }
+}
+
 impl StepBounds {
-    /// The bound (3.15) of the contraction factor of Λ, with the norms of the paper.
+    /// The bound (3.15) of the contraction factor of Λ, with the norms of the paper. Like the other two it is infinite
+    /// where m0 ≤ 0: then nothing bounds the factor.
     pub fn paper_factor(&self, k: f64) -> f64 {
-        k * self.beta_phi * self.paper_lipschitz / self.m0
+        self.over_m0(k * self.beta_phi * self.paper_lipschitz)
     }
 
     /// The bound (3.15) of the contraction factor of Λ, with operator norms.
     pub fn factor(&self, k: f64) -> f64 {
-        k * self.beta_phi * self.lipschitz / self.m0
+        self.over_m0(k * self.beta_phi * self.lipschitz)
     }
 
     /// The sharpened bound of the contraction factor of Λ.
     pub fn sharpened_factor(&self, k: f64) -> f64 {
-        0.5 * k * self.last_slot / self.m0
+        self.over_m0(0.5 * k * self.last_slot)
+    }
+
+    fn over_m0(&self, size: f64) -> f64 {
+        if self.m0 <= 0.0 { f64::INFINITY } else { size / self.m0 }
     }
 
     /// (3.4) with the norms of the paper: k below this.

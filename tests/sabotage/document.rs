@@ -157,6 +157,7 @@ under the predicted order that is farthest from one, over all verdicts.
   the displacements shown. **Gronwall**: e_n above the weighted envelope. **bound**: ‖DΛ‖ above the sharpened bound.
   **check**: weak and strong loads differ (`sweep check`).
 - **tables**: a table of errors with a verdict that is known beforehand is misjudged (tests/sabotage/tables.rs).
+- **owed**: a verdict or a compared constant that the sound run has is not there, or another one is.
 - **fixtures**: values of an independent implementation (tests/fixtures). **baseline**: errors of the sound run, to 1e-6,
   and its work.
 

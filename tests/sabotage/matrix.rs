@@ -1,7 +1,9 @@
 //! Every defect against every gate.
 
 use gronwall::record::{CaseRecord, Status};
-use gronwall::verdict::{Baseline, Decision, Expect, Verdict, compare_with_baseline};
+use gronwall::verdict::{
+    Baseline, Comparison, Decision, Expect, Verdict, compare_owed, compare_with_baseline,
+};
 
 use crate::catalogue::{Defect, Term};
 use crate::suite::{Outcome, Trial};
@@ -21,12 +23,13 @@ pub enum Gate {
     Bound,
     Check,
     Tables,
+    Owed,
     Fixtures,
     Baseline,
 }
 
 impl Gate {
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Orders,
         Self::Constants,
         Self::Complete,
@@ -37,6 +40,7 @@ impl Gate {
         Self::Bound,
         Self::Check,
         Self::Tables,
+        Self::Owed,
         Self::Fixtures,
         Self::Baseline,
     ];
@@ -54,12 +58,13 @@ impl Gate {
             Self::Bound => "bound",
             Self::Check => "check",
             Self::Tables => "tables",
+            Self::Owed => "owed",
             Self::Fixtures => "fixtures",
             Self::Baseline => "baseline",
         }
     }
 
-    /// Whether it needs no number from an earlier run or another program.
+    /// Whether it needs no number from an earlier run or another program. What is owed is a list of names.
     pub fn is_of_theory(self) -> bool {
         !matches!(self, Self::Fixtures | Self::Baseline)
     }
@@ -193,6 +198,7 @@ struct Found {
     constants: Option<String>,
     complete: Option<String>,
     kkt: Option<String>,
+    owed: Option<String>,
     baseline: Option<String>,
     errors_differ: bool,
     work_differs: bool,
@@ -227,6 +233,9 @@ impl Found {
                 note(&mut self.kkt, reason.clone());
             }
         }
+        if let Some(what) = left_owing(trial, &outcome.with_constants, &sound.with_constants) {
+            note(&mut self.owed, what);
+        }
         if let Some(what) = off_baseline(trial, &outcome.records, &sound.records) {
             note(&mut self.baseline, what);
         }
@@ -247,6 +256,7 @@ impl Found {
             (Gate::Constants, &self.constants),
             (Gate::Complete, &self.complete),
             (Gate::Kkt, &self.kkt),
+            (Gate::Owed, &self.owed),
             (Gate::Baseline, &self.baseline),
         ] {
             line.caught.extend(what.clone().map(|what| (gate, what)));
@@ -326,6 +336,19 @@ fn off_baseline(trial: &Trial, own: &[CaseRecord], sound: &[CaseRecord]) -> Opti
     let run = trial.as_run();
     let baseline = Baseline::of(sound, &[(&run.scene, &run.hash)]);
     let found = compare_with_baseline(&baseline, std::slice::from_ref(&run), own);
+    found.deviations.first().map(|deviation| deviation.reason.clone())
+}
+
+/// The first verdict or constant of the sound run that this one leaves owing.
+fn left_owing(trial: &Trial, own: &[Verdict], sound: &[Verdict]) -> Option<String> {
+    let run = trial.as_run();
+    let baseline = Baseline::of(&[], &[(&run.scene, &run.hash)]).owing(sound);
+    let mut found = Comparison::default();
+    // A case that is missing is caught as such; its verdict has no constant.
+    let complete = own.iter().all(|verdict| verdict.complete);
+    if complete {
+        compare_owed(&baseline, std::slice::from_ref(&run), own, &mut found);
+    }
     found.deviations.first().map(|deviation| deviation.reason.clone())
 }
 

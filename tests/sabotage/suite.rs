@@ -175,7 +175,7 @@ impl Trial {
         let (read, keys) = (defect.before)((records.clone(), self.keys.clone()));
         let judged = |foreseen: &[ForeseenConstant]| {
             let verdicts = judge_scene(&self.scene, &read, &keys, foreseen);
-            verdicts.into_iter().map(defect.after).collect()
+            (defect.all)(verdicts.into_iter().map(defect.after).collect())
         };
         Outcome { verdicts: judged(&[]), with_constants: judged(&self.foreseen), records }
     }

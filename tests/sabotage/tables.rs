@@ -2,7 +2,10 @@
 //! gaps. Errors are formulas; nothing is recorded.
 
 use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
-use gronwall::verdict::{Decision, Expect, Prediction, Variable, Verdict, judge};
+use gronwall::verdict::{
+    Decision, Expect, Foreseen, LeadingLine, LeadingPoint, Prediction, Variable, Verdict,
+    judge_foreseen,
+};
 
 use crate::catalogue::Defect;
 
@@ -15,6 +18,8 @@ struct Table {
     order: f64,
     exact: bool,
     allowed: &'static [Decision],
+    /// The constant that is known beforehand, to 1 %.
+    constant: Option<f64>,
     /// What becomes of the records.
     spoil: fn(&mut Vec<CaseRecord>),
 }
@@ -42,6 +47,7 @@ fn tables() -> Vec<Table> {
         order,
         exact: false,
         allowed,
+        constant: None,
         spoil: |_| (),
     };
     vec![
@@ -64,6 +70,18 @@ fn tables() -> Vec<Table> {
             NOT_PASSED,
         ),
         table("h with 20 % scatter", ratio(5, 2.0), |i, h| h * (1.0 + 0.2 * scatter(i)), 1.0, OPEN),
+        Table {
+            constant: Some(3.0),
+            ..table("3.01 h where 3 h is known", ratio(5, 2.0), |_, h| 3.01 * h, 1.0, PASSED)
+        },
+        Table {
+            constant: Some(3.0),
+            ..table("3.1 h where 3 h is known", ratio(5, 2.0), |_, h| 3.1 * h, 1.0, FAILED)
+        },
+        Table {
+            constant: Some(3.0),
+            ..table("2.9 h where 3 h is known", ratio(5, 2.0), |_, h| 2.9 * h, 1.0, FAILED)
+        },
         table("h, two points", ratio(2, 2.0), |_, h| h, 1.0, OPEN),
         table("h^2 above a floor", ratio(6, 8.0), |_, h| (h * h).max(FLOOR), 2.0, PASSED),
         Table {
@@ -101,7 +119,7 @@ impl Table {
                 error: Some((self.error)(i, h)),
                 floor: Some(FLOOR),
             }],
-            ..CaseRecord::without_work("table", Some(n), 1, 1.0)
+            ..CaseRecord::without_work(self.name, Some(n), 1, 1.0)
         };
         self.steps.iter().enumerate().map(record).collect()
     }
@@ -116,14 +134,34 @@ impl Table {
             why: "the formula of the table".into(),
             ..Prediction::new(V_MAX, Variable::H, self.order)
         };
-        (defect.after)(judge("table", &records, &keys, &prediction, Expect::Pass))
+        let foreseen = self.constant.map(|constant| Foreseen::Leading(self.leading(constant)));
+        let known = foreseen.as_ref();
+        let verdict = judge_foreseen(self.name, &records, &keys, &prediction, known, Expect::Pass);
+        (defect.after)(verdict)
+    }
+
+    /// Leading errors `constant` h^order.
+    fn leading(&self, constant: f64) -> LeadingLine {
+        let point = |&(n, h): &(u32, f64)| LeadingPoint {
+            n: Some(n),
+            steps: 1,
+            h: Some(h),
+            k: 1.0,
+            error: constant * h.powf(self.order),
+        };
+        LeadingLine { points: self.steps.iter().map(point).collect(), limit: None, tolerance: 0.01 }
     }
 }
 
-/// The first table that the judge of a defect gets wrong.
+/// The first table that the judge of a defect gets wrong, or loses, when it judges all of them as one run.
 pub fn misjudged(defect: &Defect) -> Option<String> {
-    tables().iter().find_map(|table| {
-        let verdict = table.judged(defect);
+    let tables = tables();
+    let verdicts: Vec<Verdict> = tables.iter().map(|table| table.judged(defect)).collect();
+    let verdicts = (defect.all)(verdicts);
+    tables.iter().find_map(|table| {
+        let Some(verdict) = verdicts.iter().find(|verdict| verdict.scene == table.name) else {
+            return Some(format!("{}: no verdict", table.name));
+        };
         let wrong = !table.allowed.contains(&verdict.decision);
         wrong
             .then(|| format!("{}: {}, {:?}", table.name, verdict.decision.name(), verdict.interval))

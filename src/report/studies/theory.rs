@@ -53,6 +53,9 @@ pub struct Thresholds {
     pub radius_one: Option<[Number; 2]>,
     pub loss: Option<[Number; 2]>,
     pub loss_reason: Option<String>,
+    /// Why no solution was followed in k, where none was.
+    #[serde(default)]
+    pub not_followed: Option<String>,
 }
 
 /// A level of the run.
@@ -178,6 +181,9 @@ pub struct Audit {
     pub lines: Vec<Line>,
     pub cases: Vec<Case>,
     pub violations: Vec<String>,
+    /// Lines without a defined constant.
+    #[serde(default)]
+    pub undefined: Vec<String>,
 }
 
 /// A line of the proof over all runs.

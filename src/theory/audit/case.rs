@@ -7,7 +7,7 @@ use super::fields::Fields;
 use super::in_space::InSpaceFields;
 use super::law::ClarkeLaw;
 use super::level::{Case, Levels};
-use super::lines::{Line, Relation, Statement, lines};
+use super::lines::{Line, Relation, Standing, Statement, lines};
 use super::pointwise::Material;
 use super::smooth::SmoothFields;
 use crate::contact::{CaseError, Discretization, LoadError, StepView};
@@ -91,6 +91,8 @@ pub struct Row {
     pub rounding: f64,
     /// The level at which it fails worst.
     pub violation: Option<Violation>,
+    /// Its bound is not defined at some level.
+    pub undefined: bool,
 }
 
 /// An audited run.
@@ -198,6 +200,16 @@ impl Row {
             accuracy: 0.0,
             rounding: 0.0,
             violation: None,
+            undefined: false,
+        }
+    }
+
+    /// Over all levels; a violation is the worst that there is.
+    pub fn standing(&self) -> Standing {
+        match (self.violation, self.undefined) {
+            (Some(_), _) => Standing::Violated,
+            (None, true) => Standing::Undefined,
+            (None, false) => Standing::Holds,
         }
     }
 
@@ -215,6 +227,7 @@ impl Row {
         if let Some(own) = own {
             self.ratio = Some(self.ratio.map_or(own, |ratio| larger(ratio, own)));
         }
+        self.undefined |= line.standing() == Standing::Undefined;
         let Line { left, right, accuracy, .. } = *line;
         let excess = |v: &Violation| match line.relation {
             Relation::AtMost => v.left - v.right - v.accuracy,
@@ -226,7 +239,7 @@ impl Row {
             let (known, here) = (excess(known), excess(&here));
             !known.is_nan() && (here.is_nan() || here > known)
         };
-        if !line.holds() && self.violation.as_ref().is_none_or(worse) {
+        if line.standing() == Standing::Violated && self.violation.as_ref().is_none_or(worse) {
             self.violation = Some(here);
         }
     }

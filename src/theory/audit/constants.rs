@@ -3,6 +3,7 @@
 use super::law::ClarkeLaw;
 use crate::scene::Face;
 use crate::setup::{Setup, SetupError, constants};
+use crate::vhi::monotonicity;
 
 /// Constants of the proofs of Theorems 10 and 11 for one scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,7 +58,7 @@ impl AuditConstants {
 
     /// m0 of (2.9).
     pub fn m0(&self) -> f64 {
-        self.m_a - self.alpha_phi - self.alpha_j * self.c_j_squared
+        monotonicity(self.m_a, self.alpha_phi + self.alpha_j * self.c_j_squared)
     }
 }
 

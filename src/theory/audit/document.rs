@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use super::case::{CaseAudit, Row};
-use super::lines::Relation;
+use super::lines::{Relation, Standing};
 use super::scene::{SceneAudit, Summary};
 use crate::contact::BoundaryRule;
 use crate::report::{Axis, Chart, Mark, Part, ReportError, Scale, Series};
@@ -72,6 +72,7 @@ impl SceneAudit {
             "lines": summaries.iter().map(summary).collect::<Vec<_>>(),
             "cases": self.cases.iter().map(case).collect::<Vec<_>>(),
             "violations": self.violations(),
+            "undefined": self.undefined(),
         })
     }
 
@@ -101,6 +102,21 @@ impl SceneAudit {
         .collect()
     }
 
+    /// One sentence a line whose bound is not defined.
+    pub fn undefined(&self) -> Vec<String> {
+        let m0 = self.constants.m0();
+        let why = match m0 <= 0.0 {
+            true => format!("m0 = {m0:.4} is not positive, (2.9) is violated"),
+            false => "a constant in it is infinite".to_owned(),
+        };
+        let summaries = self.summaries();
+        let undefined = summaries.iter().filter(|summary| summary.standing == Standing::Undefined);
+        let sentence = |summary: &Summary| {
+            format!("{} has no defined constant: {why}", summary.statement.name)
+        };
+        undefined.map(sentence).collect()
+    }
+
     /// `SCENE-audit.csv`.
     ///
     /// # Errors
@@ -122,10 +138,13 @@ impl SceneAudit {
                     row.statement.says.to_owned(),
                     relation(row.relation).to_owned(),
                     format!("{:e}", row.left),
-                    format!("{:e}", row.right),
+                    match row.standing() {
+                        Standing::Undefined => String::new(),
+                        _ => format!("{:e}", row.right),
+                    },
                     row.ratio.map_or(String::new(), |ratio| format!("{ratio:e}")),
                     format!("{:e}", row.accuracy),
-                    worst.is_none().to_string(),
+                    (row.standing() == Standing::Holds).to_string(),
                     worst.map_or(String::new(), |v| v.level.to_string()),
                     worst.map_or(String::new(), |v| {
                         format!("{:e}", excess(row.relation, v.left, v.right))
@@ -195,7 +214,8 @@ fn summary(summary: &Summary) -> Value {
         "ratio": summary.ratio,
         "power_h": summary.power_h,
         "power_k": summary.power_k,
-        "holds": summary.violation.is_none(),
+        "holds": summary.standing == Standing::Holds,
+        "defined": summary.standing != Standing::Undefined,
     })
 }
 
@@ -213,6 +233,6 @@ fn row(row: &Row) -> Value {
         "right": row.right,
         "ratio": row.ratio,
         "accuracy": row.accuracy,
-        "holds": row.violation.is_none(),
+        "holds": row.standing() == Standing::Holds,
     })
 }

@@ -23,6 +23,17 @@ pub enum Relation {
     Equal,
 }
 
+/// How a line stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Standing {
+    /// It holds to its accuracy.
+    Holds,
+    /// It does not, or a side is no number.
+    Violated,
+    /// Its bound is infinite: the constant in it is not defined, so it says nothing.
+    Undefined,
+}
+
 /// A line of a proof.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Statement {
@@ -50,17 +61,24 @@ pub struct Line {
 }
 
 impl Line {
-    /// True if the line holds to its accuracy; never with a NaN.
-    pub fn holds(&self) -> bool {
+    /// Whether the line holds to its accuracy; never with a NaN, nor because its bound is infinite.
+    pub fn standing(&self) -> Standing {
+        if self.relation == Relation::AtMost && self.right == f64::INFINITY {
+            return Standing::Undefined;
+        }
         let excess = match self.relation {
             Relation::AtMost => self.left - self.right,
             Relation::Equal => (self.left - self.right).abs(),
         };
-        excess <= self.accuracy
+        if excess <= self.accuracy { Standing::Holds } else { Standing::Violated }
     }
 
-    /// left/right; `None` where both sides are below the accuracy and the ratio would be noise.
+    /// left/right; `None` where both sides are below the accuracy and the ratio would be noise, and where the bound is not
+    /// defined.
     pub fn ratio(&self) -> Option<f64> {
+        if self.standing() == Standing::Undefined {
+            return None;
+        }
         let seen = self.left.abs().max(self.right.abs()) > self.accuracy;
         (seen || self.left.is_nan() || self.right.is_nan()).then_some(self.left / self.right)
     }
@@ -250,7 +268,7 @@ impl AuditConstants {
 
     /// (4.18) solved for e = ‖u - u^{kh}‖: m0 e² ≤ b e + c gives e ≤ b/m0 + √(c/m0), where
     /// b = β_φ Y + (α_φ + L_A) d and c = β_φ Y d + C_j δ + |E_n|, and √(β_φ Y d/m0) ≤ (β_φ Y/m0 + d)/2.
-    /// Infinite where m0 ≤ 0: then the proof says nothing.
+    /// Infinite where m0 ≤ 0: then the proof says nothing, see [`Standing::Undefined`].
     fn bound(&self, level: &Level, history: f64, residual: f64) -> f64 {
         let m0 = self.m0();
         if m0 <= 0.0 {

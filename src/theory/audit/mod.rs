@@ -28,6 +28,6 @@ mod strips;
 
 pub use case::{AuditError, Auditor, CaseAudit, Row, Violation, audit_case};
 pub use constants::AuditConstants;
-pub use lines::{Line, Relation, Statement};
+pub use lines::{Line, Relation, Standing, Statement};
 pub use memory::audit_runs;
 pub use scene::{SceneAudit, Summary};

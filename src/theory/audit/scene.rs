@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::case::{AuditError, CaseAudit, Row, Violation, audit_case};
 use super::constants::AuditConstants;
-use super::lines::{Relation, Statement};
+use super::lines::{Relation, Standing, Statement};
 use crate::contact::BoundaryRule;
 use crate::fit::{Sample, power_law};
 use crate::setup::{MeshData, Setup};
@@ -42,6 +42,8 @@ pub struct Summary {
     pub power_h: [Option<f64>; 2],
     /// Powers of k, at the smallest h.
     pub power_k: [Option<f64>; 2],
+    /// Over all runs.
+    pub standing: Standing,
     /// The first run that violates it, and how: n, h, N, k.
     pub violation: Option<(u32, f64, u32, f64, Violation)>,
 }
@@ -78,7 +80,8 @@ impl SceneAudit {
     /// True if every line holds in every run, and there is a run.
     pub fn holds(&self) -> bool {
         let rows = |case: &CaseAudit| {
-            !case.rows.is_empty() && case.rows.iter().all(|row| row.violation.is_none())
+            let holds = |row: &Row| row.standing() == Standing::Holds;
+            !case.rows.is_empty() && case.rows.iter().all(holds)
         };
         !self.cases.is_empty() && self.cases.iter().all(rows)
     }
@@ -111,7 +114,9 @@ impl SceneAudit {
                 .filter_map(|case| {
                     let row = own(case)?;
                     let (step, value) = (if along_h { case.h } else { case.k }, sides[i](&row));
-                    (value > SEEN * floors[i](&row)).then_some(Sample { step, error: value })
+                    // An undefined bound has no power.
+                    (value.is_finite() && value > SEEN * floors[i](&row))
+                        .then_some(Sample { step, error: value })
                 })
                 .collect();
             power_law(&samples).ok().map(|law| law.order)
@@ -120,6 +125,9 @@ impl SceneAudit {
             .cases
             .iter()
             .find_map(|case| Some((case.n, case.h, case.steps, case.k, own(case)?.violation?)));
+        let undefined = |case: &CaseAudit| {
+            case.rows.iter().any(|other| other.statement == row.statement && other.undefined)
+        };
         Summary {
             statement: row.statement,
             relation: row.relation,
@@ -128,6 +136,11 @@ impl SceneAudit {
             ratio,
             power_h: [power(true, 0), power(true, 1)],
             power_k: [power(false, 0), power(false, 1)],
+            standing: match violated {
+                Some(_) => Standing::Violated,
+                None if self.cases.iter().any(undefined) => Standing::Undefined,
+                None => Standing::Holds,
+            },
             violation: violated,
         }
     }

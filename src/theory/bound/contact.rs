@@ -28,11 +28,11 @@ pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<S
     let data = MeshData::new(setup, n, None)?;
     let linear = linear_loss(&data.space, &setup.model)?;
     let exact = linear.map_or(f64::INFINITY, |loss| loss.mesh);
-    let AtWorst { starts, rungs, thresholds } =
+    let AtWorst { starts, rungs, thresholds, not_followed } =
         at_level(setup, &data, steps, worst.level, |level, state| {
             run::at_worst(level, state, bounds, exact)
         })?;
-    Ok(Study { levels, worst, meshes, starts, rungs, thresholds, linear })
+    Ok(Study { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear })
 }
 
 /// The mesh n and its neighbours, as far as the domain has them.

@@ -33,14 +33,16 @@ impl Bound {
         let worst = run::worst(&levels, steps)?;
         let mut level = FiniteEvolution::new(&setup.model, &grid, &mut load)?;
         let state = run::run_to(&mut level, worst.level)?;
-        let AtWorst { starts, rungs, thresholds } =
+        let AtWorst { starts, rungs, thresholds, not_followed } =
             run::at_worst(&mut level, state, &limits, f64::INFINITY)?;
+        let (meshes, linear) = (Vec::new(), None);
         let study =
-            Study { levels, worst, meshes: Vec::new(), starts, rungs, thresholds, linear: None };
+            Study { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear };
         let samples = samples(&setup.model, &setup.constants);
         let mut violations = gate::violations(&limits, &study.rungs, &study.thresholds);
         violations.extend(super::sample_violations(&samples));
         violations.extend(super::start_violations(&limits, &study));
+        violations.extend(super::smallness_violation(&limits));
         Ok(Self {
             scene: setup.scene.name.clone(),
             n: None,

@@ -72,6 +72,7 @@ impl Bound {
         violations.extend(trace_violations(traces.as_ref(), &constants));
         violations.extend(sample_violations(&samples));
         violations.extend(start_violations(&limits, &study));
+        violations.extend(smallness_violation(&limits));
         Ok(Self {
             scene: setup.scene.name.clone(),
             n: Some(n),
@@ -139,6 +140,17 @@ fn sample_violations(samples: &[Sampled]) -> impl Iterator<Item = Violation> {
         what: format!("{}: needed <= declared", sample.what),
         left: sample.needed,
         right: sample.declared,
+    })
+}
+
+/// 0 < m0: everything that the bound says rests on it.
+fn smallness_violation(limits: &StepBounds) -> Option<Violation> {
+    let m0 = limits.m0;
+    (m0.is_nan() || m0 <= 0.0).then(|| Violation {
+        k: None,
+        what: "0 < m0, (2.9)".into(),
+        left: 0.0,
+        right: m0,
     })
 }
 

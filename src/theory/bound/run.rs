@@ -41,6 +41,8 @@ pub struct Study {
     pub rungs: Vec<Rung>,
     /// Where factors reach one and solvability ends.
     pub thresholds: Branch,
+    /// Why there are neither rungs nor thresholds, where there are none.
+    pub not_followed: Option<String>,
     /// Linear scenes: the exact loss.
     pub linear: Option<LinearLoss>,
 }
@@ -61,6 +63,8 @@ pub struct AtWorst {
     pub rungs: Vec<Rung>,
     /// Where factors reach one and solvability ends.
     pub thresholds: Branch,
+    /// Why there are neither rungs nor thresholds, where there are none.
+    pub not_followed: Option<String>,
 }
 
 /// The level with the largest factor.
@@ -83,15 +87,27 @@ pub fn at_worst<L: FrozenDerivative>(
     bounds: &StepBounds,
     exact: f64,
 ) -> Result<AtWorst, BoundError> {
-    let ks = step_sizes(bounds, exact);
     let starts = starts::random_starts(level, &state, MANY_STARTS);
+    if bounds.m0.is_nan() || bounds.m0 <= 0.0 {
+        let (rungs, thresholds) = (Vec::new(), Branch { norm: None, radius: None, loss: None });
+        let not_followed = Some(no_ladder(bounds.m0));
+        return Ok(AtWorst { starts, rungs, thresholds, not_followed });
+    }
+    let ks = step_sizes(bounds, exact);
     // Below the sharpened bound all factors are below one and the solution is unique.
     let sharpened = bounds.sharpened_limit();
     let from = if sharpened.is_finite() { SURE * sharpened } else { ks[0] };
     let thresholds = branch::follow(level, &state, from, ks[ks.len() - 1])?;
     let mut ladder = Ladder::new(level, *bounds, state);
     let rungs = ks.iter().map(|&k| ladder.rung(k)).collect::<Result<_, _>>()?;
-    Ok(AtWorst { starts, rungs, thresholds })
+    Ok(AtWorst { starts, rungs, thresholds, not_followed: None })
+}
+
+/// A ladder begins below (3.4), and no k is below it.
+fn no_ladder(m0: f64) -> String {
+    format!(
+        "m0 = {m0:.6} is not positive, (2.9) is violated: no k is known to have one solution, from which it could be followed"
+    )
 }
 
 /// A geometric ladder from a quarter of (3.4) to beyond all thresholds that are known beforehand,

@@ -6,6 +6,7 @@ use super::recurrence::{HistoryPart, KernelNorms};
 use crate::history::TimeGrid;
 use crate::scene;
 use crate::setup::{Setup, constants};
+use crate::vhi::monotonicity;
 
 /// Constants of one scene. Where they bound a measured difference, each is the value itself or an
 /// upper bound, except L_κ and sup ‖ℬ‖, which are sampled (exactly for affine κ and monotone kernels).
@@ -64,7 +65,7 @@ impl GronwallConstants {
         if found.alpha_nu > 0.0 && trace_bound.is_none() {
             return Err(GronwallError::NoTraceBound { scene: name() });
         }
-        let m0 = found.m_elastic - found.alpha_nu * trace_bound.unwrap_or(0.0);
+        let m0 = monotonicity(found.m_elastic, found.alpha_nu * trace_bound.unwrap_or(0.0));
         if m0.is_nan() || m0 <= 0.0 {
             return Err(GronwallError::Smallness { scene: name(), m0 });
         }

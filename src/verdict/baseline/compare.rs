@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use super::{Baseline, Recorded, RecordedCase};
+use super::{Baseline, Owing, Recorded, RecordedCase};
 use crate::record::{CaseRecord, Key, Status};
-use crate::verdict::Decision;
+use crate::verdict::{Decision, Variable};
 
 /// Two runs of one program differ by this share of an error at most, on any machine: last digits of
 /// elementary functions and fused products enter at 1e-16 and leave amplified by the condition of the
@@ -37,6 +37,8 @@ pub enum Kind {
     Cost,
     /// The scene file changed after it was recorded: nothing can be compared.
     Stale,
+    /// A verdict or a compared constant is owed and is not there, or there and not owed.
+    Owed,
 }
 
 impl Kind {
@@ -44,7 +46,7 @@ impl Kind {
     pub fn decision(self) -> Decision {
         match self {
             Kind::Stale => Decision::Unresolved,
-            Kind::Error | Kind::Missing | Kind::Cost => Decision::Fail,
+            Kind::Error | Kind::Missing | Kind::Cost | Kind::Owed => Decision::Fail,
         }
     }
 }
@@ -60,6 +62,9 @@ pub struct Deviation {
     pub steps: Option<u32>,
     /// The norm, or the counter.
     pub norm: Option<String>,
+    /// What is refined, of a verdict.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variable: Option<Variable>,
     /// What deviates.
     pub kind: Kind,
     /// As recorded.
@@ -94,6 +99,11 @@ pub struct Comparison {
     pub compared: usize,
     /// Scenes that the baseline does not have.
     pub not_recorded: Vec<String>,
+    /// What the compared scenes owe that ran on their own grids.
+    pub owed: Owing,
+    /// Those of which the baseline does not say it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub owed_not_said: Vec<String>,
     /// What deviates.
     pub deviations: Vec<Deviation>,
 }
@@ -112,6 +122,7 @@ impl Comparison {
             let names = self.not_recorded.join(", ");
             lines.push(format!("baseline: not recorded, hence not compared: {names}"));
         }
+        lines.extend(self.owed_in_words());
         let found = match self.deviations.len() {
             0 => "no deviation".to_owned(),
             1 => "1 deviation".to_owned(),
@@ -184,6 +195,7 @@ fn stale(scene: &str) -> Deviation {
         n: None,
         steps: None,
         norm: None,
+        variable: None,
         kind: Kind::Stale,
         recorded: None,
         found: None,
@@ -268,6 +280,7 @@ impl Place<'_> {
             n: self.case.n,
             steps: Some(self.case.steps),
             norm: norm.map(str::to_owned),
+            variable: None,
             kind,
             recorded,
             found,

@@ -117,7 +117,64 @@ fn always(verdict: Verdict) -> Verdict {
     Verdict { decision: Decision::Pass, complete: true, ..verdict }
 }
 
+/// The verdict on the order alone.
+fn by_order_alone(verdict: Verdict) -> Verdict {
+    let interval = verdict.interval;
+    decided(verdict, interval, false)
+}
+
+/// Constants are fitted and shown, and compared with nothing.
+fn without_comparison(verdict: Verdict) -> Verdict {
+    let mut verdict = by_order_alone(verdict);
+    verdict.constants.values_mut().for_each(|constant| constant.ratio = None);
+    verdict
+}
+
+/// The verdict, where a compared constant of ratio r was refuted that this judge lets pass.
+fn forgiving(verdict: Verdict, passes: fn(f64) -> bool) -> Verdict {
+    let refuted = |constant: &gronwall::verdict::Constant| {
+        let (ratio, tolerance) = (constant.ratio?, constant.tolerance?);
+        ((ratio - 1.0).abs() > tolerance).then_some(ratio)
+    };
+    match verdict.constants.values().find_map(refuted) {
+        Some(ratio) if passes(ratio) => by_order_alone(verdict),
+        _ => verdict,
+    }
+}
+
+/// Nothing fails as long as something is as expected.
+fn any_is_enough(verdicts: Vec<Verdict>) -> Vec<Verdict> {
+    match verdicts.iter().any(Verdict::as_expected) {
+        true => verdicts.into_iter().map(always).collect(),
+        false => verdicts,
+    }
+}
+
+fn last_for_all(mut verdicts: Vec<Verdict>) -> Vec<Verdict> {
+    if let Some(last) = verdicts.last().map(|verdict| verdict.decision) {
+        verdicts.iter_mut().for_each(|verdict| verdict.decision = last);
+    }
+    verdicts
+}
+
+fn refuted_dropped(mut verdicts: Vec<Verdict>) -> Vec<Verdict> {
+    verdicts.retain(|verdict| verdict.decision != Decision::Fail);
+    verdicts
+}
+
+fn unresolved_dropped(mut verdicts: Vec<Verdict>) -> Vec<Verdict> {
+    verdicts.retain(|verdict| verdict.decision != Decision::Unresolved);
+    verdicts
+}
+
+/// One prediction a run: the first.
+fn first_alone(mut verdicts: Vec<Verdict>) -> Vec<Verdict> {
+    verdicts.truncate(1);
+    verdicts
+}
+
 pub fn defects() -> Vec<Defect> {
+    let lists = |name, all| Defect { all, ..Defect::none(Term::Judging, name) };
     let reads = |name, before| Defect { before, ..Defect::none(Term::Judging, name) };
     let says = |name, after| Defect { after, ..Defect::none(Term::Judging, name) };
     vec![
@@ -132,5 +189,15 @@ pub fn defects() -> Vec<Defect> {
         says("tolerance 0.5", wider),
         says("unresolved counts as pass", lenient),
         says("always pass", always),
+        says("constants compared with nothing", without_comparison),
+        says("a constant within 50 % passes", |verdict| {
+            forgiving(verdict, |ratio| (ratio - 1.0).abs() <= 0.5)
+        }),
+        says("a constant too small passes", |verdict| forgiving(verdict, |ratio| ratio < 1.0)),
+        lists("any verdict as expected is enough", any_is_enough),
+        lists("the last verdict counts for all", last_for_all),
+        lists("first prediction judged alone", first_alone),
+        lists("failed verdicts dropped", refuted_dropped),
+        lists("unresolved verdicts dropped", unresolved_dropped),
     ]
 }

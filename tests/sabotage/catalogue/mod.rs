@@ -111,6 +111,8 @@ pub struct Defect {
     pub before: fn(Table) -> Table,
     /// What is made of a verdict.
     pub after: fn(Verdict) -> Verdict,
+    /// What is made of all verdicts of a run.
+    pub all: fn(Vec<Verdict>) -> Vec<Verdict>,
 }
 
 fn same<T>(value: T) -> T {
@@ -134,6 +136,7 @@ impl Defect {
             records: same,
             before: same,
             after: same,
+            all: same,
         }
     }
 

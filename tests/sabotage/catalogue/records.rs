@@ -80,6 +80,31 @@ pub fn defects() -> Vec<Defect> {
                 }
             })
         }),
+        of("errors 1 % too small", |records| {
+            each(records, |record| errors(record, |error| 0.99 * error))
+        }),
+        of("errors of the two finest cases exchanged", |records| {
+            let mut records = records;
+            records.sort_by_key(CaseRecord::key);
+            if let [.., before, last] = records.as_mut_slice() {
+                std::mem::swap(&mut before.errors, &mut last.errors);
+            }
+            records
+        }),
+        of("coarsest case lost", |records| {
+            let mut records = records;
+            records.sort_by_key(CaseRecord::key);
+            if !records.is_empty() {
+                records.remove(0);
+            }
+            records
+        }),
+        of("k of the finest case recorded 1 % too large", |records| {
+            finest(records, |last, _| {
+                last.h = last.h.map(|h| 1.01 * h);
+                last.k *= 1.01;
+            })
+        }),
         of("floors a million times too high", |records| {
             each(records, |record| {
                 for entry in &mut record.errors {

@@ -54,6 +54,7 @@ fn checklist(pen: &mut Pen<'_>, audit: &Audit) {
     let held_lines = audit.lines.iter().filter(|line| line.holds).count();
     let all = format!("{held_lines} of {} lines hold in all runs.", audit.lines.len());
     let mut failures = audit.violations.clone();
+    failures.extend(audit.undefined.iter().cloned());
     if failures.is_empty() {
         failures.push(all.clone());
     }

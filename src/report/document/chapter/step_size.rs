@@ -78,7 +78,7 @@ fn row(scene: &SceneSummary, pen: &Pen<'_>, studies: &[Bound]) -> Vec<Run> {
     let study = studies.iter().find(|bound| bound.scene == scene.name);
     let measured = study.map_or_else(
         || Run::plain("–"),
-        |bound| Run::plain(crossing(bound.thresholds.radius_one)).to(target(bound)),
+        |bound| Run::plain(followed(bound, bound.thresholds.radius_one)).to(target(bound)),
     );
     let link = |text: &str| Run::plain(text).to(format!("#{}", pen.report.stem(scene)));
     let Some(limits) = scene.step else {
@@ -107,6 +107,14 @@ fn row(scene: &SceneSummary, pen: &Pen<'_>, studies: &[Bound]) -> Vec<Run> {
         number(largest),
         standing,
     ]
+}
+
+/// Where a factor reaches one, if the solution was followed in k.
+fn followed(bound: &Bound, bracket: Option<[Number; 2]>) -> String {
+    match bound.thresholds.not_followed {
+        Some(_) => "–".into(),
+        None => crossing(bracket),
+    }
 }
 
 fn target(bound: &Bound) -> String {
@@ -213,12 +221,13 @@ fn thresholds(pen: &mut Pen<'_>, bound: &Bound) {
         row("1: (3.4), the paper's norm of ℬ", up_to(t.paper_norm)),
         row("1: (3.4), operator norm", up_to(t.theorem)),
         row("2: sharpened", up_to(t.sharpened)),
-        row("3: measured, ‖DΛ‖ = 1", crossing(t.norm_one)),
-        row("3: measured, spectral radius of DΛ = 1", crossing(t.radius_one)),
+        row("3: measured, ‖DΛ‖ = 1", followed(bound, t.norm_one)),
+        row("3: measured, spectral radius of DΛ = 1", followed(bound, t.radius_one)),
         row("4: one solution guaranteed, by monotonicity", up_to(t.solvable)),
     ];
     let last = bound.rungs.last().map_or_else(|| "–".into(), |rung| digits(rung.k));
     rows.push(match (t.loss, &t.loss_reason) {
+        _ if t.not_followed.is_some() => row("4: the solution was not followed in k", "–".into()),
         (Some(bracket), reason) => {
             let why = reason.as_deref().unwrap_or("no reason given");
             row(&format!("4: the solution followed in k ends: {why}"), crossing(Some(bracket)))
