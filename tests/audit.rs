@@ -318,10 +318,17 @@ fn a_bound_without_a_constant_is_not_defined_and_does_not_hold() {
         assert_eq!(audit.undefined().len(), 2);
         assert!(audit.undefined()[0].contains("(4.18) has no defined constant: m0 = "));
         let document = audit.json();
-        assert_eq!((&document["holds"], document["undefined"].as_array().map(Vec::len)), (&false.into(), Some(2)));
+        assert_eq!(
+            (&document["holds"], document["undefined"].as_array().map(Vec::len)),
+            (&false.into(), Some(2))
+        );
         for line in document["lines"].as_array().expect("lines") {
             let defined = !bounds.contains(&line["line"].as_str().expect("a name"));
-            assert_eq!((&line["defined"], &line["holds"]), (&defined.into(), &defined.into()), "{line}");
+            assert_eq!(
+                (&line["defined"], &line["holds"]),
+                (&defined.into(), &defined.into()),
+                "{line}"
+            );
             assert_eq!(line["right"].is_null(), !defined, "{line}");
         }
         let table = String::from_utf8(audit.csv().expect("a table")).expect("text");

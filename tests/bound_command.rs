@@ -107,11 +107,19 @@ fn without_monotonicity_the_rest_is_still_said() {
         let output = sweep(&["bound", name]);
         let text = stdout(&output);
         assert_eq!(code(&output), 1, "{}", stderr(&output));
-        for phrase in ["m_A ", "|DLambda| = ", "random starts", "no k: m0 = ", "FAILS: 0 < m0, (2.9)"] {
+        for phrase in
+            ["m_A ", "|DLambda| = ", "random starts", "no k: m0 = ", "FAILS: 0 < m0, (2.9)"]
+        {
             assert!(text.contains(phrase), "no `{phrase}` in\n{text}");
         }
-        assert!(text.contains("not followed: m0 = ") && text.contains("(2.9) is violated"), "{text}");
-        assert!(!text.contains("NaN") && !text.contains("inf") && !text.contains("every k"), "{text}");
+        assert!(
+            text.contains("not followed: m0 = ") && text.contains("(2.9) is violated"),
+            "{text}"
+        );
+        assert!(
+            !text.contains("NaN") && !text.contains("inf") && !text.contains("every k"),
+            "{text}"
+        );
         let folder = Folder::new("bound-m0");
         let output = sweep(&["bound", name, "--json", "--out", &folder.argument("out")]);
         assert_eq!(code(&output), 1, "{}", stderr(&output));
@@ -125,7 +133,9 @@ fn without_monotonicity_the_rest_is_still_said() {
         }
         assert_eq!(document["rungs"], serde_json::json!([]));
         let levels = document["levels"].as_array().expect("levels");
-        assert!(levels.iter().all(|level| level["norm"].is_number() && level["sharpened"].is_null()));
+        assert!(
+            levels.iter().all(|level| level["norm"].is_number() && level["sharpened"].is_null())
+        );
         let constants = document["constants"].as_array().expect("constants");
         let found = constants.iter().find(|c| c["name"] == "m0").expect("m0");
         assert!((found["value"].as_f64().expect("m0") - m0).abs() < 1e-12, "{found}");

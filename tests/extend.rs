@@ -164,13 +164,14 @@ fn an_error_at_its_floor_is_left_as_it_is() {
     assert!(document(&folder, "out/verdict.json")["provenance"].get("added_cases").is_none());
 }
 
-/// Order 1 misses a prediction of 0.95 by a little on every mesh: three rounds, no more.
+/// On meshes this coarse order 1 is too wide at first, then misses 0.82 by a little: three rounds, no more.
 #[test]
 fn an_order_that_no_case_settles_ends_after_three_rounds() {
     let folder = Folder::new("extend-rounds");
     let scene = short(&folder);
     let text = std::fs::read_to_string(&scene).expect("the scene");
-    let scene = folder.file("viscoelastic.toml", &edited(&text, "order = 1.0", "order = 0.95"));
+    let text = edited(&text, "n = [4, 8]", "n = [1, 2]");
+    let scene = folder.file("viscoelastic.toml", &edited(&text, "order = 1.0", "order = 0.82"));
     let output = sweep(&["run", &scene, "--out", &folder.argument("out"), "--extend"]);
     assert_eq!(code(&output), 1, "{}{}", stdout(&output), stderr(&output));
     let said = stderr(&output);

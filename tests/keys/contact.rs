@@ -2,6 +2,7 @@
 
 use gronwall::contact::BoundaryRule;
 use gronwall::formula::Point;
+use gronwall::law::Potential;
 use gronwall::scene::ContactQuadrature;
 use gronwall::setup::Setup;
 

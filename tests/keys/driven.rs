@@ -9,7 +9,7 @@ use gronwall::setup::{Setup, Subject, time_grid};
 use gronwall::sweep::{Overrides, ScenePlan, foresee_plan};
 use gronwall::verdict::Foreseen;
 
-use super::{BLOCK, ORIGIN, Tie, block, near, scene, shipped, value, with};
+use super::{ORIGIN, Tie, block, near, scene, shipped, value, with};
 
 pub const TIES: &[Tie] = &[
     (&["scene.name", "scene.question", "scene.kind", "scene.dimension"], heading),
@@ -140,7 +140,8 @@ const LAW: &str = "[contact]\ngap = \"0.1\"\nlaw = { kind = \"piecewise-linear\"
 
 fn exact() {
     let loads = "[loads]\nbody = [\"0\", \"-1\"]\n";
-    let read = block(&[(loads, EXACT), ("[contact]", LAW)]);
+    let without = ("reference = { n = 8, steps = 12 }\n", "");
+    let read = block(&[(loads, EXACT), ("[contact]", LAW), without]);
     let body = read.as_contact().expect("a body");
     let Data::Exact { u, multiplier, selection, interpolated, form } = &body.data else {
         panic!("an exact solution")
@@ -152,16 +153,11 @@ fn exact() {
     near(value(&read, selection.expect("a selection"), at), 0.03);
     assert!(*interpolated && *form == LoadForm::Strong);
     let weak = EXACT.replace("interpolated = true\nform = \"strong\"", "form = \"weak\"");
-    let read = block(&[(loads, &weak), ("[contact]", LAW)]);
+    let read = block(&[(loads, &weak), ("[contact]", LAW), without]);
     let Data::Exact { interpolated, form, .. } = &read.as_contact().expect("a body").data else {
         panic!("an exact solution")
     };
     assert!(!interpolated && *form == LoadForm::Weak);
-}
-
-/// The block with a sweep and predictions.
-fn swept(text: &str) -> Scene {
-    scene(&format!("{BLOCK}{text}"))
 }
 
 fn keys(read: Scene) -> Vec<(Option<u32>, u32)> {
@@ -176,8 +172,7 @@ fn keys(read: Scene) -> Vec<(Option<u32>, u32)> {
 }
 
 fn sweep() {
-    let text = "[sweep]\nn = [2, 4]\nsteps = [3, 6]\nreference = { n = 8, steps = 12 }\nnorms = [\"V_max\", \"L2_max\"]\n";
-    let read = swept(text);
+    let read = block(&[]);
     let sweep = read.sweep.as_ref().expect("a sweep");
     assert_eq!(sweep.reference, Some(Reference { n: 8, steps: 12 }));
     assert_eq!(sweep.norms.as_deref(), Some(&[Norm::VMax, Norm::L2Max][..]));
@@ -198,10 +193,11 @@ fn paths() {
 }
 
 fn predictions() {
-    let text = "[sweep]\nn = [2, 4]\nsteps = [3, 6]\nreference = { n = 8, steps = 12 }\n";
     let joint = "[[predicts]]\nnorm = \"L2_max\"\nvariable = \"joint\"\norder = 1.25\norder_k = 1.75\nat_least = true\nwhy = \"first\"\nwindow_n = [2, 4]\nwindow_steps = [3, 6]\n";
     let sharp = "[[predicts]]\nnorm = \"V_max\"\nvariable = \"k\"\norder = 1.5\nexact = true\nwhy = \"second\"\n";
-    let read = swept(&format!("{text}{joint}{sharp}"));
+    let own =
+        "[[predicts]]\nnorm = \"V_max\"\nvariable = \"h\"\norder = 1.0\nwhy = \"the block\"\n";
+    let read = block(&[(own, &format!("{joint}{sharp}"))]);
     let [first, second] = &read.predicts[..] else { panic!("two predictions") };
     assert_eq!((first.norm, first.variable), (Norm::L2Max, Direction::Joint));
     assert_eq!((first.order, first.order_k), (1.25, Some(1.75)));

@@ -1,6 +1,7 @@
 //! Abstract scenes: A, S, φ, j and K at given vectors of ℝ².
 
 use gronwall::formula::Point;
+
 use gronwall::scene::{AbstractScene, Body, Scene};
 use gronwall::setup::AbstractSetup;
 use nalgebra::DVector;
@@ -50,6 +51,7 @@ name = "finite"
 kind = "abstract"
 question = "Which number is read as which?"
 dimension = 2
+judge = false
 [time]
 horizon = 1.5
 [space]
@@ -111,7 +113,7 @@ fn operator() {
 /// q(t, s) = t + 2 s at t = 1, s = 0.25 is 1.5; Q, R and a_S row by row.
 fn history() {
     let model = setup().model;
-    near(model.kernels[0].kernel.value(1.0, 0.25), 1.5);
+    near(model.kernels[0].kernel.at(1.0, 0.25), 1.5);
     let q = &model.kernels[0].matrix * vector(1.0, 10.0);
     near(q[0], 2.1);
     near(q[1], 4.3);

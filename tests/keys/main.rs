@@ -41,6 +41,16 @@ mu_L = 0.9
 [contact]
 [loads]
 body = ["0", "-1"]
+[sweep]
+n = [2, 4]
+steps = [3, 6]
+reference = { n = 8, steps = 12 }
+norms = ["V_max", "L2_max"]
+[[predicts]]
+norm = "V_max"
+variable = "h"
+order = 1.0
+why = "the block"
 "#;
 
 /// A text with edits, each of which must have one place.
