@@ -14,6 +14,7 @@ use super::{
 };
 use crate::contact::BoundaryRule;
 use crate::setup::Setup;
+use crate::sweep::admit_constants;
 use crate::theory::audit::{Relation, SceneAudit, Standing, Summary, audit_runs};
 
 /// Meshes of a scene's own list up to this n are audited unless --n names others: a level costs some
@@ -71,7 +72,9 @@ impl Audit {
         let Some(scene) = self.scene.as_ref().filter(|_| !self.ledger) else {
             return ledger::execute(scenes, self.json, self.out.as_deref());
         };
-        let mut setup = Setup::new(scenes.scene(scene)?)?;
+        let scene = scenes.scene(scene)?;
+        admit_constants(&scene, true, &self.allowance.limit())?;
+        let mut setup = Setup::new(scene)?;
         let (ns, steps) = self.grids(&setup)?;
         self.choose_rule(&mut setup)?;
         audit_runs(&setup, &ns, &steps, processors()).admit(&self.allowance.limit())?;

@@ -7,6 +7,7 @@ use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_te
 use crate::manufactured::{Finding, Status, check};
 use crate::scene::{Data, Hypothesis};
 use crate::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
+use crate::sweep::admit_constants;
 use crate::theory::corner::{Corner, corners};
 
 /// `sweep check`.
@@ -24,11 +25,14 @@ pub struct Check {
 
 impl Check {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let subject = scenes.subject(&self.scene)?;
+        let scene = scenes.scene(&self.scene)?;
+        let limit = self.allowance.limit();
+        admit_constants(&scene, true, &limit)?;
+        let subject = Subject::new(scene)?;
         let mut findings = Vec::new();
         match &subject {
             Subject::Contact(setup) => {
-                meshes_fit(setup, &self.allowance.limit())?;
+                meshes_fit(setup, &limit)?;
                 if let Some(exact) = &setup.exact {
                     findings.extend(check(exact, &sides(&setup.body)));
                     if setup.scene.violates.contains(&Hypothesis::RegularInSpace) {
@@ -143,8 +147,15 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         fact("alpha_nu", c.alpha_nu, alpha_nu_from(setup)),
     ];
     if c.c_j_squared > 0.0 {
-        let levels: Vec<String> = trace_levels(setup).iter().map(u32::to_string).collect();
-        let how = format!("extrapolated from n = {}; no bound", levels.join(", "));
+        let levels: Vec<String> =
+            trace_levels(&setup.body.domain).iter().map(u32::to_string).collect();
+        let how = match levels.len() {
+            3.. => format!("extrapolated from n = {}; no bound", levels.join(", ")),
+            _ => format!(
+                "on n = {}, finer meshes having too many cells; no bound",
+                levels.join(", ")
+            ),
+        };
         findings.push(fact("c_j^2", c.c_j_squared, &how));
     }
     if let Some(bound) = c.c_j_squared_bound {

@@ -2,10 +2,9 @@
 
 use clap::Args;
 
-use super::{CliError, Scenes, no_case};
+use super::{CliError, Scenes, no_case, subject};
 use crate::scene::{Scene, SceneError};
-use crate::setup::Subject;
-use crate::sweep::{Overrides, ScenePlan};
+use crate::sweep::{MemoryLimit, Overrides, ScenePlan};
 
 /// Meshes and numbers of steps in place of a scene's own; no more steps than `STEPS`.
 #[derive(Args)]
@@ -66,12 +65,13 @@ impl Chosen {
         &self,
         scene: Scene,
         overrides: &Overrides,
+        limit: &MemoryLimit,
     ) -> Result<Option<ScenePlan>, CliError> {
         if scene.long && !self.all && !self.named() {
             return Ok(None);
         }
         self.grid.check(&scene)?;
-        let plan = ScenePlan::new(Subject::new(scene)?, overrides);
+        let plan = ScenePlan::new(subject(scene, limit)?, overrides);
         if plan.cases.is_empty() && !self.named() {
             // A scene without a grid is there for `sweep solve`.
             return Ok(None);

@@ -33,11 +33,12 @@ pub struct Explain {
 
 impl Explain {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let plan = ScenePlan::new(scenes.subject(&self.scene)?, &Overrides::default());
+        let limit = self.allowance.limit();
+        let plan = ScenePlan::new(scenes.subject(&self.scene, &limit)?, &Overrides::default());
         let Subject::Contact(setup) = &plan.subject else {
             return abstract_problem::explain(&plan, self.json);
         };
-        meshes_fit(setup, &self.allowance.limit())?;
+        meshes_fit(setup, &limit)?;
         let constants = predicted_constants(&plan);
         let (history, regions) = (history(setup), regions(setup));
         // What the formulas of an exact solution do at the corners is their own matter.

@@ -9,7 +9,7 @@ use comfy_table::{LineStyle, Table};
 
 use super::chosen::Grid;
 use super::machine::Allowance;
-use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, write_json};
+use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, subject, write_json};
 use crate::setup::{Setup, Subject};
 use crate::sweep::{
     CasePlan, Cost, FloorRow, ScenePlan, abstract_floors, admit_plan, contact_floors,
@@ -47,7 +47,7 @@ impl FloorsCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
         self.grid.check(&scene)?;
-        let direct = match Subject::new(scene.clone())? {
+        let direct = match subject(scene.clone(), &self.allowance.limit())? {
             Subject::Contact(setup) => direct_history(*setup),
             Subject::Abstract(_) => None,
         };

@@ -4,7 +4,7 @@ use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::Path;
 
-use super::{CliError, print_text};
+use super::{CliError, print_as_it_is};
 use crate::record::CaseRecord;
 use crate::report::{Place, annotations, step_summary};
 use crate::scene::Direction;
@@ -24,7 +24,7 @@ pub fn annotate(
     verdicts: &[Verdict],
 ) -> Result<(), CliError> {
     let place = |scene: &str, of: Option<&Verdict>| place(plans, scene, of);
-    print_text(annotations(records, verdicts, place).trim_end());
+    print_as_it_is(annotations(records, verdicts, place).trim_end());
     let Some(path) = std::env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty()) else {
         return Ok(());
     };

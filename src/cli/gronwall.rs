@@ -9,6 +9,7 @@ use super::machine::Allowance;
 use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
 use crate::scene::Scene;
 use crate::setup::Subject;
+use crate::sweep::admit_constants;
 use crate::theory::gronwall::{HorizonRow, Plan, StudiedGrid, Study, maximum, study_runs};
 
 /// `sweep gronwall`.
@@ -49,6 +50,7 @@ impl Gronwall {
             scene.check_cells(n)?;
         }
         let fingerprint = scene.source.hash.clone();
+        admit_constants(&scene, true, &self.allowance.limit())?;
         let subject = Subject::new(scene)?;
         // An abstract problem keeps a few numbers a level.
         if let (Subject::Contact(setup), Some(n)) = (&subject, plan.n) {

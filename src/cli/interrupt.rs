@@ -16,6 +16,7 @@ pub fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
         out.display()
     );
     ctrlc::set_handler(move || {
+        crate::external::end_solvers();
         let mut stderr = std::io::stderr().lock();
         // A bar stands in the last line of a terminal.
         let line = if stderr.is_terminal() { "\n" } else { "" };

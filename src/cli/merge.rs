@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{CliError, print_json, print_text};
+use super::{CliError, print_json, print_text, print_verdicts};
 use crate::distributed::{AT_ONCE, Merged, Parts, Plan, merge};
 use crate::record::counted;
 use crate::report::remove_earlier;
@@ -112,7 +112,7 @@ impl MergeCommand {
                 comparison.as_ref(),
             ));
         }
-        print_text(&super::colour::shown(&render_table(verdicts)));
+        print_verdicts(&render_table(verdicts));
         let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
         print_text(&format!(
             "{} of {}, {} failed, {} missing; {met} of {} as expected",

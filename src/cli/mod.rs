@@ -41,11 +41,15 @@ use std::process::ExitCode;
 pub use fit::{Fitted, fitted};
 
 use clap::{Parser, Subcommand};
-use output::{create_dir, megabytes, print_json, print_text, write_file, write_json};
+use output::{
+    create_dir, megabytes, print_as_it_is, print_json, print_text, print_verdicts, write_file,
+    write_json,
+};
 
+use crate::record::harmless;
 use crate::scene::{Registry, Scene, SceneError};
 use crate::setup::{Setup, SetupError, Subject};
-use crate::sweep::{MemoryLimit, admit_run};
+use crate::sweep::{MemoryLimit, admit_constants, admit_run};
 
 /// Exit code of a command that could not judge.
 const COULD_NOT_JUDGE: u8 = 2;
@@ -196,7 +200,7 @@ pub fn main() -> ExitCode {
     match outcome {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            eprintln!("{}", error.to_string().trim_end());
+            eprintln!("{}", harmless(error.to_string().trim_end()));
             ExitCode::from(COULD_NOT_JUDGE)
         }
     }
@@ -216,8 +220,8 @@ impl Scenes {
     }
 
     /// A scene by name or path, ready to compute.
-    fn subject(&self, name: &str) -> Result<Subject, CliError> {
-        Ok(Subject::new(self.scene(name)?)?)
+    fn subject(&self, name: &str, limit: &MemoryLimit) -> Result<Subject, CliError> {
+        subject(self.scene(name)?, limit)
     }
 
     fn scene(&self, name: &str) -> Result<Scene, CliError> {
@@ -241,6 +245,12 @@ impl Scenes {
         let all: Vec<String> = registry.names().map(str::to_owned).collect();
         all.iter().map(|name| Ok(registry.load(name)?)).collect()
     }
+}
+
+/// A scene made computable, if what decides on it fits into memory.
+fn subject(scene: Scene, limit: &MemoryLimit) -> Result<Subject, CliError> {
+    admit_constants(&scene, false, limit)?;
+    Ok(Subject::new(scene)?)
 }
 
 /// Refuses a scene with a mesh that does not fit into memory, before any of its meshes is made.

@@ -4,16 +4,27 @@ use std::io::Write;
 use std::path::Path;
 
 use super::CliError;
-use crate::record::replace_file;
+use crate::record::{harmless, harmless_json, replace_file};
 
 /// Prints a JSON value.
 pub fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
-    print_text(&serde_json::to_string_pretty(value).map_err(CliError::other)?);
+    let text = serde_json::to_string_pretty(value).map_err(CliError::other)?;
+    print_as_it_is(&harmless_json(&text));
     Ok(())
 }
 
-/// Prints to stdout; a closed pipe ends the program quietly instead of with a panic.
+/// Prints to stdout; what others have written in the text does nothing there.
 pub fn print_text(text: &str) {
+    print_as_it_is(&harmless(text));
+}
+
+/// Prints a table of verdicts, in colour where stdout shows it.
+pub fn print_verdicts(table: &str) {
+    print_as_it_is(&super::colour::shown(&harmless(table)));
+}
+
+/// Prints colours and commands to stdout, which this program means; a closed pipe ends the program quietly instead of with a panic.
+pub fn print_as_it_is(text: &str) {
     let mut out = std::io::stdout().lock();
     if writeln!(out, "{text}").and_then(|()| out.flush()).is_err() {
         std::process::exit(0);

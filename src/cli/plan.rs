@@ -11,7 +11,7 @@ use super::{CliError, Scenes, print_json, print_text};
 use crate::distributed::{Engine, PlannedCases, Planning};
 use crate::record::{counted, quoted};
 use crate::scene::Scene;
-use crate::sweep::Overrides;
+use crate::sweep::{MemoryLimit, Overrides};
 
 /// What runs the jobs.
 #[derive(Clone, Copy, ValueEnum)]
@@ -51,11 +51,12 @@ impl PlanCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let grid = &self.chosen.grid;
         let overrides = Overrides { n: once(&grid.n), steps: once(&grid.steps) };
+        let limit = MemoryLimit::of_machine();
         let selected = scenes.select(&self.chosen.scenes)?;
         different_names(&selected)?;
         // One scene at a time a thread: of each its predictions are kept, and neither formulas nor meshes.
         let one = |scene: Scene| -> Result<Option<PlannedCases>, CliError> {
-            let plan = self.chosen.plan_of(scene, &overrides)?;
+            let plan = self.chosen.plan_of(scene, &overrides, &limit)?;
             plan.map(|plan| Ok(PlannedCases::new(&plan)?)).transpose()
         };
         let planned: Vec<Option<PlannedCases>> =

@@ -5,7 +5,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::record::{CaseRecord, Status, counted};
+use crate::record::{CaseRecord, Status, counted, harmless};
 use crate::setup::StepRemark;
 use crate::sweep::Progress;
 
@@ -34,7 +34,7 @@ fn loudness() -> Loudness {
 /// Says a line on stderr unless --quiet.
 pub fn note(line: &str) {
     if loudness() != Loudness::Quiet {
-        eprintln!("{line}");
+        eprintln!("{}", harmless(line));
     }
 }
 
@@ -114,7 +114,7 @@ impl Progress for Display {
             Some(bar) => {
                 bar.set_position(state.done as u64);
                 if let Some(reason) = failure {
-                    bar.println(format!("{what} failed: {reason}"));
+                    bar.println(harmless(&format!("{what} failed: {reason}")));
                 } else if loudness() == Loudness::Verbose {
                     bar.println(format!("{what} done{seconds}"));
                 }
@@ -125,7 +125,8 @@ impl Progress for Display {
             None if loudness() == Loudness::Quiet => {}
             None => {
                 let outcome = failure.map_or("done".into(), |reason| format!("failed: {reason}"));
-                eprintln!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total);
+                let line = format!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total);
+                eprintln!("{}", harmless(&line));
             }
         }
         self.show_running(&state);

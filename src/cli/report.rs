@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Scenes, print_text};
+use super::{CliError, Scenes, print_text, print_verdicts};
 use crate::record::Key;
 #[cfg(feature = "pdf")]
 use crate::report::pdf;
@@ -77,7 +77,7 @@ impl Report {
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
         let document = write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
         self.typeset(&document)?;
-        print_text(&super::colour::shown(&render_table(&verdicts)));
+        print_verdicts(&render_table(&verdicts));
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
         if let Some(path) = &self.pdf {
             print_text(&format!("pdf: {}", path.display()));

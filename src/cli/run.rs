@@ -281,9 +281,9 @@ impl What {
 
     pub(super) fn plans(&self, scenes: &Scenes) -> Result<Vec<ScenePlan>, CliError> {
         let overrides = self.chosen.grid.overrides();
-        let mut plans = Vec::new();
+        let (limit, mut plans) = (self.allowance.limit(), Vec::new());
         for scene in scenes.select(&self.chosen.scenes)? {
-            plans.extend(self.chosen.plan_of(scene, &overrides)?);
+            plans.extend(self.chosen.plan_of(scene, &overrides, &limit)?);
         }
         if plans.is_empty() {
             return Err(Chosen::none(scenes, "run"));

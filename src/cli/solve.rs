@@ -9,7 +9,9 @@ use clap::{Args, ValueEnum};
 
 use super::estimate::Wanted;
 use super::machine::Allowance;
-use super::{CliError, Scenes, abstract_problem, create_dir, print_json, print_text, write_file};
+use super::{
+    CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
+};
 use crate::contact::{CaseInfo, Discretization, LinearSolver, Path, StepView};
 use crate::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
@@ -120,7 +122,7 @@ impl StepSolver for Solver {
 impl Solve {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        let subject = Subject::new(scene)?;
+        let subject = subject(scene, &self.allowance.limit())?;
         if let Some(remark) = crate::setup::check_step_sizes(&subject, &[self.steps])? {
             super::progress::remark(&subject.scene().name, &remark);
         }

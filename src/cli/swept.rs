@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::{CliError, print_text};
+use super::{CliError, print_text, print_verdicts};
 use crate::fit::AgainstReference;
 use crate::record::{CaseRecord, counted};
 use crate::report::{SceneSummary, write_all};
@@ -51,7 +51,7 @@ impl Swept {
     }
 
     pub(super) fn print(&self) {
-        print_text(&super::colour::shown(&render_table(&self.verdicts)));
+        print_verdicts(&render_table(&self.verdicts));
         for (scene, found) in &self.references {
             print_text(&reference_in_words(scene, found));
         }

@@ -9,9 +9,11 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::machine::Allowance;
-use super::{CliError, Scenes, create_dir, print_json, print_text, target, write_file, write_json};
+use super::{
+    CliError, Scenes, create_dir, print_json, print_text, subject, target, write_file, write_json,
+};
 use crate::scene::{Norm, Scene};
-use crate::setup::{Setup, Subject};
+use crate::setup::Setup;
 use crate::sweep::{Overrides, ScenePlan};
 use crate::trade::{
     Bench, Extrapolated, Knob, Plan, Resource, Study, Table, Variant, admit_trade, in_space,
@@ -118,7 +120,7 @@ impl TradeCommand {
     /// Refuses these meshes and numbers of steps if they do not fit into memory.
     fn admit(&self, scene: &Scene, [n, steps]: [&[u32]; 2]) -> Result<(), CliError> {
         let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
-        let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);
+        let plan = ScenePlan::new(subject(scene.clone(), &self.allowance.limit())?, &overrides);
         Ok(admit_trade(&plan, &self.allowance.limit())?)
     }
 

@@ -14,7 +14,7 @@ use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::swept::Swept;
-use super::{CliError, Scenes, no_case, print_json, print_text};
+use super::{CliError, Scenes, no_case, print_json, print_text, subject};
 use crate::external::{ExternalSolver, Way, case_dir, write_case};
 use crate::record::CaseRecord;
 use crate::report::write_junit;
@@ -127,7 +127,8 @@ impl Verify {
         let mut scene = scenes.scene(&self.scene)?;
         self.grid.check(&scene)?;
         scene.predicts.retain(|prediction| self.tells(prediction.norm));
-        let mut plan = ScenePlan::new(Subject::new(scene)?, &self.grid.overrides());
+        let mut plan =
+            ScenePlan::new(subject(scene, &self.allowance.limit())?, &self.grid.overrides());
         for case in &mut plan.cases {
             case.norms.retain(|&norm| self.tells(norm));
         }

@@ -1,13 +1,13 @@
 //! A plan on disk: what every process that runs a part of the sweep has to agree on.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::record::{Key, Replacement, counted, replace_file};
+use crate::record::{Key, Replacement, counted, open_file, replace_file};
 use crate::scene::{Scene, SceneError, Source};
 use crate::sweep::Overrides;
 
@@ -188,7 +188,8 @@ impl Plan {
     /// [`PlanError`]; a plan of another version is refused.
     pub fn read(dir: &Path) -> Result<Self, PlanError> {
         let path = dir.join(PLAN);
-        let text = fs::read_to_string(&path)
+        let text = open_file(&path)
+            .and_then(io::read_to_string)
             .map_err(|source| PlanError::Io { path: path.clone(), source })?;
         let plan: Self = serde_json::from_str(&text).map_err(|error| PlanError::Malformed {
             path: path.clone(),
@@ -275,7 +276,7 @@ pub fn rows(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<CaseRow, PlanError>> + use<>, PlanError> {
     let path = path.to_owned();
-    let file = File::open(&path).map_err(|source| PlanError::Io { path: path.clone(), source })?;
+    let file = open_file(&path).map_err(|source| PlanError::Io { path: path.clone(), source })?;
     let table = csv::Reader::from_reader(BufReader::new(file));
     let malformed = move |error: csv::Error| PlanError::Malformed {
         path: path.clone(),

@@ -1,11 +1,10 @@
 //! What a solver wrote: displacements of all levels, as `.npy`, `.csv` or a series of `.vtu`, and pressures if they were
 //! asked for.
 
-use std::fs::File;
-use std::io::{BufReader, Read, Seek};
+use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use super::bounded::{Bound, open_bounded};
+use super::bounded::{Bound, Timed, Until, open_bounded};
 use super::npy::{NpyError, head, length, numbers};
 use super::series::{COLLECTION, SeriesError, each_level, indexed, numbered, read_levels};
 use super::vtu::VtuError;
@@ -66,19 +65,28 @@ pub struct Wanted<'a> {
 /// # Errors
 /// [`AnswerError`].
 pub fn read_displacements(dir: &Path, wanted: &Wanted<'_>) -> Result<Vec<f64>, AnswerError> {
+    read_until(dir, wanted, None)
+}
+
+/// The same under a time limit.
+pub(super) fn read_until(
+    dir: &Path,
+    wanted: &Wanted<'_>,
+    until: Until,
+) -> Result<Vec<f64>, AnswerError> {
     let shape = [wanted.times.len(), wanted.vertices.len(), wanted.dimension];
     let [array, table, index] =
         [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION].map(|name| dir.join(name));
     if array.exists() {
-        return read_array(array, &shape, "levels N + 1, vertices, components");
+        return read_array(array, &shape, "levels N + 1, vertices, components", until);
     }
     if table.exists() {
-        let numbers = read_table(&table, shape)?;
+        let numbers = read_table(&table, shape, until)?;
         finite(&table, &numbers, shape[0])?;
         return Ok(numbers);
     }
     let (named, files) = if index.exists() {
-        (&*index, indexed(dir, wanted.times))
+        (&*index, indexed(dir, wanted.times, until))
     } else {
         let files = numbered(dir)?;
         if files.is_empty() {
@@ -87,15 +95,19 @@ pub fn read_displacements(dir: &Path, wanted: &Wanted<'_>) -> Result<Vec<f64>, A
         (dir, each_level(files, shape[0]))
     };
     let at_fault = |source| AnswerError::Series { path: named.to_owned(), source };
-    read_levels(&files.map_err(at_fault)?, wanted)
+    read_levels(&files.map_err(at_fault)?, wanted, until)
 }
 
 /// The pressures of all levels, level by level.
 ///
 /// # Errors
 /// [`AnswerError`].
-pub fn read_pressures(dir: &Path, levels: usize, points: usize) -> Result<Vec<f64>, AnswerError> {
-    read_array(dir.join(PRESSURE), &[levels, points], "levels N + 1, rows of contact.csv")
+pub(super) fn read_pressures(
+    dir: &Path,
+    [levels, points]: [usize; 2],
+    until: Until,
+) -> Result<Vec<f64>, AnswerError> {
+    read_array(dir.join(PRESSURE), &[levels, points], "levels N + 1, rows of contact.csv", until)
 }
 
 /// Shape and length are known to be right before a number is read.
@@ -103,21 +115,21 @@ fn read_array(
     path: PathBuf,
     wanted: &[usize],
     axes: &'static str,
+    until: Until,
 ) -> Result<Vec<f64>, AnswerError> {
     let unreadable = |error: std::io::Error| AnswerError::Unreadable {
         path: path.clone(),
         reason: error.to_string(),
     };
     let no_array = |source| AnswerError::Npy { path: path.clone(), source };
-    let mut file = BufReader::new(File::open(&path).map_err(unreadable)?);
+    let mut file = Timed::open(&path, until).map_err(unreadable)?;
     let shape = head(&mut file).map_err(no_array)?;
     if shape != wanted {
         let wanted = wanted.to_vec();
         return Err(AnswerError::Shape { path, found: shape, wanted, axes });
     }
     let bytes = length(&shape).map_err(no_array)?;
-    let all = file.get_ref().metadata().map_err(unreadable)?.len();
-    let found = all.saturating_sub(file.stream_position().map_err(unreadable)?) as usize;
+    let found = file.length.saturating_sub(file.place) as usize;
     if found != bytes {
         return Err(no_array(NpyError::Length { shape, wanted: bytes, found }));
     }
@@ -144,12 +156,17 @@ fn finite(path: &Path, numbers: &[f64], levels: usize) -> Result<(), AnswerError
 const BYTES_A_ROW: Bound = Bound { first: 1 << 12, each: 1 << 8 };
 
 /// Rows n, vertex, components in any order; each pair once.
-fn read_table(path: &Path, [levels, vertices, d]: [usize; 3]) -> Result<Vec<f64>, AnswerError> {
+fn read_table(
+    path: &Path,
+    [levels, vertices, d]: [usize; 3],
+    until: Until,
+) -> Result<Vec<f64>, AnswerError> {
     let fault =
         |line: u64, reason: String| AnswerError::Row { path: path.to_owned(), line, reason };
-    let file = open_bounded(path, BYTES_A_ROW.of(levels * vertices))
+    let file = open_bounded(path, BYTES_A_ROW.of(levels * vertices), until)
         .map_err(|reason| AnswerError::Unreadable { path: path.to_owned(), reason })?;
-    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(file);
+    let mut reader =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(BufReader::new(file));
     let names = ["n", "vertex", "ux", "uy", "uz"];
     let header = reader.headers().map_err(|error| fault(1, error.to_string()))?;
     if header.iter().ne(names[..2 + d].iter().copied()) {

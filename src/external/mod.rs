@@ -4,6 +4,8 @@
 mod answer;
 mod bounded;
 mod case_files;
+mod group;
+mod log;
 mod npy;
 mod places;
 mod process;
@@ -11,15 +13,17 @@ mod series;
 mod vtu;
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use self::answer::read_pressures;
 pub use self::answer::{
     AnswerError, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted, read_displacements,
 };
+use self::answer::{read_pressures, read_until};
 pub use self::case_files::{case_dir, write_case};
+pub use self::group::end_solvers;
+pub use self::log::LOG;
 pub use self::npy::{Array, NpyError, decode, encode};
-pub use self::process::{LOG, ProcessError};
+pub use self::process::ProcessError;
 use self::series::numbered;
 pub use self::series::{COLLECTION, SeriesError};
 pub use self::vtu::VtuError;
@@ -27,6 +31,7 @@ use crate::contact::{CaseError, CaseInfo, Discretization, Observer, StepView, st
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
 use crate::linalg::axpy;
+use crate::record::shortened;
 use crate::setup::{MeshData, SceneModel, Scheme, Setup};
 
 /// How a case comes to its answer.
@@ -36,7 +41,7 @@ pub enum Way {
     Command {
         /// Program and arguments.
         words: Vec<String>,
-        /// After which it is stopped.
+        /// After which it is stopped, and its answer read no further.
         limit: Duration,
     },
     /// The answer is there already.
@@ -64,27 +69,32 @@ impl Scheme for ExternalSolver {
     ) -> Result<CaseInfo, CaseError> {
         let (space, grid) = (&*data.space, setup.grid(steps));
         let dir = case_dir(&self.folder, &setup.scene.name, space.mesh.n, steps);
+        let mut until = None;
         if let Way::Command { words, limit } = &self.way {
             forget(&dir)?;
             write_case(&dir, setup, data, steps)?;
+            until = Instant::now().checked_add(*limit);
             process::run(words, &dir, *limit).map_err(said)?;
         }
         let (levels, d) = (grid.steps() + 1, space.mesh.dimension);
         let vertices: Vec<[f64; 3]> =
             (0..space.mesh.vertices() as u32).map(|v| space.mesh.point(&[v], &[1.0])).collect();
         let wanted = Wanted { times: grid.times(), vertices: &vertices, dimension: d };
-        let u = read_displacements(&dir, &wanted).map_err(said)?;
+        let u = read_until(&dir, &wanted, until).map_err(said)?;
         let points = space.trace.points.len();
         let pressures = match self.pressures && points > 0 {
-            true => read_pressures(&dir, levels, points).map_err(said)?,
+            true => read_pressures(&dir, [levels, points], until).map_err(said)?,
             false => vec![f64::NAN; levels * points],
         };
         show(space, &setup.model, &grid, [&u, &pressures], observe)
     }
 }
 
+/// Characters of a reason: what a solver writes may be quoted in it, however long it is.
+const LONGEST_REASON: usize = 4000;
+
 fn said(error: impl std::fmt::Display) -> CaseError {
-    CaseError::Outside(error.to_string())
+    CaseError::Outside(shortened(&error.to_string(), LONGEST_REASON).into_owned())
 }
 
 /// An answer of an earlier run must not pass for one of this run.
@@ -92,8 +102,10 @@ fn forget(dir: &Path) -> Result<(), CaseError> {
     let named = [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION, PRESSURE].map(|name| dir.join(name));
     let numbered = numbered(dir).map_err(said)?;
     for path in named.into_iter().chain(numbered.into_iter().map(|(_, path)| path)) {
-        match std::fs::remove_file(path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(said(error)),
+        match std::fs::remove_file(&path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(said(format!("{}: {error}", path.display())));
+            }
             _ => {}
         }
     }

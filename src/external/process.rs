@@ -1,16 +1,14 @@
 //! Another program, run on one case under a time limit.
 
-use std::fs::File;
 use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::process::{Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
 
-use wait_timeout::ChildExt;
+use super::group::Group;
+use super::log::Log;
 
-/// What the program prints goes here.
-pub const LOG: &str = "solver.log";
-/// Last lines of the log that a failure shows.
-const LINES_SHOWN: usize = 5;
+/// How often its log is looked after.
+const LOOK: Duration = Duration::from_millis(100);
 
 /// Why a program gave no answer.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -26,7 +24,7 @@ pub enum ProcessError {
     Failed { status: String, said: String },
 }
 
-/// Runs `words` with `dir` as its last argument and its working directory unchanged.
+/// Runs `words` with `dir` as its last argument and its working directory unchanged. Whatever it has started ends with it.
 ///
 /// # Errors
 /// [`ProcessError`]; the end of what it printed is in the message.
@@ -39,35 +37,35 @@ pub fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), ProcessE
         program: program.clone(),
         reason: error.to_string(),
     };
-    let log = File::create(dir.join(LOG)).map_err(start)?;
-    let both = log.try_clone().map_err(start)?;
-    let mut child = Command::new(program)
-        .args(arguments)
-        .arg(dir)
-        .stdin(Stdio::null())
-        .stdout(log)
-        .stderr(both)
-        .spawn()
-        .map_err(start)?;
-    let status = match child.wait_timeout(limit).map_err(start)? {
-        Some(status) => status,
-        None => {
-            // It may have ended by itself in between; either way it is gone afterwards.
-            let _ = child.kill();
-            let _ = child.wait();
-            return Err(ProcessError::TooLong(limit.as_secs()));
+    let mut log = Log::new(dir).map_err(start)?;
+    let mut command = Command::new(program);
+    command.args(arguments).arg(dir).stdin(Stdio::null());
+    command.stdout(log.handle().map_err(start)?).stderr(log.handle().map_err(start)?);
+    let mut group = Group::start(&mut command).map_err(start)?;
+    let status = wait(&mut group, &mut log, limit).map_err(start)?;
+    // Children of the solver that go on write no answer that could be relied on, and take the time of the next case.
+    drop(group);
+    log.keep_short().map_err(start)?;
+    match status {
+        None => Err(ProcessError::TooLong(limit.as_secs())),
+        Some(status) if status.success() => Ok(()),
+        Some(status) => {
+            Err(ProcessError::Failed { status: status.to_string(), said: log.last_lines() })
         }
-    };
-    if status.success() {
-        return Ok(());
     }
-    Err(ProcessError::Failed { status: status.to_string(), said: last_lines(&dir.join(LOG)) })
 }
 
-fn last_lines(path: &Path) -> String {
-    let bytes = std::fs::read(path).unwrap_or_default();
-    let text = String::from_utf8_lossy(&bytes);
-    let lines: Vec<&str> = text.lines().filter(|line| !line.trim().is_empty()).collect();
-    let shown = &lines[lines.len().saturating_sub(LINES_SHOWN)..];
-    if shown.is_empty() { String::new() } else { format!(": {}", shown.join(" | ")) }
+/// The status, if there is one within the limit.
+fn wait(group: &mut Group, log: &mut Log, limit: Duration) -> std::io::Result<Option<ExitStatus>> {
+    let begin = Instant::now();
+    loop {
+        let left = limit.saturating_sub(begin.elapsed());
+        if let Some(status) = group.wait(left.min(LOOK))? {
+            return Ok(Some(status));
+        }
+        if left.is_zero() {
+            return Ok(None);
+        }
+        log.keep_short()?;
+    }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::answer::{AnswerError, Wanted};
-use super::bounded::{Bound, is_below, read_bounded};
+use super::bounded::{Bound, Until, is_below, read_bounded};
 use super::places::Places;
 use super::vtu::{Snapshot, VtuError, read_vtu, xml};
 
@@ -49,8 +49,8 @@ pub enum SeriesError {
 ///
 /// # Errors
 /// [`SeriesError`].
-pub fn indexed(dir: &Path, times: &[f64]) -> Result<Vec<PathBuf>, SeriesError> {
-    let bytes = read_bounded(&dir.join(COLLECTION), BYTES_A_LEVEL.of(times.len()))
+pub fn indexed(dir: &Path, times: &[f64], until: Until) -> Result<Vec<PathBuf>, SeriesError> {
+    let bytes = read_bounded(&dir.join(COLLECTION), BYTES_A_LEVEL.of(times.len()), until)
         .map_err(|reason| SeriesError::Index(VtuError::Unreadable(reason)))?;
     let text = std::str::from_utf8(&bytes)
         .map_err(|error| SeriesError::Index(VtuError::Xml(error.to_string())))?;
@@ -139,14 +139,18 @@ pub fn each_level(
 ///
 /// # Errors
 /// [`AnswerError::Vtu`].
-pub fn read_levels(files: &[PathBuf], wanted: &Wanted<'_>) -> Result<Vec<f64>, AnswerError> {
+pub fn read_levels(
+    files: &[PathBuf],
+    wanted: &Wanted<'_>,
+    until: Until,
+) -> Result<Vec<f64>, AnswerError> {
     let (vertices, d) = (wanted.vertices.len(), wanted.dimension);
     let places = Places::new(wanted.vertices);
     let mut u = vec![f64::NAN; files.len() * vertices * d];
     let mut known: Option<(Vec<[f64; 3]>, Vec<u32>)> = None;
     for (level, path) in u.chunks_exact_mut(vertices * d).zip(files) {
         let fault = |source| AnswerError::Vtu { path: path.clone(), source };
-        let Snapshot { points, u } = read_vtu(path, vertices, d).map_err(fault)?;
+        let Snapshot { points, u } = read_vtu(path, [vertices, d], until).map_err(fault)?;
         // Most solvers write the same points at every level.
         let vertex = match known.take() {
             Some((same, vertex)) if same == points => vertex,

@@ -11,7 +11,7 @@ use std::path::Path;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use self::array::{Binary, numbers};
-use super::bounded::{Bound, is_below, read_bounded};
+use super::bounded::{Bound, Until, is_below, read_bounded};
 use crate::record::counted;
 
 /// Names of the point data that are looked for, the first that is there.
@@ -96,9 +96,14 @@ const MOST_NODES: u32 = 1 << 16;
 ///
 /// # Errors
 /// [`VtuError`].
-pub fn read_vtu(path: &Path, vertices: usize, dimension: usize) -> Result<Snapshot, VtuError> {
+pub fn read_vtu(
+    path: &Path,
+    [vertices, dimension]: [usize; 2],
+    until: Until,
+) -> Result<Snapshot, VtuError> {
     let read = |path: &Path| {
-        let bytes = read_bounded(path, BYTES_A_POINT.of(vertices)).map_err(VtuError::Unreadable)?;
+        let bytes =
+            read_bounded(path, BYTES_A_POINT.of(vertices), until).map_err(VtuError::Unreadable)?;
         snapshot(&bytes, vertices, dimension)
     };
     match read(path) {

@@ -5,9 +5,11 @@
 
 mod atomic;
 mod counted;
+mod foreign;
 mod journal;
 mod norm;
 mod quoted;
+mod regular;
 mod row;
 mod stream;
 
@@ -16,6 +18,7 @@ use std::path::PathBuf;
 
 pub use atomic::{Replacement, replace_file};
 pub use counted::counted;
+pub use foreign::{harmless, harmless_json, shortened};
 pub use journal::{Journal, read, write_sorted};
 pub use norm::{
     CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX,
@@ -23,6 +26,7 @@ pub use norm::{
     norm_rank,
 };
 pub use quoted::quoted;
+pub use regular::open_file;
 pub use row::COLUMNS;
 pub use stream::{CaseStream, TableWriter};
 

@@ -8,6 +8,7 @@ use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
 
 use super::ReportError;
 use super::sheet::{PAPER, WORDS};
+use crate::record::harmless;
 
 /// Size of a picture in units.
 pub(super) const SIZE: (u32, u32) = (1800, 1120);
@@ -160,7 +161,7 @@ impl<'a> Canvas<'a> {
         };
         let style = TextStyle::from(font).color(&WORDS).pos(Pos::new(horizontal, VPos::Center));
         self.area
-            .draw(&Text::new(words.to_owned(), pixel(place), style))
+            .draw(&Text::new(harmless(words).into_owned(), pixel(place), style))
             .map_err(ReportError::drawing)
     }
 }

@@ -1,7 +1,7 @@
 //! Verdicts as workflow commands of GitHub Actions, and as Markdown for its step summary. Without
 //! clocks: equal verdicts give equal text.
 
-use crate::record::{CaseRecord, Status, counted};
+use crate::record::{CaseRecord, Status, counted, harmless};
 use crate::verdict::{Decision, Verdict, cell_texts};
 
 /// Where an annotation stands.
@@ -78,7 +78,7 @@ fn command(level: &str, place: Option<Place>, title: &str, text: &str) -> String
 
 /// Text after the second `::`.
 fn data(text: &str) -> String {
-    text.replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
+    harmless(text).replace('%', "%25").replace('\r', "%0D").replace('\n', "%0A")
 }
 
 /// A value before it: colons and commas end one there.
@@ -88,7 +88,7 @@ fn property(text: &str) -> String {
 
 /// Text in a cell of a Markdown table; `<` and `&` would be HTML.
 fn cell(text: &str) -> String {
-    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('\\', "\\\\");
+    let text = harmless(text).replace('&', "&amp;").replace('<', "&lt;").replace('\\', "\\\\");
     ["|", "*", "_", "`", "[", "]", "~"]
         .iter()
         .fold(text, |text, sign| text.replace(sign, &format!("\\{sign}")))

@@ -6,7 +6,7 @@ use std::path::Path;
 use quick_junit::{NonSuccessKind, Property, Report, TestCase, TestCaseStatus, TestSuite};
 
 use super::ReportError;
-use crate::record::replace_file;
+use crate::record::{harmless, replace_file};
 use crate::verdict::{Comparison, Decision, Verdict, cell_texts};
 
 /// Writes one suite a scene, one test a verdict. Unresolved is a failure; a verdict that the
@@ -74,8 +74,8 @@ fn baseline_case(scene: &str, comparison: &Comparison) -> TestCase {
         Some(first) => {
             let lines: Vec<&str> = own.iter().map(|deviation| deviation.reason.as_str()).collect();
             let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-            status.set_type(first.verdict.name()).set_message(lines[0]);
-            status.set_description(lines.join("\n"));
+            status.set_type(first.verdict.name()).set_message(harmless(lines[0]));
+            status.set_description(harmless(&lines.join("\n")));
             status
         }
     };
@@ -95,9 +95,9 @@ fn test_case(verdict: &Verdict) -> TestCase {
             Decision::Unresolved => "unresolved",
             Decision::Fail | Decision::Pass => "fail",
         };
-        status.set_type(kind).set_message(verdict.reason.as_str()).set_description(format!(
-            "predicted {predicted} by {why}, observed {observed}: {decision}"
-        ));
+        let said = format!("predicted {predicted} by {why}, observed {observed}: {decision}");
+        let reason = harmless(&verdict.reason);
+        status.set_type(kind).set_message(reason).set_description(harmless(&said));
         status
     };
     let mut case = TestCase::new(name, status);

@@ -177,6 +177,21 @@ impl Domain {
         }
     }
 
+    /// Cells of the mesh n, which is not made.
+    pub fn cells(&self, n: u32) -> f64 {
+        match &self.shape {
+            Shape::Refined(coarse) => {
+                coarse.count() as f64 * f64::from(n).powi(coarse.dimension() as i32)
+            }
+            Shape::Box => {
+                // As the meshes of boxes round, and no side has less than one.
+                let along = |size: &f64| (size * f64::from(n)).round().max(1.0);
+                let each = if self.dimension() == 2 { 2.0 } else { 6.0 };
+                each * self.size.iter().map(along).product::<f64>()
+            }
+        }
+    }
+
     /// What the mesh n refines.
     pub fn nesting(&self, n: u32) -> Nesting {
         match &self.shape {

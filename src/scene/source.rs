@@ -1,10 +1,10 @@
 //! The text of a scene file, where it stands, and its hash.
 
-use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::SceneError;
+use crate::record::open_file;
 
 /// Largest scene file that is read, in bytes (1 MiB).
 const LARGEST_FILE: u64 = 1 << 20;
@@ -56,7 +56,7 @@ impl Source {
 /// The bytes of the file; of a file longer than `largest`, one byte more than that, so that the excess shows.
 fn read_at_most(path: &Path, largest: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    File::open(path)?.take(largest + 1).read_to_end(&mut bytes)?;
+    open_file(path)?.take(largest + 1).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

@@ -201,14 +201,7 @@ const MOST_STEPS: usize = 10_000_000;
 
 /// Cells of the mesh n, where they are too many.
 fn too_many_cells(n: usize, domain: &Domain) -> Option<String> {
-    let (n, d) = (n as f64, domain.size.len());
-    let cells = match &domain.shape {
-        Shape::Box => {
-            let each = if d == 2 { 2.0 } else { 6.0 };
-            domain.size.iter().map(|size| n * size).product::<f64>() * each
-        }
-        Shape::Refined(coarse) => coarse.count() as f64 * n.powi(coarse.dimension() as i32),
-    };
+    let cells = domain.cells(u32::try_from(n).unwrap_or(u32::MAX));
     let many = cells.is_nan() || cells > MOST_CELLS;
     many.then(|| format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most"))
 }

@@ -5,6 +5,7 @@ use super::{Setup, SetupError, elasticity, memory_tensor};
 use crate::contact::TraceMass;
 use crate::formula::{Node, Point};
 use crate::law::TensorField;
+use crate::scene::Domain;
 use crate::vhi::{StepBounds, monotonicity};
 
 /// Constants that the step-size bound and the smallness condition need.
@@ -65,10 +66,11 @@ impl Constants {
     }
 }
 
-/// Meshes on which c_j² is computed before extrapolation.
-const LEVELS: [u32; 3] = [8, 16, 32];
-/// The same in space, where the cost of a level is that of a plane one four times as fine.
-const LEVELS_IN_SPACE: [u32; 3] = [2, 4, 8];
+/// The finest mesh on which c_j² is computed before extrapolation, in the plane and in space, where the cost of a level is
+/// that of a plane one four times as fine.
+const FINEST: [u32; 2] = [32, 8];
+/// More cells than this it has not, where a coarser one does: some 60 MB with its factor, and a second.
+const MOST_CELLS: [f64; 2] = [65_536.0, 32_768.0];
 /// Samples of the kernel on [0, T].
 const KERNEL_SAMPLES: u32 = 512;
 
@@ -78,11 +80,8 @@ const KERNEL_SAMPLES: u32 = 512;
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
     let domain = &setup.body.domain;
-    let c_j_squared = if domain.contact.is_empty() {
-        0.0
-    } else {
-        strain_trace_family(setup, trace_levels(setup))?.limit
-    };
+    let c_j_squared =
+        if domain.contact.is_empty() { 0.0 } else { strain_trace_family(setup)?.limit };
     Ok(with_trace_constant(setup, c_j_squared))
 }
 
@@ -91,11 +90,7 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
 /// # Errors
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
-    let c_j_squared = if alpha_nu(setup) == 0.0 {
-        0.0
-    } else {
-        strain_trace_family(setup, trace_levels(setup))?.limit
-    };
+    let c_j_squared = if alpha_nu(setup) == 0.0 { 0.0 } else { strain_trace_family(setup)?.limit };
     Ok(with_trace_constant(setup, c_j_squared).step_bounds())
 }
 
@@ -176,12 +171,19 @@ fn proved_bound(setup: &Setup) -> Option<f64> {
     setup.body.domain.depth_under_contact()
 }
 
-/// The meshes of the extrapolated c_j².
-pub fn trace_levels(setup: &Setup) -> &'static [u32] {
-    if setup.scene.dimension == 2 { &LEVELS } else { &LEVELS_IN_SPACE }
+/// The meshes of the extrapolated c_j², each twice as fine as the one before: three of them, or fewer on a domain of so
+/// many cells that the coarsest mesh of all is not far below [`MOST_CELLS`].
+pub fn trace_levels(domain: &Domain) -> Vec<u32> {
+    let place = usize::from(domain.dimension() == 3);
+    let mut finest = FINEST[place];
+    while finest > 1 && domain.cells(finest) > MOST_CELLS[place] {
+        finest /= 2;
+    }
+    [finest / 4, finest / 2, finest].into_iter().filter(|&n| n > 0).collect()
 }
 
-fn strain_trace_family(setup: &Setup, levels: &[u32]) -> Result<TraceFamily, SetupError> {
+fn strain_trace_family(setup: &Setup) -> Result<TraceFamily, SetupError> {
+    let levels = trace_levels(&setup.body.domain);
     // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
-    trace_family(setup, &TensorField::identity(), TraceMass::Consistent, levels)
+    trace_family(setup, &TensorField::identity(), TraceMass::Consistent, &levels)
 }

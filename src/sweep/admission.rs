@@ -2,9 +2,10 @@
 
 use super::cost::{Cost, PROGRAM, PlanCost, predict, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
-use super::needs::admit_run;
+use super::needs::{admit_run, constants_bytes};
 use super::plan::{CasePlan, ScenePlan};
 use crate::contact::Discretization;
+use crate::scene::Scene;
 use crate::setup::{Setup, Subject};
 
 /// A command would take more memory than there may be.
@@ -101,6 +102,23 @@ fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
         *own = own.max(cost.kept_bytes);
     }
     working.iter().take(jobs).sum::<f64>() + kept.values().sum::<f64>()
+}
+
+/// Refuses a scene whose trace constants do not fit, before it is set up: they decide on (2.9) and on the step size where
+/// the law falls, and a command may want them of `any` scene with contact.
+///
+/// # Errors
+/// [`Refused`].
+pub fn admit_constants(scene: &Scene, any: bool, limit: &MemoryLimit) -> Result<(), Refused> {
+    let Some(body) = scene.as_contact() else { return Ok(()) };
+    let law = body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    let falls = law.is_some_and(|law| law.alpha() > 0.0);
+    if body.domain.contact.is_empty() || !(any || falls) {
+        return Ok(());
+    }
+    constants_bytes(body, limit)
+        .and_then(|bytes| limit.admit(bytes, false))
+        .map_err(|source| Refused { what: format!("{}, c_j^2", scene.name), source })
 }
 
 /// By a coarse mesh of each, the finest first.

@@ -16,8 +16,8 @@ mod truth;
 
 use std::collections::HashSet;
 
-pub(super) use alone::march_bytes;
 pub use alone::{RunCost, run_cost, run_seconds};
+pub(super) use alone::{eigenvalue_bytes, march_bytes};
 use linear::linear;
 use truth::{TruthCost, truth, zeta};
 

@@ -20,7 +20,7 @@ mod run;
 mod schedule;
 
 pub use abstract_case::run_abstract_case;
-pub use admission::{Beside, Refused, Runs, admit_plan};
+pub use admission::{Beside, Refused, Runs, admit_constants, admit_plan};
 pub use case::{as_floors, floor_in, run_contact_case};
 pub use circumstances::Circumstances;
 pub use cost::{Cost, Kind, PlanCost, RunCost, predict, run_cost, run_seconds};

@@ -4,7 +4,8 @@ use super::cost::{predict, predict_abstract, predict_some, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::plan::{CasePlan, ScenePlan, without_panic};
 use crate::contact::Discretization;
-use crate::setup::{AbstractSetup, Setup, SetupError, Subject};
+use crate::scene::ContactScene;
+use crate::setup::{AbstractSetup, Setup, SetupError, Subject, side_numbers, trace_levels};
 
 /// What one run is predicted to take.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -69,10 +70,12 @@ pub(super) struct Needs {
     pub(super) cases: Vec<Result<Need, TooLarge>>,
 }
 
-/// Cells a unit length, in the plane and in space, of the mesh by which others are judged before they are made, and how
-/// many times more they must have: a mesh with fewer is made in a moment.
+/// Cells a unit length, in the plane and in space, of the mesh by which others are judged before they are made.
 const COARSE: [u32; 2] = [16, 8];
-const FINER: u32 = 4;
+/// A mesh with no more cells is made in a moment.
+const MOMENT: [f64; 2] = [8_192.0, 196_608.0];
+/// Bytes a cell, where the coarsest mesh of all has more than that: a third of what its matrices take without a factor.
+const CELL: f64 = 200.0;
 /// The part of the bytes a coarse mesh would take, scaled by the number of cells, that a finer one surely takes: its
 /// factor is the larger one, but large boxes have multigrid in place of a factor.
 const SURELY: f64 = 0.5;
@@ -144,17 +147,36 @@ pub fn admit_run(
 
 /// A lower bound for the bytes of a run on the mesh n: those on a coarse mesh times the ratio of cells, and less.
 fn least_bytes(setup: &Setup, n: u32, steps: u32) -> f64 {
-    let coarse = COARSE[usize::from(setup.scene.dimension == 3)];
-    let coarse = (1..=coarse).rev().find(|&m| setup.scene.check_cells(m).is_ok());
-    let Some(coarse) = coarse.filter(|&coarse| FINER * coarse < n) else { return 0.0 };
+    let (domain, place) = (&setup.body.domain, usize::from(setup.scene.dimension == 3));
+    let cells = domain.cells(n);
+    if cells <= MOMENT[place] {
+        return 0.0;
+    }
+    let known = |&m: &u32| domain.cells(m) <= MOMENT[place] && setup.scene.check_cells(m).is_ok();
+    let Some(coarse) = (1..=COARSE[place]).rev().find(known) else { return CELL * cells };
     let bytes = || -> Result<f64, SetupError> {
         let space = setup.space(coarse)?;
         Ok(super::cost::march_bytes(setup, &space, coarse, steps))
     };
-    let h = |n: u32| setup.body.domain.h(n);
-    let cells = (h(coarse) / h(n)).powi(setup.scene.dimension as i32);
     // A coarse mesh that cannot be made says nothing of a finer one.
-    SURELY * cells * bytes().unwrap_or(0.0)
+    SURELY * cells / domain.cells(coarse) * bytes().unwrap_or(0.0)
+}
+
+/// Bytes of the trace constants that a scene is judged by, before its model is made: a lower bound of them if they are
+/// above the limit by that.
+pub(super) fn constants_bytes(body: &ContactScene, limit: &MemoryLimit) -> Result<f64, TooLarge> {
+    let domain = &body.domain;
+    let Some(&finest) = trace_levels(domain).last() else { return Ok(0.0) };
+    let cells = domain.cells(finest);
+    // Of small meshes as of small runs.
+    if cells <= MOMENT[0] {
+        return Ok(0.0);
+    }
+    limit.admit(CELL * cells, true)?;
+    let sides = [&domain.clamped, &domain.contact].map(|sides| side_numbers(sides));
+    // What is wrong with a mesh is said by what makes it.
+    let space = Discretization::new(domain.mesh(finest), &sides[0], &sides[1]);
+    Ok(space.map_or(0.0, |space| super::cost::eigenvalue_bytes(&space)))
 }
 
 /// An abstract problem keeps all of its states, and a kernel value for each pair of times is computed, not kept.

@@ -15,6 +15,9 @@ const REACH: f64 = 0.12;
 /// Meshes tried for the cells of a region, until none is cut; lines of a mesh are drawn on one of these.
 const MESHES: [u32; 6] = [1, 2, 3, 4, 6, 8];
 
+/// Cells beyond which a picture shows none: they would be smaller than a line is wide.
+const MOST_CELLS: f64 = 65_536.0;
+
 pub(super) fn picture(scene: &Scene) -> Result<String, ReportError> {
     let sketch = match &scene.body {
         Body::Abstract(problem) => over_time(scene, &problem.u),
@@ -54,17 +57,19 @@ fn over_time(scene: &Scene, u: &[Node]) -> Sketch {
 fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
     let (domain, mut sketch) = (&body.domain, Sketch::default());
     let whole = match &domain.shape {
-        Shape::Box => domain.mesh(*MESHES.iter().find(|n| divides(scene, **n)).unwrap_or(&1)),
-        Shape::Refined(_) => domain.mesh(1),
+        Shape::Box => MESHES.iter().find(|n| divides(scene, **n)).map(|&n| domain.mesh(n)),
+        Shape::Refined(_) => Some(domain.mesh(1)),
     };
-    for c in 0..whole.cell_count() {
-        sketch.areas.push((cell(&whole, c), Ink::Thin, 0.15));
+    for (whole, c) in
+        whole.iter().flat_map(|whole| (0..whole.cell_count()).map(move |c| (whole, c)))
+    {
+        sketch.areas.push((cell(whole, c), Ink::Thin, 0.15));
     }
     regions(scene, body, &mut sketch);
     if domain.mesh != MeshFamily::Structured || matches!(domain.shape, Shape::Refined(_)) {
         let fine = if domain.mesh == MeshFamily::Structured { 1 } else { 4 };
-        let mesh = if divides(scene, fine) { domain.mesh(fine) } else { whole };
-        sketch.strokes.extend(lines(&mesh));
+        let mesh = if divides(scene, fine) { Some(domain.mesh(fine)) } else { whole };
+        sketch.strokes.extend(mesh.iter().flat_map(lines));
     }
     for (ink, sides) in parts(body) {
         for face in sides.iter().flat_map(|&side| domain.faces(side)) {
@@ -85,7 +90,8 @@ fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
 }
 
 fn divides(scene: &Scene, n: u32) -> bool {
-    scene.check_cells(n).is_ok()
+    let few = |body: &ContactScene| body.domain.cells(n) <= MOST_CELLS;
+    scene.check_cells(n).is_ok() && scene.as_contact().is_none_or(few)
 }
 
 /// Γ3 above Γ2, Γ1 last, as far as there are any, with their entries in the legend.

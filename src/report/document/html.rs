@@ -1,6 +1,7 @@
 //! The document as a page that needs nothing but itself: no script to read it, one to sort its tables.
 
 use super::{Block, Document, Equation, Figure, Run, Section, Table, Tone};
+use crate::record::harmless;
 use crate::report::sheet;
 
 /// Light, and dark where the reader's system is.
@@ -134,7 +135,7 @@ fn of_run(run: &Run) -> String {
 
 fn escaped(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
-    for character in text.chars() {
+    for character in harmless(text).chars() {
         match character {
             '&' => result.push_str("&amp;"),
             '<' => result.push_str("&lt;"),

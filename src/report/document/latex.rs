@@ -1,6 +1,7 @@
 //! The tables of numbers as one LaTeX document with booktabs rules: to be compiled, or to be cut from.
 
 use super::{Document, Run, Table, Tone};
+use crate::record::harmless;
 
 const PREAMBLE: &str = "\\documentclass[10pt]{article}
 \\usepackage[T1]{fontenc}
@@ -79,7 +80,7 @@ fn columns(table: &Table) -> (&'static str, String) {
 /// Words that LaTeX sets as they are. Letters beyond these are left to `inputenc`.
 fn escaped(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
-    for character in text.chars() {
+    for character in harmless(text).chars() {
         match command(character) {
             Some(command) => result.push_str(command),
             None => result.push(character),

@@ -1,6 +1,7 @@
 //! The document for a pull request: the outcome, the table of verdicts, what is remarkable, where the rest is.
 
 use super::{Block, Document, Equation, Figure, Run, Section, Table, Tone};
+use crate::record::harmless;
 
 /// The document as Markdown; pictures are linked to, tables of evidence fold.
 pub(in crate::report) fn markdown(document: &Document) -> String {
@@ -39,7 +40,7 @@ fn of_block(block: &Block, folded: bool) -> String {
         Block::Figure(Figure { number, file, caption, .. }) => {
             format!("Figure {number}. {}\n\n![{}](<{file}>)\n\n", plain(caption), plain(caption))
         }
-        Block::Code(text) => format!("```sh\n{text}\n```\n\n"),
+        Block::Code(text) => format!("```sh\n{}\n```\n\n", harmless(text)),
     }
 }
 
@@ -75,7 +76,7 @@ fn of_run(run: &Run) -> String {
 /// Words that mean themselves.
 fn plain(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
-    for character in text.chars() {
+    for character in harmless(text).chars() {
         match character {
             '&' => result += "&amp;",
             '<' => result += "&lt;",
@@ -93,7 +94,7 @@ fn plain(text: &str) -> String {
 /// Words inside an element, where a backslash is no escape.
 fn html(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
-    for character in text.chars() {
+    for character in harmless(text).chars() {
         match character {
             '&' => result += "&amp;",
             '<' => result += "&lt;",

@@ -1,8 +1,10 @@
 //! `shape = "mesh"`: a gmsh file beside the scene file.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::mesh::{CoarseMesh, read_gmsh};
+use crate::record::open_file;
 use crate::scene::diagnostic::SceneError;
 use crate::scene::reading::Reading;
 use crate::scene::source::Source;
@@ -64,11 +66,12 @@ pub(super) fn mesh_file(
 }
 
 fn text(path: &Path) -> Result<String, String> {
-    let size = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-    if size > LARGEST_FILE {
+    let mut bytes = Vec::new();
+    let read = |file: std::fs::File| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes);
+    open_file(path).and_then(read).map_err(|error| error.to_string())?;
+    if bytes.len() as u64 > LARGEST_FILE {
         return Err("it is larger than 64 MiB".to_string());
     }
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
     String::from_utf8(bytes).map_err(|error| {
         let byte = error.utf8_error().valid_up_to();
         format!("byte {byte} is not text: export as ASCII")

@@ -46,3 +46,14 @@ pub(in crate::sweep) fn march_bytes(
 ) -> f64 {
     march(setup, space, n, steps).memory_bytes
 }
+
+/// Vectors of an iteration for an eigenvalue, which keeps all of its iterates and their images.
+const ITERATES: f64 = 80.0;
+
+/// The memory of a process that computes a constant of the trace on a mesh: its stiffness matrix with a factor in double
+/// precision, and the iterates.
+pub(in crate::sweep) fn eigenvalue_bytes(space: &Discretization) -> f64 {
+    let (entries, factor) =
+        (space.pattern.entries() as f64, space.analysis.factor_entries() as f64);
+    PROGRAM + 12.0 * factor + 40.0 * entries + 8.0 * ITERATES * space.dofs() as f64
+}

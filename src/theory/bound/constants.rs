@@ -62,6 +62,8 @@ pub struct TraceConstants {
 
 /// The meshes on which trace constants are computed.
 const LEVELS: [u32; 6] = [8, 16, 32, 64, 128, 256];
+/// More cells than this none of them has: the finest of a unit square eightfold.
+const MOST_CELLS: f64 = 1_048_576.0;
 /// The same in space, up to 15,000 unknowns.
 const LEVELS_IN_SPACE: [u32; 4] = [2, 4, 8, 16];
 
@@ -93,7 +95,12 @@ impl TraceConstants {
             (_, 2) => &LEVELS[..],
             _ => &LEVELS_IN_SPACE,
         };
-        levels.iter().copied().filter(|&n| setup.scene.check_cells(n).is_ok()).collect()
+        let scene = &setup.scene;
+        let whole: Vec<u32> =
+            levels.iter().copied().filter(|&n| scene.check_cells(n).is_ok()).collect();
+        // The coarsest is there in any case: whether it fits into memory is another question.
+        let fits = |&(i, n): &(usize, u32)| i == 0 || setup.body.domain.cells(n) <= MOST_CELLS;
+        whole.into_iter().enumerate().filter(fits).map(|(_, n)| n).collect()
     }
 
     /// The limit of a pair of families, and how far they and their own extrapolations lie apart.
