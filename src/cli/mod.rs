@@ -35,6 +35,7 @@ mod trade;
 mod verify;
 
 use std::fmt::Display;
+use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -42,11 +43,10 @@ pub use fit::{Fitted, fitted};
 
 use clap::{Parser, Subcommand};
 use output::{
-    create_dir, megabytes, print_as_it_is, print_json, print_text, print_verdicts, write_file,
-    write_json,
+    create_dir, delivered, megabytes, print_as_it_is, print_error, print_json, print_text,
+    print_verdicts, write_file, write_json,
 };
 
-use crate::record::harmless;
 use crate::scene::{Registry, Scene, SceneError};
 use crate::setup::{Setup, SetupError, Subject};
 use crate::sweep::{MemoryLimit, admit_constants, admit_run};
@@ -165,7 +165,10 @@ impl CliError {
 
 /// Parses the arguments and runs the command.
 pub fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(said) => return finished(said_instead(&said)),
+    };
     progress::say(match (arguments.quiet, arguments.verbose) {
         (true, _) => progress::Loudness::Quiet,
         (_, true) => progress::Loudness::Verbose,
@@ -197,13 +200,29 @@ pub fn main() -> ExitCode {
         Command::Completions(completions) => completions.execute(),
         Command::Man(man) => man.execute(),
     };
-    match outcome {
+    finished(outcome)
+}
+
+/// The end of the program: no code says of results that they are there which are not.
+fn finished(outcome: Result<u8, CliError>) -> ExitCode {
+    match outcome.and_then(delivered) {
         Ok(code) => ExitCode::from(code),
         Err(error) => {
-            eprintln!("{}", harmless(error.to_string().trim_end()));
+            print_error(error.to_string().trim_end());
             ExitCode::from(COULD_NOT_JUDGE)
         }
     }
+}
+
+/// Help, the version, or what is wrong with the arguments.
+fn said_instead(said: &clap::Error) -> Result<u8, CliError> {
+    let printed = said.print().and_then(|()| std::io::stdout().flush());
+    if let Err(error) = printed
+        && !said.use_stderr()
+    {
+        output::stopped(error);
+    }
+    Ok(u8::try_from(said.exit_code()).unwrap_or(COULD_NOT_JUDGE))
 }
 
 /// Where scenes come from.

@@ -1,10 +1,16 @@
-//! What a command leaves: text on stdout, files in the directory that it was given.
+//! What a command leaves: text on stdout and stderr, files in the directory that it was given.
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 
 use super::CliError;
-use crate::record::{harmless, harmless_json, replace_file};
+use crate::record::{
+    harmless, harmless_json, make_directory, read_file, replace_file, write_named,
+};
+
+/// The first write to stdout that failed; nothing is written after it.
+static STOPPED: OnceLock<io::Error> = OnceLock::new();
 
 /// Prints a JSON value.
 pub fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
@@ -23,12 +29,37 @@ pub fn print_verdicts(table: &str) {
     print_as_it_is(&super::colour::shown(&harmless(table)));
 }
 
-/// Prints colours and commands to stdout, which this program means; a closed pipe ends the program quietly instead of with a panic.
+/// Prints colours and commands to stdout, which this program means. Where it takes no more the command goes on, as the
+/// files that it writes and its verdict are wanted all the same; [`delivered`] says what that means for its exit code.
 pub fn print_as_it_is(text: &str) {
-    let mut out = std::io::stdout().lock();
-    if writeln!(out, "{text}").and_then(|()| out.flush()).is_err() {
-        std::process::exit(0);
+    if STOPPED.get().is_some() {
+        return;
     }
+    let mut out = io::stdout().lock();
+    if let Err(error) = writeln!(out, "{text}").and_then(|()| out.flush()) {
+        stopped(error);
+    }
+}
+
+/// Keeps the first failure of stdout.
+pub fn stopped(error: io::Error) {
+    STOPPED.get_or_init(|| error);
+}
+
+/// The exit code of a command that has printed all it had to. A reader that closed the pipe has what it wanted; what a
+/// full disk lost was asked for.
+pub fn delivered(code: u8) -> Result<u8, CliError> {
+    match STOPPED.get() {
+        Some(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(CliError::about("standard output", format!("{error}: the results are not there")))
+        }
+        _ => Ok(code),
+    }
+}
+
+/// Says a line on stderr. Where that takes nothing there is nobody to tell, and the exit code remains.
+pub fn print_error(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{}", harmless(line));
 }
 
 /// Bytes in MiB.
@@ -36,14 +67,26 @@ pub fn megabytes(bytes: f64) -> String {
     format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
 }
 
-/// Creates a directory and what is above it.
+/// Creates a directory and what is above it; what a killed process left unfinished in it goes.
 pub fn create_dir(dir: &Path) -> Result<(), CliError> {
-    std::fs::create_dir_all(dir).map_err(|error| CliError::about(dir.display(), error))
+    make_directory(dir).map_err(|error| CliError::about(dir.display(), error))
 }
 
-/// Writes a file in one piece.
+/// Writes a file of a directory in one piece.
 pub fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     replace_file(path, bytes.as_ref()).map_err(|error| CliError::about(path.display(), error))
+}
+
+/// Writes where the user says, through links and into pipes.
+#[cfg(feature = "pdf")]
+pub fn write_user_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+    write_named(path, bytes.as_ref()).map_err(|error| CliError::about(path.display(), error))
+}
+
+/// Copies a file that was written to where the user says, through links and into pipes.
+pub fn copy_named(from: &Path, to: &Path) -> Result<(), CliError> {
+    let bytes = read_file(from).map_err(|error| CliError::about(from.display(), error))?;
+    write_named(to, &bytes).map_err(|error| CliError::about(to.display(), error))
 }
 
 /// Writes a JSON value in one piece.

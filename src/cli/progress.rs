@@ -5,6 +5,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
+use super::output::print_error;
 use crate::record::{CaseRecord, Status, counted, harmless};
 use crate::setup::StepRemark;
 use crate::sweep::Progress;
@@ -34,7 +35,7 @@ fn loudness() -> Loudness {
 /// Says a line on stderr unless --quiet.
 pub fn note(line: &str) {
     if loudness() != Loudness::Quiet {
-        eprintln!("{}", harmless(line));
+        print_error(line);
     }
 }
 
@@ -87,9 +88,15 @@ impl Progress for Display {
                 bar.set_position(done as u64);
             }
             None if loudness() == Loudness::Quiet => {}
-            None if done > 0 => eprintln!("{}, {done} already recorded", counted(total, "case")),
-            None => eprintln!("{}", counted(total, "case")),
+            None if done > 0 => {
+                print_error(&format!("{}, {done} already recorded", counted(total, "case")))
+            }
+            None => print_error(&counted(total, "case")),
         }
+    }
+
+    fn doubted(&self, why: &str) {
+        note(&format!("warning: {why}"));
     }
 
     fn started(&self, what: &str) {
@@ -114,7 +121,7 @@ impl Progress for Display {
             Some(bar) => {
                 bar.set_position(state.done as u64);
                 if let Some(reason) = failure {
-                    bar.println(harmless(&format!("{what} failed: {reason}")));
+                    bar.println(harmless(&format!("{what} failed: {reason}")).as_ref());
                 } else if loudness() == Loudness::Verbose {
                     bar.println(format!("{what} done{seconds}"));
                 }
@@ -125,8 +132,7 @@ impl Progress for Display {
             None if loudness() == Loudness::Quiet => {}
             None => {
                 let outcome = failure.map_or("done".into(), |reason| format!("failed: {reason}"));
-                let line = format!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total);
-                eprintln!("{}", harmless(&line));
+                print_error(&format!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total));
             }
         }
         self.show_running(&state);

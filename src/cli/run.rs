@@ -9,6 +9,7 @@ use super::extension::restore_added;
 use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::machine::{Allowance, processors, seconds};
+use super::output::copy_named;
 use super::swept::Swept;
 use super::{CliError, Scenes, print_json, print_text};
 use crate::record::{CaseRecord, RecordError, quoted};
@@ -17,7 +18,7 @@ use crate::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
     reference_error, run_more, run_sweep,
 };
-use crate::verdict::{Baseline, Comparison, Verdict, compare_owed, compare_with_baseline};
+use crate::verdict::{Baseline, Comparison, Verdict, compare_owed, compare_with_baseline, write_json};
 
 /// The default directory of reports.
 pub(super) const LATEST: &str = "reports/latest";
@@ -125,14 +126,12 @@ impl Gate {
             )));
         }
         let swept = self.what.sweep(scenes, plans, false, true)?;
-        let document = |path: &std::path::Path| {
-            let Swept { provenance, verdicts, records, comparison, .. } = &swept;
-            crate::verdict::write_json(path, provenance, verdicts, records, comparison.as_ref())
-                .map_err(CliError::other)
-        };
-        document(&self.what.out.join("verdict.json"))?;
+        let Swept { provenance, verdicts, records, comparison, .. } = &swept;
+        let document = self.what.out.join("verdict.json");
+        write_json(&document, provenance, verdicts, records, comparison.as_ref())
+            .map_err(CliError::other)?;
         if let Some(path) = &self.json {
-            document(path)?;
+            copy_named(&document, path)?;
         }
         if let Some(path) = &self.junit {
             write_junit(path, &swept.verdicts, &swept.provenance, swept.comparison.as_ref())?;

@@ -7,14 +7,16 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use super::comparing::Comparing;
-use super::missing::{Missing, NAMED, with_jobs};
+use super::missing::{Missing, NAMED, WayOn, with_jobs};
 use super::parts::Parts;
 use super::plan::{Plan, PlanError, id};
 use super::sorted::{SortedCases, agree};
 use crate::record::{CaseRecord, Key, NormError, RecordError, Status, TableWriter};
 use crate::scene::{Norm, Scene, SceneError};
 use crate::setup::{SetupError, Subject};
-use crate::sweep::{CasePlan, Overrides, Provenance, ScenePlan, foresee, judge_scene};
+use crate::sweep::{
+    CasePlan, Overrides, Provenance, ScenePlan, blocks, foresee, is_complete, judge_scene,
+};
 use crate::verdict::{Baseline, Comparison, Verdict};
 
 /// Why nothing was merged.
@@ -98,7 +100,10 @@ pub fn merge(
         merged: Merged {
             verdicts: Vec::new(),
             failed: Vec::new(),
-            missing: Missing { planned: plan.is_some(), ..Missing::default() },
+            missing: Missing {
+                way: if plan.is_some() { WayOn::Plan } else { WayOn::Grids },
+                ..Missing::default()
+            },
             cases: 0,
             comparison: None,
             provenance: Provenance::new(std::iter::empty()),
@@ -239,8 +244,7 @@ impl Merging<'_> {
         }
         match open.expects().filter(|next| (next.n, next.steps) == place) {
             Some(next) => {
-                let measured = |norm: &Norm| case.norm(norm.name()).is_some();
-                if !next.norms.iter().all(measured) || case.status == Status::Skipped {
+                if !is_complete(&case, &next.norms) {
                     return self.miss(open);
                 }
                 open.passed += 1;
@@ -309,6 +313,9 @@ impl Merging<'_> {
         }
         if let Some(remark) = plan.step_remark().ok().flatten() {
             own.step_sizes.insert(name.clone(), remark.text);
+        }
+        if let Some(asked) = blocks(plan) {
+            own.cases.insert(name.clone(), asked);
         }
         if let Some(added) = self.parts.added.get(name) {
             own.added_cases.insert(name.clone(), added.clone());

@@ -1,4 +1,4 @@
-//! Cases that a merge does not find, in words.
+//! Cases that a merge or a report does not find, in words.
 
 use std::path::Path;
 
@@ -15,8 +15,28 @@ pub struct Missing {
     pub number: usize,
     /// The first of them, with the job that runs it where there is a plan.
     pub first: Vec<(String, Option<usize>)>,
-    /// By a plan.
-    pub planned: bool,
+    /// What to do about it.
+    pub way: WayOn,
+}
+
+/// How missing cases come to be.
+#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
+pub enum WayOn {
+    /// They are jobs of a plan.
+    Plan,
+    /// They are on the grids of scenes, as no plan was given.
+    #[default]
+    Grids,
+    /// They are those of a sweep that has not come to its end.
+    Resume,
+}
+
+impl Missing {
+    /// Cases that an unfinished sweep owes.
+    pub fn of_sweep(missing: &[Key]) -> Self {
+        let first = missing.iter().take(NAMED).map(|key| (id(key), None)).collect();
+        Self { number: missing.len(), first, way: WayOn::Resume }
+    }
 }
 
 impl std::fmt::Display for Missing {
@@ -30,9 +50,10 @@ impl std::fmt::Display for Missing {
         if self.number > self.first.len() {
             write!(f, " and {} more", self.number - self.first.len())?;
         }
-        f.write_str(match self.planned {
-            true => "; run them with `sweep case --job JOB`, or merge with --incomplete: their verdicts fail then",
-            false => "; they are on the grids of the scenes' files: give the plan with --plan if another grid was run, or merge with --incomplete: their verdicts fail then",
+        f.write_str(match self.way {
+            WayOn::Plan => "; run them with `sweep case --job JOB`, or merge with --incomplete: their verdicts fail then",
+            WayOn::Grids => "; they are on the grids of the scenes' files: give the plan with --plan if another grid was run, or merge with --incomplete: their verdicts fail then",
+            WayOn::Resume => "; run the command that made these records again, `sweep run` with --resume",
         })
     }
 }

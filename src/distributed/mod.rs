@@ -15,7 +15,7 @@ mod sorted;
 
 pub use bundle::{Job, SceneDemands, bundle};
 pub use merge::{MergeError, Merged, merge};
-pub use missing::Missing;
+pub use missing::{Missing, WayOn};
 pub use part::{PartError, PartRun, failed_in_words, run_part};
 pub use parts::Parts;
 pub use plan::{CaseRow, JobRow, Plan, PlanError, PlannedScene, id};

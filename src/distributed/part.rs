@@ -5,11 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::plan::{CASES, CaseRow, PLAN, Plan, PlanError};
-use crate::record::{CaseRecord, RecordError, counted, write_sorted};
+use crate::record::{CaseRecord, RecordError, counted, make_directory, write_sorted};
 use crate::setup::{SetupError, Subject};
 use crate::sweep::{
-    Machine, MemoryLimit, OutputDirectory, OutputError, Overrides, Progress, Provenance, ScenePlan,
-    SweepError, TooLarge, resume, run_sweep,
+    Machine, MemoryLimit, OutputDirectory, OutputError, Overrides, Progress, Provenance, Resumed,
+    ScenePlan, SweepError, TooLarge, resume, run_sweep,
 };
 use crate::verdict::{DocumentError, failures, write_json};
 
@@ -121,10 +121,11 @@ pub fn run_part(
         memory.admit(row.bytes, false).map_err(too_large)?;
     }
     // Records of another plan or version are no records of this part; they are replaced at the end.
-    if let Ok(records) = resume(out, &plans)
-        && records.len() == rows.len()
-    {
-        return Ok(PartRun { records, known: true });
+    if let Ok(Resumed { records, doubts }) = resume(out, &plans) {
+        if records.len() == rows.len() {
+            return Ok(PartRun { records, known: true });
+        }
+        doubts.iter().for_each(|doubt| progress.doubted(doubt));
     }
     let unfinished = out.join(UNFINISHED);
     let held = OutputDirectory::take(&unfinished)?;
@@ -149,6 +150,9 @@ fn publish(out: &Path, records: &[CaseRecord], provenance: &Provenance) -> Resul
         fs::remove_file(path)
             .map_err(|error| PartError::Io { path: path.clone(), reason: error.to_string() })?;
     }
+    // Those that a killed process left.
+    make_directory(out)
+        .map_err(|error| PartError::Io { path: out.to_owned(), reason: error.to_string() })?;
     provenance.write(out).map_err(|(path, reason)| PartError::Io { path, reason })?;
     if !failures(records).is_empty() {
         // The table has no column for reasons.

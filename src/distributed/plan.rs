@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::record::{Key, Replacement, counted, open_file, replace_file};
+use crate::record::{Key, Replacement, counted, open_file, read_text, replace_file};
 use crate::scene::{Scene, SceneError, Source};
 use crate::sweep::Overrides;
 
@@ -188,9 +188,8 @@ impl Plan {
     /// [`PlanError`]; a plan of another version is refused.
     pub fn read(dir: &Path) -> Result<Self, PlanError> {
         let path = dir.join(PLAN);
-        let text = open_file(&path)
-            .and_then(io::read_to_string)
-            .map_err(|source| PlanError::Io { path: path.clone(), source })?;
+        let text =
+            read_text(&path).map_err(|source| PlanError::Io { path: path.clone(), source })?;
         let plan: Self = serde_json::from_str(&text).map_err(|error| PlanError::Malformed {
             path: path.clone(),
             reason: error.to_string(),

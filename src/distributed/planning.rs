@@ -1,13 +1,12 @@
 //! From scenes to a plan: predictions of all cases, jobs, and the files that an engine reads.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::bundle::{Job, SceneDemands, bundle};
 use super::plan::{CaseRow, JobRow, PLAN, Plan, PlanError, PlannedScene, id};
 use super::request::request;
 use super::slurm;
-use crate::record::{Key, replace_file};
+use crate::record::{Key, make_directory, replace_file};
 use crate::setup::SetupError;
 use crate::sweep::{Overrides, ScenePlan, demands};
 
@@ -93,7 +92,7 @@ impl Planning {
     /// [`PlanningError`].
     pub fn write(&self, dir: &Path, engine: Engine) -> Result<(), PlanningError> {
         let io = |path: &Path, source| PlanError::Io { path: path.to_owned(), source };
-        fs::create_dir_all(dir).map_err(|source| io(dir, source))?;
+        make_directory(dir).map_err(|source| io(dir, source))?;
         if dir.join(PLAN).exists() && Plan::read(dir)? != self.plan {
             return Err(PlanningError::Other { path: dir.join(PLAN) });
         }
@@ -106,7 +105,7 @@ impl Planning {
             Engine::Slurm => {
                 let arrays = slurm::arrays(&self.jobs);
                 let folder = dir.join("arrays");
-                fs::create_dir_all(&folder).map_err(|source| io(&folder, source))?;
+                make_directory(&folder).map_err(|source| io(&folder, source))?;
                 for array in &arrays {
                     let lines: String = array.jobs.iter().map(|job| format!("{job}\n")).collect();
                     put(&array.file, &lines)?;

@@ -1,12 +1,13 @@
 //! Files that are either the old one or the new one, never half of it.
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-/// A file that is written beside its place, and stands there when it is finished. Given up, it leaves nothing. What is no
-/// file, a device or a pipe, stays what it is and is written as it comes.
+/// A file that is written beside its place, and stands there when it is finished. Given up, it leaves nothing.
 #[derive(Debug)]
 pub struct Replacement {
     path: PathBuf,
@@ -16,22 +17,30 @@ pub struct Replacement {
 }
 
 impl Replacement {
-    /// Begins the file that is to stand at `path`.
+    /// Begins a file of a directory of records. A link in its place is replaced, and what it names is left alone.
     ///
     /// # Errors
     /// What the file system reports.
     pub fn create(path: &Path) -> io::Result<Self> {
-        // A link stays, and what it names is replaced.
+        let partial = path.with_file_name(partial_name(path.file_name().unwrap_or_default()));
+        // Neither an older one of this number nor what a link in its place names is written to.
+        let _ = fs::remove_file(&partial);
+        let file = BufWriter::new(File::create_new(&partial)?);
+        Ok(Self { path: path.to_owned(), partial: Some(partial), file })
+    }
+
+    /// Begins a file that a user names. A link stays, and what it names is replaced; what is no file, a device or a
+    /// pipe, stays what it is and is written as it comes.
+    ///
+    /// # Errors
+    /// What the file system reports.
+    pub fn named(path: &Path) -> io::Result<Self> {
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if fs::metadata(&path).is_ok_and(|known| !known.is_file()) {
             let file = BufWriter::new(File::options().write(true).open(&path)?);
             return Ok(Self { path, partial: None, file });
         }
-        let mut name = path.file_name().map_or_else(OsString::new, OsString::from);
-        name.push(format!(".{}.partial", std::process::id()));
-        let partial = path.with_file_name(name);
-        let file = BufWriter::new(File::create(&partial)?);
-        Ok(Self { path, partial: Some(partial), file })
+        Self::create(&path)
     }
 
     /// Renames the file over an older one.
@@ -69,14 +78,79 @@ impl Drop for Replacement {
     }
 }
 
-/// Puts `bytes` at `path` in one step.
+/// Puts `bytes` at `path` in one step, as [`Replacement::create`] does.
 ///
 /// # Errors
 /// What the file system reports; the old file is then still there.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = Replacement::create(path)?;
+    finished(Replacement::create(path)?, bytes)
+}
+
+/// Puts `bytes` where a user names, as [`Replacement::named`] does.
+///
+/// # Errors
+/// What the file system reports; an old file is then still there.
+pub fn write_named(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    finished(Replacement::named(path)?, bytes)
+}
+
+fn finished(mut file: Replacement, bytes: &[u8]) -> io::Result<()> {
     file.write_all(bytes)?;
     file.finish()
+}
+
+/// The end of the names of unfinished files, after the number of the process that writes them.
+const PARTIAL: &str = ".partial";
+/// What file systems take for a name, in bytes.
+const LONGEST_NAME: usize = 255;
+/// A file is written in seconds: one that is older was given up.
+const GIVEN_UP: Duration = Duration::from_secs(3600);
+
+fn partial_name(name: &OsStr) -> OsString {
+    let end = format!(".{}{PARTIAL}", std::process::id());
+    let mut own = match name.len() + end.len() > LONGEST_NAME {
+        true => {
+            let mut hasher = DefaultHasher::new();
+            name.hash(&mut hasher);
+            OsString::from(format!("{:016x}", hasher.finish()))
+        }
+        false => name.to_owned(),
+    };
+    own.push(end);
+    own
+}
+
+/// Makes a directory and what is above it, and removes the unfinished files in it that killed processes left.
+///
+/// # Errors
+/// What the file system reports of the directory. An unfinished file that cannot be removed stays.
+pub fn make_directory(path: &Path) -> io::Result<()> {
+    fs::create_dir_all(path)?;
+    for entry in fs::read_dir(path)? {
+        let entry = entry?;
+        if is_left_over(&entry) {
+            // Another process may have been faster.
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+    Ok(())
+}
+
+/// Whether a file is one that a killed process left unfinished.
+fn is_left_over(entry: &fs::DirEntry) -> bool {
+    let name = entry.file_name();
+    let written_by = || name.to_str()?.strip_suffix(PARTIAL)?.rsplit_once('.')?.1.parse().ok();
+    let Some(process): Option<u32> = written_by() else { return false };
+    let Ok(known) = entry.metadata() else { return false };
+    let processes = Path::new("/proc");
+    match processes.join("self").exists() {
+        true => known.is_file() && !processes.join(process.to_string()).exists(),
+        // Nobody says which processes there are.
+        false => {
+            let age = known.modified().ok().and_then(|written| written.elapsed().ok());
+            known.is_file() && age.is_some_and(|age| age > GIVEN_UP)
+        }
+    }
 }
 
 #[cfg(test)]
@@ -94,21 +168,44 @@ mod tests {
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
         assert!(replace_file(&folder.join("no/such/folder.txt"), b"").is_err());
         assert!(replace_file(&folder, b"").is_err() && folder.is_dir());
+        // The longest name that there can be.
+        let long = folder.join("x".repeat(LONGEST_NAME));
+        replace_file(&long, b"long").unwrap();
+        assert_eq!(fs::read(&long).unwrap(), b"long");
         fs::remove_dir_all(&folder).unwrap();
     }
 
-    /// What a link names is replaced, not the link.
     #[cfg(unix)]
     #[test]
-    fn links_stay_what_they_are() {
+    fn links_are_replaced_in_a_directory_and_followed_where_they_are_named() {
         let folder = std::env::temp_dir().join(format!("gronwall-link-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let [file, link] = ["file", "link"].map(|name| folder.join(name));
         fs::write(&file, b"old").unwrap();
         std::os::unix::fs::symlink(&file, &link).unwrap();
-        replace_file(&link, b"new").unwrap();
+        write_named(&link, b"new").unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&file).unwrap(), b"new");
+        replace_file(&link, b"own").unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_file());
+        assert_eq!([fs::read(&file).unwrap(), fs::read(&link).unwrap()], [b"new", b"own"]);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn unfinished_files_of_processes_that_are_gone_are_removed() {
+        let folder = std::env::temp_dir().join(format!("gronwall-left-{}", std::process::id()));
+        fs::create_dir_all(&folder).unwrap();
+        let running = format!("a.csv.{}.partial", std::process::id());
+        // No process has a number that long.
+        let gone = "a.csv.4294967295.partial";
+        let kept = ["a.csv", "a.partial", "b.x1.partial", &running];
+        for name in kept.iter().chain([&gone]) {
+            fs::write(folder.join(name), "").unwrap();
+        }
+        make_directory(&folder).unwrap();
+        assert!(kept.iter().all(|name| folder.join(name).exists()));
+        assert_eq!(folder.join(gone).exists(), !Path::new("/proc/self").exists());
         fs::remove_dir_all(&folder).unwrap();
     }
 }

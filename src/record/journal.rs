@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use csv::StringRecord;
 
 use super::row::{self, COLUMNS, Row};
-use super::{CaseRecord, Key, RecordError, norm_rank, replace_file};
+use super::{CaseRecord, Key, RecordError, norm_rank, read_file, replace_file};
 
 /// The table of cases, open for appending.
 #[derive(Debug)]
@@ -26,11 +26,13 @@ impl Journal {
     /// that [`read`] reports.
     pub fn open(path: &Path) -> Result<Self, RecordError> {
         let io_error = |source| RecordError::Io { path: path.to_owned(), source };
-        let bytes = match fs::read(path) {
+        let bytes = match read_file(path) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
             other => other.map_err(io_error)?,
         };
-        let intact = scan(path, &bytes)?.intact;
+        let Scan { intact, width, .. } = scan(path, &bytes)?;
+        // Rows of two lengths would make the table unreadable.
+        check_header(path, &bytes, intact == 0 || width == COLUMNS.len())?;
         let file = OpenOptions::new().create(true).append(true).open(path).map_err(io_error)?;
         file.set_len(intact).map_err(io_error)?;
         let mut journal = Self { path: path.to_owned(), file };
@@ -46,7 +48,21 @@ impl Journal {
     /// [`RecordError::Name`] if a name has a line break; [`RecordError::Io`].
     pub fn append(&mut self, case: &CaseRecord) -> Result<(), RecordError> {
         let bytes = case_lines(case, &self.path)?;
+        self.in_place()?;
         self.write(&bytes)
+    }
+
+    /// Whether the table is still the one at its path: what is written into a removed file is lost without a word.
+    ///
+    /// # Errors
+    /// [`RecordError::Gone`]; [`RecordError::Io`].
+    pub fn in_place(&self) -> Result<(), RecordError> {
+        let own = self.file.metadata();
+        let own = own.map_err(|source| RecordError::Io { path: self.path.clone(), source })?;
+        match fs::metadata(&self.path) {
+            Ok(there) if same_file(&own, &there) => Ok(()),
+            _ => Err(RecordError::Gone { path: self.path.clone() }),
+        }
     }
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), RecordError> {
@@ -55,21 +71,72 @@ impl Journal {
     }
 }
 
-/// Reads the cases of a table, in order of first appearance; of two entries of one case the
-/// later wins. A torn last line is dropped; a case that lost rows by it shows in
-/// [`CaseRecord::norms`].
+#[cfg(unix)]
+fn same_file(one: &fs::Metadata, other: &fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    (one.dev(), one.ino()) == (other.dev(), other.ino())
+}
+
+/// Files have no identity here: that one is there has to do.
+#[cfg(not(unix))]
+fn same_file(_: &fs::Metadata, _: &fs::Metadata) -> bool {
+    true
+}
+
+/// A table of cases as it was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The cases in order of first appearance; of two entries of one case the later wins. A case that lost rows shows
+    /// in [`CaseRecord::norms`].
+    pub cases: Vec<CaseRecord>,
+    /// Lines that are not as they were written; what they say is left out.
+    pub changed: Vec<u64>,
+    /// The last line was cut off, and is left out.
+    pub torn: bool,
+    /// The rows have checksums.
+    pub checked: bool,
+}
+
+/// Reads the cases of a table. A torn last line is dropped.
 ///
 /// # Errors
-/// A torn or malformed line anywhere else, with its number.
+/// A torn, malformed or changed line anywhere else, with its number.
 pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
+    let Table { cases, changed, .. } = read_table(path)?;
+    match changed.first() {
+        Some(&line) => Err(RecordError::Changed { path: path.to_owned(), line }),
+        None => Ok(cases),
+    }
+}
+
+/// Reads a table, and says what is wrong with it.
+///
+/// # Errors
+/// A torn or malformed line that is not the last, with its number; no file.
+pub fn read_table(path: &Path) -> Result<Table, RecordError> {
     let bytes =
-        fs::read(path).map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
-    let rows = scan(path, &bytes)?.rows;
+        read_file(path).map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
+    let Scan { rows, intact, width } = scan(path, &bytes)?;
+    let torn = intact < bytes.len() as u64;
+    let checked = width == COLUMNS.len();
+    let (rows, changed) = rows
+        .into_iter()
+        .partition(|(line, fields)| Row { path, line: *line, fields }.is_unchanged());
+    let changed = lines_of(changed);
+    Ok(Table { cases: cases(path, &rows)?, changed, torn, checked })
+}
+
+fn lines_of(rows: Vec<Line>) -> Vec<u64> {
+    rows.into_iter().map(|(line, _)| line).collect()
+}
+
+/// The cases of rows.
+fn cases(path: &Path, rows: &[Line]) -> Result<Vec<CaseRecord>, RecordError> {
     let mut cases: Vec<CaseRecord> = Vec::new();
     let mut place: BTreeMap<Key, usize> = BTreeMap::new();
     let mut previous: Option<&StringRecord> = None;
     let mut current = 0;
-    for (line, fields) in &rows {
+    for (line, fields) in rows {
         let row = Row { path, line: *line, fields };
         let norm = row.norm()?;
         let continues = previous.is_some_and(|before| row::same_case(before, fields))
@@ -126,31 +193,34 @@ pub(super) fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
 /// A line number, from 1, and the fields of the line.
 type Line = (u64, StringRecord);
 
-/// The rows of a table with their line numbers, and the length of its intact part in bytes.
+/// The rows of a table with their line numbers, the length of its intact part in bytes, and the fields of a row.
 struct Scan {
     rows: Vec<Line>,
     intact: u64,
+    width: usize,
 }
 
 fn scan(path: &Path, bytes: &[u8]) -> Result<Scan, RecordError> {
     let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
     if whole == 0 {
         return check_header(path, bytes, COLUMNS.join(",").as_bytes().starts_with(bytes))
-            .map(|()| Scan { rows: Vec::new(), intact: 0 });
+            .map(|()| Scan { rows: Vec::new(), intact: 0, width: COLUMNS.len() });
     }
     let (mut rows, mut places) = parse_lines(path, &bytes[..whole])?;
-    check_header(path, bytes, rows.first().is_some_and(|(_, first)| *first == COLUMNS[..]))?;
+    let width = rows.first().and_then(|(_, first)| row::width(first));
+    check_header(path, bytes, width.is_some())?;
+    let width = width.unwrap_or(COLUMNS.len());
     rows.remove(0);
     let mut intact = whole as u64;
-    if rows.last().is_some_and(|(_, last)| last.len() != COLUMNS.len()) {
+    if rows.last().is_some_and(|(_, last)| last.len() != width) {
         rows.pop();
         intact = places.pop().unwrap_or(intact);
     }
-    match rows.iter().find(|(_, fields)| fields.len() != COLUMNS.len()) {
+    match rows.iter().find(|(_, fields)| fields.len() != width) {
         Some((line, fields)) => {
             Err(RecordError::Fields { path: path.to_owned(), line: *line, found: fields.len() })
         }
-        None => Ok(Scan { rows, intact }),
+        None => Ok(Scan { rows, intact, width }),
     }
 }
 

@@ -4,29 +4,31 @@
 //! one error for each norm, and in `cases.csv` one row for each of them.
 
 mod atomic;
+mod bounded;
 mod counted;
 mod foreign;
+mod hash;
 mod journal;
 mod norm;
 mod quoted;
-mod regular;
 mod row;
 mod stream;
 
 use std::io;
 use std::path::PathBuf;
 
-pub use atomic::{Replacement, replace_file};
+pub use atomic::{Replacement, make_directory, replace_file, write_named};
+pub use bounded::{open_file, read_at_most, read_file, read_text};
 pub use counted::counted;
 pub use foreign::{harmless, harmless_json, shortened};
-pub use journal::{Journal, read, write_sorted};
+pub use hash::fnv_1a;
+pub use journal::{Journal, Table, read, read_table, write_sorted};
 pub use norm::{
     CONTACT_MEASURE_MAX, CONTACT_SET_MAX, L2_MAX, NORMS, PRESSURE_L2_MAX, STRESS_L2_MAX,
     TRACE_L2_MAX, V_MAX, V_PROJECTION_MAX, V_TIME_MAX, is_by_state, norm_label, norm_label_in_time,
     norm_rank,
 };
 pub use quoted::quoted;
-pub use regular::open_file;
 pub use row::COLUMNS;
 pub use stream::{CaseStream, TableWriter};
 
@@ -162,6 +164,15 @@ impl CaseRecord {
         self.errors.iter().map(|entry| entry.norm.as_str())
     }
 
+    /// An entry that no measurement gives: an error that is negative or not finite, a floor that is negative or NaN.
+    pub fn unsound(&self) -> Option<&NormError> {
+        let sound = |entry: &&NormError| {
+            entry.error.is_none_or(|error| error.is_finite() && error >= 0.0)
+                && entry.floor.is_none_or(|floor| floor >= 0.0)
+        };
+        self.errors.iter().find(|entry| !sound(entry))
+    }
+
     /// Whether the case converged.
     pub fn converged(&self) -> bool {
         self.status == Status::Converged
@@ -190,6 +201,20 @@ pub enum RecordError {
     /// A table that should be whole ends within a line.
     #[error("{}: the last line is cut off", path.display())]
     Torn {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A row is not the one that was written.
+    #[error("{}:{line}: the row was changed after it was written (its checksum is another); `sweep run --resume` runs its case again", path.display())]
+    Changed {
+        /// The file.
+        path: PathBuf,
+        /// Line number, from 1.
+        line: u64,
+    },
+    /// The table is no longer where it was begun.
+    #[error("{}: the table was removed or replaced while the sweep wrote it: its records are lost; run the sweep again", path.display())]
+    Gone {
         /// The file.
         path: PathBuf,
     },

@@ -5,10 +5,10 @@ use std::str::FromStr;
 
 use csv::StringRecord;
 
-use super::{CaseRecord, NormError, RecordError, Status};
+use super::{CaseRecord, NormError, RecordError, Status, fnv_1a};
 
 /// Columns of `cases.csv`, a contract: extend, do not rename.
-pub const COLUMNS: [&str; 21] = [
+pub const COLUMNS: [&str; 22] = [
     "scene",
     "dimension",
     "n",
@@ -30,10 +30,29 @@ pub const COLUMNS: [&str; 21] = [
     "seconds_solve",
     "seconds_total",
     "peak_history_bytes",
+    "checksum",
 ];
 
 /// The columns that belong to the norm and not to the case.
 const NORM_COLUMNS: std::ops::Range<usize> = 8..11;
+/// The columns that differ between equal runs.
+const SECONDS: std::ops::Range<usize> = 15..20;
+/// The last column: what the others but `seconds_*` were when the row was written.
+const CHECKSUM: usize = COLUMNS.len() - 1;
+
+/// Number of fields of a row under this header; none if it is no header of a table of cases. A table that was made
+/// elsewhere may go without checksums.
+pub(super) fn width(header: &StringRecord) -> Option<usize> {
+    [COLUMNS.len(), CHECKSUM].into_iter().find(|&width| *header == COLUMNS[..width])
+}
+
+/// The hash of the fields of a row, `seconds_*` left out: equal runs have equal rows.
+fn checksum<'a>(fields: impl Iterator<Item = &'a str>) -> String {
+    let lasting = fields.take(CHECKSUM).enumerate().filter(|(i, _)| !SECONDS.contains(i));
+    // A line break stands in no field.
+    let bytes = lasting.flat_map(|(_, field)| field.bytes().chain([b'\n']));
+    format!("{:016x}", fnv_1a(bytes))
+}
 
 /// The rows of a case, one a norm; a case without norms has one row with an empty name.
 pub(super) fn encode(case: &CaseRecord) -> Vec<Vec<String>> {
@@ -49,7 +68,7 @@ fn encode_row(case: &CaseRecord, entry: &NormError) -> Vec<String> {
         Status::Failed { .. } => "failed",
         Status::Skipped => "skipped",
     };
-    vec![
+    let mut fields = vec![
         case.scene.clone(),
         case.dimension.to_string(),
         case.n.map_or_else(String::new, |n| n.to_string()),
@@ -71,7 +90,9 @@ fn encode_row(case: &CaseRecord, entry: &NormError) -> Vec<String> {
         number(case.seconds_solve),
         number(case.seconds_total),
         case.peak_history_bytes.to_string(),
-    ]
+    ];
+    fields.push(checksum(fields.iter().map(String::as_str)));
+    fields
 }
 
 /// The shortest decimal that reads back to the same bits.
@@ -85,7 +106,7 @@ fn optional(value: Option<f64>) -> String {
 
 /// Whether two rows describe the same case, column for column.
 pub(super) fn same_case(a: &StringRecord, b: &StringRecord) -> bool {
-    (0..COLUMNS.len()).filter(|i| !NORM_COLUMNS.contains(i)).all(|i| a.get(i) == b.get(i))
+    (0..CHECKSUM).filter(|i| !NORM_COLUMNS.contains(i)).all(|i| a.get(i) == b.get(i))
 }
 
 /// A row with its place, for messages.
@@ -96,6 +117,11 @@ pub(super) struct Row<'a> {
 }
 
 impl Row<'_> {
+    /// Whether the row is the one that was written; always so in a table without checksums.
+    pub(super) fn is_unchanged(&self) -> bool {
+        self.fields.get(CHECKSUM).is_none_or(|own| own == checksum(self.fields.iter()))
+    }
+
     /// The case of this row, without its norms.
     pub(super) fn case(&self) -> Result<CaseRecord, RecordError> {
         Ok(CaseRecord {

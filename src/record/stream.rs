@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use csv::StringRecord;
 
 use super::journal::{case_lines, lines};
-use super::row::{COLUMNS, Row, same_case};
-use super::{CaseRecord, RecordError, Replacement, norm_rank};
+use super::row::{COLUMNS, Row, same_case, width};
+use super::{CaseRecord, RecordError, Replacement, norm_rank, open_file};
 
 /// The cases of a finished table in its order, one at a time. Unlike [`super::read`] it takes no torn line: the
 /// table of a running sweep may have one, a table that was handed over must not.
@@ -16,6 +16,8 @@ use super::{CaseRecord, RecordError, Replacement, norm_rank};
 pub struct CaseStream {
     path: PathBuf,
     rows: csv::Reader<File>,
+    /// Fields of a row.
+    width: usize,
     /// The first row of the next case.
     ahead: Option<(u64, StringRecord)>,
     ended: bool,
@@ -25,20 +27,22 @@ impl CaseStream {
     /// Opens the table at `path`.
     ///
     /// # Errors
-    /// [`RecordError::Io`], [`RecordError::Header`], [`RecordError::Torn`].
+    /// [`RecordError::Io`], [`RecordError::Header`], [`RecordError::Torn`], [`RecordError::Changed`].
     pub fn open(path: &Path) -> Result<Self, RecordError> {
         let refused = |source| RecordError::Io { path: path.to_owned(), source };
-        let mut file = File::open(path).map_err(refused)?;
+        let mut file = open_file(path).map_err(refused)?;
         let whole = ends_with_line(&mut file).map_err(refused)?;
         let rows = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(file);
-        let mut stream = Self { path: path.to_owned(), rows, ahead: None, ended: false };
+        let mut stream =
+            Self { path: path.to_owned(), rows, width: COLUMNS.len(), ahead: None, ended: false };
         let mut header = StringRecord::new();
         let found = stream.rows.read_record(&mut header);
-        if !found.is_ok_and(|found| found) || header != COLUMNS[..] {
+        let Some(width) = width(&header).filter(|_| found.is_ok_and(|found| found)) else {
             let found = header.iter().collect::<Vec<_>>().join(",");
             let found = found.chars().take(60).collect();
             return Err(RecordError::Header { path: path.to_owned(), found });
-        }
+        };
+        stream.width = width;
         if !whole {
             return Err(RecordError::Torn { path: path.to_owned() });
         }
@@ -56,7 +60,12 @@ impl CaseStream {
         let line = fields.position().map_or(0, csv::Position::line);
         match there {
             false => Ok(None),
-            true if fields.len() == COLUMNS.len() => Ok(Some((line, fields))),
+            true if fields.len() == self.width => {
+                match (Row { path: &self.path, line, fields: &fields }).is_unchanged() {
+                    true => Ok(Some((line, fields))),
+                    false => Err(RecordError::Changed { path: self.path.clone(), line }),
+                }
+            }
             true => {
                 let path = self.path.clone();
                 Err(RecordError::Fields { path, line, found: fields.len() })
@@ -198,7 +207,7 @@ mod tests {
         let text = String::from_utf8(whole).unwrap().replacen(",converged", "", 1);
         fs::write(&path, text).unwrap();
         let error = CaseStream::open(&path).unwrap_err().to_string();
-        assert!(error.contains("cases.csv:2: 20 fields"), "{error}");
+        assert!(error.contains("cases.csv:2: 21 fields"), "{error}");
         // What is given up leaves nothing.
         drop(TableWriter::create(&folder.join("other.csv")).unwrap());
         assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);

@@ -6,10 +6,10 @@ use std::path::Path;
 use quick_junit::{NonSuccessKind, Property, Report, TestCase, TestCaseStatus, TestSuite};
 
 use super::ReportError;
-use crate::record::{harmless, replace_file};
+use crate::record::{harmless, write_named};
 use crate::verdict::{Comparison, Decision, Verdict, cell_texts};
 
-/// Writes one suite a scene, one test a verdict. Unresolved is a failure; a verdict that the
+/// Writes where a user says one suite a scene, one test a verdict. Unresolved is a failure; a verdict that the
 /// scene expects is a success. A run that was compared with its baseline has one test more for each
 /// scene. What made the verdicts, by `provenance`, stands in the properties of each suite. Without clocks: equal verdicts
 /// of one origin give equal bytes.
@@ -24,7 +24,7 @@ pub fn write_junit(
 ) -> Result<(), ReportError> {
     let text = junit_xml(verdicts, &origin(provenance), baseline)
         .map_err(|source| ReportError::Xml { source })?;
-    replace_file(path, text.as_bytes())
+    write_named(path, text.as_bytes())
         .map_err(|source| ReportError::Io { path: path.to_owned(), source })
 }
 

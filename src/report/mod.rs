@@ -28,7 +28,6 @@ mod surface;
 mod written;
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -50,7 +49,7 @@ pub use surface::surface_svg;
 pub use written::remove_earlier;
 
 use crate::fit::Direction;
-use crate::record::{CaseRecord, RecordError, write_sorted};
+use crate::record::{CaseRecord, RecordError, make_directory, write_sorted};
 use crate::verdict::{Comparison, DocumentError, Verdict, write_json};
 use document::{Block, DATA, Report, TEMPLATE, data, document, markdown, page, tables};
 use studies::{Studies, is_study};
@@ -178,7 +177,7 @@ pub fn write_all(
     provenance: &serde_json::Value,
     baseline: Option<&Comparison>,
 ) -> Result<Document, ReportError> {
-    fs::create_dir_all(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
+    make_directory(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
     let document = composed(dir, scenes, records, verdicts, provenance)?;
     write_sorted(&dir.join("cases.csv"), records)?;
     write_json(&dir.join("verdict.json"), provenance, verdicts, records, baseline)?;

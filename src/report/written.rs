@@ -7,7 +7,7 @@ use std::io;
 use std::path::{Component, Path};
 
 use super::ReportError;
-use crate::record::replace_file;
+use crate::record::{read_text, replace_file};
 
 /// Name of the list.
 const LIST: &str = "files.json";
@@ -15,7 +15,7 @@ const LIST: &str = "files.json";
 /// The names listed in a directory; none where there is no list.
 fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
     let path = dir.join(LIST);
-    let text = match fs::read_to_string(&path) {
+    let text = match read_text(&path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(BTreeSet::new()),
         other => other.map_err(|source| ReportError::Io { path: path.clone(), source })?,
     };

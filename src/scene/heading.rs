@@ -100,9 +100,20 @@ impl Heading {
     }
 }
 
+/// Longest name of a scene, in bytes. File systems take 255 for a name of a file, and pictures and unfinished files add
+/// some 30, as in `NAME-trade-memory.svg.4194304.partial`.
+const LONGEST_NAME: usize = 200;
+
 /// A name becomes part of file names: letters, digits, `-` and `_`.
 fn name(reading: &Reading, name: &str) -> Result<String, SceneError> {
     let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if name.len() > LONGEST_NAME {
+        return Err(reading.error(
+            "scene.name",
+            format!("a name of {} characters", name.len()),
+            format!("use at most {LONGEST_NAME}: the name becomes part of file names"),
+        ));
+    }
     if !name.is_empty() && name.chars().all(allowed) {
         return Ok(name.to_string());
     }

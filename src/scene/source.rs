@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::SceneError;
-use crate::record::open_file;
+use crate::record::{fnv_1a, open_file};
 
 /// Largest scene file that is read, in bytes (1 MiB).
 const LARGEST_FILE: u64 = 1 << 20;
@@ -73,24 +73,9 @@ fn hash(texts: &[&str]) -> String {
     format!("{:016x}", fnv_1a(texts.iter().flat_map(|text| text.bytes())))
 }
 
-/// The 64-bit FNV-1a hash.
-fn fnv_1a(bytes: impl Iterator<Item = u8>) -> u64 {
-    bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
-    })
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{Source, fnv_1a};
-
-    /// Values of the reference implementation by Fowler, Noll and Vo.
-    #[test]
-    fn hash_is_the_published_one() {
-        assert_eq!(fnv_1a(b"".iter().copied()), 0xcbf2_9ce4_8422_2325);
-        assert_eq!(fnv_1a(b"a".iter().copied()), 0xaf63_dc4c_8601_ec8c);
-        assert_eq!(fnv_1a(b"foobar".iter().copied()), 0x8594_4171_f739_67e8);
-    }
+    use super::Source;
 
     /// Records of one mesh are not those of another.
     #[test]

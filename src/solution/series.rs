@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use super::vtu::{Field, Grid, VtuError, write_pvd, write_vtu};
 use crate::contact::{Discretization, Model, StepView};
 use crate::law::Projection;
+use crate::record::make_directory;
 
 /// Files `SCENE_0000.vtu`, … and `SCENE.pvd` in one directory.
 pub struct VtuSeries {
@@ -19,8 +20,7 @@ impl VtuSeries {
     /// # Errors
     /// The file system's.
     pub fn new(dir: &Path, name: &str) -> Result<Self, VtuError> {
-        std::fs::create_dir_all(dir)
-            .map_err(|source| VtuError::Io { path: dir.to_owned(), source })?;
+        make_directory(dir).map_err(|source| VtuError::Io { path: dir.to_owned(), source })?;
         Ok(Self { dir: dir.to_owned(), name: name.to_owned(), steps: Vec::new() })
     }
 

@@ -4,6 +4,8 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
+use crate::record::make_directory;
+
 /// Why a directory cannot be written to.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
@@ -36,13 +38,14 @@ impl OutputDirectory {
     /// [`OutputError`]. On a file system without locks the directory is taken all the same.
     pub fn take(path: &Path) -> Result<Self, OutputError> {
         let refused = |source| OutputError::Io { path: path.to_owned(), source };
-        fs::create_dir_all(path).map_err(refused)?;
-        let open = OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create(true)
-            .truncate(false)
-            .open(path.join(LOCK));
+        make_directory(path).map_err(refused)?;
+        let file = path.join(LOCK);
+        // What a link in its place names is no file of ours.
+        if fs::symlink_metadata(&file).is_ok_and(|known| known.is_symlink()) {
+            fs::remove_file(&file).map_err(refused)?;
+        }
+        let open =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(file);
         let mut lock = open.map_err(refused)?;
         match lock.try_lock() {
             Ok(()) => {

@@ -46,28 +46,8 @@ pub const TIME_REFERENCE: u32 = 8;
 impl ScenePlan {
     /// The plan of a scene, with the grids of `overrides` where given.
     pub fn new(subject: Subject, overrides: &Overrides) -> Self {
-        let scene = subject.scene();
-        let listed = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<_>>();
-        let sweep = scene.sweep.as_ref();
-        let own_n = sweep.map_or(Vec::new(), |sweep| listed(&sweep.n));
-        let own_steps = sweep.map_or(Vec::new(), |sweep| listed(&sweep.steps));
-        let ns = overrides.n.clone().unwrap_or(own_n);
-        let steps = overrides.steps.clone().unwrap_or(own_steps);
-        let ns: Vec<Option<u32>> = match scene.as_contact() {
-            Some(_) => ns.into_iter().map(Some).collect(),
-            None => vec![None],
-        };
-        let path = sweep.and_then(|sweep| sweep.pairs.as_ref());
-        let path = path.filter(|_| overrides.n.is_none() && overrides.steps.is_none());
-        let places: Vec<(Option<u32>, u32)> = match path {
-            Some(pairs) => pairs.iter().map(|&[n, steps]| (Some(n as u32), steps as u32)).collect(),
-            None => ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect(),
-        };
-        let cases = places
-            .into_iter()
-            .map(|(n, steps)| CasePlan { n, steps, norms: norms(scene, n) })
-            .collect();
-        let reference = sweep.and_then(|sweep| sweep.reference);
+        let cases = scene_cases(subject.scene(), overrides);
+        let reference = subject.scene().sweep.as_ref().and_then(|sweep| sweep.reference);
         let reference = reference.filter(|_| !subject.has_exact());
         Self { cases, added: Vec::new(), reference, subject }
     }
@@ -151,6 +131,28 @@ impl ScenePlan {
     }
 }
 
+/// The cases of a scene, on the grids of `overrides` where given.
+pub(super) fn scene_cases(scene: &Scene, overrides: &Overrides) -> Vec<CasePlan> {
+    let listed = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<_>>();
+    let sweep = scene.sweep.as_ref();
+    let own_n = sweep.map_or(Vec::new(), |sweep| listed(&sweep.n));
+    let own_steps = sweep.map_or(Vec::new(), |sweep| listed(&sweep.steps));
+    let ns = overrides.n.clone().unwrap_or(own_n);
+    let steps = overrides.steps.clone().unwrap_or(own_steps);
+    let ns: Vec<Option<u32>> = match scene.as_contact() {
+        Some(_) => ns.into_iter().map(Some).collect(),
+        None => vec![None],
+    };
+    let path = sweep.and_then(|sweep| sweep.pairs.as_ref());
+    let path = path.filter(|_| overrides.n.is_none() && overrides.steps.is_none());
+    let places: Vec<(Option<u32>, u32)> = match path {
+        Some(pairs) => pairs.iter().map(|&[n, steps]| (Some(n as u32), steps as u32)).collect(),
+        None => ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect(),
+    };
+    let case = |(n, steps)| CasePlan { n, steps, norms: norms(scene, n) };
+    places.into_iter().map(case).collect()
+}
+
 /// What `run` says; a panic is an error with its text.
 pub fn without_panic<T>(run: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
@@ -172,7 +174,7 @@ pub fn lowest_common_multiple(a: u32, b: u32) -> u32 {
 /// The norms of a case on mesh n: all that cost next to nothing, and those of the scene's list or
 /// predictions (the time error costs further runs, so it is measured inside its window only); those by contact
 /// state where the scene asks for them.
-fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
+pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
     let listed = scene.sweep.as_ref().and_then(|sweep| sweep.norms.as_ref());
     let by_state = scene.sweep.as_ref().is_some_and(|sweep| sweep.by_state);
     let asked = |norm: Norm| {

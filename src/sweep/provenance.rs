@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::{AddedCase, Circumstances, Machine, ScenePlan};
-use crate::record::replace_file;
+use super::{AddedCase, Block, Circumstances, Machine, ScenePlan, blocks};
+use crate::record::{read_text, replace_file};
 use crate::scene::{Scene, SceneError, Source};
 
 /// What a directory of records was made with. No dates: equal runs give equal files.
@@ -30,6 +30,9 @@ pub struct Provenance {
     /// Cases beyond the grid of a scene, with the verdicts that asked for them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub added_cases: BTreeMap<String, Vec<AddedCase>>,
+    /// The cases of scenes that were asked for on another grid than their own.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub cases: BTreeMap<String, Vec<Block>>,
     /// What else made them; alone of all keys it differs between runs with equal records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub run: Option<Circumstances>,
@@ -56,6 +59,7 @@ impl Provenance {
             meshes,
             step_sizes: BTreeMap::new(),
             added_cases: BTreeMap::new(),
+            cases: BTreeMap::new(),
             run: None,
         }
     }
@@ -70,8 +74,16 @@ impl Provenance {
         let extended = plans.iter().filter(|plan| !plan.added.is_empty());
         let added_cases =
             extended.map(|plan| (plan.scene().name.clone(), plan.added.clone())).collect();
+        let asked = |plan: &ScenePlan| Some((plan.scene().name.clone(), blocks(plan)?));
+        let cases = plans.iter().filter_map(asked).collect();
         let run = Some(Circumstances::new(machine.jobs, &machine.options));
-        Self { step_sizes, added_cases, run, ..Self::new(plans.iter().map(ScenePlan::scene)) }
+        Self {
+            step_sizes,
+            added_cases,
+            cases,
+            run,
+            ..Self::new(plans.iter().map(ScenePlan::scene))
+        }
     }
 
     /// The scene that the records in `dir` were made with; `None` if its text is not kept there.
@@ -122,7 +134,7 @@ impl Provenance {
     /// The file system's, or a file that is no provenance.
     pub fn read(dir: &Path) -> Result<Option<Self>, (PathBuf, String)> {
         let path = dir.join(FILE);
-        match std::fs::read_to_string(&path) {
+        match read_text(&path) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err((path, error.to_string())),
             Ok(text) => {

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Provenance, ScenePlan};
-use crate::record::{CaseRecord, RecordError, read};
+use super::{Provenance, ScenePlan, is_complete};
+use crate::record::{CaseRecord, RecordError, Table, read_table};
 
 /// Why a directory cannot be resumed.
 #[derive(Debug, thiserror::Error)]
@@ -19,14 +19,27 @@ pub enum ResumeError {
     Different { dir: PathBuf, what: String },
 }
 
-/// The complete cases in `dir` that belong to `plans`. An empty or missing directory has none.
+/// What is kept of earlier records.
+#[derive(Debug, Default)]
+pub struct Resumed {
+    /// Complete cases.
+    pub records: Vec<CaseRecord>,
+    /// Why others that were there are run again, where it is more than that they are not complete.
+    pub doubts: Vec<String>,
+}
+
+/// Lines that are named before the rest is counted.
+const NAMED: usize = 10;
+
+/// The complete cases in `dir` that belong to `plans`. An empty or missing directory has none. Rows that are not as they
+/// were written, or hold what no measurement gives, are not kept.
 ///
 /// # Errors
 /// Records of another version or of another text of a scene, unreadable files.
-pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Vec<CaseRecord>, ResumeError> {
+pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Resumed, ResumeError> {
     let path = dir.join("cases.csv");
     if !path.exists() {
-        return Ok(Vec::new());
+        return Ok(Resumed::default());
     }
     let different = |what: String| ResumeError::Different { dir: dir.to_owned(), what };
     let known = Provenance::read(dir)
@@ -48,17 +61,42 @@ pub fn resume(dir: &Path, plans: &[ScenePlan]) -> Result<Vec<CaseRecord>, Resume
         let plan = plans.iter().find(|plan| plan.scene().name == record.scene)?;
         plan.cases.iter().find(|case| case.n == record.n && case.steps == record.steps)
     };
-    let mut complete = Vec::new();
-    for record in read(&path)? {
+    let table = read_table(&path)?;
+    let mut resumed = Resumed { doubts: doubts(&path, &table), ..Resumed::default() };
+    // Nobody knows whether rows without a checksum are those that were written.
+    let cases = if table.checked { table.cases } else { Vec::new() };
+    for record in cases {
         // The table is written anew from what is returned here: a case outside the plan would be lost.
         let Some(case) = case_of(&record) else {
             let key = record.key();
             return Err(different(format!("`{}` {key} is no case of this sweep", key.scene)));
         };
-        let measured = case.norms.iter().all(|norm| record.norm(norm.name()).is_some());
-        if record.converged() && measured {
-            complete.push(record);
+        if let Some(entry) = record.unsound() {
+            let (error, floor) = (entry.error, entry.floor);
+            resumed.doubts.push(format!(
+                "{}: `{}` {}: error {error:?} and floor {floor:?} in {} are no measurement: the case is run again",
+                path.display(), record.scene, record.key(), entry.norm
+            ));
+        } else if record.converged() && is_complete(&record, &case.norms) {
+            resumed.records.push(record);
         }
     }
-    Ok(complete)
+    Ok(resumed)
+}
+
+fn doubts(path: &Path, table: &Table) -> Vec<String> {
+    let lines: Vec<String> = table.changed.iter().take(NAMED).map(u64::to_string).collect();
+    let more = match table.changed.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let lines = lines.join(", ");
+    let path = path.display();
+    let changed = format!(
+        "{path}: line {lines}{more}: changed after it was written (the checksum is another): the case is run again"
+    );
+    let unchecked =
+        format!("{path}: rows without checksums are not trusted: all cases are run again");
+    let found = [(!table.changed.is_empty(), changed), (!table.checked, unchecked)];
+    found.into_iter().filter(|(found, _)| *found).map(|(_, doubt)| doubt).collect()
 }

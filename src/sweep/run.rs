@@ -8,7 +8,7 @@ use super::needs::{Need, needs};
 use super::plan::{CasePlan, ScenePlan, without_panic};
 use super::schedule::{Kept, Schedule, Task};
 use super::{
-    OutputDirectory, Provenance, ResumeError, resume, run_abstract_case, run_contact_case,
+    OutputDirectory, Provenance, ResumeError, Resumed, resume, run_abstract_case, run_contact_case,
 };
 use rayon::prelude::*;
 
@@ -59,6 +59,8 @@ impl Machine {
 pub trait Progress: Sync {
     /// The sweep begins, with `total` cases of which `done` are already recorded.
     fn begin(&self, total: usize, done: usize);
+    /// Records of an earlier sweep are not trusted, and their cases are run again.
+    fn doubted(&self, why: &str);
     /// A case or reference run starts.
     fn started(&self, what: &str);
     /// It ended.
@@ -68,6 +70,7 @@ pub trait Progress: Sync {
 /// Nobody listens.
 impl Progress for () {
     fn begin(&self, _: usize, _: usize) {}
+    fn doubted(&self, _: &str) {}
     fn started(&self, _: &str) {}
     fn finished(&self, _: &str, _: Option<&CaseRecord>) {}
 }
@@ -102,8 +105,12 @@ pub fn run_sweep(
     keep: bool,
     progress: &dyn Progress,
 ) -> Result<Vec<CaseRecord>, SweepError> {
-    let known = if keep { resume(out.path(), plans)? } else { Vec::new() };
-    run_more(plans, known, out, machine, progress)
+    let Resumed { records, doubts } = match keep {
+        true => resume(out.path(), plans)?,
+        false => Resumed::default(),
+    };
+    doubts.iter().for_each(|doubt| progress.doubted(doubt));
+    run_more(plans, records, out, machine, progress)
 }
 
 /// Runs the cases of `plans` that `known` does not hold. Returns all records, sorted likewise.
@@ -150,6 +157,7 @@ pub fn run_more(
     if let Some(error) = sweep.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
         return Err(error.into());
     }
+    sweep.journal.into_inner().unwrap_or_else(PoisonError::into_inner).in_place()?;
     let mut records = sweep.records.into_inner().unwrap_or_else(PoisonError::into_inner);
     records.sort_by_key(CaseRecord::key);
     Ok(records)

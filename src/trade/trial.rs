@@ -104,7 +104,14 @@ impl Table {
     pub fn create(path: &Path, scene: &str, norm: &str) -> Result<Self, TableError> {
         let failed =
             |error: std::io::Error| TableError { path: path.into(), reason: error.to_string() };
-        let file = std::fs::File::create(path).map_err(failed)?;
+        // What a link in its place names is left alone.
+        match std::fs::remove_file(path) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(failed(error));
+            }
+            _ => {}
+        }
+        let file = std::fs::File::create_new(path).map_err(failed)?;
         let mut table = Self { file, path: path.into(), scene: scene.into(), norm: norm.into() };
         table.write(COLUMNS.map(str::to_owned))?;
         Ok(table)

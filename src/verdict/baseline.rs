@@ -13,7 +13,10 @@ use serde::{Deserialize, Serialize};
 pub use compare::{Comparison, Deviation, Kind, Run, compare_with_baseline};
 pub use owed::{Owed, Owing, compare_owed};
 
-use crate::record::{CaseRecord, NormError, replace_file};
+use crate::record::{CaseRecord, NormError, read_at_most, write_named};
+
+/// The longest baseline that is read, in bytes (256 MiB): a case takes a few hundred.
+const LARGEST: u64 = 256 << 20;
 
 /// An error below this many of its floors may be rounding, and is not recorded. It takes 20 to carry an
 /// order; but what quadrature and reference add is the same in every run, so fewer do here.
@@ -109,7 +112,7 @@ impl Baseline {
     /// # Errors
     /// [`BaselineError`].
     pub fn read(path: &Path) -> Result<Option<Self>, BaselineError> {
-        let bytes = match std::fs::read(path) {
+        let bytes = match read_at_most(path, LARGEST) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(BaselineError::Io { path: path.to_owned(), source }),
@@ -142,7 +145,7 @@ impl Baseline {
             scenes.push(format!("{heading}\n{lines}\n]}}"));
         }
         let text = format!("{{\"scenes\": {{\n{}\n}}}}\n", scenes.join(",\n"));
-        replace_file(path, text.as_bytes())
+        write_named(path, text.as_bytes())
             .map_err(|source| BaselineError::Io { path: path.to_owned(), source })
     }
 

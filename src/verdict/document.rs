@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::{Comparison, Foreseen, ForeseenConstant, Variable, Verdict};
-use crate::record::{CaseRecord, Key, Status, replace_file};
+use crate::record::{CaseRecord, Key, Status, read_file, replace_file};
 
 /// A case that did not converge, with what the solver said: `cases.csv` has no column for it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -137,8 +137,8 @@ pub fn read_foreseen(path: &Path) -> Result<Vec<ForeseenConstant>, DocumentError
 }
 
 fn read<T: serde::de::DeserializeOwned>(path: &Path) -> Result<T, DocumentError> {
-    let bytes = std::fs::read(path)
-        .map_err(|source| DocumentError::Io { path: path.to_owned(), source })?;
+    let bytes =
+        read_file(path).map_err(|source| DocumentError::Io { path: path.to_owned(), source })?;
     serde_json::from_slice(&bytes)
         .map_err(|source| DocumentError::Json { path: path.to_owned(), source })
 }

@@ -146,7 +146,10 @@ fn no_table_breaks_the_reader_or_what_comes_after() {
     let (swept, scene) = (Swept::new("fuzz-table"), affine());
     let subject = Subject::new(scene.clone()).expect("a subject");
     let summary = scene_summary(&scene, Some(&subject));
-    fuzz("table", &[swept.text("cases.csv")], 5_000, |text| {
+    // With a checksum hardly a damaged row would come through.
+    let text = swept.text("cases.csv");
+    let bare = text.lines().map(|row| row.rsplit_once(',').expect("fields").0.to_owned() + "\n");
+    fuzz("table", &[bare.collect(), text.clone()], 5_000, |text| {
         swept.with("cases.csv", text, |path| {
             let Ok(records) = read(path) else { return false };
             let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();

@@ -52,6 +52,7 @@ impl Scheme for Counting {
 struct Starts(Mutex<Vec<String>>);
 
 impl Progress for Starts {
+    fn doubted(&self, _: &str) {}
     fn begin(&self, _: usize, _: usize) {}
     fn started(&self, what: &str) {
         self.0.lock().expect("the list").push(what.to_owned());

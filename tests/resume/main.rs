@@ -1,14 +1,17 @@
 //! Source: the contract of `sweep run`: an interrupted sweep loses nothing, `--resume` skips what is there.
 //! Goal: killed or interrupted at several moments and resumed, the records are those of an uninterrupted run; Ctrl-C
 //!   says how to go on; a torn last line is cut; records of another text of the scene or another version are refused.
-//!   Faults of the machine and of a solver have a file of their own.
+//!   Faults of the machine and of a solver, other signals, and rows that are not trusted have files of their own.
 //! Data: pure-mild and signorini on small grids, 16 cases.
 
+mod doubts;
 mod faults;
 #[path = "../program/mod.rs"]
 mod program;
 #[path = "../shipped/mod.rs"]
 mod shipped;
+#[cfg(unix)]
+mod signals;
 
 use std::path::Path;
 use std::process::{Child, Stdio};
@@ -104,13 +107,17 @@ fn a_killed_sweep_resumes_to_the_same_records() {
     assert!(interrupted >= 3, "{interrupted} of 5 kills came before the end");
 }
 
-/// Runs until `cases.csv` has at least `rows` lines, then sends SIGINT as Ctrl-C does. Exit code and stderr.
+/// Runs until `cases.csv` has at least `rows` lines, then sends a signal, as Ctrl-C does. Exit code and stderr.
 #[cfg(unix)]
-fn interrupt_after(arguments: &[&str], table: &Path, rows: usize) -> (Option<i32>, String) {
+fn interrupt_after(
+    arguments: &[&str],
+    table: &Path,
+    rows: usize,
+    signal: &str,
+) -> (Option<i32>, String) {
     let child = run_until(arguments, table, rows, Stdio::piped());
-    let signal =
-        std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
-    assert!(signal.expect("kill runs").success());
+    let sent = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(sent.expect("kill runs").success());
     let output = child.wait_with_output().expect("a status");
     (output.status.code(), stderr(&output))
 }
@@ -167,7 +174,7 @@ fn an_interrupted_sweep_says_how_to_go_on_and_does() {
         // A space in the path: what is printed must still be one command.
         let name = format!("cut {moment}");
         let (out, table) = (folder.argument(&name), folder.at(&name).join("cases.csv"));
-        let (code, said) = interrupt_after(&arguments(&scenes, &out), &table, rows);
+        let (code, said) = interrupt_after(&arguments(&scenes, &out), &table, rows, "-INT");
         assert_eq!(code, Some(130), "{said}");
         assert!(said.contains("interrupted") && said.contains(&out), "{said}");
         let kept = lines(&table).saturating_sub(1);

@@ -6,7 +6,7 @@ use csv::StringRecord;
 
 use super::super::CliError;
 use crate::fit::{Direction, Point, same_level, screen};
-use crate::record::counted;
+use crate::record::{counted, read_at_most};
 
 /// What a table measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +32,9 @@ pub(super) struct Group {
     pub(super) quantity: Quantity,
     rows: Vec<Row>,
 }
+
+/// The longest table that is read, in bytes (256 MiB): a million rows of a sweep.
+const LARGEST: u64 = 256 << 20;
 
 /// Gaps that are named before the rest is counted.
 const NAMED_GAPS: usize = 3;
@@ -172,11 +175,9 @@ impl Columns {
 /// Reads a file.
 pub(super) fn read(path: &Path) -> Result<Vec<Group>, CliError> {
     let fail = |what: String| CliError::about(path.display(), what);
-    let mut reader = csv::ReaderBuilder::new()
-        .trim(csv::Trim::All)
-        .flexible(true)
-        .from_path(path)
-        .map_err(|error| fail(error.to_string()))?;
+    let bytes = read_at_most(path, LARGEST).map_err(|error| fail(error.to_string()))?;
+    let mut reader =
+        csv::ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(&bytes[..]);
     let header = reader.headers().map_err(|error| fail(error.to_string()))?.clone();
     let columns = Columns::of(&header).map_err(fail)?;
     let mut groups: Vec<Group> = Vec::new();

@@ -92,6 +92,16 @@ fn a_short_last_line_is_torn_and_one_before_it_is_an_error() {
     assert!(matches!(read(&path), Err(RecordError::Fields { line: 3, found: 3, .. })));
     assert!(Journal::open(&path).is_err());
     fs::write(&path, good.replace("0.25", "a quarter")).unwrap();
+    assert!(matches!(read(&path), Err(RecordError::Changed { line: 2, .. })));
+    let found = read_table(&path).unwrap();
+    assert!(found.cases.is_empty() && found.changed == [2] && found.checked && !found.torn);
+    // A table without checksums is read as it stands, and not added to.
+    let bare: String =
+        good.lines().map(|row| row.rsplit_once(',').unwrap().0.to_owned() + "\n").collect();
+    fs::write(&path, &bare).unwrap();
+    assert_eq!(read(&path).unwrap().len(), 1);
+    assert!(!read_table(&path).unwrap().checked && Journal::open(&path).is_err());
+    fs::write(&path, bare.replace("0.25", "a quarter")).unwrap();
     assert!(matches!(read(&path), Err(RecordError::Value { line: 2, column: "h", .. })));
     fs::remove_file(&path).unwrap();
 }

@@ -11,6 +11,7 @@ use std::path::Path;
 use serde::de::DeserializeOwned;
 
 use super::{Picture, ReportError};
+use crate::record::read_text;
 use practice::{Extremes, Trade};
 use theory::{Audit, Bound, Claim, Gronwall};
 
@@ -123,7 +124,7 @@ fn pictures(dir: &Path, names: &[String]) -> Result<Vec<Picture>, ReportError> {
     for (end, command, shows) in PICTURES {
         for name in names.iter().filter(|name| name.ends_with(end)) {
             let path = dir.join(name);
-            let svg = fs::read_to_string(&path).map_err(|source| failed(&path, source))?;
+            let svg = read_text(&path).map_err(|source| failed(&path, source))?;
             // A file of another program that is called alike has no place on the page.
             if svg.trim_start().starts_with("<svg") {
                 let of = &name[..name.len() - end.len()];
@@ -144,7 +145,7 @@ fn documents<T: DeserializeOwned>(
 ) -> Result<Vec<T>, ReportError> {
     let read = |name: &String| {
         let path = dir.join(name);
-        let text = fs::read_to_string(&path).map_err(|source| failed(&path, source))?;
+        let text = read_text(&path).map_err(|source| failed(&path, source))?;
         serde_json::from_str(&text).map_err(|error| ReportError::Study {
             path,
             line: error.line(),

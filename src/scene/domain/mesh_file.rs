@@ -67,8 +67,9 @@ pub(super) fn mesh_file(
 
 fn text(path: &Path) -> Result<String, String> {
     let mut bytes = Vec::new();
-    let read = |file: std::fs::File| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes);
-    open_file(path).and_then(read).map_err(|error| error.to_string())?;
+    open_file(path)
+        .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
+        .map_err(|error| error.to_string())?;
     if bytes.len() as u64 > LARGEST_FILE {
         return Err("it is larger than 64 MiB".to_string());
     }
