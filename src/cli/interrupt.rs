@@ -1,28 +1,57 @@
-//! Ctrl-C during a sweep: the records stay, and a message says how to go on.
+//! Ctrl-C, SIGTERM or a terminal that is closed during a sweep: the records stay, and a message says how to go on.
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::Path;
 
 use super::CliError;
+use super::output::print_error;
 
-/// What shells report for a process that SIGINT ended.
-const INTERRUPTED: i32 = 128 + 2;
+/// What shells report for a process that a signal ended is its number and this.
+const BY_SIGNAL: i32 = 128;
 
-/// From now on Ctrl-C ends the program with a message and code 130. No case is waited for: a table cut off at
-/// any byte can be resumed, as after a crash.
+/// From now on these signals end the program with a message, and code 130 (Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP). No case
+/// is waited for: a table cut off at any byte can be resumed, as after a crash.
 pub fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
     let message = format!(
         "interrupted; finished cases are kept in {}\ngo on with: {resuming}",
         out.display()
     );
-    ctrlc::set_handler(move || {
+    on_signal(move |signal| {
         crate::external::end_solvers();
-        let mut stderr = std::io::stderr().lock();
         // A bar stands in the last line of a terminal.
-        let line = if stderr.is_terminal() { "\n" } else { "" };
-        // With stderr closed there is nobody to tell.
-        let _ = writeln!(stderr, "{line}{message}");
-        std::process::exit(INTERRUPTED);
+        let line = if std::io::stderr().is_terminal() { "\n" } else { "" };
+        print_error(&format!("{line}{message}"));
+        std::process::exit(BY_SIGNAL + signal);
     })
     .map_err(|error| CliError::about("no handler for Ctrl-C", error))
+}
+
+#[cfg(unix)]
+fn on_signal(then: impl Fn(i32) + Send + 'static) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let mut ends = vec![SIGINT, SIGTERM];
+    ends.extend((!hangup_is_ignored()).then_some(SIGHUP));
+    let mut signals = signal_hook::iterator::Signals::new(ends)?;
+    let wait = move || signals.forever().for_each(then);
+    std::thread::Builder::new().name("signals".into()).spawn(wait)?;
+    Ok(())
+}
+
+/// Whether the program was started by `nohup`, which is to outlive its terminal. Where nobody says, what the system does
+/// at a hangup is left alone.
+#[cfg(unix)]
+fn hangup_is_ignored() -> bool {
+    let ignored = || {
+        let status = std::fs::read_to_string("/proc/self/status").ok()?;
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+        u64::from_str_radix(mask.trim(), 16).ok()
+    };
+    // The lowest bit is signal 1.
+    ignored().is_none_or(|mask| mask & 1 != 0)
+}
+
+#[cfg(not(unix))]
+fn on_signal(then: impl Fn(i32) + Send + 'static) -> Result<(), ctrlc::Error> {
+    const INTERRUPT: i32 = 2;
+    ctrlc::set_handler(move || then(INTERRUPT))
 }
