@@ -1,24 +1,29 @@
 //! `sweep report DIR`: every output again, from the records alone.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::{CliError, Scenes, print_text, print_verdicts};
-use crate::record::Key;
+use crate::distributed::Missing;
+use crate::record::{CaseRecord, Key, RecordError, Table, read_table};
 #[cfg(feature = "pdf")]
 use crate::report::pdf;
 use crate::report::{Document, write_all};
 use crate::scene::Scene;
 use crate::setup::Subject;
-use crate::sweep::{Provenance, foresee, judge_scene, scene_summary};
+use crate::sweep::{
+    OutputDirectory, OutputError, Provenance, foresee, judge_scene, missing_cases, planned,
+    scene_summary,
+};
 use crate::verdict::{exit_code, read_failures, read_foreseen, render_table, restore_reasons};
 
 /// `sweep report`. Scenes are judged by the text that DIR keeps of them, unless --scenes names a
 /// folder.
 #[derive(Args)]
 #[command(
-    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. What bound, gronwall, audit, trade and extremes wrote with --out DIR are chapters of it, with their pictures and those of solve --pictures; a file of theirs that is torn is refused (exit code 2). `make report` writes some of each.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (a build with the feature pdf; `make pdf` makes one)"
+    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. What bound, gronwall, audit, trade and extremes wrote with --out DIR are chapters of it, with their pictures and those of solve --pictures; a file of theirs that is torn is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts; 2 as well where a case that provenance.json knows to be planned is missing, a row was changed or cut off, or a sweep is still writing into DIR. What is missing is named, on the page too.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (a build with the feature pdf; `make pdf` makes one)"
 )]
 pub struct Report {
     /// Directory with cases.csv
@@ -37,8 +42,8 @@ impl Report {
             let message = "this build cannot write a PDF: it was built without the feature `pdf`; `make pdf` builds one that can, and writes reports/latest/report.pdf";
             return Err(CliError::other(message));
         }
-        let mut records =
-            crate::record::read(&self.dir.join("cases.csv")).map_err(CliError::other)?;
+        let _held = self.hold()?;
+        let Found { mut records, torn } = self.records()?;
         let document = self.dir.join("verdict.json");
         let mut foreseen = Vec::new();
         if document.exists() {
@@ -46,21 +51,16 @@ impl Report {
             let failures = read_failures(&document).map_err(CliError::other)?;
             restore_reasons(&mut records, &failures);
         }
-        let mut names: Vec<String> = records.iter().map(|record| record.scene.clone()).collect();
-        names.sort();
-        names.dedup();
         let known = Provenance::read(&self.dir)
             .map_err(|(path, reason)| CliError::about(path.display(), reason))?;
-        let of_records: Vec<Scene> = names
+        let of_records: Vec<Scene> = self
+            .names(&records, known.as_ref())?
             .iter()
             .map(|name| self.scene(name, known.as_ref(), scenes))
             .collect::<Result<_, _>>()?;
-        let (mut verdicts, mut summaries) = (Vec::new(), Vec::new());
+        let (mut verdicts, mut summaries, mut missing) = (Vec::new(), Vec::new(), Vec::new());
         for scene in &of_records {
-            // The cases of the directory are the ones to judge, and those of the scene's own grid
-            // must be among them only if the directory was made with that grid.
-            let keys: Vec<Key> =
-                records.iter().filter(|r| r.scene == scene.name).map(|r| r.key()).collect();
+            let owed = owed(scene, &records, known.as_ref());
             // Verdicts of an interrupted run were never written, nor what was known of constants.
             let unknown = scene.judge && !foreseen.iter().any(|known| known.scene == scene.name);
             let subject = match Subject::new(scene.clone()) {
@@ -71,8 +71,13 @@ impl Report {
             if let Some(subject) = subject.as_ref().filter(|_| unknown) {
                 foreseen.extend(foresee(subject, &records));
             }
-            verdicts.extend(judge_scene(scene, &records, &keys, &foreseen));
-            summaries.push(scene_summary(scene, subject.as_ref()));
+            verdicts.extend(judge_scene(scene, &records, &owed.keys, &foreseen));
+            let mut summary = scene_summary(scene, subject.as_ref());
+            if !owed.missing.is_empty() {
+                summary.remarks.push(Missing::of_sweep(&owed.missing).to_string());
+            }
+            summaries.push(summary);
+            missing.extend(owed.missing);
         }
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
         let document = write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
@@ -82,14 +87,68 @@ impl Report {
         if let Some(path) = &self.pdf {
             print_text(&format!("pdf: {}", path.display()));
         }
-        Ok(exit_code(&records, &verdicts))
+        match self.unfinished(torn, &missing) {
+            Some(error) => Err(error),
+            None => Ok(exit_code(&records, &verdicts)),
+        }
+    }
+
+    /// Takes the directory: what a sweep has written by now is no result of it. A directory without a table, which a
+    /// mistyped name has, is not made.
+    fn hold(&self) -> Result<OutputDirectory, CliError> {
+        let table = self.dir.join("cases.csv");
+        std::fs::metadata(&table).map_err(|error| CliError::about(table.display(), error))?;
+        OutputDirectory::take(&self.dir).map_err(|error| match error {
+            OutputError::Held { path, holder } => CliError::about(
+                path.display(),
+                format!("{holder} writes here; wait for its end, and report then"),
+            ),
+            error => error.into(),
+        })
+    }
+
+    fn records(&self) -> Result<Found, CliError> {
+        let path = self.dir.join("cases.csv");
+        let Table { cases, changed, torn, .. } = read_table(&path).map_err(CliError::other)?;
+        match changed.first() {
+            Some(&line) => Err(CliError::other(RecordError::Changed { path, line })),
+            None => Ok(Found { records: cases, torn }),
+        }
+    }
+
+    /// The scenes of the records, and those that were to be recorded.
+    fn names(
+        &self,
+        records: &[CaseRecord],
+        known: Option<&Provenance>,
+    ) -> Result<BTreeSet<String>, CliError> {
+        let planned = known.into_iter().flat_map(|known| known.scenes.keys());
+        let names: BTreeSet<String> =
+            records.iter().map(|record| &record.scene).chain(planned).cloned().collect();
+        if names.is_empty() {
+            let reason = "no cases in it, and no provenance.json that says which were to be there";
+            return Err(CliError::about(self.dir.join("cases.csv").display(), reason));
+        }
+        Ok(names)
+    }
+
+    /// What the records owe: the report shows what is there, and claims no more.
+    fn unfinished(&self, torn: bool, missing: &[Key]) -> Option<CliError> {
+        let cut =
+            torn.then(|| "the last line of cases.csv was cut off, and is left out".to_owned());
+        let open = (!missing.is_empty()).then(|| Missing::of_sweep(missing).to_string());
+        let all: Vec<String> = cut.into_iter().chain(open).collect();
+        let unfinished = format!("unfinished: {}", all.join("; "));
+        (!all.is_empty()).then(|| CliError::about(self.dir.display(), unfinished))
     }
 
     /// Writes the PDF, if it is asked for.
     #[cfg(feature = "pdf")]
     fn typeset(&self, document: &Document) -> Result<(), CliError> {
         match &self.pdf {
-            Some(path) => super::write_file(path, pdf(document, self.date.as_deref())?),
+            Some(path) => {
+                super::output::write_user_file(path, pdf(document, self.date.as_deref())?)
+            }
             None => Ok(()),
         }
     }
@@ -130,4 +189,31 @@ impl Report {
         }
         Ok(scene)
     }
+}
+
+/// The table of the directory.
+struct Found {
+    records: Vec<CaseRecord>,
+    torn: bool,
+}
+
+/// What a scene is judged on.
+struct Owed {
+    /// Cases that are there or have to be.
+    keys: Vec<Key>,
+    /// Those that are not, or have lost rows.
+    missing: Vec<Key>,
+}
+
+/// Planned by the provenance; without one the cases that are there are all that is known of.
+fn owed(scene: &Scene, records: &[CaseRecord], known: Option<&Provenance>) -> Owed {
+    let own = records.iter().filter(|record| record.scene == scene.name);
+    let mut keys: Vec<Key> = own.map(CaseRecord::key).collect();
+    let known = known.filter(|known| known.scenes.contains_key(&scene.name));
+    let planned = known.map_or_else(Vec::new, |known| planned(scene, known));
+    let missing = missing_cases(&scene.name, &planned, records);
+    keys.extend(missing.iter().cloned());
+    keys.sort();
+    keys.dedup();
+    Owed { keys, missing }
 }
