@@ -22,6 +22,9 @@ pub struct Block {
     pub norms: Option<Vec<String>>,
 }
 
+/// A mesh, and the names of the norms that are measured on it where they are not the scene's.
+type Measured = (Option<u32>, Option<Vec<String>>);
+
 /// The cases of a plan without the added ones; none where they are those of the scene's own grid.
 pub fn blocks(plan: &ScenePlan) -> Option<Vec<Block>> {
     let added = |case: &CasePlan| {
@@ -33,7 +36,7 @@ pub fn blocks(plan: &ScenePlan) -> Option<Vec<Block>> {
         return None;
     }
     // By mesh, and meshes with the same steps and norms together.
-    let mut of_mesh: BTreeMap<(Option<u32>, Option<Vec<String>>), Vec<u32>> = BTreeMap::new();
+    let mut of_mesh: BTreeMap<Measured, Vec<u32>> = BTreeMap::new();
     for case in cases {
         let names = || case.norms.iter().map(|norm| norm.name().to_owned()).collect();
         let usual = case.norms == norms(plan.scene(), case.n);
