@@ -45,7 +45,7 @@ pub struct Verify {
     // The files of a case hold every level: it has fewer steps than one that is only solved.
     #[command(flatten)]
     grid: Grid<100_000>,
-    /// Seconds after which the solver is stopped, for each case
+    /// Seconds after which the solver is stopped with all that it has started, and its answer read no further, for each case
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     time_limit: u64,
     /// Cases at a time

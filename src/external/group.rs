@@ -93,8 +93,7 @@ pub fn end_solvers() {
 }
 
 /// Asks the groups to end, and ends what is left of them after a while.
-fn end(leaders: &[u32], meanwhile: impl FnMut()) {
-    let mut meanwhile = meanwhile;
+fn end(leaders: &[u32], mut meanwhile: impl FnMut()) {
     let mut left: Vec<u32> =
         leaders.iter().copied().filter(|&leader| signal(leader, Signal::End)).collect();
     let begin = Instant::now();

@@ -68,32 +68,3 @@ fn no_command(line: &str) -> String {
     let sign = if words.starts_with("::") { "\\" } else { "" };
     format!("{blanks}{sign}{}", words.replace(LEGACY, "#\\#["))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn nothing_steers_a_terminal_or_commands_a_log() {
-        let plain = "a: b::c, h = 1/8\n\tγ ≤ 1 # 2 [3]";
-        assert_eq!(harmless(plain), plain);
-        assert_eq!(harmless("\u{1b}[31mred\u{7}\r"), "\\u{1b}[31mred\\u{7}\\u{d}");
-        assert_eq!(harmless("\u{9b}2J \u{202e}x"), "\\u{9b}2J \\u{202e}x");
-        assert_eq!(harmless("x\n  ::error::y\n::a::"), "x\n  \\::error::y\n\\::a::");
-        assert_eq!(harmless("a ##[error]b"), "a #\\#[error]b");
-    }
-
-    #[test]
-    fn json_stays_what_it_is() {
-        let value = serde_json::json!({ "why": "\u{1b}[1m ##[error] \u{9b} \u{202e} ::x" });
-        let text = harmless_json(&value.to_string());
-        assert!(!text.chars().any(is_steering) && !text.contains(LEGACY), "{text}");
-        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
-    }
-
-    #[test]
-    fn what_is_left_out_is_said() {
-        assert_eq!(shortened("abc", 3), "abc");
-        assert_eq!(shortened("aγc", 2), "aγ … (1 bytes more)");
-    }
-}

@@ -149,6 +149,87 @@ fn commands_that_make_meshes_alone_refuse_those_that_do_not_fit() {
     }
 }
 
+/// A strip under a soft layer that gives way, of unit height: whether it may be solved is decided by a constant of its
+/// contact side, which is computed on meshes.
+fn strip(length: f64) -> String {
+    format!(
+        r#"[scene]
+name = "strip"
+question = "A long strip."
+dimension = 2
+judge = false
+[domain]
+shape = "rectangle"
+size = [{length:.1}, 1.0]
+clamped = ["top"]
+traction = ["left", "right"]
+contact = ["bottom"]
+[time]
+horizon = 1.0
+[material]
+lambda = 1.0
+mu_L = 1.0
+[contact]
+law = {{ kind = "piecewise-linear", points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]], slope_before = 0.0, slope_after = 0.0 }}
+[loads]
+body = ["0", "-0.1*t"]
+[sweep]
+n = [1, 2]
+steps = [2]
+reference = {{ n = 2, steps = 4 }}
+"#
+    )
+}
+
+/// Of all commands that set a scene up, on domains of thousands of unit squares.
+#[cfg(target_os = "linux")]
+#[test]
+fn constants_of_long_domains_are_computed_within_the_limit() {
+    let folder = Folder::new("strip");
+    let limit = 64.0 * 1_048_576.0;
+    let scene = folder.file("strip.toml", &strip(1000.0));
+    let arguments = ["check", &scene, "--memory-limit", "64M"];
+    let output = sweep(&arguments);
+    assert!(code(&output) < 2, "{}", stderr(&output));
+    assert!(stdout(&output).contains("extrapolated from n = 1, 2, 4"), "{}", stdout(&output));
+    let taken = peak(&arguments);
+    println!("check: {:.0} MB of {:.0} MB", taken / 1e6, limit / 1e6);
+    assert!(taken < limit, "{taken}");
+    // Here the coarsest mesh of all is above it.
+    let scene = folder.file("longer.toml", &strip(100_000.0));
+    let out = folder.argument("out");
+    for command in [
+        &["check"][..],
+        &["explain"],
+        &["bound"],
+        &["gronwall"],
+        &["floors"],
+        &["solve", "--n", "1", "--steps", "2"],
+        &["run", "--out", &out],
+    ] {
+        let arguments = [&command[..1], &[&scene, "--memory-limit", "64M"], &command[1..]].concat();
+        let output = sweep(&arguments);
+        let said = stderr(&output);
+        assert_eq!(code(&output), 2, "{command:?}: {said}");
+        for part in ["strip, c_j^2: ", "of memory predicted", "limit of 64.0 MiB", "--memory-limit"]
+        {
+            assert!(said.contains(part), "{command:?}: {part}: {said}");
+        }
+        let taken = peak(&arguments);
+        assert!(taken < limit, "{command:?}: {taken}");
+    }
+    // A mesh of few cells a unit length is no small one.
+    let scene = strip(100_000.0).replace("n = [1, 2]", "n = [8]");
+    let scene = scene.replace("reference = { n = 2", "reference = { n = 8");
+    let falling = "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
+    let scene = edited(&scene, falling, "points = [[0.0, 0.0], [0.04, 0.08]]");
+    let scene = folder.file("rising.toml", &scene);
+    let arguments = ["explain", &scene, "--memory-limit", "1G"];
+    let said = stderr(&sweep(&arguments));
+    assert!(said.contains("strip n = 8: at least "), "{said}");
+    assert!(peak(&arguments) < 16.0 * limit);
+}
+
 #[test]
 fn records_of_sweeps_beside_run_name_the_limit() {
     let folder = Folder::new("sweeps");
