@@ -68,7 +68,7 @@ const SETTLED: f64 = 1e-13;
 const RESIDUAL: f64 = 1e-6;
 /// The same for maps that are not self-adjoint, where errors are not squared.
 const SETTLED_RADIUS: f64 = 1e-9;
-/// What is still accepted of such a map when the iteration has run out, where many eigenvalues lie close to the
+/// What is still accepted of any map when the iteration has run out, where many eigenvalues lie close to the
 /// largest: factors are printed to six digits.
 const SETTLED_AT_LIMIT: f64 = 1e-7;
 /// An imaginary part below this share of the radius is rounding of a nearly double real eigenvalue.
@@ -102,7 +102,8 @@ pub fn largest_eigenvalue(map: &mut dyn LinearMap, start: &[f64]) -> Result<Extr
         let residual = if invariant { 0.0 } else { (basis.next * coefficients[m - 1]).abs() };
         let change = ((value - last) / value).abs();
         let settled = change <= SETTLED && residual <= RESIDUAL * value;
-        if invariant || settled || value == 0.0 {
+        let accepted = m >= LIMIT && change <= SETTLED_AT_LIMIT;
+        if invariant || settled || accepted || value == 0.0 {
             let vector = basis.combine(coefficients.as_slice());
             return Ok(Extreme { value, vector, iterations: m as u32, residual });
         }

@@ -74,8 +74,8 @@ pub(super) struct Needs {
 const COARSE: [u32; 2] = [16, 8];
 /// A mesh with no more cells is made in a moment.
 const MOMENT: [f64; 2] = [8_192.0, 196_608.0];
-/// Bytes a cell, where the coarsest mesh of all has more than that: a third of what its matrices take without a factor.
-const CELL: f64 = 200.0;
+/// Bytes a cell, where the coarsest mesh of all has more than that: less than its matrices take without a factor.
+const CELL: f64 = 400.0;
 /// The part of the bytes a coarse mesh would take, scaled by the number of cells, that a finer one surely takes: its
 /// factor is the larger one, but large boxes have multigrid in place of a factor.
 const SURELY: f64 = 0.5;

@@ -142,5 +142,6 @@ fn what_a_reason_quotes_of_an_answer_is_cut() {
     let output = verify(&folder, &format!("sh {}", folder.file("cell.sh", text)), &[]);
     let said = stdout(&output) + &stderr(&output);
     assert!(code(&output) == 2 && said.contains("bytes more)"), "{} letters", said.len());
-    assert!(said.len() < 12_000, "{} letters", said.len());
+    // Shown as the case ends and in the list of failures; the whole cell alone would be longer each time.
+    assert!(said.len() < 15_000, "{} letters", said.len());
 }

@@ -47,8 +47,9 @@ pub(in crate::sweep) fn march_bytes(
     march(setup, space, n, steps).memory_bytes
 }
 
-/// Vectors of an iteration for an eigenvalue, which keeps all of its iterates and their images.
-const ITERATES: f64 = 80.0;
+/// Vectors of an iteration for an eigenvalue, which keeps all of its iterates and their images: as many as it is given on a
+/// long domain, where many eigenvalues lie close to the largest.
+const ITERATES: f64 = 1200.0;
 
 /// The memory of a process that computes a constant of the trace on a mesh: its stiffness matrix with a factor in double
 /// precision, and the iterates.
