@@ -69,7 +69,7 @@ impl Constants {
 /// The finest mesh on which c_j² is computed before extrapolation, in the plane and in space, where the cost of a level is
 /// that of a plane one four times as fine.
 const FINEST: [u32; 2] = [32, 8];
-/// More cells than this it has not, where a coarser one does: some 60 MB with its factor, and a second.
+/// More cells than this it has not, where a coarser one does: some 60 MB with its factor, and the iterates of an eigenvalue beside them.
 const MOST_CELLS: [f64; 2] = [65_536.0, 32_768.0];
 /// Samples of the kernel on [0, T].
 const KERNEL_SAMPLES: u32 = 512;
