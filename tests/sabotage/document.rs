@@ -155,7 +155,7 @@ under the predicted order that is farthest from one, over all verdicts.
 - **complete**: a case failed, is missing, or is no number. **KKT**: the separate evaluation after each step refuses.
 - **audit**: a line of the proofs (`sweep audit`) fails. **history**: the history and ζ shown are not the direct sums of
   the displacements shown. **Gronwall**: e_n above the weighted envelope. **bound**: ‖DΛ‖ above the sharpened bound.
-  **check**: weak and strong loads differ (`sweep check`).
+  **check**: weak and strong loads differ (`sweep check`). **norms**: a norm of the record is not that of a second integral.
 - **tables**: a table of errors with a verdict that is known beforehand is misjudged (tests/sabotage/tables.rs).
 - **owed**: a verdict or a compared constant that the sound run has is not there, or another one is.
 - **fixtures**: values of an independent implementation (tests/fixtures). **baseline**: errors of the sound run, to 1e-6,

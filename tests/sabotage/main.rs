@@ -6,11 +6,14 @@
 //! `make sabotage` runs the whole catalogue and writes docs/SABOTAGE.md; `make sabotage-check`, a part of `make ci`,
 //! compares. Six defects run with the plain tests.
 
+#[path = "../again/mod.rs"]
+mod again;
 mod catalogue;
 mod diagnosis;
 mod document;
 mod fixtures;
 mod matrix;
+mod norms;
 mod reasons;
 #[path = "../shipped/mod.rs"]
 mod shipped;
@@ -108,6 +111,33 @@ fn six_defects_are_caught() {
     ] {
         let line = reference.line(&defect(name));
         assert!(line.by(gate), "{} by {}", report(&line), gate.name());
+    }
+}
+
+/// Wrong measures in the norms beside V_max: by their predictions where the error has a leading part, by the second integral
+/// all of them.
+#[test]
+fn wrong_norms_beside_v_max_are_caught() {
+    let scenes = ["affine-locked", "affine-graded", "compliance"];
+    let reference = Reference::new(suite::some(&scenes));
+    let sound = reference.line(&Defect::SOUND);
+    assert!(!sound.is_caught(), "{}", report(&sound));
+    for (name, predicted) in [
+        ("stress norm without its remainder", true),
+        ("L² norm without its remainder", false),
+        ("norms on Γ3 without their remainders", false),
+        ("exact contact set on half of the facets", false),
+        ("stress without the memory", true),
+        ("pressure without its multiplier", true),
+        ("L² norm with the mass of an edge", true),
+        ("trace norm without one facet", true),
+        ("pressure norm without one facet", true),
+    ] {
+        let line = reference.line(&defect(name));
+        println!("{}", report(&line));
+        assert!(line.by(Gate::Norms), "{}", report(&line));
+        let by_prediction = line.by(Gate::Orders) || line.by(Gate::Constants);
+        assert_eq!(by_prediction, predicted, "{}", report(&line));
     }
 }
 

@@ -22,6 +22,7 @@ pub enum Gate {
     Gronwall,
     Bound,
     Check,
+    Norms,
     Tables,
     Owed,
     Fixtures,
@@ -39,6 +40,7 @@ impl Gate {
         Self::Gronwall,
         Self::Bound,
         Self::Check,
+        Self::Norms,
         Self::Tables,
         Self::Owed,
         Self::Fixtures,
@@ -57,6 +59,7 @@ impl Gate {
             Self::Gronwall => "Gronwall",
             Self::Bound => "bound",
             Self::Check => "check",
+            Self::Norms => "norms",
             Self::Tables => "tables",
             Self::Owed => "owed",
             Self::Fixtures => "fixtures",
@@ -178,13 +181,14 @@ impl Reference {
 }
 
 fn hear(line: &mut Line, said: Testimony) {
-    let Testimony { audit, history, gronwall, bound, check, fixtures } = said;
+    let Testimony { audit, history, gronwall, bound, check, norms, fixtures } = said;
     for (gate, what) in [
         (Gate::Audit, audit),
         (Gate::History, history),
         (Gate::Gronwall, gronwall),
         (Gate::Bound, bound),
         (Gate::Check, check),
+        (Gate::Norms, norms),
         (Gate::Fixtures, fixtures),
     ] {
         line.caught.extend(what.map(|what| (gate, what)));

@@ -23,6 +23,7 @@ use serde_json::Value;
 
 use crate::catalogue::Defect;
 use crate::fixtures;
+use crate::norms::Norms;
 use crate::shipped::{setup, text};
 use crate::suite::{data, fresh, other_exact};
 
@@ -88,6 +89,7 @@ pub struct Witnesses {
     affine: Vec<(Stage, Value)>,
     pointwise: Setup,
     finite: Scene,
+    norms: Norms,
 }
 
 /// What each witness objects to; `None` where it sees nothing.
@@ -98,6 +100,7 @@ pub struct Testimony {
     pub gronwall: Option<String>,
     pub bound: Option<String>,
     pub check: Option<String>,
+    pub norms: Option<String>,
     pub fixtures: Option<String>,
 }
 
@@ -140,6 +143,7 @@ impl Witnesses {
             affine: affine.collect(),
             pointwise: setup("pure-strong"),
             finite: finite.expect("a scene"),
+            norms: Norms::new(),
         }
     }
 
@@ -154,6 +158,7 @@ impl Witnesses {
             gronwall: guarded(&|| self.gronwall(defect)),
             bound: guarded(&|| self.bound(defect)),
             check: guarded(&|| self.check(defect)),
+            norms: guarded(&|| self.norms.hear(defect)),
             fixtures: guarded(&|| self.fixtures(defect)),
         }
     }

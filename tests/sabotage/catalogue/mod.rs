@@ -12,6 +12,7 @@ mod load;
 mod material;
 mod measurement;
 mod memory;
+mod other_norms;
 mod projection;
 mod records;
 mod solver;
@@ -171,6 +172,7 @@ pub fn all() -> Vec<Defect> {
     list.extend(solver::defects());
     list.extend(abstract_problem::defects());
     list.extend(measurement::defects());
+    list.extend(other_norms::defects());
     list.extend(records::defects());
     list.extend(judging::defects());
     list
