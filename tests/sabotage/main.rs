@@ -122,6 +122,7 @@ fn wrong_norms_beside_v_max_are_caught() {
     let reference = Reference::new(suite::some(&scenes));
     let sound = reference.line(&Defect::SOUND);
     assert!(!sound.is_caught(), "{}", report(&sound));
+    let mut wrong = Vec::new();
     for (name, predicted) in [
         ("stress norm without its remainder", true),
         ("L² norm without its remainder", false),
@@ -135,10 +136,12 @@ fn wrong_norms_beside_v_max_are_caught() {
     ] {
         let line = reference.line(&defect(name));
         println!("{}", report(&line));
-        assert!(line.by(Gate::Norms), "{}", report(&line));
         let by_prediction = line.by(Gate::Orders) || line.by(Gate::Constants);
-        assert_eq!(by_prediction, predicted, "{}", report(&line));
+        if !line.by(Gate::Norms) || by_prediction != predicted {
+            wrong.push(report(&line));
+        }
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 /// The seams are sound where nothing wrong is passed in: a loop of its own, and a load driven by the scheme.
