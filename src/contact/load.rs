@@ -18,6 +18,22 @@ pub enum LoadError {
         /// The time.
         t: f64,
     },
+    /// The load is not that of its formulas.
+    #[error(
+        "the load at t = {t} is not that of its formulas: its {what} is {assembled:.9e}, by a separate integral {integrated:.9e} (allowed {allowed:.1e}); a cell or facet is missing from it, has another formula or side, or a node of Γ1 is free"
+    )]
+    Resultant {
+        /// Which sum.
+        what: String,
+        /// The time.
+        t: f64,
+        /// Σ F_i m(x_i).
+        assembled: f64,
+        /// The integral.
+        integrated: f64,
+        /// How far they may be apart.
+        allowed: f64,
+    },
     /// Errors were asked for where nothing is known to be true.
     #[error("no exact solution and no reference run to measure against at t = {t}")]
     NoTruth {

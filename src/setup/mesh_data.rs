@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::load_check;
+use super::paths::of_scene;
 use super::rule_check::{RuleCheck, check_times, rule_check};
 use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
 use crate::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
@@ -26,6 +28,7 @@ pub struct MeshData {
     /// Displacements of runs with more steps, by (steps of the run, steps kept).
     trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
     rule_check: OnceLock<Result<RuleCheck, LoadError>>,
+    load_check: OnceLock<Result<(), LoadError>>,
 }
 
 /// The load of a truth as the solver wants it.
@@ -82,7 +85,8 @@ impl MeshData {
     /// A space with the truth that drives and measures the runs on it.
     pub fn with_truth(space: Arc<Discretization>, truth: Arc<dyn Truth>) -> Self {
         let (trajectories, rule_check) = (Mutex::default(), OnceLock::new());
-        Self { space, truth, own: None, trajectories, rule_check }
+        let load_check = OnceLock::new();
+        Self { space, truth, own: None, trajectories, rule_check, load_check }
     }
 
     /// What the next rules say of loads and errors on this mesh: nothing where u lives in V^h. Computed
@@ -120,10 +124,11 @@ impl MeshData {
         setup.exact.as_ref()?.with_remainders(&points, &times).map(Arc::new)
     }
 
-    /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`.
+    /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`. The first time, total
+    /// force and moments of given loads and of those in the strong form are compared with integrals of their own.
     ///
     /// # Errors
-    /// The solver's.
+    /// The solver's; [`LoadError::Resultant`].
     pub fn march<S: StepSolver>(
         &self,
         setup: &Setup,
@@ -131,8 +136,12 @@ impl MeshData {
         solver: &S,
         observe: &mut Observer<'_>,
     ) -> Result<CaseInfo, CaseError> {
+        let checked = || load_check::check(setup, &self.space, &*self.truth);
+        self.load_check.get_or_init(checked).clone()?;
         let mut load = TruthLoad(&*self.truth);
-        march(&self.space, &setup.model, &setup.grid(steps), &mut load, solver, observe)
+        let grid = setup.grid(steps);
+        let info = march(&self.space, &setup.model, &grid, &mut load, solver, observe)?;
+        Ok(CaseInfo { paths: info.paths.union(of_scene(setup, self, &grid)), ..info })
     }
 
     /// Displacements of a run with `run_steps` steps at the times of the grid with `kept` steps;
