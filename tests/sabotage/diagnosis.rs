@@ -18,6 +18,7 @@ fn right(term: Term) -> &'static [Suspect] {
         Term::Compliance => &[Suspect::Compliance],
         Term::Gap => &[Suspect::Gap],
         Term::Load => &[Suspect::Loads, Suspect::Space],
+        Term::Dirichlet => &[Suspect::Space],
         Term::Solver => &[Suspect::Solver],
         Term::Abstract | Term::Measurement | Term::Record | Term::Judging => &[],
     }

@@ -10,7 +10,7 @@ use gronwall::manufactured::{Exact, Truth};
 use gronwall::norms::Moments;
 use gronwall::record::{CaseRecord, Key, NormError, Status};
 use gronwall::scene::{Scene, Source};
-use gronwall::setup::{AbstractSetup, MeshData, NewtonMarch, Setup, Subject};
+use gronwall::setup::{AbstractSetup, MeshData, NewtonMarch, Setup, Subject, reference_run};
 use gronwall::sweep::{
     CasePlan, Overrides, ScenePlan, foresee, judge_scene, run_abstract_case, run_contact_case,
 };
@@ -98,12 +98,21 @@ const REFUTED: &[(&str, &str)] = &[
     ("order = 1.5", "order = 2.0"),
 ];
 
-const ROWS: [Row; 17] = [
+const ROWS: [Row; 26] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
     ("affine-locked", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine-graded", &[], &[2], &[16, 32, 64, 128]),
+    ("graded-recursion", &[], &[2], &[16, 32, 64, 128]),
+    ("graded-condensed", &[], &[2], &[16, 32, 64, 128]),
+    ("graded-factors", &[], &[2], &[16, 32, 64, 128]),
+    ("graded-sums", &[], &[2], &[8, 16, 32, 64, 128]),
+    ("graded-end", &[], &[2], &[16, 32, 64, 128]),
+    ("product-integrated-graded", &[], &[2], &[16, 32, 64, 128]),
+    ("loads-apart", &[], &[4], &[8, 16, 32, 64]),
+    ("strong-scaled", &[], &[4, 8, 16, 32], &[8]),
+    ("strong-corner", &[], &[4, 8, 16, 32], &[4]),
     ("in-space", V_ALONE, &[8], &[8, 16, 32, 64]),
     ("long-growing", &[], &[2], &[8, 16, 32, 64]),
     ("steady", &[], &[8, 16, 32], &[1]),
@@ -143,8 +152,14 @@ impl Trial {
         let (keys, cases) = (plan.keys(), plan.cases);
         let body = match plan.subject {
             Subject::Contact(sound) => {
+                let reference = plan.reference.map(|reference| {
+                    let (n, steps) = (reference.n as u32, reference.steps as u32);
+                    let run = reference_run(&sound, n, steps, 1);
+                    Arc::new(run.unwrap_or_else(|e| panic!("{e}")))
+                });
                 let meshes = ns.iter().map(|&n| {
-                    let data = MeshData::new(&sound, n, None).unwrap_or_else(|e| panic!("{e}"));
+                    let data = MeshData::new(&sound, n, reference.clone());
+                    let data = data.unwrap_or_else(|e| panic!("{e}"));
                     (n, data.space, data.truth)
                 });
                 let meshes = meshes.collect();

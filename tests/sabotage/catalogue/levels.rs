@@ -2,15 +2,15 @@
 //! as an external solver would be; the separate evaluation of the KKT system is optional in it.
 
 use gronwall::contact::{
-    BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, Observer, StepView,
-    kkt_residual,
+    BoundaryRule, CaseError, CaseInfo, Discretization, Evolution, KKT_ALLOWED, LastSlot, Observer,
+    StepView, kkt_residual,
 };
 use gronwall::history::TimeGrid;
 use gronwall::law::Projection;
 use gronwall::linalg::FactorError;
 use gronwall::setup::{MeshData, SceneModel, Setup, TruthLoad};
 use gronwall::vhi::{
-    BoundaryGraph, HistoryInequality, StepInequality, StepSolver, StepState, Stepper,
+    BoundaryGraph, HistoryInequality, Newton, StepInequality, StepSolver, StepState, Stepper,
 };
 
 /// What is committed for level n: from the solution, the state before the solve, and what was committed last.
@@ -23,6 +23,9 @@ struct Tampered<'a, P> {
     level: usize,
     start: StepState,
     last: StepState,
+    /// Whether levels are solved with the last weights of level 1, and those weights and the level's own.
+    stale: bool,
+    slots: Option<[LastSlot; 2]>,
 }
 
 impl<P: Projection> HistoryInequality for Tampered<'_, P> {
@@ -33,7 +36,14 @@ impl<P: Projection> HistoryInequality for Tampered<'_, P> {
     }
 
     fn open(&mut self) -> Result<(), CaseError> {
-        self.inner.open()
+        self.inner.open()?;
+        if self.stale && self.level > 0 {
+            let own = self.inner.last_slot();
+            let first = self.slots.take().map_or_else(|| own.clone(), |[first, _]| first);
+            self.inner.set_last_slot(first.clone());
+            self.slots = Some([first, own]);
+        }
+        Ok(())
     }
 
     fn freeze(&mut self, eta: Option<&[f64]>) {
@@ -42,6 +52,9 @@ impl<P: Projection> HistoryInequality for Tampered<'_, P> {
 
     fn commit(&mut self, solution: &StepState) {
         let committed = (self.commit)(self.level, solution, &self.start, &self.last);
+        if let Some([_, own]) = &self.slots {
+            self.inner.set_last_slot(own.clone());
+        }
         // ‖ε‖ is that of the last evaluated state.
         let mut force = vec![0.0; committed.u.len()];
         self.inner.residual(&committed.u, &mut force);
@@ -97,8 +110,39 @@ pub fn march<S: StepSolver>(
     let (space, model, grid) = (&*data.space, &setup.model, setup.grid(steps));
     let mut load = TruthLoad(&*data.truth);
     let inner = Evolution::new(space, model, &grid, &mut load);
-    let (start, last) = (StepState::default(), StepState::default());
-    let mut levels = Tampered { inner, commit, level: 0, start, last };
+    run(setup, data, Tampered::new(inner, commit, false), observe, solver, checked)
+}
+
+/// Solves all levels as if the factor of level 1 served them all: with its last weights.
+pub fn march_stale(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    observe: &mut Observer<'_>,
+    checked: bool,
+) -> Result<CaseInfo, CaseError> {
+    let (grid, mut load) = (setup.grid(steps), TruthLoad(&*data.truth));
+    let inner = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    let sound: Commit = |_, solution, _, _| solution.clone();
+    run(setup, data, Tampered::new(inner, sound, true), observe, &Newton::default(), checked)
+}
+
+impl<'a, P: Projection> Tampered<'a, P> {
+    fn new(inner: Evolution<'a, P>, commit: Commit, stale: bool) -> Self {
+        let (start, last) = (StepState::default(), StepState::default());
+        Self { inner, commit, level: 0, start, last, stale, slots: None }
+    }
+}
+
+fn run<S: StepSolver>(
+    setup: &Setup,
+    data: &MeshData,
+    mut levels: Tampered<'_, impl Projection>,
+    observe: &mut Observer<'_>,
+    solver: &S,
+    checked: bool,
+) -> Result<CaseInfo, CaseError> {
+    let (space, model, grid) = (&*data.space, &setup.model, levels.inner.grid().clone());
     let mut stepper = Stepper::new(&levels, solver);
     let mut info = CaseInfo::default();
     let mut shown = Shown::new(space);

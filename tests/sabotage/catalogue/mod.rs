@@ -13,6 +13,7 @@ mod material;
 mod measurement;
 mod memory;
 mod other_norms;
+mod paths;
 mod projection;
 mod records;
 mod solver;
@@ -42,6 +43,7 @@ pub enum Term {
     Compliance,
     Gap,
     Load,
+    Dirichlet,
     Solver,
     Abstract,
     Measurement,
@@ -61,6 +63,7 @@ impl Term {
             Self::Compliance => "compliance",
             Self::Gap => "gap",
             Self::Load => "load",
+            Self::Dirichlet => "Dirichlet",
             Self::Solver => "solver",
             Self::Abstract => "abstract problem",
             Self::Measurement => "measurement",
@@ -170,6 +173,7 @@ pub fn all() -> Vec<Defect> {
     list.extend(contact::defects());
     list.extend(load::defects());
     list.extend(solver::defects());
+    list.extend(paths::defects());
     list.extend(abstract_problem::defects());
     list.extend(measurement::defects());
     list.extend(other_norms::defects());
