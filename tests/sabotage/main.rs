@@ -94,7 +94,7 @@ fn the_document_has_a_row_for_every_defect() {
     assert!(names.len() >= 40);
 }
 
-/// Six defects, one a kind, on two cheap scenes.
+/// Defects of every kind on two cheap scenes.
 #[test]
 fn six_defects_are_caught() {
     let reference = Reference::new(suite::some(&["affine", "steady"]));
@@ -142,6 +142,30 @@ fn wrong_norms_beside_v_max_are_caught() {
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+/// A judge that forgets, forgives or confuses, and records that are a little wrong: on two cheap scenes, without the baseline.
+#[test]
+fn defects_of_judge_and_records_are_caught_without_the_baseline() {
+    let reference = Reference::new(suite::some(&["affine", "steady"]));
+    for (name, gate) in [
+        ("constants compared with nothing", Gate::Owed),
+        ("first prediction judged alone", Gate::Tables),
+        ("a constant within 50 % passes", Gate::Tables),
+        ("a constant too small passes", Gate::Tables),
+        ("any verdict as expected is enough", Gate::Tables),
+        ("the last verdict counts for all", Gate::Tables),
+        ("failed verdicts dropped", Gate::Tables),
+        ("unresolved verdicts dropped", Gate::Tables),
+        ("errors 1 % too small", Gate::Constants),
+        ("errors of the two finest cases exchanged", Gate::Orders),
+        ("coarsest case lost", Gate::Complete),
+        ("k of the finest case recorded 1 % too large", Gate::Constants),
+    ] {
+        let line = reference.line(&defect(name));
+        assert!(line.by(gate), "{} by {}", report(&line), gate.name());
+        assert!(line.by_theory(), "{}", report(&line));
+    }
 }
 
 /// The seams are sound where nothing wrong is passed in: a loop of its own, and a load driven by the scheme.
