@@ -18,7 +18,9 @@ use crate::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
     reference_error, run_more, run_sweep,
 };
-use crate::verdict::{Baseline, Comparison, Verdict, compare_owed, compare_with_baseline, write_json};
+use crate::verdict::{
+    Baseline, Comparison, Verdict, compare_owed, compare_with_baseline, write_json,
+};
 
 /// The default directory of reports.
 pub(super) const LATEST: &str = "reports/latest";

@@ -175,7 +175,9 @@ fn in_time_direction(
     let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
     // The reference of M times the steps has M^-order of the error.
     let share = match measured.norm {
-        Norm::VMax | Norm::L2Max | Norm::StressL2Max | Norm::TraceL2Max | Norm::PressureL2Max => 1.0,
+        Norm::VMax | Norm::L2Max | Norm::StressL2Max | Norm::TraceL2Max | Norm::PressureL2Max => {
+            1.0
+        }
         Norm::VTimeMax => 1.0 - f64::from(measured.time_reference).powf(-measured.order),
         other => return Err(NoConstant::Norm { norm: other.name() }),
     };

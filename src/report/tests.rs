@@ -1,5 +1,7 @@
 //! Whole reports: files, determinism, escaping.
 
+use std::fs;
+
 use super::*;
 use crate::record::{Key, NormError, Status};
 use crate::verdict::{Baseline, Expect, Prediction, Run, Variable, compare_with_baseline, judge};

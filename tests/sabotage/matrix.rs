@@ -30,7 +30,7 @@ pub enum Gate {
 }
 
 impl Gate {
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Orders,
         Self::Constants,
         Self::Complete,

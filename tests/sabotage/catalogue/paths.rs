@@ -298,7 +298,7 @@ pub fn defects() -> Vec<Defect> {
             summed(setup, |b, lag| if lag > 0.75 { 0.0 } else { b })
         }),
         freeing!("first corner of Γ1 freed", |mesh, on| ends(mesh, on)[..1].to_vec()),
-        freeing!("all ends of Γ1 freed", |mesh, on| ends(mesh, on)),
+        freeing!("all ends of Γ1 freed", ends),
         freeing!("an inner node of Γ1 freed", |_, on| on[1..3].to_vec()),
         losing!("first facet of each loaded side without f2", Lost::Facet),
         losing!("f2 turned on the first facet of each loaded side", Lost::Turned),
