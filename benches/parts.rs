@@ -181,15 +181,9 @@ fn judging(c: &mut Criterion) {
     let keys: Vec<_> = records.iter().map(CaseRecord::key).collect();
     let predictions = [(Variable::H, 1.0), (Variable::K, 2.0), (Variable::Joint, 1.0)].map(
         |(variable, order)| Prediction {
-            norm: V_MAX.into(),
-            variable,
-            order,
             order_k: Some(2.0),
-            at_least: false,
-            exact: false,
             why: "(5.26)".into(),
-            window_n: None,
-            window_steps: None,
+            ..Prediction::new(V_MAX, variable, order)
         },
     );
     c.bench_function("judging: 3 predictions from 10,000 rows", |b| {

@@ -172,7 +172,7 @@ fn proved_bound(setup: &Setup) -> Option<f64> {
 }
 
 /// The meshes of the extrapolated c_j², each twice as fine as the one before: three of them, or fewer on a domain of so
-/// many cells that the coarsest mesh of all is not far below [`MOST_CELLS`].
+/// many cells that the coarsest mesh of all is not far below `MOST_CELLS`.
 pub fn trace_levels(domain: &Domain) -> Vec<u32> {
     let place = usize::from(domain.dimension() == 3);
     let mut finest = FINEST[place];

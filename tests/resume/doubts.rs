@@ -65,7 +65,8 @@ fn numbers_that_no_measurement_gives_are_run_again_and_said() {
     swept(&folder);
     let table = folder.at("out/cases.csv");
     let (sound, expected) = (read(&table).expect("records"), timeless(&table));
-    let changes: [(fn(&mut CaseRecord), &str); 4] = [
+    type Change = fn(&mut CaseRecord);
+    let changes: [(Change, &str); 4] = [
         (|case| case.errors[0].error = Some(f64::NAN), "NaN"),
         (|case| case.errors[0].error = Some(-1e-3), "-0.001"),
         (|case| case.errors[0].error = Some(f64::INFINITY), "inf"),
