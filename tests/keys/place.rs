@@ -50,7 +50,9 @@ fn rectangle() {
 
 /// Held are 5 vertices of the top or 3 of the right side; the outward normal of the contact side.
 fn sides_of_a_rectangle() {
-    let rows: [(&[(&str, &str)], usize, [f64; 2]); 2] = [
+    /// Edits, numbers of free nodes, outward normal.
+    type Row<'a> = (&'a [(&'a str, &'a str)], usize, [f64; 2]);
+    let rows: [Row; 2] = [
         (&[], 10, [0.0, -1.0]),
         (
             &[
