@@ -272,7 +272,7 @@ const SOLVED: [&str; 17] = [
     "dofs",
 ];
 /// Later additions.
-const ADDED: [&str; 14] = [
+const ADDED: [&str; 15] = [
     "compliance_pressure",
     "contact_half_width",
     "contraction",
@@ -284,6 +284,7 @@ const ADDED: [&str; 14] = [
     "linear_iterations",
     "linear_solver",
     "linear_solves",
+    "paths",
     "peak_pressure",
     "peak_resident_bytes",
     "pressure_spread",

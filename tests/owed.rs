@@ -183,7 +183,7 @@ fn a_gate_that_judges_less_than_is_owed_is_red() {
     assert_eq!(owes[0], first, "{owes}");
     assert_eq!((&owes[1]["norm"], owes.as_array().map(Vec::len)), (&"L2_max".into(), Some(2)));
     let (exit, printed) = recorded.gate(&recorded.document(), &[]);
-    assert!(exit == 0 && printed.contains("2 verdicts and 1 compared constant owed, all judged"));
+    assert!(exit == 0 && printed.contains("2 verdicts and 2 compared constants owed, all judged"));
     assert!(printed.contains("2 of 2 verdicts as expected"), "{printed}");
 
     let with = |owes: serde_json::Value| {
@@ -198,12 +198,12 @@ fn a_gate_that_judges_less_than_is_owed_is_red() {
     };
     let lost = more(serde_json::json!({"norm": "stress_L2_max", "variable": "h"}));
     let mut other = owes.clone();
-    other[1]["constants"] = serde_json::json!(["C_k"]);
+    other[1]["constants"] = serde_json::json!(["C_k", "C_h"]);
     let mut twice = owes.as_array().expect("a list").clone();
     twice.push(twice[0].clone());
     for (document, said) in [
         (lost, "affine: stress_L2_max in h: the verdict is owed and was not judged"),
-        (with(other), "affine: L2_max in k: the constant C_k is owed and was not compared"),
+        (with(other), "affine: L2_max in k: the constant C_h is owed and was not compared"),
         (with(twice.into()), "affine: V_max in k: the verdict is owed and was not judged"),
         (
             with(serde_json::json!([first])),
@@ -247,7 +247,7 @@ fn json_names_what_is_owed() {
     let text = std::fs::read_to_string(&path).expect("verdict.json");
     let found: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     assert_eq!((exit, &found["baseline"]["owed"]["verdicts"]), (1, &2.into()));
-    assert_eq!(found["baseline"]["owed"]["constants"], 1);
+    assert_eq!(found["baseline"]["owed"]["constants"], 2);
     let deviation = &found["baseline"]["deviations"][0];
     assert_eq!(deviation["kind"], "owed", "{deviation}");
     assert!(deviation["variable"] == "joint" && deviation["norm"] == "V_max", "{deviation}");

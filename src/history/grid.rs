@@ -7,13 +7,23 @@ use crate::linalg::signed_unit;
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeGrid {
     times: Vec<f64>,
+    /// T/N where all steps are the same but for the rounding of their ends: weights that ought to be equal are, and a
+    /// matrix that depends on them is factorized once.
+    equal: Option<f64>,
 }
 
 impl TimeGrid {
     /// t_n = n T / N.
     pub fn uniform(horizon: f64, steps: u32) -> Self {
-        let times = (0..=steps).map(|n| horizon * f64::from(n) / f64::from(steps)).collect();
-        Self { times }
+        Self::of((0..=steps).map(|n| horizon * f64::from(n) / f64::from(steps)).collect())
+    }
+
+    fn of(times: Vec<f64>) -> Self {
+        let (end, count) = (times[times.len() - 1], times.len() - 1);
+        let k = end / count as f64;
+        let near = |pair: &[f64]| (pair[1] - pair[0] - k).abs() <= 4.0 * f64::EPSILON * end;
+        let equal = (count > 0 && times.windows(2).all(near)).then_some(k);
+        Self { times, equal }
     }
 
     /// t_n = T (n/N)^r.
@@ -21,7 +31,7 @@ impl TimeGrid {
         let times = (0..=steps)
             .map(|n| horizon * (f64::from(n) / f64::from(steps)).powf(exponent))
             .collect();
-        Self { times }
+        Self::of(times)
     }
 
     /// Steps drawn from [½, 3/2] mean steps by a seeded generator, scaled to end at T.
@@ -35,18 +45,18 @@ impl TimeGrid {
         for time in &mut times {
             *time *= horizon / total;
         }
-        Self { times }
+        Self::of(times)
     }
 
     /// Any increasing times that start at 0; `None` otherwise.
     pub fn new(times: Vec<f64>) -> Option<Self> {
         let increasing = times.windows(2).all(|pair| pair[0] < pair[1]);
-        (times.first() == Some(&0.0) && increasing).then_some(Self { times })
+        (times.first() == Some(&0.0) && increasing).then(|| Self::of(times))
     }
 
     /// The grid t_0, …, t_last.
     pub fn up_to(&self, last: usize) -> Self {
-        Self { times: self.times[..=last].to_vec() }
+        Self { times: self.times[..=last].to_vec(), equal: self.equal }
     }
 
     /// Number of steps N.
@@ -66,13 +76,12 @@ impl TimeGrid {
 
     /// k_n = t_n - t_{n-1}, n ≥ 1.
     pub fn step(&self, n: usize) -> f64 {
-        self.times[n] - self.times[n - 1]
+        self.equal.unwrap_or(self.times[n] - self.times[n - 1])
     }
 
     /// Whether all steps are the same but for the rounding of their ends.
     pub fn is_uniform(&self) -> bool {
-        let (k, end) = (self.times.get(1).map_or(0.0, |_| self.step(1)), self.times[self.steps()]);
-        (1..=self.steps()).all(|n| (self.step(n) - k).abs() <= 4.0 * f64::EPSILON * end)
+        self.equal.is_some()
     }
 
     /// k, the largest step.
@@ -169,6 +178,18 @@ mod tests {
         assert_eq!((grid.steps(), grid.step(2), grid.time(3)), (4, 0.75, 2.25));
         assert_eq!(grid.largest_step(), 1.75);
         assert_eq!(grid.up_to(2).times(), [0.0, 0.25, 1.0]);
+    }
+
+    /// The differences of n/6 have three values.
+    #[test]
+    fn equal_steps_are_equal_to_the_last_digit() {
+        let grid = TimeGrid::uniform(1.0, 6);
+        let differences = grid.times().windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(differences.clone().any(|k| k != 1.0 / 6.0));
+        for part in [&grid, &grid.up_to(4), &TimeGrid::new(grid.times().to_vec()).unwrap()] {
+            assert!((1..=part.steps()).all(|n| part.step(n) == 1.0 / 6.0) && part.is_uniform());
+        }
+        assert!(!TimeGrid::graded(1.0, 6, 1.1).is_uniform());
     }
 
     /// Steps in the ratios of 1 + draw/2, scaled to the horizon.

@@ -267,15 +267,17 @@ fn boundary_faces(space: &Discretization) -> HashMap<u32, Vec<Vec<u32>>> {
     faces
 }
 
-/// Length, area or volume by the determinant of edges (Gram's for a side).
+/// Length, area or volume by the determinant of edges (Gram's for a side), in units of the longest: squares of lengths far
+/// from one would leave the range of numbers.
 fn measure(space: &Discretization, simplex: &[u32]) -> f64 {
     let d = space.mesh.dimension;
     let corner = |i: usize| space.mesh.vertex(simplex[i]);
     let edges: Vec<Vec<f64>> =
         (1..simplex.len()).map(|i| (0..d).map(|j| corner(i)[j] - corner(0)[j]).collect()).collect();
+    let unit = edges.iter().flatten().fold(0.0f64, |most, value| most.max(value.abs()));
     let gram = nalgebra::DMatrix::from_fn(edges.len(), edges.len(), |i, j| {
-        edges[i].iter().zip(&edges[j]).map(|(a, b)| a * b).sum::<f64>()
+        edges[i].iter().zip(&edges[j]).map(|(a, b)| (a / unit) * (b / unit)).sum::<f64>()
     });
     let parts: usize = (1..=edges.len()).product();
-    gram.determinant().max(0.0).sqrt() / parts as f64
+    gram.determinant().max(0.0).sqrt() / parts as f64 * unit.powi(edges.len() as i32)
 }

@@ -230,12 +230,14 @@ fn how(norm: Norm) -> Alignment {
 pub fn norm_estimate(setup: &Setup, found: &Companions, own: &NormDifferences) -> Estimate {
     let [in_h, in_k] =
         [Direction::H, Direction::K].map(|own_step| theory(setup, own.norm, own_step));
+    // An order that is promised as a least one says nothing of a higher one that is observed.
+    let exact = |theory: Option<&Prediction>| theory.filter(|p| !p.at_least).map(|p| p.order);
     let [no_space, no_time] = found.missing.clone().map(|missing| missing.map(Part::Unknown));
     let space = match found.own_on_each_mesh {
         true => Part::Below(0.0),
-        false => Part::of(own.space, own.floor, in_h.map(|p| p.order), how(own.norm)),
+        false => Part::of(own.space, own.floor, exact(in_h), how(own.norm)),
     };
-    let time = Part::of(own.time, own.floor, in_k.map(|p| p.order), Alignment::Aligned);
+    let time = Part::of(own.time, own.floor, exact(in_k), Alignment::Aligned);
     let (space, time) = (no_space.unwrap_or(space), no_time.unwrap_or(time));
     let [of_h, of_k] =
         [limits(&space, own.norm, Direction::H, in_h), limits(&time, own.norm, Direction::K, in_k)];

@@ -186,7 +186,7 @@ fn paths() {
         "n = [8, 16, 32, 64]\nsteps = [16]",
         "pairs = [[4, 16], [8, 64], [16, 256]]\nby_state = true",
     );
-    let text = shipped::edited(&text, "variable = \"h\"", "variable = \"path\"");
+    let text = text.replace("variable = \"h\"", "variable = \"path\"");
     let read = scene(&text);
     assert!(read.sweep.as_ref().expect("a sweep").by_state);
     assert_eq!(keys(read), [(Some(4), 16), (Some(8), 64), (Some(16), 256)]);

@@ -88,7 +88,7 @@ fn reaches_out(source: &str) -> Vec<&'static str> {
 }
 
 /// Sources that may run a program: one that the user names, and this one itself for `trade --confirm`.
-const ASKED_FOR: [&str; 2] = ["external/process.rs", "cli/trade/answer.rs"];
+const ASKED_FOR: [&str; 3] = ["external/process.rs", "external/group.rs", "cli/trade/answer.rs"];
 
 #[test]
 fn no_other_program_is_run_and_no_network_is_asked() {

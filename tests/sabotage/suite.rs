@@ -64,24 +64,6 @@ const STRONG: &[(&str, &str)] = &[
     ("[exact]", "[exact]\nform = \"strong\""),
 ];
 /// V alone: on a mesh of eight the place of the zones in their cells makes the other errors scatter, down to 64 steps.
-const V_ALONE: &[(&str, &str)] = &[
-    (
-        "\n[[predicts]]\nnorm = \"L2_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"Theorem 7, (3.17): |e| <= C |e|_V by Korn's inequality\"\n",
-        "",
-    ),
-    (
-        "\n[[predicts]]\nnorm = \"stress_L2_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"Theorem 7, (3.17): (5.1) is Lipschitz in the strain and its history\"\n",
-        "",
-    ),
-    (
-        "\n[[predicts]]\nnorm = \"trace_L2_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"Theorem 7, (3.17): |e_nu| <= c_j |e|_V\"\n",
-        "",
-    ),
-    (
-        "\n[[predicts]]\nnorm = \"pressure_L2_max\"\nvariable = \"k\"\norder = 2.0\nwhy = \"Theorem 7, (3.17): on V^h the multiplier balances the stress\"\n",
-        "",
-    ),
-];
 /// Space alone: the error in time of this scene needs a fine mesh.
 const SPACE: &[(&str, &str)] = &[(
     "[[predicts]]\nnorm = \"V_time_max\"\nvariable = \"k\"\norder = 2.0\nwindow_n = [32, 32]                      # one mesh: each case there needs a run with 8 N steps beside it\nwhy = \"Theorem 7, (3.17), on the space V^h of a fixed mesh\"\n",
@@ -113,7 +95,7 @@ const ROWS: [Row; 26] = [
     ("loads-apart", &[], &[4], &[8, 16, 32, 64]),
     ("strong-scaled", &[], &[4, 8, 16, 32], &[8]),
     ("strong-corner", &[], &[4, 8, 16, 32], &[4]),
-    ("in-space", V_ALONE, &[8], &[8, 16, 32, 64]),
+    ("in-space", &[], &[8], &[8, 16, 32, 64]),
     ("long-growing", &[], &[2], &[8, 16, 32, 64]),
     ("steady", &[], &[8, 16, 32], &[1]),
     ("viscoelastic", IN_TIME, &[4, 8, 16, 32], &[8, 16, 32, 64]),

@@ -267,25 +267,25 @@ macro_rules! stale {
 }
 
 pub fn defects() -> Vec<Defect> {
-    let time = |name, program| Defect::of(Term::TimeRule, name, program);
+    // All of them weigh kernels; the weights of ζ are sound.
     let memory = |name, program| Defect::of(Term::Memory, name, program);
     vec![
-        time("last weight of a recursion frozen after level 1", |setup| {
+        memory("last weight of a recursion frozen after level 1", |setup| {
             last_weight(setup, |grid, _| 0.5 * grid.step(1))
         }),
-        time("last weight of a recursion by the step before", |setup| {
+        memory("last weight of a recursion by the step before", |setup| {
             last_weight(setup, |grid, n| 0.5 * grid.step(n.max(2) - 1))
         }),
-        time("last weight of a recursion by the mean step", |setup| {
+        memory("last weight of a recursion by the mean step", |setup| {
             last_weight(setup, |grid, _| 0.5 * grid.time(grid.steps()) / grid.steps() as f64)
         }),
         stale!("factor kept when the last weight changes", true),
         stale!("factor kept when the last weight changes, KKT system not checked", false),
-        time("corrected end for another exponent", |setup| {
+        memory("corrected end for another exponent", |setup| {
             corrected_end(setup, CorrectedEnd { exponent: 0.25 })
         }),
-        time("corrected end of the long run alone", |setup| corrected_end(setup, LongRun)),
-        time("product integration without its end weight", |mut setup| {
+        memory("corrected end of the long run alone", |setup| corrected_end(setup, LongRun)),
+        memory("product integration without its end weight", |mut setup| {
             if setup.scene.time.rule == scene::TimeRule::ProductIntegration {
                 setup.model.time_rule = Box::new(PlainEnd);
             }
