@@ -2,6 +2,7 @@
 
 use super::cells::{Mandel, add_force, inner};
 use crate::contact::Discretization;
+use crate::linalg::larger;
 use crate::scene::Norm;
 
 /// The leading error at one level.
@@ -27,7 +28,7 @@ pub(super) struct Largest {
 }
 
 impl Largest {
-    /// Takes a level in.
+    /// Takes a level in; a NaN stays.
     pub(super) fn raise<const S: usize>(&mut self, space: &Discretization, level: &Level<S>) {
         let of_cells = |field: &[Mandel<S>]| inner(space, field, field).sqrt();
         let trace: Vec<f64> =
@@ -39,7 +40,7 @@ impl Largest {
             (&mut self.trace, on_the_contact_side(space, &trace)),
             (&mut self.pressure, on_the_contact_side(space, &level.pressure)),
         ] {
-            *known = known.max(value);
+            *known = larger(*known, value);
         }
     }
 
@@ -99,4 +100,33 @@ fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
         measure * mean_square(&corners.collect::<Vec<f64>>())
     };
     space.trace.measure.iter().enumerate().map(facet).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Family, rectangle};
+
+    /// A level that has no number in one norm is not passed over for those that have.
+    #[test]
+    fn no_number_stays_in_its_norm() {
+        let mesh = rectangle([1.0, 1.0], 1, Family::Structured);
+        let space = Discretization::new(mesh, &[3], &[2]).expect("a mesh");
+        let (nodes, cells) = (space.nodes.len(), space.mesh.cell_count());
+        let level = |pressure: f64| Level::<3> {
+            error: vec![1.0; nodes],
+            strain: vec![[1.0; 3]; cells],
+            stress: vec![[2.0; 3]; cells],
+            pressure: vec![pressure; space.trace.points.len()],
+        };
+        let mut largest = Largest::default();
+        for pressure in [1.0, f64::NAN, 2.0] {
+            largest.raise(&space, &level(pressure));
+        }
+        assert!(largest.of(Norm::PressureL2Max).is_some_and(f64::is_nan));
+        assert!(largest.of(Norm::TraceL2Max).is_some_and(f64::is_finite));
+        // √3 on the unit square.
+        let v = largest.of(Norm::VMax).expect("a norm");
+        assert!((v - 3f64.sqrt()).abs() < 1e-15, "{v}");
+    }
 }
