@@ -5,13 +5,14 @@
 //! moments the moment. On P1 functions that is F(v) of v = m where nodes are free and 0 on Γ1.
 
 use std::collections::HashMap;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use super::{Setup, load_form, side_numbers};
 use crate::contact::{Discretization, LoadError};
-use crate::formula::{Graph, Node, Program};
+use crate::formula::{Node, Program};
 use crate::manufactured::{Exact, ExactOnMesh, LoadForm, Truth};
-use crate::scene::{Data, Side};
+use crate::scene::{Data, Scene, Side};
 use crate::space::quadrature::{
     Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8, triangle_product,
 };
@@ -39,17 +40,16 @@ pub(super) fn check(
     let times = TIMES.map(|share| share * setup.scene.time.horizon);
     match (&setup.body.data, &setup.exact) {
         (Data::Loads { body, traction }, _) => {
-            let integrals = Integrals::new(&setup.scene.formulas, body, traction, space);
-            let horizon = setup.scene.time.horizon;
+            let integrals = Integrals::new(&setup.scene, body, traction, space);
             times.iter().try_for_each(|&t| {
-                let [by_own, by_other] = integrals.at(t, horizon);
+                let [by_own, by_other] = integrals.at(t);
                 let rules = Sums::largest_difference(&by_own, &by_other);
                 let sums = Sums::of(space, &truth.load(t)?);
                 sums.compare(&by_other, BY_RULES * rules, t)
             })
         }
         (Data::Exact { form, .. }, Some(exact)) if load_form(*form) == LoadForm::Strong => {
-            times.iter().try_for_each(|&t| of_forms(setup, exact, space, truth, t))
+            of_forms(setup, exact, space, truth, times)
         }
         _ => Ok(()),
     }
@@ -61,23 +61,27 @@ fn of_forms(
     exact: &Arc<Exact>,
     space: &Arc<Discretization>,
     truth: &dyn Truth,
-    t: f64,
+    times: [f64; 2],
 ) -> Result<(), LoadError> {
     let sides = side_numbers(&setup.body.domain.traction);
-    let d = space.mesh.dimension;
-    let by = |form, rules: TruthRules| -> Result<Sums, LoadError> {
+    let by = |form, rules: TruthRules| -> Result<Vec<Sums>, LoadError> {
         let exact = ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
-        Ok(Sums::of(space, &exact.time_by_time().load(t)?))
+        let exact = exact.time_by_time();
+        times.iter().map(|&t| Ok(Sums::of(space, &exact.load(t)?))).collect()
     };
-    let own = Sums::of(space, &truth.load(t)?);
-    let strong = by(LoadForm::Strong, TruthRules::stronger(d))?;
-    let (weak, again) =
-        (by(LoadForm::Weak, TruthRules::of(d))?, by(LoadForm::Weak, TruthRules::stronger(d))?);
-    // Of the scene's own loads: what is wrong in `truth` must not widen what it may be off by.
-    let sound = by(LoadForm::Strong, TruthRules::of(d))?;
+    // By the usual rules, and by the next. Those in the strong form are the scene's own loads: what is wrong in `truth`
+    // must not widen what it may be off by.
+    let by_both = |form| -> Result<[Vec<Sums>; 2], LoadError> {
+        let d = space.mesh.dimension;
+        Ok([by(form, TruthRules::of(d))?, by(form, TruthRules::stronger(d))?])
+    };
+    let (strong, weak) = (by_both(LoadForm::Strong)?, by_both(LoadForm::Weak)?);
     let missed =
-        Sums::largest_difference(&sound, &strong) + Sums::largest_difference(&weak, &again);
-    own.compare(&again, BY_FORMS * missed, t)
+        |[usual, next]: &[Vec<Sums>; 2], at: usize| Sums::largest_difference(&usual[at], &next[at]);
+    times.iter().enumerate().try_for_each(|(at, &t)| {
+        let missed = missed(&strong, at) + missed(&weak, at);
+        Sums::of(space, &truth.load(t)?).compare(&weak[1][at], BY_FORMS * missed, t)
+    })
 }
 
 /// Σ F_i m(x_i), component by component, m = 1, x, y, z.
@@ -146,81 +150,74 @@ impl Sums {
 
 /// A formula with the simplices that it acts on.
 struct Acting {
-    formula: Node,
+    formula: Program,
     component: usize,
-    simplices: Vec<Vec<u32>>,
+    simplices: Rc<[Vec<u32>]>,
     /// The rule of the loads, and another one.
     rules: [Rule; 2],
 }
 
 /// ∫ f0·v + ∫ f2·v of the formulas, by simplices that are found from the cells alone.
 struct Integrals<'a> {
-    graph: Graph,
     space: &'a Discretization,
     acting: Vec<Acting>,
 }
 
 impl<'a> Integrals<'a> {
     fn new(
-        graph: &Graph,
+        scene: &Scene,
         body: &[Node],
         traction: &[(Side, Vec<Node>)],
         space: &'a Discretization,
     ) -> Self {
-        let mesh = &space.mesh;
+        let (mesh, mut graph) = (&space.mesh, scene.formulas.clone());
         let own = TruthRules::of(mesh.dimension);
         let (inside, outside) = match mesh.dimension {
             2 => ([own.load, triangle_product(5)], [own.traction, edge(7)]),
             _ => ([own.load, tetrahedron_product(4)], [own.traction, triangle_degree_8()]),
         };
-        let cells: Vec<Vec<u32>> = (0..mesh.cell_count()).map(|c| mesh.cell(c).to_vec()).collect();
         let mut acting = Vec::new();
-        let mut add = |formulas: &[Node], simplices: &[Vec<u32>], rules: &[Rule; 2]| {
+        let mut add = |formulas: &[Node], simplices: Vec<Vec<u32>>, rules: &[Rule; 2]| {
+            let simplices: Rc<[Vec<u32>]> = simplices.into();
             for (component, &formula) in formulas.iter().enumerate() {
                 if graph.value_of_constant(formula) != Some(0.0) {
-                    let (simplices, rules) = (simplices.to_vec(), rules.clone());
+                    let formula = Program::compile(&mut graph, &[formula], scene.time.horizon);
+                    let (simplices, rules) = (simplices.clone(), rules.clone());
                     acting.push(Acting { formula, component, simplices, rules });
                 }
             }
         };
-        add(body, &cells, &inside);
+        add(body, (0..mesh.cell_count()).map(|c| mesh.cell(c).to_vec()).collect(), &inside);
         if !traction.is_empty() {
             let faces = boundary_faces(space);
             for (side, formulas) in traction {
-                add(formulas, faces.get(&side.0).map_or(&[], Vec::as_slice), &outside);
+                add(formulas, faces.get(&side.0).cloned().unwrap_or_default(), &outside);
             }
         }
-        Self { graph: graph.clone(), space, acting }
+        Self { space, acting }
     }
 
     /// By either rule.
-    fn at(&self, t: f64, horizon: f64) -> [Sums; 2] {
+    fn at(&self, t: f64) -> [Sums; 2] {
         [0, 1].map(|which| {
             let mut sums = Sums::zero(self.space.mesh.dimension);
             for acting in &self.acting {
-                self.add(acting, &acting.rules[which], [t, horizon], &mut sums);
+                self.add(acting, &acting.rules[which], t, &mut sums);
             }
             Sums::new(sums)
         })
     }
 
-    fn add(
-        &self,
-        acting: &Acting,
-        rule: &Rule,
-        [t, horizon]: [f64; 2],
-        sums: &mut (Vec<f64>, Vec<f64>),
-    ) {
+    fn add(&self, acting: &Acting, rule: &Rule, t: f64, sums: &mut (Vec<f64>, Vec<f64>)) {
         let (space, d) = (self.space, self.space.mesh.dimension);
-        let program = Program::compile(&mut self.graph.clone(), &[acting.formula], horizon);
         let simplices = acting.simplices.iter();
         let points: Vec<[f64; 3]> = simplices
             .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
             .collect();
         let mut out = vec![Vec::new()];
-        program.bind(&points).evaluate(t, 0.0, &mut out);
+        acting.formula.bind(&points).evaluate(t, 0.0, &mut out);
         let mut values = out[0].iter();
-        for simplex in &acting.simplices {
+        for simplex in &*acting.simplices {
             let measure = measure(space, simplex);
             for ((weight, shapes), f) in rule.weights.iter().zip(&rule.points).zip(&mut values) {
                 for (&vertex, shape) in simplex.iter().zip(shapes) {
