@@ -15,6 +15,7 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
 use gronwall::history::{TimeGrid, TimeRule};
+use gronwall::record::fnv_1a;
 use gronwall::scene::{Direction, Registry, Scene};
 use gronwall::setup::Subject;
 use gronwall::sweep::{
@@ -209,19 +210,12 @@ fn a_wrong_time_rule_is_counted_as_failures() {
     assert!(found.verdicts >= scenes.len() && found.failed == found.verdicts, "{found:?}");
 }
 
-/// FNV-1a.
-fn fingerprint<'a>(bytes: impl IntoIterator<Item = &'a u8>) -> u64 {
-    bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, |state, &byte| {
-        (state ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    })
-}
-
 /// Where the runs of this build on these scenes are kept, one file each: an interrupted `make false-alarms` goes on, and
 /// another build starts anew.
 fn kept(scenes: &[Scene]) -> PathBuf {
     let program = std::env::current_exe().and_then(std::fs::read).expect("this program");
     let texts = scenes.iter().flat_map(|scene| scene.source.text.as_bytes());
-    let build = format!("{:016x}", fingerprint(program.iter().chain(texts)));
+    let build = format!("{:016x}", fnv_1a(program.iter().chain(texts).copied()));
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/false-alarms").join(build);
     std::fs::create_dir_all(&folder).expect("a folder");
     folder

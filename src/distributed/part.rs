@@ -5,7 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::plan::{CASES, CaseRow, PLAN, Plan, PlanError};
-use crate::record::{CaseRecord, RecordError, counted, make_directory, write_sorted};
+use crate::record::{
+    CaseRecord, RecordError, counted, make_directory, remove_if_there, write_sorted,
+};
 use crate::setup::{SetupError, Subject};
 use crate::sweep::{
     Machine, MemoryLimit, OutputDirectory, OutputError, Overrides, Progress, Provenance, Resumed,
@@ -146,8 +148,8 @@ pub fn run_part(
 /// Puts the table at its place as the last of the files: without it the directory holds no records.
 fn publish(out: &Path, records: &[CaseRecord], provenance: &Provenance) -> Result<(), PartError> {
     let [table, document] = ["cases.csv", "verdict.json"].map(|name| out.join(name));
-    for path in [&table, &document].into_iter().filter(|path| path.exists()) {
-        fs::remove_file(path)
+    for path in [&table, &document] {
+        remove_if_there(path)
             .map_err(|error| PartError::Io { path: path.clone(), reason: error.to_string() })?;
     }
     // Those that a killed process left.

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use crate::record::{open_file, shortened};
+use crate::record::{open_file, remove_if_there, shortened};
 
 /// The file in the directory of a case.
 pub const LOG: &str = "solver.log";
@@ -29,10 +29,7 @@ impl Log {
     /// The file system's.
     pub fn new(dir: &Path) -> io::Result<Self> {
         let path = dir.join(LOG);
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
+        remove_if_there(&path)?;
         // What is appended comes after the end, wherever that is by then.
         let file = File::options().append(true).create_new(true).open(&path)?;
         Ok(Self { path, file })

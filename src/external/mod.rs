@@ -31,7 +31,7 @@ use crate::contact::{CaseError, CaseInfo, Discretization, Observer, StepView, st
 use crate::history::{Accumulated, Memory, TimeGrid};
 use crate::law::{Convolution, Projection};
 use crate::linalg::axpy;
-use crate::record::shortened;
+use crate::record::{remove_if_there, shortened};
 use crate::setup::{MeshData, SceneModel, Scheme, Setup};
 
 /// How a case comes to its answer.
@@ -102,12 +102,7 @@ fn forget(dir: &Path) -> Result<(), CaseError> {
     let named = [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION, PRESSURE].map(|name| dir.join(name));
     let numbered = numbered(dir).map_err(said)?;
     for path in named.into_iter().chain(numbered.into_iter().map(|(_, path)| path)) {
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(said(format!("{}: {error}", path.display())));
-            }
-            _ => {}
-        }
+        remove_if_there(&path).map_err(|error| said(format!("{}: {error}", path.display())))?;
     }
     Ok(())
 }

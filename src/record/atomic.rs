@@ -2,10 +2,11 @@
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
-use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+use super::fnv_1a;
 
 /// A file that is written beside its place, and stands there when it is finished. Given up, it leaves nothing.
 #[derive(Debug)]
@@ -99,6 +100,17 @@ fn finished(mut file: Replacement, bytes: &[u8]) -> io::Result<()> {
     file.finish()
 }
 
+/// Removes a file, or a link and not what it names, if there is one.
+///
+/// # Errors
+/// What the file system reports but that there is none.
+pub fn remove_if_there(path: &Path) -> io::Result<()> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        other => other,
+    }
+}
+
 /// The end of the names of unfinished files, after the number of the process that writes them.
 const PARTIAL: &str = ".partial";
 /// What file systems take for a name, in bytes.
@@ -110,9 +122,8 @@ fn partial_name(name: &OsStr) -> OsString {
     let end = format!(".{}{PARTIAL}", std::process::id());
     let mut own = match name.len() + end.len() > LONGEST_NAME {
         true => {
-            let mut hasher = DefaultHasher::new();
-            name.hash(&mut hasher);
-            OsString::from(format!("{:016x}", hasher.finish()))
+            let bytes = name.as_encoded_bytes().iter().copied();
+            OsString::from(format!("{:016x}", fnv_1a(bytes)))
         }
         false => name.to_owned(),
     };

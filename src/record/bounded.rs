@@ -29,9 +29,17 @@ pub fn open_file(path: &Path) -> io::Result<File> {
 /// The bytes of a file of at most 4 GiB.
 ///
 /// # Errors
-/// Those of [`open_file`]; [`io::ErrorKind::FileTooLarge`].
+/// Those of [`read_file_up_to`].
 pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    up_to(open_file(path)?, MOST)
+    read_file_up_to(path, MOST)
+}
+
+/// The bytes of a file, if they are no more than `most`.
+///
+/// # Errors
+/// Those of [`open_file`]; [`io::ErrorKind::FileTooLarge`].
+pub fn read_file_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    up_to(open_file(path)?, most)
 }
 
 /// The text of such a file.

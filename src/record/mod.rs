@@ -17,8 +17,8 @@ mod stream;
 use std::io;
 use std::path::PathBuf;
 
-pub use atomic::{Replacement, make_directory, replace_file, write_named};
-pub use bounded::{open_file, read_at_most, read_file, read_text};
+pub use atomic::{Replacement, make_directory, remove_if_there, replace_file, write_named};
+pub use bounded::{open_file, read_at_most, read_file, read_file_up_to, read_text};
 pub use counted::counted;
 pub use foreign::{harmless, harmless_json, shortened};
 pub use hash::fnv_1a;

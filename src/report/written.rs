@@ -2,12 +2,11 @@
 //! and nothing else does.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::io;
 use std::path::{Component, Path};
 
 use super::ReportError;
-use crate::record::{read_text, replace_file};
+use crate::record::{read_text, remove_if_there, replace_file};
 
 /// Name of the list.
 const LIST: &str = "files.json";
@@ -43,12 +42,7 @@ fn write_list(dir: &Path, names: &BTreeSet<String>) -> Result<(), ReportError> {
 
 fn remove(dir: &Path, name: &str) -> Result<(), ReportError> {
     let path = dir.join(name);
-    match fs::remove_file(&path) {
-        Err(source) if source.kind() != io::ErrorKind::NotFound => {
-            Err(ReportError::Io { path, source })
-        }
-        _ => Ok(()),
-    }
+    remove_if_there(&path).map_err(|source| ReportError::Io { path, source })
 }
 
 /// Writes the files, lists them, and removes those of an earlier list that are not among them.
@@ -80,6 +74,8 @@ pub fn remove_earlier(dir: &Path) -> Result<(), ReportError> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

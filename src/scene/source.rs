@@ -1,10 +1,10 @@
 //! The text of a scene file, where it stands, and its hash.
 
-use std::io::Read;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::SceneError;
-use crate::record::{fnv_1a, open_file};
+use crate::record::{fnv_1a, read_file_up_to};
 
 /// Largest scene file that is read, in bytes (1 MiB).
 const LARGEST_FILE: u64 = 1 << 20;
@@ -39,25 +39,15 @@ impl Source {
     /// # Errors
     /// The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
     pub fn read(path: &Path) -> Result<Source, SceneError> {
-        let bytes = read_at_most(path, LARGEST_FILE).map_err(|error| SceneError::Unreadable {
-            path: path.to_path_buf(),
-            reason: error.to_string(),
+        let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| match error.kind() {
+            ErrorKind::FileTooLarge => SceneError::TooLarge { path: path.to_path_buf() },
+            _ => SceneError::Unreadable { path: path.to_path_buf(), reason: error.to_string() },
         })?;
-        if bytes.len() as u64 > LARGEST_FILE {
-            return Err(SceneError::TooLarge { path: path.to_path_buf() });
-        }
         match String::from_utf8(bytes) {
             Ok(text) => Ok(Source::from_text(path, text)),
             Err(error) => Err(not_utf8(path, &error)),
         }
     }
-}
-
-/// The bytes of the file; of a file longer than `largest`, one byte more than that, so that the excess shows.
-fn read_at_most(path: &Path, largest: u64) -> std::io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    open_file(path)?.take(largest + 1).read_to_end(&mut bytes)?;
-    Ok(bytes)
 }
 
 fn not_utf8(path: &Path, error: &std::string::FromUtf8Error) -> SceneError {

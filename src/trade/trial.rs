@@ -3,6 +3,8 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use crate::record::remove_if_there;
+
 /// What one run cost and how wrong it is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trial {
@@ -105,12 +107,7 @@ impl Table {
         let failed =
             |error: std::io::Error| TableError { path: path.into(), reason: error.to_string() };
         // What a link in its place names is left alone.
-        match std::fs::remove_file(path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(failed(error));
-            }
-            _ => {}
-        }
+        remove_if_there(path).map_err(failed)?;
         let file = std::fs::File::create_new(path).map_err(failed)?;
         let mut table = Self { file, path: path.into(), scene: scene.into(), norm: norm.into() };
         table.write(COLUMNS.map(str::to_owned))?;

@@ -1,10 +1,10 @@
 //! `shape = "mesh"`: a gmsh file beside the scene file.
 
-use std::io::Read;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::mesh::{CoarseMesh, read_gmsh};
-use crate::record::open_file;
+use crate::record::read_file_up_to;
 use crate::scene::diagnostic::SceneError;
 use crate::scene::reading::Reading;
 use crate::scene::source::Source;
@@ -66,13 +66,10 @@ pub(super) fn mesh_file(
 }
 
 fn text(path: &Path) -> Result<String, String> {
-    let mut bytes = Vec::new();
-    open_file(path)
-        .and_then(|file| file.take(LARGEST_FILE + 1).read_to_end(&mut bytes))
-        .map_err(|error| error.to_string())?;
-    if bytes.len() as u64 > LARGEST_FILE {
-        return Err("it is larger than 64 MiB".to_string());
-    }
+    let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => "it is larger than 64 MiB".to_string(),
+        _ => error.to_string(),
+    })?;
     String::from_utf8(bytes).map_err(|error| {
         let byte = error.utf8_error().valid_up_to();
         format!("byte {byte} is not text: export as ASCII")
