@@ -18,9 +18,7 @@ use crate::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
     reference_error, run_more, run_sweep,
 };
-use crate::verdict::{
-    Baseline, Comparison, Verdict, compare_owed, compare_with_baseline, write_json,
-};
+use crate::verdict::{Baseline, Verdict, write_json};
 
 /// The default directory of reports.
 pub(super) const LATEST: &str = "reports/latest";
@@ -209,12 +207,8 @@ impl What {
             verdicts = judged(&plans, &records);
         }
         let provenance = Provenance::of_run(&plans, &machine).json();
-        let comparison = baseline.map(|baseline| -> Comparison {
-            let runs = self.runs(&plans);
-            let mut comparison = compare_with_baseline(&baseline, &runs, &records);
-            compare_owed(&baseline, &runs, &verdicts, &mut comparison);
-            comparison
-        });
+        let comparison =
+            baseline.map(|baseline| baseline.compare(&self.runs(&plans), &records, &verdicts));
         let found =
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
         let references = plans.iter().filter_map(found).collect();

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::record::CaseRecord;
 use crate::sweep::ScenePlan;
-use crate::verdict::{Baseline, Comparison, Run, Verdict, compare_owed, compare_with_baseline};
+use crate::verdict::{Baseline, Comparison, Run, Verdict};
 
 /// A baseline, and what is there to be compared with it.
 pub struct Comparing<'a> {
@@ -44,8 +44,6 @@ impl<'a> Comparing<'a> {
     pub fn found(mut self, order: &[&str], verdicts: &[Verdict]) -> Comparison {
         let place = |run: &Run| order.iter().position(|&name| name == run.scene);
         self.runs.sort_by_cached_key(place);
-        let mut comparison = compare_with_baseline(self.baseline, &self.runs, &self.kept);
-        compare_owed(self.baseline, &self.runs, verdicts, &mut comparison);
-        comparison
+        self.baseline.compare(&self.runs, &self.kept, verdicts)
     }
 }

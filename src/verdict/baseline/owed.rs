@@ -4,9 +4,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::compare::{Comparison, Deviation, Kind, Run};
+use super::compare::{Comparison, Deviation, Kind, Run, compare_with_baseline};
 use super::{Baseline, Recorded};
-use crate::record::counted;
+use crate::record::{CaseRecord, counted};
 use crate::verdict::{Variable, Verdict};
 
 /// A verdict that is owed.
@@ -65,6 +65,18 @@ impl Baseline {
             recorded.owes = Some(Owed::of_scene(scene, verdicts));
         }
         self
+    }
+
+    /// Compares runs of scenes with their records: errors and work, and what the verdicts leave owing.
+    pub fn compare(
+        &self,
+        runs: &[Run],
+        records: &[CaseRecord],
+        verdicts: &[Verdict],
+    ) -> Comparison {
+        let mut comparison = compare_with_baseline(self, runs, records);
+        compare_owed(self, runs, verdicts, &mut comparison);
+        comparison
     }
 }
 
