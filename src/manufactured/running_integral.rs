@@ -118,11 +118,10 @@ fn resolve<E>(
 impl Piece {
     /// NaN counts as resolved: no halving would help it.
     fn is_resolved(&self) -> bool {
-        let unresolved = self.tail() > RESOLVED * self.size();
-        !unresolved
+        self.tail() <= RESOLVED * self.size()
     }
 
-    /// The largest coefficient.
+    /// The largest coefficient; a NaN is none.
     fn size(&self) -> f64 {
         self.coefficients.iter().fold(0.0, |size: f64, c| size.max(c.abs()))
     }

@@ -60,10 +60,8 @@ fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
         Shape::Box => MESHES.iter().find(|n| divides(scene, **n)).map(|&n| domain.mesh(n)),
         Shape::Refined(_) => Some(domain.mesh(1)),
     };
-    for (whole, c) in
-        whole.iter().flat_map(|whole| (0..whole.cell_count()).map(move |c| (whole, c)))
-    {
-        sketch.areas.push((cell(whole, c), Ink::Thin, 0.15));
+    if let Some(whole) = &whole {
+        sketch.areas.extend((0..whole.cell_count()).map(|c| (cell(whole, c), Ink::Thin, 0.15)));
     }
     regions(scene, body, &mut sketch);
     if domain.mesh != MeshFamily::Structured || matches!(domain.shape, Shape::Refined(_)) {

@@ -95,12 +95,10 @@ impl TraceConstants {
             (_, 2) => &LEVELS[..],
             _ => &LEVELS_IN_SPACE,
         };
-        let scene = &setup.scene;
-        let whole: Vec<u32> =
-            levels.iter().copied().filter(|&n| scene.check_cells(n).is_ok()).collect();
+        let whole = levels.iter().copied().filter(|&n| setup.scene.check_cells(n).is_ok());
         // The coarsest is there in any case: whether it fits into memory is another question.
         let fits = |&(i, n): &(usize, u32)| i == 0 || setup.body.domain.cells(n) <= MOST_CELLS;
-        whole.into_iter().enumerate().filter(fits).map(|(_, n)| n).collect()
+        whole.enumerate().filter(fits).map(|(_, n)| n).collect()
     }
 
     /// The limit of a pair of families, and how far they and their own extrapolations lie apart.
