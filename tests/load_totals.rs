@@ -16,15 +16,19 @@ use gronwall::setup::{MeshData, Setup};
 use gronwall::vhi::Newton;
 use shipped::{bodies, on_a_mesh, on_mesh, setup, setup_of, text};
 
-/// A load with something added to it.
+/// A load with something added to it from a time on.
 struct Changed {
     sound: Arc<dyn Truth>,
     more: Vec<f64>,
+    from: f64,
 }
 
 impl Truth for Changed {
     fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
         let sound = self.sound.load(t)?;
+        if t < self.from {
+            return Ok(sound);
+        }
         Ok(Arc::new(sound.iter().zip(&self.more).map(|(f, more)| f + more).collect()))
     }
 
@@ -39,7 +43,12 @@ fn march(setup: &Setup, data: &MeshData) -> Result<(), CaseError> {
 
 /// The run with a load that has `more` in it.
 fn with(setup: &Setup, data: &MeshData, more: Vec<f64>) -> Result<(), CaseError> {
-    let truth = Arc::new(Changed { sound: data.truth.clone(), more });
+    with_late(setup, data, more, 0.0)
+}
+
+/// The same from a time on.
+fn with_late(setup: &Setup, data: &MeshData, more: Vec<f64>, from: f64) -> Result<(), CaseError> {
+    let truth = Arc::new(Changed { sound: data.truth.clone(), more, from });
     march(setup, &MeshData::with_truth(data.space.clone(), truth))
 }
 
@@ -124,6 +133,18 @@ fn strong_loads_that_lose_or_exchange_a_part_are_refused() {
             let load = data.truth.load(1.0).expect("a load");
             is_refused(with(&setup, &data, load.iter().map(|f| 1e-3 * f).collect()));
         }
+    }
+}
+
+/// A load that is sound in the middle of [0, T] may lose a part later.
+#[test]
+fn loads_that_go_wrong_late_are_refused() {
+    for (name, n) in [("l-shape", 4), ("sourced-box", 3)] {
+        let setup = setup(name);
+        let data = on_mesh(&setup, n);
+        let mut more = vec![0.0; data.space.nodes.len()];
+        more[1] = 0.01;
+        is_refused(with_late(&setup, &data, more, 0.75 * setup.scene.time.horizon));
     }
 }
 
