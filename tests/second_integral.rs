@@ -10,25 +10,28 @@ mod shipped;
 use again::{Errors, Kept, errors};
 use gronwall::norms::{ContactState, StepErrors, state_errors, step_errors};
 use gronwall::setup::{MeshData, Setup};
-use shipped::{on_mesh, run, setup};
+use shipped::{edited, on_mesh, run, setup, setup_of, text};
 
-/// Scene, n, steps, and what the two may differ by, as a share.
+/// Scene, n, steps, and what the two may differ by, as a share: in the stress, and in all other norms.
 ///
 /// Where u is a polynomial or u ∈ V^h both rules are exact, or of degree 6 for squares of degree 8: what is left is the
 /// rounding of squares that are differences. The waves of `viscoelastic` leave the rule of degree 6 with cells of a quarter
-/// below 1e-6. Where a kink of second derivatives (a front) or of σ (the yield surface) cuts cells, both rules are of
-/// low order in them: below 0.5 % of V and σ, on the falling branch of `compliance` with cells of an eighth below 1 %.
-const SCENES: [(&str, u32, u32, f64); 10] = [
-    ("affine", 2, 4, 1e-9),
-    ("affine-locked", 2, 4, 1e-9),
-    ("affine-graded", 2, 4, 1e-9),
-    ("affine-box", 2, 2, 1e-9),
-    ("sourced-box", 2, 2, 1e-6),
-    ("viscoelastic", 4, 4, 1e-6),
-    ("compliance", 8, 4, 1e-2),
-    ("signorini", 8, 4, 5e-3),
-    ("pure-mild", 8, 4, 5e-3),
-    ("pure-box", 2, 2, 5e-3),
+/// below 1e-6. Where a front cuts cells, they are cut along it: the pressure of an edge that it crosses is left, below 3e-5
+/// with cells of an eighth, and front and wave in the few cells of `pure-strong` 2e-4. The yield surface of a projection
+/// is not followed: σ has a kink there, and is off by 1e-3 at most.
+const SCENES: [(&str, u32, u32, [f64; 2]); 12] = [
+    ("affine", 2, 4, [1e-9; 2]),
+    ("affine-locked", 2, 4, [1e-9; 2]),
+    ("affine-graded", 2, 4, [1e-9; 2]),
+    ("affine-box", 2, 2, [1e-9; 2]),
+    ("sourced-box", 2, 2, [1e-6; 2]),
+    ("viscoelastic", 4, 4, [1e-6; 2]),
+    ("compliance", 8, 4, [3e-5; 2]),
+    ("signorini", 8, 4, [3e-5; 2]),
+    ("pure-mild", 8, 4, [3e-4, 1e-5]),
+    ("pure-strong", 8, 4, [3e-4; 2]),
+    ("pure-strong", 16, 4, [1e-3, 3e-5]),
+    ("pure-box", 2, 2, [2e-3, 1e-6]),
 ];
 
 /// Both of every level after the first.
@@ -77,6 +80,7 @@ fn every_norm_is_the_one_of_another_integral() {
         let data = on_mesh(&setup, n);
         for (norm, off) in apart(&both(&setup, &data, steps)) {
             println!("{name:<16} {norm:<9} {off:.2e}");
+            let tolerance = tolerance[usize::from(norm != "stress")];
             if off.is_nan() || off > tolerance {
                 wrong.push(format!("{name} {norm}: {off:.2e}"));
             }
@@ -149,6 +153,21 @@ fn errors_by_state_add_up_to_the_norms_on_the_contact_side() {
         })
         .unwrap_or_else(|error| panic!("{error}"));
     }
+}
+
+/// A kink that the formulas hide, a root of a square in place of a modulus, is not followed: the second integral sees it.
+#[test]
+fn a_kink_that_is_not_followed_is_seen() {
+    // Twice the positive part of each.
+    let (radius, pressure) = ("r = \"0.15 + 0.1*t\"", "R = \"L*max(r^2 - (x - x0)^2, 0)^3\"");
+    let roots = "over = \"sqrt((x - x0)^2 + 1e-24) - r\"\nout = \"over + sqrt(over^2 + 1e-24)\"\n\
+                 under = \"r^2 - (x - x0)^2\"\nin = \"under + sqrt(under^2 + 1e-24)\"";
+    let text = edited(&text("signorini"), radius, &format!("{radius}\n{roots}"));
+    let text = edited(&text, "c*max(abs(x - x0) - r, 0)^3", "c*out^3/8");
+    let hidden = setup_of(edited(&text, pressure, "R = \"L*in^3/8\""));
+    let data = on_mesh(&hidden, 8);
+    let [(_, v), ..] = apart(&both(&hidden, &data, 4));
+    assert!(v > 5.0 * 3e-5, "{v:e}");
 }
 
 /// The stress without its remainder and a pressure without its multiplier are farther from the second integral than any

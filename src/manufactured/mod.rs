@@ -19,6 +19,8 @@ mod check;
 pub mod constitutive;
 mod contact_samples;
 mod curve;
+mod cut_cells;
+mod cuts;
 mod double_exponential;
 mod edge_compliance;
 mod exact;

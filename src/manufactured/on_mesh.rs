@@ -2,10 +2,13 @@
 //!
 //! Fields that separate in time are integrated once, in parts; others once a time.
 
+use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use super::bands::Bands;
 use super::contact_samples::StatePoints;
+use super::cut_cells::{self, RulesOfCells};
+use super::cuts::Cuts;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
 use super::nodal_force::{facet_measure, force_of_means};
@@ -13,7 +16,8 @@ use super::part_moments::{PartMoments, combined, forget_zeros};
 use super::parts::Parts;
 use super::products::Products;
 use super::reduction::remainders;
-use super::rows::Rows;
+use super::row_places::rules_of_halves;
+use super::rows::{HALVES, Rows};
 use super::sampled::Sampled;
 use super::separation::Separation;
 use super::truth::{ByTime, Truth};
@@ -39,7 +43,9 @@ pub struct ExactOnMesh {
     /// Of each cell.
     regions: Vec<usize>,
     loads: ByTime<Vec<f64>>,
-    moments: ByTime<Moments>,
+    moments: ByTime<KnownMoments>,
+    /// Kinks of the fields in the cells.
+    cuts: Option<Cuts>,
     /// What goes beside the parts, of loads and moments.
     contact_forces: ByTime<Vec<f64>>,
     contact_moments: ByTime<ContactMoments>,
@@ -53,10 +59,19 @@ pub struct ExactOnMesh {
     uniform: OnceLock<Uniform>,
     /// The rows of the mesh where it has some, of one material each; the fields at one time on them.
     rows: Option<Rows>,
+    /// Those of moments along rows, in the two halves of a square.
+    rules_of_halves: Option<[Rule; HALVES]>,
     bands: OnceLock<Arc<Bands>>,
     /// The same at the points of σ in the weak form, where they are others.
     stress_bands: OnceLock<Arc<Bands>>,
     state_points: OnceLock<StatePoints>,
+}
+
+/// The moments at one time.
+struct KnownMoments {
+    moments: Arc<Moments>,
+    /// The means of σ by the rule of loads, of cells where a kink takes others.
+    of_loads: Vec<(usize, Vec<f64>)>,
 }
 
 /// u_ν and ξ + λ on the facets of Γ3, and where u_ν = g.
@@ -65,6 +80,21 @@ struct ContactMoments {
     normal: Piecewise,
     pressure: Piecewise,
     locked: Vec<bool>,
+}
+
+impl KnownMoments {
+    /// The means of σ as the rule of loads has them.
+    fn means_of_loads(&self) -> Cow<'_, [f64]> {
+        let means = &self.moments.stress.mean;
+        if self.of_loads.is_empty() {
+            return Cow::Borrowed(means);
+        }
+        let mut means = means.clone();
+        for (c, own) in &self.of_loads {
+            means[own.len() * c..own.len() * (c + 1)].copy_from_slice(own);
+        }
+        Cow::Owned(means)
+    }
 }
 
 impl ExactOnMesh {
@@ -85,12 +115,17 @@ impl ExactOnMesh {
         let regions = exact.cell_regions(&space.mesh);
         let is_uniform = exact.is_uniform(&regions);
         let rows = exact.rows(&space.mesh, &regions);
+        let fields = [&exact.data.u[..], &exact.strain].concat();
+        let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
+        let graph = &exact.data.graph;
+        let cuts = Cuts::new(graph, &fields, exact.data.horizon, &space.mesh, cells);
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
         Self {
             stress_points: (rules.stress != rules.error).then(|| cell_points(&rules.stress)),
             force_points: cell_points(&rules.load),
             error_points: cell_points(&rules.error),
             regions,
+            rules_of_halves: rows.as_ref().map(|rows| rules_of_halves(rows, &rules.error)),
             rows,
             contact,
             traction: facet_groups(&exact, &space, &free, &rules.side),
@@ -99,6 +134,7 @@ impl ExactOnMesh {
             form,
             loads: ByTime::default(),
             moments: ByTime::default(),
+            cuts,
             contact_forces: ByTime::default(),
             contact_moments: ByTime::default(),
             load_parts: OnceLock::new(),
@@ -221,7 +257,7 @@ impl ExactOnMesh {
         }
         self.loads.get_or(t, || {
             let force = match self.moments.known(t).filter(|_| self.is_shared()) {
-                Some(moments) => force_of_means::<D>(&self.space, &moments.stress.mean),
+                Some(known) => force_of_means::<D>(&self.space, &known.means_of_loads()),
                 None => self.volume_forces::<D>(&self.at(t))?.swap_remove(0),
             };
             Ok(with(force, &self.contact_pressure(t)?))
@@ -316,14 +352,36 @@ impl ExactOnMesh {
             let ContactMoments { normal, pressure, locked } = on_contact;
             Moments { normal, pressure, locked, ..cells }
         };
-        if let Some(cells) = self.moments_from_parts::<D>(t) {
-            let on_contact = self.contact_moments.get_or(t, || self.compute_contact::<D>(t))?;
-            return Ok(Arc::new(with(cells, (*on_contact).clone())));
+        let on_contact = || self.contact_moments.get_or(t, || self.compute_contact::<D>(t));
+        if self.cuts.is_none()
+            && let Some(cells) = self.moments_from_parts::<D>(t)
+        {
+            return Ok(Arc::new(with(cells, (*on_contact()?).clone())));
         }
-        self.moments.get_or(t, || {
-            let cells = self.part_moments::<D>(&self.at(t))?.single();
-            Ok(with(cells, self.compute_contact::<D>(t)?))
-        })
+        let known = self.moments.get_or(t, || {
+            let at = self.at(t);
+            let (mut cells, by_rows) = match self.moments_from_parts::<D>(t) {
+                Some(cells) => {
+                    let parts = self.moment_parts.get().and_then(Option::as_ref);
+                    (cells, parts.is_some_and(|parts| parts.by_rows))
+                }
+                None => {
+                    let cells = self.part_moments::<D>(&at)?;
+                    let by_rows = cells.by_rows;
+                    (cells.single(), by_rows)
+                }
+            };
+            let correct = |cuts| {
+                let pieces = &self.error_points.rule;
+                let halves = self.rules_of_halves.as_ref().filter(|_| by_rows);
+                let whole = halves.map_or([pieces; HALVES], |[a, b]| [a, b]);
+                cut_cells::correct::<D>(cuts, &at, RulesOfCells { whole, pieces }, &mut cells)
+            };
+            let of_loads = self.cuts.as_ref().map_or(Vec::new(), correct);
+            let moments = Arc::new(with(cells, (*on_contact()?).clone()));
+            Ok(KnownMoments { moments, of_loads })
+        })?;
+        Ok(known.moments.clone())
     }
 
     fn compute_contact<const D: usize>(&self, t: f64) -> Result<ContactMoments, LoadError> {

@@ -61,7 +61,7 @@ impl OnRows {
         let stress = tensors(|part| &part.stress)?;
         let all: Vec<&[Field; 2]> = fields.iter().map(|part| &part.displacement).collect();
         let displacement = self.vectors(&all)?;
-        Some(PartMoments { strain, stress, displacement, lengths })
+        Some(PartMoments { strain, stress, displacement, lengths, by_rows: true })
     }
 
     /// The means of σ alone, to the last bit those of [`Self::moments`].

@@ -20,7 +20,8 @@ impl Parts<'_> {
         let lengths = [self.exact.strain.len() * cells, D * (D + 1) * cells];
         let [strain, stress, displacement] = [lengths[0], lengths[0], lengths[1]]
             .map(|numbers| PartFamily::with_room(self.count, numbers));
-        let mut sums = PartMoments { strain, stress, displacement, lengths };
+        let by_rows = false;
+        let mut sums = PartMoments { strain, stress, displacement, lengths, by_rows };
         match D {
             2 => self.add_moments::<D, 3>(points, &mut sums)?,
             _ => self.add_moments::<D, 6>(points, &mut sums)?,
@@ -224,6 +225,8 @@ pub(super) struct PartMoments {
     pub(super) displacement: PartFamily,
     /// Numbers of ε, and of u.
     pub(super) lengths: [usize; 2],
+    /// Whether the rules are those of rows, in place of one for all cells.
+    pub(super) by_rows: bool,
 }
 
 impl PartMoments {

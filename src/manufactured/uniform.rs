@@ -57,6 +57,6 @@ impl Uniform {
         let lengths = [N * mesh.cell_count(), corner.len()];
         let displacement = PartFamily { vectors: vec![corner], products: vec![0.0] };
         let (strain, stress) = (everywhere(&strain), everywhere(&sigma));
-        Some(PartMoments { strain, stress, displacement, lengths })
+        Some(PartMoments { strain, stress, displacement, lengths, by_rows: false })
     }
 }
