@@ -13,7 +13,7 @@ run: ## the main job: all scenes at gate size, verdict table, report in reports/
 	$(CARGO) run --release --bin sweep
 
 test: ## unit, integration and documentation tests
-	$(CARGO) test --workspace
+	$(CARGO) test --release --workspace
 
 lint: ## formatting, clippy and rustdoc, every warning an error
 	$(CARGO) fmt --all --check
@@ -121,11 +121,11 @@ false-alarms: ## the gate over 200 seeded perturbations (RUNS=40 for fewer): no 
 	$(CARGO) test --release --test false_alarms -- --ignored --nocapture
 
 fuzz: ## damaged texts for all that is read, ten million a target (RUNS=..., SEED=..., MINUTES=... each): no panic, no hang
-	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --test fuzz -- --nocapture
+	RUNS=$(or $(RUNS),10000000) RUST_BACKTRACE=0 $(CARGO) test --release --test fuzz -- --nocapture
 
 # Licences are a test, so that CI checks them. Advisories need a database, which is fetched when asked for and not otherwise.
 audit-deps: ## licences of all dependencies; their advisories where cargo-audit is installed (FETCH=1 fetches the database)
-	$(CARGO) test --test machine licences -- --nocapture
+	$(CARGO) test --release --test machine licences -- --nocapture
 	@if ! $(CARGO) audit --version >/dev/null 2>&1; then echo "advisories: not checked, cargo-audit is not installed"; \
 	elif [ -n "$(FETCH)" ]; then $(CARGO) audit --deny warnings; \
 	else $(CARGO) audit --deny warnings --no-fetch --stale; fi
@@ -136,7 +136,6 @@ package: ## the crate as it would be published, built from its own archive
 opt-levels: ## records and verdicts of optimisation levels 0 to 3: bit-identical
 	tests/opt_levels.sh
 
-# The same on the whole crate, minutes a mutant: cargo mutants -f 'src/law/**' -f 'src/history/**' ...
 mutants: ## mutation tests of law, history, fit, verdict (MODULES=law for one); needs cargo-mutants
 	tests/mutants.sh $(MODULES)
 

@@ -29,64 +29,33 @@
 //! | h = 1/n, k = T/N | `n`, `steps` | | length, time |
 //!
 //! # The house
-//! Each module imports only those above it in this list; `tests/house.rs` enforces it.
+//! Eleven crates, each of which knows those named beside it and no other; this one is the program `sweep` and a front of
+//! their modules. `tests/house.rs` holds the table.
 //!
-//! | module | holds |
-//! |---|---|
-//! | [`tensor`] | symmetric tensors in Mandel notation |
-//! | [`record`] | what one case produced; the waist between computing and judging |
-//! | [`linalg`] | sparse matrices on node blocks, Cholesky factorization, GMRES, multigrid |
-//! | [`mesh`] | simplex meshes and their sides |
-//! | [`space`] | P1 geometry, node numbering, quadrature |
-//! | [`law`] | elasticity, projection, memory kernels, contact potentials |
-//! | [`history`] | time grids and rules, the sums Σ' over the past |
-//! | [`vhi`] | Problem 9 as a trait: constraint graphs, semismooth Newton, fixed point Λ, march |
-//! | [`finite`] | Problem 9 in ℝ^m, an instance of `vhi` without a mesh |
-//! | [`contact`] | Problem 14: assembly, contact trace, march in time, KKT residual |
-//! | [`formula`] | formulas: parsing, exact derivatives, blocked evaluation |
-//! | [`norms`] | errors against moments of the truth, reference runs |
-//! | [`manufactured`] | exact fields and loads from formulas, and their verification |
-//! | [`scene`] | scene files, as written and as validated |
-//! | [`setup`] | a scene made computable; constants and hypotheses |
-//! | [`external`] | a solver in another program as a scheme: cases as files, displacements read back |
-//! | [`leading_error`] | the error of a sound scheme to leading order, from the exact solution alone |
-//! | [`solution`] | named quantities and VTU files of a case |
-//! | [`fit`], [`verdict`] | orders with intervals; predictions judged |
-//! | [`report`] | pictures, page, JUnit |
-//! | [`sweep`] | cases, threads, records, resume |
-//! | [`distributed`] | a sweep in many processes: plan, jobs, records merged and judged |
-//! | [`trade`] | speed against accuracy: knobs, cost and error models, optima; the error of a run from coarser ones |
-//! | [`theory`] | the theorems' constants, bounds and inequalities as runs |
-//! | [`diagnose`] | variants of a scene that name the term at fault |
-//! | [`extremes`] | ladders of one parameter each, and what every rung must answer |
-//! | [`cli`] | the commands |
+//! | crate | knows | holds |
+//! |---|---|---|
+//! | `algebra` | | [`tensor`]: symmetric tensors in Mandel notation; [`linalg`]: sparse matrices on node blocks, Cholesky factorization, GMRES, multigrid |
+//! | `vhi` | `algebra` | [`law`]: elasticity, projection, memory kernels, contact potentials; [`history`]: time grids and rules, the sums Σ' over the past; [`vhi`]: Problem 9 as a trait, semismooth Newton, fixed point Λ, march; [`finite`]: Problem 9 in ℝ^m |
+//! | `fem` | `algebra`, `vhi` | [`mesh`]; [`space`]: P1 geometry, node numbering, quadrature; [`contact`]: Problem 14 assembled and marched in time, KKT residual; [`norms`]: errors against moments of the truth |
+//! | `formula` | | [`formula`]: parsing, exact derivatives, hereditary integrals, evaluation in blocks |
+//! | `exact` | `formula`, `fem` without its laws and assembly | [`manufactured`]: exact fields and loads from formulas, and their verification |
+//! | `files` | | [`files`]: bounded reading, replacement that is whole or not at all |
+//! | `judge` | `files` | [`record`]: what one case produced, the waist between computing and judging; [`fit`]: orders with intervals; [`verdict`]: predictions judged |
+//! | `report` | `judge`, `files` | [`report`]: pictures, page, PDF, LaTeX, JUnit |
+//! | `scene` | all above but `judge` and `report` | [`scene`]: scene files, as written and as validated; [`setup`]: a scene made computable, constants and hypotheses |
+//! | `run` | all above | [`external`]: a solver in another program as a scheme; [`leading_error`]: the error of a sound scheme to leading order, from the exact solution alone; [`sweep`]: cases, threads, records, resume; [`distributed`]: a sweep in many processes |
+//! | `studies` | all above | [`solution`]: named quantities and VTU files of a case; [`trade`]: speed against accuracy; [`theory`]: the theorems' constants, bounds and inequalities as runs; [`diagnose`]: variants of a scene that name the term at fault; [`extremes`]: ladders of one parameter each |
+//! | `gronwall` | all | [`cli`]: the commands |
 #![doc = include_str!("../docs/LIBRARY.md")]
 
 pub mod cli;
-pub mod contact;
-pub mod diagnose;
-pub mod distributed;
-pub mod external;
-pub mod extremes;
-pub mod finite;
-pub mod fit;
-pub mod formula;
-pub mod history;
-pub mod law;
-pub mod leading_error;
-pub mod linalg;
-pub mod manufactured;
-pub mod mesh;
-pub mod norms;
-pub mod record;
-pub mod report;
-pub mod scene;
-pub mod setup;
-pub mod solution;
-pub mod space;
-pub mod sweep;
-pub mod tensor;
-pub mod theory;
-pub mod trade;
-pub mod verdict;
-pub mod vhi;
+
+pub use algebra::{linalg, tensor};
+pub use exact as manufactured;
+pub use fem::{contact, mesh, norms, space};
+pub use judge::{fit, record, verdict};
+pub use run::{distributed, external, leading_error, sweep};
+pub use scene::setup;
+pub use studies::{diagnose, extremes, solution, theory, trade};
+pub use vhi::{finite, history, law};
+pub use {files, formula, report, scene, vhi};

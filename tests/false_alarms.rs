@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::Instant;
 
+use gronwall::files::fnv_1a;
 use gronwall::history::{TimeGrid, TimeRule};
-use gronwall::record::fnv_1a;
 use gronwall::scene::{Direction, Registry, Scene};
 use gronwall::setup::Subject;
 use gronwall::sweep::{
@@ -245,7 +245,7 @@ fn resumed(folder: &Path, scenes: &[Scene], seed: u64) -> Vec<Outcome> {
     let part: Vec<Scene> = scenes.iter().filter(takes_part).cloned().collect();
     let outcomes = gate(&part, seed, None);
     let bytes = serde_json::to_vec_pretty(&outcomes).expect("outcomes");
-    gronwall::record::replace_file(&path, &bytes).expect("a run");
+    gronwall::files::replace_file(&path, &bytes).expect("a run");
     let Count { verdicts, failed, unresolved } = Count::of(&outcomes);
     let seconds = start.elapsed().as_secs_f64();
     eprintln!(

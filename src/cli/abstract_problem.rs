@@ -7,11 +7,11 @@ use nalgebra::DVector;
 use super::constants::predicted_constants;
 use super::list::terms;
 use super::{CliError, print_json, print_text};
-use crate::manufactured::{Finding, Status};
-use crate::scene::Scene;
-use crate::setup::{AbstractSetup, abstract_regularity};
-use crate::sweep::ScenePlan;
-use crate::vhi::StepSolver;
+use exact::{Finding, Status};
+use run::sweep::ScenePlan;
+use scene::Scene;
+use scene::setup::{AbstractSetup, abstract_regularity};
+use vhi::StepSolver;
 
 /// The hypotheses of the abstract theory with their constants.
 pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {

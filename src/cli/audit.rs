@@ -12,10 +12,10 @@ use super::machine::{Allowance, processors};
 use super::{
     CliError, Scenes, create_dir, no_case, print_json, print_text, write_file, write_json,
 };
-use crate::contact::BoundaryRule;
-use crate::setup::Setup;
-use crate::sweep::admit_constants;
-use crate::theory::audit::{Relation, SceneAudit, Standing, Summary, audit_runs};
+use fem::contact::BoundaryRule;
+use run::sweep::admit_constants;
+use scene::setup::Setup;
+use studies::theory::audit::{Relation, SceneAudit, Standing, Summary, audit_runs};
 
 /// Meshes of a scene's own list up to this n are audited unless --n names others: a level costs some
 /// 60 evaluations of the exact solution a cell.
@@ -96,7 +96,7 @@ impl Audit {
         let scene = &setup.scene;
         let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
         scene.check_grid(&listed(&self.n), &listed(&self.steps))?;
-        let own = |list: fn(&crate::scene::Sweep) -> &Vec<usize>| -> Vec<u32> {
+        let own = |list: fn(&scene::Sweep) -> &Vec<usize>| -> Vec<u32> {
             scene.sweep.as_ref().map_or(Vec::new(), |s| list(s).iter().map(|&v| v as u32).collect())
         };
         let ns = self.n.clone().unwrap_or_else(|| {

@@ -7,9 +7,9 @@ use clap::Args;
 use super::machine::Allowance;
 use super::run::{BASELINE, LATEST, What};
 use super::{CliError, Scenes, print_text};
-use crate::record::counted;
-use crate::sweep::ScenePlan;
-use crate::verdict::{Baseline, exit_code};
+use files::counted;
+use judge::verdict::{Baseline, exit_code};
+use run::sweep::ScenePlan;
 
 /// `sweep baseline`.
 #[derive(Args)]

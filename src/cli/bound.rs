@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 
 use super::machine::Allowance;
 use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
-use crate::setup::Subject;
-use crate::theory::bound::Bound;
-use crate::theory::bound::contact::study_runs;
-use crate::theory::bound::ladder::{Outcome, Rung};
-use crate::theory::bound::threshold::Crossing;
+use scene::setup::Subject;
+use studies::theory::bound::Bound;
+use studies::theory::bound::contact::study_runs;
+use studies::theory::bound::ladder::{Outcome, Rung};
+use studies::theory::bound::threshold::Crossing;
 
 /// `sweep bound`.
 #[derive(Args)]

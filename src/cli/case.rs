@@ -7,8 +7,9 @@ use clap::Args;
 use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::{CliError, print_text};
-use crate::distributed::{CaseRow, PartRun, Plan, failed_in_words, run_part};
-use crate::record::{counted, quoted};
+use files::{counted, quoted};
+use run::distributed::{CaseRow, PartRun, Plan, failed_in_words, run_part};
+use run::sweep::Machine;
 
 /// `sweep case`.
 #[derive(Args)]
@@ -37,10 +38,10 @@ impl CaseCommand {
         let plan = Plan::read(&self.plan).map_err(CliError::other)?;
         let rows = plan.rows(&self.plan, &self.ids, &self.job).map_err(CliError::other)?;
         on_interrupt(&self.out, &self.again())?;
-        let limit = self.allowance.limit();
         let progress = super::progress::Display::new();
-        let options = self.options(&rows);
-        let run = run_part(&plan, &self.plan, &rows, &self.out, (&limit, &options), &progress);
+        let (memory, options) = (self.allowance.limit(), self.options(&rows));
+        let machine = Machine { jobs: 1, memory, build: super::BUILD, options };
+        let run = run_part(&plan, &self.plan, &rows, &self.out, &machine, &progress);
         let PartRun { records, known } = run.map_err(CliError::other)?;
         if let Some(failed) = failed_in_words(&records) {
             super::progress::note(&format!("warning: {failed}"));

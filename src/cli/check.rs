@@ -4,11 +4,11 @@ use clap::Args;
 
 use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_text};
-use crate::manufactured::{Finding, Status, check};
-use crate::scene::{Data, Hypothesis};
-use crate::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
-use crate::sweep::admit_constants;
-use crate::theory::corner::{Corner, corners};
+use exact::{Finding, Status, check};
+use run::sweep::admit_constants;
+use scene::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
+use scene::{Data, Hypothesis};
+use studies::theory::corner::{Corner, corners};
 
 /// `sweep check`.
 #[derive(Args)]

@@ -3,8 +3,8 @@
 use clap::Args;
 
 use super::{CliError, Scenes, no_case, subject};
-use crate::scene::{Scene, SceneError};
-use crate::sweep::{MemoryLimit, Overrides, ScenePlan};
+use run::sweep::{MemoryLimit, Overrides, ScenePlan};
+use scene::{Scene, SceneError};
 
 /// Meshes and numbers of steps in place of a scene's own; no more steps than `STEPS`.
 #[derive(Args)]

@@ -1,8 +1,8 @@
 //! The predicted constants of a plan, as `sweep explain` shows them.
 
-use crate::record::counted;
-use crate::sweep::{ScenePlan, foresee_plan};
-use crate::verdict::{Foreseen, ForeseenConstant, Variable};
+use files::counted;
+use judge::verdict::{Foreseen, ForeseenConstant, Variable};
+use run::sweep::{ScenePlan, foresee_plan};
 
 /// One line and one JSON object a prediction.
 pub fn predicted_constants(plan: &ScenePlan) -> Vec<(String, serde_json::Value)> {
@@ -28,7 +28,7 @@ fn one(known: &ForeseenConstant, order: f64) -> (String, serde_json::Value) {
             format!("constant   {norm} in {letter}: none, {not_predicted}")
         }
         Foreseen::Leading(line) => {
-            let step = |p: &crate::verdict::LeadingPoint| match variable {
+            let step = |p: &judge::verdict::LeadingPoint| match variable {
                 Variable::H => p.h.unwrap_or(f64::NAN),
                 _ => p.k,
             };

@@ -6,11 +6,11 @@ use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::{Allowance, processors};
 use super::{CliError, Scenes, print_json, print_text};
-use crate::diagnose::{
+use files::counted;
+use judge::verdict::render_table;
+use studies::diagnose::{
     Diagnosis, EXACT_WITHIN, Finding, Outcome, Question, admit_diagnosis, diagnose,
 };
-use crate::record::counted;
-use crate::verdict::render_table;
 
 /// Width of the table in characters.
 const WIDTH: u16 = 100;
@@ -68,7 +68,7 @@ fn trials(outcomes: &[Outcome]) -> String {
     table.set_header(["trial", "terms", "must show", "observed", "verdict"]);
     table.add_rows(outcomes.iter().map(|outcome| {
         let [name, terms] = [outcome.name.clone(), outcome.terms.clone()];
-        [name, terms, asked(outcome), outcome.observed(), outcome.decision.name().to_owned()]
+        [name, terms, asked(outcome), observed(outcome), outcome.decision.name().to_owned()]
     }));
     table.trim_fmt()
 }
@@ -84,18 +84,16 @@ fn asked(outcome: &Outcome) -> String {
     }
 }
 
-impl Outcome {
-    /// What it showed: an order with its interval, a relative error with its norm, or why neither.
-    fn observed(&self) -> String {
-        if let Some((norm, relative)) = &self.error {
-            return format!("{norm} {relative:.1e}");
-        }
-        let order = self.verdict.as_ref().and_then(|verdict| {
-            let ([lo, hi], order) = (verdict.interval?, verdict.observed?);
-            Some(format!("{order:.2} [{lo:.2}, {hi:.2}]"))
-        });
-        order.unwrap_or_else(|| self.reason.clone())
+/// What it showed: an order with its interval, a relative error with its norm, or why neither.
+fn observed(outcome: &Outcome) -> String {
+    if let Some((norm, relative)) = &outcome.error {
+        return format!("{norm} {relative:.1e}");
     }
+    let order = outcome.verdict.as_ref().and_then(|verdict| {
+        let ([lo, hi], order) = (verdict.interval?, verdict.observed?);
+        Some(format!("{order:.2} [{lo:.2}, {hi:.2}]"))
+    });
+    order.unwrap_or_else(|| outcome.reason.clone())
 }
 
 fn document(diagnosis: &Diagnosis) -> serde_json::Value {

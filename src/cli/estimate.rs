@@ -5,13 +5,13 @@ mod advice;
 use serde_json::{Value, json};
 
 use super::{CliError, print_json, print_text};
-use crate::fit::Interval;
-use crate::scene::Norm;
-use crate::setup::Setup;
-use crate::trade::estimate::{
+pub(super) use advice::Wanted;
+use judge::fit::Interval;
+use scene::Norm;
+use scene::setup::Setup;
+use studies::trade::estimate::{
     Companions, Estimate, Part, QuantityEstimate, companions, norm_estimate, quantity,
 };
-pub(super) use advice::Wanted;
 
 /// Runs a case with its companions and prints what they say of its error, and of the error that is wanted.
 pub(super) fn execute(

@@ -8,13 +8,13 @@ use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::machine::Allowance;
 use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_text};
-use crate::contact::{LinearSolver, Plan};
-use crate::history::FastConvolution;
-use crate::law::INTERPOLATED_TO;
-use crate::scene::{Data, Memory};
-use crate::setup::{Setup, Subject};
-use crate::sweep::{Cost, Overrides, PlanCost, ScenePlan, predict};
-use crate::theory::corner::{Corner, corners};
+use fem::contact::{LinearSolver, Plan};
+use run::sweep::{Cost, Overrides, PlanCost, ScenePlan, predict};
+use scene::setup::{Setup, Subject};
+use scene::{Data, Memory};
+use studies::theory::corner::{Corner, corners};
+use vhi::history::FastConvolution;
+use vhi::law::INTERPOLATED_TO;
 
 /// `sweep explain`.
 #[derive(Args)]

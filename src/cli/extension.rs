@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::CliError;
-use crate::sweep::{Provenance, ScenePlan, Step, extend, words};
-use crate::verdict::Verdict;
+use judge::verdict::Verdict;
+use run::sweep::{Provenance, ScenePlan, Step, extend, words};
 
 /// Adds the cases that open verdicts ask for, and says so; true if there are any to run.
 pub fn extended(

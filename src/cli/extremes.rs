@@ -8,8 +8,8 @@ use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::Allowance;
 use super::{CliError, create_dir, print_json, print_text, write_file, write_json};
-use crate::extremes::{COLUMNS, Ladder, Row, UnderTest, admit, catalogue, judge, map};
-use crate::record::counted;
+use files::counted;
+use studies::extremes::{COLUMNS, Ladder, Row, UnderTest, admit, catalogue, judge, map};
 
 /// Width of the table in characters.
 const WIDTH: u16 = 132;

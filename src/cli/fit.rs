@@ -12,8 +12,8 @@ use clap::Args;
 
 use self::table::{Group, Quantity};
 use super::{CliError, print_json, print_text};
-use crate::fit::{Direction, joint_fits, path};
-use crate::verdict::Decision;
+use judge::fit::{Direction, joint_fits, path};
+use judge::verdict::Decision;
 
 /// `sweep fit`.
 #[derive(Args)]

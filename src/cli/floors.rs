@@ -10,11 +10,11 @@ use comfy_table::{LineStyle, Table};
 use super::chosen::Grid;
 use super::machine::Allowance;
 use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, subject, write_json};
-use crate::setup::{Setup, Subject};
-use crate::sweep::{
+use run::sweep::{
     CasePlan, Cost, FloorRow, ScenePlan, abstract_floors, admit_plan, contact_floors,
     direct_history, floors_beside,
 };
+use scene::setup::{Setup, Subject};
 
 /// `sweep floors`.
 #[derive(Args)]

@@ -5,11 +5,11 @@ use std::io::Write;
 use std::path::Path;
 
 use super::{CliError, print_as_it_is};
-use crate::record::CaseRecord;
-use crate::report::{Place, annotations, step_summary};
-use crate::scene::Direction;
-use crate::sweep::ScenePlan;
-use crate::verdict::{Variable, Verdict};
+use judge::record::CaseRecord;
+use judge::verdict::{Variable, Verdict};
+use report::{Place, annotations, step_summary};
+use run::sweep::ScenePlan;
+use scene::Direction;
 
 /// Whether annotations are asked for, by the option or by GitHub Actions itself.
 pub(super) fn on_github(option: bool) -> bool {

@@ -7,10 +7,10 @@ use serde_json::Value;
 
 use super::machine::Allowance;
 use super::{CliError, Scenes, create_dir, print_json, print_text, write_file, write_json};
-use crate::scene::Scene;
-use crate::setup::Subject;
-use crate::sweep::admit_constants;
-use crate::theory::gronwall::{HorizonRow, Plan, StudiedGrid, Study, maximum, study_runs};
+use run::sweep::admit_constants;
+use scene::Scene;
+use scene::setup::Subject;
+use studies::theory::gronwall::{HorizonRow, Plan, StudiedGrid, Study, maximum, study_runs};
 
 /// `sweep gronwall`.
 #[derive(Args)]

@@ -17,7 +17,7 @@ pub fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
         out.display()
     );
     on_signal(move |signal| {
-        crate::external::end_solvers();
+        run::external::end_solvers();
         // A bar stands in the last line of a terminal.
         let line = if std::io::stderr().is_terminal() { "\n" } else { "" };
         print_error(&format!("{line}{message}"));

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, Scenes, create_dir, print_json, print_text, write_file};
-use crate::record::counted;
-use crate::scene::{Body, Data, Scene};
+use files::counted;
+use scene::{Body, Data, Scene};
 
 /// `sweep list`.
 #[derive(Args)]
@@ -140,12 +140,12 @@ pub fn truth(scene: &Scene) -> &'static str {
 }
 
 fn predictions(scene: &Scene) -> Vec<String> {
-    let line = |p: &crate::scene::Prediction| {
+    let line = |p: &scene::Prediction| {
         let variable = match p.variable {
-            crate::scene::Direction::H => "h",
-            crate::scene::Direction::K => "k",
-            crate::scene::Direction::Joint => "h and k",
-            crate::scene::Direction::Path => "h on the path",
+            scene::Direction::H => "h",
+            scene::Direction::K => "k",
+            scene::Direction::Joint => "h and k",
+            scene::Direction::Path => "h on the path",
         };
         format!("{} in {variable}: order {}, by {}", p.norm.name(), p.order, p.why)
     };

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use crate::sweep::MemoryLimit;
+use run::sweep::MemoryLimit;
 
 /// What a command may take of the memory.
 #[derive(Args)]

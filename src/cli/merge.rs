@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{CliError, print_json, print_text, print_verdicts};
-use crate::distributed::{AT_ONCE, Merged, Parts, Plan, merge};
-use crate::record::counted;
-use crate::report::remove_earlier;
-use crate::sweep::{Circumstances, OutputDirectory};
-use crate::verdict::{Baseline, Comparison, document, exit_code, render_table, write_json};
+use files::counted;
+use judge::verdict::{Baseline, Comparison, document, exit_code, render_table, write_json};
+use report::remove_earlier;
+use run::distributed::{AT_ONCE, Merged, Parts, Plan, merge};
+use run::sweep::{Circumstances, OutputDirectory};
 
 /// Below the output directory: sorted pieces of the table, while it is made.
 const PIECES: &str = ".pieces";
@@ -62,7 +62,7 @@ impl MergeCommand {
         );
         remove(&pieces)?;
         let (mut merged, written) = merged.map_err(CliError::other)?;
-        merged.provenance.run = Some(Circumstances::new(1, &self.options()));
+        merged.provenance.run = Some(Circumstances::new(&super::BUILD, 1, &self.options()));
         // As in a sweep: no table without its provenance, and nothing of other records beside a new one.
         remove_earlier(&self.out)?;
         remove(&verdict)?;

@@ -34,6 +34,7 @@ mod target;
 mod trade;
 mod verify;
 
+use ::run::sweep::Build;
 use std::fmt::Display;
 use std::io::Write;
 use std::path::PathBuf;
@@ -47,11 +48,18 @@ use output::{
     print_verdicts, write_file, write_json,
 };
 
-use crate::scene::{Registry, Scene, SceneError};
-use crate::setup::{Setup, SetupError, Subject};
-use crate::sweep::{MemoryLimit, admit_constants, admit_run};
+use ::run::sweep::{MemoryLimit, admit_constants, admit_run};
+use scene::setup::{Setup, SetupError, Subject};
+use scene::{Registry, Scene, SceneError};
 
 /// Exit code of a command that could not judge.
+/// What build.rs found.
+const BUILD: Build = Build {
+    commit: env!("GRONWALL_COMMIT"),
+    compiler: env!("GRONWALL_COMPILER"),
+    target: env!("GRONWALL_TARGET"),
+    optimisation: env!("GRONWALL_OPTIMISATION"),
+};
 const COULD_NOT_JUDGE: u8 = 2;
 
 /// Verifies and benchmarks error estimates of history-dependent variational-hemivariational
@@ -136,16 +144,16 @@ pub enum CliError {
     Setup(#[from] SetupError),
     /// A sweep could not be run.
     #[error("error: {0}")]
-    Sweep(#[from] crate::sweep::SweepError),
+    Sweep(#[from] ::run::sweep::SweepError),
     /// The directory of a sweep cannot be had.
     #[error("error: {0}")]
-    Output(#[from] crate::sweep::OutputError),
+    Output(#[from] ::run::sweep::OutputError),
     /// More memory would be taken than there may be.
     #[error("error: {0}")]
-    Memory(#[from] crate::sweep::Refused),
+    Memory(#[from] ::run::sweep::Refused),
     /// A report could not be written.
     #[error("error: {0}")]
-    Report(#[from] crate::report::ReportError),
+    Report(#[from] ::report::ReportError),
     /// Anything else, said in full.
     #[error("error: {0}")]
     Other(String),
@@ -286,4 +294,17 @@ fn meshes_fit(setup: &Setup, limit: &MemoryLimit) -> Result<(), CliError> {
 fn no_case(scene: &Scene, purpose: &str) -> CliError {
     let hint = "add [sweep] with n and steps, or give --n and --steps";
     scene.error("scene.name", format!("the scene has no case to {purpose}"), hint).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_build_knows_its_compiler() {
+        assert!(BUILD.compiler.starts_with("rustc 1."), "{BUILD:?}");
+        let named = ["unknown", "development build"].contains(&BUILD.commit);
+        let known = named || BUILD.commit.chars().all(|c| c.is_ascii_hexdigit());
+        assert!(known && BUILD.target.contains('-'), "{BUILD:?}");
+    }
 }

@@ -5,9 +5,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use super::CliError;
-use crate::record::{
-    harmless, harmless_json, make_directory, read_file, replace_file, write_named,
-};
+use files::{harmless, harmless_json, make_directory, read_file, replace_file, write_named};
 
 /// The first write to stdout that failed; nothing is written after it.
 static STOPPED: OnceLock<io::Error> = OnceLock::new();

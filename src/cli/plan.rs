@@ -8,10 +8,10 @@ use rayon::prelude::*;
 use super::chosen::Chosen;
 use super::machine::{processors, seconds};
 use super::{CliError, Scenes, print_json, print_text};
-use crate::distributed::{Engine, PlannedCases, Planning};
-use crate::record::{counted, quoted};
-use crate::scene::Scene;
-use crate::sweep::{MemoryLimit, Overrides};
+use files::{counted, quoted};
+use run::distributed::{Engine, PlannedCases, Planning};
+use run::sweep::{MemoryLimit, Overrides};
+use scene::Scene;
 
 /// What runs the jobs.
 #[derive(Clone, Copy, ValueEnum)]

@@ -6,9 +6,10 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::output::print_error;
-use crate::record::{CaseRecord, Status, counted, harmless};
-use crate::setup::StepRemark;
-use crate::sweep::Progress;
+use files::{counted, harmless};
+use judge::record::{CaseRecord, Status};
+use run::sweep::Progress;
+use scene::setup::StepRemark;
 
 /// How much is said on stderr beside errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,18 +6,18 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CliError, Scenes, print_text, print_verdicts};
-use crate::distributed::Missing;
-use crate::record::{CaseRecord, Key, RecordError, Table, read_table};
+use judge::record::{CaseRecord, Key, RecordError, Table, read_table};
+use judge::verdict::{exit_code, read_failures, read_foreseen, render_table, restore_reasons};
 #[cfg(feature = "pdf")]
-use crate::report::pdf;
-use crate::report::{Document, write_all};
-use crate::scene::Scene;
-use crate::setup::Subject;
-use crate::sweep::{
+use report::pdf;
+use report::{Document, write_all};
+use run::distributed::Missing;
+use run::sweep::{
     OutputDirectory, OutputError, Provenance, foresee, judge_scene, missing_cases, planned,
     scene_summary,
 };
-use crate::verdict::{exit_code, read_failures, read_foreseen, render_table, restore_reasons};
+use scene::Scene;
+use scene::setup::Subject;
 
 /// `sweep report`. Scenes are judged by the text that DIR keeps of them, unless --scenes names a
 /// folder.

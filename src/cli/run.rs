@@ -12,13 +12,14 @@ use super::machine::{Allowance, processors, seconds};
 use super::output::copy_named;
 use super::swept::Swept;
 use super::{CliError, Scenes, print_json, print_text};
-use crate::record::{CaseRecord, RecordError, quoted};
-use crate::report::write_junit;
-use crate::sweep::{
+use files::quoted;
+use judge::record::{CaseRecord, RecordError};
+use judge::verdict::{Baseline, Verdict, write_json};
+use report::write_junit;
+use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
     reference_error, run_more, run_sweep,
 };
-use crate::verdict::{Baseline, Verdict, write_json};
 
 /// The default directory of reports.
 pub(super) const LATEST: &str = "reports/latest";
@@ -176,7 +177,8 @@ impl What {
         let baseline = if compared { self.read_baseline(scenes)? } else { None };
         let jobs = self.jobs.map_or_else(processors, usize::from);
         let options = self.options(resume).join(" ");
-        let machine = Machine { jobs, memory: self.allowance.limit(), options };
+        let machine =
+            Machine { jobs, memory: self.allowance.limit(), build: super::BUILD, options };
         let resuming = self.resuming(scenes);
         let out = OutputDirectory::take(&self.out)?;
         on_interrupt(&self.out, &resuming)?;
@@ -231,9 +233,9 @@ impl What {
         }
     }
 
-    fn runs(&self, plans: &[ScenePlan]) -> Vec<crate::verdict::Run> {
+    fn runs(&self, plans: &[ScenePlan]) -> Vec<judge::verdict::Run> {
         let own_grids = self.chosen.grid.is_own() && !self.extend;
-        let run = |plan: &ScenePlan| crate::verdict::Run {
+        let run = |plan: &ScenePlan| judge::verdict::Run {
             scene: plan.scene().name.clone(),
             hash: plan.scene().source.hash.clone(),
             planned: plan.keys(),

@@ -6,7 +6,7 @@ use clap::{Args, CommandFactory};
 use clap_complete::Shell;
 
 use super::{Arguments, CliError, create_dir, print_text};
-use crate::record::counted;
+use files::counted;
 
 /// Name of the program.
 const PROGRAM: &str = "sweep";

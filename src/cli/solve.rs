@@ -12,18 +12,18 @@ use super::machine::Allowance;
 use super::{
     CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
 };
-use crate::contact::{CaseInfo, Discretization, LinearSolver, Path, StepView};
-use crate::setup::{
+use fem::contact::{CaseInfo, Discretization, LinearSolver, Path, StepView};
+use pictures::Pictures;
+use run::sweep::admit_run;
+use scene::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
 };
-use crate::solution::{FinalState, VtuSeries};
-use crate::sweep::admit_run;
-use crate::trade::estimate::companion_runs;
-use crate::vhi::{
+use studies::solution::{FinalState, VtuSeries};
+use studies::trade::estimate::companion_runs;
+use vhi::{
     Decomposition, FixedPoint, HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver,
     StepState,
 };
-use pictures::Pictures;
 
 /// `sweep solve`.
 #[derive(Args)]
@@ -123,7 +123,7 @@ impl Solve {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
         let subject = subject(scene, &self.allowance.limit())?;
-        if let Some(remark) = crate::setup::check_step_sizes(&subject, &[self.steps])? {
+        if let Some(remark) = scene::setup::check_step_sizes(&subject, &[self.steps])? {
             super::progress::remark(&subject.scene().name, &remark);
         }
         match (subject, self.n) {

@@ -5,11 +5,12 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::{CliError, print_text, print_verdicts};
-use crate::fit::AgainstReference;
-use crate::record::{CaseRecord, counted};
-use crate::report::{SceneSummary, write_all};
-use crate::sweep::{OutputDirectory, ScenePlan, reference_in_words, scene_summary};
-use crate::verdict::{Comparison, Verdict, document, exit_code, failures, render_table};
+use files::counted;
+use judge::fit::AgainstReference;
+use judge::record::CaseRecord;
+use judge::verdict::{Comparison, Verdict, document, exit_code, failures, render_table};
+use report::{SceneSummary, write_all};
+use run::sweep::{OutputDirectory, ScenePlan, reference_in_words, scene_summary};
 
 /// Records of all cases of the plans, and what was judged from them.
 pub(super) struct Swept {

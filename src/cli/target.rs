@@ -1,8 +1,8 @@
 //! `--target E` and `--norm`: an error that is wanted, and in which norm.
 
 use super::CliError;
-use crate::scene::Norm;
-use crate::trade::{NORMS, NoAnswer};
+use scene::Norm;
+use studies::trade::{NORMS, NoAnswer};
 
 /// The norm of a name, one of those that have a value at every time level.
 pub(super) fn norm(name: &str) -> Result<Norm, CliError> {

@@ -12,10 +12,10 @@ use super::machine::Allowance;
 use super::{
     CliError, Scenes, create_dir, print_json, print_text, subject, target, write_file, write_json,
 };
-use crate::scene::{Norm, Scene};
-use crate::setup::Setup;
-use crate::sweep::{Overrides, ScenePlan};
-use crate::trade::{
+use run::sweep::{Overrides, ScenePlan};
+use scene::setup::Setup;
+use scene::{Norm, Scene};
+use studies::trade::{
     Bench, Extrapolated, Knob, Plan, Resource, Study, Table, Variant, admit_trade, in_space,
     in_time, own_grid,
 };
@@ -73,7 +73,7 @@ impl TradeCommand {
         create_dir(&self.out)?;
         let mut table = Table::create(&self.at(&scene, "csv"), &scene.name, norm.name())
             .map_err(CliError::other)?;
-        let mut heard = |trial: &crate::trade::Trial| super::progress::note(&words::row(trial));
+        let mut heard = |trial: &studies::trade::Trial| super::progress::note(&words::row(trial));
         let study =
             Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(CliError::other)?;
         let extrapolations: Vec<Extrapolated> =

@@ -15,15 +15,15 @@ use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::swept::Swept;
 use super::{CliError, Scenes, no_case, print_json, print_text, subject};
-use crate::external::{ExternalSolver, Way, case_dir, write_case};
-use crate::record::CaseRecord;
-use crate::report::write_junit;
-use crate::scene::Norm;
-use crate::setup::{MeshData, Setup, Subject};
-use crate::sweep::{
+use judge::record::CaseRecord;
+use judge::verdict::{Failure, failures, render_table};
+use report::write_junit;
+use run::external::{ExternalSolver, Way, case_dir, write_case};
+use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
 };
-use crate::verdict::{Failure, failures, render_table};
+use scene::Norm;
+use scene::setup::{MeshData, Setup, Subject};
 
 /// `sweep verify`.
 #[derive(Args)]
@@ -199,7 +199,12 @@ impl Verify {
         let flags = [(self.pressure, "--pressure"), (self.orders_only, "--orders-only")];
         let given = flags.into_iter().filter(|(given, _)| *given).map(|(_, flag)| flag);
         let options = std::iter::once("verify").chain(given).collect::<Vec<_>>().join(" ");
-        Machine { jobs: usize::from(self.jobs), memory: self.allowance.limit(), options }
+        Machine {
+            jobs: usize::from(self.jobs),
+            memory: self.allowance.limit(),
+            build: super::BUILD,
+            options,
+        }
     }
 
     /// The same cases by this program's solver.

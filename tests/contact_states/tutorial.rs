@@ -76,7 +76,9 @@ fn sources() -> &'static str {
     static TEXT: std::sync::OnceLock<String> = std::sync::OnceLock::new();
     TEXT.get_or_init(|| {
         let mut text = String::new();
-        read_below(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/src")), &mut text);
+        for folder in ["src", "crates"] {
+            read_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut text);
+        }
         text
     })
 }
@@ -181,7 +183,9 @@ fn every_message_of_the_questions_is_one_of_the_program() {
 fn lost(page: &str) -> Vec<&str> {
     let code = page.split('`').skip(1).step_by(2);
     let named = code.filter(|code| {
-        ["src/", "tests/", "docs/", "manufactured/"].iter().any(|folder| code.starts_with(folder))
+        ["src/", "crates/", "tests/", "docs/", "manufactured/"]
+            .iter()
+            .any(|folder| code.starts_with(folder))
             && !code.contains(|c: char| "…*{ ".contains(c))
     });
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

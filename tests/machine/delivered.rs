@@ -138,7 +138,9 @@ fn nothing_else_prints() {
         }
     }
     let mut found = Vec::new();
-    sources(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut found);
+    for folder in ["src", "crates"] {
+        sources(&std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found);
+    }
     assert!(found.len() > 100);
     let is_source = |path: &&std::path::PathBuf| {
         let name = path.display().to_string();

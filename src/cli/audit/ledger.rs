@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use super::super::{CliError, Scenes, create_dir, print_json, print_text, write_json};
-use crate::setup::Setup;
-use crate::theory::ledger::{Entry, Finding, LedgerError, ledger};
+use scene::setup::Setup;
+use studies::theory::ledger::{Entry, Finding, LedgerError, ledger};
 
 impl From<LedgerError> for CliError {
     fn from(error: LedgerError) -> Self {

@@ -5,10 +5,10 @@ use serde_json::{Value, json};
 use super::super::target::Target;
 use super::super::{CliError, megabytes, print_text};
 use super::bracketed;
-use crate::scene::Norm;
-use crate::setup::Setup;
-use crate::sweep::MemoryLimit;
-use crate::trade::estimate::{
+use run::sweep::MemoryLimit;
+use scene::Norm;
+use scene::setup::Setup;
+use studies::trade::estimate::{
     Advice, Advised, Companions, CostSource, Estimate, Goal, NoAdvice, advise,
 };
 
@@ -93,7 +93,7 @@ fn advised_words(own: &Advised) -> String {
 }
 
 fn orders_words(estimate: &Estimate) -> String {
-    let of = |(name, part): (&str, &crate::trade::estimate::Part)| match part
+    let of = |(name, part): (&str, &studies::trade::estimate::Part)| match part
         .order()
         .zip(part.counted_on())
     {

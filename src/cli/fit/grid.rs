@@ -4,10 +4,10 @@ use serde_json::{Value, json};
 
 use super::table::Group;
 use super::{Part, Predicted, gap_verdict, verdict_text};
-use crate::fit::{
+use judge::fit::{
     Estimate, JointFit, JointFits, NotIdentifiable, fit_constants, joint_fits, student_quantile,
 };
-use crate::verdict::{Aim, Decision, compare};
+use judge::verdict::{Aim, Decision, compare};
 
 /// The joint fits of both models, without and with a floor term.
 pub(super) fn part(

@@ -4,12 +4,12 @@ use serde_json::json;
 
 use super::table::Group;
 use super::{Part, gap_verdict, next_step, orders_text, step_name, verdict_text};
-use crate::fit::{
+use files::counted;
+use judge::fit::{
     Correction, Direction, FitError, Interval, JointFits, LARGEST_OTHER_SHARE, NotIdentifiable,
     OrderInterval, Point, Sample, constant_under, local_slopes, order_interval, samples, screen,
 };
-use crate::record::counted;
-use crate::verdict::{Aim, Decision, compare};
+use judge::verdict::{Aim, Decision, compare};
 
 /// Nobody knows the scheme behind a table: the next term is taken to be the next power, which
 /// covers the even terms of a trapezoidal rule as well, at the price of a wider interval.

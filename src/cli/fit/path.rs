@@ -4,11 +4,11 @@ use serde_json::json;
 
 use super::table::Group;
 use super::{Part, Predicted, gap_verdict, next_step, orders_text, verdict_text};
-use crate::fit::{
+use judge::fit::{
     Correction, Direction, Interval, OrderInterval, Path, Sample, local_slopes, order_interval,
     samples,
 };
-use crate::verdict::{Aim, Decision, compare};
+use judge::verdict::{Aim, Decision, compare};
 
 /// The order in h along the path, which is min(p, s q), and what it says of p and q.
 pub(super) fn part(group: &Group, path: Path, predicted: Predicted) -> Part {

@@ -5,8 +5,8 @@ use std::path::Path;
 use csv::StringRecord;
 
 use super::super::CliError;
-use crate::fit::{Direction, Point, same_level, screen};
-use crate::record::{counted, read_at_most};
+use files::{counted, read_at_most};
+use judge::fit::{Direction, Point, same_level, screen};
 
 /// What a table measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,12 +4,12 @@ use serde_json::{Value, json};
 
 use super::table::Group;
 use super::{Part, gap_verdict, next_step, step_name, verdict_text};
-use crate::fit::{
+use files::counted;
+use judge::fit::{
     Direction, EcaHoekstra, Expansion, FitError, Triple, ValueOrder, ValueSample, eca_hoekstra,
     path, value_order, value_samples,
 };
-use crate::record::counted;
-use crate::verdict::{Aim, Decision, compare};
+use judge::verdict::{Aim, Decision, compare};
 
 /// All that the values say, in direction of refinement.
 struct Findings {

@@ -2,10 +2,10 @@
 
 mod space;
 
-use crate::formula::{Node, Point, Program};
-use crate::mesh::{CoarseMesh, Mesh};
-use crate::report::{Ink, ReportError, Sketch, Stroke};
-use crate::scene::{Body, ContactScene, Data, MeshFamily, Place, Scene, Shape, Side};
+use fem::mesh::{CoarseMesh, Mesh};
+use formula::{Node, Point, Program};
+use report::{Ink, ReportError, Sketch, Stroke};
+use scene::{Body, ContactScene, Data, MeshFamily, Place, Scene, Shape, Side};
 
 /// Points along an edge that is moved, and along a curve over t.
 const ALONG: u32 = 8;
@@ -217,7 +217,7 @@ fn one_digit(value: f64) -> f64 {
 
 /// A side on the coarse mesh in space: its plane pieces by their corners in order.
 fn polygons(body: &ContactScene, side: Side) -> Vec<(Vec<[f64; 3]>, [f64; 3])> {
-    let corners = |face: crate::scene::Face| {
+    let corners = |face: scene::Face| {
         let mut corners = face.points(1);
         if let ([_, _, _, _], false) = (&corners[..], face.triangle) {
             corners.swap(2, 3);

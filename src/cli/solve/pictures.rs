@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::contact::{Discretization, LoadError, Model, StepView};
-use crate::law::Projection;
-use crate::manufactured::Truth;
-use crate::norms::{ContactState, is_locked, state_rule};
-use crate::report::{Arrow, BodyCell, Deformed, Panel, SpaceTime, Zone};
-use crate::tensor::{deviator, norm};
+use algebra::tensor::{deviator, norm};
+use exact::Truth;
+use fem::contact::{Discretization, LoadError, Model, StepView};
+use fem::norms::{ContactState, is_locked, state_rule};
+use report::{Arrow, BodyCell, Deformed, Panel, SpaceTime, Zone};
+use vhi::law::Projection;
 
 /// The largest displacement as drawn, as a part of the body's extent, where displacements are small.
 const REACH: f64 = 0.1;
@@ -157,7 +157,7 @@ impl Pictures {
         let facets = mesh.facets.chunks(2).map(|ends| ends.iter().map(|&v| mesh.vertex(v)));
         let flat = |x: &[f64]| (x[0], x[1]);
         let rest = facets.filter_map(|mut ends| Some([flat(ends.next()?), flat(ends.next()?)]));
-        let arrow = |(i, point): (usize, &crate::contact::TracePoint)| {
+        let arrow = |(i, point): (usize, &fem::contact::TracePoint)| {
             let [x, y, _] = point.normal;
             let pressure = view.compliance[i] + view.multiplier[i];
             Arrow { foot: moved(point.vertex), direction: (-x, -y), pressure }
@@ -174,7 +174,7 @@ impl Pictures {
     }
 
     /// Names and texts of the files; without Γ3 there is no contact state.
-    pub(super) fn finish(self) -> Result<Vec<(String, String)>, crate::report::ReportError> {
+    pub(super) fn finish(self) -> Result<Vec<(String, String)>, report::ReportError> {
         let both = [self.exact, self.discrete];
         let panels = both.into_iter().filter(|panel| !panel.levels.is_empty()).collect();
         let picture = SpaceTime {

@@ -5,11 +5,11 @@ use serde_json::{Value, json};
 use super::super::target::Target;
 use super::super::{CliError, Scenes, megabytes};
 use super::finite;
-use crate::fit::FLOORS_ABOVE;
-use crate::scene::Norm;
-use crate::setup::Setup;
-use crate::sweep::{MemoryLimit, admit_run, run_cost};
-use crate::trade::{
+use judge::fit::FLOORS_ABOVE;
+use run::sweep::{MemoryLimit, admit_run, run_cost};
+use scene::Norm;
+use scene::setup::Setup;
+use studies::trade::{
     Answer, Bench, Candidates, Choices, Knob, MOST, NoAnswer, Optimum, Plan, Study, Variant,
     cheapest, knobs, optimum,
 };
@@ -175,12 +175,12 @@ impl Answered {
 fn best_knob(setup: &Setup, study: &Study, choice: Answer) -> (Knob, [f64; 2]) {
     let factors = |knob: Knob| -> Option<[f64; 2]> {
         let own: Vec<_> = study.prices.iter().filter(|price| price.what == knob.name()).collect();
-        let serves = |price: &&crate::trade::Price| {
+        let serves = |price: &&studies::trade::Price| {
             price.shows() && 1.0 / price.speed <= 1.0 - WORTH && price.error.abs() <= WORTH
         };
         let all = !own.is_empty() && own.iter().all(serves);
         all.then(|| {
-            let away = |price: &crate::trade::Price| {
+            let away = |price: &studies::trade::Price| {
                 let ratio = |a: u32, b: u32| (f64::from(a) / f64::from(b)).ln().abs();
                 ratio(price.n, choice.n) + ratio(price.steps, choice.steps)
             };

@@ -6,8 +6,8 @@ use serde_json::{Value, json};
 
 use super::super::{megabytes, print_text};
 use super::finite;
-use crate::fit::Interval;
-use crate::trade::{Extrapolated, Study, Term, Trial, front, front_of_three};
+use judge::fit::Interval;
+use studies::trade::{Extrapolated, Study, Term, Trial, front, front_of_three};
 
 /// A finished run on stderr.
 pub(super) fn row(trial: &Trial) -> String {
@@ -161,7 +161,7 @@ pub(super) fn document(study: &Study, extrapolations: &[Extrapolated]) -> Value 
         term.map(|t| json!({ "constant": t.constant, "order": t.order, "interval": interval(t.interval) }))
     };
     let estimate =
-        |e: &crate::fit::Estimate| json!({ "exponent": e.value, "interval": interval(e.interval) });
+        |e: &judge::fit::Estimate| json!({ "exponent": e.value, "interval": interval(e.interval) });
     json!({
         "scene": study.scene,
         "norm": study.norm.name(),

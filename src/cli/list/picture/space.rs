@@ -4,8 +4,8 @@
 use std::collections::BTreeMap;
 
 use super::{ALONG, is_imported, moved, parts, polygons};
-use crate::report::{Ink, Sketch, Stroke};
-use crate::scene::{ContactScene, Scene};
+use report::{Ink, Sketch, Stroke};
+use scene::{ContactScene, Scene};
 
 /// Unit vectors to the right and up in the picture, and towards the eye: 35° around the vertical axis, 20° above.
 const RIGHT: [f64; 3] = [0.819152, 0.0, 0.573576];

@@ -1,0 +1,4 @@
+//! Symmetric tensors and sparse linear algebra: knows nothing of the problem.
+
+pub mod linalg;
+pub mod tensor;

@@ -1,0 +1,359 @@
+//! ζ(t) = ∫_0^t ‖ε(u(s))‖_ℋ ds of an exact solution, to about 1e-12.
+//!
+//! ε is piecewise smooth: its guards (expressions whose sign decides a branch) vanish on moving
+//! lines. The integral over Ω is cut where a guard changes sign along x, the integral over time
+//! where a guard changes sign at an end of Ω. Pieces take Gauss-Legendre rules.
+//!
+//! Where ε = Σ_m a_m(t) S_m(x) no guard moves, and ‖ε‖² = Σ a_m a_l ∫ S_m:S_l. No guard names a time at which ε vanishes
+//! everywhere: the kink of ‖ε‖ there costs about 1e-9 of its slope.
+
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+use super::running_integral::RunningIntegral;
+use super::separation::TimeFactors;
+use super::sign_changes::sign_changes;
+use super::simplex_points::SimplexPoints;
+use fem::mesh::CoarseMesh;
+use fem::space::quadrature::gauss_legendre;
+use formula::{Bound, Graph, Node, Program, Variable};
+
+/// Gauss points a piece and direction, and pieces before cuts at guards, in the plane and in space. A quarter
+/// of the domain with 14 points resolves sin(4πx) squared to rounding, half of it with 8 sin(πx) squared.
+const PLANE: [usize; 2] = [14, 3];
+const SPACE: [usize; 2] = [8, 2];
+/// Intervals of the domain, and of a panel in time, in which guards are watched.
+const WATCHES: usize = 48;
+const TIME_WATCHES: usize = 8;
+
+/// ζ(t) by quadrature.
+pub struct AccumulatedStrain {
+    /// [ε], upper components; `None` where nothing depends on ζ.
+    integrand: Option<Integrand>,
+    integral: RunningIntegral,
+}
+
+/// Where products of parts leave no more than this share of their size, the strain is taken at points. What is lost above
+/// are two digits of sums that are right to some 1e-15.
+const CANCELLED: f64 = 1e-2;
+
+struct Integrand {
+    strain: Program,
+    /// ε as Σ_m a_m(t) S_m(x) where the formulas show one, and then ∫ S_m:S_l, row by row.
+    parts: Option<(TimeFactors, Program)>,
+    gram: OnceLock<Vec<f64>>,
+    /// The strain at the points last asked for: where no guard moves they are the same at all times.
+    bound: Mutex<Option<(Vec<[f64; 3]>, Bound)>>,
+    guards: Program,
+    guard_count: usize,
+    /// Cuts of (0, height): uniform ones, and where a guard that depends on y alone changes sign.
+    cuts_in_y: Vec<f64>,
+    /// Weight of each strain component in ‖ε‖².
+    weights: Vec<f64>,
+    size: Vec<f64>,
+    /// Whether ε varies along z; a strain that does not is looked at in one plane.
+    along_z: bool,
+    /// Points with weights of a domain that is no rectangle or box, and the corners where guards are watched.
+    polytope: Option<(SimplexPoints, Vec<[f64; 3]>)>,
+}
+
+impl AccumulatedStrain {
+    /// ζ of the strain formulas; `needed` is false where no term uses it (then ζ reads NaN).
+    pub fn new(
+        graph: &mut Graph,
+        strain: &[Node],
+        horizon: f64,
+        size: &[f64],
+        needed: bool,
+    ) -> Self {
+        let integrand = needed.then(|| {
+            let all = graph.guards(strain);
+            let cuts_in_y = cuts_in_y(graph, &all, horizon, size[1], rule(size.len())[1]);
+            let guards: Vec<Node> = all
+                .into_iter()
+                .filter(|&guard| {
+                    graph.depends_on(guard, Variable::X) || graph.depends_on(guard, Variable::T)
+                })
+                .collect();
+            Integrand {
+                strain: Program::compile(graph, strain, horizon),
+                parts: TimeFactors::of(graph, strain, horizon).map(|(factors, shapes)| {
+                    (factors, Program::compile_once(graph, &shapes.concat(), horizon))
+                }),
+                gram: OnceLock::new(),
+                bound: Mutex::new(None),
+                cuts_in_y,
+                guard_count: guards.len(),
+                guards: Program::compile(graph, &guards, horizon),
+                weights: super::symbolic::components(size.len())
+                    .into_iter()
+                    .map(|(i, j)| if i == j { 1.0 } else { 2.0 })
+                    .collect(),
+                size: size.to_vec(),
+                along_z: strain.iter().any(|&e| graph.depends_on(e, Variable::Z)),
+                polytope: None,
+            }
+        });
+        Self { integrand, integral: RunningIntegral::new(horizon) }
+    }
+
+    /// The same over coarse simplices in place of the rectangle or box; none leaves it.
+    pub(super) fn over(mut self, polytope: Option<&CoarseMesh>) -> Self {
+        if let (Some(integrand), Some(coarse)) = (&mut self.integrand, polytope) {
+            integrand.polytope = Some((SimplexPoints::fine(coarse), coarse.vertices()));
+        }
+        self
+    }
+
+    /// The same by a finer rule: what the rule leaves out shows in the difference.
+    pub(super) fn over_finer(mut self, coarse: &CoarseMesh) -> Self {
+        self = self.over(Some(coarse));
+        if let Some((points, _)) = self.integrand.as_mut().and_then(|own| own.polytope.as_mut()) {
+            *points = SimplexPoints::finer(coarse);
+        }
+        self
+    }
+
+    /// ζ(t); NaN if it was declared as not needed.
+    pub fn at(&self, t: f64) -> f64 {
+        let Some(integrand) = &self.integrand else { return f64::NAN };
+        let value: Result<f64, std::convert::Infallible> =
+            self.integral.at(t, |from, to| integrand.events(from, to), |s| Ok(integrand.norm(s)));
+        match value {
+            Ok(value) => value,
+            Err(never) => match never {},
+        }
+    }
+
+    /// ‖ε(u(t))‖; NaN if it was declared as not needed.
+    pub fn strain_norm(&self, t: f64) -> f64 {
+        self.integrand.as_ref().map_or(f64::NAN, |integrand| integrand.norm(t))
+    }
+}
+
+impl Integrand {
+    /// Times in (from, to) at which a guard changes sign at an end of the domain.
+    fn events(&self, from: f64, to: f64) -> Vec<f64> {
+        let ends = match &self.polytope {
+            None => vec![[0.0, 0.0, 0.0], [self.size[0], 0.0, 0.0]],
+            Some((_, corners)) => corners.clone(),
+        };
+        let mut events = sign_changes(from, to, TIME_WATCHES, |times| {
+            let mut bound = self.guards.bind(&ends);
+            let mut values = vec![Vec::new(); self.guard_count];
+            let mut rows = vec![Vec::with_capacity(times.len()); ends.len() * self.guard_count];
+            for &t in times {
+                bound.evaluate(t, 0.0, &mut values);
+                for (g, value) in values.iter().enumerate() {
+                    for (e, at) in value.iter().enumerate() {
+                        rows[ends.len() * g + e].push(*at);
+                    }
+                }
+            }
+            rows
+        });
+        events.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * (to - from));
+        events
+    }
+
+    /// ‖ε(u(t))‖_ℋ.
+    fn norm(&self, t: f64) -> f64 {
+        let square = self.square_of_parts(t).unwrap_or_else(|| {
+            self.at_points(t, |points, weights| {
+                let strain = self.strain_at(points, t);
+                self.product(&strain, &strain, weights)
+            })
+        });
+        square.sqrt()
+    }
+
+    /// ‖ε(u(t))‖² of a strain that separates, whose parts are integrated once: guards that decide their branches do not
+    /// move. None where the parts cancel, or one is not finite.
+    fn square_of_parts(&self, t: f64) -> Option<f64> {
+        let (factors, shapes) = self.parts.as_ref()?;
+        let gram = self.gram.get_or_init(|| self.gram(factors.parts, shapes));
+        let factors = factors.at(t);
+        let (mut square, mut size) = (0.0, 0.0);
+        for (row, a) in gram.chunks(factors.len().max(1)).zip(&*factors) {
+            for (product, b) in row.iter().zip(&*factors) {
+                let term = a * product * b;
+                square += term;
+                size += term.abs();
+            }
+        }
+        // A strain whose factors all vanish does so itself.
+        (square > CANCELLED * size || size == 0.0).then_some(square)
+    }
+
+    /// ∫ S_m:S_l of the parts of ε, row by row.
+    fn gram(&self, parts: usize, shapes: &Program) -> Vec<f64> {
+        self.at_points(0.0, |points, weights| {
+            let components = self.weights.len();
+            let mut values = vec![Vec::new(); parts * components];
+            shapes.bind(points).evaluate(0.0, 0.0, &mut values);
+            let parts = || values.chunks(components);
+            parts().flat_map(|m| parts().map(|l| self.product(m, l, weights))).collect()
+        })
+    }
+
+    /// ∫ e:f of tensors given by their components at points with weights.
+    fn product(&self, e: &[Vec<f64>], f: &[Vec<f64>], weights: &[f64]) -> f64 {
+        let component = |((e, f), often): ((&Vec<f64>, &Vec<f64>), &f64)| {
+            let products = e.iter().zip(f).zip(weights).map(|((e, f), w)| w * e * f);
+            often * products.sum::<f64>()
+        };
+        e.iter().zip(f).zip(&self.weights).map(component).sum()
+    }
+
+    /// What `visit` makes of points with weights, for fields at time t.
+    fn at_points<R>(&self, t: f64, visit: impl FnOnce(&[[f64; 3]], &[f64]) -> R) -> R {
+        if let Some((polytope, _)) = &self.polytope {
+            return visit(&polytope.points, &polytope.weights);
+        }
+        let [count, parts] = rule(self.size.len());
+        let xs = pieces(&self.cuts_in_x(t), count);
+        let ys = pieces(&self.cuts_in_y, count);
+        let zs = match self.size.get(2) {
+            None => vec![(0.0, 1.0)],
+            Some(&depth) if self.along_z => pieces(&uniform_cuts(depth, parts), count),
+            Some(&depth) => vec![(0.5 * depth, depth)],
+        };
+        let total = xs.len() * ys.len() * zs.len();
+        let (mut points, mut weights) = (Vec::with_capacity(total), Vec::with_capacity(total));
+        for &(x, wx) in &xs {
+            for &(y, wy) in &ys {
+                for &(z, wz) in &zs {
+                    points.push([x, y, z]);
+                    weights.push(wx * wy * wz);
+                }
+            }
+        }
+        visit(&points, &weights)
+    }
+
+    /// The components of ε(t) at the points.
+    fn strain_at(&self, points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
+        let mut known = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
+        let bound = match known.take() {
+            Some((own, bound)) if own == points => (own, bound),
+            _ => (points.to_vec(), self.strain.bind(points)),
+        };
+        let mut out = vec![Vec::new(); self.weights.len()];
+        known.insert(bound).1.evaluate(t, 0.0, &mut out);
+        out
+    }
+
+    /// Cuts of (0, a) where a guard changes sign at time t, or did at time 0: the relaxation
+    /// integrals keep a kink where a zone began.
+    fn cuts_in_x(&self, t: f64) -> Vec<f64> {
+        let width = self.size[0];
+        let mut cuts = uniform_cuts(width, rule(self.size.len())[1]);
+        for time in [t, 0.0] {
+            cuts.extend(sign_changes(0.0, width, WATCHES, |places| {
+                let points: Vec<[f64; 3]> = places.iter().map(|&x| [x, 0.0, 0.0]).collect();
+                let mut values = vec![Vec::new(); self.guard_count];
+                self.guards.bind(&points).evaluate(time, 0.0, &mut values);
+                values
+            }));
+        }
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * width);
+        cuts
+    }
+}
+
+/// Cuts of (0, height), uniform ones and where a guard that depends on y alone changes sign; `parts` is the number of
+/// uniform pieces.
+fn cuts_in_y(
+    graph: &mut Graph,
+    guards: &[Node],
+    horizon: f64,
+    height: f64,
+    parts: usize,
+) -> Vec<f64> {
+    let alone = |guard: &Node| {
+        let others = [Variable::X, Variable::Z, Variable::T];
+        others.iter().all(|&other| !graph.depends_on(*guard, other))
+    };
+    let fixed: Vec<Node> = guards.iter().copied().filter(alone).collect();
+    let program = Program::compile(graph, &fixed, horizon);
+    let mut cuts = uniform_cuts(height, parts);
+    cuts.extend(sign_changes(0.0, height, WATCHES, |places| {
+        let points: Vec<[f64; 3]> = places.iter().map(|&y| [0.0, y, 0.0]).collect();
+        let mut values = vec![Vec::new(); fixed.len()];
+        program.bind(&points).evaluate(0.0, 0.0, &mut values);
+        values
+    }));
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * height);
+    cuts
+}
+
+fn uniform_cuts(length: f64, parts: usize) -> Vec<f64> {
+    (0..=parts).map(|i| length * i as f64 / parts as f64).collect()
+}
+
+/// [`PLANE`] or [`SPACE`].
+fn rule(dimension: usize) -> [usize; 2] {
+    if dimension == 2 { PLANE } else { SPACE }
+}
+
+/// Gauss points and weights on the pieces between cuts.
+fn pieces(cuts: &[f64], count: usize) -> Vec<(f64, f64)> {
+    let rule = gauss_legendre(count);
+    let mut out = Vec::new();
+    for pair in cuts.windows(2) {
+        let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+        out.extend(rule.iter().map(|(x, w)| (middle + half * x, half * w)));
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use formula::Scope;
+
+    fn integrand(strain: &[&str]) -> Integrand {
+        let mut graph = Graph::new();
+        let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
+        let strain: Vec<Node> =
+            strain.iter().map(|text| graph.parse(text, &scope).expect("a formula")).collect();
+        let zeta = AccumulatedStrain::new(&mut graph, &strain, 1.0, &[1.0, 1.0], true);
+        zeta.integrand.expect("an integrand")
+    }
+
+    /// Parts against points, and both against closed forms: kinks in x, y and time, memory, fronts that move.
+    #[test]
+    fn a_strain_that_separates_is_integrated_once() {
+        let still = ["t*x + relax(0.5, t)*max(x - 0.3, 0)", "y*max(t - 0.4, 0)", "exp(-t)*x*y"];
+        let parts = integrand(&still);
+        assert!(parts.parts.is_some());
+        let points = Integrand { parts: None, ..integrand(&still) };
+        for t in [0.0, 0.3, 1.0] {
+            let [a, b] = [&parts, &points].map(|integrand| integrand.norm(t));
+            // Sums of some 2,000 products of numbers of order one.
+            assert!((a - b).abs() <= 1e-14, "t = {t}: {a} {b}");
+        }
+        // ‖max(x - a, 0)‖² = (1 - a)³/3 =: c(a), and the mean of max(x - a, 0) is (1 - a)²/2.
+        let cube = |a: f64| (1.0 - a) * (1.0 - a) * (1.0 - a) / 3.0;
+        let kinks = integrand(&["t*max(x - 0.3, 0) + (1 - t)*max(y - 0.6, 0)", "0", "0"]);
+        let mixed = 2.0 * 0.25 * 0.75 * (0.7_f64 * 0.7 / 2.0) * (0.4 * 0.4 / 2.0);
+        let exact = (0.0625 * cube(0.3) + 0.5625 * cube(0.6) + mixed).sqrt();
+        assert!(kinks.square_of_parts(0.25).is_some());
+        assert!((kinks.norm(0.25) - exact).abs() <= 1e-14, "{} {exact}", kinks.norm(0.25));
+        // A front that moves has points of its own at each time.
+        let moving = integrand(&["max(x - t, 0)", "0", "0"]);
+        assert!(moving.parts.is_none());
+        for t in [0.25, 0.5, 0.25] {
+            assert!((moving.norm(t) - cube(t).sqrt()).abs() <= 1e-14, "t = {t}");
+        }
+        // Parts that cancel but for 1e-12 of their squares: by points rounding is 1e-10 of what is left.
+        let near = integrand(&["cos(t)*x - x*(1 + 1e-6*y)", "0", "0"]);
+        assert!(near.square_of_parts(0.0).is_none() && near.square_of_parts(1.0).is_some());
+        assert!((near.norm(0.0) - 1e-6 / 3.0).abs() <= 1e-15, "{}", near.norm(0.0));
+        assert_eq!(integrand(&["0", "0", "0"]).norm(0.3), 0.0);
+        // Shears count twice.
+        let shear = integrand(&["0", "t*x", "0"]);
+        assert!((shear.norm(3.0) - 6.0_f64.sqrt()).abs() <= 1e-14);
+    }
+}

@@ -1,0 +1,116 @@
+//! Fields with known integrals and regularity on a triangle and on an L shape.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::check::check;
+use crate::{ContactFormulas, ExactData, MaterialNumbers};
+use fem::mesh::{BoundaryEdge, Coarse, triangulate};
+use formula::{Graph, Scope, Variable};
+
+const TRIANGLE: [[f64; 2]; 3] = [[1.0, 0.5], [3.0, 1.0], [1.5, 2.5]];
+const L_SHAPE: [[f64; 2]; 6] =
+    [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+
+/// u on a polytope, contact on its first edge, clamped on its last; with ζ in κ if `yields`.
+fn exact(vertices: &[[f64; 2]], u: [&str; 2], yields: bool) -> Exact {
+    let count = vertices.len() as u32;
+    let triangles = triangulate(vertices).unwrap();
+    let edge = |i| BoundaryEdge { ends: [i, (i + 1) % count], side: i };
+    let coarse = Coarse {
+        vertices: vertices.to_vec(),
+        region: vec![0; triangles.len()],
+        triangles,
+        regions: vec!["body".into()],
+        edges: (0..count).map(edge).collect(),
+        sides: (0..count).map(|i| i.to_string()).collect(),
+    };
+    let mut graph = Graph::new();
+    let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
+    let u = u.map(|text| graph.parse(text, &scope).expect("a formula")).to_vec();
+    let in_zeta = Scope::new(&[Variable::Zeta]);
+    let kappa = yields.then(|| graph.parse("0.1 + zeta", &in_zeta).expect("a formula"));
+    let projection = yields.then_some(1.0);
+    let material =
+        MaterialNumbers { lambda: 1.3, mu_l: 0.7, full: None, memory: Vec::new(), projection };
+    let [low, high] = coarse.bounds();
+    let size = vec![high[0] - low[0], high[1] - low[1]];
+    let (clamped, contact) = (vec![count - 1], vec![0]);
+    let polytope = Some(Polytope { coarse: coarse.into(), clamped, contact });
+    let (regions, kernels) = (Vec::new(), Vec::new());
+    let (horizon, contact) = (1.0, Some(ContactFormulas::default()));
+    Exact::new(ExactData {
+        graph,
+        u,
+        material,
+        regions,
+        kernels,
+        kappa,
+        contact,
+        horizon,
+        size,
+        polytope,
+    })
+}
+
+fn polytope(exact: &Exact) -> &Polytope {
+    exact.data.polytope.as_ref().unwrap()
+}
+
+#[test]
+fn loads_agree_and_a_wrong_force_or_normal_is_seen() {
+    let u = ["t*sin(x)*y^2", "x*exp(-t)*cos(y)"];
+    for vertices in [&TRIANGLE[..], &L_SHAPE] {
+        let mut own = exact(vertices, u, false);
+        assert_eq!(loads(&own, polytope(&own)).status, Status::Verified);
+        let other = exact(vertices, ["1.001*t*sin(x)*y^2", u[1]], false);
+        own.forces = other.forces;
+        assert_eq!(loads(&own, polytope(&own)).status, Status::Failed);
+    }
+    // Edges that run the other way have their normals turned around.
+    let mut own = exact(&L_SHAPE, u, false);
+    let CoarseMesh::Plane(coarse) = &mut own.data.polytope.as_mut().unwrap().coarse else {
+        panic!("a plane domain");
+    };
+    Arc::make_mut(coarse).edges[1].ends.swap(0, 1);
+    assert_eq!(loads(&own, polytope(&own)).status, Status::Failed);
+}
+
+#[test]
+fn zeta_over_a_triangle_is_the_closed_form() {
+    // ε = t (1, 0, 0), so ‖ε‖ = t √|Ω| and ζ(t) = t² √|Ω| / 2.
+    let own = exact(&TRIANGLE, ["t*x", "0"], true);
+    let area = 0.5 * (2.0 * 2.0 - 0.5 * 0.5);
+    assert!((own.data.measure() - area).abs() < 1e-15);
+    let expected = 0.5 * 0.64 * area.sqrt();
+    // The integral in time is adaptive, to 1e-12.
+    assert!((own.zeta.at(0.8) - expected).abs() < 1e-12);
+    let status = |u: [&str; 2]| {
+        let own = exact(&L_SHAPE, u, true);
+        zeta(&own, polytope(&own)).unwrap().status
+    };
+    assert_eq!(status(["t*sin(3*x)*y", "t*x*cos(4*y)"]), Status::Verified);
+    assert_eq!(status(["t*abs(x - 0.37)", "0"]), Status::Verified, "|eps| is constant");
+    assert_eq!(status(["t*max(x - 0.37, 0)", "0"]), Status::Weak);
+    let without = exact(&L_SHAPE, ["t*x", "0"], false);
+    assert!(zeta(&without, polytope(&without)).is_none());
+}
+
+#[test]
+fn a_corner_singularity_is_told_from_a_smooth_field() {
+    let status = |u: [&str; 2]| {
+        let own = exact(&L_SHAPE, u, false);
+        let findings = check(&own, &[]);
+        let find = |subject: &str| {
+            findings.iter().find(|f| f.subject.starts_with(subject)).unwrap().status
+        };
+        [find("u in H2"), find("u_nu in H2")]
+    };
+    let smooth = ["t*x^2*y", "t*sin(x + y)"];
+    assert_eq!(status(smooth), [Status::Verified; 2]);
+    // r^0.3 at the re-entrant corner.
+    let singular = ["0", "t*((x - 1)^2 + (y - 1)^2)^0.15"];
+    assert_eq!(status(singular)[0], Status::Weak);
+    // A kink of u_ν along the contact edge y = 0.
+    assert_eq!(status(["0", "t*abs(x - 0.61)*(2 - y)"])[1], Status::Weak);
+}

@@ -1,0 +1,340 @@
+//! The regularity that (5.26) asks for, measured by differences under refinement: a difference
+//! quotient that settles belongs to a bounded derivative, one that grows does not.
+
+use super::smoothness::{FINE, STRIDES, judge, largest, rounding, second_difference, worst};
+use super::{Finding, SideOfBox, polytope, times};
+use crate::Exact;
+use crate::symbolic::components;
+use formula::{Point, Program};
+
+/// Lines across the direction of differences in time.
+const LINES: usize = 12;
+/// Lines across the direction of differences in space, and the power by which they gather at the
+/// sides: singularities sit at corners and sides, and the nearest lines are 1e-5 away from these.
+const GRADED_LINES: usize = 16;
+const GRADING: i32 = 5;
+/// The same in space, across each of two directions.
+const GRADED_IN_SPACE: usize = 8;
+/// Points across the direction in which zones move, for the derivatives in time.
+const ACROSS_ZONES: usize = 96;
+/// Lines along each direction of a face.
+const ON_FACE: usize = 12;
+
+pub(super) fn regularity(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
+    let mut findings = time_derivatives(exact).to_vec();
+    let [in_space, normal] = space_findings(exact, sides);
+    findings.extend(in_space);
+    let subject = in_body(exact, "sigma in H1", "(5.18)");
+    findings.push(space_derivative(exact, Field::Stress, &subject));
+    findings.extend(normal);
+    findings.extend(kernels(exact));
+    findings
+}
+
+/// What Theorem 7 asks for: (5.15), and ℬ in C².
+pub fn regularity_in_time(exact: &Exact) -> Vec<Finding> {
+    let [second, _] = time_derivatives(exact);
+    let mut findings = vec![second];
+    findings.extend(kernels(exact));
+    findings
+}
+
+/// What (5.25) asks for.
+pub fn regularity_in_space(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
+    space_findings(exact, sides).concat()
+}
+
+fn space_findings(exact: &Exact, sides: &[SideOfBox]) -> [Vec<Finding>; 2] {
+    let traces = match (&exact.data.contact, &exact.data.polytope) {
+        (None, _) => Vec::new(),
+        (_, Some(polytope)) => polytope::normal_traces(exact, polytope),
+        _ => {
+            let contact = sides.iter().filter(|side| side.contact);
+            contact.map(|side| normal_trace(exact, side)).collect()
+        }
+    };
+    let subject = in_body(exact, "u in H2", "(5.25)");
+    [vec![space_derivative(exact, Field::Strain, &subject)], traces]
+}
+
+/// `what`(Omega), or on each region.
+fn in_body(exact: &Exact, what: &str, equation: &str) -> String {
+    match exact.data.regions.is_empty() {
+        true => format!("{what}(Omega) {equation}"),
+        false => format!("{what} by region {equation}"),
+    }
+}
+
+/// sup_t ‖ε(u(t+δ) - 2u(t) + u(t-δ))‖/δ², and the norm in L²(Ω) of the pointwise variation
+/// Σ |ε(u(t+δ) - 2u(t) + u(t-δ))|/δ, which is what order 2 of the trapezoidal rule needs.
+fn time_derivatives(exact: &Exact) -> [Finding; 2] {
+    let (points, areas) = match &exact.data.polytope {
+        Some(polytope) => polytope::in_time(polytope),
+        None => {
+            let points = grid(exact);
+            let area = exact.data.measure() / points.len() as f64;
+            let count = points.len();
+            (points, vec![area; count])
+        }
+    };
+    let mut bound = exact.interior.bind(&points);
+    let d = exact.dimension();
+    let own = d..d + exact.strain.len();
+    let mut out = vec![Vec::new(); own.end + exact.memory.len()];
+    let count = FINE / 3;
+    let step = exact.data.horizon / count as f64;
+    let history: Vec<Vec<f64>> = (0..=count)
+        .map(|n| {
+            bound.evaluate(step * n as f64, 0.0, &mut out);
+            out[own.clone()].concat()
+        })
+        .collect();
+    let (mut second, mut variation) = ([0.0f64; 4], [0.0f64; 4]);
+    for (level, stride) in STRIDES.into_iter().enumerate() {
+        let delta = step * stride as f64;
+        let mut bends = vec![0.0; points.len()];
+        for n in (stride..=count - stride).step_by(stride) {
+            let [a, b, c] = [n - stride, n, n + stride].map(|i| &history[i]);
+            let mut sum = 0.0;
+            for (p, bend) in bends.iter_mut().enumerate() {
+                let component = |i: usize| {
+                    let at = i * points.len() + p;
+                    a[at] - 2.0 * b[at] + c[at]
+                };
+                // Shear counts twice in the Frobenius norm.
+                let weighted = components(d).into_iter().enumerate().map(|(at, (i, j))| {
+                    if i == j { component(at).powi(2) } else { 2.0 * component(at).powi(2) }
+                });
+                let square: f64 = weighted.sum();
+                sum += areas[p] * square;
+                *bend += square.sqrt() / delta;
+            }
+            second[level] = worst(second[level], sum.sqrt() / delta.powi(2));
+        }
+        let squares = bends.iter().zip(&areas).map(|(bend, area)| area * bend * bend);
+        variation[level] = squares.sum::<f64>().sqrt();
+    }
+    let (size, one) = (largest(history.iter().flatten()), exact.data.measure().sqrt());
+    let second_rounding = rounding(size, one, step.powi(2));
+    let variation_rounding = rounding(size, one * count as f64, step);
+    let what = "sup_t |eps(second time difference)|";
+    let pointwise = "the pointwise variation of eps(u')";
+    [
+        judge("u in W2,inf(0,T;V) (5.15)", what, &second, second_rounding),
+        judge("eps(u') in L2(Omega;BV)", pointwise, &variation, variation_rounding),
+    ]
+}
+
+#[derive(Clone, Copy)]
+enum Field {
+    Strain,
+    Stress,
+}
+
+/// ‖f(· + δe) - f‖/δ in L², in all directions, at three times.
+fn space_derivative(exact: &Exact, field: Field, subject: &str) -> Finding {
+    if let Some(polytope) = &exact.data.polytope {
+        let values = |points: &[[f64; 3]], t: f64| field_values(exact, field, points, t);
+        return polytope::space_derivative(exact, polytope, values, subject);
+    }
+    let (mut quotients, mut size) = ([0.0f64; 4], 0.0f64);
+    for t in times(exact) {
+        for direction in 0..exact.dimension() {
+            let (points, weights) = gathered(exact, direction);
+            let values = field_values(exact, field, &points, t);
+            let regions = exact.regions_at(&points);
+            for (quotient, stride) in quotients.iter_mut().zip(STRIDES) {
+                let delta = exact.data.size[direction] * stride as f64 / FINE as f64;
+                let mut sum = 0.0;
+                for component in &values {
+                    size = worst(size, largest(component));
+                    let lines = component.chunks(FINE).zip(regions.chunks(FINE));
+                    for ((line, own), weight) in lines.zip(&weights) {
+                        // Strains jump where the material does: what is asked is H² on each region.
+                        let pairs = (0..FINE - stride).filter(|&i| own[i] == own[i + stride]);
+                        let squares = pairs.map(|i| ((line[i + stride] - line[i]) / delta).powi(2));
+                        sum += weight * squares.sum::<f64>();
+                    }
+                }
+                *quotient = worst(*quotient, sum.sqrt());
+            }
+        }
+    }
+    let lengths = &exact.data.size;
+    let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+    let floor = rounding(size, lengths.iter().product::<f64>().sqrt(), shortest / FINE as f64);
+    judge(subject, "the difference quotient in L2", &quotients, floor)
+}
+
+fn field_values(exact: &Exact, field: Field, points: &[[f64; 3]], t: f64) -> Vec<Vec<f64>> {
+    let mut graph = exact.data.graph.clone();
+    let nodes = match field {
+        Field::Strain => &exact.strain,
+        Field::Stress => &exact.stress,
+    };
+    let zeta = match field {
+        Field::Strain => 0.0,
+        Field::Stress => exact.zeta.at(t),
+    };
+    let mut out = vec![Vec::new(); nodes.len()];
+    Program::compile(&mut graph, nodes, exact.data.horizon)
+        .bind(points)
+        .evaluate(t, zeta, &mut out);
+    out
+}
+
+/// ‖second difference of u_ν along Γ3‖/δ² in L², in each direction of the side.
+fn normal_trace(exact: &Exact, side: &SideOfBox) -> Finding {
+    let size = &exact.data.size;
+    let program = exact.boundary(&side.normal[..size.len()]).program;
+    let mut bends = TraceBends::default();
+    for axis in side.along(size) {
+        let lines = |other: usize| match other == axis {
+            true => vec![0.0],
+            false => (0..ON_FACE).map(|i| size[other] * middle(i, ON_FACE)).collect(),
+        };
+        let along = |start: [f64; 3]| {
+            (0..=FINE).map(move |i| {
+                let mut point = start;
+                point[axis] = i as f64 / FINE as f64 * size[axis];
+                point
+            })
+        };
+        let points: Vec<[f64; 3]> = side.points(size, lines).into_iter().flat_map(along).collect();
+        bends.add(exact, &program, &points, size[axis], side.measure(size));
+    }
+    bends.finding()
+}
+
+/// The same along straight lines, given by their ends, each with the measure that it stands for.
+pub(super) fn normal_trace_along(
+    exact: &Exact,
+    program: &Program,
+    lines: &[([[f64; 3]; 2], f64)],
+) -> Finding {
+    let mut bends = TraceBends::default();
+    for ([p, q], measure) in lines {
+        let at = |i: usize| {
+            let s = i as f64 / FINE as f64;
+            [0, 1, 2].map(|axis| (1.0 - s) * p[axis] + s * q[axis])
+        };
+        let points: Vec<[f64; 3]> = (0..=FINE).map(at).collect();
+        let length = p.iter().zip(q).map(|(p, q)| (q - p).powi(2)).sum::<f64>().sqrt();
+        bends.add(exact, program, &points, length, *measure);
+    }
+    bends.finding()
+}
+
+/// Second difference quotients of u_ν, the largest over directions and times.
+#[derive(Default)]
+struct TraceBends {
+    quotients: [f64; 4],
+    floor: f64,
+}
+
+impl TraceBends {
+    /// Adds lines of [`FINE`] intervals each, of the given length, on a part of Γ3 of the given measure.
+    fn add(
+        &mut self,
+        exact: &Exact,
+        program: &Program,
+        points: &[[f64; 3]],
+        length: f64,
+        measure: f64,
+    ) {
+        let mut bound = program.bind(points);
+        let (mut out, mut extent) = (vec![Vec::new(); 5], 0.0f64);
+        let lines = points.len() / (FINE + 1);
+        for t in times(exact) {
+            bound.evaluate(t, 0.0, &mut out);
+            extent = worst(extent, largest(&out[0]));
+            for (quotient, stride) in self.quotients.iter_mut().zip(STRIDES) {
+                let delta = length * stride as f64 / FINE as f64;
+                let mut sum = 0.0;
+                for u_nu in out[0].chunks(FINE + 1) {
+                    let second = |i: usize| {
+                        (u_nu[i - stride] - 2.0 * u_nu[i] + u_nu[i + stride]) / delta.powi(2)
+                    };
+                    sum += (stride..=FINE - stride).map(|i| second(i).powi(2)).sum::<f64>();
+                }
+                let mean = measure / (FINE * lines) as f64;
+                *quotient = worst(*quotient, (mean * sum).sqrt());
+            }
+        }
+        let step = length / FINE as f64;
+        self.floor = self.floor.max(rounding(extent, measure.sqrt(), step.powi(2)));
+    }
+
+    fn finding(&self) -> Finding {
+        let (subject, what) = ("u_nu in H2(Gamma3) (5.25)", "the second difference quotient in L2");
+        judge(subject, what, &self.quotients, self.floor)
+    }
+}
+
+/// max |b''| by second differences, of each term of the memory.
+fn kernels(exact: &Exact) -> impl Iterator<Item = Finding> {
+    exact.data.kernels.iter().map(|&node| {
+        let value = |t: f64| exact.data.graph.evaluate(node, &Point { t, ..Point::default() });
+        second_difference("B in C2[0,T]", "the kernel", exact.data.horizon, value)
+    })
+}
+
+/// Points along lines in a direction, [`FINE`] midpoints a line, and the area that stands for each
+/// point of a line; the lines gather at the sides.
+fn gathered(exact: &Exact, direction: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
+    let size = &exact.data.size;
+    let graded = if size.len() == 2 { GRADED_LINES } else { GRADED_IN_SPACE };
+    let place = |i: usize| {
+        let x = 2.0 * i as f64 / graded as f64;
+        let half = |x: f64| 0.5 * x.powi(GRADING);
+        if x <= 1.0 { half(x) } else { 1.0 - half(2.0 - x) }
+    };
+    // Where a line crosses the other directions, and the part of their product that it stands for.
+    let mut crossings = vec![([0.0; 3], 1.0)];
+    for across in (0..size.len()).filter(|&axis| axis != direction) {
+        let strip = |(point, share): ([f64; 3], f64)| {
+            (0..graded).map(move |line| {
+                let (from, to) = (place(line), place(line + 1));
+                let mut point = point;
+                point[across] = size[across] * 0.5 * (from + to);
+                (point, share * (to - from))
+            })
+        };
+        crossings = crossings.into_iter().flat_map(strip).collect();
+    }
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for (crossing, share) in crossings {
+        weights.push(size.iter().fold(share, |weight, length| weight * length) / FINE as f64);
+        points.extend((0..FINE).map(|i| {
+            let mut point = crossing;
+            point[direction] = size[direction] * (i as f64 + 0.5) / FINE as f64;
+            point
+        }));
+    }
+    (points, weights)
+}
+
+fn middle(i: usize, n: usize) -> f64 {
+    (i as f64 + 0.5) / n as f64
+}
+
+/// Midpoints of equal cells of the domain, many of them along x.
+fn grid(exact: &Exact) -> Vec<[f64; 3]> {
+    let size = &exact.data.size;
+    let mut points = vec![[0.0; 3]];
+    for (axis, length) in size.iter().enumerate() {
+        let count = if axis == 0 { ACROSS_ZONES } else { LINES / 2 };
+        let with = |point: [f64; 3]| {
+            (0..count).map(move |i| {
+                let mut point = point;
+                point[axis] = length * middle(i, count);
+                point
+            })
+        };
+        points = points.into_iter().flat_map(with).collect();
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests;

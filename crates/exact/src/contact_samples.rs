@@ -1,0 +1,159 @@
+//! The exact solution on Γ3 with the contact state of every point, for errors split by state.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::exact::{Exact, LawNumbers};
+use fem::contact::Discretization;
+use fem::norms::{ContactSamples, ContactState, is_locked, state_rule};
+use formula::{Bound, Point};
+
+/// r counts as the place of a jump within this distance of it, relative to it: formulas round.
+const AT_JUMP_WITHIN: f64 = 1e-9;
+
+/// The formulas of Γ3 bound to two corners and the points of the state rule of each facet.
+pub(super) struct StatePoints {
+    sides: Vec<PartOfTrace>,
+    law: Option<LawNumbers>,
+    /// u_ν and the pressure are linear between the corners: the truth is an interpolant.
+    interpolated: bool,
+    facets: usize,
+}
+
+/// Facets of Γ3 with one normal.
+struct PartOfTrace {
+    facets: Vec<usize>,
+    /// s at the points.
+    shift: Vec<f64>,
+    bound: Mutex<Bound>,
+}
+
+impl StatePoints {
+    /// Binds the formulas of `exact` on the trace of `space`, a plane mesh.
+    pub(super) fn new(exact: &Exact, space: &Discretization, interpolated: bool) -> Self {
+        let (mesh, trace, rule) = (&space.mesh, &space.trace, state_rule());
+        let contact = exact.data.contact.as_ref();
+        let shift = contact.and_then(|contact| contact.shift);
+        let mut sides = Vec::new();
+        for part in mesh.plane_parts(&trace.mesh_facet) {
+            let facets = part.members;
+            let corners = [vec![1.0, 0.0], vec![0.0, 1.0]];
+            let places: Vec<&Vec<f64>> = corners.iter().chain(&rule.points).collect();
+            let points: Vec<[f64; 3]> = facets
+                .iter()
+                .flat_map(|&f| {
+                    let facet = mesh.facet(trace.mesh_facet[f] as usize);
+                    places.iter().map(|b| mesh.point(facet, b)).collect::<Vec<_>>()
+                })
+                .collect();
+            let at = |&[x, y, z]: &[f64; 3]| Point { x, y, z, ..Point::default() };
+            let value = |x: &[f64; 3]| shift.map_or(0.0, |s| exact.data.graph.evaluate(s, &at(x)));
+            let bound = exact.boundary(&part.normal[..2]).program.bind(&points);
+            let shift = points.iter().map(value).collect();
+            sides.push(PartOfTrace { facets, shift, bound: Mutex::new(bound) });
+        }
+        let law = contact.and_then(|contact| contact.law.clone());
+        Self { sides, law, interpolated, facets: trace.measure.len() }
+    }
+
+    /// The truth and its states at time t.
+    pub(super) fn at(&self, t: f64) -> ContactSamples {
+        let rule = state_rule();
+        let count = rule.weights.len();
+        let points = count * self.facets;
+        let mut samples = ContactSamples {
+            normal: vec![0.0; points],
+            pressure: vec![0.0; points],
+            state: vec![ContactState::Open; points],
+            gap: vec![f64::INFINITY; 2 * self.facets],
+        };
+        for side in &self.sides {
+            let mut out = vec![Vec::new(); 5];
+            side.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+            let [normal, pressure, gap] = [&out[0], &out[1], &out[2]];
+            for (index, &f) in side.facets.iter().enumerate() {
+                let first = (count + 2) * index;
+                samples.gap[2 * f..2 * f + 2].copy_from_slice(&gap[first..first + 2]);
+                for (q, b) in rule.points.iter().enumerate() {
+                    let value = |field: &[f64]| match self.interpolated {
+                        true => b[0] * field[first] + b[1] * field[first + 1],
+                        false => field[first + 2 + q],
+                    };
+                    let at = count * f + q;
+                    (samples.normal[at], samples.pressure[at]) = (value(normal), value(pressure));
+                    let gap = value(gap);
+                    let r = samples.normal[at] - value(&side.shift);
+                    let locked = is_locked(samples.normal[at], gap);
+                    samples.state[at] = state(self.law.as_ref(), r, locked);
+                }
+            }
+        }
+        samples
+    }
+}
+
+/// The state at r = u_ν - s.
+fn state(law: Option<&LawNumbers>, r: f64, locked: bool) -> ContactState {
+    if locked {
+        return ContactState::Locked;
+    }
+    let Some(law) = law else { return ContactState::Open };
+    let scale = law.points.iter().fold(0.0, |largest: f64, point| largest.max(point[0].abs()));
+    let jumps = law.points.windows(2).filter(|p| p[0][0] == p[1][0] && p[0][1] != p[1][1]);
+    if jumps.into_iter().any(|pair| (r - pair[0][0]).abs() <= AT_JUMP_WITHIN * scale) {
+        return ContactState::AtJump;
+    }
+    let (last, end) = (law.points.len() - 1, law.points.partition_point(|point| point[0] < r));
+    let linear = match end {
+        0 => law.slope_before,
+        end if end > last => law.slope_after,
+        end => {
+            let [a, b] = [law.points[end - 1], law.points[end]];
+            (b[1] - a[1]) / (b[0] - a[0])
+        }
+    };
+    // A factor c(x) > 0 of the law changes no sign.
+    match (linear + law.curve.map_or(0.0, |curve| curve.slope(r)), law.pressure(r)) {
+        (slope, _) if slope < 0.0 => ContactState::Falling,
+        (0.0, 0.0) => ContactState::Open,
+        _ => ContactState::Rising,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CurveNumbers;
+
+    #[test]
+    fn every_piece_of_a_law_has_its_state() {
+        let law = LawNumbers {
+            points: vec![[0.0, 0.0], [0.04, 0.08], [0.06, 0.02], [0.06, 0.05], [0.1, 0.05]],
+            slope_before: 0.0,
+            slope_after: 0.5,
+            curve: None,
+        };
+        let at = |r: f64| state(Some(&law), r, false);
+        let (jump, next) = (0.02 + 0.04, 0.06_f64.next_up());
+        for (r, expected) in [
+            (-0.1, ContactState::Open),
+            (0.02, ContactState::Rising),
+            (0.05, ContactState::Falling),
+            (0.06, ContactState::AtJump),
+            (jump, ContactState::AtJump),
+            (next, ContactState::AtJump),
+            // A plateau under pressure, and the rise behind it.
+            (0.08, ContactState::Rising),
+            (0.2, ContactState::Rising),
+        ] {
+            assert_eq!(at(r), expected, "r = {r}");
+        }
+        assert_eq!(state(Some(&law), 0.05, true), ContactState::Locked);
+        assert_eq!(state(None, 0.05, false), ContactState::Open);
+        // c r r0²/(r0² + r²) rises to r0 and falls beyond.
+        let curve = Some(CurveNumbers::Rational { c: 2.0, r0: 0.05 });
+        let points = vec![[0.0, 0.0]];
+        let law = LawNumbers { points, slope_before: 0.0, slope_after: 0.0, curve };
+        let curved = [-0.1, 0.04, 0.06].map(|r| state(Some(&law), r, false));
+        assert_eq!(curved, [ContactState::Open, ContactState::Rising, ContactState::Falling]);
+    }
+}

@@ -1,0 +1,144 @@
+//! Moments of cells that a kink cuts, by a rule on each side of it in place of the one across.
+//!
+//! Means and remainders are those of the errors alone. Loads keep the rule that the scheme is said to have: what it
+//! leaves out is measured beside them.
+
+use super::constitutive::{Tensor, mandel, stress};
+use super::cuts::{Cut, Cuts};
+use super::parts::Parts;
+use super::reduction::{deviations, remainders};
+use super::rows::HALVES;
+use fem::norms::Moments;
+use fem::space::quadrature::Rule;
+
+/// The fields of one cell at the points of a rule.
+struct Fields<const D: usize, const N: usize> {
+    strain: Vec<[f64; N]>,
+    stress: Vec<[f64; N]>,
+    displacement: Vec<[f64; D]>,
+}
+
+/// What P1 functions have of the fields on one cell, and the mean square of what they have not, of ε, σ and u.
+struct CellMoments<const D: usize, const N: usize, const C: usize> {
+    strain: [f64; N],
+    stress: [f64; N],
+    displacement: [[f64; C]; D],
+    rest: [f64; 3],
+}
+
+/// The rules by which moments are taken.
+#[derive(Clone, Copy)]
+pub(super) struct RulesOfCells<'a> {
+    /// Of those that are there: in cells of even number, and of odd.
+    pub whole: [&'a Rule; HALVES],
+    /// On each piece of a cell.
+    pub pieces: &'a Rule,
+}
+
+/// Takes the moments of cells that are cut from the rules on their pieces; returns the means of σ that were there.
+///
+/// Values that are not finite, which the rule of the whole cell did not meet, leave the cell as it is.
+pub(super) fn correct<const D: usize>(
+    cuts: &Cuts,
+    parts: &Parts<'_>,
+    rules: RulesOfCells<'_>,
+    moments: &mut Moments,
+) -> Vec<(usize, Vec<f64>)> {
+    match D {
+        2 => Correction::<D, 3, 3> { parts, rules, moments }.all(cuts),
+        _ => Correction::<D, 6, 4> { parts, rules, moments }.all(cuts),
+    }
+}
+
+/// For tensors of N numbers and cells of C corners.
+struct Correction<'a, const D: usize, const N: usize, const C: usize> {
+    parts: &'a Parts<'a>,
+    rules: RulesOfCells<'a>,
+    moments: &'a mut Moments,
+}
+
+impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
+    fn all(mut self, cuts: &Cuts) -> Vec<(usize, Vec<f64>)> {
+        let cut = cuts.rules(&self.parts.space.mesh, self.rules.pieces, self.parts.t);
+        let whole = self.rules.whole;
+        let rules = cut.iter().flat_map(|Cut { simplex, rule }| {
+            [whole[simplex % whole.len()], rule].map(|rule| (*simplex, rule))
+        });
+        let points = cuts.points(&self.parts.space.mesh, rules);
+        let mut values = vec![Vec::new(); self.parts.fields()];
+        self.parts.exact.interior.bind(&points).evaluate(self.parts.t, 0.0, &mut values);
+        let (mut first, mut before) = (0, Vec::new());
+        for Cut { simplex, rule } in &cut {
+            let [whole, pieces] = [whole[simplex % whole.len()], rule].map(|rule| {
+                let own = self.of_cell(*simplex, rule, &values, first);
+                first += rule.weights.len();
+                own
+            });
+            if whole.rest.iter().chain(&pieces.rest).all(|rest| rest.is_finite()) {
+                before.push(self.replace(*simplex, &whole, &pieces));
+            }
+        }
+        before
+    }
+
+    /// The moments of cell c by a rule whose values begin at `first`.
+    fn of_cell(
+        &self,
+        c: usize,
+        rule: &Rule,
+        values: &[Vec<f64>],
+        first: usize,
+    ) -> CellMoments<D, N, C> {
+        let exact = self.parts.exact;
+        let material = exact.material_in(self.parts.regions[c]);
+        let mut fields =
+            Fields { strain: Vec::new(), stress: Vec::new(), displacement: Vec::new() };
+        let mut memory: Vec<Tensor<D>> = Vec::new();
+        for p in first..first + rule.weights.len() {
+            let strain = exact.tensors(|k| values[k][p], &mut memory);
+            let sigma = stress(material, &strain, &memory, self.parts.kappa);
+            fields.strain.push(mandel(&strain));
+            fields.stress.push(mandel(&sigma));
+            fields.displacement.push(std::array::from_fn(|i| values[i][p]));
+        }
+        let strain = deviations(&mut fields.strain, &rule.weights);
+        let stress = deviations(&mut fields.stress, &rule.weights);
+        let displacement = remainders(&mut fields.displacement, rule);
+        let rest = [
+            mean_square(&fields.strain, &rule.weights),
+            mean_square(&fields.stress, &rule.weights),
+            mean_square(&fields.displacement, &rule.weights),
+        ];
+        CellMoments { strain, stress, displacement, rest }
+    }
+
+    /// Puts the moments of the pieces of cell c where those of the whole were; its mean of σ before.
+    fn replace(
+        &mut self,
+        c: usize,
+        whole: &CellMoments<D, N, C>,
+        pieces: &CellMoments<D, N, C>,
+    ) -> (usize, Vec<f64>) {
+        let measure = self.parts.space.geometry.measure[c];
+        let Moments { strain, stress, displacement, .. } = &mut *self.moments;
+        let rests = [&mut strain.rest, &mut stress.rest, &mut displacement.rest];
+        for (rest, (pieces, whole)) in rests.into_iter().zip(pieces.rest.iter().zip(&whole.rest)) {
+            // What is left of one whose cells are all cut may be rounding, of either sign.
+            *rest = (*rest + measure * (pieces - whole)).max(0.0);
+        }
+        let own = N * c..N * (c + 1);
+        let before = stress.mean[own.clone()].to_vec();
+        strain.mean[own.clone()].copy_from_slice(&pieces.strain);
+        stress.mean[own].copy_from_slice(&pieces.stress);
+        let corners = &mut displacement.corner[D * C * c..D * C * (c + 1)];
+        for (a, corner) in corners.chunks_mut(D).enumerate() {
+            corner.iter_mut().enumerate().for_each(|(i, u)| *u = pieces.displacement[i][a]);
+        }
+        (c, before)
+    }
+}
+
+fn mean_square<const N: usize>(values: &[[f64; N]], weights: &[f64]) -> f64 {
+    let square = |value: &[f64; N]| value.iter().map(|v| v * v).sum::<f64>();
+    values.iter().zip(weights).map(|(value, weight)| weight * square(value)).sum()
+}

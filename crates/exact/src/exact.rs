@@ -1,0 +1,384 @@
+//! An exact solution: formulas for u, λ, ξ, and what follows from them.
+
+use super::AccumulatedStrain;
+use super::constitutive::{Tensor, full};
+use super::curve::CurveNumbers;
+use super::lanes::Number;
+use super::{Products, Rows, Separation, symbolic};
+use fem::mesh::{CoarseMesh, Mesh};
+use formula::{Graph, Node, Program, Variable};
+
+/// Numbers of the material, as the scene states them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaterialNumbers {
+    /// λ.
+    pub lambda: f64,
+    /// μ_L.
+    pub mu_l: f64,
+    /// 𝒜 in Mandel notation (the leading block of order d(d+1)/2) in place of λ and μ_L.
+    pub full: Option<[[f64; 6]; 6]>,
+    /// (λ_ℬ, μ_ℬ) of each term of the memory.
+    pub memory: Vec<(f64, f64)>,
+    /// μ of the projection.
+    pub projection: Option<f64>,
+}
+
+/// A part of the body with a material of its own; parts do not overlap.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RegionNumbers {
+    /// A formula in the place, positive inside.
+    pub condition: Node,
+    /// Its material.
+    pub material: MaterialNumbers,
+}
+
+/// A piecewise linear law by its points and outer slopes, plus a curve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LawNumbers {
+    /// (r, p(r)); a repeated abscissa is a jump.
+    pub points: Vec<[f64; 2]>,
+    /// Slope before the first point.
+    pub slope_before: f64,
+    /// Slope after the last point.
+    pub slope_after: f64,
+    /// The curved part.
+    pub curve: Option<CurveNumbers>,
+}
+
+/// Contact data as formulas.
+#[derive(Debug, Clone, Default)]
+pub struct ContactFormulas {
+    /// g(x), none without constraint.
+    pub gap: Option<Node>,
+    /// s(x): the law is evaluated at u_ν - s.
+    pub shift: Option<Node>,
+    /// ∂j_ν, but for the factor.
+    pub law: Option<LawNumbers>,
+    /// c(x): the law is c ∂j_ν; none is 1.
+    pub scale: Option<Node>,
+    /// λ(x, t).
+    pub multiplier: Option<Node>,
+    /// ξ(x, t), where ∂j_ν(u_ν) is an interval.
+    pub selection: Option<Node>,
+}
+
+/// Which form the loads take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoadForm {
+    /// F(v) = ∫ σ:ε(v) + ∫_{Γ3} c v_ν.
+    Weak,
+    /// F(v) = ∫ f0·v + ∫_{Γ2} f2·v + ∫_{Γ3} h3·v.
+    Strong,
+}
+
+/// What defines an exact solution.
+#[derive(Clone)]
+pub struct ExactData {
+    /// Owner of all formulas.
+    pub graph: Graph,
+    /// u.
+    pub u: Vec<Node>,
+    /// Material numbers outside all regions.
+    pub material: MaterialNumbers,
+    /// Regions with other numbers.
+    pub regions: Vec<RegionNumbers>,
+    /// b_i(t), one a term of the memory.
+    pub kernels: Vec<Node>,
+    /// κ(ζ).
+    pub kappa: Option<Node>,
+    /// Contact, if there is a Γ3 with law or gap.
+    pub contact: Option<ContactFormulas>,
+    /// T.
+    pub horizon: f64,
+    /// Box that contains the domain, one length a dimension: the domain itself, from the origin, if it is no
+    /// `polytope`.
+    pub size: Vec<f64>,
+    /// The domain, where it is no rectangle or box.
+    pub polytope: Option<Polytope>,
+}
+
+impl ExactData {
+    /// |Ω|.
+    pub fn measure(&self) -> f64 {
+        match &self.polytope {
+            None => self.size.iter().product(),
+            Some(Polytope { coarse, .. }) => coarse.measure(),
+        }
+    }
+}
+
+/// A polygon or polyhedron of coarse simplices, with the roles of its sides.
+#[derive(Debug, Clone)]
+pub struct Polytope {
+    /// Simplices and sides.
+    pub coarse: CoarseMesh,
+    /// The sides of Γ1.
+    pub clamped: Vec<u32>,
+    /// The sides of Γ3.
+    pub contact: Vec<u32>,
+}
+
+/// An exact solution with its compiled formulas.
+pub struct Exact {
+    /// The defining data; the graph has grown by the derived formulas.
+    pub data: ExactData,
+    /// ε, upper components.
+    pub strain: Vec<Node>,
+    /// H_i = ∫ b_i(t-s) ε ds, one term of the memory after another; empty without memory.
+    pub memory: Vec<Node>,
+    /// σ as formulas.
+    pub stress: Vec<Node>,
+    /// f0 = -Div σ.
+    pub body_force: Vec<Node>,
+    /// [u, ε, H_1, H_2, …].
+    pub interior: Program,
+    /// f0.
+    pub forces: Program,
+    /// ζ(t).
+    pub zeta: AccumulatedStrain,
+    /// [u, ε, H_1, …] as sums of few products of (x, t) and y, where σ is linear in ε and the formulas show one.
+    pub products: Option<Products>,
+    /// The fields as sums of few products of time and space, where σ is linear in ε and the formulas show one.
+    pub separation: Option<Separation>,
+}
+
+impl Exact {
+    /// Derives strain, memory, stress and forces from `data` and compiles them.
+    pub fn new(mut data: ExactData) -> Self {
+        let graph = &mut data.graph;
+        let strain = symbolic::strain(graph, &data.u);
+        let terms = data.kernels.iter();
+        let memory: Vec<Node> =
+            terms.flat_map(|&kernel| symbolic::memory(graph, kernel, &strain)).collect();
+        let material = (&data.material, &data.regions[..]);
+        let stress = symbolic::stress_in_regions(graph, material, data.kappa, &strain, &memory);
+        let body_force = symbolic::body_force(graph, &stress);
+        let present = [&data.u[..], &strain].concat();
+        let outputs = [&present[..], &memory].concat();
+        let interior = Program::compile(graph, &outputs, data.horizon);
+        let forces = Program::compile(graph, &body_force, data.horizon);
+        let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
+        let polytope = data.polytope.as_ref().map(|polytope| &polytope.coarse);
+        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, &data.size, needs_zeta)
+            .over(polytope);
+        // σ is linear in ε without the projection.
+        let is_linear = data.kappa.is_none();
+        let separation = is_linear.then(|| Separation::of(&data, &strain)).flatten();
+        let products =
+            is_linear.then(|| Products::of(&data.graph, &outputs, data.horizon)).flatten();
+        Self {
+            strain,
+            memory,
+            stress,
+            body_force,
+            interior,
+            forces,
+            zeta,
+            products,
+            separation,
+            data,
+        }
+    }
+
+    /// Space dimension.
+    pub fn dimension(&self) -> usize {
+        self.data.u.len()
+    }
+
+    /// The region of each point, 0 for what lies in none of [`ExactData::regions`].
+    pub fn regions_at(&self, points: &[[f64; 3]]) -> Vec<usize> {
+        let mut found = vec![0; points.len()];
+        if self.data.regions.is_empty() {
+            return found;
+        }
+        let conditions: Vec<Node> = self.data.regions.iter().map(|r| r.condition).collect();
+        let mut graph = self.data.graph.clone();
+        let program = Program::compile(&mut graph, &conditions, self.data.horizon);
+        let mut values = vec![Vec::new(); conditions.len()];
+        program.bind(points).evaluate(0.0, 0.0, &mut values);
+        for (index, values) in values.iter().enumerate() {
+            for (own, value) in found.iter_mut().zip(values) {
+                if *value > 0.0 {
+                    *own = index + 1;
+                }
+            }
+        }
+        found
+    }
+
+    /// The region of each cell of a mesh, that of its centroid.
+    pub fn cell_regions(&self, mesh: &Mesh) -> Vec<usize> {
+        if self.data.regions.is_empty() {
+            return vec![0; mesh.cell_count()];
+        }
+        let centroid = vec![1.0 / (mesh.dimension + 1) as f64; mesh.dimension + 1];
+        let points: Vec<[f64; 3]> =
+            (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &centroid)).collect();
+        self.regions_at(&points)
+    }
+
+    /// Whether ε, all memories and the law are the same everywhere, in cells of the given regions.
+    pub fn is_uniform(&self, regions: &[usize]) -> bool {
+        let varies = |node| {
+            let space = [Variable::X, Variable::Y, Variable::Z];
+            space.iter().any(|&axis| self.data.graph.depends_on(node, axis))
+        };
+        // A jump of u has no strain between its sides.
+        let guards = self.data.graph.guards(&self.data.u);
+        regions.iter().all(|region| *region == regions[0])
+            && !guards.into_iter().any(varies)
+            && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
+    }
+
+    /// The rows of a mesh, of one material each, where the fields are products along them; `regions` are those of its
+    /// cells.
+    pub fn rows(&self, mesh: &Mesh, regions: &[usize]) -> Option<Rows> {
+        let separated =
+            self.separation.as_ref().and_then(|separation| separation.products.as_ref());
+        self.products.as_ref().or(separated)?;
+        let rows = Rows::of(mesh)?;
+        let mut of_rows = regions.chunks_exact(rows.length());
+        of_rows.all(|row| row.iter().all(|region| *region == row[0])).then_some(rows)
+    }
+
+    /// The region of each of some facets of a mesh, that of its centroid.
+    pub fn facet_regions(&self, mesh: &Mesh, facets: &[usize]) -> Vec<usize> {
+        let centroid = vec![1.0 / mesh.dimension as f64; mesh.dimension];
+        let middle = |&f: &usize| mesh.point(mesh.facet(f), &centroid);
+        self.regions_at(&facets.iter().map(middle).collect::<Vec<_>>())
+    }
+
+    /// ε and, into `memory`, the histories H_i, where `field` gives the outputs of [`Self::interior`] by number.
+    #[inline(always)]
+    pub fn tensors<const D: usize, T: Number>(
+        &self,
+        field: impl Fn(usize) -> T,
+        memory: &mut Vec<Tensor<D, T>>,
+    ) -> Tensor<D, T> {
+        let count = self.strain.len();
+        let from = |first: usize| full(|k| field(first + k));
+        memory.clear();
+        for term in 0..self.memory.len() / count {
+            memory.push(from(D + count * (1 + term)));
+        }
+        from(D)
+    }
+
+    /// The numbers of a region.
+    pub fn material_in(&self, region: usize) -> &MaterialNumbers {
+        match region {
+            0 => &self.data.material,
+            named => &self.data.regions[named - 1].material,
+        }
+    }
+
+    /// κ(ζ(t)), infinite without projection.
+    pub fn kappa(&self, t: f64) -> f64 {
+        let Some(kappa) = self.data.kappa else { return f64::INFINITY };
+        let at = formula::Point { zeta: self.zeta.at(t), ..Default::default() };
+        self.data.graph.evaluate(kappa, &at)
+    }
+
+    /// Programs on a boundary part with outward normal ν: [u_ν, c = ξ + λ, g].
+    ///
+    /// ξ is the selection where the scene gives one, else the law at u_ν - s.
+    pub fn boundary(&self, normal: &[f64]) -> BoundaryFormulas {
+        self.boundary_at(normal, None)
+    }
+
+    /// The same on a plane where a coordinate has one value: terms that vanish there are left out.
+    pub(super) fn boundary_at(
+        &self,
+        normal: &[f64],
+        plane: Option<(Variable, f64)>,
+    ) -> BoundaryFormulas {
+        let mut graph = self.data.graph.clone();
+        let u_nu = normal_component(&mut graph, &self.data.u, normal);
+        let zero = graph.constant(0.0);
+        let contact = self.data.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref());
+        let xi = match (contact.and_then(|contact| contact.selection), law) {
+            (Some(selection), _) => selection,
+            (None, Some(law)) => {
+                let shift = contact.and_then(|contact| contact.shift).unwrap_or(zero);
+                let r = graph.sub(u_nu, shift);
+                let p = law_formula(&mut graph, law, r);
+                match contact.and_then(|contact| contact.scale) {
+                    Some(scale) => graph.mul(scale, p),
+                    None => p,
+                }
+            }
+            (None, None) => zero,
+        };
+        let lambda = contact.and_then(|contact| contact.multiplier).unwrap_or(zero);
+        let pressure = graph.add(xi, lambda);
+        let gap = contact.and_then(|contact| contact.gap);
+        let gap = gap.unwrap_or_else(|| graph.constant(f64::INFINITY));
+        let mut outputs = [u_nu, pressure, gap, xi, lambda];
+        if let Some((axis, value)) = plane {
+            let value = graph.constant(value);
+            outputs = outputs.map(|formula| graph.substitute(formula, axis, value));
+        }
+        let [u_nu, _, gap, xi, lambda] = outputs;
+        let program = Program::compile(&mut graph, &outputs, self.data.horizon);
+        BoundaryFormulas { graph, program, normal: u_nu, xi, lambda, gap }
+    }
+}
+
+/// Formulas on a part of Γ3.
+pub struct BoundaryFormulas {
+    /// Owner of the nodes below.
+    pub graph: Graph,
+    /// [u_ν, ξ + λ, g, ξ, λ].
+    pub program: Program,
+    /// u_ν.
+    pub normal: Node,
+    /// ξ.
+    pub xi: Node,
+    /// λ.
+    pub lambda: Node,
+    /// g.
+    pub gap: Node,
+}
+
+/// a·u.
+pub(super) fn normal_component(graph: &mut Graph, u: &[Node], normal: &[f64]) -> Node {
+    let mut sum = graph.constant(0.0);
+    for (&component, &weight) in u.iter().zip(normal) {
+        let weight = graph.constant(weight);
+        let term = graph.mul(weight, component);
+        sum = graph.add(sum, term);
+    }
+    sum
+}
+
+/// p(r) as nested choices between its linear pieces, plus the curve.
+pub(super) fn law_formula(graph: &mut Graph, law: &LawNumbers, r: Node) -> Node {
+    let line = |graph: &mut Graph, at: [f64; 2], slope: f64| {
+        let (place, value, slope) =
+            (graph.constant(at[0]), graph.constant(at[1]), graph.constant(slope));
+        let offset = graph.sub(r, place);
+        let rise = graph.mul(slope, offset);
+        graph.add(value, rise)
+    };
+    let last = law.points[law.points.len() - 1];
+    let mut formula = line(graph, last, law.slope_after);
+    for pair in law.points.windows(2).rev() {
+        if pair[1][0] > pair[0][0] {
+            let slope = (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]);
+            let piece = line(graph, pair[0], slope);
+            let end = graph.constant(pair[1][0]);
+            formula = graph.select_less(r, end, piece, formula);
+        }
+    }
+    let before = line(graph, law.points[0], law.slope_before);
+    let start = graph.constant(law.points[0][0]);
+    let formula = graph.select_less(r, start, before, formula);
+    match &law.curve {
+        None => formula,
+        Some(curve) => {
+            let curve = curve.formula(graph, r);
+            graph.add(formula, curve)
+        }
+    }
+}

@@ -1,0 +1,87 @@
+//! The facets of Γ2 and Γ3 of an exact solution, in groups of one outward normal.
+
+use super::exact::{BoundaryFormulas, Exact};
+use super::sampled::Sampled;
+use fem::contact::{Discretization, LoadError};
+use fem::mesh::Mesh;
+use fem::norms::facet_samples;
+use fem::space::quadrature::Rule;
+use formula::Variable;
+
+/// Facets with one normal.
+pub(super) struct FacetGroup {
+    /// ν, padded with zeros.
+    pub(super) normal: [f64; 3],
+    /// Positions in the list that was grouped: for Γ3 those of the trace.
+    pub(super) facets: Vec<usize>,
+    /// The same facets by their numbers in the mesh.
+    pub(super) mesh_facets: Vec<usize>,
+    /// The regions of their centroids.
+    pub(super) regions: Vec<usize>,
+    formulas: BoundaryFormulas,
+    /// For [u_ν, c, …], for the locked set, and for ε.
+    pub(super) points: Sampled,
+    pub(super) samples: Sampled,
+    pub(super) strains: Sampled,
+}
+
+impl FacetGroup {
+    /// [u_ν, c, g, ξ, λ] at the points.
+    pub(super) fn contact_values(
+        &self,
+        mesh: &Mesh,
+        points: &Sampled,
+        t: f64,
+    ) -> Result<Vec<Vec<f64>>, LoadError> {
+        let names = ["u_ν", "ξ + λ"].map(String::from);
+        points.evaluate(mesh, (&self.formulas.program, 5), t, &names)
+    }
+}
+
+/// The coordinate that all vertices of some facets share, where their normal is that of an axis.
+fn plane(mesh: &Mesh, members: &[(usize, usize)], normal: &[f64; 3]) -> Option<(Variable, f64)> {
+    let axis = normal.iter().position(|component| component.abs() == 1.0)?;
+    let mut places = members
+        .iter()
+        .flat_map(|(_, facet)| mesh.facet(*facet))
+        .map(|&vertex| mesh.vertex(vertex)[axis]);
+    let first = places.next()?;
+    places
+        .all(|place| place == first)
+        .then_some(([Variable::X, Variable::Y, Variable::Z][axis], first))
+}
+
+/// Groups mesh facets by side and normal.
+pub(super) fn facet_groups(
+    exact: &Exact,
+    space: &Discretization,
+    mesh_facets: &[u32],
+    rule: &Rule,
+) -> Vec<FacetGroup> {
+    let (mesh, d) = (&space.mesh, space.mesh.dimension);
+    let samples = facet_samples(d);
+    let samples = Rule { weights: vec![0.0; samples.len()], points: samples };
+    let mut groups = Vec::new();
+    for part in mesh.plane_parts(mesh_facets) {
+        let members: Vec<(usize, usize)> = part
+            .members
+            .into_iter()
+            .map(|position| (position, mesh_facets[position] as usize))
+            .collect();
+        let mut normal = [0.0; 3];
+        normal[..d].copy_from_slice(&part.normal[..d]);
+        let sampled = |rule: &Rule| Sampled::new(members.iter().map(|(_, f)| mesh.facet(*f)), rule);
+        let facets: Vec<usize> = members.iter().map(|(_, f)| *f).collect();
+        groups.push(FacetGroup {
+            normal,
+            formulas: exact.boundary_at(&normal[..d], plane(mesh, &members, &normal)),
+            points: sampled(rule),
+            samples: sampled(&samples),
+            strains: sampled(rule),
+            facets: members.iter().map(|(position, _)| *position).collect(),
+            regions: exact.facet_regions(mesh, &facets),
+            mesh_facets: facets,
+        });
+    }
+    groups
+}

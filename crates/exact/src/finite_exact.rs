@@ -1,0 +1,251 @@
+//! The exact solution of Problem 1 in ℝ^m and its load
+//!
+//! ```text
+//! f(t) = M u + g(u) + N(S u, u) + Σ_i w_i (ξ_i + λ_i) a_i,   S u = R(Σ_l Q_l ∫_0^t q_l(t,s) u(s) ds + a_S)
+//! ```
+//!
+//! with histories by double exponential quadrature between the kinks of the integrands.
+
+use super::double_exponential::double_exponential;
+use super::exact::{LawNumbers, law_formula, normal_component};
+use super::sign_changes::sign_changes;
+use formula::{Graph, Node, Point, Program, Variable};
+
+/// What defines the solution; matrices by rows.
+pub struct FiniteData {
+    /// Owner of all formulas.
+    pub graph: Graph,
+    /// M.
+    pub matrix: Vec<Vec<f64>>,
+    /// g_i in r, the first space coordinate; empty if A is linear.
+    pub nonlinear: Vec<Node>,
+    /// (q_l, Q_l), q_l in t and, for s, the first space coordinate.
+    pub kernels: Vec<(Node, Vec<Vec<f64>>)>,
+    /// R.
+    pub r: Vec<Vec<f64>>,
+    /// a_S.
+    pub a_s: Vec<f64>,
+    /// N_i in y (second space coordinate) and r (first); empty if N(y, u) = y.
+    pub force: Vec<Node>,
+    /// The functionals.
+    pub traces: Vec<FiniteTrace>,
+    /// u(t).
+    pub u: Vec<Node>,
+    /// T.
+    pub horizon: f64,
+}
+
+/// One functional with its multiplier and selection.
+pub struct FiniteTrace {
+    /// a_i.
+    pub functional: Vec<f64>,
+    /// w_i.
+    pub weight: f64,
+    /// ∂j_i.
+    pub law: Option<LawNumbers>,
+    /// λ_i(t).
+    pub multiplier: Option<Node>,
+    /// ξ_i(t).
+    pub selection: Option<Node>,
+}
+
+/// The solution at one time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FiniteState {
+    /// u(t).
+    pub u: Vec<f64>,
+    /// (S u)(t).
+    pub history: Vec<f64>,
+    /// a_i·u, one a functional.
+    pub traces: Vec<f64>,
+    /// ξ_i.
+    pub selection: Vec<f64>,
+    /// λ_i.
+    pub multiplier: Vec<f64>,
+    /// f(t).
+    pub load: Vec<f64>,
+}
+
+/// A history that quadrature does not resolve.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "the history at t = {t} changes by {change:.1e} when its panels are halved, {panels} of them: the kernel or u varies too fast, or is not finite on [0, t]"
+)]
+pub struct Unresolved {
+    /// t.
+    pub t: f64,
+    /// Change of the integrals.
+    pub change: f64,
+    /// Panels of [0, t].
+    pub panels: usize,
+}
+
+/// The exact solution with its compiled formulas.
+pub struct FiniteExact {
+    data: FiniteData,
+    /// [u, a_i·u, ξ_i, λ_i] in t.
+    present: Program,
+    /// q_l(t, s) u_j(s), by l, then j.
+    integrands: Program,
+    /// Signs of these decide the branches of the integrands.
+    guards: Program,
+    guard_count: usize,
+    panels: usize,
+}
+
+/// Halving all panels may change a history by no more than this, relatively; the rule itself is exact
+/// to 1e-14 on panels that it resolves.
+const RESOLVED: f64 = 1e-12;
+/// Panels are halved at most this often.
+const HALVINGS: u32 = 9;
+/// Intervals of [0, t] in which kinks are looked for.
+const WATCHES: usize = 64;
+
+impl FiniteExact {
+    /// Compiles the formulas and finds how many panels resolve the histories on [0, T].
+    ///
+    /// # Errors
+    /// [`Unresolved`].
+    pub fn new(mut data: FiniteData) -> Result<Self, Unresolved> {
+        let graph = &mut data.graph;
+        let s = graph.variable(Variable::X);
+        let past: Vec<Node> = data.u.iter().map(|&u| graph.substitute(u, Variable::T, s)).collect();
+        let mut integrands = Vec::new();
+        for (q, _) in &data.kernels {
+            integrands.extend(past.iter().map(|&u| graph.mul(*q, u)));
+        }
+        let guards = graph.guards(&integrands);
+        let mut present = data.u.clone();
+        let zero = graph.constant(0.0);
+        for trace in &data.traces {
+            present.push(normal_component(graph, &data.u, &trace.functional));
+        }
+        for (i, trace) in data.traces.iter().enumerate() {
+            let value = present[data.u.len() + i];
+            present.push(match (trace.selection, &trace.law) {
+                (Some(selection), _) => selection,
+                (None, Some(law)) => law_formula(graph, law, value),
+                (None, None) => zero,
+            });
+        }
+        present.extend(data.traces.iter().map(|trace| trace.multiplier.unwrap_or(zero)));
+        let horizon = data.horizon;
+        let mut exact = Self {
+            present: Program::compile(graph, &present, horizon),
+            integrands: Program::compile(graph, &integrands, horizon),
+            guards: Program::compile(graph, &guards, horizon),
+            guard_count: guards.len(),
+            panels: 1,
+            data,
+        };
+        for fraction in [1.0, 0.61, 0.173] {
+            exact.resolve(fraction * horizon)?;
+        }
+        Ok(exact)
+    }
+
+    /// ∂j_i of every functional.
+    pub fn laws(&self) -> Vec<Option<LawNumbers>> {
+        self.data.traces.iter().map(|trace| trace.law.clone()).collect()
+    }
+
+    fn resolve(&mut self, t: f64) -> Result<(), Unresolved> {
+        let size = |list: &[f64]| list.iter().fold(0f64, |size, v| size.max(v.abs()));
+        let mut change = 0.0;
+        for _ in 0..HALVINGS {
+            let coarse = self.integrals(t, self.panels);
+            let fine = self.integrals(t, 2 * self.panels);
+            let differences: Vec<f64> = coarse.iter().zip(&fine).map(|(a, b)| a - b).collect();
+            // NaN is no small change, and max() would hide it.
+            let finite = fine.iter().all(|value| value.is_finite());
+            change = if finite { size(&differences) } else { f64::NAN };
+            if change <= RESOLVED * size(&fine) {
+                return Ok(());
+            }
+            self.panels *= 2;
+        }
+        Err(Unresolved { t, change, panels: self.panels })
+    }
+
+    /// ∫_0^t q_l(t, s) u_j(s) ds, by l, then j.
+    fn integrals(&self, t: f64, panels: usize) -> Vec<f64> {
+        let count = self.data.kernels.len() * self.data.u.len();
+        let mut sums = vec![0.0; count];
+        if count == 0 || t <= 0.0 {
+            return sums;
+        }
+        let mut cuts: Vec<f64> = (0..=panels).map(|i| t * i as f64 / panels as f64).collect();
+        cuts.extend(self.kinks(t));
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|a, b| *a - *b <= 1e-13 * t);
+        let rule: Vec<(f64, f64)> =
+            cuts.windows(2).flat_map(|ends| double_exponential(ends[0], ends[1])).collect();
+        let points: Vec<[f64; 3]> = rule.iter().map(|&(s, _)| [s, 0.0, 0.0]).collect();
+        let mut values = vec![Vec::new(); count];
+        self.integrands.bind(&points).evaluate(t, 0.0, &mut values);
+        for (sum, list) in sums.iter_mut().zip(&values) {
+            *sum = list.iter().zip(&rule).map(|(value, (_, weight))| weight * value).sum();
+        }
+        sums
+    }
+
+    /// Places in (0, t) where an integrand changes its branch.
+    fn kinks(&self, t: f64) -> Vec<f64> {
+        if self.guard_count == 0 {
+            return Vec::new();
+        }
+        sign_changes(0.0, t, WATCHES, |places| {
+            let points: Vec<[f64; 3]> = places.iter().map(|&s| [s, 0.0, 0.0]).collect();
+            let mut values = vec![Vec::new(); self.guard_count];
+            self.guards.bind(&points).evaluate(t, 0.0, &mut values);
+            values
+        })
+    }
+
+    /// (S u)(t).
+    pub fn history(&self, t: f64) -> Vec<f64> {
+        let (data, m) = (&self.data, self.data.u.len());
+        let integrals = self.integrals(t, self.panels);
+        let mut sum = data.a_s.clone();
+        for (l, (_, matrix)) in data.kernels.iter().enumerate() {
+            for (i, value) in sum.iter_mut().enumerate() {
+                *value += dot(&matrix[i], &integrals[l * m..(l + 1) * m]);
+            }
+        }
+        data.r.iter().map(|row| dot(row, &sum)).collect()
+    }
+
+    /// The solution at time t.
+    pub fn at(&self, t: f64) -> FiniteState {
+        let (data, m, p) = (&self.data, self.data.u.len(), self.data.traces.len());
+        let mut values = vec![Vec::new(); m + 3 * p];
+        self.present.bind(&[[0.0; 3]]).evaluate(t, 0.0, &mut values);
+        let present: Vec<f64> = values.iter().map(|list| list[0]).collect();
+        let u = present[..m].to_vec();
+        let part = |which: usize| present[m + which * p..m + (which + 1) * p].to_vec();
+        let (traces, selection, multiplier) = (part(0), part(1), part(2));
+        let history = self.history(t);
+        let mut load: Vec<f64> = data.matrix.iter().map(|row| dot(row, &u)).collect();
+        for i in 0..m {
+            let at = Point { x: u[i], y: history[i], ..Point::default() };
+            if let Some(&g) = data.nonlinear.get(i) {
+                load[i] += data.graph.evaluate(g, &at);
+            }
+            load[i] += match data.force.get(i) {
+                Some(&force) => data.graph.evaluate(force, &at),
+                None => history[i],
+            };
+        }
+        for (i, trace) in data.traces.iter().enumerate() {
+            let pressure = trace.weight * (selection[i] + multiplier[i]);
+            for (target, a) in load.iter_mut().zip(&trace.functional) {
+                *target += pressure * a;
+            }
+        }
+        FiniteState { u, history, traces, selection, multiplier, load }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

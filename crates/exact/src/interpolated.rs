@@ -1,0 +1,391 @@
+//! Scenes whose exact u(t) is, on each mesh, the nodal interpolant of given formulas (u(t) ∈ V^h):
+//! strain, memory, ζ and stress are those of the interpolant, constant on each cell, and
+//! ∫_{Γ3} c v_ν takes the boundary rule of the scheme. The error is the time error alone.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::constitutive::{self, Tensor, mandel};
+use super::contact_samples::StatePoints;
+use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
+use super::exact::Exact;
+use super::linear::edge_slopes;
+use super::nodal_force::{facet_measure, force_of_means};
+use super::running_integral::RunningIntegral;
+use super::sampled::vector_names;
+use super::side_points::{SidePoints, side_points};
+use super::sign_changes::sign_changes;
+use super::truth::{ByTime, Truth};
+use fem::contact::{Discretization, LoadError};
+use fem::norms::{ContactSamples, Moments, facet_samples, is_locked};
+use formula::{Bound, Node, Point, Program};
+
+/// Intervals of the horizon in which guards are watched.
+const WATCHES: usize = 64;
+
+/// The nodal interpolant of an exact solution on one mesh.
+pub struct InterpolatedOnMesh {
+    exact: Arc<Exact>,
+    space: Arc<Discretization>,
+    /// Where the scheme integrates ∂j_ν.
+    rule: ComplianceRule,
+    /// The components of u, then those of each H_i u, at the vertices in node order.
+    bound: Mutex<Bound>,
+    /// Of each cell.
+    regions: Vec<usize>,
+    /// Those of edges.
+    slopes: Vec<f64>,
+    /// Formulas on each side of Γ3, bound to its points of the trace.
+    boundary: Vec<SidePoints>,
+    /// Times in [0, T] at which a guard changes sign at some vertex, sorted.
+    events: OnceLock<Vec<f64>>,
+    /// ζ.
+    accumulated: RunningIntegral,
+    loads: ByTime<Vec<f64>>,
+    moments: ByTime<Moments>,
+    state_points: OnceLock<StatePoints>,
+}
+
+impl InterpolatedOnMesh {
+    /// Binds the nodal values of `exact` to the vertices of `space`.
+    pub fn new(exact: Arc<Exact>, space: Arc<Discretization>, rule: ComplianceRule) -> Self {
+        let mut graph = exact.data.graph.clone();
+        let mut outputs: Vec<Node> = exact.data.u.clone();
+        for &kernel in &exact.data.kernels {
+            outputs.extend(exact.data.u.iter().map(|&u| graph.convolve(kernel, u)));
+        }
+        let horizon = exact.data.horizon;
+        let nodal = Program::compile(&mut graph, &outputs, horizon);
+        let points = points_of_nodes(&space);
+        let boundary = side_points(&exact, &space);
+        Self {
+            bound: Mutex::new(nodal.bind(&points)),
+            regions: exact.cell_regions(&space.mesh),
+            slopes: match space.mesh.dimension {
+                2 => edge_slopes::<2>(&space.mesh),
+                _ => edge_slopes::<3>(&space.mesh),
+            },
+            boundary,
+            events: OnceLock::new(),
+            accumulated: RunningIntegral::new(horizon),
+            loads: ByTime::default(),
+            moments: ByTime::default(),
+            state_points: OnceLock::new(),
+            exact,
+            space,
+            rule,
+        }
+    }
+
+    /// u and the ∫ b_i(t-s) u(s) ds, one a term of the memory, as nodal vectors at time t.
+    ///
+    /// # Errors
+    /// A formula that is not finite at a vertex.
+    pub fn displacements(&self, t: f64) -> Result<(Vec<f64>, Vec<Vec<f64>>), LoadError> {
+        let d = self.space.mesh.dimension;
+        let mut out = vec![Vec::new(); d * (1 + self.exact.data.kernels.len())];
+        self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        let nodes = self.space.nodes.vertex.len();
+        let remembered = vector_names("H u", d);
+        let names = vector_names("u", d).into_iter().chain(remembered.into_iter().cycle());
+        for (field, what) in out.iter().zip(names) {
+            if let Some(p) = field.iter().position(|v| !v.is_finite()) {
+                let place = self.space.mesh.vertex(self.space.nodes.vertex[p]).to_vec();
+                return Err(LoadError::NotFinite { what, value: field[p], place, t });
+            }
+        }
+        let interleave = |fields: &[Vec<f64>]| -> Vec<f64> {
+            let mut all = vec![0.0; nodes * fields.len()];
+            for (i, field) in fields.iter().enumerate() {
+                let own = all[i..].iter_mut().step_by(fields.len());
+                own.zip(field).for_each(|(own, value)| *own = *value);
+            }
+            all
+        };
+        let (u, memory) = out.split_at(d);
+        Ok((interleave(u), memory.chunks(d).map(interleave).collect()))
+    }
+
+    /// ε of a nodal vector on cell c, as a full tensor: from differences along the edges, apart
+    /// from the solver's shape gradients.
+    fn strain<const D: usize>(&self, nodal: &[f64], c: usize) -> Tensor<D> {
+        let nodes = self.space.cell_nodes(c);
+        let slopes = &self.slopes.as_chunks::<D>().0[D * c..D * (c + 1)];
+        let values = nodal.as_chunks::<D>().0;
+        let from = &values[nodes[0] as usize];
+        let mut gradient = [[0.0; D]; D];
+        for (slope, &node) in slopes.iter().zip(&nodes[1..]) {
+            let to = &values[node as usize];
+            for i in 0..D {
+                for j in 0..D {
+                    gradient[i][j] += (to[i] - from[i]) * slope[j];
+                }
+            }
+        }
+        let mut strain = gradient;
+        for i in 0..D {
+            for j in i + 1..D {
+                strain[i][j] = 0.5 * (gradient[i][j] + gradient[j][i]);
+                strain[j][i] = strain[i][j];
+            }
+        }
+        strain
+    }
+
+    fn strain_norm<const D: usize>(&self, t: f64) -> Result<f64, LoadError> {
+        let (u, _) = self.displacements(t)?;
+        let mut sum = 0.0;
+        for c in 0..self.space.mesh.cell_count() {
+            let strain: Tensor<D> = self.strain(&u, c);
+            let mut square = 0.0;
+            for i in 0..D {
+                square += strain[i][i] * strain[i][i];
+                for j in i + 1..D {
+                    square += 2.0 * strain[i][j] * strain[i][j];
+                }
+            }
+            sum += self.space.geometry.measure[c] * square;
+        }
+        Ok(sum.sqrt())
+    }
+
+    /// ζ(t) = ∫ ‖ε(I_h u(s))‖ ds of the interpolant, cut at the events.
+    ///
+    /// # Errors
+    /// A formula that is not finite at a vertex.
+    pub fn zeta(&self, t: f64) -> Result<f64, LoadError> {
+        let all = self.events.get_or_init(|| events(&self.exact, &self.space));
+        let events =
+            |from: f64, to: f64| all.iter().copied().filter(|&s| s > from && s < to).collect();
+        let norm = match self.space.mesh.dimension {
+            2 => Self::strain_norm::<2>,
+            _ => Self::strain_norm::<3>,
+        };
+        self.accumulated.at(t, events, |s| norm(self, s))
+    }
+
+    fn kappa(&self, t: f64) -> Result<f64, LoadError> {
+        let Some(kappa) = self.exact.data.kappa else { return Ok(f64::INFINITY) };
+        let at = Point { zeta: self.zeta(t)?, ..Point::default() };
+        Ok(self.exact.data.graph.evaluate(kappa, &at))
+    }
+
+    /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
+    pub fn contact_state(&self, t: f64) -> Vec<[f64; 5]> {
+        let mut state = vec![[0.0; 5]; self.space.trace.points.len()];
+        for side in &self.boundary {
+            let out = side.evaluate(t);
+            for (p, &i) in side.members.iter().enumerate() {
+                state[i] = [0, 1, 2, 3, 4].map(|field: usize| out[field][p]);
+            }
+        }
+        state
+    }
+
+    /// Adds ∫_{Γ3} c v_ν: λ at the vertices, where the constraint is, ξ by the rule.
+    fn add_contact_pressure(&self, t: f64, force: &mut [f64]) {
+        let contact = self.exact.data.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref());
+        let on_facets = law.filter(|_| self.rule != ComplianceRule::Vertex);
+        // Of [u_ν, ξ + λ, g, ξ, λ]: all of the pressure, or λ alone.
+        let field = if on_facets.is_some() { 4 } else { 1 };
+        for side in &self.boundary {
+            let values = side.evaluate(t);
+            for ((&i, weight), pressure) in
+                side.members.iter().zip(&side.weights).zip(&values[field])
+            {
+                self.add_normal_force(i, side.normal, weight * pressure, force);
+            }
+            let Some(law) = on_facets else { continue };
+            for &f in &side.facets {
+                let corners = self.space.trace.facet(f);
+                let normal: Vec<f64> = corners
+                    .iter()
+                    .map(|&i| {
+                        let at = side.members.iter().position(|&member| member == i as usize);
+                        at.map_or(f64::NAN, |at| values[0][at])
+                    })
+                    .collect();
+                let vertices: Vec<u32> =
+                    corners.iter().map(|&i| self.space.trace.points[i as usize].vertex).collect();
+                let moments = match normal[..] {
+                    [a, b] => {
+                        let shift = |x: f64| self.shift(&vertices, &[1.0 - x, x]);
+                        let scale = |x: f64| self.scale(&vertices, &[1.0 - x, x]);
+                        edge_moments(law, self.rule, [a, b], shift, scale).to_vec()
+                    }
+                    _ => {
+                        let shift = |b: &[f64]| self.shift(&vertices, b);
+                        triangle_moments(law, &normal, shift, |b| self.scale(&vertices, b))
+                    }
+                };
+                let size = facet_measure(&self.space.mesh, self.space.trace.mesh_facet[f] as usize);
+                for (&i, moment) in corners.iter().zip(moments) {
+                    self.add_normal_force(i as usize, side.normal, size * moment, force);
+                }
+            }
+        }
+    }
+
+    /// Adds a force along the outward normal at a point of the trace.
+    fn add_normal_force(&self, i: usize, normal: [f64; 3], size: f64, force: &mut [f64]) {
+        let d = self.space.mesh.dimension;
+        let vertex = self.space.trace.points[i].vertex;
+        let node = self.space.nodes.of_vertex[vertex as usize] as usize;
+        for (j, component) in normal[..d].iter().enumerate() {
+            force[d * node + j] += size * component;
+        }
+    }
+
+    /// s at a place of a facet.
+    fn shift(&self, vertices: &[u32], barycentric: &[f64]) -> f64 {
+        let contact = self.exact.data.contact.as_ref();
+        let shift = contact.and_then(|contact| contact.shift);
+        shift.map_or(0.0, |shift| self.on_facet(shift, vertices, barycentric))
+    }
+
+    /// c at a place of a facet.
+    fn scale(&self, vertices: &[u32], barycentric: &[f64]) -> f64 {
+        let contact = self.exact.data.contact.as_ref();
+        let scale = contact.and_then(|contact| contact.scale);
+        scale.map_or(1.0, |scale| self.on_facet(scale, vertices, barycentric))
+    }
+
+    fn on_facet(&self, node: Node, vertices: &[u32], barycentric: &[f64]) -> f64 {
+        let [x, y, z] = self.space.mesh.point(vertices, barycentric);
+        self.exact.data.graph.evaluate(node, &Point { x, y, z, ..Point::default() })
+    }
+
+    /// ξ + λ at the points of the trace.
+    pub fn pressures(&self, t: f64) -> Vec<f64> {
+        self.contact_state(t).into_iter().map(|at| at[1]).collect()
+    }
+
+    fn compute_load<const D: usize, const N: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+        let space = &self.space;
+        let mut force = match self.moments.known(t) {
+            Some(moments) => force_of_means::<D>(space, &moments.stress.mean),
+            None => force_of_means::<D>(space, &self.cells::<D, N>(t)?.stress),
+        };
+        self.add_contact_pressure(t, &mut force);
+        force.truncate(space.dofs());
+        Ok(force)
+    }
+
+    /// u, and ε and σ of all cells.
+    fn cells<const D: usize, const N: usize>(&self, t: f64) -> Result<CellFields, LoadError> {
+        let (u, memory) = self.displacements(t)?;
+        let kappa = self.kappa(t)?;
+        let cells = self.space.mesh.cell_count();
+        let [mut strains, mut stresses] = [(); 2].map(|()| Vec::with_capacity(N * cells));
+        let mut remembered: Vec<Tensor<D>> = Vec::new();
+        for c in 0..cells {
+            let strain = self.strain(&u, c);
+            remembered.clear();
+            remembered.extend(memory.iter().map(|h| self.strain(h, c)));
+            let material = self.exact.material_in(self.regions[c]);
+            let stress = constitutive::stress(material, &strain, &remembered, kappa);
+            for (all, tensor) in [(&mut strains, strain), (&mut stresses, stress)] {
+                let numbers: [f64; N] = mandel(&tensor);
+                all.extend_from_slice(&numbers);
+            }
+        }
+        Ok(CellFields { u, strain: strains, stress: stresses })
+    }
+
+    fn compute_moments<const D: usize, const N: usize>(
+        &self,
+        t: f64,
+    ) -> Result<Moments, LoadError> {
+        let CellFields { u, strain, stress } = self.cells::<D, N>(t)?;
+        let mut moments = Moments::default();
+        (moments.strain.mean, moments.stress.mean) = (strain, stress);
+        let corners = &self.space.nodes.cells;
+        moments.displacement.corner.reserve(D * corners.len());
+        for &node in corners {
+            moments.displacement.corner.extend_from_slice(&u.as_chunks::<D>().0[node as usize]);
+        }
+        let state = self.contact_state(t);
+        let samples = facet_samples(D);
+        for f in 0..self.space.trace.measure.len() {
+            let at = self.space.trace.facet(f).iter().map(|&i| state[i as usize]);
+            moments.normal.corner.extend(at.clone().map(|at| at[0]));
+            moments.pressure.corner.extend(at.clone().map(|at| at[1]));
+            for b in &samples {
+                let linear = |field: usize| -> f64 {
+                    // A gap of ∞ has no part in a corner that does not count.
+                    let parts = b.iter().zip(at.clone()).filter(|(b, _)| **b > 0.0);
+                    parts.map(|(b, at)| b * at[field]).sum()
+                };
+                moments.locked.push(is_locked(linear(0), linear(2)));
+            }
+        }
+        Ok(moments)
+    }
+}
+
+impl Truth for InterpolatedOnMesh {
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+        let load = match self.space.mesh.dimension {
+            2 => Self::compute_load::<2, 3>,
+            _ => Self::compute_load::<3, 6>,
+        };
+        self.loads.get_or(t, || load(self, t))
+    }
+
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+        let moments = match self.space.mesh.dimension {
+            2 => Self::compute_moments::<2, 3>,
+            _ => Self::compute_moments::<3, 6>,
+        };
+        self.moments.get_or(t, || moments(self, t))
+    }
+
+    fn expect(&self, times: &[f64]) -> Result<(), LoadError> {
+        times.iter().try_for_each(|&t| self.moments(t).map(drop))
+    }
+
+    fn contact_samples(&self, t: f64) -> Result<Option<ContactSamples>, LoadError> {
+        if self.space.mesh.dimension != 2 {
+            return Ok(None);
+        }
+        let points = || StatePoints::new(&self.exact, &self.space, true);
+        Ok(Some(self.state_points.get_or_init(points).at(t)))
+    }
+}
+
+/// u in the nodes, ε and σ in the cells, in the notation of moments.
+struct CellFields {
+    u: Vec<f64>,
+    strain: Vec<f64>,
+    stress: Vec<f64>,
+}
+
+/// The vertices in node order.
+fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {
+    space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect()
+}
+
+/// Times at which a guard of u changes sign at some vertex.
+fn events(exact: &Exact, space: &Discretization) -> Vec<f64> {
+    let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
+    let guards = graph.guards(&exact.data.u);
+    let (count, program) = (guards.len(), Program::compile(&mut graph, &guards, horizon));
+    // Guards of contact scenes depend on x and t: one vertex a distinct x will do.
+    let mut distinct = points_of_nodes(space);
+    distinct.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    distinct.dedup_by(|a, b| a[0] == b[0]);
+    let mut events = sign_changes(0.0, horizon, WATCHES, |times| {
+        let mut bound = program.bind(&distinct);
+        let mut values = vec![Vec::new(); count];
+        let mut rows = vec![Vec::with_capacity(times.len()); count * distinct.len()];
+        for &t in times {
+            bound.evaluate(t, 0.0, &mut values);
+            for (row, value) in rows.iter_mut().zip(values.iter().flatten()) {
+                row.push(*value);
+            }
+        }
+        rows
+    });
+    events.dedup();
+    events
+}

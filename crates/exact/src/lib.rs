@@ -1,0 +1,70 @@
+//! Exact solutions from formulas: fields, loads, contact state, and their verification.
+//!
+//! Independence: the stress here is computed from full tensors by [`constitutive`], at the accuracy
+//! of formulas and adaptive quadrature, and turned into nodal forces by [`nodal_force`]. Nothing is
+//! taken from `law`, `history` or `vhi`. What both sides share carries no law and no integral of the
+//! problem, and `tests/house.rs` holds the list:
+//! - of `contact`: `Discretization`, for the mesh, the node numbers of a load vector, cell areas and the
+//!   order of the facets of Γ3 (a wrong one moves forces to wrong nodes, which no formula repeats);
+//!   `LoadError`, a message;
+//! - of `norms`: what errors are measured against, [`fem::norms::Moments`] and how it is filled. Both
+//!   sides of an error must mean the same quantity there, by definition;
+//! - `formula`, `mesh`, and the points and weights of `space::quadrature`, which have tests of their own
+//!   against values from outside.
+
+mod accumulated;
+mod bands;
+mod bound_products;
+mod check;
+pub mod constitutive;
+mod contact_samples;
+mod curve;
+mod cut_cells;
+mod cuts;
+mod double_exponential;
+mod edge_compliance;
+mod exact;
+mod facet_group;
+mod finite_exact;
+mod interpolated;
+pub mod lanes;
+pub mod linear;
+pub mod nodal_force;
+mod on_mesh;
+mod on_rows;
+mod part_moments;
+mod parts;
+mod products;
+mod reduction;
+mod remainders;
+mod row_half;
+mod row_places;
+mod rows;
+mod running_integral;
+mod sampled;
+mod separation;
+mod side_points;
+mod sign_changes;
+mod simplex_points;
+mod symbolic;
+mod truth;
+mod uniform;
+
+pub use accumulated::AccumulatedStrain;
+pub use check::{
+    Finding, SideOfBox, Status, check, regularity_in_space, regularity_in_time, second_difference,
+};
+pub use curve::CurveNumbers;
+pub use edge_compliance::ComplianceRule;
+pub use exact::{
+    BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
+    Polytope, RegionNumbers,
+};
+pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
+pub use interpolated::InterpolatedOnMesh;
+pub use on_mesh::ExactOnMesh;
+pub use products::Products;
+pub use rows::Rows;
+pub use separation::Separation;
+pub use sign_changes::sign_changes;
+pub use truth::Truth;

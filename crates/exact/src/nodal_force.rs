@@ -1,0 +1,186 @@
+//! Nodal forces of the exact stress and pressure, from vertex positions and outward normals alone.
+//!
+//! The solver multiplies σ by shape gradients in Mandel notation. Here the gradient is integrated over the
+//! boundary of the cell: an error in the solver's assembly stays visible as a wrong solution.
+
+use std::ops::Range;
+
+use super::constitutive::{Tensor, from_mandel};
+use fem::contact::Discretization;
+use fem::mesh::Mesh;
+
+/// Adds ∫_K σ:ε(φ_a e_i) for the D + 1 shape functions of cell c to the nodal vector `force`; `mean` is the mean of σ
+/// over K, `nodes` are the nodes of its vertices.
+///
+/// σ is symmetric, so the integrand is Σ_j σ_ij ∂_jφ_a, and by the divergence theorem
+/// ∫_K ∇φ_a = ∫_∂K φ_a n = -|F_a| n_a/D with F_a the facet opposite vertex a: cells are positively oriented.
+#[inline]
+pub fn add_stress<const D: usize>(
+    mesh: &Mesh,
+    c: usize,
+    nodes: &[u32],
+    mean: &Tensor<D>,
+    force: &mut [f64],
+) {
+    let corner = mesh.cell(c);
+    for a in 0..=D {
+        let inward: [f64; D] = inward(mesh, corner, a);
+        for i in 0..D {
+            let work: f64 = mean[i].iter().zip(&inward).map(|(s, n)| s * n).sum();
+            force[D * nodes[a] as usize + i] += work;
+        }
+    }
+}
+
+/// Adds ∫ σ:ε(v) over some cells from the means of σ, in the notation of moments; there are none where σ vanishes.
+pub(super) fn add_means<const D: usize>(
+    space: &Discretization,
+    cells: Range<usize>,
+    means: &[f64],
+    force: &mut [f64],
+) {
+    for (c, mean) in cells.zip(means.chunks_exact(D * (D + 1) / 2)) {
+        let mean: Tensor<D> = from_mandel(mean);
+        add_stress(&space.mesh, c, space.cell_nodes(c), &mean, force);
+    }
+}
+
+/// That over all cells and nodes.
+pub(super) fn force_of_means<const D: usize>(space: &Discretization, means: &[f64]) -> Vec<f64> {
+    let mut force = vec![0.0; space.nodes.len()];
+    add_means::<D>(space, 0..space.mesh.cell_count(), means, &mut force);
+    force
+}
+
+/// The other corners of a positively oriented tetrahedron, counter-clockwise as seen from outside.
+const OPPOSITE: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+
+/// -|F_a| n_a/D.
+#[inline]
+fn inward<const D: usize>(mesh: &Mesh, corner: &[u32], a: usize) -> [f64; D] {
+    if D == 2 {
+        let (p, q) = (mesh.vertex(corner[(a + 1) % 3]), mesh.vertex(corner[(a + 2) % 3]));
+        let normal = [0.5 * (p[1] - q[1]), 0.5 * (q[0] - p[0])];
+        return std::array::from_fn(|i| normal[i]);
+    }
+    let twice = doubled_area(mesh, &OPPOSITE[a].map(|b| corner[b]));
+    std::array::from_fn(|i| -twice[i] / 6.0)
+}
+
+/// (q - p) × (r - p) of a triangle in space.
+fn doubled_area(mesh: &Mesh, corner: &[u32]) -> [f64; 3] {
+    let [p, q, r] = [0, 1, 2].map(|a| mesh.vertex(corner[a]));
+    let (e, f): ([f64; 3], [f64; 3]) =
+        (std::array::from_fn(|i| q[i] - p[i]), std::array::from_fn(|i| r[i] - p[i]));
+    [0, 1, 2].map(|i| e[(i + 1) % 3] * f[(i + 2) % 3] - e[(i + 2) % 3] * f[(i + 1) % 3])
+}
+
+/// Length or area of a facet.
+pub fn facet_measure(mesh: &Mesh, facet: usize) -> f64 {
+    let corner = mesh.facet(facet);
+    if corner.len() == 2 {
+        let (p, q) = (mesh.vertex(corner[0]), mesh.vertex(corner[1]));
+        return (p[0] - q[0]).hypot(p[1] - q[1]);
+    }
+    let [x, y, z] = doubled_area(mesh, corner);
+    0.5 * x.hypot(y).hypot(z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fem::mesh::{Family, cuboid, rectangle};
+
+    /// Nodal forces of one stress on every cell of a perturbed mesh, nodes numbered as vertices.
+    fn forces(mesh: &Mesh, stress: &Tensor<2>) -> Vec<f64> {
+        let mut force = vec![0.0; 2 * mesh.vertices()];
+        for c in 0..mesh.cell_count() {
+            add_stress(mesh, c, mesh.cell(c), stress, &mut force);
+        }
+        force
+    }
+
+    /// The work of the forces on v = (2x + 3y, -x + 5y): ε(v) = (2, 1; 1, 5).
+    fn work(mesh: &Mesh, force: &[f64]) -> f64 {
+        (0..mesh.vertices())
+            .map(|v| {
+                let x = mesh.vertex(v as u32);
+                force[2 * v] * (2.0 * x[0] + 3.0 * x[1]) + force[2 * v + 1] * (5.0 * x[1] - x[0])
+            })
+            .sum()
+    }
+
+    #[test]
+    fn work_on_an_affine_field_is_stress_times_strain_times_area() {
+        let mesh = rectangle(
+            [2.0, 1.0],
+            3,
+            Family::Perturbed { amplitude: 0.2, seed: 5, axes: [true; 3] },
+        );
+        let stress = [[1.0, -0.7], [-0.7, 0.4]];
+        let exact = 2.0 * (1.0 * 2.0 + 2.0 * -0.7 * 1.0 + 0.4 * 5.0);
+        let force = forces(&mesh, &stress);
+        // Sums of some 300 terms of size 1.
+        assert!((work(&mesh, &force) - exact).abs() < 1e-12);
+        // A constant stress is in balance at every inner vertex.
+        let inside = |v: usize| {
+            let x = mesh.vertex(v as u32);
+            x[0] > 0.0 && x[0] < 2.0 && x[1] > 0.0 && x[1] < 1.0
+        };
+        for v in (0..mesh.vertices()).filter(|&v| inside(v)) {
+            assert!(force[2 * v].abs() < 1e-13 && force[2 * v + 1].abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_stress_without_its_shear_or_a_cell_turned_round_is_seen() {
+        let mut mesh = rectangle([2.0, 1.0], 3, Family::Structured);
+        let exact = 2.0 * (1.0 * 2.0 + 2.0 * -0.7 * 1.0 + 0.4 * 5.0);
+        let half = forces(&mesh, &[[1.0, -0.7], [0.0, 0.4]]);
+        assert!((work(&mesh, &half) - exact).abs() > 0.1);
+        mesh.cells.swap(0, 1);
+        let turned = forces(&mesh, &[[1.0, -0.7], [-0.7, 0.4]]);
+        assert!((work(&mesh, &turned) - exact).abs() > 0.1);
+    }
+
+    const STRESS: Tensor<3> = [[1.0, -0.7, 0.3], [-0.7, 0.4, 0.6], [0.3, 0.6, -0.9]];
+
+    /// Work on v = (2x + 3y - z, -x + 5y + 4z, 6x - 2y + 7z) over the volume: ε(v) has the diagonal (2, 5, 7) and the
+    /// shears xy 1, xz 5/2, yz 1.
+    fn work_in_space(mesh: &Mesh, stress: &Tensor<3>) -> f64 {
+        let mut force = vec![0.0; 3 * mesh.vertices()];
+        for c in 0..mesh.cell_count() {
+            add_stress(mesh, c, mesh.cell(c), stress, &mut force);
+        }
+        let at = |v: usize| {
+            let [x, y, z] = mesh.point(&[v as u32], &[1.0]);
+            [2.0 * x + 3.0 * y - z, -x + 5.0 * y + 4.0 * z, 6.0 * x - 2.0 * y + 7.0 * z]
+        };
+        (0..mesh.vertices()).map(|v| (0..3).map(|i| force[3 * v + i] * at(v)[i]).sum::<f64>()).sum()
+    }
+
+    #[test]
+    fn tetrahedra_do_the_work_of_stress_on_strain() {
+        let diagonal = 1.0 * 2.0 + 0.4 * 5.0 - 0.9 * 7.0;
+        let exact = diagonal + 2.0 * (-0.7 * 1.0 + 0.3 * 2.5 + 0.6 * 1.0);
+        let family = Family::Perturbed { amplitude: 0.15, seed: 5, axes: [true; 3] };
+        let mut mesh = cuboid([2.0, 1.0, 0.5], 2, family);
+        // Sums of some 1000 terms of size 1.
+        assert!((work_in_space(&mesh, &STRESS) - exact).abs() < 1e-12);
+        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+            let mut dropped = STRESS;
+            (dropped[i][j], dropped[j][i]) = (0.0, 0.0);
+            assert!((work_in_space(&mesh, &dropped) - exact).abs() > 0.1, "{i} {j}");
+        }
+        mesh.cells.swap(0, 1);
+        assert!((work_in_space(&mesh, &STRESS) - exact).abs() > 1e-3);
+    }
+
+    #[test]
+    fn facets_of_a_box_have_its_surface() {
+        let mesh = cuboid([2.0, 1.0, 0.5], 2, Family::Structured);
+        let sum: f64 = (0..mesh.facet_side.len()).map(|f| facet_measure(&mesh, f)).sum();
+        assert!((sum - 2.0 * (2.0 + 1.0 + 0.5)).abs() < 1e-13, "{sum}");
+        assert!((facet_measure(&mesh, 0) - 0.125).abs() < 1e-16);
+    }
+}

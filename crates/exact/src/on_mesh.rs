@@ -1,0 +1,382 @@
+//! An exact solution on a mesh: load vectors and moments, shared by all cases on the mesh.
+//!
+//! Fields that separate in time are integrated once, in parts; others once a time.
+
+mod contact;
+
+use std::borrow::Cow;
+use std::sync::{Arc, OnceLock};
+
+use self::contact::ContactMoments;
+use super::bands::Bands;
+use super::contact_samples::StatePoints;
+use super::cut_cells::{self, RulesOfCells};
+use super::cuts::Cuts;
+use super::exact::{Exact, LoadForm};
+use super::facet_group::{FacetGroup, facet_groups};
+use super::nodal_force::force_of_means;
+use super::part_moments::{PartMoments, combined, forget_zeros};
+use super::parts::Parts;
+use super::products::Products;
+use super::row_places::rules_of_halves;
+use super::rows::{HALVES, Rows};
+use super::sampled::Sampled;
+use super::separation::Separation;
+use super::truth::{ByTime, Truth};
+use super::uniform::Uniform;
+use fem::contact::{Discretization, LoadError};
+use fem::norms::{ContactSamples, Moments};
+use fem::space::quadrature::{Rule, TruthRules};
+
+/// An exact solution on one mesh of its dimension.
+pub struct ExactOnMesh {
+    exact: Arc<Exact>,
+    space: Arc<Discretization>,
+    form: LoadForm,
+    /// Points of the error rule in the cells; those of σ in the weak form where they are others.
+    error_points: Sampled,
+    stress_points: Option<Sampled>,
+    /// Points of the strong form in the cells.
+    force_points: Sampled,
+    /// Facets of Γ3 in groups of one normal: error points, then samples for the locked set.
+    contact: Vec<FacetGroup>,
+    /// Facets of Γ2.
+    traction: Vec<FacetGroup>,
+    /// Of each cell.
+    regions: Vec<usize>,
+    loads: ByTime<Vec<f64>>,
+    moments: ByTime<KnownMoments>,
+    /// Kinks of the fields in the cells.
+    cuts: Option<Cuts>,
+    /// What goes beside the parts, of loads and moments.
+    contact_forces: ByTime<Vec<f64>>,
+    contact_moments: ByTime<ContactMoments>,
+    /// Nodal vectors and moments of the parts; none where one is not finite.
+    load_parts: OnceLock<Option<Vec<Vec<f64>>>>,
+    moment_parts: OnceLock<Option<PartMoments>>,
+    /// Whether fields that separate are taken in parts.
+    in_parts: bool,
+    /// Whether strain and law are the same everywhere; the fields then.
+    is_uniform: bool,
+    uniform: OnceLock<Uniform>,
+    /// The rows of the mesh where it has some, of one material each; the fields at one time on them.
+    rows: Option<Rows>,
+    /// Those of moments along rows, in the two halves of a square.
+    rules_of_halves: Option<[Rule; HALVES]>,
+    bands: OnceLock<Arc<Bands>>,
+    /// The same at the points of σ in the weak form, where they are others.
+    stress_bands: OnceLock<Arc<Bands>>,
+    state_points: OnceLock<StatePoints>,
+}
+
+/// The moments at one time.
+struct KnownMoments {
+    moments: Arc<Moments>,
+    /// The means of σ by the rule of loads, of cells where a kink takes others.
+    of_loads: Vec<(usize, Vec<f64>)>,
+}
+
+impl KnownMoments {
+    /// The means of σ as the rule of loads has them.
+    fn means_of_loads(&self) -> Cow<'_, [f64]> {
+        let means = &self.moments.stress.mean;
+        if self.of_loads.is_empty() {
+            return Cow::Borrowed(means);
+        }
+        let mut means = means.clone();
+        for (c, own) in &self.of_loads {
+            means[own.len() * c..own.len() * (c + 1)].copy_from_slice(own);
+        }
+        Cow::Owned(means)
+    }
+}
+
+impl ExactOnMesh {
+    /// Binds the formulas of `exact` to the points of `rules` on `space`; `traction` are the sides
+    /// of Γ2.
+    pub fn new(
+        exact: Arc<Exact>,
+        space: Arc<Discretization>,
+        form: LoadForm,
+        traction: &[u32],
+        rules: &TruthRules,
+    ) -> Self {
+        let cell_points = |rule: &Rule| {
+            let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
+            Sampled::new(cells, rule)
+        };
+        let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
+        let regions = exact.cell_regions(&space.mesh);
+        let is_uniform = exact.is_uniform(&regions);
+        let rows = exact.rows(&space.mesh, &regions);
+        let fields = [&exact.data.u[..], &exact.strain].concat();
+        let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
+        let graph = &exact.data.graph;
+        let cuts = Cuts::new(graph, &fields, exact.data.horizon, &space.mesh, cells);
+        let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
+        Self {
+            stress_points: (rules.stress != rules.error).then(|| cell_points(&rules.stress)),
+            force_points: cell_points(&rules.load),
+            error_points: cell_points(&rules.error),
+            regions,
+            rules_of_halves: rows.as_ref().map(|rows| rules_of_halves(rows, &rules.error)),
+            rows,
+            contact,
+            traction: facet_groups(&exact, &space, &free, &rules.side),
+            exact,
+            space,
+            form,
+            loads: ByTime::default(),
+            moments: ByTime::default(),
+            cuts,
+            contact_forces: ByTime::default(),
+            contact_moments: ByTime::default(),
+            load_parts: OnceLock::new(),
+            moment_parts: OnceLock::new(),
+            in_parts: true,
+            is_uniform,
+            uniform: OnceLock::new(),
+            bands: OnceLock::new(),
+            stress_bands: OnceLock::new(),
+            state_points: OnceLock::new(),
+        }
+    }
+
+    /// The same with all fields evaluated at each time: for few times, and as a check on the parts.
+    pub fn time_by_time(mut self) -> Self {
+        self.in_parts = false;
+        self
+    }
+
+    /// The same with all fields evaluated at all points, whatever they are: a check on shorter ways.
+    pub fn point_by_point(mut self) -> Self {
+        (self.is_uniform, self.rows) = (false, None);
+        self
+    }
+
+    /// The fields at one time.
+    fn at(&self, t: f64) -> Parts<'_> {
+        Parts {
+            exact: &self.exact,
+            space: &self.space,
+            regions: &self.regions,
+            interior: &self.exact.interior,
+            forces: &self.exact.forces,
+            products: self.exact.products.as_ref(),
+            count: 1,
+            remembered_alone: &[],
+            again: true,
+            t,
+            zeta: if self.form == LoadForm::Strong { self.exact.zeta.at(t) } else { f64::NAN },
+            kappa: self.exact.kappa(t),
+        }
+    }
+
+    /// The parts of fields that separate.
+    fn parts<'a>(&'a self, separation: &'a Separation) -> Parts<'a> {
+        Parts {
+            interior: &separation.interior,
+            forces: &separation.forces,
+            products: separation.products.as_ref(),
+            count: separation.factors.parts,
+            remembered_alone: &separation.remembered_alone,
+            again: false,
+            t: 0.0,
+            zeta: f64::NAN,
+            // Nothing that separates is projected.
+            kappa: f64::INFINITY,
+            ..self.at(0.0)
+        }
+    }
+
+    fn separation(&self) -> Option<&Separation> {
+        self.exact.separation.as_ref().filter(|_| self.in_parts)
+    }
+
+    /// Whether the moments of σ are all that the loads need of it: both are then the same to the last bit, whichever
+    /// comes first.
+    fn is_shared(&self) -> bool {
+        self.form == LoadForm::Weak && self.stress_points.is_none()
+    }
+
+    /// Nodal vectors of all loads but the pressure on Γ3, by part.
+    fn volume_forces<const D: usize>(&self, parts: &Parts<'_>) -> Result<Vec<Vec<f64>>, LoadError> {
+        if self.form == LoadForm::Weak {
+            if let Some(means) = self.stress_means::<D>(parts) {
+                return Ok(means
+                    .iter()
+                    .map(|means| force_of_means::<D>(&self.space, means))
+                    .collect());
+            }
+            let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
+            return parts.stress_forces::<D>(points);
+        }
+        let mut forces = parts.body_forces::<D>(&self.force_points)?;
+        for group in self.traction.iter().chain(&self.contact) {
+            parts.add_boundary_stress::<D>(group, &mut forces)?;
+        }
+        Ok(forces)
+    }
+
+    /// That from the parts; none where there are none, or a number is not finite.
+    fn volume_from_parts<const D: usize>(&self, t: f64) -> Option<Vec<f64>> {
+        let separation = self.separation()?;
+        let parts = self.load_parts.get_or_init(|| {
+            let parts = self.parts(separation);
+            let known = self.moment_parts.get().filter(|_| self.is_shared());
+            let mut forces = match known {
+                Some(known) => {
+                    let means = known.as_ref()?.stress_means().iter();
+                    means.map(|means| force_of_means::<D>(&self.space, means)).collect()
+                }
+                None => self.volume_forces::<D>(&parts).ok()?,
+            };
+            forget_zeros(&mut forces);
+            Some(forces)
+        });
+        let factors = separation.of_stress().at(t);
+        let force = combined(parts.as_ref()?, &factors, self.space.nodes.len());
+        force.iter().all(|value| value.is_finite()).then_some(force)
+    }
+
+    fn compute_load<const D: usize>(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+        let with = |mut force: Vec<f64>, pressure: &[f64]| {
+            self.add_contact_pressure(pressure, &mut force);
+            force.truncate(self.space.dofs());
+            force
+        };
+        if let Some(force) = self.volume_from_parts::<D>(t) {
+            let pressure = self.contact_forces.get_or(t, || self.contact_pressure(t))?;
+            return Ok(Arc::new(with(force, &pressure)));
+        }
+        self.loads.get_or(t, || {
+            let force = match self.moments.known(t).filter(|_| self.is_shared()) {
+                Some(known) => force_of_means::<D>(&self.space, &known.means_of_loads()),
+                None => self.volume_forces::<D>(&self.at(t))?.swap_remove(0),
+            };
+            Ok(with(force, &self.contact_pressure(t)?))
+        })
+    }
+
+    /// The fields, where their strain is the same everywhere and they are no parts.
+    fn uniform(&self, parts: &Parts<'_>) -> Option<&Uniform> {
+        let new = || Uniform::new(&self.exact, &self.space.mesh);
+        (self.is_uniform && parts.again).then(|| self.uniform.get_or_init(new))
+    }
+
+    /// Products along the rows of the mesh at the points of a rule, where it and the fields have them; `known` keeps those
+    /// that are evaluated again.
+    fn by_rows<'a>(
+        &self,
+        parts: &Parts<'a>,
+        rule: &Rule,
+        known: &OnceLock<Arc<Bands>>,
+    ) -> Option<(Arc<Bands>, &'a Products)> {
+        let (rows, products) = (self.rows.as_ref()?, parts.products?);
+        let new = || Arc::new(Bands::new(products, rows, &self.regions, rule));
+        let bands = if parts.again { known.get_or_init(new).clone() } else { new() };
+        Some((bands, products))
+    }
+
+    /// Moments in the cells of all parts.
+    fn part_moments<const D: usize>(&self, parts: &Parts<'_>) -> Result<PartMoments, LoadError> {
+        let points = &self.error_points;
+        let uniform = self.uniform(parts).and_then(|uniform| uniform.moments::<D>(parts));
+        let short = uniform.or_else(|| {
+            let (rows, products) = self.by_rows(parts, &points.rule, &self.bands)?;
+            rows.moments(parts, products)
+        });
+        short.map_or_else(|| parts.moments::<D>(points), Ok)
+    }
+
+    /// The means of σ, where they take no points in the cells.
+    fn stress_means<const D: usize>(&self, parts: &Parts<'_>) -> Option<Vec<Vec<f64>>> {
+        let uniform = self.uniform(parts).and_then(|uniform| uniform.stress_means::<D>(parts));
+        uniform.or_else(|| {
+            let (rows, products) = match &self.stress_points {
+                Some(points) => self.by_rows(parts, &points.rule, &self.stress_bands)?,
+                None => self.by_rows(parts, &self.error_points.rule, &self.bands)?,
+            };
+            rows.stress_means(parts, products)
+        })
+    }
+
+    /// Moments in the cells from the parts; none where there are none, or a number is not finite.
+    fn moments_from_parts<const D: usize>(&self, t: f64) -> Option<Moments> {
+        let separation = self.separation()?;
+        let parts = self.moment_parts.get_or_init(|| {
+            Some(self.part_moments::<D>(&self.parts(separation)).ok()?.without_zeros())
+        });
+        parts.as_ref()?.at(&separation.factors.at(t), &separation.of_stress().at(t))
+    }
+
+    fn compute_moments<const D: usize>(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+        let with = |cells: Moments, on_contact: ContactMoments| {
+            let ContactMoments { normal, pressure, locked } = on_contact;
+            Moments { normal, pressure, locked, ..cells }
+        };
+        let on_contact = || self.contact_moments.get_or(t, || self.compute_contact::<D>(t));
+        if self.cuts.is_none()
+            && let Some(cells) = self.moments_from_parts::<D>(t)
+        {
+            return Ok(Arc::new(with(cells, (*on_contact()?).clone())));
+        }
+        let known = self.moments.get_or(t, || {
+            let at = self.at(t);
+            let (mut cells, by_rows) = match self.moments_from_parts::<D>(t) {
+                Some(cells) => {
+                    let parts = self.moment_parts.get().and_then(Option::as_ref);
+                    (cells, parts.is_some_and(|parts| parts.by_rows))
+                }
+                None => {
+                    let cells = self.part_moments::<D>(&at)?;
+                    let by_rows = cells.by_rows;
+                    (cells.single(), by_rows)
+                }
+            };
+            let correct = |cuts| {
+                let pieces = &self.error_points.rule;
+                let halves = self.rules_of_halves.as_ref().filter(|_| by_rows);
+                let whole = halves.map_or([pieces; HALVES], |[a, b]| [a, b]);
+                cut_cells::correct::<D>(cuts, &at, RulesOfCells { whole, pieces }, &mut cells)
+            };
+            let of_loads = self.cuts.as_ref().map_or(Vec::new(), correct);
+            let moments = Arc::new(with(cells, (*on_contact()?).clone()));
+            Ok(KnownMoments { moments, of_loads })
+        })?;
+        Ok(known.moments.clone())
+    }
+}
+
+impl Truth for ExactOnMesh {
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+        match self.space.mesh.dimension {
+            2 => self.compute_load::<2>(t),
+            _ => self.compute_load::<3>(t),
+        }
+    }
+
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+        match self.space.mesh.dimension {
+            2 => self.compute_moments::<2>(t),
+            _ => self.compute_moments::<3>(t),
+        }
+    }
+
+    fn expect(&self, times: &[f64]) -> Result<(), LoadError> {
+        if !self.is_shared() {
+            return Ok(());
+        }
+        // The first gives the parts at all times.
+        let needed = if self.separation().is_some() { 1 } else { times.len() };
+        times.iter().take(needed).try_for_each(|&t| self.moments(t).map(drop))
+    }
+
+    fn contact_samples(&self, t: f64) -> Result<Option<ContactSamples>, LoadError> {
+        if self.space.mesh.dimension != 2 {
+            return Ok(None);
+        }
+        let points = || StatePoints::new(&self.exact, &self.space, false);
+        Ok(Some(self.state_points.get_or_init(points).at(t)))
+    }
+}

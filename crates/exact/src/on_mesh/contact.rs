@@ -1,0 +1,81 @@
+//! Γ3 of an exact solution on a mesh: the pressure as a load, moments of u_ν and of the pressure, the locked set.
+
+use super::ExactOnMesh;
+use crate::nodal_force::facet_measure;
+use crate::reduction::remainders;
+use fem::contact::LoadError;
+use fem::norms::{Piecewise, facet_samples, is_locked};
+
+/// u_ν and ξ + λ on the facets of Γ3, and where u_ν = g.
+#[derive(Clone)]
+pub(super) struct ContactMoments {
+    pub(super) normal: Piecewise,
+    pub(super) pressure: Piecewise,
+    pub(super) locked: Vec<bool>,
+}
+
+impl ExactOnMesh {
+    /// Adds ∫_{Γ3} c v_ν, d numbers a point of the trace, to a vector over all nodes.
+    pub(super) fn add_contact_pressure(&self, pressure: &[f64], force: &mut [f64]) {
+        let (d, points) = (self.space.mesh.dimension, &self.space.trace.points);
+        for (point, own) in points.iter().zip(pressure.chunks_exact(d)) {
+            let target = &mut force[d * point.node as usize..][..d];
+            target.iter_mut().zip(own).for_each(|(target, value)| *target += value);
+        }
+    }
+
+    /// ∫_{Γ3} c v_ν of the points of the trace, d numbers each.
+    pub(super) fn contact_pressure(&self, t: f64) -> Result<Vec<f64>, LoadError> {
+        let (d, trace) = (self.space.mesh.dimension, &self.space.trace);
+        let mut force = vec![0.0; d * trace.points.len()];
+        for group in &self.contact {
+            let values = group.contact_values(&self.space.mesh, &group.points, t)?;
+            let rule = &group.points.rule;
+            for (index, (&f, &facet)) in group.facets.iter().zip(&group.mesh_facets).enumerate() {
+                let measure = facet_measure(&self.space.mesh, facet);
+                for (q, weight) in rule.weights.iter().enumerate() {
+                    let pressure = weight * measure * values[1][rule.weights.len() * index + q];
+                    for (&point, shape) in trace.facet(f).iter().zip(&rule.points[q]) {
+                        for i in 0..d {
+                            force[d * point as usize + i] += pressure * group.normal[i] * shape;
+                        }
+                    }
+                }
+            }
+        }
+        Ok(force)
+    }
+
+    pub(super) fn compute_contact<const D: usize>(
+        &self,
+        t: f64,
+    ) -> Result<ContactMoments, LoadError> {
+        let facets = self.space.trace.measure.len();
+        let flat = || Piecewise { corner: vec![0.0; D * facets], rest: 0.0 };
+        let (mut normal, mut pressure) = (flat(), flat());
+        let mut locked = vec![false; facets * facet_samples(D).len()];
+        for group in &self.contact {
+            let values = group.contact_values(&self.space.mesh, &group.points, t)?;
+            let samples = group.contact_values(&self.space.mesh, &group.samples, t)?;
+            let (rule, sampled) = (&group.points.rule, group.samples.rule.points.len());
+            let count = rule.weights.len();
+            let mut at = vec![[0.0]; count];
+            for (index, &f) in group.facets.iter().enumerate() {
+                let measure = self.space.trace.measure[f];
+                for (field, target) in [(0, &mut normal), (1, &mut pressure)] {
+                    let own = &values[field][count * index..count * (index + 1)];
+                    at.iter_mut().zip(own).for_each(|(at, value)| *at = [*value]);
+                    let linear: [[f64; D]; 1] = remainders(&mut at, rule);
+                    target.corner[D * f..D * (f + 1)].copy_from_slice(linear.as_flattened());
+                    let squares = at.iter().zip(&rule.weights).map(|([rest], w)| w * rest * rest);
+                    target.rest += measure * squares.sum::<f64>();
+                }
+                for s in 0..sampled {
+                    let p = sampled * index + s;
+                    locked[sampled * f + s] = is_locked(samples[0][p], samples[2][p]);
+                }
+            }
+        }
+        Ok(ContactMoments { normal, pressure, locked })
+    }
+}

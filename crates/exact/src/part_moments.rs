@@ -1,0 +1,292 @@
+//! Moments of exact fields, part by part: what P1 functions can have of them, and the products of what they cannot.
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::constitutive::mandel;
+use super::lanes::{Lanes, WIDTH};
+use super::parts::{Parts, append};
+use super::reduction::{deviations, remainders};
+use super::sampled::Sampled;
+use fem::contact::LoadError;
+use fem::norms::{CellConstants, Moments, Piecewise};
+use fem::space::quadrature::Rule;
+
+impl Parts<'_> {
+    /// Moments of u, ε and σ of all parts.
+    pub fn moments<const D: usize>(&self, points: &Sampled) -> Result<PartMoments, LoadError> {
+        let cells = self.space.mesh.cell_count();
+        let lengths = [self.exact.strain.len() * cells, D * (D + 1) * cells];
+        let [strain, stress, displacement] = [lengths[0], lengths[0], lengths[1]]
+            .map(|numbers| PartFamily::with_room(self.count, numbers));
+        let by_rows = false;
+        let mut sums = PartMoments { strain, stress, displacement, lengths, by_rows };
+        match D {
+            2 => self.add_moments::<D, 3>(points, &mut sums)?,
+            _ => self.add_moments::<D, 6>(points, &mut sums)?,
+        }
+        Ok(sums)
+    }
+
+    /// Adds them for tensors of N numbers.
+    fn add_moments<const D: usize, const N: usize>(
+        &self,
+        points: &Sampled,
+        sums: &mut PartMoments,
+    ) -> Result<(), LoadError> {
+        let (mesh, mut room) = (&self.space.mesh, Remainders::<D, N>::new(self.count));
+        let (program, names) = self.inside();
+        let at = (self.t, 0.0);
+        points.each_block(mesh, program, at, self.again, &names, |cells, values| {
+            pulp::Arch::new().dispatch(Add::<D, N> {
+                parts: self,
+                rule: &points.rule,
+                cells,
+                values,
+                sums,
+                room: &mut room,
+            });
+        })
+    }
+}
+
+/// What P1 functions cannot have of ε, σ and u in a few cells, of each part: numbers point by point.
+struct Remainders<const D: usize, const N: usize> {
+    strain: Vec<Vec<[Lanes; N]>>,
+    stress: Vec<Vec<[Lanes; N]>>,
+    displacement: Vec<Vec<[Lanes; D]>>,
+}
+
+impl<const D: usize, const N: usize> Remainders<D, N> {
+    fn new(parts: usize) -> Self {
+        let [strain, stress] = [(); 2].map(|()| vec![Vec::new(); parts]);
+        Self { strain, stress, displacement: vec![Vec::new(); parts] }
+    }
+}
+
+/// Adds the moments on some cells, on the widest vectors of the processor.
+struct Add<'a, const D: usize, const N: usize> {
+    parts: &'a Parts<'a>,
+    rule: &'a Rule,
+    cells: Range<usize>,
+    values: &'a [&'a [f64]],
+    sums: &'a mut PartMoments,
+    room: &'a mut Remainders<D, N>,
+}
+
+impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { parts, rule, cells, values, sums, room } = self;
+        let (count, points, mut memory) = (cells.len(), rule.weights.len(), Vec::new());
+        for first in (0..count).step_by(WIDTH) {
+            let own = first..count.min(first + WIDTH);
+            let global = cells.start + own.start..cells.start + own.end;
+            let at = |field: &[f64], q: usize| {
+                Lanes::load(&field[count * q + own.start..count * q + own.end])
+            };
+            for (m, part) in values.chunks(parts.fields()).enumerate() {
+                let (strains, stresses) = (&mut room.strain[m], &mut room.stress[m]);
+                strains.clear();
+                stresses.clear();
+                for q in 0..points {
+                    let field = |k: usize| at(part[k], q);
+                    let regions = &parts.regions[global.clone()];
+                    let (strain, sigma) = parts.of_cells::<D>(regions, field, &mut memory);
+                    strains.push(mandel(&strain));
+                    stresses.push(mandel(&sigma));
+                }
+                let mean = deviations(stresses, &rule.weights);
+                append(&mut sums.stress.vectors[m], own.len(), &mean);
+                if !parts.is_present(m) {
+                    // Empty, as what vanishes is.
+                    strains.clear();
+                    continue;
+                }
+                let mean = deviations(strains, &rule.weights);
+                append(&mut sums.strain.vectors[m], own.len(), &mean);
+                let displacements = &mut room.displacement[m];
+                displacements.clear();
+                for q in 0..points {
+                    let mut displacement = [Lanes::from(0.0); D];
+                    for i in 0..D {
+                        displacement[i] = at(part[i], q);
+                    }
+                    displacements.push(displacement);
+                }
+                let vector = &mut sums.displacement.vectors[m];
+                match D {
+                    2 => append_corners::<D, 3>(vector, own.len(), displacements, rule),
+                    _ => append_corners::<D, 4>(vector, own.len(), displacements, rule),
+                }
+            }
+            let measures = &parts.space.geometry.measure[global];
+            sums.strain.add_products(&room.strain, &rule.weights, measures);
+            sums.stress.add_products(&room.stress, &rule.weights, measures);
+            sums.displacement.add_products(&room.displacement, &rule.weights, measures);
+        }
+    }
+}
+
+/// Appends what linear functions can have of u in a few cells, by its values at the C corners; what they cannot stays.
+#[inline(always)]
+fn append_corners<const D: usize, const C: usize>(
+    vector: &mut Vec<f64>,
+    cells: usize,
+    displacements: &mut [[Lanes; D]],
+    rule: &Rule,
+) {
+    let corners: [[Lanes; C]; D] = remainders(displacements, rule);
+    for l in 0..cells {
+        for a in 0..C {
+            let mut own = [0.0; D];
+            for i in 0..D {
+                own[i] = corners[i][a].0[l];
+            }
+            vector.extend_from_slice(&own);
+        }
+    }
+}
+
+/// A field of several parts: what P1 functions can have of each, and the products of what they cannot.
+#[derive(Debug, Default)]
+pub(super) struct PartFamily {
+    /// Cell means, or linear projections by their values at the corners; empty where they vanish.
+    pub(super) vectors: Vec<Vec<f64>>,
+    /// Σ_K ∫_K r_m·r_l of the remainders, row by row.
+    pub(super) products: Vec<f64>,
+}
+
+impl PartFamily {
+    fn with_room(parts: usize, numbers: usize) -> Self {
+        let vectors = (0..parts).map(|_| Vec::with_capacity(numbers)).collect();
+        Self { vectors, products: vec![0.0; parts * parts] }
+    }
+
+    /// Adds the products over cells of the given measures; `remainders` hold numbers for each of `weights`.
+    #[inline(always)]
+    fn add_products<const N: usize>(
+        &mut self,
+        remainders: &[Vec<[Lanes; N]>],
+        weights: &[f64],
+        measures: &[f64],
+    ) {
+        let parts = remainders.len();
+        for m in 0..parts {
+            for l in m..parts {
+                let mut sum = Lanes::from(0.0);
+                for ((a, b), weight) in remainders[m].iter().zip(&remainders[l]).zip(weights) {
+                    let mut product = a[0] * b[0];
+                    for i in 1..N {
+                        product += a[i] * b[i];
+                    }
+                    sum += Lanes::from(*weight) * product;
+                }
+                let product = &mut self.products[parts * m + l];
+                measures.iter().zip(sum.0).for_each(|(measure, sum)| *product += measure * sum);
+            }
+        }
+    }
+
+    /// The field Σ_m a_m S_m; none if it is not finite.
+    fn combined(&self, factors: &[f64], length: usize) -> Option<(Vec<f64>, f64)> {
+        let parts = factors.len();
+        let mut rest = 0.0;
+        for m in 0..parts {
+            for l in m..parts {
+                let twice = if l > m { 2.0 } else { 1.0 };
+                rest += twice * factors[m] * factors[l] * self.products[parts * m + l];
+            }
+        }
+        // Parts that cancel leave rounding, of either sign.
+        let rest = if rest < 0.0 { 0.0 } else { rest };
+        let vector = combined(&self.vectors, factors, length);
+        (rest.is_finite() && vector.iter().all(|value| value.is_finite())).then_some((vector, rest))
+    }
+}
+
+/// Σ_m a_m v_m, of vectors that are empty where they vanish.
+pub(super) fn combined(vectors: &[Vec<f64>], factors: &[f64], length: usize) -> Vec<f64> {
+    let mut sum = vec![0.0; length];
+    for (vector, factor) in vectors.iter().zip(factors) {
+        sum.iter_mut().zip(vector).for_each(|(sum, value)| *sum += factor * value);
+    }
+    sum
+}
+
+/// Moments of u, ε and σ in the cells, part by part.
+#[derive(Debug, Default)]
+pub(super) struct PartMoments {
+    pub(super) strain: PartFamily,
+    pub(super) stress: PartFamily,
+    pub(super) displacement: PartFamily,
+    /// Numbers of ε, and of u.
+    pub(super) lengths: [usize; 2],
+    /// Whether the rules are those of rows, in place of one for all cells.
+    pub(super) by_rows: bool,
+}
+
+impl PartMoments {
+    /// The moments of Σ_m a_m S_m in the cells, σ with factors `of_stress`; none if a number is not finite.
+    pub fn at(&self, factors: &[f64], of_stress: &[f64]) -> Option<Moments> {
+        let [tensors, corners] = self.lengths;
+        let constants = |family: &PartFamily, factors: &[f64]| {
+            let (mean, rest) = family.combined(factors, tensors)?;
+            Some(CellConstants { mean, rest })
+        };
+        let strain = constants(&self.strain, factors)?;
+        let stress = constants(&self.stress, of_stress)?;
+        let (corner, rest) = self.displacement.combined(factors, corners)?;
+        let displacement = Piecewise { corner, rest };
+        Some(Moments { strain, stress, displacement, ..Moments::default() })
+    }
+
+    /// The moments on these cells and, after them, on others; products are those of both.
+    pub fn followed_by(mut self, other: Self) -> Self {
+        let families = [
+            (&mut self.strain, other.strain),
+            (&mut self.stress, other.stress),
+            (&mut self.displacement, other.displacement),
+        ];
+        for (family, other) in families {
+            let vectors = family.vectors.iter_mut().zip(other.vectors);
+            vectors.for_each(|(vector, other)| vector.extend(other));
+            let products = family.products.iter_mut().zip(other.products);
+            products.for_each(|(product, other)| *product += other);
+        }
+        self.lengths = [0, 1].map(|i| self.lengths[i] + other.lengths[i]);
+        self
+    }
+
+    /// The means of σ of each part, in order of the cells.
+    pub fn stress_means(&self) -> &[Vec<f64>] {
+        &self.stress.vectors
+    }
+
+    /// Those of a single part.
+    pub fn single(self) -> Moments {
+        let [strain, stress, displacement] = [self.strain, self.stress, self.displacement]
+            .map(|mut family| (family.vectors.swap_remove(0), family.products[0]));
+        let constants = |(mean, rest)| CellConstants { mean, rest };
+        let displacement = Piecewise { corner: displacement.0, rest: displacement.1 };
+        let (strain, stress) = (constants(strain), constants(stress));
+        Moments { strain, stress, displacement, ..Moments::default() }
+    }
+
+    /// Forgets vectors of nothing but zeros: the strain of a part that occurs in the memory alone.
+    pub fn without_zeros(mut self) -> Self {
+        let families = [&mut self.strain, &mut self.stress, &mut self.displacement];
+        families.into_iter().for_each(|family| forget_zeros(&mut family.vectors));
+        self
+    }
+}
+
+/// Empties the vectors of zeros.
+pub(super) fn forget_zeros(vectors: &mut [Vec<f64>]) {
+    for vector in vectors.iter_mut().filter(|vector| vector.iter().all(|value| *value == 0.0)) {
+        *vector = Vec::new();
+    }
+}

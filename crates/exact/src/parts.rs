@@ -1,0 +1,269 @@
+//! Exact fields on a mesh, given as one or several parts: the nodal forces of each.
+//!
+//! The fields at one time are a single part. Fields that separate, Σ_m a_m(t) S_m(x), have as many as they have
+//! factors; where σ is linear in them, loads and moments at all times follow from those of the parts.
+
+use std::ops::Range;
+
+use pulp::{Simd, WithSimd};
+
+use super::constitutive::{Tensor, mandel, stress};
+use super::exact::Exact;
+use super::facet_group::FacetGroup;
+use super::lanes::{Lanes, WIDTH};
+use super::nodal_force::{add_means, facet_measure};
+use super::products::Products;
+use super::reduction::mean;
+use super::sampled::{Sampled, tensor_names, vector_names};
+use fem::contact::{Discretization, LoadError};
+use fem::space::quadrature::Rule;
+use formula::Program;
+
+/// Corners of a tetrahedron.
+const MOST_CORNERS: usize = 4;
+
+/// Where the fields come from.
+pub(super) struct Parts<'a> {
+    pub exact: &'a Exact,
+    pub space: &'a Discretization,
+    /// Of each cell.
+    pub regions: &'a [usize],
+    /// [u, ε, H_1, …] and f0 of one part after another.
+    pub interior: &'a Program,
+    pub forces: &'a Program,
+    /// [u, ε, H_1, …] of one part after another as products of (x, t) and y, where they are.
+    pub products: Option<&'a Products>,
+    pub count: usize,
+    /// Which of them have neither u nor ε; others where the list ends.
+    pub remembered_alone: &'a [bool],
+    /// Whether the same formulas are evaluated at other times: they then stay bound to the points.
+    pub again: bool,
+    pub t: f64,
+    pub zeta: f64,
+    pub kappa: f64,
+}
+
+impl Parts<'_> {
+    pub(super) fn fields(&self) -> usize {
+        self.exact.dimension() + self.exact.strain.len() + self.exact.memory.len()
+    }
+
+    /// Whether part m has u and ε.
+    pub(super) fn is_present(&self, m: usize) -> bool {
+        self.remembered_alone.get(m) != Some(&true)
+    }
+
+    /// [u, ε, H_1, …] of all parts, and the names of those that must be finite.
+    pub(super) fn inside(&self) -> (&Program, Vec<String>) {
+        let d = self.exact.dimension();
+        let names = [vector_names("u", d), tensor_names("ε", d)].concat();
+        (self.interior, self.of_all(names, self.fields()))
+    }
+
+    /// The names of one part, or one for each of the fields of several: no number of theirs may be anything else.
+    fn of_all(&self, names: Vec<String>, fields: usize) -> Vec<String> {
+        if self.again { names } else { vec![String::from("a part"); self.count * fields] }
+    }
+
+    /// ε and σ of a part in some cells of the given regions; `field` gives its values by number.
+    #[inline(always)]
+    pub(super) fn of_cells<const D: usize>(
+        &self,
+        regions: &[usize],
+        field: impl Fn(usize) -> Lanes,
+        memory: &mut Vec<Tensor<D, Lanes>>,
+    ) -> (Tensor<D, Lanes>, Tensor<D, Lanes>) {
+        let strain = self.exact.tensors(field, memory);
+        let law = |region| stress(self.exact.material_in(region), &strain, memory, self.kappa);
+        (strain, by_region(regions, law))
+    }
+
+    fn zeros(&self) -> Vec<Vec<f64>> {
+        vec![vec![0.0; self.space.nodes.len()]; self.count]
+    }
+
+    /// ∫ σ:ε(v) of each part, over all nodes.
+    pub fn stress_forces<const D: usize>(
+        &self,
+        points: &Sampled,
+    ) -> Result<Vec<Vec<f64>>, LoadError> {
+        let (space, rule) = (self.space, &points.rule);
+        let (mut forces, mut means) = (self.zeros(), vec![Vec::new(); self.count]);
+        let (program, names) = self.inside();
+        let at = (self.t, 0.0);
+        points.each_block(&space.mesh, program, at, self.again, &names, |cells, values| {
+            let (parts, cells, means) = (self, &cells, &mut means[..]);
+            match D {
+                2 => {
+                    pulp::Arch::new().dispatch(Means::<D, 3> { parts, rule, cells, values, means })
+                }
+                _ => {
+                    pulp::Arch::new().dispatch(Means::<D, 6> { parts, rule, cells, values, means })
+                }
+            }
+            for (mean, force) in means.iter().zip(&mut forces) {
+                add_means::<D>(space, cells.clone(), mean, force);
+            }
+        })?;
+        Ok(forces)
+    }
+
+    /// ∫ f0·v of each part, over all nodes.
+    pub fn body_forces<const D: usize>(
+        &self,
+        points: &Sampled,
+    ) -> Result<Vec<Vec<f64>>, LoadError> {
+        let space = self.space;
+        let (mut forces, rule) = (self.zeros(), &points.rule);
+        let names = self.of_all(vector_names("f0", D), D);
+        let at = (self.t, self.zeta);
+        points.each_block(&space.mesh, self.forces, at, self.again, &names, |cells, values| {
+            for (force, part) in forces.iter_mut().zip(values.chunks_exact(D)) {
+                for (index, c) in cells.clone().enumerate() {
+                    let mut own = [[0.0; D]; MOST_CORNERS];
+                    for (q, weight) in rule.weights.iter().enumerate() {
+                        let value: [f64; D] =
+                            std::array::from_fn(|i| weight * part[i][cells.len() * q + index]);
+                        for (own, shape) in own.iter_mut().zip(&rule.points[q]) {
+                            own.iter_mut()
+                                .zip(&value)
+                                .for_each(|(own, value)| *own += shape * value);
+                        }
+                    }
+                    let measure = space.geometry.measure[c];
+                    for (&node, own) in space.cell_nodes(c).iter().zip(&own) {
+                        let force = &mut force[D * node as usize..][..D];
+                        force.iter_mut().zip(own).for_each(|(force, own)| *force += measure * own);
+                    }
+                }
+            }
+        })?;
+        Ok(forces)
+    }
+
+    /// Adds ∫ (σν)·v over a group of facets, of each part.
+    pub fn add_boundary_stress<const D: usize>(
+        &self,
+        group: &FacetGroup,
+        forces: &mut [Vec<f64>],
+    ) -> Result<(), LoadError> {
+        let (space, rule, mut memory) = (self.space, &group.strains.rule, Vec::new());
+        let (program, names) = self.inside();
+        let at = (self.t, 0.0);
+        let visit = |facets: Range<usize>, values: &[&[f64]]| {
+            for (local, index) in facets.clone().enumerate() {
+                let (facet, region) = (group.mesh_facets[index], group.regions[index]);
+                let material = self.exact.material_in(region);
+                let measure = facet_measure(&space.mesh, facet);
+                for (q, weight) in rule.weights.iter().enumerate() {
+                    let p = facets.len() * q + local;
+                    for (force, part) in forces.iter_mut().zip(values.chunks(self.fields())) {
+                        let strain = self.exact.tensors(|k| part[k][p], &mut memory);
+                        let sigma: Tensor<D> = stress(material, &strain, &memory, self.kappa);
+                        let along = |row: [f64; D]| -> f64 {
+                            row.iter().zip(&group.normal).map(|(s, n)| s * n).sum()
+                        };
+                        let traction = sigma.map(|row| weight * measure * along(row));
+                        let nodes = space.mesh.facet(facet).iter().zip(&rule.points[q]);
+                        for (&vertex, shape) in nodes {
+                            let node = space.nodes.of_vertex[vertex as usize] as usize;
+                            let own = force[D * node..][..D].iter_mut();
+                            own.zip(traction).for_each(|(own, t)| *own += shape * t);
+                        }
+                    }
+                }
+            }
+        };
+        group.strains.each_block(&space.mesh, program, at, self.again, &names, visit)
+    }
+}
+
+/// Appends the numbers of the first cells, cell by cell.
+#[inline(always)]
+pub(super) fn append<const N: usize>(all: &mut Vec<f64>, cells: usize, numbers: &[Lanes; N]) {
+    for l in 0..cells {
+        let mut own = [0.0; N];
+        for i in 0..N {
+            own[i] = numbers[i].0[l];
+        }
+        all.extend_from_slice(&own);
+    }
+}
+
+/// The tensor that `law` gives of a region, for each cell that of its own.
+#[inline(always)]
+fn by_region<const D: usize>(
+    regions: &[usize],
+    law: impl Fn(usize) -> Tensor<D, Lanes>,
+) -> Tensor<D, Lanes> {
+    let mut all = [[Lanes::from(0.0); D]; D];
+    // Called at one place, that it is inlined there.
+    for (l, &region) in regions.iter().enumerate() {
+        if l > 0 && region == regions[0] {
+            continue;
+        }
+        let own = law(region);
+        if l == 0 {
+            all = own;
+            continue;
+        }
+        let pairs = all.as_flattened_mut().iter_mut().zip(own.as_flattened());
+        pairs.for_each(|(all, own)| all.0[l] = own.0[l]);
+    }
+    all
+}
+
+/// Means of σ on some cells, on the widest vectors of the processor.
+struct Means<'a, const D: usize, const N: usize> {
+    parts: &'a Parts<'a>,
+    rule: &'a Rule,
+    cells: &'a Range<usize>,
+    values: &'a [&'a [f64]],
+    /// Of each part, cell by cell, in the notation of moments.
+    means: &'a mut [Vec<f64>],
+}
+
+impl<const D: usize, const N: usize> WithSimd for Means<'_, D, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Self { parts, rule, cells, values, means } = self;
+        let (count, mut memory, mut sigmas) = (cells.len(), Vec::new(), Vec::new());
+        for (part, means) in values.chunks(parts.fields()).zip(means) {
+            means.clear();
+            for first in (0..count).step_by(WIDTH) {
+                let end = count.min(first + WIDTH);
+                let regions = &parts.regions[cells.start + first..cells.start + end];
+                sigmas.clear();
+                for q in 0..rule.weights.len() {
+                    let field =
+                        |k: usize| Lanes::load(&part[k][count * q + first..count * q + end]);
+                    let (_, sigma) = parts.of_cells::<D>(regions, field, &mut memory);
+                    sigmas.push(mandel(&sigma));
+                }
+                let mean: [Lanes; N] = mean(&sigmas, &rule.weights);
+                append(means, end - first, &mean);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cell_has_the_law_of_its_own_region() {
+        // In lane l of region r: 10 r + l.
+        let law = |region: usize| {
+            let lanes = Lanes(std::array::from_fn(|l| (10 * region + l) as f64));
+            [[lanes; 2]; 2]
+        };
+        let lanes = |regions: &[usize]| by_region(regions, law)[0][1].0;
+        assert_eq!(lanes(&[2, 2, 2, 2]), [20.0, 21.0, 22.0, 23.0]);
+        assert_eq!(lanes(&[0, 3, 0, 1]), [0.0, 31.0, 2.0, 13.0]);
+        // Of the last cells of a run only some lanes count.
+        assert_eq!(lanes(&[1, 0])[..2], [10.0, 1.0]);
+    }
+}

@@ -1,0 +1,34 @@
+//! The exact solution with what the quadrature of its hereditary integrals leaves unresolved: what that moves is part of
+//! the floor.
+
+use super::exact::Exact;
+use formula::{Node, Program};
+
+impl Exact {
+    /// The same with hereditary integrals plus what their quadrature may lack; none where that moves no field at these
+    /// points and times.
+    pub fn with_remainders(&self, points: &[[f64; 3]], times: &[f64]) -> Option<Self> {
+        let mut data = self.data.clone();
+        let contact = data.contact.iter().flat_map(|c| [c.multiplier, c.selection]).flatten();
+        let fields = [&data.u, &self.strain, &self.memory, &self.body_force];
+        let all: Vec<Node> = fields.into_iter().flatten().copied().chain(contact).collect();
+        if !all.iter().any(|&node| data.graph.remembers(node)) {
+            return None;
+        }
+        let mut values = [false, true].map(|with_remainders| {
+            if with_remainders {
+                data.graph.add_remainders();
+            }
+            let bound = Program::compile(&mut data.graph, &all, data.horizon).bind(points);
+            (bound, vec![Vec::new(); all.len()])
+        });
+        let moved = times.iter().any(|&t| {
+            values.iter_mut().for_each(|(bound, out)| bound.evaluate(t, 0.0, out));
+            let [(_, plain), (_, with)] = &values;
+            // Numbers that are not finite are the same, too.
+            let same = |(a, b): (&f64, &f64)| a.to_bits() == b.to_bits();
+            !plain.iter().flatten().zip(with.iter().flatten()).all(same)
+        });
+        moved.then(|| Self::new(data))
+    }
+}

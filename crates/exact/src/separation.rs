@@ -1,0 +1,168 @@
+//! Exact fields as sums of products of time and space.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::exact::{ExactData, MaterialNumbers, RegionNumbers};
+use super::truth::ByTime;
+use super::{Products, symbolic};
+use formula::{Bound, Graph, Node, Program, Variable};
+
+/// Longer sums are evaluated time by time: a part costs as much as a time.
+const MOST_PARTS: usize = 8;
+
+/// Formulas as Σ_m a_m(t) S_m(x): the a_m.
+pub struct TimeFactors {
+    /// How many parts.
+    pub parts: usize,
+    bound: Mutex<Bound>,
+    known: ByTime<Vec<f64>>,
+}
+
+impl TimeFactors {
+    /// Separates the formulas; with the a_m the S_m of all formulas, of one part after another. None if a formula does not
+    /// show a short sum.
+    pub fn of(
+        graph: &mut Graph,
+        formulas: &[Node],
+        horizon: f64,
+    ) -> Option<(Self, Vec<Vec<Node>>)> {
+        let (factors, shapes) = short_sum(graph, formulas)?;
+        Some((Self::new(graph, &factors, horizon), shapes))
+    }
+
+    /// Given formulas of time.
+    fn new(graph: &mut Graph, factors: &[Node], horizon: f64) -> Self {
+        let bound = Program::compile(graph, factors, horizon).bind(&[[0.0; 3]]);
+        Self { parts: factors.len(), bound: Mutex::new(bound), known: ByTime::default() }
+    }
+
+    /// The a_m(t).
+    pub fn at(&self, t: f64) -> Arc<Vec<f64>> {
+        self.known.always(t, || {
+            let mut out = vec![Vec::new(); self.parts];
+            self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+            out.into_iter().flatten().collect()
+        })
+    }
+}
+
+/// The a_m of formulas, and the S_m of all of them, of one part after another; none if one of them does not show a short
+/// sum.
+fn short_sum(graph: &mut Graph, formulas: &[Node]) -> Option<(Vec<Node>, Vec<Vec<Node>>)> {
+    let together = graph.separate_together(Variable::T, formulas)?;
+    if together.factors.len() > MOST_PARTS {
+        return None;
+    }
+    let zero = graph.constant(0.0);
+    let shape = |m: usize, terms: &[(usize, Node)]| {
+        terms.iter().find(|(own, _)| *own == m).map_or(zero, |(_, shape)| *shape)
+    };
+    let of_part = |m: usize| together.shapes.iter().map(|terms| shape(m, terms)).collect();
+    let shapes = (0..together.factors.len()).map(of_part).collect();
+    Some((together.factors, shapes))
+}
+
+/// u and ε as Σ_m a_m(t) S_m(x), and what follows from them.
+///
+/// The memory acts in time alone: H_i = Σ_m (b_i * a_m)(t) ε_m(x) has the shapes of ε. Where ℬ_i = β_i 𝒜 in the whole body,
+/// σ = Σ_m s_m(t) 𝒜ε_m with s_m = a_m + Σ_i β_i b_i * a_m, and σ and f0 have factors of their own. Elsewhere there are parts
+/// of the memory alone beside those of u and ε.
+pub struct Separation {
+    /// The a_m, and b_i * a_m of parts of the memory alone.
+    pub factors: TimeFactors,
+    /// The s_m where they differ from these.
+    of_stress: Option<TimeFactors>,
+    /// The S_m of [u, ε, H_1, …], one part after another.
+    pub interior: Program,
+    /// The S_m of f0.
+    pub forces: Program,
+    /// The S_m of [u, ε, H_1, …] as products of x and y, where they are.
+    pub products: Option<Products>,
+    /// Which parts have neither u nor ε: they occur in the memory alone.
+    pub remembered_alone: Vec<bool>,
+}
+
+impl Separation {
+    /// Separates [u, ε] of data without projection; none if one of them does not show a short sum.
+    pub fn of(data: &ExactData, strain: &[Node]) -> Option<Self> {
+        let mut graph = data.graph.clone();
+        let d = data.u.len();
+        let (mut factors, mut parts) = short_sum(&mut graph, &[&data.u, strain].concat())?;
+        let present = parts.len();
+        let of_stress = remember(&mut graph, data, &mut factors, &mut parts);
+        if parts.len() > MOST_PARTS {
+            return None;
+        }
+        let mut forces = Vec::with_capacity(d * parts.len());
+        for part in &parts {
+            let (strain, memory) = part[d..].split_at(strain.len());
+            let material = (&data.material, &data.regions[..]);
+            let stress = symbolic::stress_in_regions(&mut graph, material, None, strain, memory);
+            forces.extend(symbolic::body_force(&mut graph, &stress));
+        }
+        let inside = parts.concat();
+        let mut times = |nodes: &[Node]| TimeFactors::new(&mut graph, nodes, data.horizon);
+        let of_stress = of_stress.map(|factors| times(&factors));
+        let factors = times(&factors);
+        let remembered_alone = (0..parts.len()).map(|m| m >= present).collect();
+        let products = Products::of(&graph, &inside, data.horizon);
+        let [interior, forces] =
+            [inside, forces].map(|all| Program::compile_once(&mut graph, &all, data.horizon));
+        Some(Self { factors, of_stress, interior, forces, products, remembered_alone })
+    }
+
+    /// The factors of σ and f0.
+    pub fn of_stress(&self) -> &TimeFactors {
+        self.of_stress.as_ref().unwrap_or(&self.factors)
+    }
+}
+
+/// Gives parts of [u, ε] room for [H_1, …]. With multiples of 𝒜 the factors of their σ; else parts of the memory alone
+/// are added to them, and b_i * a_m to the factors.
+fn remember(
+    graph: &mut Graph,
+    data: &ExactData,
+    factors: &mut Vec<Node>,
+    parts: &mut Vec<Vec<Node>>,
+) -> Option<Vec<Node>> {
+    let (d, present, zero) = (data.u.len(), parts.len(), graph.constant(0.0));
+    let numbers = parts.first().map_or(0, |part| part.len() - d);
+    parts.iter_mut().for_each(|part| part.resize(d + numbers * (1 + data.kernels.len()), zero));
+    let multiples = multiples(data);
+    let mut of_stress = factors.clone();
+    for m in 0..present {
+        for (i, &kernel) in data.kernels.iter().enumerate() {
+            let remembered = graph.convolve(kernel, factors[m]);
+            if let Some(multiples) = &multiples {
+                let beta = graph.constant(multiples[i]);
+                let more = graph.mul(beta, remembered);
+                of_stress[m] = graph.add(of_stress[m], more);
+                continue;
+            }
+            let mut part = vec![zero; parts[m].len()];
+            part[d + numbers * (1 + i)..][..numbers].copy_from_slice(&parts[m][d..d + numbers]);
+            factors.push(remembered);
+            parts.push(part);
+        }
+    }
+    multiples.filter(|multiples| !multiples.is_empty()).map(|_| of_stress)
+}
+
+/// β_i with ℬ_i = β_i 𝒜 in all regions (to rounding), if there are such.
+fn multiples(data: &ExactData) -> Option<Vec<f64>> {
+    const ROUNDING: f64 = 4.0 * f64::EPSILON;
+    let of = |material: &MaterialNumbers| -> Option<Vec<f64>> {
+        let beta = |&(lambda, mu): &(f64, f64)| {
+            let beta = mu / material.mu_l;
+            let off = (lambda - beta * material.lambda).abs();
+            (material.full.is_none() && off <= ROUNDING * lambda.abs()).then_some(beta)
+        };
+        material.memory.iter().map(beta).collect()
+    };
+    let own = of(&data.material)?;
+    let same = |region: &RegionNumbers| {
+        let close = |(a, b): (&f64, &f64)| (a - b).abs() <= ROUNDING * b.abs();
+        of(&region.material).is_some_and(|other| other.iter().zip(&own).all(close))
+    };
+    data.regions.iter().all(same).then_some(own)
+}

@@ -1,0 +1,59 @@
+//! The points of the trace by side, with the formulas of the contact state bound to them.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+use super::exact::Exact;
+use super::nodal_force::facet_measure;
+use fem::contact::Discretization;
+use fem::mesh::PlanePart;
+use formula::Bound;
+
+/// [u_ν, ξ + λ, g, …] at points of the trace with one normal.
+pub(super) struct SidePoints {
+    /// ν, padded with zeros.
+    pub(super) normal: [f64; 3],
+    pub(super) members: Vec<usize>,
+    /// Facets of the trace.
+    pub(super) facets: Vec<usize>,
+    /// ∫ φ over the side, of each member.
+    pub(super) weights: Vec<f64>,
+    bound: Mutex<Bound>,
+}
+
+impl SidePoints {
+    /// The values of all five at t.
+    pub(super) fn evaluate(&self, t: f64) -> Vec<Vec<f64>> {
+        let mut out = vec![Vec::new(); 5];
+        self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        out
+    }
+}
+
+/// The points of the trace, by side and normal.
+pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoints> {
+    let (mesh, trace, d) = (&space.mesh, &space.trace, space.mesh.dimension);
+    let of_part = |part: PlanePart| {
+        let facets = part.members;
+        let mut members: Vec<usize> =
+            facets.iter().flat_map(|&f| trace.facet(f)).map(|&i| i as usize).collect();
+        members.sort_unstable();
+        members.dedup();
+        let points: Vec<[f64; 3]> =
+            members.iter().map(|&i| mesh.point(&[trace.points[i].vertex], &[1.0])).collect();
+        let mut normal = [0.0; 3];
+        normal[..d].copy_from_slice(&part.normal[..d]);
+        let formulas = exact.boundary(&normal[..d]);
+        let mut of_vertex = HashMap::new();
+        for &f in &facets {
+            let facet = trace.mesh_facet[f] as usize;
+            for &vertex in mesh.facet(facet) {
+                *of_vertex.entry(vertex).or_insert(0.0) += facet_measure(mesh, facet) / d as f64;
+            }
+        }
+        let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
+        let bound = Mutex::new(formulas.program.bind(&points));
+        SidePoints { normal, facets, weights, bound, members }
+    };
+    mesh.plane_parts(&trace.mesh_facet).into_iter().map(of_part).collect()
+}

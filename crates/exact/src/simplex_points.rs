@@ -1,0 +1,90 @@
+//! Quadrature over a domain of coarse simplices.
+
+use fem::mesh::{CoarseMesh, Family, Mesh};
+use fem::space::quadrature::{Rule, tetrahedron_product, triangle_product};
+
+/// Gauss points a direction, and parts of an edge that leave at least so many triangles in all: some
+/// 14 points along a third of the domain, as on the rectangle.
+const POINTS: usize = 14;
+const TRIANGLES: usize = 16;
+/// In space the points a direction at most and least, the tetrahedra at least, and the points in all that are aimed at:
+/// 8 points along half of the domain as in a box, fewer in each of many tetrahedra.
+const IN_SPACE: [usize; 2] = [3, 8];
+const TETRAHEDRA: usize = 48;
+const WORK: f64 = 3e4;
+
+/// Points of the simplices of a refined domain, with weights that sum to its measure.
+///
+/// Rules in barycentric coordinates: a turned domain has the turned points.
+pub(super) struct SimplexPoints {
+    pub points: Vec<[f64; 3]>,
+    pub weights: Vec<f64>,
+}
+
+impl SimplexPoints {
+    /// Points that resolve smooth fields to rounding. A field with kinks is integrated to the square
+    /// of the size of these simplices only; `check` says so.
+    pub fn fine(coarse: &CoarseMesh) -> Self {
+        match coarse {
+            CoarseMesh::Plane(_) => Self::of(&parts(coarse, TRIANGLES), &triangle_product(POINTS)),
+            CoarseMesh::Space(_) => Self::in_space(coarse, 0),
+        }
+    }
+
+    /// The same by a finer rule: on triangles of half the size, in space with two more points a direction.
+    pub fn finer(coarse: &CoarseMesh) -> Self {
+        match coarse {
+            CoarseMesh::Plane(_) => {
+                Self::of(&parts(coarse, 4 * TRIANGLES), &triangle_product(POINTS))
+            }
+            CoarseMesh::Space(_) => Self::in_space(coarse, 2),
+        }
+    }
+
+    fn in_space(coarse: &CoarseMesh, more: usize) -> Self {
+        let mesh = parts(coarse, TETRAHEDRA);
+        let count = points_a_direction(mesh.cell_count(), WORK) + more;
+        Self::of(&mesh, &tetrahedron_product(count))
+    }
+
+    /// The points of a rule on the cells of a mesh.
+    pub fn of(mesh: &Mesh, rule: &Rule) -> Self {
+        let mut own = Self { points: Vec::new(), weights: Vec::new() };
+        for c in 0..mesh.cell_count() {
+            let cell = mesh.cell(c);
+            let measure = measure(mesh, c);
+            own.points.extend(rule.points.iter().map(|b| mesh.point(cell, b)));
+            own.weights.extend(rule.weights.iter().map(|weight| weight * measure));
+        }
+        own
+    }
+}
+
+/// Gauss points a direction in each of so many tetrahedra, for about `work` points in all.
+pub(super) fn points_a_direction(cells: usize, work: f64) -> usize {
+    ((work / cells as f64).cbrt() as usize).clamp(IN_SPACE[0], IN_SPACE[1])
+}
+
+/// A refinement of the domain with at least so many simplices.
+pub(super) fn parts(coarse: &CoarseMesh, simplices: usize) -> Mesh {
+    let share = simplices as f64 / coarse.count() as f64;
+    let root = if coarse.dimension() == 2 { share.sqrt() } else { share.cbrt() };
+    // The root of a cube may come out above it.
+    coarse.refined((root - 1e-9).ceil().max(1.0) as u32, Family::Structured)
+}
+
+/// |K| of a simplex.
+pub(super) fn measure(mesh: &Mesh, c: usize) -> f64 {
+    let corners = mesh.cell(c);
+    let edge = |a: usize| {
+        let (p, q) = (mesh.vertex(corners[0]), mesh.vertex(corners[a]));
+        [0, 1, 2].map(|i| if i < mesh.dimension { q[i] - p[i] } else { 0.0 })
+    };
+    let (p, q) = (edge(1), edge(2));
+    if mesh.dimension == 2 {
+        return 0.5 * (p[0] * q[1] - p[1] * q[0]);
+    }
+    let r = edge(3);
+    let cross = |i: usize| q[(i + 1) % 3] * r[(i + 2) % 3] - q[(i + 2) % 3] * r[(i + 1) % 3];
+    (0..3).map(|i| p[i] * cross(i)).sum::<f64>() / 6.0
+}

@@ -1,0 +1,91 @@
+//! What a case is measured against, and its values kept by time.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use fem::contact::LoadError;
+use fem::norms::{ContactSamples, Moments};
+
+/// What a case is measured against, and driven by.
+pub trait Truth: Send + Sync {
+    /// The load vector F(t), over the unknowns.
+    ///
+    /// # Errors
+    /// A formula that is not finite somewhere.
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError>;
+
+    /// The moments of the truth at t.
+    ///
+    /// # Errors
+    /// A formula that is not finite somewhere, a time that a reference run does not have.
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError>;
+
+    /// Told that the moments at these times will be asked for: what they share with the loads is done once.
+    ///
+    /// # Errors
+    /// Those of [`Self::moments`].
+    fn expect(&self, _times: &[f64]) -> Result<(), LoadError> {
+        Ok(())
+    }
+
+    /// The truth on Γ3 with the contact state of each point, where formulas tell it; computed anew at
+    /// each call, since few scenes ask.
+    ///
+    /// # Errors
+    /// A formula that is not finite somewhere.
+    fn contact_samples(&self, _t: f64) -> Result<Option<ContactSamples>, LoadError> {
+        Ok(None)
+    }
+
+    /// The F_i where the load separates, F(t) = Σ_i a_i(t) F_i.
+    fn load_basis(&self) -> Option<&[Vec<f64>]> {
+        None
+    }
+
+    /// `out` ← a_i(t), where the load separates.
+    fn load_factors(&self, _t: f64, out: &mut [f64]) {
+        out.fill(0.0);
+    }
+}
+
+/// Values by time, computed once.
+pub(super) struct ByTime<T> {
+    values: Mutex<HashMap<u64, Arc<T>>>,
+}
+
+impl<T> Default for ByTime<T> {
+    fn default() -> Self {
+        Self { values: Mutex::new(HashMap::new()) }
+    }
+}
+
+impl<T> ByTime<T> {
+    /// The value at t, if it is known.
+    pub(super) fn known(&self, t: f64) -> Option<Arc<T>> {
+        let values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        values.get(&t.to_bits()).cloned()
+    }
+
+    pub(super) fn get_or(
+        &self,
+        t: f64,
+        compute: impl FnOnce() -> Result<T, LoadError>,
+    ) -> Result<Arc<T>, LoadError> {
+        if let Some(value) = self.known(t) {
+            return Ok(value);
+        }
+        let value = compute()?;
+        Ok(self.always(t, || value))
+    }
+
+    /// The same for what cannot fail.
+    pub(super) fn always(&self, t: f64, compute: impl FnOnce() -> T) -> Arc<T> {
+        if let Some(value) = self.known(t) {
+            return value;
+        }
+        // Computed outside the lock: two threads may both do it, with identical results.
+        let value = Arc::new(compute());
+        let mut values = self.values.lock().unwrap_or_else(PoisonError::into_inner);
+        values.entry(t.to_bits()).or_insert(value).clone()
+    }
+}

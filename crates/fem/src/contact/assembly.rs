@@ -1,0 +1,137 @@
+//! Cell integrals: Bᵀσ, BᵀCB and their scatter.
+
+use super::{Discretization, Frames};
+use vhi::law::TensorField;
+
+/// The columns of B on a cell: the Mandel strain of each unit displacement, (d+1)·d of them.
+#[inline]
+pub fn strain_columns<const D: usize, const S: usize>(gradients: &[f64], out: &mut [[f64; S]]) {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    for (a, g) in gradients.chunks_exact(D).enumerate() {
+        for i in 0..D {
+            let mut column = [0.0; S];
+            column[i] = g[i];
+            if D == 2 {
+                column[2] = half * g[1 - i];
+            } else {
+                // Off-diagonal component 3 + m couples the two axes other than m.
+                for m in 0..3 {
+                    if m != i {
+                        column[3 + m] = half * g[3 - i - m];
+                    }
+                }
+            }
+            out[D * a + i] = column;
+        }
+    }
+}
+
+/// `local` ← weight · Bᵀ C B, row-major of order D(D+1).
+#[inline]
+pub fn cell_stiffness<const D: usize, const S: usize>(
+    gradients: &[f64],
+    law: &[[f64; S]; S],
+    weight: f64,
+    local: &mut [f64],
+) {
+    let order = D * (D + 1);
+    let mut columns = [[0.0; S]; 12];
+    strain_columns::<D, S>(gradients, &mut columns[..order]);
+    for j in 0..order {
+        let mut stress = [0.0; S];
+        for (p, row) in law.iter().enumerate() {
+            for q in 0..S {
+                stress[p] += row[q] * columns[j][q];
+            }
+        }
+        for i in j..order {
+            let mut sum = 0.0;
+            for p in 0..S {
+                sum += columns[i][p] * stress[p];
+            }
+            local[order * i + j] = weight * sum;
+            local[order * j + i] = weight * sum;
+        }
+    }
+}
+
+/// Adds ∫_cell σ:ε(v) to the nodal vector `force`, for a constant stress of the cell times its
+/// measure, `stress`.
+#[inline]
+pub fn stress_force<const D: usize, const S: usize>(
+    gradients: &[f64],
+    nodes: &[u32],
+    stress: &[f64; S],
+    force: &mut [f64],
+) {
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    for (g, &node) in gradients.chunks_exact(D).zip(nodes) {
+        let out = &mut force[D * node as usize..D * node as usize + D];
+        if D == 2 {
+            out[0] += stress[0] * g[0] + half * stress[2] * g[1];
+            out[1] += stress[1] * g[1] + half * stress[2] * g[0];
+        } else {
+            for i in 0..3 {
+                let mut sum = stress[i] * g[i];
+                for m in 0..3 {
+                    if m != i {
+                        sum += half * stress[3 + m] * g[3 - i - m];
+                    }
+                }
+                out[i] += sum;
+            }
+        }
+    }
+}
+
+/// Adds the stiffness matrix of a tensor on the unknowns of `frames` to lower-triangle
+/// `values`.
+pub fn stiffness_of<const D: usize, const S: usize>(
+    space: &Discretization,
+    frames: &Frames,
+    law: &TensorField,
+    values: &mut [f64],
+) {
+    let order = D * (D + 1);
+    let mut local = [0.0; 144];
+    for c in 0..space.mesh.cell_count() {
+        let measure = space.geometry.measure[c];
+        let gradients = space.geometry.gradients(c);
+        let matrix = law.on(space.region(c)).matrix::<S>();
+        cell_stiffness::<D, S>(gradients, &matrix, measure, &mut local[..order * order]);
+        frames.rotate_cell(space.cell_nodes(c), &mut local[..order * order]);
+        space.pattern.scatter::<D>(c, space.cell_nodes(c), &local[..order * order], values);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::strain_of;
+
+    /// B by columns, Bᵀσ and the strain of a nodal vector are one operator, in both dimensions.
+    fn one_operator<const D: usize, const S: usize>(gradients: &[f64]) {
+        let nodes: Vec<u32> = (0..=D as u32).collect();
+        let order = D * (D + 1);
+        let v: Vec<f64> = (0..order).map(|i| (i as f64 * 0.7).sin()).collect();
+        let stress: [f64; S] = std::array::from_fn(|i| 1.0 + i as f64);
+        let mut columns = [[0.0; S]; 12];
+        strain_columns::<D, S>(gradients, &mut columns[..order]);
+        let strain = strain_of::<S>(gradients, &nodes, &v);
+        let mut force = vec![0.0; order];
+        stress_force::<D, S>(gradients, &nodes, &stress, &mut force);
+        let work: f64 = force.iter().zip(&v).map(|(f, v)| f * v).sum();
+        let density: f64 = strain.iter().zip(&stress).map(|(e, s)| e * s).sum();
+        assert!((work - density).abs() < 1e-13);
+        for p in 0..S {
+            let sum: f64 = (0..order).map(|i| columns[i][p] * v[i]).sum();
+            assert!((sum - strain[p]).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn strain_and_force_are_adjoint() {
+        one_operator::<2, 3>(&[-1.3, -0.4, 0.9, -0.6, 0.4, 1.0]);
+        one_operator::<3, 6>(&[-1.0, -0.8, -1.1, 1.0, 0.3, 0.2, -0.2, 0.9, 0.1, 0.2, -0.4, 0.8]);
+    }
+}

@@ -1,0 +1,51 @@
+//! The constraint graphs of Γ3 for the solver.
+
+use std::sync::Arc;
+
+use super::{BoundaryRule, Discretization, Model};
+use vhi::law::{NoPotential, Potential, Projection};
+use vhi::{BoundaryGraph, Coordinate};
+
+/// The graphs of Γ3: gap and shift at the vertices, the potential where the vertex rule is used.
+pub fn boundary_graph<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    elastic: &[f64],
+) -> BoundaryGraph {
+    let none: Arc<dyn Potential> = Arc::new(NoPotential);
+    let Some(boundary) = &model.boundary else {
+        return BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] };
+    };
+    // A law with a factor is one law a vertex.
+    let mut potentials = match (boundary.rule, &boundary.scale) {
+        (BoundaryRule::Vertex, None) => vec![boundary.potential.clone()],
+        (BoundaryRule::Vertex, Some(_)) => Vec::new(),
+        (BoundaryRule::Gauss | BoundaryRule::Exact, _) => vec![none],
+    };
+    let one_each = potentials.is_empty();
+    let coordinates = space
+        .trace
+        .points
+        .iter()
+        .filter(|point| !point.clamped)
+        .map(|point| {
+            let x = space.mesh.point(&[point.vertex], &[1.0]);
+            if one_each {
+                potentials.push(Arc::new(boundary.potential_at(x)));
+            }
+            let stiffness = elastic[space.pattern.diagonal(point.unknown as usize)];
+            Coordinate {
+                dof: point.unknown,
+                sign: point.sign,
+                weight: point.weight,
+                gap: (boundary.gap)(x),
+                floor: f64::NEG_INFINITY,
+                law: potentials.len() as u32 - 1,
+                shift: (boundary.shift)(x),
+                // γ α_ν = α_ν w/K_ii is of order h α_ν/m_𝒜: below one wherever (2.9) holds.
+                gamma: point.weight / stiffness,
+            }
+        })
+        .collect();
+    BoundaryGraph { coordinates, potentials }
+}

@@ -1,0 +1,199 @@
+//! ∫_{Γ3} ∂j_ν(u_ν - s) v_ν by points on the facets: Gauss points, or Gauss points on the pieces of
+//! each edge between the kinks of ∂j_ν (the integral itself).
+
+use std::cell::Cell;
+
+use super::pieces::{EdgeShift, Pieces, Room, points};
+use super::{Boundary, BoundaryRule, Discretization};
+use crate::space::quadrature::{Rule, edge, triangle_degree_4};
+use algebra::linalg::BlockPattern;
+
+/// The compliance term over the facets of Γ3.
+pub struct FacetCompliance<'a> {
+    boundary: &'a Boundary,
+    facets: Vec<Facet>,
+    rule: PointRule,
+    /// For one edge after the other.
+    room: Cell<Room>,
+}
+
+/// Where the points of a facet lie.
+enum PointRule {
+    /// At fixed places, with the shift there (facet by facet): 3 points an edge, exact where
+    /// ∂j_ν(u_ν) v_ν is a polynomial of degree 5.
+    Gauss { rule: Rule, shift: Vec<f64>, scale: Option<Vec<f64>> },
+    /// On the pieces of each edge between kinks.
+    Exact { law: Pieces, shift: Vec<EdgeShift> },
+}
+
+/// A facet with the coordinates of its corners.
+struct Facet {
+    measure: f64,
+    corners: Vec<[f64; 3]>,
+    /// (unknown, sign, is free) of the trace points.
+    members: Vec<(usize, f64, bool)>,
+}
+
+/// A point of a facet for the present u.
+struct FacetPoint {
+    shape: [f64; 3],
+    weight: f64,
+    argument: f64,
+    /// c(x) of the law.
+    scale: f64,
+}
+
+impl<'a> FacetCompliance<'a> {
+    /// The rule of `boundary` on all facets of Γ3; `None` for the vertex rule or without law.
+    pub fn new(space: &Discretization, boundary: &'a Boundary) -> Option<Self> {
+        if boundary.potential.is_absent() {
+            return None;
+        }
+        let facets: Vec<Facet> = (0..space.trace.measure.len()).map(|f| facet(space, f)).collect();
+        let rule = match boundary.rule {
+            BoundaryRule::Vertex => return None,
+            BoundaryRule::Gauss => {
+                let rule = facet_rule(space.mesh.dimension);
+                let at_points = |f: &dyn Fn([f64; 3]) -> f64| -> Vec<f64> {
+                    let points =
+                        facets.iter().flat_map(|facet| rule.points.iter().map(|b| facet.at(b)));
+                    points.map(f).collect()
+                };
+                let shift = at_points(&boundary.shift);
+                let scale = boundary.scale.as_ref().map(|scale| at_points(scale));
+                PointRule::Gauss { rule, shift, scale }
+            }
+            BoundaryRule::Exact => {
+                assert_eq!(space.mesh.dimension, 2, "the exact rule cuts edges");
+                let along = |facet: &Facet| EdgeShift::new(|x| (boundary.shift)(facet.on_edge(x)));
+                PointRule::Exact {
+                    law: Pieces {
+                        kinks: boundary.potential.kinks().to_vec(),
+                        resolution: boundary.potential.resolution(),
+                        scaled: boundary.scale.is_some(),
+                    },
+                    shift: facets.iter().map(along).collect(),
+                }
+            }
+        };
+        Some(Self { boundary, facets, rule, room: Cell::default() })
+    }
+
+    /// α of (2.8c) for the law on every facet, with the largest factor at the points of the rule (for the
+    /// exact rule, at the corners and middles of edges and those of their halves).
+    pub fn descent(&self) -> f64 {
+        let alpha = self.boundary.potential.alpha();
+        let Some(factor) = &self.boundary.scale else { return alpha };
+        let largest = match &self.rule {
+            PointRule::Gauss { scale, .. } => {
+                scale.iter().flatten().fold(0.0f64, |largest, c| largest.max(*c))
+            }
+            PointRule::Exact { .. } => self
+                .facets
+                .iter()
+                .flat_map(|facet| [0.0, 0.25, 0.5, 0.75, 1.0].map(|x| factor(facet.on_edge(x))))
+                .fold(0.0f64, f64::max),
+        };
+        alpha * largest
+    }
+
+    /// Adds the force of the compliance term at the unknowns `nodal`, padded to all nodes.
+    pub fn add_force(&self, nodal: &[f64], out: &mut [f64]) {
+        self.each_point(nodal, |facet, point| {
+            let pressure = point.scale * self.boundary.potential.value_and_slope(point.argument).0;
+            for ((component, sign, unknown), shape) in facet.members.iter().zip(&point.shape) {
+                if *unknown {
+                    out[*component] += point.weight * pressure * sign * shape;
+                }
+            }
+        });
+    }
+
+    /// Adds its derivative to lower-triangle `values`.
+    pub fn add_tangent(&self, nodal: &[f64], pattern: &BlockPattern, values: &mut [f64]) {
+        self.each_point(nodal, |facet, point| {
+            let slope = point.scale * self.boundary.potential.value_and_slope(point.argument).1;
+            for (a, &(i, sign_i, unknown_i)) in facet.members.iter().enumerate() {
+                for (b, &(j, sign_j, unknown_j)) in facet.members.iter().enumerate().take(a + 1) {
+                    if !(unknown_i && unknown_j) {
+                        continue;
+                    }
+                    if let Some(position) = pattern.position(i, j) {
+                        values[position] += point.weight
+                            * slope
+                            * (sign_i * point.shape[a])
+                            * (sign_j * point.shape[b]);
+                    }
+                }
+            }
+        });
+    }
+
+    fn each_point(&self, nodal: &[f64], mut visit: impl FnMut(&Facet, &FacetPoint)) {
+        let mut room = self.room.take();
+        for (f, facet) in self.facets.iter().enumerate() {
+            let normal = |&(component, sign, _): &(usize, f64, bool)| sign * nodal[component];
+            match &self.rule {
+                PointRule::Gauss { rule, shift, scale } => {
+                    let count = rule.weights.len();
+                    for (q, (shape, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
+                        let values = facet.members.iter().map(normal);
+                        let value: f64 = values.zip(shape).map(|(u, s)| s * u).sum();
+                        let argument = value - shift[count * f + q];
+                        let mut own = [0.0; 3];
+                        own[..shape.len()].copy_from_slice(shape);
+                        let weight = weight * facet.measure;
+                        let scale = scale.as_ref().map_or(1.0, |scale| scale[count * f + q]);
+                        visit(facet, &FacetPoint { shape: own, weight, argument, scale });
+                    }
+                }
+                PointRule::Exact { law, shift } => {
+                    let ends = [normal(&facet.members[0]), normal(&facet.members[1])];
+                    let formula = |x: f64| (self.boundary.shift)(facet.on_edge(x));
+                    points(ends, &shift[f], formula, law, &mut room);
+                    for point in &room.points {
+                        let shape = [1.0 - point.place, point.place, 0.0];
+                        let weight = point.weight * facet.measure;
+                        let scale = self.boundary.scale_at(facet.on_edge(point.place));
+                        let argument = point.argument;
+                        visit(facet, &FacetPoint { shape, weight, argument, scale });
+                    }
+                }
+            }
+        }
+        self.room.set(room);
+    }
+}
+
+impl Facet {
+    fn at(&self, barycentric: &[f64]) -> [f64; 3] {
+        let mut x = [0.0; 3];
+        for (corner, b) in self.corners.iter().zip(barycentric) {
+            for (value, c) in x.iter_mut().zip(corner) {
+                *value += b * c;
+            }
+        }
+        x
+    }
+
+    fn on_edge(&self, x: f64) -> [f64; 3] {
+        self.at(&[1.0 - x, x])
+    }
+}
+
+fn facet(space: &Discretization, f: usize) -> Facet {
+    let points = space.trace.facet(f).iter().map(|&i| space.trace.points[i as usize]);
+    Facet {
+        measure: space.trace.measure[f],
+        corners: points.clone().map(|p| space.mesh.point(&[p.vertex], &[1.0])).collect(),
+        members: points.map(|p| (p.unknown as usize, p.sign, !p.clamped)).collect(),
+    }
+}
+
+/// Gauss rule of the facets of a d-dimensional mesh.
+pub fn facet_rule(dimension: usize) -> Rule {
+    if dimension == 2 { edge(3) } else { triangle_degree_4() }
+}
+
+#[cfg(test)]
+mod tests;

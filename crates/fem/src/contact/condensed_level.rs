@@ -1,0 +1,172 @@
+//! One time level of Problem 14 without projection, condensed onto Γ3, as a [`StepInequality`].
+//!
+//! With the volume eliminated the unknowns are those that carry u_ν:
+//!
+//!   s S u + Σ_i w_i c_i s_i e_i = f,   c_i ∈ G_i(s_i u_i),
+//!
+//! S the Schur complement of the stiffness on them, s a factor of it, f the condensed load.
+
+use algebra::linalg::{DenseCholesky, FactorError, axpy, norm, root_of_squares};
+use vhi::{BoundaryGraph, StepInequality};
+
+/// The condensed level.
+pub struct CondensedLevel {
+    /// The graphs; their dofs count the unknowns of Γ3.
+    graph: BoundaryGraph,
+    /// The unknowns of Γ3 in the volume.
+    dofs: Vec<u32>,
+    /// S, full and symmetric, by columns.
+    schur: Vec<f64>,
+    /// s.
+    pub scale: f64,
+    /// f.
+    pub load: Vec<f64>,
+    tangent: DenseCholesky,
+    /// What the factorized tangent was made of: s, slopes, pinned coordinates.
+    factorized: Option<f64>,
+    slopes: Vec<f64>,
+    pinned: Vec<bool>,
+    /// Prescribed increments.
+    increments: Vec<f64>,
+}
+
+impl CondensedLevel {
+    /// The level with the graphs of the volume on the unknowns `dofs` of Γ3, in their order.
+    pub fn new(mut graph: BoundaryGraph, dofs: Vec<u32>) -> Self {
+        for at in &mut graph.coordinates {
+            let own = dofs.iter().position(|&dof| dof == at.dof);
+            at.dof = own.expect("every graph sits on an unknown of its side") as u32;
+        }
+        let size = dofs.len();
+        Self {
+            graph,
+            dofs,
+            schur: vec![0.0; size * size],
+            scale: 1.0,
+            load: vec![0.0; size],
+            tangent: DenseCholesky::new(size),
+            factorized: None,
+            slopes: Vec::new(),
+            pinned: Vec::new(),
+            increments: vec![0.0; size],
+        }
+    }
+
+    /// Takes S = L Lᵀ from its factor, full and by columns.
+    pub fn set_schur(&mut self, triangle: &[f64]) {
+        let size = self.dofs.len();
+        self.schur.fill(0.0);
+        for k in 0..size {
+            let column = &triangle[size * k..size * (k + 1)];
+            for j in k..size {
+                axpy(column[j], &column[k..], &mut self.schur[size * j + k..size * (j + 1)]);
+            }
+        }
+        self.factorized = None;
+    }
+
+    /// The unknowns of Γ3 in the volume.
+    pub fn unknowns(&self) -> &[u32] {
+        &self.dofs
+    }
+
+    /// f ← f + α S x.
+    pub fn add_to_load(&mut self, alpha: f64, x: impl Iterator<Item = f64>) {
+        let size = self.dofs.len();
+        for (j, x) in x.enumerate() {
+            axpy(alpha * x, &self.schur[size * j..size * (j + 1)], &mut self.load);
+        }
+    }
+
+    fn factorize(&mut self) -> Result<(), FactorError> {
+        let size = self.dofs.len();
+        let (schur, scale) = (&self.schur, self.scale);
+        let (graph, slopes, pinned) = (&self.graph, &self.slopes, &self.pinned);
+        let outcome = self.tangent.factorize(|values| {
+            for (value, s) in values.iter_mut().zip(schur) {
+                *value = scale * s;
+            }
+            for ((at, slope), pinned) in graph.coordinates.iter().zip(slopes).zip(pinned) {
+                let i = at.dof as usize;
+                values[size * i + i] += slope;
+                if *pinned {
+                    // The diagonal stays: any positive number serves.
+                    (0..i).for_each(|j| values[size * j + i] = 0.0);
+                    (i + 1..size).for_each(|j| values[size * i + j] = 0.0);
+                }
+            }
+        });
+        outcome.map_err(|error| match error {
+            FactorError::NotPositiveDefinite { dof } => {
+                FactorError::NotPositiveDefinite { dof: self.dofs[dof] as usize }
+            }
+            other => other,
+        })
+    }
+}
+
+impl StepInequality for CondensedLevel {
+    fn dofs(&self) -> usize {
+        self.dofs.len()
+    }
+
+    fn graph(&self) -> &BoundaryGraph {
+        &self.graph
+    }
+
+    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
+        for (value, load) in out.iter_mut().zip(&self.load) {
+            *value = -load;
+        }
+        let columns = self.schur.chunks_exact(u.len().max(1));
+        for (column, u) in columns.zip(u) {
+            axpy(self.scale * u, column, out);
+        }
+    }
+
+    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
+        self.increments.fill(0.0);
+        for (at, increment) in self.graph.coordinates.iter().zip(prescribed) {
+            self.increments[at.dof as usize] = increment.unwrap_or(0.0);
+        }
+        let pins = prescribed.iter().map(Option::is_some);
+        let same = self.factorized == Some(self.scale)
+            && self.slopes == slopes
+            && self.pinned.iter().copied().eq(pins.clone());
+        if same {
+            return Ok(());
+        }
+        self.slopes.clear();
+        self.slopes.extend_from_slice(slopes);
+        self.pinned.clear();
+        self.pinned.extend(pins);
+        self.factorized = None;
+        self.factorize()?;
+        self.factorized = Some(self.scale);
+        Ok(())
+    }
+
+    fn solve(&mut self, rhs: &mut [f64], _: f64) -> Result<(), FactorError> {
+        let size = self.dofs.len();
+        for (j, increment) in self.increments.iter().enumerate().filter(|(_, d)| **d != 0.0) {
+            axpy(-self.scale * increment, &self.schur[size * j..size * (j + 1)], rhs);
+        }
+        let coordinates = self.graph.coordinates.iter().zip(&self.slopes);
+        for ((at, slope), _) in coordinates.zip(&self.pinned).filter(|(_, pinned)| **pinned) {
+            let i = at.dof as usize;
+            rhs[i] = (self.scale * self.schur[size * i + i] + slope) * self.increments[i];
+        }
+        self.tangent.solve(rhs);
+        Ok(())
+    }
+
+    /// As in the volume, on Γ3 alone: the condensed forces are no larger than those they are made of.
+    fn force_scale(&self, u: &[f64]) -> f64 {
+        let size = self.dofs.len();
+        let product = |(i, u): (usize, &f64)| self.schur[size * i + i] * u;
+        let products = root_of_squares(|scale| {
+            u.iter().enumerate().map(product).map(|f| (scale * f).powi(2)).sum()
+        });
+        self.scale * products + norm(&self.load)
+    }
+}

@@ -1,0 +1,237 @@
+//! Problem 14 over a time grid as a [`HistoryInequality`]: one [`ContactProblem`] level after
+//! another, with the histories of ℬ and ζ.
+
+use std::time::Instant;
+
+use super::last_slot::LastSlot;
+use super::path::{Paths, of_storage};
+use super::{CaseError, ContactProblem, Discretization, LinearSolver, Load, Model, strain_norm};
+use algebra::linalg::{FactorError, axpy};
+use vhi::history::{Accumulated, Memory, TimeGrid};
+use vhi::law::{Convolution, Projection};
+use vhi::{BoundaryGraph, HistoryInequality, StepInequality, StepState};
+
+/// The contact problem with its committed history.
+pub struct Evolution<'a, P> {
+    space: &'a Discretization,
+    model: &'a Model<P>,
+    grid: &'a TimeGrid,
+    source: &'a mut dyn Load,
+    problem: ContactProblem<'a, P>,
+    /// One a term of the memory, as the vectors below.
+    memory: Vec<Memory>,
+    accumulated: Accumulated,
+    /// Levels committed so far: the index n of the open one.
+    committed: usize,
+    slot: LastSlot,
+    past_zeta: f64,
+    /// F_n, Cartesian.
+    load: Vec<f64>,
+    /// Σ_{j<n} W_nj u_j of each term while a level is open, Σ'_{j≤n} W_nj u_j after its commit, of
+    /// unknowns padded to all nodes.
+    history: Vec<Vec<f64>>,
+    /// The same as displacements, where they differ.
+    shown_history: Vec<Vec<f64>>,
+    /// The same with a frozen last slot.
+    frozen_history: Vec<Vec<f64>>,
+    zeta: f64,
+    /// Seconds in loads.
+    pub seconds_load: f64,
+    /// Largest memory held by the history.
+    pub peak_history_bytes: usize,
+}
+
+impl<'a, P: Projection> Evolution<'a, P> {
+    /// Before the first level.
+    pub fn new(
+        space: &'a Discretization,
+        model: &'a Model<P>,
+        grid: &'a TimeGrid,
+        source: &'a mut dyn Load,
+    ) -> Self {
+        let rule = model.time_rule.as_ref();
+        let terms = model.memory.iter();
+        let memory: Vec<Memory> =
+            terms.map(|term| Memory::new(&*term.kernel, rule, grid, space.dofs())).collect();
+        Self {
+            problem: ContactProblem::new(space, model).solved_by(LinearSolver::of(
+                space,
+                model,
+                grid.steps(),
+            )),
+            history: vec![vec![0.0; space.nodes.len()]; memory.len()],
+            shown_history: match space.frames.is_empty() {
+                true => Vec::new(),
+                false => vec![vec![0.0; space.nodes.len()]; memory.len()],
+            },
+            frozen_history: vec![vec![0.0; space.dofs()]; memory.len()],
+            memory,
+            accumulated: Accumulated::default(),
+            committed: 0,
+            slot: LastSlot::default(),
+            past_zeta: 0.0,
+            load: vec![0.0; space.dofs()],
+            zeta: 0.0,
+            seconds_load: 0.0,
+            peak_history_bytes: 0,
+            space,
+            model,
+            grid,
+            source,
+        }
+    }
+
+    /// The problem at the open or last committed level.
+    pub fn problem(&self) -> &ContactProblem<'a, P> {
+        &self.problem
+    }
+
+    /// The same, for a solve with its last factor.
+    pub fn problem_mut(&mut self) -> &mut ContactProblem<'a, P> {
+        &mut self.problem
+    }
+
+    /// F_n of the open or last committed level.
+    pub fn load(&self) -> &[f64] {
+        &self.load
+    }
+
+    /// Σ'_{j≤n} W_nj u_j of the last committed level as nodal vectors, one a term of the memory.
+    pub fn history(&self) -> &[Vec<f64>] {
+        if self.space.frames.is_empty() { &self.history } else { &self.shown_history }
+    }
+
+    /// A vector of unknowns as displacements of all nodes.
+    pub fn nodal(&self, unknowns: &[f64]) -> Vec<f64> {
+        let mut nodal = unknowns.to_vec();
+        nodal.resize(self.space.nodes.len(), 0.0);
+        self.space.frames.to_cartesian(&mut nodal);
+        nodal
+    }
+
+    /// How the memory is kept.
+    pub(super) fn paths(&self) -> Paths {
+        let mut paths = Paths::default();
+        for memory in &self.memory {
+            paths.insert(of_storage(memory.storage(), self.grid));
+        }
+        paths
+    }
+
+    /// ζ_n of the last committed level.
+    pub fn zeta(&self) -> f64 {
+        self.zeta
+    }
+
+    /// Weights of the last slot of the open or last committed level.
+    pub fn last_slot(&self) -> LastSlot {
+        self.slot.clone()
+    }
+
+    /// Changes the weights of the last slot of the open level: a last step of another size after the
+    /// same past.
+    pub fn set_last_slot(&mut self, slot: LastSlot) {
+        self.slot = slot;
+        self.begin_implicit();
+    }
+
+    fn begin_implicit(&mut self) {
+        let sums = if self.committed > 0 { &self.history[..] } else { &[] };
+        self.problem.begin(&self.slot, self.past_zeta, &self.load, sums);
+    }
+}
+
+impl<P: Projection> HistoryInequality for Evolution<'_, P> {
+    type Error = CaseError;
+
+    fn grid(&self) -> &TimeGrid {
+        self.grid
+    }
+
+    fn open(&mut self) -> Result<(), CaseError> {
+        let n = self.committed;
+        let start = Instant::now();
+        self.source.assemble(self.grid.time(n), &mut self.load)?;
+        self.seconds_load += start.elapsed().as_secs_f64();
+        let rule = self.model.time_rule.as_ref();
+        let (grid, dofs) = (self.grid, self.space.dofs());
+        self.slot.zeta = rule.weight(grid, n, n);
+        self.slot.memory.clear();
+        self.past_zeta = self.accumulated.past(rule, grid);
+        for ((memory, term), sum) in
+            self.memory.iter_mut().zip(&self.model.memory).zip(&mut self.history)
+        {
+            let own = rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n);
+            self.slot.memory.push(own);
+            memory.past(&*term.kernel, rule, grid, &mut sum[..dofs]);
+        }
+        self.begin_implicit();
+        Ok(())
+    }
+
+    fn freeze(&mut self, eta: Option<&[f64]>) {
+        let Some(eta) = eta else { return self.begin_implicit() };
+        let dofs = self.space.dofs();
+        let zeta = self.past_zeta + self.slot.zeta * self.norm(eta);
+        let sums = self.frozen_history.iter_mut().zip(&self.history).zip(&self.slot.memory);
+        for ((frozen, sum), &own) in sums {
+            frozen.copy_from_slice(&sum[..dofs]);
+            axpy(own, eta, frozen);
+        }
+        self.problem.begin(&LastSlot::default(), zeta, &self.load, &self.frozen_history);
+    }
+
+    fn commit(&mut self, solution: &StepState) {
+        let dofs = self.space.dofs();
+        let strain_norm = self.problem.strain_norm();
+        self.zeta = self.past_zeta + self.slot.zeta * strain_norm;
+        self.accumulated.commit(self.grid, strain_norm);
+        let sums = self.history.iter_mut().zip(&self.slot.memory);
+        for (memory, (sum, &own)) in self.memory.iter_mut().zip(sums) {
+            memory.commit(self.grid, &solution.u);
+            axpy(own, &solution.u, &mut sum[..dofs]);
+        }
+        for (shown, sum) in self.shown_history.iter_mut().zip(&self.history) {
+            shown.copy_from_slice(sum);
+            self.space.frames.to_cartesian(shown);
+        }
+        let bytes = self.memory.iter().map(Memory::bytes).sum();
+        self.peak_history_bytes = self.peak_history_bytes.max(bytes);
+        self.committed += 1;
+    }
+
+    /// ‖ε(v)‖.
+    fn norm(&self, v: &[f64]) -> f64 {
+        strain_norm(self.space, &self.nodal(v))
+    }
+}
+
+impl<P: Projection> StepInequality for Evolution<'_, P> {
+    fn dofs(&self) -> usize {
+        self.problem.dofs()
+    }
+
+    fn descent(&self, i: usize) -> f64 {
+        self.problem.descent(i)
+    }
+
+    fn graph(&self) -> &BoundaryGraph {
+        self.problem.graph()
+    }
+
+    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
+        self.problem.residual(u, out);
+    }
+
+    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
+        self.problem.linearize(slopes, prescribed)
+    }
+
+    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+        self.problem.solve(rhs, forcing)
+    }
+
+    fn force_scale(&self, u: &[f64]) -> f64 {
+        self.problem.force_scale(u)
+    }
+}

@@ -1,0 +1,181 @@
+//! The KKT residual of the discrete form of (5.14), evaluated apart from the solver: from strains,
+//! laws and multipliers only, without tangents, active sets or stored matrices.
+
+use super::assembly::stress_force;
+use super::kkt_compliance::{add_exact, add_gauss};
+use super::march::StepView;
+use super::{BoundaryRule, Discretization, Model};
+use crate::space::strain_of;
+use algebra::linalg::{larger, largest};
+use vhi::law::{Projection, graph_distance};
+
+/// Largest violation of the discrete KKT system at one time level, relative to the largest nodal
+/// force of the stresses (or of the load, if larger); dimensionless. Zero force: the violation.
+///
+/// Parts: force balance with ξ and λ; 0 ≤ λ ⊥ g - u_ν ≥ 0; ξ ∈ ∂j_ν(u_ν) at the vertices.
+pub fn kkt_residual<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    load: &[f64],
+) -> f64 {
+    kkt_residual_in(space, model, view, load, &mut Vec::new())
+}
+
+/// The same with room for the forces, which a march hands in again at every level.
+pub(super) fn kkt_residual_in<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    load: &[f64],
+    room: &mut Vec<f64>,
+) -> f64 {
+    match space.mesh.dimension {
+        2 => evaluate::<P, 2, 3>(space, model, view, load, room),
+        _ => evaluate::<P, 3, 6>(space, model, view, load, room),
+    }
+}
+
+/// ∫ σ : ε(v) as a nodal vector, σ the stress that `view` shows.
+pub(super) fn internal_force<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+) -> Vec<f64> {
+    let mut force = Vec::new();
+    match space.mesh.dimension {
+        2 => internal_force_in::<P, 2, 3>(space, model, view, &mut force),
+        _ => internal_force_in::<P, 3, 6>(space, model, view, &mut force),
+    }
+    force
+}
+
+fn internal_force_in<P: Projection, const D: usize, const S: usize>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    force: &mut Vec<f64>,
+) {
+    force.clear();
+    force.resize(space.nodes.len(), 0.0);
+    for c in 0..space.mesh.cell_count() {
+        let stress = view.stress::<P, S>(space, model, c).map(|s| s * space.geometry.measure[c]);
+        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+        stress_force::<D, S>(gradients, nodes, &stress, force);
+    }
+}
+
+fn evaluate<P: Projection, const D: usize, const S: usize>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    load: &[f64],
+    balance: &mut Vec<f64>,
+) -> f64 {
+    internal_force_in::<P, D, S>(space, model, view, balance);
+    let mut scale = largest(balance).max(largest(load));
+    add_contact_forces(space, model, view, balance);
+    for (force, load) in balance.iter_mut().zip(load) {
+        *force -= load;
+    }
+    let unbalanced = largest(&balance[..space.dofs()]);
+    let mut worst = 0.0f64;
+    if let Some(boundary) = &model.boundary {
+        for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| !p.clamped) {
+            let x = space.mesh.point(&[point.vertex], &[1.0]);
+            let stiffness = model.elasticity.eigenvalues(D).1;
+            let (normal, lambda) = (space.trace.normal(i, view.u), view.multiplier[i]);
+            let gap = (boundary.gap)(x);
+            worst = worst.max(-lambda * point.weight);
+            if gap.is_finite() {
+                // A violated or missed bound, as the force that the stiffness answers it with.
+                worst = worst.max((normal - gap) * stiffness);
+                worst = worst.max((lambda * point.weight).min((gap - normal) * stiffness));
+            }
+            if boundary.rule == BoundaryRule::Vertex {
+                let place = [normal - (boundary.shift)(x), view.compliance[i]];
+                let potential = boundary.potential_at(x);
+                worst = worst.max(graph_distance(&potential, place, point.weight, stiffness));
+            }
+        }
+        scale = scale.max(f64::MIN_POSITIVE);
+    }
+    // Every unknown and pressure is part of the balance: a NaN in one of them shows in it.
+    let worst = larger(worst, unbalanced);
+    if scale > 0.0 { worst / scale } else { worst }
+}
+
+fn add_contact_forces<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    balance: &mut [f64],
+) {
+    let Some(boundary) = &model.boundary else { return };
+    for (i, point) in space.trace.points.iter().enumerate() {
+        let pressure = match boundary.rule {
+            BoundaryRule::Vertex => view.compliance[i] + view.multiplier[i],
+            BoundaryRule::Gauss | BoundaryRule::Exact => view.multiplier[i],
+        };
+        space.trace.add_normal(i, point.weight * pressure, balance);
+    }
+    match boundary.rule {
+        // A law that vanishes costs nothing.
+        _ if boundary.potential.is_absent() => {}
+        BoundaryRule::Vertex => {}
+        BoundaryRule::Gauss => add_gauss(space, boundary, view, balance),
+        BoundaryRule::Exact => add_exact(space, boundary, view, balance),
+    }
+}
+
+impl StepView<'_> {
+    /// σ_n^{kh} on cell c, from (5.1) with the discrete history.
+    pub fn stress<P: Projection, const S: usize>(
+        &self,
+        space: &Discretization,
+        model: &Model<P>,
+        c: usize,
+    ) -> [f64; S] {
+        let strain = strain_of(space.geometry.gradients(c), space.cell_nodes(c), self.u);
+        self.stress_of(space, model, c, &strain)
+    }
+
+    /// The same where ε(u_n^{kh}) on the cell is known.
+    #[inline]
+    pub fn stress_of<P: Projection, const S: usize>(
+        &self,
+        space: &Discretization,
+        model: &Model<P>,
+        c: usize,
+        strain: &[f64; S],
+    ) -> [f64; S] {
+        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+        let region = space.region(c);
+        let mut stress = model.elasticity.on(region).apply(strain);
+        for (memory, history) in model.memory.iter().zip(self.history) {
+            let remembered = strain_of::<S>(gradients, nodes, history);
+            let part = memory.tensor.on(region).apply(&remembered);
+            for (target, value) in stress.iter_mut().zip(part) {
+                *target += value;
+            }
+        }
+        if let Some(extra) = model.projection.stress(strain, self.kappa) {
+            for (target, value) in stress.iter_mut().zip(extra) {
+                *target += value;
+            }
+        }
+        stress
+    }
+
+    /// True where the projection acts on cell c.
+    pub fn yields<P: Projection, const S: usize>(
+        &self,
+        space: &Discretization,
+        model: &Model<P>,
+        c: usize,
+    ) -> bool {
+        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+        let strain = strain_of::<S>(gradients, nodes, self.u);
+        model.projection.stress(&strain, self.kappa).is_some()
+    }
+}

@@ -1,0 +1,103 @@
+//! The terms of (5.1)-(5.5) that a scene has. An absent term is `None` and costs nothing.
+
+use std::sync::Arc;
+
+use vhi::history::TimeRule;
+use vhi::law::{MemoryKernel, Potential, Projection, Scaled, TensorField};
+
+/// A term ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds of the memory.
+pub struct MemoryTerm {
+    /// b.
+    pub kernel: Box<dyn MemoryKernel>,
+    /// ℬ₀.
+    pub tensor: TensorField,
+}
+
+/// ℬ(lag) = Σ b_i(lag) ℬ_i on S^d; none without memory.
+pub fn relaxation(terms: &[MemoryTerm], lag: f64, d: usize) -> Option<TensorField> {
+    let (first, others) = terms.split_first()?;
+    let start = first.tensor.scaled(first.kernel.value(lag));
+    let add =
+        |sum: TensorField, term: &MemoryTerm| sum.plus(term.kernel.value(lag), &term.tensor, d);
+    Some(others.iter().fold(start, add))
+}
+
+/// Where ∫_{Γ3} ∂j_ν(u_ν) v_ν is evaluated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum BoundaryRule {
+    /// At the vertices, with lumped weights.
+    Vertex,
+    /// At Gauss points of the facets; the constraint stays at the vertices.
+    Gauss,
+    /// The integral itself, as in (5.14): edges cut where u_ν - s crosses a kink of ∂j_ν (plane
+    /// meshes); the constraint stays at the vertices.
+    Exact,
+}
+
+/// A function on Γ3.
+pub type OnContact = Box<dyn Fn([f64; 3]) -> f64 + Send + Sync>;
+
+/// Contact data on Γ3.
+pub struct Boundary {
+    /// ∂j_ν, but for the factor.
+    pub potential: Arc<dyn Potential>,
+    /// c > 0 at a point of Γ3: the law there is c ∂j_ν; none is one.
+    pub scale: Option<OnContact>,
+    /// g at a point of Γ3, infinite where there is no constraint.
+    pub gap: OnContact,
+    /// s at a point of Γ3: the potential is evaluated at u_ν - s.
+    pub shift: OnContact,
+    /// Quadrature of the compliance term.
+    pub rule: BoundaryRule,
+}
+
+impl Boundary {
+    /// c at a point of Γ3.
+    pub fn scale_at(&self, x: [f64; 3]) -> f64 {
+        self.scale.as_ref().map_or(1.0, |scale| scale(x))
+    }
+
+    /// c ∂j_ν at a point of Γ3.
+    pub fn potential_at(&self, x: [f64; 3]) -> Scaled {
+        Scaled { potential: self.potential.clone(), factor: self.scale_at(x) }
+    }
+}
+
+/// The model of a scene; `P` is the projection term or [`vhi::law::NoProjection`].
+pub struct Model<P> {
+    /// 𝒜.
+    pub elasticity: TensorField,
+    /// ℬ(t) = Σ b_i(t) ℬ_i: one term where it is a scalar kernel times a tensor, none without memory.
+    pub memory: Vec<MemoryTerm>,
+    /// μ and κ(ζ).
+    pub projection: P,
+    /// Contact; `None` if Γ3 is empty or carries neither law nor gap.
+    pub boundary: Option<Boundary>,
+    /// Quadrature in time.
+    pub time_rule: Box<dyn TimeRule>,
+}
+
+impl<P: Projection> Model<P> {
+    /// True if the discrete problem is linear: neither projection nor contact.
+    pub fn is_linear(&self) -> bool {
+        self.projection.limit().is_none() && self.boundary.is_none()
+    }
+
+    /// ‖ℬ(lag)‖ on S^d, the largest of all regions; zero without memory.
+    pub fn memory_norm(&self, lag: f64, d: usize) -> f64 {
+        match &self.memory[..] {
+            [] => 0.0,
+            [term] => term.kernel.value(lag).abs() * term.tensor.norm(d),
+            terms => relaxation(terms, lag, d).map_or(0.0, |tensor| tensor.norm(d)),
+        }
+    }
+
+    /// β with ℬ₀ = β𝒜, where there is one term and that is so; 0 without memory.
+    pub fn memory_multiple(&self) -> Option<f64> {
+        match &self.memory[..] {
+            [] => Some(0.0),
+            [term] => term.tensor.multiple_of(&self.elasticity),
+            _ => None,
+        }
+    }
+}

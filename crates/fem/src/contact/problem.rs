@@ -1,0 +1,399 @@
+//! One time level of Problem 14 as a [`StepInequality`].
+//!
+//! F(u) = ∫ σ:ε(v) - F_n(v) [+ compliance on facets], with
+//! σ = (𝒜 + W ℬ₀) ε(u) + μ(ε - P_{κ(ζ)}ε), ζ = ζ_past + w‖ε(u)‖, with w = w_nn and W = w_nn b(0) the
+//! weights of the last slot ([`LastSlot`]); the memory of the past is part of the load. The Jacobian is K + a bᵀ: K sparse and symmetric, and
+//! a rank-one piece from ζ(u), a = w κ'(ζ) ∫ ∂σ/∂κ : ε(v), b = ∂‖ε(u)‖/∂u.
+
+use std::time::Instant;
+
+use super::assembly::{cell_stiffness, stress_force};
+use super::boundary::boundary_graph;
+use super::compliance::FacetCompliance;
+use super::last_slot::{LastSlot, TangentOf};
+use super::linear::strain_norm_from;
+use super::work::Work;
+use super::{Discretization, LinearSolver, Model};
+use crate::space::strain_of;
+use algebra::linalg::{FactorError, RankOne, TangentSolver, norm, root_of_squares};
+use algebra::tensor::contract;
+use vhi::law::{Projection, TensorField};
+use vhi::{BoundaryGraph, StepInequality};
+
+/// The contact problem on one mesh, at one time level after another.
+pub struct ContactProblem<'a, P> {
+    space: &'a Discretization,
+    model: &'a Model<P>,
+    graph: BoundaryGraph,
+    compliance: Option<FacetCompliance<'a>>,
+    /// Positions of the rows and columns of the graph coordinates in the tangent.
+    couplings: Vec<Vec<(u32, u32)>>,
+    /// Stiffness of 𝒜 and of each ℬ₀.
+    elastic: Vec<f64>,
+    memory: Vec<Vec<f64>>,
+    /// 𝒜 + Σ W ℬ₀ as a law and as matrix values.
+    linear_law: TensorField,
+    /// 𝒜, as full as the terms of the memory: to it they are added in the memory that is there.
+    elasticity: TensorField,
+    linear: Vec<f64>,
+    solver: TangentSolver<'a>,
+    /// What the last tangent was made of.
+    last: TangentOf,
+    /// Load minus memory of the past.
+    load: Vec<f64>,
+    /// The unknowns padded to all nodes; the displacements, where they differ; forces on all nodes.
+    unknowns: Vec<f64>,
+    cartesian: Vec<f64>,
+    nodal_force: Vec<f64>,
+    strains: Vec<f64>,
+    past_zeta: f64,
+    slot: LastSlot,
+    strain_norm: f64,
+    /// Prescribed increments (dof, δ), and what they move to the right side (dof, value).
+    fixed: Vec<(usize, f64)>,
+    lifted: Vec<(usize, f64)>,
+    /// Counters and times.
+    work: Work,
+}
+
+impl<'a, P: Projection> ContactProblem<'a, P> {
+    /// The problem of `model` on `space`, before the first time level, with factors of its Jacobians.
+    pub fn new(space: &'a Discretization, model: &'a Model<P>) -> Self {
+        let elastic = space.stiffness_of_unknowns(&model.elasticity);
+        let terms = model.memory.iter();
+        let memory = terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect();
+        let graph = boundary_graph(space, model, &elastic);
+        let compliance =
+            model.boundary.as_ref().and_then(|boundary| FacetCompliance::new(space, boundary));
+        let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
+        let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
+        let needs_strains = model.projection.limit().is_some();
+        let d = space.mesh.dimension;
+        let elasticity = model
+            .memory
+            .iter()
+            .fold(model.elasticity.clone(), |sum, term| sum.plus(0.0, &term.tensor, d));
+        let tensor = if space.mesh.dimension == 2 { 3 } else { 6 };
+        Self {
+            solver: LinearSolver::Direct.on(space),
+            last: TangentOf::default(),
+            linear_law: elasticity.clone(),
+            elasticity,
+            linear: elastic.clone(),
+            elastic,
+            memory,
+            load: vec![0.0; space.dofs()],
+            unknowns: vec![0.0; space.nodes.len()],
+            cartesian: vec![0.0; if space.frames.is_empty() { 0 } else { space.nodes.len() }],
+            nodal_force: vec![0.0; space.nodes.len()],
+            strains: if needs_strains {
+                vec![0.0; tensor * space.mesh.cell_count()]
+            } else {
+                Vec::new()
+            },
+            past_zeta: 0.0,
+            slot: LastSlot::default(),
+            strain_norm: 0.0,
+            fixed: Vec::new(),
+            lifted: Vec::new(),
+            work: Work::default(),
+            space,
+            model,
+            graph,
+            compliance,
+            couplings,
+        }
+    }
+
+    /// The same with another linear solver.
+    pub fn solved_by(self, solver: LinearSolver) -> Self {
+        Self { solver: solver.on(self.space), ..self }
+    }
+
+    /// Opens a time level: weights of the last slot, the sum ζ_past, the load F_n (Cartesian), and the
+    /// history vectors Σ_{j<n} w_nj b(t_n - t_j) u_j (of unknowns) of each term of the memory.
+    /// They may be padded to all nodes.
+    pub fn begin(&mut self, slot: &LastSlot, past_zeta: f64, load: &[f64], past: &[Vec<f64>]) {
+        let start = Instant::now();
+        self.load.copy_from_slice(load);
+        self.space.frames.force_on_unknowns(&mut self.load);
+        for (past, memory) in past.iter().zip(&self.memory) {
+            let force = &mut self.nodal_force[..load.len()];
+            self.space.pattern.multiply(memory, past, force);
+            for (target, value) in self.load.iter_mut().zip(force) {
+                *target -= *value;
+            }
+        }
+        self.past_zeta = past_zeta;
+        let changed = slot.memory != self.slot.memory;
+        self.slot.clone_from(slot);
+        if changed {
+            self.set_linear_part();
+        }
+        self.work.seconds_assemble += start.elapsed().as_secs_f64();
+    }
+
+    fn set_linear_part(&mut self) {
+        self.linear_law.clone_from(&self.elasticity);
+        self.linear.copy_from_slice(&self.elastic);
+        let d = self.space.mesh.dimension;
+        let terms = self.model.memory.iter().zip(&self.memory).zip(&self.slot.memory);
+        for ((term, stiffness), &scale) in terms {
+            self.linear_law.add(scale, &term.tensor, d);
+            for (target, b) in self.linear.iter_mut().zip(stiffness) {
+                *target += scale * b;
+            }
+        }
+    }
+
+    /// ‖ε(u)‖ at the last evaluated u.
+    pub fn strain_norm(&self) -> f64 {
+        self.strain_norm
+    }
+
+    /// ζ at the last evaluated u.
+    pub fn zeta(&self) -> f64 {
+        self.past_zeta + self.slot.zeta * self.strain_norm
+    }
+
+    /// K⁻¹ rhs in place with the last factor; the right side is left as it is before the first
+    /// factorization (a scene at rest).
+    pub fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
+        self.solver.solve_with_last_factor(rhs);
+    }
+
+    /// Counters and times so far.
+    pub fn work(&self) -> Work {
+        Work { linear: self.solver.work(), ..self.work }
+    }
+
+    fn force<const D: usize, const S: usize>(&mut self, out: &mut [f64]) {
+        self.nodal_force.fill(0.0);
+        match self.model.projection.limit() {
+            None => self.linear_force::<D, S>(),
+            Some(limit) => {
+                let kappa = {
+                    self.compute_strains::<S>();
+                    limit.value(self.zeta())
+                };
+                self.projected_force::<D, S>(kappa);
+            }
+        }
+        self.space.frames.force_on_unknowns(&mut self.nodal_force);
+        out.copy_from_slice(&self.nodal_force[..out.len()]);
+    }
+
+    /// The displacements as a nodal vector.
+    fn displacements(&self) -> &[f64] {
+        if self.space.frames.is_empty() { &self.unknowns } else { &self.cartesian }
+    }
+
+    fn linear_force<const D: usize, const S: usize>(&mut self) {
+        let mut sum = 0.0;
+        for c in 0..self.space.mesh.cell_count() {
+            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            let measure = self.space.geometry.measure[c];
+            let strain = strain_of::<S>(gradients, nodes, self.displacements());
+            sum += measure * contract(&strain, &strain);
+            let law = self.linear_law.on(self.space.region(c));
+            let stress = law.apply(&strain).map(|s| measure * s);
+            stress_force::<D, S>(gradients, nodes, &stress, &mut self.nodal_force);
+        }
+        self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
+    }
+
+    fn compute_strains<const S: usize>(&mut self) {
+        let mut sum = 0.0;
+        for c in 0..self.space.mesh.cell_count() {
+            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            let strain = strain_of::<S>(gradients, nodes, self.displacements());
+            self.strains[S * c..S * (c + 1)].copy_from_slice(&strain);
+            sum += self.space.geometry.measure[c] * contract(&strain, &strain);
+        }
+        self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
+    }
+
+    fn cell_strain<const S: usize>(&self, c: usize) -> [f64; S] {
+        let mut strain = [0.0; S];
+        strain.copy_from_slice(&self.strains[S * c..S * (c + 1)]);
+        strain
+    }
+
+    fn projected_force<const D: usize, const S: usize>(&mut self, kappa: f64) {
+        for c in 0..self.space.mesh.cell_count() {
+            let strain = self.cell_strain::<S>(c);
+            let measure = self.space.geometry.measure[c];
+            let mut stress = self.linear_law.on(self.space.region(c)).apply(&strain);
+            if let Some(extra) = self.model.projection.stress(&strain, kappa) {
+                for (target, value) in stress.iter_mut().zip(extra) {
+                    *target += value;
+                }
+            }
+            let stress = stress.map(|s| measure * s);
+            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            stress_force::<D, S>(gradients, nodes, &stress, &mut self.nodal_force);
+        }
+    }
+
+    /// Adds the generalized derivative of the projection to the tangent; returns the rank-one piece, in `room`.
+    fn projected_tangent<const D: usize, const S: usize>(
+        &self,
+        tangent: &mut [f64],
+        room: RankOne,
+    ) -> Option<RankOne> {
+        let limit = self.model.projection.limit()?;
+        let zeta = self.zeta();
+        let (kappa, slope) = (limit.value(zeta), limit.slope(zeta));
+        let coupled = slope != 0.0 && self.slot.zeta != 0.0 && self.strain_norm > 0.0;
+        let RankOne { mut a, mut b } = room;
+        if coupled {
+            for vector in [&mut a, &mut b] {
+                vector.clear();
+                vector.resize(self.space.nodes.len(), 0.0);
+            }
+        }
+        let order = D * (D + 1);
+        let mut local = [0.0; 144];
+        for c in 0..self.space.mesh.cell_count() {
+            let strain = self.cell_strain::<S>(c);
+            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+            let measure = self.space.geometry.measure[c];
+            if let Some(response) = self.model.projection.response(&strain, kappa) {
+                let local = &mut local[..order * order];
+                cell_stiffness::<D, S>(gradients, &response.tangent, measure, local);
+                self.space.frames.rotate_cell(nodes, local);
+                self.space.pattern.scatter::<D>(c, nodes, local, tangent);
+                if coupled {
+                    let scale = self.slot.zeta * slope * measure;
+                    let stress = response.by_limit.map(|s| scale * s);
+                    stress_force::<D, S>(gradients, nodes, &stress, &mut a);
+                }
+            }
+            if coupled {
+                let stress = strain.map(|e| measure * e / self.strain_norm);
+                stress_force::<D, S>(gradients, nodes, &stress, &mut b);
+            }
+        }
+        coupled.then(|| {
+            self.space.frames.force_on_unknowns(&mut a);
+            self.space.frames.force_on_unknowns(&mut b);
+            a.truncate(self.space.dofs());
+            b.truncate(self.space.dofs());
+            RankOne { a, b }
+        })
+    }
+
+    /// Replaces the rows and columns of prescribed coordinates by the identity, and notes what their
+    /// increments move to the right side.
+    fn prescribe(
+        &mut self,
+        prescribed: &[Option<f64>],
+        tangent: &mut [f64],
+        rank_one: &mut Option<RankOne>,
+    ) {
+        self.fixed.clear();
+        self.lifted.clear();
+        for (i, increment) in prescribed.iter().enumerate() {
+            let Some(increment) = *increment else { continue };
+            for &(other, position) in &self.couplings[i] {
+                let value = std::mem::take(&mut tangent[position as usize]);
+                if increment != 0.0 {
+                    self.lifted.push((other as usize, value * increment));
+                }
+            }
+            let dof = self.graph.coordinates[i].dof as usize;
+            // The diagonal stays: any positive number serves, and this one fits its neighbours.
+            self.fixed.push((dof, increment));
+        }
+        let Some(rank_one) = rank_one else { return };
+        let moved: f64 =
+            self.fixed.iter().map(|&(dof, increment)| rank_one.b[dof] * increment).sum();
+        if moved != 0.0 {
+            let a = rank_one.a.iter().enumerate();
+            self.lifted.extend(a.map(|(dof, a)| (dof, moved * a)));
+        }
+        for &(dof, _) in &self.fixed {
+            rank_one.a[dof] = 0.0;
+            rank_one.b[dof] = 0.0;
+        }
+    }
+}
+
+impl<P: Projection> StepInequality for ContactProblem<'_, P> {
+    fn dofs(&self) -> usize {
+        self.space.dofs()
+    }
+
+    fn graph(&self) -> &BoundaryGraph {
+        &self.graph
+    }
+
+    fn descent(&self, i: usize) -> f64 {
+        let facets = self.compliance.as_ref().map_or(0.0, FacetCompliance::descent);
+        self.graph.descent(i).max(facets)
+    }
+
+    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
+        let start = Instant::now();
+        self.unknowns[..u.len()].copy_from_slice(u);
+        if !self.space.frames.is_empty() {
+            self.cartesian.copy_from_slice(&self.unknowns);
+            self.space.frames.to_cartesian(&mut self.cartesian);
+        }
+        match self.space.mesh.dimension {
+            2 => self.force::<2, 3>(out),
+            _ => self.force::<3, 6>(out),
+        }
+        if let Some(compliance) = &self.compliance {
+            compliance.add_force(&self.unknowns, out);
+        }
+        for (target, load) in out.iter_mut().zip(&self.load) {
+            *target -= load;
+        }
+        self.work.residuals += 1;
+        self.work.seconds_assemble += start.elapsed().as_secs_f64();
+    }
+
+    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
+        let start = Instant::now();
+        // Without projection and compliance on facets the tangent is known from slot, slopes, pins.
+        let constant = self.model.projection.limit().is_none() && self.compliance.is_none();
+        let unchanged = !self.last.replace(&self.slot, slopes, prescribed) && constant;
+        let mut tangent = self.solver.take_values();
+        tangent.clone_from(&self.linear);
+        let room = self.solver.take_rank_one();
+        let mut rank_one = match self.space.mesh.dimension {
+            2 => self.projected_tangent::<2, 3>(&mut tangent, room),
+            _ => self.projected_tangent::<3, 6>(&mut tangent, room),
+        };
+        if let Some(compliance) = &self.compliance {
+            compliance.add_tangent(&self.unknowns, &self.space.pattern, &mut tangent);
+        }
+        for (slope, at) in slopes.iter().zip(&self.graph.coordinates) {
+            tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;
+        }
+        self.work.tangents += u32::from(self.model.projection.limit().is_some());
+        self.prescribe(prescribed, &mut tangent, &mut rank_one);
+        self.solver.hold(self.fixed.iter().map(|&(dof, _)| dof));
+        self.work.seconds_assemble += start.elapsed().as_secs_f64();
+        self.solver.prepare(tangent, rank_one, unchanged)
+    }
+
+    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+        for &(dof, value) in &self.lifted {
+            rhs[dof] -= value;
+        }
+        for &(dof, increment) in &self.fixed {
+            let stiffness = self.solver.diagonal(dof);
+            rhs[dof] = stiffness * increment;
+        }
+        self.solver.solve(rhs, forcing)
+    }
+
+    fn force_scale(&self, u: &[f64]) -> f64 {
+        let pattern = &self.space.pattern;
+        let products = u.iter().enumerate().map(|(i, u)| self.linear[pattern.diagonal(i)] * u);
+        let squares = |scale: f64| products.clone().map(|f| (scale * f) * (scale * f)).sum();
+        root_of_squares(squares) + norm(&self.load)
+    }
+}

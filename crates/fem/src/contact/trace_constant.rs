@@ -1,0 +1,93 @@
+//! The constants of the normal trace on a mesh: sup ‖v_ν‖²_{L²(Γ3)}/(𝒞ε(v), ε(v)) over V^h.
+//!
+//! With 𝒞 = I it is c_j² of (2.4); with 𝒞 = 𝒜 it is the energy constant, which with α_ν decides by
+//! itself whether the elastic part of a step is monotone.
+
+use super::{Discretization, StiffnessInverse};
+use algebra::linalg::{
+    EigenError, Extreme, FactorError, LinearMap, largest_eigenvalue, signed_unit,
+};
+use vhi::law::TensorField;
+
+/// How ‖v_ν‖² is integrated over Γ3.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TraceMass {
+    /// Exactly: the mass matrix of linear facets.
+    Consistent,
+    /// By the vertex rule, as the solver integrates the compliance term; never smaller.
+    Lumped,
+}
+
+/// The largest quotient (a length, over a stress if 𝒞 is one), and the field that has it.
+///
+/// # Errors
+/// A stiffness matrix that cannot be factorized.
+pub fn trace_constant(
+    space: &Discretization,
+    tensor: &TensorField,
+    mass: TraceMass,
+) -> Result<Extreme, EigenError> {
+    let stiffness = StiffnessInverse::passing(space, tensor)?;
+    let nodal = vec![0.0; space.nodes.len()];
+    let mut map = Quotient { space, stiffness, mass, nodal };
+    // A constant pressure and some of everything else: no symmetry of the mesh hides the maximum.
+    let (mut seed, mut load) = (1, vec![0.0; space.nodes.len()]);
+    for (i, _) in space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped) {
+        space.trace.add_normal(i, 1.0 + 0.1 * signed_unit(&mut seed), &mut load);
+    }
+    let mut start = vec![0.0; space.dofs()];
+    map.apply(&load[..space.dofs()], &mut start)?;
+    if start.iter().all(|value| *value == 0.0) {
+        return Ok(Extreme { value: 0.0, vector: start, iterations: 0, residual: 0.0 });
+    }
+    largest_eigenvalue(&mut map, &start)
+}
+
+/// K⁻¹M in the inner product of K.
+struct Quotient<'a> {
+    space: &'a Discretization,
+    stiffness: StiffnessInverse<'a>,
+    mass: TraceMass,
+    nodal: Vec<f64>,
+}
+
+impl LinearMap for Quotient<'_> {
+    fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
+        self.nodal[..x.len()].copy_from_slice(x);
+        let mut force = trace_mass(self.space, self.mass, &self.nodal);
+        force.truncate(out.len());
+        out.copy_from_slice(&force);
+        self.stiffness.solve(out);
+        Ok(())
+    }
+
+    fn gram(&mut self, x: &[f64], out: &mut [f64]) {
+        self.stiffness.multiply(x, out);
+    }
+}
+
+/// M v over all nodes: ∫_{Γ3} v_ν φ_ν.
+fn trace_mass(space: &Discretization, mass: TraceMass, v: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; v.len()];
+    let trace = &space.trace;
+    match mass {
+        TraceMass::Lumped => {
+            for (i, point) in trace.points.iter().enumerate() {
+                trace.add_normal(i, point.weight * trace.normal(i, v), &mut out);
+            }
+        }
+        TraceMass::Consistent => {
+            let corners = trace.stride as f64;
+            for f in 0..trace.measure.len() {
+                let members = trace.facet(f);
+                let total: f64 = members.iter().map(|&i| trace.normal(i as usize, v)).sum();
+                for &i in members {
+                    let value = trace.measure[f] * (trace.normal(i as usize, v) + total)
+                        / (corners * (corners + 1.0));
+                    trace.add_normal(i as usize, value, &mut out);
+                }
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,98 @@
+//! The A-projection of a field: P_h u ∈ V^h with (A ε(P_h u), ε(v)) = (A ε(u), ε(v)) for all v,
+//! A = 𝒜 + μ as in the paper's operator. The distance u_h - P_h u shows the time error, and what
+//! contact and projection do, without most of the interpolation error.
+
+use super::Moments;
+use crate::contact::{Discretization, StiffnessInverse, Work, stress_force};
+use crate::space::strain_of;
+use algebra::linalg::FactorError;
+use vhi::law::TensorField;
+
+/// A on one mesh, factorized.
+pub struct ElasticProjection<'a> {
+    space: &'a Discretization,
+    operator: TensorField,
+    inverse: StiffnessInverse<'a>,
+}
+
+impl<'a> ElasticProjection<'a> {
+    /// Factorizes A = 𝒜 + μ I.
+    ///
+    /// # Errors
+    /// The factorization's.
+    pub fn new(
+        space: &'a Discretization,
+        elasticity: &TensorField,
+        mu: f64,
+    ) -> Result<Self, FactorError> {
+        Self::by(space, elasticity, mu, StiffnessInverse::passing)
+    }
+
+    /// The same by a factor that `space` holds from then on: runs on other grids in time ask for it again.
+    ///
+    /// # Errors
+    /// The factorization's.
+    pub fn held(
+        space: &'a Discretization,
+        elasticity: &TensorField,
+        mu: f64,
+    ) -> Result<Self, FactorError> {
+        Self::by(space, elasticity, mu, |space, operator| {
+            StiffnessInverse::held(space, operator, &mut Work::default())
+        })
+    }
+
+    fn by(
+        space: &'a Discretization,
+        elasticity: &TensorField,
+        mu: f64,
+        inverse: impl FnOnce(
+            &'a Discretization,
+            &TensorField,
+        ) -> Result<StiffnessInverse<'a>, FactorError>,
+    ) -> Result<Self, FactorError> {
+        let operator = elasticity.plus(mu, &TensorField::identity(), space.mesh.dimension);
+        let inverse = inverse(space, &operator)?;
+        Ok(Self { space, operator, inverse })
+    }
+
+    /// A⁻¹F for a force over the unknowns, as a nodal vector: one solve.
+    pub fn response(&mut self, force: &[f64]) -> Vec<f64> {
+        let mut nodal = vec![0.0; self.space.nodes.len()];
+        let unknowns = &mut nodal[..self.space.dofs()];
+        unknowns.copy_from_slice(force);
+        self.inverse.solve(unknowns);
+        nodal
+    }
+
+    /// ‖ε(P_h u - u_h)‖ for the truth `moments` of u and the nodal vector `u_h`: one solve.
+    pub fn distance(&mut self, moments: &Moments, u_h: &[f64]) -> f64 {
+        match self.space.mesh.dimension {
+            2 => self.distance_in::<2, 3>(moments, u_h),
+            _ => self.distance_in::<3, 6>(moments, u_h),
+        }
+    }
+
+    fn distance_in<const D: usize, const S: usize>(
+        &mut self,
+        moments: &Moments,
+        u_h: &[f64],
+    ) -> f64 {
+        let space = self.space;
+        let mut force = vec![0.0; space.nodes.len()];
+        for c in 0..space.mesh.cell_count() {
+            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+            let mut difference = strain_of::<S>(gradients, nodes, u_h);
+            for (value, mean) in difference.iter_mut().zip(&moments.strain.mean[S * c..]) {
+                *value = mean - *value;
+            }
+            let measure = space.geometry.measure[c];
+            let stress = self.operator.on(space.region(c)).apply(&difference).map(|s| measure * s);
+            stress_force::<D, S>(gradients, nodes, &stress, &mut force);
+        }
+        let unknowns = &mut force[..space.dofs()];
+        self.inverse.solve(unknowns);
+        force[space.dofs()..].fill(0.0);
+        crate::contact::strain_norm(space, &force)
+    }
+}

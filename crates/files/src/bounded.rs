@@ -1,0 +1,119 @@
+//! Reading that comes to an end: a device or a pipe in the place of a file is refused, or read up to a bound.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The most bytes that are read of a file of a directory of records (4 GiB: a table of ten million rows).
+const MOST: u64 = 1 << 32;
+
+/// Opens a regular file to read it; what is none is refused at once.
+///
+/// # Errors
+/// What the file system says, or what stands there in place of a file.
+pub fn open_file(path: &Path) -> io::Result<File> {
+    // Asked first, as opening alone does things to some devices; and asked again, as another program may be at work.
+    refuse_others(&std::fs::metadata(path)?)?;
+    let mut options = File::options();
+    options.read(true);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::OpenOptionsExt;
+        options.custom_flags(nix::libc::O_NONBLOCK);
+    }
+    let file = options.open(path)?;
+    refuse_others(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// The bytes of a file of at most 4 GiB.
+///
+/// # Errors
+/// Those of [`read_file_up_to`].
+pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+    read_file_up_to(path, MOST)
+}
+
+/// The bytes of a file, if they are no more than `most`.
+///
+/// # Errors
+/// Those of [`open_file`]; [`io::ErrorKind::FileTooLarge`].
+pub fn read_file_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    up_to(open_file(path)?, most)
+}
+
+/// The text of such a file.
+///
+/// # Errors
+/// Those of [`read_file`]; [`io::ErrorKind::InvalidData`] where it is not UTF-8.
+pub fn read_text(path: &Path) -> io::Result<String> {
+    let not_text = |error| io::Error::new(io::ErrorKind::InvalidData, error);
+    String::from_utf8(read_file(path)?).map_err(not_text)
+}
+
+/// The bytes of what a user names, which may be a pipe, if they are no more than `most`.
+///
+/// # Errors
+/// What the file system reports; [`io::ErrorKind::FileTooLarge`].
+pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    up_to(File::open(path)?, most)
+}
+
+fn up_to(file: File, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    file.take(most + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        let reason = format!("more than {} MiB", most >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
+    }
+    Ok(bytes)
+}
+
+fn refuse_others(found: &std::fs::Metadata) -> io::Result<()> {
+    if found.is_file() {
+        return Ok(());
+    }
+    let reason = format!("it is {}, where a file is wanted", kind(found));
+    Err(io::Error::new(io::ErrorKind::InvalidInput, reason))
+}
+
+fn kind(found: &std::fs::Metadata) -> &'static str {
+    if found.is_dir() {
+        return "a directory";
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::FileTypeExt;
+        let kind = found.file_type();
+        if kind.is_fifo() {
+            return "a pipe";
+        }
+        if kind.is_socket() {
+            return "a socket";
+        }
+        if kind.is_char_device() || kind.is_block_device() {
+            return "a device";
+        }
+    }
+    "no regular file"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_has_no_end_is_refused() {
+        let zero = Path::new("/dev/zero");
+        if zero.exists() {
+            assert_eq!(read_file(zero).unwrap_err().kind(), io::ErrorKind::InvalidInput);
+            let error = read_at_most(zero, 1 << 20).unwrap_err();
+            assert_eq!(error.to_string(), "more than 1 MiB");
+        }
+        assert!(
+            read_text(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/bounded.rs"))
+                .is_ok_and(|text| text.contains("comes to an end"))
+        );
+        assert_eq!(read_file(Path::new("none")).unwrap_err().kind(), io::ErrorKind::NotFound);
+    }
+}

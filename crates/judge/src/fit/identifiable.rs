@@ -1,0 +1,237 @@
+//! Whether a grid of cases determines an order in h and one in k.
+
+use super::log_table::Shape;
+use super::{Direction, JointFit, Point, same_level};
+use files::counted;
+
+/// Levels needed in each direction: two give an order, the third its uncertainty.
+const LEVELS: usize = 3;
+
+/// If log h and log k correlate beyond this, the two terms can trade places: on a path k = h
+/// nothing tells them apart.
+const LARGEST_CORRELATION: f64 = 0.999;
+
+/// Each term must carry this share of the error somewhere: below it, leaving the term out
+/// bends log e by less than 0.11, which the bias of the other term does as well.
+const SMALLEST_SHARE: f64 = 0.1;
+
+/// Bound of the scaled condition: beyond it, a bias of 1 in 1000 of the errors moves an order
+/// by its own size.
+const LARGEST_CONDITION: f64 = 1e3;
+
+/// The points do not determine both orders; what to run instead.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("not identifiable: {reason}; {suggestion}")]
+pub struct NotIdentifiable {
+    /// What is missing.
+    pub reason: String,
+    /// The cases to run.
+    pub suggestion: String,
+    /// The direction whose term is too small a part of the errors to be seen, if that is why: a
+    /// line of cases in it shows the other term.
+    pub hidden: Option<Direction>,
+}
+
+impl NotIdentifiable {
+    fn new(reason: impl Into<String>, suggestion: impl Into<String>) -> Self {
+        Self { reason: reason.into(), suggestion: suggestion.into(), hidden: None }
+    }
+
+    pub(super) fn no_minimum() -> Self {
+        Self::new("the fit of two power laws finds no minimum", "run one more level of h and of k")
+    }
+}
+
+/// Levels, number of points and independence of h and k.
+pub(super) fn check_grid(points: &[Point], parameters: usize) -> Result<(), NotIdentifiable> {
+    check_levels(points, parameters, LEVELS)
+}
+
+/// The grid without its coarsest level: of a fit with given orders two levels are enough.
+pub(super) fn check_clip(points: &[Point], shape: Shape) -> Result<(), NotIdentifiable> {
+    let needed = if shape.orders.is_some() { 2 } else { LEVELS };
+    check_levels(points, shape.parameters(), needed)
+}
+
+/// The same where the next term of each expansion is fitted as well: one level more.
+pub(super) fn check_bends(points: &[Point], parameters: usize) -> Result<(), NotIdentifiable> {
+    check_levels(points, parameters, LEVELS + 1)
+}
+
+fn check_levels(points: &[Point], parameters: usize, needed: usize) -> Result<(), NotIdentifiable> {
+    for (name, direction) in [("h", Direction::Space), ("k", Direction::Time)] {
+        let found = levels(points, direction).len();
+        if found < needed {
+            return Err(NotIdentifiable::new(
+                format!(
+                    "{} of {name} above the floor, {needed} are needed",
+                    counted(found, "level")
+                ),
+                format!("run {} more of {name}", needed - found),
+            ));
+        }
+    }
+    if correlation(points).abs() > LARGEST_CORRELATION {
+        return Err(NotIdentifiable::new(
+            "h and k are refined together, the two terms cannot be told apart",
+            "run the grid, every n with every number of steps",
+        ));
+    }
+    if points.len() <= parameters {
+        return Err(NotIdentifiable::new(
+            format!("{} for {parameters} parameters", counted(points.len(), "point")),
+            "run the grid, every n with every number of steps",
+        ));
+    }
+    Ok(())
+}
+
+/// Share of each term, and condition of the fit.
+pub(super) fn check_terms(fit: &JointFit, points: &[Point]) -> Result<(), NotIdentifiable> {
+    let largest = |term: usize| {
+        points.iter().map(|point| fit.weights(point.h, point.k)[term]).fold(0.0, f64::max)
+    };
+    let hints = [
+        ("space", "run fewer cells n, or more steps", Direction::Space),
+        ("time", "run fewer steps, or more cells n, or judge k on V_time_max", Direction::Time),
+    ];
+    for (term, (name, suggestion, direction)) in hints.into_iter().enumerate() {
+        let share = largest(term);
+        if share < SMALLEST_SHARE {
+            let percent = 100.0 * share;
+            let reason = format!("the {name} term is at most {percent:.1} % of the error");
+            let hidden = Some(direction);
+            return Err(NotIdentifiable { hidden, ..NotIdentifiable::new(reason, suggestion) });
+        }
+    }
+    // A condition that is no number fails as well.
+    if fit.condition <= LARGEST_CONDITION {
+        return Ok(());
+    }
+    let reason = format!("the condition of the fit is {:.0e}", fit.condition);
+    Err(NotIdentifiable::new(reason, "run one more level of h and of k"))
+}
+
+/// The grids without the coarsest h, and without the coarsest k.
+pub(super) fn clipped(points: &[Point]) -> [Vec<Point>; 2] {
+    [Direction::Space, Direction::Time].map(|direction| {
+        let coarsest = levels(points, direction).first().copied().unwrap_or(f64::INFINITY);
+        let finer = |point: &&Point| !same_level(direction.step(point), coarsest);
+        points.iter().filter(finer).copied().collect()
+    })
+}
+
+/// Distinct steps, from the largest to the smallest.
+fn levels(points: &[Point], direction: Direction) -> Vec<f64> {
+    let mut steps: Vec<f64> = points.iter().map(|point| direction.step(point)).collect();
+    steps.sort_by(|a, b| b.total_cmp(a));
+    steps.dedup_by(|finer, coarser| same_level(*finer, *coarser));
+    steps
+}
+
+fn correlation(points: &[Point]) -> f64 {
+    let count = points.len() as f64;
+    let mean = |f: &dyn Fn(&Point) -> f64| points.iter().map(f).sum::<f64>() / count;
+    let (h, k) = (mean(&|p| p.h.ln()), mean(&|p| p.k.ln()));
+    let mixed = mean(&|p| (p.h.ln() - h) * (p.k.ln() - k));
+    let spread = mean(&|p| (p.h.ln() - h).powi(2)) * mean(&|p| (p.k.ln() - k).powi(2));
+    mixed / spread.sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::{Estimate, Interval, Model};
+
+    fn on(pairs: &[(f64, f64)]) -> Vec<Point> {
+        pairs.iter().map(|&(h, k)| Point { h, k, error: 1.0, floor: 0.0 }).collect()
+    }
+
+    /// Three levels of each, five points that are no path: the least a fit of four parameters takes.
+    const FIVE: [(f64, f64); 5] =
+        [(0.5, 0.5), (0.25, 0.5), (0.125, 0.5), (0.5, 0.25), (0.5, 0.125)];
+
+    #[test]
+    fn three_levels_and_a_spare_point_are_enough() {
+        assert_eq!(check_grid(&on(&FIVE), 4), Ok(()));
+        let refused = check_grid(&on(&FIVE), 5).unwrap_err();
+        assert_eq!(refused.reason, "5 points for 5 parameters");
+        let two = check_grid(&on(&FIVE[..4]), 3).unwrap_err();
+        assert_eq!(
+            (two.reason.as_str(), two.suggestion.as_str()),
+            ("2 levels of k above the floor, 3 are needed", "run 1 more of k")
+        );
+        let bends = check_bends(&on(&FIVE), 4).unwrap_err();
+        assert_eq!(bends.reason, "3 levels of h above the floor, 4 are needed");
+        let given = Shape { orders: Some((1.0, 2.0)), floor: false, bends: false };
+        assert_eq!(check_clip(&on(&FIVE[..4]), given), Ok(()));
+        assert!(check_clip(&on(&FIVE[..4]), Shape { orders: None, ..given }).is_err());
+        assert_eq!(two.hidden, None);
+    }
+
+    /// (log h, log k) = (0, 0), (1, 0), (0, 1), (1, 1): independent; (0, 0), (1, 1), (2, 1): covariance
+    /// 1/3, variances 2/3 and 2/9, correlation √3/2.
+    #[test]
+    fn correlations_by_hand() {
+        let logs = |pairs: &[(f64, f64)]| -> Vec<Point> {
+            on(&pairs.iter().map(|(h, k)| (h.exp(), k.exp())).collect::<Vec<_>>())
+        };
+        let square = logs(&[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)]);
+        // A few roundings of numbers of size 1.
+        assert!(correlation(&square).abs() < 1e-15);
+        let bent = logs(&[(0.0, 0.0), (1.0, 1.0), (2.0, 1.0)]);
+        assert!((correlation(&bent) - 0.75f64.sqrt()).abs() < 1e-15);
+        let falling = logs(&[(0.0, 3.0), (1.0, 2.0), (2.0, 1.0), (3.0, 0.0), (1.0, 2.0)]);
+        assert!((correlation(&falling) + 1.0).abs() < 1e-15);
+        let refused = check_grid(&falling, 2).unwrap_err();
+        assert!(refused.reason.contains("refined together"), "{refused}");
+    }
+
+    #[test]
+    fn clips_lose_their_coarsest_level_alone() {
+        let mut points = on(&FIVE);
+        // The coarsest h once more, off by a rounding.
+        points.push(Point { h: 0.5 * (1.0 - 1e-15), ..points[4] });
+        let [without_h, without_k] = clipped(&points);
+        assert_eq!(without_h, points[1..3]);
+        assert_eq!(without_k, points[3..]);
+        assert_eq!(clipped(&[]), [vec![], vec![]]);
+        assert_eq!(levels(&points, Direction::Space), [0.5, 0.25, 0.125]);
+    }
+
+    fn fit(constant_h: f64, constant_k: f64, condition: f64) -> JointFit {
+        let interval = Interval { lo: 1.0, hi: 1.0 };
+        let order = Estimate { value: 1.0, interval };
+        JointFit {
+            model: Model::Sum,
+            order_h: order,
+            order_k: order,
+            student: [interval; 2],
+            constant_h,
+            constant_k,
+            floor: None,
+            residual_norm: 0.0,
+            condition,
+        }
+    }
+
+    /// At h = k = 1 the shares are those of the constants.
+    #[test]
+    fn a_term_counts_from_a_tenth_of_the_error_on() {
+        let here = on(&[(1.0, 1.0)]);
+        assert_eq!(check_terms(&fit(1.0, 8.9, 1e3), &here), Ok(()));
+        let space = check_terms(&fit(1.0, 9.1, 1.0), &here).unwrap_err();
+        assert!(space.reason.contains("the space term is at most 9.9 %"), "{space}");
+        assert_eq!(space.hidden, Some(Direction::Space));
+        let time = check_terms(&fit(9.1, 1.0, 1.0), &here).unwrap_err();
+        assert!(time.reason.contains("the time term"), "{time}");
+        assert_eq!(time.hidden, Some(Direction::Time));
+        // It may be small elsewhere: the largest share counts.
+        let two = on(&[(1.0, 1.0), (1.0, 1e-6)]);
+        assert_eq!(check_terms(&fit(1.0, 1.0, 1.0), &two), Ok(()));
+        for condition in [1.1e3, f64::INFINITY, f64::NAN] {
+            let refused = check_terms(&fit(1.0, 1.0, condition), &here).unwrap_err();
+            assert!(refused.reason.contains("condition"), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! Orders of convergence from errors: pure functions of numbers, for anybody's table.
+//!
+//! The residuals of these fits are bias, not noise: the next term of the error expansion bends
+//! the logarithmic line, so the Student interval alone misses the truth. The interval of an
+//! order is therefore a hull of four parts, see [`order_interval`].
+
+mod against_reference;
+mod eca_hoekstra;
+mod grid_fit;
+mod hull;
+mod identifiable;
+mod interval;
+mod joint;
+mod least_squares;
+mod levenberg_marquardt;
+mod local;
+mod log_table;
+mod model;
+mod path;
+mod power_law;
+mod richardson;
+mod screen;
+mod value_order;
+
+pub use against_reference::{AgainstReference, against_reference};
+pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
+use files::counted;
+pub use hull::{Correction, OrderInterval, order_interval};
+pub use identifiable::NotIdentifiable;
+pub use interval::Interval;
+pub use joint::{Estimate, JointFit, JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};
+pub use least_squares::{LinearFit, linear_fit, student_quantile};
+pub use local::{constant_under, local_slopes};
+pub use model::Model;
+pub use path::{Path, path};
+pub use power_law::{PowerLaw, power_law};
+pub use richardson::{Triple, ValueSample};
+pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen, value_samples};
+pub use value_order::{ValueOrder, value_order};
+
+/// Two steps are one level if they differ by rounding only: tables carry 1/3 as 0.333333333.
+const SAME_LEVEL: f64 = 1e-9;
+
+/// Whether two positive steps are one up to rounding.
+pub fn same_level(a: f64, b: f64) -> bool {
+    a.min(b) >= a.max(b) * (1.0 - SAME_LEVEL)
+}
+
+/// One entry of an error table. A missing error is NaN, an unmeasured floor is 0, and a step
+/// that the table does not have is NaN.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Mesh size.
+    pub h: f64,
+    /// Time step.
+    pub k: f64,
+    /// Error.
+    pub error: f64,
+    /// What the error would be for exact discretisation: solver tolerance and rounding.
+    pub floor: f64,
+}
+
+/// The step that is refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// Mesh size h.
+    Space,
+    /// Time step k.
+    Time,
+}
+
+impl Direction {
+    /// The step of a point in this direction.
+    pub fn step(self, point: &Point) -> f64 {
+        match self {
+            Self::Space => point.h,
+            Self::Time => point.k,
+        }
+    }
+}
+
+/// Why no order could be fitted.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum FitError {
+    /// Too few points for a slope and its interval.
+    #[error("{}, an order needs {needed}", counted(*found, "point"))]
+    TooFew {
+        /// Points given.
+        found: usize,
+        /// Points needed.
+        needed: usize,
+    },
+    /// The same step twice: no ratio, no slope.
+    #[error("the step {step:e} occurs twice")]
+    RepeatedStep {
+        /// The step.
+        step: f64,
+    },
+    /// The least-squares problem has no unique solution.
+    #[error("the fit of {} is singular", counted(*points, "point"))]
+    Singular {
+        /// Points given.
+        points: usize,
+    },
+}

@@ -1,0 +1,5 @@
+//! Numbers in, verdicts out: records of cases, fitted orders, predictions judged. Knows no solver.
+
+pub mod fit;
+pub mod record;
+pub mod verdict;

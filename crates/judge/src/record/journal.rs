@@ -1,0 +1,253 @@
+//! `cases.csv`, written as each case ends, and read back after any interruption.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
+
+use super::row::{self, COLUMNS, Row};
+use super::{CaseRecord, Key, RecordError, norm_rank};
+use files::{read_file, replace_file};
+
+/// The table of cases, open for appending.
+#[derive(Debug)]
+pub struct Journal {
+    path: PathBuf,
+    file: File,
+}
+
+impl Journal {
+    /// Opens the table at `path`, with its header if it is new. A torn last line, left by an
+    /// interrupted write, is cut off first.
+    ///
+    /// # Errors
+    /// [`RecordError::Header`] if the file is something else (it is not touched), and all
+    /// that [`read`] reports.
+    pub fn open(path: &Path) -> Result<Self, RecordError> {
+        let io_error = |source| RecordError::Io { path: path.to_owned(), source };
+        let bytes = match read_file(path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+            other => other.map_err(io_error)?,
+        };
+        let Scan { intact, width, .. } = scan(path, &bytes)?;
+        // Rows of two lengths would make the table unreadable.
+        check_header(path, &bytes, intact == 0 || width == COLUMNS.len())?;
+        let file = OpenOptions::new().create(true).append(true).open(path).map_err(io_error)?;
+        file.set_len(intact).map_err(io_error)?;
+        let mut journal = Self { path: path.to_owned(), file };
+        if intact == 0 {
+            journal.write(&lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(io_error)?)?;
+        }
+        Ok(journal)
+    }
+
+    /// Appends all rows of a case in one write, and flushes.
+    ///
+    /// # Errors
+    /// [`RecordError::Name`] if a name has a line break; [`RecordError::Io`].
+    pub fn append(&mut self, case: &CaseRecord) -> Result<(), RecordError> {
+        let bytes = case_lines(case, &self.path)?;
+        self.in_place()?;
+        self.write(&bytes)
+    }
+
+    /// Whether the table is still the one at its path: what is written into a removed file is lost without a word.
+    ///
+    /// # Errors
+    /// [`RecordError::Gone`]; [`RecordError::Io`].
+    pub fn in_place(&self) -> Result<(), RecordError> {
+        let own = self.file.metadata();
+        let own = own.map_err(|source| RecordError::Io { path: self.path.clone(), source })?;
+        match fs::metadata(&self.path) {
+            Ok(there) if same_file(&own, &there) => Ok(()),
+            _ => Err(RecordError::Gone { path: self.path.clone() }),
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), RecordError> {
+        let written = self.file.write_all(bytes).and_then(|()| self.file.flush());
+        written.map_err(|source| RecordError::Io { path: self.path.clone(), source })
+    }
+}
+
+#[cfg(unix)]
+fn same_file(one: &fs::Metadata, other: &fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    (one.dev(), one.ino()) == (other.dev(), other.ino())
+}
+
+/// Files have no identity here: that one is there has to do.
+#[cfg(not(unix))]
+fn same_file(_: &fs::Metadata, _: &fs::Metadata) -> bool {
+    true
+}
+
+/// A table of cases as it was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// The cases in order of first appearance; of two entries of one case the later wins. A case that lost rows shows
+    /// in [`CaseRecord::norms`].
+    pub cases: Vec<CaseRecord>,
+    /// Lines that are not as they were written; what they say is left out.
+    pub changed: Vec<u64>,
+    /// The last line was cut off, and is left out.
+    pub torn: bool,
+    /// The rows have checksums.
+    pub checked: bool,
+}
+
+/// Reads the cases of a table. A torn last line is dropped.
+///
+/// # Errors
+/// A torn, malformed or changed line anywhere else, with its number.
+pub fn read(path: &Path) -> Result<Vec<CaseRecord>, RecordError> {
+    let Table { cases, changed, .. } = read_table(path)?;
+    match changed.first() {
+        Some(&line) => Err(RecordError::Changed { path: path.to_owned(), line }),
+        None => Ok(cases),
+    }
+}
+
+/// Reads a table, and says what is wrong with it.
+///
+/// # Errors
+/// A torn or malformed line that is not the last, with its number; no file.
+pub fn read_table(path: &Path) -> Result<Table, RecordError> {
+    let bytes =
+        read_file(path).map_err(|source| RecordError::Io { path: path.to_owned(), source })?;
+    let Scan { rows, intact, width } = scan(path, &bytes)?;
+    let torn = intact < bytes.len() as u64;
+    let checked = width == COLUMNS.len();
+    let (rows, changed) = rows
+        .into_iter()
+        .partition(|(line, fields)| Row { path, line: *line, fields }.is_unchanged());
+    let changed = lines_of(changed);
+    Ok(Table { cases: cases(path, &rows)?, changed, torn, checked })
+}
+
+fn lines_of(rows: Vec<Line>) -> Vec<u64> {
+    rows.into_iter().map(|(line, _)| line).collect()
+}
+
+/// The cases of rows.
+fn cases(path: &Path, rows: &[Line]) -> Result<Vec<CaseRecord>, RecordError> {
+    let mut cases: Vec<CaseRecord> = Vec::new();
+    let mut place: BTreeMap<Key, usize> = BTreeMap::new();
+    let mut previous: Option<&StringRecord> = None;
+    let mut current = 0;
+    for (line, fields) in rows {
+        let row = Row { path, line: *line, fields };
+        let norm = row.norm()?;
+        let continues = previous.is_some_and(|before| row::same_case(before, fields))
+            && norm.as_ref().is_some_and(|entry| cases[current].norm(&entry.norm).is_none());
+        if !continues {
+            let case = row.case()?;
+            current = *place.entry(case.key()).or_insert(cases.len());
+            if current == cases.len() {
+                cases.push(case);
+            } else {
+                cases[current] = case;
+            }
+        }
+        cases[current].errors.extend(norm);
+        previous = Some(fields);
+    }
+    Ok(cases)
+}
+
+/// Writes the whole table, sorted by scene, n, steps and norm, in place of the old one; of two
+/// entries of one case the later wins.
+///
+/// # Errors
+/// [`RecordError::Name`], [`RecordError::Io`].
+pub fn write_sorted(path: &Path, cases: &[CaseRecord]) -> Result<(), RecordError> {
+    let io_error = |source| RecordError::Io { path: path.to_owned(), source };
+    let mut sorted: BTreeMap<Key, CaseRecord> =
+        cases.iter().map(|case| (case.key(), case.clone())).collect();
+    let mut bytes = lines(&[COLUMNS.map(str::to_owned).to_vec()]).map_err(io_error)?;
+    for case in sorted.values_mut() {
+        case.errors.sort_by_cached_key(|entry| (norm_rank(&entry.norm), entry.norm.clone()));
+        bytes.extend(case_lines(case, path)?);
+    }
+    replace_file(path, &bytes).map_err(io_error)
+}
+
+pub(super) fn case_lines(case: &CaseRecord, path: &Path) -> Result<Vec<u8>, RecordError> {
+    for name in case.norms().chain([case.scene.as_str()]) {
+        if name.contains(['\n', '\r']) {
+            return Err(RecordError::Name { name: name.to_owned() });
+        }
+    }
+    lines(&row::encode(case)).map_err(|source| RecordError::Io { path: path.to_owned(), source })
+}
+
+pub(super) fn lines(rows: &[Vec<String>]) -> io::Result<Vec<u8>> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    for row in rows {
+        writer.write_record(row)?;
+    }
+    writer.into_inner().map_err(|error| io::Error::other(error.to_string()))
+}
+
+/// A line number, from 1, and the fields of the line.
+type Line = (u64, StringRecord);
+
+/// The rows of a table with their line numbers, the length of its intact part in bytes, and the fields of a row.
+struct Scan {
+    rows: Vec<Line>,
+    intact: u64,
+    width: usize,
+}
+
+fn scan(path: &Path, bytes: &[u8]) -> Result<Scan, RecordError> {
+    let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |last| last + 1);
+    if whole == 0 {
+        return check_header(path, bytes, COLUMNS.join(",").as_bytes().starts_with(bytes))
+            .map(|()| Scan { rows: Vec::new(), intact: 0, width: COLUMNS.len() });
+    }
+    let (mut rows, mut places) = parse_lines(path, &bytes[..whole])?;
+    let width = rows.first().and_then(|(_, first)| row::width(first));
+    check_header(path, bytes, width.is_some())?;
+    let width = width.unwrap_or(COLUMNS.len());
+    rows.remove(0);
+    let mut intact = whole as u64;
+    if rows.last().is_some_and(|(_, last)| last.len() != width) {
+        rows.pop();
+        intact = places.pop().unwrap_or(intact);
+    }
+    match rows.iter().find(|(_, fields)| fields.len() != width) {
+        Some((line, fields)) => {
+            Err(RecordError::Fields { path: path.to_owned(), line: *line, found: fields.len() })
+        }
+        None => Ok(Scan { rows, intact, width }),
+    }
+}
+
+/// The lines of a table with their numbers, and where each begins.
+fn parse_lines(path: &Path, bytes: &[u8]) -> Result<(Vec<Line>, Vec<u64>), RecordError> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(bytes);
+    let mut rows = Vec::new();
+    let mut places = Vec::new();
+    for record in reader.byte_records() {
+        let record = record
+            .map_err(|error| RecordError::Io { path: path.to_owned(), source: error.into() })?;
+        let (line, byte) = record.position().map_or((0, 0), |at| (at.line(), at.byte()));
+        rows.push((line, StringRecord::from_byte_record_lossy(record)));
+        places.push(byte);
+    }
+    Ok((rows, places))
+}
+
+fn check_header(path: &Path, bytes: &[u8], ours: bool) -> Result<(), RecordError> {
+    if ours {
+        return Ok(());
+    }
+    let first = bytes.split(|&byte| byte == b'\n').next().unwrap_or_default();
+    let found = String::from_utf8_lossy(&first[..first.len().min(60)]).into_owned();
+    Err(RecordError::Header { path: path.to_owned(), found })
+}
+
+#[cfg(test)]
+mod tests;

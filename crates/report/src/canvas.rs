@@ -1,0 +1,186 @@
+//! Strokes, markers and words on an SVG, in units of 1/1800 of its width.
+
+use plotters::coord::Shift;
+use plotters::element::{Circle, PathElement, Polygon};
+use plotters::prelude::{DrawingArea, IntoDrawingArea, IntoFont, RGBColor, SVGBackend, Text};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
+
+use super::ReportError;
+use super::sheet::{PAPER, WORDS};
+use files::harmless;
+
+/// Size of a picture in units.
+pub(super) const SIZE: (u32, u32) = (1800, 1120);
+
+/// Height of plain text: 33 of 1800 units are 8.3 pt where the picture is 16 cm wide.
+const TEXT: f64 = 33.0;
+
+/// plotters writes the font size it is given divided by this.
+const PLOTTERS_FONT: f64 = 1.24;
+
+/// Half of the size of a marker.
+const MARKER: f64 = 11.0;
+
+/// A place on the canvas, y downwards.
+pub(super) type Place = (f64, f64);
+
+/// Where a text stands from its place.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Anchor {
+    Left,
+    Centre,
+    Right,
+    /// Centred and turned to read upwards.
+    Upwards,
+}
+
+/// The canvas of one picture.
+pub(super) struct Canvas<'a> {
+    area: DrawingArea<SVGBackend<'a>, Shift>,
+    /// Height of plain text.
+    text: f64,
+}
+
+impl<'a> Canvas<'a> {
+    pub(super) fn new(svg: &'a mut String) -> Result<Self, ReportError> {
+        Self::of_size(svg, SIZE, TEXT)
+    }
+
+    /// A canvas of another size, with another height of text.
+    pub(super) fn of_size(
+        svg: &'a mut String,
+        size: (u32, u32),
+        text: f64,
+    ) -> Result<Self, ReportError> {
+        let area = SVGBackend::with_string(svg, size).into_drawing_area();
+        area.fill(&PAPER).map_err(ReportError::drawing)?;
+        Ok(Self { area, text })
+    }
+
+    pub(super) fn finish(self) -> Result<(), ReportError> {
+        self.area.present().map_err(ReportError::drawing)
+    }
+
+    pub(super) fn line(
+        &self,
+        path: &[Place],
+        colour: RGBColor,
+        width: u32,
+    ) -> Result<(), ReportError> {
+        let style = colour.stroke_width(width);
+        self.area.draw(&PathElement::new(pixels(path), style)).map_err(ReportError::drawing)
+    }
+
+    /// A path of strokes of length `on` with gaps of length `off`.
+    pub(super) fn dashed(
+        &self,
+        path: &[Place],
+        colour: RGBColor,
+        (on, off): (f64, f64),
+    ) -> Result<(), ReportError> {
+        let mut phase = 0.0;
+        for pair in path.windows(2) {
+            let (from, to) = (pair[0], pair[1]);
+            let length = (to.0 - from.0).hypot(to.1 - from.1);
+            let along = |s: f64| {
+                let share = s / length;
+                (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1))
+            };
+            let mut start = -phase;
+            while start < length {
+                let stroke = (start.max(0.0), (start + on).min(length));
+                if stroke.1 > stroke.0 {
+                    self.line(&[along(stroke.0), along(stroke.1)], colour, 4)?;
+                }
+                start += on + off;
+            }
+            phase = (phase + length) % (on + off);
+        }
+        Ok(())
+    }
+
+    pub(super) fn fill(
+        &self,
+        corners: &[Place],
+        colour: RGBColor,
+        opacity: f64,
+    ) -> Result<(), ReportError> {
+        let shape = Polygon::new(pixels(corners), colour.mix(opacity).filled());
+        self.area.draw(&shape).map_err(ReportError::drawing)
+    }
+
+    /// A marker, one of four shapes by its number; hollow for a point that is left out.
+    pub(super) fn marker(
+        &self,
+        place: Place,
+        shape: usize,
+        colour: RGBColor,
+        hollow: bool,
+    ) -> Result<(), ReportError> {
+        let corners = outline(shape, place);
+        let inside = if hollow { PAPER } else { colour };
+        if corners.is_empty() {
+            let disc = |radius: f64, ink: RGBColor| {
+                Circle::new(pixel(place), radius.round() as i32, ink.filled())
+            };
+            self.area.draw(&disc(MARKER, colour)).map_err(ReportError::drawing)?;
+            return self.area.draw(&disc(MARKER - 4.0, inside)).map_err(ReportError::drawing);
+        }
+        self.fill(&corners, inside, 1.0)?;
+        let closed: Vec<Place> = corners.iter().chain(corners.first()).copied().collect();
+        self.line(&closed, colour, 4)
+    }
+
+    pub(super) fn text(
+        &self,
+        words: &str,
+        place: Place,
+        anchor: Anchor,
+    ) -> Result<(), ReportError> {
+        self.styled(words, place, anchor, FontStyle::Normal)
+    }
+
+    pub(super) fn bold(&self, words: &str, place: Place) -> Result<(), ReportError> {
+        self.styled(words, place, Anchor::Left, FontStyle::Bold)
+    }
+
+    fn styled(
+        &self,
+        words: &str,
+        place: Place,
+        anchor: Anchor,
+        weight: FontStyle,
+    ) -> Result<(), ReportError> {
+        let font = ("sans-serif", self.text * PLOTTERS_FONT).into_font().style(weight);
+        let (font, horizontal) = match anchor {
+            Anchor::Left => (font, HPos::Left),
+            Anchor::Centre => (font, HPos::Center),
+            Anchor::Right => (font, HPos::Right),
+            Anchor::Upwards => (font.transform(FontTransform::Rotate270), HPos::Center),
+        };
+        let style = TextStyle::from(font).color(&WORDS).pos(Pos::new(horizontal, VPos::Center));
+        self.area
+            .draw(&Text::new(harmless(words).into_owned(), pixel(place), style))
+            .map_err(ReportError::drawing)
+    }
+}
+
+/// Corners of a marker; none for the disc.
+fn outline(shape: usize, (x, y): Place) -> Vec<Place> {
+    let corners: &[Place] = match shape % 4 {
+        0 => &[],
+        1 => &[(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)],
+        2 => &[(0.0, -1.3), (1.2, 0.9), (-1.2, 0.9)],
+        _ => &[(0.0, -1.4), (1.4, 0.0), (0.0, 1.4), (-1.4, 0.0)],
+    };
+    corners.iter().map(|(dx, dy)| (x + MARKER * dx, y + MARKER * dy)).collect()
+}
+
+fn pixel((x, y): Place) -> (i32, i32) {
+    (x.round() as i32, y.round() as i32)
+}
+
+fn pixels(path: &[Place]) -> Vec<(i32, i32)> {
+    path.iter().copied().map(pixel).collect()
+}

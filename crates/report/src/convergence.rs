@@ -1,0 +1,138 @@
+//! Error against h, and against k: one curve a norm, with what was predicted and fitted.
+
+use std::collections::BTreeMap;
+
+use super::chart::{Axis, Chart, Datum, Key, Part, Series};
+use super::curve::{Curve, curve, is_path, norms};
+use super::ruler::Scale;
+use super::{ReportError, SceneSummary};
+use judge::fit::Direction;
+use judge::record::{CaseRecord, is_by_state, norm_label, norm_label_in_time};
+use judge::verdict::{Verdict, cell_texts};
+
+/// The picture of one scene in one direction; none if no norm has two points there.
+///
+/// # Errors
+/// [`ReportError::Drawing`].
+pub fn convergence_svg(
+    scene: &SceneSummary,
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+    direction: Direction,
+) -> Result<Option<String>, ReportError> {
+    let records: Vec<CaseRecord> =
+        records.iter().filter(|record| record.scene == scene.name).cloned().collect();
+    let (curves, not_drawn): (Vec<Curve<'_>>, Vec<Curve<'_>>) = norms(&records)
+        .into_iter()
+        .filter_map(|norm| curve(scene, &records, verdicts, norm, direction))
+        .filter(|curve| curve.verdict.is_some() || !is_by_state(curve.norm))
+        .partition(Curve::is_drawn);
+    let level = |fixed: u32| match direction {
+        Direction::Space => format!("N = {fixed}"),
+        Direction::Time => format!("n = {fixed}"),
+    };
+    // Curves need not come from the same cases: the axis names the most frequent level, curves of
+    // another name their own.
+    let usual = most_frequent(curves.iter().filter_map(|curve| curve.fixed));
+    let others = curves.iter().any(|curve| curve.fixed != usual);
+    let mut step = step_name(&records, direction).to_owned();
+    if let Some(usual) = usual {
+        let rest = if others { " where not named" } else { "" };
+        step = format!("{step}, {}{rest}", level(usual));
+    }
+    let x = Axis::new(step, Scale::Steps);
+    let y = Axis::new("error in the norm named", Scale::Log);
+    let mut chart = Chart::new(&scene.name, &scene.question, x, y);
+    let label = |norm| match records.iter().any(|record| record.n.is_some()) {
+        true => norm_label(norm),
+        false => norm_label_in_time(norm),
+    };
+    let named = |curve: &Curve<'_>| match curve.verdict.is_some_and(is_path) {
+        true => Some("N grows with n".to_owned()),
+        false => curve.fixed.filter(|own| Some(*own) != usual).map(level),
+    };
+    // Floors of judged curves say why points were left out; those of all others would hide them.
+    let judged = curves.iter().any(|curve| curve.verdict.is_some());
+    let floor = |curve: &Curve<'_>| match judged && curve.verdict.is_none() {
+        true => Vec::new(),
+        false => curve.visible_floor().to_vec(),
+    };
+    let drawn = |curve| series(curve, label(curve.norm), named(curve), floor(curve));
+    chart.series = curves.iter().map(drawn).collect();
+    chart.keys = keys(&chart.series);
+    let names: Vec<&str> = not_drawn.iter().map(|curve| label(curve.norm)).collect();
+    if !names.is_empty() {
+        chart.note = format!("not drawn, in cases.csv: {}", names.join("; "));
+    }
+    chart.svg()
+}
+
+/// What the abscissa is, with its convention.
+fn step_name(records: &[CaseRecord], direction: Direction) -> &'static str {
+    // 1/n is off by a rounding at most.
+    let cells = |record: &CaseRecord| match (record.n, record.h) {
+        (Some(n), Some(h)) => (f64::from(n) * h - 1.0).abs() < 1e-9,
+        _ => true,
+    };
+    match direction {
+        Direction::Space if records.iter().all(cells) => {
+            "mesh size h = 1/n, n cells per unit length"
+        }
+        Direction::Space => "mesh size h, the longest edge",
+        Direction::Time => "time step k = T/N",
+    }
+}
+
+fn most_frequent(levels: impl Iterator<Item = u32>) -> Option<u32> {
+    let mut counts: BTreeMap<u32, usize> = BTreeMap::new();
+    levels.for_each(|level| *counts.entry(level).or_default() += 1);
+    counts.into_iter().max_by_key(|(_, count)| *count).map(|(level, _)| level)
+}
+
+fn series(curve: &Curve<'_>, label: &str, level: Option<String>, floor: Vec<Datum>) -> Series {
+    let fitted = fitted(curve);
+    let mut parts = match &fitted {
+        Some(fit) => fit.to_vec(),
+        None => vec![Part::Line(curve.used.clone())],
+    };
+    parts.push(Part::Points(curve.used.clone()));
+    let rest = [Part::Hollow(curve.left_out.clone()), Part::Dashed(floor)];
+    parts.extend(rest.into_iter().filter(|part| !part.points().is_empty()));
+    let mut series = Series::new(label, parts);
+    let judged = curve.verdict.map(|verdict| {
+        let [_, _, _, _, observed, decision, _] = cell_texts(verdict);
+        format!("{observed} {decision}")
+    });
+    series.detail = [level, judged].into_iter().flatten().collect::<Vec<_>>().join("\n");
+    series.slope = curve.slope();
+    series
+}
+
+/// The fitted line through the centre of the points, and the lines of the interval's ends.
+fn fitted(curve: &Curve<'_>) -> Option<[Part; 3]> {
+    let (order, [lo, hi]) = curve.verdict.and_then(|v| v.observed.zip(v.interval))?;
+    let (a, b) = (curve.used.first()?.0, curve.used.last()?.0);
+    let count = curve.used.len() as f64;
+    let mean = |f: fn(&Datum) -> f64| curve.used.iter().map(f).sum::<f64>() / count;
+    let (x, y) = (mean(|point| point.0.ln()), mean(|point| point.1.ln()));
+    let at = |step: f64, slope: f64| (step, (y + slope * (step.ln() - x)).exp());
+    let centre = (x.exp(), y.exp());
+    let band = |end: f64| Part::Band(vec![at(end, lo), centre, at(end, hi)]);
+    Some([band(a), band(b), Part::Line(vec![at(a, order), at(b, order)])])
+}
+
+/// What the signs mean that occur.
+fn keys(series: &[Series]) -> Vec<Key> {
+    let occurs = |part: fn(&Part) -> bool| series.iter().flat_map(|s| &s.parts).any(part);
+    let mut keys = Vec::new();
+    if occurs(|part| matches!(part, Part::Band(_))) {
+        keys.push(Key::Band("fitted line, its interval".into()));
+    }
+    if occurs(|part| matches!(part, Part::Hollow(_))) {
+        keys.push(Key::Hollow("left out".into()));
+    }
+    if occurs(|part| matches!(part, Part::Dashed(_))) {
+        keys.push(Key::Dashed("floor of the error".into()));
+    }
+    keys
+}

@@ -1,0 +1,61 @@
+//! Broken hypotheses: the scenes that break one on purpose, with what is left of the order.
+
+use super::Pen;
+use crate::document::Run;
+use crate::document::content::tone;
+use judge::verdict::cell_texts;
+
+pub(super) fn write(pen: &mut Pen<'_>) {
+    let report = pen.report;
+    let broken: Vec<_> = report.scenes.iter().filter(|scene| !scene.violates.is_empty()).collect();
+    pen.chapter(
+        "chapter-broken",
+        "Broken hypotheses",
+        "A hypothesis is needed if the order is lost without it. These scenes break one on purpose; what is then left was derived beforehand, \
+         and is judged like any other prediction.",
+    );
+    if broken.is_empty() {
+        return pen.absent("There is no scene that breaks one", "run broken-kernel broken-trace");
+    }
+    let mut rows = Vec::new();
+    for scene in &broken {
+        let target = format!("#{}", report.stem(scene));
+        let first = [
+            Run::plain(
+                scene.violates.iter().map(|name| numbered(name)).collect::<Vec<_>>().join(", "),
+            ),
+            Run::plain(&*scene.name).to(target),
+        ];
+        let own = report.verdicts.iter().filter(|verdict| verdict.scene == scene.name);
+        let judged: Vec<Vec<Run>> = own
+            .map(|verdict| {
+                let [_, norm, variable, predicted, observed, decision, _] = cell_texts(verdict);
+                let cells = [format!("{norm} in {variable}"), predicted, observed].map(Run::plain);
+                let decision = Run::of(decision, tone(verdict));
+                let question = Run::plain(&*scene.question);
+                first.iter().cloned().chain(cells).chain([decision, question]).collect()
+            })
+            .collect();
+        match judged.is_empty() {
+            false => rows.extend(judged),
+            true => {
+                let cells = ["–", "–", "–", "not judged"].map(Run::plain);
+                let question = Run::plain(&*scene.question);
+                rows.push(first.into_iter().chain(cells).chain([question]).collect());
+            }
+        }
+    }
+    pen.table(
+        "Scenes that break a hypothesis, by its number in the paper: the order that is derived for it, and the one observed.",
+        &["broken", "scene", "error", "predicted", "observed", "verdict", "question"],
+        rows,
+    );
+}
+
+/// A hypothesis as scene files name it: a number of the paper, or a word.
+fn numbered(name: &str) -> String {
+    match name.starts_with(|c: char| c.is_ascii_digit()) {
+        true => format!("({name})"),
+        false => name.replace('_', " "),
+    }
+}

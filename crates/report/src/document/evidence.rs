@@ -1,0 +1,121 @@
+//! What a verdict rests on: its points as a table, and the table of a scene's cases.
+
+use super::{Run, Table, Tone};
+use judge::record::{CaseRecord, Status, V_MAX, is_by_state, norm_rank};
+use judge::verdict::{Variable, Verdict};
+
+/// Norms in the table of cases: more would not fit a page, and cases.csv has them.
+const NORM_COLUMNS: usize = 4;
+
+/// A number with four digits.
+pub(super) fn scientific(value: f64) -> String {
+    if value.is_finite() { format!("{value:.3e}") } else { "–".into() }
+}
+
+/// A step: as a fraction where it is one.
+fn step(value: f64) -> String {
+    if value.is_finite() { crate::number::step_label(value) } else { "–".into() }
+}
+
+/// The points of a verdict from coarse to fine, with the order between neighbours that served.
+pub(super) fn points(verdict: &Verdict, records: &[CaseRecord], number: usize) -> Table {
+    let case = |h: f64, k: f64| {
+        let here = |r: &&CaseRecord| {
+            r.scene == verdict.scene
+                && r.k == k
+                && r.h.map_or(h.is_nan(), |own| own == h)
+                && r.norm(&verdict.norm).is_some()
+        };
+        records.iter().find(here)
+    };
+    let used = verdict.points_used.iter().map(|p| (p.h, p.k, p.error, None));
+    let left_out = verdict.points_left_out.iter().map(|p| (p.h, p.k, p.error, Some(&*p.reason)));
+    let mut points: Vec<(f64, f64, f64, Option<&str>)> = used.chain(left_out).collect();
+    let along = |h: f64, k: f64| if verdict.variable == Variable::K { k } else { h };
+    points.sort_by(|a, b| along(b.0, b.1).total_cmp(&along(a.0, a.1)).then(b.1.total_cmp(&a.1)));
+    let joint = verdict.variable == Variable::Joint;
+    let mut before: Option<(f64, f64)> = None;
+    let mut rows = Vec::new();
+    for (h, k, error, reason) in points {
+        let record = case(h, k);
+        let level = |n: Option<u32>| n.map_or_else(|| "–".to_owned(), |n| n.to_string());
+        let at = along(h, k);
+        let order = match before.filter(|_| reason.is_none() && !joint) {
+            Some((step, other)) => format!("{:.3}", (other / error).ln() / (step / at).ln()),
+            None => "–".into(),
+        };
+        if reason.is_none() {
+            before = Some((at, error));
+        }
+        let floor = record.and_then(|r| r.norm(&verdict.norm)?.floor);
+        rows.push(vec![
+            Run::plain(level(record.and_then(|r| r.n))),
+            Run::plain(level(record.map(|r| r.steps))),
+            Run::plain(step(h)),
+            Run::plain(step(k)),
+            Run::plain(scientific(error)),
+            Run::plain(order),
+            Run::plain(floor.map_or_else(|| "–".into(), scientific)),
+            Run::plain(reason.map_or_else(|| "served".into(), |why| format!("left out: {why}"))),
+        ]);
+    }
+    let (norm, variable) = (&verdict.norm, verdict.variable.name());
+    Table {
+        number,
+        caption: format!("{}: points of the verdict on {norm} in {variable}.", verdict.scene),
+        head: ["n", "N", "h", "k", "error", "local order", "floor", "use"].map(Into::into).into(),
+        numeric: vec![true, true, true, true, true, true, true, false],
+        rows,
+    }
+}
+
+/// All cases of a scene with their sizes and errors.
+pub(super) fn cases(scene: &str, records: &[CaseRecord], number: usize) -> Option<Table> {
+    let own: Vec<&CaseRecord> = records.iter().filter(|r| r.scene == scene).collect();
+    let mut norms: Vec<&str> = own.iter().flat_map(|record| record.norms()).collect();
+    norms.sort_by_key(|norm| (norm_rank(norm), *norm));
+    norms.dedup();
+    norms.retain(|norm| *norm == V_MAX || !is_by_state(norm));
+    let rest = norms.split_off(norms.len().min(NORM_COLUMNS));
+    if own.is_empty() {
+        return None;
+    }
+    let row = |record: &&CaseRecord| {
+        let ended = match &record.status {
+            Status::Converged => Run::plain("converged"),
+            Status::Failed { .. } => Run::of("failed", Tone::Miss),
+            Status::Skipped => Run::plain("skipped"),
+        };
+        let error = |norm: &&str| record.norm(norm).and_then(|entry| entry.error);
+        let cells = norms.iter().map(|norm| error(norm).map_or_else(|| "–".into(), scientific));
+        let sizes = [
+            record.n.map_or_else(|| "–".into(), |n| n.to_string()),
+            record.steps.to_string(),
+            record.dofs.to_string(),
+            record.newton_iterations.to_string(),
+        ];
+        let plain = sizes.into_iter().chain(cells).map(Run::plain);
+        plain.chain([ended]).collect::<Vec<Run>>()
+    };
+    let rows: Vec<Vec<Run>> = own.iter().map(row).collect();
+    let head: Vec<String> = ["n", "N", "unknowns", "Newton"]
+        .into_iter()
+        .chain(norms.iter().copied())
+        .chain(["status"])
+        .map(str::to_owned)
+        .collect();
+    let more = match rest.is_empty() {
+        true => String::new(),
+        false => format!(" Also in cases.csv: {}.", rest.join(", ")),
+    };
+    let last = head.len() - 1;
+    Some(Table {
+        number,
+        caption: format!(
+            "{scene}: all cases; unknowns of a time level, Newton iterations over all levels, errors in the norms named.{more}"
+        ),
+        numeric: (0..head.len()).map(|column| column != last).collect(),
+        head,
+        rows,
+    })
+}

@@ -1,0 +1,264 @@
+//! The tables of numbers as one LaTeX document with booktabs rules: to be compiled, or to be cut from.
+
+use super::{Document, Run, Table, Tone};
+use files::harmless;
+
+const PREAMBLE: &str = "\\documentclass[10pt]{article}
+\\usepackage[T1]{fontenc}
+\\usepackage[utf8]{inputenc}
+\\usepackage{lmodern,booktabs,longtable,array}
+\\usepackage[a4paper,margin=18mm]{geometry}
+\\setlength{\\tabcolsep}{4pt}
+% A caption stays with the head of its table.
+\\newcommand\\room{\\par\\ifdim\\dimexpr\\pagegoal-\\pagetotal\\relax<6\\baselineskip\\newpage\\fi}
+\\begin{document}
+";
+
+/// Columns with longer cells than this break their lines.
+const LONGEST_CELL: usize = 26;
+/// Mean width of a character in `footnotesize` and the distance of two columns, in widths of the line: 4.1 pt and 8 pt of 494 pt.
+const CHARACTER: f64 = 0.0083;
+const BETWEEN: f64 = 0.0162;
+/// The next smaller size, `scriptsize`, in that.
+const SMALLER: f64 = 0.875;
+/// What columns that break their lines need of the line together.
+const LEAST: f64 = 0.25;
+/// A column counts no longer than this when they share what is left.
+const LONGEST_SHARE: usize = 70;
+
+/// The tables without those that show data as code.
+pub(crate) fn tables(document: &Document) -> String {
+    let shows_code = |t: &&Table| t.rows.iter().flatten().any(|run| run.tone == Tone::Code);
+    let tables: String = document.tables().filter(|t| !shows_code(t)).map(table).collect();
+    format!("{PREAMBLE}\\section*{{{}}}\n\n{tables}\\end{{document}}\n", escaped(&document.title))
+}
+
+fn table(table: &Table) -> String {
+    let (size, columns) = columns(table);
+    let line = |cells: Vec<String>| format!("{} \\\\\n", cells.join(" & "));
+    let head = line(table.head.iter().map(|head| escaped(head)).collect());
+    let cell = |run: &Run| escaped(&run.text);
+    let rows: String = table.rows.iter().map(|row| line(row.iter().map(cell).collect())).collect();
+    // The number is set by hand: it stays that of the report when tables are left out.
+    format!(
+        "\\room\n{{\\{size}\n\\noindent Table {}. {}\\par\\nopagebreak\n\\begin{{longtable}}[l]{{@{{}}{columns}@{{}}}}\n\\toprule\n{head}\\midrule\n\\endhead\n{rows}\\bottomrule\n\\end{{longtable}}}}\n\n",
+        table.number,
+        escaped(&table.caption),
+    )
+}
+
+/// The size of the letters, and what the columns are: short ones as wide as they are, long ones share the rest of the line.
+fn columns(table: &Table) -> (&'static str, String) {
+    let longest = |column: usize| {
+        let cells = table.rows.iter().map(|row| row[column].text.chars().count());
+        cells.max().unwrap_or(0)
+    };
+    let all = 0..table.head.len();
+    let is_wide = |column: usize| longest(column) > LONGEST_CELL;
+    let short = all.clone().filter(|column| !is_wide(*column));
+    let characters: usize =
+        short.map(|column| longest(column).max(table.head[column].chars().count())).sum();
+    let weight = |column: usize| longest(column).min(LONGEST_SHARE) as f64;
+    let weights: f64 = all.clone().filter(|column| is_wide(*column)).map(weight).sum();
+    let rest = |size: f64| 1.0 - BETWEEN * all.len() as f64 - size * CHARACTER * characters as f64;
+    let least = if weights > 0.0 { LEAST } else { 0.0 };
+    let (size, rest) = match rest(1.0) >= least {
+        true => ("footnotesize", rest(1.0)),
+        false => ("scriptsize", rest(SMALLER).max(0.5 * LEAST)),
+    };
+    let kind = |column: usize| match (is_wide(column), table.numeric[column]) {
+        (true, _) => {
+            let share = rest * weight(column) / weights;
+            format!(">{{\\raggedright\\arraybackslash}}p{{{share:.3}\\linewidth}}")
+        }
+        (false, true) => "r".to_owned(),
+        (false, false) => "l".to_owned(),
+    };
+    (size, all.clone().map(kind).collect())
+}
+
+/// Words that LaTeX sets as they are. Letters beyond these are left to `inputenc`.
+fn escaped(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for character in harmless(text).chars() {
+        match command(character) {
+            Some(command) => result.push_str(command),
+            None => result.push(character),
+        }
+    }
+    result
+}
+
+fn command(character: char) -> Option<&'static str> {
+    Some(match character {
+        '\\' => "\\textbackslash{}",
+        '{' => "\\{",
+        '}' => "\\}",
+        '$' => "\\$",
+        '&' => "\\&",
+        '%' => "\\%",
+        '#' => "\\#",
+        '_' => "\\_",
+        '^' => "\\textasciicircum{}",
+        '~' => "\\textasciitilde{}",
+        '<' => "$<$",
+        '>' => "$>$",
+        '|' => "$|$",
+        '"' => "''",
+        // A bracket after the end of a line would be its distance to the next.
+        '[' => "{[}",
+        ']' => "{]}",
+        '\n' => "; ",
+        '–' => "--",
+        '−' => "$-$",
+        '×' => "$\\times$",
+        '·' => "$\\cdot$",
+        '≥' => "$\\geq$",
+        '≤' => "$\\leq$",
+        '≠' => "$\\neq$",
+        '≈' => "$\\approx$",
+        '±' => "$\\pm$",
+        '∞' => "$\\infty$",
+        '∈' => "$\\in$",
+        '∂' => "$\\partial$",
+        '∇' => "$\\nabla$",
+        '∫' => "$\\int$",
+        'Σ' => "$\\Sigma$",
+        'Ω' => "$\\Omega$",
+        'Γ' => "$\\Gamma$",
+        'Λ' => "$\\Lambda$",
+        'Δ' => "$\\Delta$",
+        'α' => "$\\alpha$",
+        'β' => "$\\beta$",
+        'γ' => "$\\gamma$",
+        'δ' => "$\\delta$",
+        'ε' => "$\\varepsilon$",
+        'ζ' => "$\\zeta$",
+        'η' => "$\\eta$",
+        'θ' => "$\\theta$",
+        'κ' => "$\\kappa$",
+        'λ' => "$\\lambda$",
+        'μ' => "$\\mu$",
+        'ν' => "$\\nu$",
+        'ξ' => "$\\xi$",
+        'π' => "$\\pi$",
+        'ρ' => "$\\rho$",
+        'σ' => "$\\sigma$",
+        'τ' => "$\\tau$",
+        'φ' => "$\\varphi$",
+        'ω' => "$\\omega$",
+        'ℝ' => "$\\mathbf{R}$",
+        '𝒜' => "$\\mathcal{A}$",
+        'ℬ' => "$\\mathcal{B}$",
+        '𝒮' => "$\\mathcal{S}$",
+        '‖' => "$\\|$",
+        '√' => "$\\surd$",
+        '→' => "$\\to$",
+        '⊂' => "$\\subset$",
+        '½' => "$\\frac12$",
+        '…' => "\\dots{}",
+        '′' => "$'$",
+        '⁰' => "$^0$",
+        '¹' => "$^1$",
+        '²' => "$^2$",
+        '³' => "$^3$",
+        '⁻' => "$^-$",
+        '₀' => "$_0$",
+        '₁' => "$_1$",
+        '₂' => "$_2$",
+        '₃' => "$_3$",
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// inputenc alone knows letters with accents and no sign of mathematics: one that has no command would stop LaTeX.
+    #[test]
+    fn every_sign_of_the_program_has_a_command() {
+        let known =
+            |c: char| c.is_ascii() || command(c).is_some() || ('\u{c0}'..='\u{ff}').contains(&c);
+        for (_, label) in judge::record::NORMS {
+            assert!(label.chars().all(known), "{label}");
+        }
+        assert_eq!(escaped("a_b & 50 % {ε}"), "a\\_b \\& 50 \\% \\{$\\varepsilon$\\}");
+        assert_eq!(escaped("≥ 1\n[2]"), "$\\geq$ 1; {[}2{]}");
+    }
+
+    fn of(rows: Vec<Vec<&str>>, numeric: Vec<bool>) -> Table {
+        let head = vec!["head".to_owned(); numeric.len()];
+        let row = |cells: Vec<&str>| cells.into_iter().map(Run::plain).collect();
+        let rows = rows.into_iter().map(row).collect();
+        Table { number: 1, caption: "a & b".into(), head, numeric, rows }
+    }
+
+    #[test]
+    fn long_columns_share_what_short_ones_leave() {
+        let long = "x".repeat(40);
+        let widths = |table: &Table| -> f64 {
+            let (_, columns) = columns(table);
+            let parts = columns.split("p{").skip(1);
+            parts.map(|part| part.split('\\').next().unwrap().parse::<f64>().unwrap()).sum()
+        };
+        let two = of(vec![vec!["1.0", &long, &long]], vec![true, false, false]);
+        let (size, kinds) = columns(&two);
+        assert!(size == "footnotesize" && kinds.starts_with("r>{"), "{kinds}");
+        let head = CHARACTER * 4.0 + 3.0 * BETWEEN;
+        assert!((widths(&two) + head - 1.0).abs() < 2e-3, "{}", widths(&two));
+        // Many short columns take a smaller size, and the long one keeps its least.
+        let short = "1234567890123";
+        let mut row = vec![short; 7];
+        row.push(&long);
+        let mut numeric = vec![true; 7];
+        numeric.push(false);
+        let crowded = of(vec![row], numeric);
+        assert_eq!(columns(&crowded).0, "scriptsize");
+        assert!(widths(&crowded) > 0.12);
+    }
+
+    /// What would stop LaTeX: a row with another number of cells, an environment or a group that is not closed, a raw sign.
+    fn fault(latex: &str) -> Option<String> {
+        let count = |text: &str, what: &str| text.matches(what).count();
+        if count(latex, "\\begin{longtable}") != count(latex, "\\end{longtable}") {
+            return Some("an open table".into());
+        }
+        for block in latex.split("\\begin{longtable}").skip(1) {
+            let block = block.split("\\end{longtable}").next().unwrap_or("");
+            let rows = block.lines().filter(|line| line.ends_with("\\\\"));
+            // An escaped sign has no blank before it.
+            let cells: Vec<usize> = rows.map(|row| count(row, " & ")).collect();
+            if cells.windows(2).any(|pair| pair[0] != pair[1]) || cells.is_empty() {
+                return Some(format!("rows of {cells:?} cells"));
+            }
+        }
+        let plain = latex.replace("\\{", "").replace("\\}", "").replace("\\$", "");
+        if count(&plain, "{") != count(&plain, "}") || count(&plain, "$") % 2 == 1 {
+            return Some("an open group".into());
+        }
+        latex
+            .chars()
+            .find(|c| !c.is_ascii() && !('\u{c0}'..='\u{ff}').contains(c))
+            .map(|c| format!("the sign {c}"))
+    }
+
+    #[test]
+    fn tables_are_whole() {
+        let rows = vec![vec!["a & b_c", "50 %"], vec!["{Σ} [1]", "1 $"]];
+        let sound = super::table(&of(rows, vec![false, true]));
+        assert_eq!(fault(&sound), None, "{sound}");
+        for (from, to) in [
+            ("\\end{longtable}", ""),
+            ("50 \\%", "50 & 60"),
+            ("{[}1", "{[1"),
+            ("1 \\$", "1 $"),
+            ("50 \\%", "50 \u{2030}"),
+        ] {
+            assert!(
+                sound.contains(from) && fault(&sound.replacen(from, to, 1)).is_some(),
+                "{from}"
+            );
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! The document for a pull request: the outcome, the table of verdicts, what is remarkable, where the rest is.
+
+use super::{Block, Document, Equation, Figure, Run, Section, Table, Tone};
+use files::harmless;
+
+/// The document as Markdown; pictures are linked to, tables of evidence fold.
+pub(crate) fn markdown(document: &Document) -> String {
+    let mut text = format!("# {}\n\n{}\n\n", plain(&document.title), plain(&document.made_by));
+    for section in &document.sections {
+        text += &of_section(section);
+    }
+    text
+}
+
+fn of_section(section: &Section) -> String {
+    let level = "#".repeat(section.level + 1);
+    let blocks: String = section.blocks.iter().map(|b| of_block(b, section.level > 1)).collect();
+    format!("<a id=\"{}\"></a>\n\n{level} {}\n\n{blocks}", section.id, plain(&section.title))
+}
+
+fn of_block(block: &Block, folded: bool) -> String {
+    match block {
+        Block::Text(runs) => format!("{}\n\n", runs.iter().map(of_run).collect::<String>()),
+        Block::Formulas(formulas) => {
+            let line =
+                |Equation { plain, number, .. }: &Equation| format!("    {plain}    {number}\n");
+            format!("{}\n", formulas.iter().map(line).collect::<String>())
+        }
+        Block::Table(table) if folded => {
+            let Table { number, caption, .. } = table;
+            format!(
+                "<details><summary>Table {number}. {}</summary>\n\n{}\n</details>\n\n",
+                html(caption),
+                rows(table)
+            )
+        }
+        Block::Table(table) => {
+            format!("Table {}. {}\n\n{}\n", table.number, plain(&table.caption), rows(table))
+        }
+        Block::Figure(Figure { number, file, caption, .. }) => {
+            format!("Figure {number}. {}\n\n![{}](<{file}>)\n\n", plain(caption), plain(caption))
+        }
+        Block::Code(text) => format!("```sh\n{}\n```\n\n", harmless(text)),
+    }
+}
+
+fn rows(table: &Table) -> String {
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let rule = |numeric: &bool| if *numeric { "---:" } else { "---" }.to_owned();
+    let mut text = line(table.head.iter().map(|head| plain(head)).collect());
+    text += &line(table.numeric.iter().map(rule).collect());
+    for row in &table.rows {
+        text += &line(row.iter().map(of_run).collect());
+    }
+    text
+}
+
+fn of_run(run: &Run) -> String {
+    let text = match run.tone {
+        // A bar ends a cell, inside code too.
+        Tone::Code if run.text.is_empty() => String::new(),
+        Tone::Code => format!("<code>{}</code>", html(&run.text)),
+        // A blank before the closing stars would make them stars.
+        Tone::Strong | Tone::Miss => {
+            let words = run.text.trim_end();
+            format!("**{}**{}", plain(words), &run.text[words.len()..])
+        }
+        Tone::Plain | Tone::Pass => plain(&run.text),
+    };
+    match &run.target {
+        Some(target) => format!("[{text}](<{target}>)"),
+        None => text,
+    }
+}
+
+/// Words that mean themselves.
+fn plain(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for character in harmless(text).chars() {
+        match character {
+            '&' => result += "&amp;",
+            '<' => result += "&lt;",
+            '\n' => result += "<br>",
+            '\\' | '`' | '*' | '_' | '|' | '[' | ']' | '#' => {
+                result.push('\\');
+                result.push(character);
+            }
+            other => result.push(other),
+        }
+    }
+    result
+}
+
+/// Words inside an element, where a backslash is no escape.
+fn html(text: &str) -> String {
+    let mut result = String::with_capacity(text.len());
+    for character in harmless(text).chars() {
+        match character {
+            '&' => result += "&amp;",
+            '<' => result += "&lt;",
+            '|' => result += "&#124;",
+            '*' => result += "&#42;",
+            '_' => result += "&#95;",
+            '`' => result += "&#96;",
+            '\n' => result += "<br>",
+            other => result.push(other),
+        }
+    }
+    result
+}

@@ -1,0 +1,102 @@
+//! The document as a PDF, set by Typst from memory: no network, no font of the system, no clock.
+
+use std::collections::BTreeMap;
+
+use typst::diag::{FileError, FileResult, SourceDiagnostic};
+use typst::foundations::{Bytes, Datetime, Duration};
+use typst::syntax::{FileId, RootedPath, Source, VirtualPath, VirtualRoot};
+use typst::text::{Font, FontBook};
+use typst::utils::LazyHash;
+use typst::{Library, LibraryExt, World};
+use typst_layout::PagedDocument;
+use typst_pdf::{PdfOptions, pdf as export};
+
+use super::{Block, DATA, Document, TEMPLATE, data};
+use crate::{ReportError, sheet};
+
+/// Name of the template.
+const MAIN: &str = "report.typ";
+/// The face of pictures: the generic name that they carry has none in a PDF.
+const FACE: &str = "font-family=\"DejaVu Sans\"";
+
+/// The document as a PDF; `date` is printed below the title. Equal documents and dates give equal bytes.
+///
+/// # Errors
+/// [`ReportError::Typesetting`].
+pub fn pdf(document: &Document, date: Option<&str>) -> Result<Vec<u8>, ReportError> {
+    let world = Sheets::new(document, date)?;
+    let set = typst::compile::<PagedDocument>(&world).output;
+    let paged = set.map_err(|errors| refused(&errors))?;
+    export(&paged, &PdfOptions::default()).map_err(|errors| refused(&errors))
+}
+
+fn refused(errors: &[SourceDiagnostic]) -> ReportError {
+    let what: Vec<&str> = errors.iter().map(|error| error.message.as_str()).collect();
+    ReportError::Typesetting { what: what.join("; ") }
+}
+
+/// Template, content, pictures and fonts: all that the typesetter may read.
+struct Sheets {
+    library: LazyHash<Library>,
+    book: LazyHash<FontBook>,
+    fonts: Vec<Font>,
+    main: Source,
+    files: BTreeMap<String, Bytes>,
+}
+
+impl Sheets {
+    fn new(document: &Document, date: Option<&str>) -> Result<Self, ReportError> {
+        let path = VirtualPath::new(MAIN)
+            .map_err(|_| ReportError::Typesetting { what: format!("no path: {MAIN}") })?;
+        let main = RootedPath::new(VirtualRoot::Project, path).intern();
+        let own = [dejavu::sans::regular(), dejavu::sans::bold()];
+        let all = typst_assets::fonts().chain(own);
+        let fonts: Vec<Font> = all.flat_map(|face| Font::iter(Bytes::new(face))).collect();
+        let mut files = BTreeMap::new();
+        files.insert(DATA.to_owned(), Bytes::from_string(data(document, date)));
+        for block in document.sections.iter().flat_map(|section| &section.blocks) {
+            if let Block::Figure(figure) = block {
+                let svg = sheet::without(&figure.svg).replace("font-family=\"sans-serif\"", FACE);
+                files.insert(figure.file.clone(), Bytes::from_string(svg));
+            }
+        }
+        Ok(Self {
+            library: LazyHash::new(Library::default()),
+            book: LazyHash::new(FontBook::from_fonts(&fonts)),
+            fonts,
+            main: Source::new(main, TEMPLATE.to_owned()),
+            files,
+        })
+    }
+}
+
+impl World for Sheets {
+    fn library(&self) -> &LazyHash<Library> {
+        &self.library
+    }
+
+    fn book(&self) -> &LazyHash<FontBook> {
+        &self.book
+    }
+
+    fn main(&self) -> FileId {
+        self.main.id()
+    }
+
+    fn source(&self, id: FileId) -> FileResult<Source> {
+        if id == self.main.id() { Ok(self.main.clone()) } else { Err(FileError::NotSource) }
+    }
+
+    fn file(&self, id: FileId) -> FileResult<Bytes> {
+        let name = id.get().vpath().get_without_slash();
+        self.files.get(name).cloned().ok_or_else(|| FileError::NotFound(name.into()))
+    }
+
+    fn font(&self, index: usize) -> Option<Font> {
+        self.fonts.get(index).cloned()
+    }
+
+    fn today(&self, _: Option<Duration>) -> Option<Datetime> {
+        None
+    }
+}

@@ -1,0 +1,117 @@
+//! Verdicts as workflow commands of GitHub Actions, and as Markdown for its step summary. Without
+//! clocks: equal verdicts give equal text.
+
+use files::{counted, harmless};
+use judge::record::{CaseRecord, Status};
+use judge::verdict::{Decision, Verdict, cell_texts};
+
+/// Where an annotation stands.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Path of the scene file in the repository.
+    pub file: String,
+    /// Line, from 1.
+    pub line: usize,
+}
+
+/// One command a line: an error for every verdict that is not as expected and for every failed case,
+/// a warning where a scene gets the `fail` or `unresolved` it is built to get, a notice with the
+/// count. `place` finds the file of a scene, and the line of a verdict's prediction.
+pub fn annotations(
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+    place: impl Fn(&str, Option<&Verdict>) -> Option<Place>,
+) -> String {
+    let mut lines = Vec::new();
+    for record in records {
+        if let Status::Failed { reason } = &record.status {
+            let key = record.key();
+            let title = format!("{}: {key} failed", key.scene);
+            lines.push(command("error", place(&key.scene, None), &title, reason));
+        }
+    }
+    for verdict in verdicts {
+        let level = match (verdict.as_expected(), verdict.decision) {
+            (true, Decision::Pass) => continue,
+            (true, Decision::Fail | Decision::Unresolved) => "warning",
+            (false, _) => "error",
+        };
+        let [scene, norm, variable, predicted, observed, decision, why] = cell_texts(verdict);
+        let title = format!("{scene}: {norm} in {variable}: {decision}");
+        let observed = observed.replace('\n', ", ");
+        let text =
+            format!("predicted {predicted} by {why}, observed {observed}: {}", verdict.reason);
+        lines.push(command(level, place(&scene, Some(verdict)), &title, &text));
+    }
+    lines.push(command("notice", None, "orders of convergence", &count(records, verdicts)));
+    lines.join("\n") + "\n"
+}
+
+/// The verdicts as a Markdown table under a heading.
+pub fn step_summary(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
+    let head = "| scene | norm | in | predicted | observed | verdict | why | reason |";
+    let rule = "|---|---|---|---|---|---|---|---|";
+    let row = |verdict: &Verdict| {
+        let sign = if verdict.as_expected() { "" } else { "**" };
+        let mut cells = cell_texts(verdict).map(|text| cell(&text)).to_vec();
+        cells[5] = format!("{sign}{}{sign}", cells[5]);
+        cells.push(cell(&verdict.reason));
+        format!("| {} |", cells.join(" | "))
+    };
+    let rows: Vec<String> = verdicts.iter().map(row).collect();
+    let count = count(records, verdicts);
+    format!("### Orders of convergence\n\n{count}\n\n{head}\n{rule}\n{}\n\n", rows.join("\n"))
+}
+
+fn count(records: &[CaseRecord], verdicts: &[Verdict]) -> String {
+    let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
+    let failed = records.iter().filter(|record| matches!(record.status, Status::Failed { .. }));
+    let (verdicts, cases) = (counted(verdicts.len(), "verdict"), counted(records.len(), "case"));
+    format!("{met} of {verdicts} as expected; {cases}, {} of them failed", failed.count())
+}
+
+fn command(level: &str, place: Option<Place>, title: &str, text: &str) -> String {
+    let place = place.map_or(String::new(), |place| {
+        format!("file={},line={},", property(&place.file), place.line)
+    });
+    format!("::{level} {place}title={}::{}", property(title), data(text))
+}
+
+/// Text after the second `::`.
+fn data(text: &str) -> String {
+    harmless(text).replace('%', "%25").replace('\n', "%0A")
+}
+
+/// A value before it: colons and commas end one there.
+fn property(text: &str) -> String {
+    data(text).replace(':', "%3A").replace(',', "%2C")
+}
+
+/// Text in a cell of a Markdown table; `<` and `&` would be HTML.
+fn cell(text: &str) -> String {
+    let text = harmless(text).replace('&', "&amp;").replace('<', "&lt;").replace('\\', "\\\\");
+    ["|", "*", "_", "`", "[", "]", "~"]
+        .iter()
+        .fold(text, |text, sign| text.replace(sign, &format!("\\{sign}")))
+        .replace(['\r', '\n'], " ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_in_a_text_ends_a_command_early() {
+        let place = Place { file: "a,b:c%.toml".into(), line: 7 };
+        let line = command("error", Some(place), "x: y, z\n", "50 %\r\nof :: all, it");
+        assert_eq!(
+            line,
+            "::error file=a%2Cb%3Ac%25.toml,line=7,title=x%3A y%2C z%0A::50 %25\\u{d}%0Aof :: all, it"
+        );
+    }
+
+    #[test]
+    fn nothing_in_a_text_ends_a_cell_early() {
+        assert_eq!(cell("V_max | <b>\nh*k"), "V\\_max \\| &lt;b> h\\*k");
+    }
+}

@@ -1,0 +1,269 @@
+//! Records and verdicts as files: the table of cases, `verdict.json`, pictures, a page, JUnit.
+//!
+//! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes. A picture
+//! is a [`Chart`], series over two axes with lines at values of either axis, or a [`Map`].
+
+mod body;
+mod canvas;
+mod chart;
+mod convergence;
+mod curve;
+mod document;
+mod frame;
+mod github;
+mod junit;
+mod legend;
+mod map;
+mod marks;
+mod number;
+mod palette;
+mod plane;
+mod ruler;
+mod sheet;
+mod sketch;
+mod slope;
+mod space_time;
+mod studies;
+mod surface;
+mod written;
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub use body::{Arrow, Cell as BodyCell, Deformed};
+pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
+pub use convergence::convergence_svg;
+#[cfg(feature = "pdf")]
+pub use document::pdf;
+pub use document::{Document, Equation, Terms, equations};
+pub use github::{Place, annotations, step_summary};
+pub use junit::write_junit;
+pub use map::{Cell, Map, Shade};
+pub use plane::plane_svg;
+pub use ruler::Scale;
+pub use sketch::{Ink, Sketch, Stroke};
+pub use slope::Slope;
+pub use space_time::{Panel, SpaceTime, Zone};
+pub use surface::surface_svg;
+pub use written::remove_earlier;
+
+use self::studies::{Studies, is_study};
+use document::{Block, DATA, Report, TEMPLATE, data, document, markdown, page, tables};
+use files::make_directory;
+use judge::fit::Direction;
+use judge::record::{CaseRecord, RecordError, write_sorted};
+use judge::verdict::{Comparison, DocumentError, Verdict, write_json};
+use written::write_listed;
+
+/// What a report says of a scene beside its numbers.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SceneSummary {
+    /// Its name, as in the records.
+    pub name: String,
+    /// The question it asks.
+    pub question: String,
+    /// What a reader has to know beside it: a hypothesis that is broken, a verdict that is not given.
+    pub remarks: Vec<String>,
+    /// What is solved.
+    pub equations: Vec<Equation>,
+    /// The scene file: part, key, value.
+    pub data: Vec<[String; 3]>,
+    /// The hypotheses that it breaks on purpose, as scene files name them.
+    pub violates: Vec<String>,
+    /// What its step size has to obey; none where that could not be computed.
+    pub step: Option<StepLimits>,
+}
+
+/// Bounds on the step size that follow from the data of a scene, each a time; infinite where there is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepLimits {
+    /// m0 of (2.9), a stress.
+    pub m0: f64,
+    /// (3.4) with the norm that the paper takes of ℬ.
+    pub paper: f64,
+    /// (3.4) with the operator norm.
+    pub theorem: f64,
+    /// With the weight k/2 of the last slot, part by part.
+    pub sharpened: f64,
+    /// Below it each step is a strongly monotone problem.
+    pub solvable: f64,
+}
+
+/// Why a report could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// The file system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// `cases.csv` could not be written.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// `verdict.json` could not be written.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// A study that another command wrote into the directory is not one.
+    #[error("{}:{line}: {reason}; write this study again by `sweep {command} --out DIR`, or delete the file", path.display())]
+    Study {
+        /// The file.
+        path: PathBuf,
+        /// Where the reader stopped.
+        line: usize,
+        /// What is wrong.
+        reason: String,
+        /// What writes such files.
+        command: String,
+    },
+    /// The list of files that an earlier report wrote is not one.
+    #[error("{}: {reason}; delete this list, and the pictures that you have no use for", path.display())]
+    List {
+        /// The list.
+        path: PathBuf,
+        /// What is wrong.
+        reason: String,
+    },
+    /// A picture could not be drawn.
+    #[error("drawing: {what}")]
+    Drawing {
+        /// What the drawing library said.
+        what: String,
+    },
+    /// The PDF could not be set.
+    #[error("typesetting: {what}")]
+    Typesetting {
+        /// What the typesetter said.
+        what: String,
+    },
+    /// The JUnit file could not be formed.
+    #[error("JUnit: {source}")]
+    Xml {
+        /// What the writer said.
+        source: quick_junit::SerializeError,
+    },
+    /// Two scenes whose names differ only in characters that a file name does not keep.
+    #[error("the scenes {first:?} and {second:?} would share the file name {stem:?}")]
+    SharedName {
+        /// One scene.
+        first: String,
+        /// The other.
+        second: String,
+        /// Their common file name.
+        stem: String,
+    },
+}
+
+impl ReportError {
+    fn drawing(error: impl std::fmt::Display) -> Self {
+        Self::Drawing { what: error.to_string() }
+    }
+}
+
+/// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg` and `SCENE-map.svg`
+/// into `dir`, which is made if it is not there. Pages are index.html, report.md, tables.tex, and report.typ with report.json.
+/// Pages and pictures of an earlier report that this one has no use for are removed; files of others stay. Returns the
+/// document that the pages are renderings of.
+///
+/// # Errors
+/// [`ReportError`]; files written before stay.
+pub fn write_all(
+    dir: &Path,
+    scenes: &[SceneSummary],
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+    provenance: &serde_json::Value,
+    baseline: Option<&Comparison>,
+) -> Result<Document, ReportError> {
+    make_directory(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
+    let document = composed(dir, scenes, records, verdicts, provenance)?;
+    write_sorted(&dir.join("cases.csv"), records)?;
+    write_json(&dir.join("verdict.json"), provenance, verdicts, records, baseline)?;
+    let pages = [
+        ("index.html", page(&document)),
+        ("report.md", markdown(&document)),
+        ("tables.tex", tables(&document)),
+        ("report.typ", TEMPLATE.to_owned()),
+        (DATA, data(&document, None)),
+    ];
+    let own = pictures_of(&document).filter(|(file, _)| !is_study(file));
+    let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
+    let files: Vec<(String, &str)> = own.chain(pages).collect();
+    write_listed(dir, &files)?;
+    Ok(document)
+}
+
+/// The document of a directory.
+fn composed(
+    dir: &Path,
+    scenes: &[SceneSummary],
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+    provenance: &serde_json::Value,
+) -> Result<Document, ReportError> {
+    let stems = stems(scenes)?;
+    let drawn =
+        scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
+    let pictures = drawn.collect::<Result<_, _>>()?;
+    let studies = Studies::read(dir)?;
+    let stems = &stems;
+    Ok(document(Report { scenes, stems, pictures, studies, records, verdicts, provenance }))
+}
+
+/// Names and texts of the pictures of a document.
+fn pictures_of(document: &Document) -> impl Iterator<Item = (String, &str)> {
+    let blocks = document.sections.iter().flat_map(|section| &section.blocks);
+    blocks.filter_map(|block| match block {
+        Block::Figure(figure) => Some((figure.file.clone(), figure.svg.as_str())),
+        _ => None,
+    })
+}
+
+/// A picture with its file name and its caption.
+type Picture = (String, String, String);
+
+/// The pictures of a scene, as far as there is something to draw.
+fn figures(
+    scene: &SceneSummary,
+    stem: &str,
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+) -> Result<Vec<Picture>, ReportError> {
+    let along = |direction| convergence_svg(scene, records, verdicts, direction);
+    let drawn = [
+        ("h", "error against h, at the number N of time steps named", along(Direction::Space)?),
+        ("k", "error against k, on the mesh n named", along(Direction::Time)?),
+        ("hk", "error against k, one curve an h", surface_svg(scene, records)?),
+        ("map", "error over k and h, with the fitted model", plane_svg(scene, records)?),
+    ];
+    let picture = |(suffix, caption, svg): (&str, &str, Option<String>)| {
+        let (file, caption) =
+            (format!("{stem}-{suffix}.svg"), format!("{}: {caption}.", scene.name));
+        svg.map(|svg| (file, caption, svg))
+    };
+    Ok(drawn.into_iter().filter_map(picture).collect())
+}
+
+/// File names of the scenes: letters, digits, dot, dash and underscore.
+fn stems(scenes: &[SceneSummary]) -> Result<Vec<String>, ReportError> {
+    let plain = |c: char| {
+        if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' }
+    };
+    let mut owners: BTreeMap<String, &str> = BTreeMap::new();
+    let mut stems = Vec::new();
+    for scene in scenes {
+        let stem: String = scene.name.chars().map(plain).collect();
+        if let Some(first) = owners.insert(stem.clone(), &scene.name) {
+            let (first, second) = (first.to_owned(), scene.name.clone());
+            return Err(ReportError::SharedName { first, second, stem });
+        }
+        stems.push(stem);
+    }
+    Ok(stems)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,112 @@
+//! The files that a report put into a directory: they go when a later one has no use for them,
+//! and nothing else does.
+
+use std::collections::BTreeSet;
+use std::io;
+use std::path::{Component, Path};
+
+use super::ReportError;
+use files::{read_text, remove_if_there, replace_file};
+
+/// Name of the list.
+const LIST: &str = "files.json";
+
+/// The names listed in a directory; none where there is no list.
+fn listed(dir: &Path) -> Result<BTreeSet<String>, ReportError> {
+    let path = dir.join(LIST);
+    let text = match read_text(&path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(BTreeSet::new()),
+        other => other.map_err(|source| ReportError::Io { path: path.clone(), source })?,
+    };
+    let names: BTreeSet<String> = serde_json::from_str(&text)
+        .map_err(|error| ReportError::List { path: path.clone(), reason: error.to_string() })?;
+    // A list that points out of its directory is not one of ours: nothing may be removed by it.
+    let outside = |name: &&String| {
+        let mut parts = Path::new(name.as_str()).components();
+        !matches!((parts.next(), parts.next()), (Some(Component::Normal(_)), None))
+    };
+    match names.iter().find(outside) {
+        Some(name) => {
+            let reason = format!("`{name}` is no file of this directory");
+            Err(ReportError::List { path, reason })
+        }
+        None => Ok(names),
+    }
+}
+
+fn write_list(dir: &Path, names: &BTreeSet<String>) -> Result<(), ReportError> {
+    let path = dir.join(LIST);
+    let text = serde_json::json!(names).to_string() + "\n";
+    replace_file(&path, text.as_bytes()).map_err(|source| ReportError::Io { path, source })
+}
+
+fn remove(dir: &Path, name: &str) -> Result<(), ReportError> {
+    let path = dir.join(name);
+    remove_if_there(&path).map_err(|source| ReportError::Io { path, source })
+}
+
+/// Writes the files, lists them, and removes those of an earlier list that are not among them.
+/// Killed at any point, the list holds every file that a report wrote.
+pub(super) fn write_listed(dir: &Path, files: &[(String, &str)]) -> Result<(), ReportError> {
+    let earlier = listed(dir)?;
+    let now: BTreeSet<String> = files.iter().map(|(name, _)| name.clone()).collect();
+    write_list(dir, &earlier.union(&now).cloned().collect())?;
+    for (name, text) in files {
+        let path = dir.join(name);
+        replace_file(&path, text.as_bytes()).map_err(|source| ReportError::Io { path, source })?;
+    }
+    earlier.difference(&now).try_for_each(|name| remove(dir, name))?;
+    write_list(dir, &now)
+}
+
+/// Removes the page and the pictures of an earlier report: what they show is no longer there.
+///
+/// # Errors
+/// [`ReportError::Io`], [`ReportError::List`].
+pub fn remove_earlier(dir: &Path) -> Result<(), ReportError> {
+    let earlier = listed(dir)?;
+    if earlier.is_empty() {
+        return Ok(());
+    }
+    earlier.iter().try_for_each(|name| remove(dir, name))?;
+    remove(dir, LIST)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    #[test]
+    fn only_listed_files_of_the_directory_go() {
+        let root = std::env::temp_dir().join(format!("gronwall-written-{}", std::process::id()));
+        let dir = root.join("out");
+        fs::create_dir_all(&dir).unwrap();
+        let put = |name: &str| fs::write(dir.join(name), "mine").unwrap();
+        let names = || {
+            let entries = fs::read_dir(&dir).unwrap();
+            let name = |e: io::Result<fs::DirEntry>| e.unwrap().file_name().into_string().unwrap();
+            entries.map(name).collect::<BTreeSet<String>>()
+        };
+        put("c-h.svg");
+        let file = |name: &str| (name.to_owned(), "text");
+        write_listed(&dir, &[file("a-h.svg"), file("index.html")]).unwrap();
+        write_listed(&dir, &[file("b-h.svg"), file("index.html")]).unwrap();
+        let expected = ["b-h.svg", "c-h.svg", LIST, "index.html"];
+        assert_eq!(names(), expected.map(str::to_owned).into());
+        remove_earlier(&dir).unwrap();
+        assert_eq!(names(), ["c-h.svg".to_owned()].into());
+        remove_earlier(&dir).unwrap();
+        // A list that was tampered with removes nothing.
+        fs::write(root.join("mine.svg"), "mine").unwrap();
+        for list in [r#"["c-h.svg", "../mine.svg"]"#, r#"["/etc/mine"]"#, r#"{"a": 1}"#, r#"[""]"#]
+        {
+            fs::write(dir.join(LIST), list).unwrap();
+            assert!(matches!(remove_earlier(&dir), Err(ReportError::List { .. })), "{list}");
+            assert!(write_listed(&dir, &[file("b-h.svg")]).is_err());
+            assert!(root.join("mine.svg").exists() && dir.join("c-h.svg").exists());
+        }
+        fs::remove_dir_all(&root).unwrap();
+    }
+}

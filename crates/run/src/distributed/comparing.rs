@@ -1,0 +1,49 @@
+//! The baseline beside a merge: of the cases that pass, those that it has recorded are kept.
+
+use std::collections::BTreeSet;
+
+use crate::sweep::ScenePlan;
+use judge::record::CaseRecord;
+use judge::verdict::{Baseline, Comparison, Run, Verdict};
+
+/// A baseline, and what is there to be compared with it.
+pub struct Comparing<'a> {
+    baseline: &'a Baseline,
+    runs: Vec<Run>,
+    kept: Vec<CaseRecord>,
+    /// The recorded cases of the scene that passes.
+    recorded: BTreeSet<(Option<u32>, u32)>,
+}
+
+impl<'a> Comparing<'a> {
+    /// Before the first scene.
+    pub fn new(baseline: &'a Baseline) -> Self {
+        Self { baseline, runs: Vec::new(), kept: Vec::new(), recorded: BTreeSet::new() }
+    }
+
+    /// Before the cases of a scene.
+    pub fn open(&mut self, plan: &ScenePlan, own_grids: bool) {
+        let scene = plan.scene();
+        let recorded = self.baseline.scenes.get(&scene.name);
+        let cases = recorded.iter().flat_map(|recorded| &recorded.cases);
+        self.recorded = cases.map(|case| (case.n, case.steps)).collect();
+        let mut planned = plan.keys();
+        planned.retain(|key| self.recorded.contains(&(key.n, key.steps)));
+        let (scene, hash) = (scene.name.clone(), scene.source.hash.clone());
+        self.runs.push(Run { scene, hash, planned, own_grids });
+    }
+
+    /// Keeps a case of that scene, if it is recorded.
+    pub fn keep(&mut self, case: &CaseRecord) {
+        if self.recorded.contains(&(case.n, case.steps)) {
+            self.kept.push(case.clone());
+        }
+    }
+
+    /// The comparison of all scenes, in this order, with what their verdicts leave owing.
+    pub fn found(mut self, order: &[&str], verdicts: &[Verdict]) -> Comparison {
+        let place = |run: &Run| order.iter().position(|&name| name == run.scene);
+        self.runs.sort_by_cached_key(place);
+        self.baseline.compare(&self.runs, &self.kept, verdicts)
+    }
+}

@@ -1,0 +1,340 @@
+//! Records of many processes made one table, and judged scene by scene.
+//!
+//! Memory: a fixed number of cases while they are sorted; then, of the scene that is judged, what its predictions use.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use super::comparing::Comparing;
+use super::missing::{Missing, NAMED, WayOn, with_jobs};
+use super::parts::Parts;
+use super::plan::{Plan, PlanError, id};
+use super::sorted::{SortedCases, agree};
+use crate::sweep::{
+    CasePlan, Overrides, Provenance, ScenePlan, blocks, foresee, is_complete, judge_scene,
+};
+use judge::record::{CaseRecord, Key, NormError, RecordError, Status, TableWriter};
+use judge::verdict::{Baseline, Comparison, Verdict};
+use scene::setup::{SetupError, Subject};
+use scene::{Norm, Scene, SceneError};
+
+/// Why nothing was merged.
+#[derive(Debug, thiserror::Error)]
+pub enum MergeError {
+    /// A directory or file cannot be read.
+    #[error("{}: {reason}", path.display())]
+    Unreadable { path: PathBuf, reason: String },
+    /// A part does not belong to the others.
+    #[error("{}: {what}; leave the directory out, or run its cases again", dir.display())]
+    Different { dir: PathBuf, what: String },
+    /// Two records of one case.
+    #[error(
+        "{id}: the records in {} differ in more than their seconds; remove the wrong one, or run the case again",
+        in_words(parts)
+    )]
+    Disagree { id: String, parts: Vec<PathBuf> },
+    /// A case that nobody asked for.
+    #[error("{}: {id} is no case of the plan; leave the directory out", in_words(parts))]
+    Unplanned { id: String, parts: Vec<PathBuf> },
+    /// Cases that are nowhere.
+    #[error("{0}")]
+    Missing(Missing),
+    /// A scene at fault.
+    #[error("{0}")]
+    Scene(#[from] Box<SceneError>),
+    /// A scene that cannot be set up.
+    #[error("{0}")]
+    Setup(#[from] Box<SetupError>),
+    /// The plan is at fault.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A table is at fault, or cannot be written.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// Anything else, said in full.
+    #[error("{0}")]
+    Other(String),
+}
+
+fn in_words(parts: &[PathBuf]) -> String {
+    parts.iter().map(|part| part.display().to_string()).collect::<Vec<_>>().join(" and ")
+}
+
+/// What a merge came to.
+pub struct Merged {
+    /// As of one process, scene by scene.
+    pub verdicts: Vec<Verdict>,
+    /// Records of failed cases, with their reasons.
+    pub failed: Vec<CaseRecord>,
+    /// Cases that are recorded as skipped.
+    pub missing: Missing,
+    /// All cases of the table.
+    pub cases: usize,
+    /// With the baseline, where one was given.
+    pub comparison: Option<Comparison>,
+    /// Scenes with texts and remarks; what ran the merge is not in it.
+    pub provenance: Provenance,
+}
+
+/// Merges `parts` into a table that is to stand at `table`, for the caller to finish, and judges; files go below
+/// `folder` meanwhile. With `incomplete`, missing cases are recorded as skipped. What `baseline` has recorded is compared.
+///
+/// # Errors
+/// [`MergeError`].
+pub fn merge(
+    parts: &Parts,
+    plan: Option<(&Plan, &Path)>,
+    (table, folder): (&Path, &Path),
+    at_once: usize,
+    incomplete: bool,
+    baseline: Option<&Baseline>,
+) -> Result<(Merged, TableWriter), MergeError> {
+    let mut merging = Merging {
+        parts,
+        plan,
+        sorted: SortedCases::new(&parts.tables(), folder, at_once)?,
+        table: TableWriter::create(table)?,
+        missing: Vec::new(),
+        comparing: baseline.map(Comparing::new),
+        merged: Merged {
+            verdicts: Vec::new(),
+            failed: Vec::new(),
+            missing: Missing {
+                way: if plan.is_some() { WayOn::Plan } else { WayOn::Grids },
+                ..Missing::default()
+            },
+            cases: 0,
+            comparison: None,
+            provenance: Provenance::new(std::iter::empty()),
+        },
+    };
+    if let Some(platform) = &parts.platform {
+        merging.merged.provenance.platform.clone_from(platform);
+    }
+    let planned = plan.iter().flat_map(|(plan, _)| plan.scenes.iter().map(|scene| &scene.name));
+    let names: BTreeSet<&String> = planned.chain(parts.scenes()).collect();
+    let mut verdicts: BTreeMap<&str, Vec<Verdict>> = BTreeMap::new();
+    for name in &names {
+        verdicts.insert(name, merging.scene(name)?);
+    }
+    if let Some(scene) = merging.sorted.scene() {
+        let reason = format!("records of the scene `{scene}`, which no provenance.json names");
+        return Err(MergeError::Other(reason));
+    }
+    let Merging { table, missing, comparing, mut merged, .. } = merging;
+    merged.missing.first = with_jobs(&missing, plan)?;
+    if merged.missing.number > 0 && !incomplete {
+        return Err(MergeError::Missing(merged.missing));
+    }
+    // In the order of the plan, as one process would judge.
+    let order: Vec<&str> = match plan {
+        Some((plan, _)) => plan.scenes.iter().map(|scene| scene.name.as_str()).collect(),
+        None => verdicts.keys().copied().collect(),
+    };
+    merged.verdicts = order.iter().filter_map(|name| verdicts.remove(name)).flatten().collect();
+    merged.comparison = comparing.map(|comparing| comparing.found(&order, &merged.verdicts));
+    Ok((merged, table))
+}
+
+struct Merging<'a> {
+    parts: &'a Parts,
+    plan: Option<(&'a Plan, &'a Path)>,
+    sorted: SortedCases,
+    table: TableWriter,
+    /// The first missing cases.
+    missing: Vec<Key>,
+    comparing: Option<Comparing<'a>>,
+    merged: Merged,
+}
+
+/// A scene while its cases pass.
+struct Open<'a> {
+    /// Its cases are in `expected`.
+    plan: ScenePlan,
+    /// The cases that must be there, in the order of the table, and how many have passed.
+    expected: Vec<Awaited>,
+    passed: usize,
+    /// Norms that predictions use: the others are written and forgotten.
+    judged: BTreeSet<&'a str>,
+    records: Vec<CaseRecord>,
+}
+
+/// A case that must be there. Most cases have the same norms, and there may be a million of them.
+struct Awaited {
+    n: Option<u32>,
+    steps: u32,
+    norms: Rc<[Norm]>,
+}
+
+impl Awaited {
+    /// The cases of a plan in the order of the table, each once.
+    fn of(mut cases: Vec<CasePlan>) -> Vec<Self> {
+        cases.sort_by_key(|case| (case.n, case.steps));
+        cases.dedup_by_key(|case| (case.n, case.steps));
+        let mut lists: Vec<Rc<[Norm]>> = Vec::new();
+        let mut expected = Vec::with_capacity(cases.len());
+        for CasePlan { n, steps, norms } in cases {
+            let list = match lists.iter().find(|list| list[..] == norms) {
+                Some(list) => list.clone(),
+                None => {
+                    lists.push(norms.into());
+                    lists[lists.len() - 1].clone()
+                }
+            };
+            expected.push(Self { n, steps, norms: list });
+        }
+        expected
+    }
+}
+
+impl Merging<'_> {
+    /// Writes the cases of a scene, and judges it.
+    fn scene(&mut self, name: &str) -> Result<Vec<Verdict>, MergeError> {
+        let scene = match self.plan.and_then(|(plan, dir)| Some((plan.planned(name)?, dir))) {
+            Some((planned, dir)) => planned.scene(dir)?,
+            None => self.parts.scene(name)?,
+        };
+        let overrides = self.plan.map_or_else(Overrides::default, |(plan, _)| plan.overrides());
+        let mut plan = ScenePlan::new(Subject::new(scene).map_err(Box::new)?, &overrides);
+        self.note(&plan);
+        if let Some(comparing) = &mut self.comparing {
+            let own_grids = overrides.n.is_none() && overrides.steps.is_none();
+            comparing.open(&plan, own_grids);
+        }
+        let expected = Awaited::of(std::mem::take(&mut plan.cases));
+        let predicts = &plan.scene().predicts.clone();
+        let judged = predicts.iter().map(|prediction| prediction.norm.name()).collect();
+        let kept = if plan.scene().judge { expected.len() } else { 0 };
+        let records = Vec::with_capacity(kept);
+        let mut open = Open { plan, expected, passed: 0, judged, records };
+        while self.sorted.scene() == Some(name) {
+            let Some((key, case)) = self.one()? else { break };
+            self.pass(&mut open, &key, case)?;
+        }
+        while open.passed < open.expected.len() {
+            self.miss(&mut open)?;
+        }
+        Ok(open.judge())
+    }
+
+    /// The next case, of which all records agree.
+    fn one(&mut self) -> Result<Option<(Key, CaseRecord)>, MergeError> {
+        let Some((key, first)) = self.sorted.next()? else { return Ok(None) };
+        while self.sorted.is_next(&key) {
+            let Some((_, other)) = self.sorted.next()? else { break };
+            if !agree(&first, &other) {
+                let parts = self.parts.holders(&key);
+                return Err(MergeError::Disagree { id: id(&key), parts });
+            }
+        }
+        Ok(Some((key, first)))
+    }
+
+    /// Takes a case that was run.
+    fn pass(
+        &mut self,
+        open: &mut Open<'_>,
+        key: &Key,
+        mut case: CaseRecord,
+    ) -> Result<(), MergeError> {
+        let place = (key.n, key.steps);
+        while open.expects().is_some_and(|next| (next.n, next.steps) < place) {
+            self.miss(open)?;
+        }
+        match open.expects().filter(|next| (next.n, next.steps) == place) {
+            Some(next) => {
+                if !is_complete(&case, &next.norms) {
+                    return self.miss(open);
+                }
+                open.passed += 1;
+            }
+            None if self.plan.is_some() => {
+                let parts = self.parts.holders(key);
+                return Err(MergeError::Unplanned { id: id(key), parts });
+            }
+            None => {}
+        }
+        if let Status::Failed { reason } = &mut case.status {
+            if let Some(known) = self.parts.reasons.get(key) {
+                reason.clone_from(known);
+            }
+            self.merged.failed.push(case.clone());
+        }
+        self.write(open, case)
+    }
+
+    /// Records the next expected case as skipped.
+    fn miss(&mut self, open: &mut Open<'_>) -> Result<(), MergeError> {
+        let Some(case) = open.expects() else { return Ok(()) };
+        let scene = open.plan.scene();
+        let key = Key { scene: scene.name.clone(), n: case.n, steps: case.steps };
+        let none = |norm: &Norm| NormError { norm: norm.name().into(), error: None, floor: None };
+        let k = open.plan.subject.grid(case.steps).largest_step();
+        let record = CaseRecord {
+            dimension: scene.dimension as u32,
+            h: case.n.zip(scene.as_contact()).map(|(n, body)| body.domain.h(n)),
+            errors: case.norms.iter().map(none).collect(),
+            ..CaseRecord::without_work(&scene.name, case.n, case.steps, k)
+        };
+        open.passed += 1;
+        self.merged.missing.number += 1;
+        if self.missing.len() < NAMED {
+            self.missing.push(key);
+        }
+        self.write(open, record)
+    }
+
+    fn write(&mut self, open: &mut Open<'_>, mut case: CaseRecord) -> Result<(), MergeError> {
+        self.table.append(&mut case)?;
+        self.merged.cases += 1;
+        if let Some(comparing) = &mut self.comparing {
+            comparing.keep(&case);
+        }
+        if open.plan.scene().judge {
+            // Shrunk in place, each list would leave a hole that no other fits into.
+            let judged = |entry: &&NormError| open.judged.contains(entry.norm.as_str());
+            let mut kept = Vec::with_capacity(case.errors.iter().filter(judged).count());
+            kept.extend(case.errors.iter().filter(judged).cloned());
+            case.errors = kept;
+            open.records.push(case);
+        }
+        Ok(())
+    }
+
+    /// Keeps of a scene what the provenance says.
+    fn note(&mut self, plan: &ScenePlan) {
+        let Scene { name, source, .. } = plan.scene();
+        let own = &mut self.merged.provenance;
+        own.scenes.insert(name.clone(), source.hash.clone());
+        own.texts.insert(name.clone(), source.text.clone());
+        if let Some(mesh) = &source.mesh {
+            own.meshes.insert(name.clone(), mesh.clone());
+        }
+        if let Some(remark) = plan.step_remark().ok().flatten() {
+            own.step_sizes.insert(name.clone(), remark.text);
+        }
+        if let Some(asked) = blocks(plan) {
+            own.cases.insert(name.clone(), asked);
+        }
+        if let Some(added) = self.parts.added.get(name) {
+            own.added_cases.insert(name.clone(), added.clone());
+        }
+    }
+}
+
+impl Open<'_> {
+    fn expects(&self) -> Option<&Awaited> {
+        self.expected.get(self.passed)
+    }
+
+    fn judge(self) -> Vec<Verdict> {
+        let scene = self.plan.scene();
+        if !scene.judge {
+            return Vec::new();
+        }
+        let foreseen = foresee(&self.plan.subject, &self.records);
+        // Cases that are not there are recorded as skipped: the records are all that is expected.
+        judge_scene(scene, &self.records, &[], &foreseen)
+    }
+}

@@ -1,0 +1,175 @@
+//! One part of a sweep: some cases of a plan run in one process, their records published at the end in one step.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::plan::{CASES, CaseRow, PLAN, Plan, PlanError};
+use crate::sweep::{
+    Machine, MemoryLimit, OutputDirectory, OutputError, Overrides, Progress, Provenance, Resumed,
+    ScenePlan, SweepError, TooLarge, resume, run_sweep,
+};
+use files::{counted, make_directory, remove_if_there};
+use judge::record::{CaseRecord, RecordError, write_sorted};
+use judge::verdict::{DocumentError, failures, write_json};
+use scene::setup::{SetupError, Subject};
+
+/// Below the directory of a part: where its cases are recorded until all are there.
+const UNFINISHED: &str = ".unfinished";
+
+/// Why a part was not run.
+#[derive(Debug, thiserror::Error)]
+pub enum PartError {
+    /// The plan is at fault, or a scene has changed.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A scene cannot be set up.
+    #[error(transparent)]
+    Setup(#[from] Box<SetupError>),
+    /// More memory than there is: an engine tries again where there is more, so this is no record.
+    #[error("{id}: {reason}")]
+    TooLarge { id: String, reason: TooLarge },
+    /// The directory is held by another process.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// Records cannot be written.
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    /// Likewise.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The reasons of failures cannot be written.
+    #[error(transparent)]
+    Document(#[from] DocumentError),
+    /// Another file cannot be written or removed.
+    #[error("{}: {reason}", path.display())]
+    Io { path: PathBuf, reason: String },
+}
+
+/// What became of a part.
+#[derive(Debug)]
+pub struct PartRun {
+    /// Its records, by scene, n and steps.
+    pub records: Vec<CaseRecord>,
+    /// They were there before.
+    pub known: bool,
+}
+
+/// The scenes of the rows with the rows' cases, in the plan's order of scenes.
+///
+/// # Errors
+/// A scene that has changed since the plan was made, or a row that is no case of it.
+pub fn plans(plan: &Plan, dir: &Path, rows: &[CaseRow]) -> Result<Vec<ScenePlan>, PartError> {
+    let malformed = |path: PathBuf, reason| PlanError::Malformed { path, reason };
+    let mut of_scene: BTreeMap<&str, Vec<&CaseRow>> = BTreeMap::new();
+    rows.iter().for_each(|row| of_scene.entry(&row.scene).or_default().push(row));
+    let mut plans = Vec::new();
+    for planned in &plan.scenes {
+        let Some(rows) = of_scene.remove(planned.name.as_str()) else { continue };
+        planned.unchanged()?;
+        let subject = Subject::new(planned.scene(dir)?).map_err(Box::new)?;
+        let mut own = ScenePlan::new(subject, &grid(plan, &rows));
+        own.cases.retain(|case| rows.iter().any(|r| r.n == case.n && r.steps == case.steps));
+        if own.cases.len() != rows.len() {
+            let reason = format!("rows of `{}` are no cases of that scene", planned.name);
+            return Err(malformed(dir.join(CASES), reason).into());
+        }
+        plans.push(own);
+    }
+    match of_scene.keys().next() {
+        Some(scene) => {
+            let reason = format!("the scene `{scene}` of {CASES} is not in it");
+            Err(malformed(dir.join(PLAN), reason).into())
+        }
+        None => Ok(plans),
+    }
+}
+
+/// The smallest grid that holds the rows: a plan may have a million cases, a job has few. The scene's own grid, which
+/// may be a path, where the plan has it.
+fn grid(plan: &Plan, rows: &[&CaseRow]) -> Overrides {
+    let list = |values: &mut dyn Iterator<Item = u32>| {
+        let mut list: Vec<u32> = values.collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    };
+    match (&plan.n, &plan.steps) {
+        (None, None) => Overrides::default(),
+        _ => Overrides {
+            n: Some(list(&mut rows.iter().filter_map(|row| row.n))),
+            steps: Some(list(&mut rows.iter().map(|row| row.steps))),
+        },
+    }
+}
+
+/// Runs the cases of `rows` one after the other and publishes them in `out`. Complete records that are there already are
+/// kept, and what a killed process had finished is not run again.
+///
+/// # Errors
+/// [`PartError`]: nothing is published then. A case whose solver fails is a record.
+pub fn run_part(
+    plan: &Plan,
+    dir: &Path,
+    rows: &[CaseRow],
+    out: &Path,
+    machine: &Machine,
+    progress: &dyn Progress,
+) -> Result<PartRun, PartError> {
+    let plans = plans(plan, dir, rows)?;
+    for row in rows {
+        let too_large = |reason| PartError::TooLarge { id: row.id.clone(), reason };
+        machine.memory.admit(row.bytes, false).map_err(too_large)?;
+    }
+    // Records of another plan or version are no records of this part; they are replaced at the end.
+    if let Ok(Resumed { records, doubts }) = resume(out, &plans) {
+        if records.len() == rows.len() {
+            return Ok(PartRun { records, known: true });
+        }
+        doubts.iter().for_each(|doubt| progress.doubted(doubt));
+    }
+    let unfinished = out.join(UNFINISHED);
+    let held = OutputDirectory::take(&unfinished)?;
+    // Each row was admitted above.
+    let machine = Machine { jobs: 1, memory: MemoryLimit::NONE, ..machine.clone() };
+    let resumable = resume(&unfinished, &plans).is_ok();
+    let records = run_sweep(&plans, &held, &machine, resumable, progress)?;
+    publish(out, &records, &Provenance::of_run(&plans, &machine))?;
+    let failed = |error: std::io::Error| PartError::Io {
+        path: unfinished.clone(),
+        reason: error.to_string(),
+    };
+    // The lock file is open until then.
+    drop(held);
+    fs::remove_dir_all(&unfinished).map_err(failed)?;
+    Ok(PartRun { records, known: false })
+}
+
+/// Puts the table at its place as the last of the files: without it the directory holds no records.
+fn publish(out: &Path, records: &[CaseRecord], provenance: &Provenance) -> Result<(), PartError> {
+    let [table, document] = ["cases.csv", "verdict.json"].map(|name| out.join(name));
+    for path in [&table, &document] {
+        remove_if_there(path)
+            .map_err(|error| PartError::Io { path: path.clone(), reason: error.to_string() })?;
+    }
+    // Those that a killed process left.
+    make_directory(out)
+        .map_err(|error| PartError::Io { path: out.to_owned(), reason: error.to_string() })?;
+    provenance.write(out).map_err(|(path, reason)| PartError::Io { path, reason })?;
+    if !failures(records).is_empty() {
+        // The table has no column for reasons.
+        write_json(&document, &provenance.json(), &[], records, None)?;
+    }
+    Ok(write_sorted(&table, records)?)
+}
+
+/// The failed cases of a part in words, for a message.
+pub fn failed_in_words(records: &[CaseRecord]) -> Option<String> {
+    let failed = failures(records);
+    let first = failed.first()?;
+    let number = counted(failed.len(), "case");
+    Some(format!(
+        "{number} failed and recorded as such, the first: {}: {}",
+        first.scene, first.reason
+    ))
+}

@@ -1,0 +1,98 @@
+//! Files of another program, read if they are files, no longer than what they are to hold can be, and in time.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::{Component, Path};
+use std::time::Instant;
+
+use files::open_file;
+
+/// The most bytes of a file with so many parts.
+#[derive(Debug, Clone, Copy)]
+pub struct Bound {
+    /// For what is there once.
+    pub first: u64,
+    /// For each part.
+    pub each: u64,
+}
+
+impl Bound {
+    /// Of a file with `count` parts.
+    pub fn of(self, count: usize) -> u64 {
+        self.first.saturating_add(self.each.saturating_mul(count as u64))
+    }
+}
+
+/// When reading has to be over, if ever.
+pub type Until = Option<Instant>;
+
+/// A file under a time limit.
+#[derive(Debug)]
+pub struct Timed {
+    file: File,
+    until: Until,
+    /// Bytes of the file when it was opened.
+    pub length: u64,
+    /// Bytes read so far.
+    pub place: u64,
+}
+
+/// Most bytes between two looks at the clock.
+const PIECE: usize = 1 << 20;
+
+impl Timed {
+    /// Opens a regular file.
+    ///
+    /// # Errors
+    /// Those of [`open_file`].
+    pub fn open(path: &Path, until: Until) -> io::Result<Self> {
+        let file = open_file(path)?;
+        let length = file.metadata()?.len();
+        Ok(Self { file, until, length, place: 0 })
+    }
+}
+
+impl Read for Timed {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        if self.until.is_some_and(|until| Instant::now() >= until) {
+            let reason = "not read to its end within the time limit of its case: --time-limit gives it longer";
+            return Err(io::Error::new(io::ErrorKind::TimedOut, reason));
+        }
+        let most = buffer.len().min(PIECE);
+        let count = self.file.read(&mut buffer[..most])?;
+        self.place += count as u64;
+        Ok(count)
+    }
+}
+
+/// Opens a file, if it is one and not longer than `most` bytes.
+///
+/// # Errors
+/// What the file system says, or both lengths.
+pub fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed, String> {
+    let file = Timed::open(path, until).map_err(|error| error.to_string())?;
+    if file.length > most {
+        return Err(format!("{} bytes, where at most {most} can be needed", file.length));
+    }
+    Ok(file)
+}
+
+/// Reads a file, if it is one and not longer than `most` bytes.
+///
+/// # Errors
+/// Those of [`open_bounded`].
+pub fn read_bounded(path: &Path, most: u64, until: Until) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    // A file may grow meanwhile.
+    open_bounded(path, most, until)?
+        .take(most)
+        .read_to_end(&mut bytes)
+        .map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+/// Whether a name that a file gives is that of a file below its directory.
+pub fn is_below(file: &str) -> bool {
+    let within = |part| matches!(part, Component::Normal(_) | Component::CurDir);
+    !file.is_empty() && Path::new(file).components().all(within)
+}

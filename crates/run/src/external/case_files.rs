@@ -1,0 +1,232 @@
+//! A case as files: mesh, times, loads and numbers, so that a solver needs no formula but κ(ζ).
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::npy::encode;
+use fem::contact::{CaseError, Discretization};
+use files::replace_file;
+use scene::setup::{MeshData, Setup};
+use vhi::history::TimeGrid;
+use vhi::law::{FourthOrder, TensorField};
+
+/// What the files mean, for who writes a solver.
+const FORMAT: &str = include_str!("format.md");
+/// Kernels of all pairs of levels are written up to this N on grids that are not uniform.
+const MOST_PAIRS: usize = 4096;
+
+/// Writes the files of a case into `dir`, which is created.
+///
+/// # Errors
+/// A load that is not finite, a file that cannot be written, a grid too long for its kernels.
+pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Result<(), CaseError> {
+    let (space, grid) = (&*data.space, setup.grid(steps));
+    std::fs::create_dir_all(dir).map_err(|error| outside(dir, error))?;
+    let file = |name: &str, bytes: &[u8]| {
+        let path = dir.join(name);
+        replace_file(&path, bytes).map_err(|error| outside(&path, error))
+    };
+    let table = |name: &str, rows: Result<Vec<u8>, csv::Error>| {
+        file(name, &rows.map_err(|error| outside(&dir.join(name), error))?)
+    };
+    file("README.md", FORMAT.as_bytes())?;
+    let document = case(setup, data, &grid);
+    let text = serde_json::to_string_pretty(&document).map_err(|error| outside(dir, error))?;
+    file("case.json", text.as_bytes())?;
+    file("mesh.msh", fem::mesh::write_gmsh(&space.mesh).as_bytes())?;
+    table("vertices.csv", vertices(space))?;
+    table("cells.csv", cells(space))?;
+    table("facets.csv", facets(space))?;
+    table("contact.csv", contact(setup, space))?;
+    file("times.npy", &encode(&[grid.steps() + 1], grid.times()))?;
+    if !setup.model.memory.is_empty() {
+        file("kernels.npy", &kernels(setup, &grid)?)?;
+    }
+    file("loads.npy", &loads(data, &grid)?)
+}
+
+fn outside(path: &Path, error: impl std::fmt::Display) -> CaseError {
+    CaseError::Outside(format!("{}: {error}", path.display()))
+}
+
+fn case(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Value {
+    let (scene, model, mesh) = (&setup.scene, &setup.model, &data.space.mesh);
+    let d = mesh.dimension;
+    // The text has been read as TOML before.
+    let written: Value = toml::from_str(&scene.source.text).unwrap_or(Value::Null);
+    let regions = 1 + setup.body.material.regions.len();
+    let names = setup.body.material.regions.iter().map(|region| region.name.as_str());
+    let names: Vec<&str> = std::iter::once("").chain(names).collect();
+    let tensors = |field: &TensorField| -> Vec<Value> {
+        (0..regions).map(|region| tensor(field.on(region), d)).collect()
+    };
+    let memory: Vec<Value> =
+        model.memory.iter().map(|term| Value::from(tensors(&term.tensor))).collect();
+    json!({
+        "format": 1,
+        "scene": scene.name,
+        "dimension": d,
+        "n": mesh.n,
+        "steps": grid.steps(),
+        "horizon": scene.time.horizon,
+        "uniform": is_uniform(setup),
+        "h": mesh.h(),
+        "k": grid.largest_step(),
+        "vertices": mesh.vertices(),
+        "cells": mesh.cell_count(),
+        "contact_rows": data.space.trace.points.len(),
+        "regions": names,
+        "elasticity": tensors(&model.elasticity),
+        "memory": memory,
+        "projection": written["material"]["projection"],
+        "contact": written["contact"],
+        "as_written": written,
+        "displacement": [grid.steps() + 1, mesh.vertices(), d],
+    })
+}
+
+fn tensor(tensor: &FourthOrder, d: usize) -> Value {
+    match tensor {
+        FourthOrder::Isotropic(law) => json!({ "lambda": law.lambda, "mu": law.mu }),
+        FourthOrder::Full(_) if d == 2 => json!({ "mandel": tensor.matrix::<3>() }),
+        FourthOrder::Full(_) => json!({ "mandel": tensor.matrix::<6>() }),
+    }
+}
+
+/// A table; numbers have the shortest texts that read back to the same doubles.
+struct Rows(csv::Writer<Vec<u8>>);
+
+impl Rows {
+    fn new(head: impl IntoIterator<Item = String>) -> Result<Self, csv::Error> {
+        let mut rows = Self(csv::Writer::from_writer(Vec::new()));
+        rows.add(head)?;
+        Ok(rows)
+    }
+
+    fn add(&mut self, cells: impl IntoIterator<Item = String>) -> Result<(), csv::Error> {
+        self.0.write_record(cells)
+    }
+
+    fn bytes(self) -> Result<Vec<u8>, csv::Error> {
+        self.0.into_inner().map_err(|error| error.into_error().into())
+    }
+}
+
+/// `first`, the texts between, `last`.
+fn between(
+    first: &str,
+    inner: impl IntoIterator<Item = String>,
+    last: &[&str],
+) -> impl Iterator<Item = String> {
+    let last: Vec<String> = last.iter().map(|&word| word.to_owned()).collect();
+    std::iter::once(first.to_owned()).chain(inner).chain(last)
+}
+
+const COORDINATES: [&str; 3] = ["x", "y", "z"];
+
+fn flag(set: bool) -> &'static str {
+    if set { "1" } else { "0" }
+}
+
+fn numbered(count: usize) -> impl Iterator<Item = String> {
+    (0..count).map(|i| format!("v{i}"))
+}
+
+fn vertices(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
+    let (mesh, d) = (&space.mesh, space.mesh.dimension);
+    let names = COORDINATES[..d].iter().map(|&name| name.to_owned());
+    let mut rows = Rows::new(between("vertex", names, &["clamped"]))?;
+    for v in 0..mesh.vertices() {
+        let clamped = space.nodes.of_vertex[v] as usize >= space.nodes.free;
+        let at = mesh.vertex(v as u32).iter().map(f64::to_string);
+        rows.add(between(&v.to_string(), at, &[flag(clamped)]))?;
+    }
+    rows.bytes()
+}
+
+fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
+    let mesh = &space.mesh;
+    let mut rows = Rows::new(between("cell", numbered(mesh.dimension + 1), &["region"]))?;
+    for c in 0..mesh.cell_count() {
+        let corners = mesh.cell(c).iter().map(u32::to_string);
+        let region = space.regions.get(c).copied().unwrap_or(0).to_string();
+        rows.add(between(&c.to_string(), corners, &[&region]))?;
+    }
+    rows.bytes()
+}
+
+fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
+    let mesh = &space.mesh;
+    let mut rows = Rows::new(between("facet", numbered(mesh.dimension), &["side"]))?;
+    for (f, &side) in mesh.facet_side.iter().enumerate() {
+        let corners = mesh.facet(f).iter().map(u32::to_string);
+        rows.add(between(&f.to_string(), corners, &[&mesh.sides[side as usize]]))?;
+    }
+    rows.bytes()
+}
+
+fn contact(setup: &Setup, space: &Discretization) -> Result<Vec<u8>, csv::Error> {
+    let d = space.mesh.dimension;
+    let names = COORDINATES[..d].iter().map(|name| format!("n{name}"));
+    let names = std::iter::once("vertex".to_owned()).chain(names);
+    let mut rows =
+        Rows::new(between("row", names, &["weight", "gap", "shift", "scale", "clamped"]))?;
+    for (i, point) in space.trace.points.iter().enumerate() {
+        let x = space.mesh.point(&[point.vertex], &[1.0]);
+        let [gap, shift, scale] = match &setup.model.boundary {
+            Some(boundary) => [(boundary.gap)(x), (boundary.shift)(x), boundary.scale_at(x)],
+            None => [f64::INFINITY, 0.0, 1.0],
+        };
+        let numbers = point.normal[..d].iter().copied().chain([point.weight, gap, shift, scale]);
+        let inner = std::iter::once(point.vertex.to_string()).chain(numbers.map(|x| x.to_string()));
+        rows.add(between(&i.to_string(), inner, &[flag(point.clamped)]))?;
+    }
+    rows.bytes()
+}
+
+/// Whether lags of the grid are its times.
+fn is_uniform(setup: &Setup) -> bool {
+    setup.scene.time.grid == scene::TimeGrid::Uniform
+}
+
+fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Vec<u8>, CaseError> {
+    let (terms, levels) = (&setup.model.memory, grid.steps() + 1);
+    if is_uniform(setup) {
+        let values =
+            terms.iter().flat_map(|term| grid.times().iter().map(|&t| term.kernel.value(t)));
+        return Ok(encode(&[terms.len(), levels], &values.collect::<Vec<f64>>()));
+    }
+    if grid.steps() > MOST_PAIRS {
+        return Err(CaseError::Outside(format!(
+            "kernels of all pairs of {levels} levels are too many to write: take at most {MOST_PAIRS} steps, or a uniform grid"
+        )));
+    }
+    let mut values = Vec::with_capacity(terms.len() * levels * levels);
+    for term in terms {
+        for n in 0..levels {
+            let until = grid.time(n);
+            let lag = |j: usize| if j <= n { term.kernel.value(until - grid.time(j)) } else { 0.0 };
+            values.extend((0..levels).map(lag));
+        }
+    }
+    Ok(encode(&[terms.len(), levels, levels], &values))
+}
+
+fn loads(data: &MeshData, grid: &TimeGrid) -> Result<Vec<u8>, CaseError> {
+    let (nodes, d) = (&data.space.nodes, data.space.mesh.dimension);
+    let mut values = Vec::with_capacity((grid.steps() + 1) * nodes.len());
+    for &t in grid.times() {
+        let load = data.truth.load(t)?;
+        for &node in &nodes.of_vertex {
+            let at = node as usize * d;
+            values.extend((at..at + d).map(|dof| load.get(dof).copied().unwrap_or(0.0)));
+        }
+    }
+    Ok(encode(&[grid.steps() + 1, nodes.of_vertex.len(), d], &values))
+}
+
+/// Where the files of a case stand below `folder`.
+pub fn case_dir(folder: &Path, scene: &str, n: u32, steps: u32) -> PathBuf {
+    folder.join(scene).join(format!("n{n}-N{steps}"))
+}

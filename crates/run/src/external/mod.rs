@@ -1,0 +1,156 @@
+//! A solver in another program as a [`Scheme`]: every case is a directory of plain files that it reads, displacements
+//! of all levels are what it writes.
+
+mod answer;
+mod bounded;
+mod case_files;
+mod group;
+mod log;
+mod npy;
+mod places;
+mod process;
+mod series;
+mod vtu;
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+pub use self::answer::{
+    AnswerError, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted, read_displacements,
+};
+use self::answer::{read_pressures, read_until};
+pub use self::case_files::{case_dir, write_case};
+pub use self::group::end_solvers;
+pub use self::log::LOG;
+pub use self::npy::{Array, NpyError, decode, encode};
+pub use self::process::ProcessError;
+use self::series::numbered;
+pub use self::series::{COLLECTION, SeriesError};
+pub use self::vtu::VtuError;
+use algebra::linalg::axpy;
+use fem::contact::{CaseError, CaseInfo, Discretization, Observer, StepView, strain_norm};
+use files::{remove_if_there, shortened};
+use scene::setup::{MeshData, SceneModel, Scheme, Setup};
+use vhi::history::{Accumulated, Memory, TimeGrid};
+use vhi::law::{Convolution, Projection};
+
+/// How a case comes to its answer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Way {
+    /// By a command, which gets the directory of the case as its last argument.
+    Command {
+        /// Program and arguments.
+        words: Vec<String>,
+        /// After which it is stopped, and its answer read no further.
+        limit: Duration,
+    },
+    /// The answer is there already.
+    Results,
+}
+
+/// A solver outside this program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExternalSolver {
+    /// How.
+    pub way: Way,
+    /// The cases stand below, [`case_dir`].
+    pub folder: PathBuf,
+    /// Whether it gives pressures as well.
+    pub pressures: bool,
+}
+
+impl Scheme for ExternalSolver {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        let (space, grid) = (&*data.space, setup.grid(steps));
+        let dir = case_dir(&self.folder, &setup.scene.name, space.mesh.n, steps);
+        let mut until = None;
+        if let Way::Command { words, limit } = &self.way {
+            forget(&dir)?;
+            write_case(&dir, setup, data, steps)?;
+            until = Instant::now().checked_add(*limit);
+            process::run(words, &dir, *limit).map_err(said)?;
+        }
+        let (levels, d) = (grid.steps() + 1, space.mesh.dimension);
+        let vertices: Vec<[f64; 3]> =
+            (0..space.mesh.vertices() as u32).map(|v| space.mesh.point(&[v], &[1.0])).collect();
+        let wanted = Wanted { times: grid.times(), vertices: &vertices, dimension: d };
+        let u = read_until(&dir, &wanted, until).map_err(said)?;
+        let points = space.trace.points.len();
+        let pressures = match self.pressures && points > 0 {
+            true => read_pressures(&dir, [levels, points], until).map_err(said)?,
+            false => vec![f64::NAN; levels * points],
+        };
+        show(space, &setup.model, &grid, [&u, &pressures], observe)
+    }
+}
+
+/// Characters of a reason: what a solver writes may be quoted in it, however long it is.
+const LONGEST_REASON: usize = 4000;
+
+fn said(error: impl std::fmt::Display) -> CaseError {
+    CaseError::Outside(shortened(&error.to_string(), LONGEST_REASON).into_owned())
+}
+
+/// An answer of an earlier run must not pass for one of this run.
+fn forget(dir: &Path) -> Result<(), CaseError> {
+    let named = [DISPLACEMENT, DISPLACEMENT_TABLE, COLLECTION, PRESSURE].map(|name| dir.join(name));
+    let numbered = numbered(dir).map_err(said)?;
+    for path in named.into_iter().chain(numbered.into_iter().map(|(_, path)| path)) {
+        remove_if_there(&path).map_err(|error| said(format!("{}: {error}", path.display())))?;
+    }
+    Ok(())
+}
+
+/// Shows every level, with the histories that the displacements make by the scene's time rule: stresses are those of
+/// this program's laws.
+fn show(
+    space: &Discretization,
+    model: &SceneModel,
+    grid: &TimeGrid,
+    [u, pressures]: [&[f64]; 2],
+    observe: &mut Observer<'_>,
+) -> Result<CaseInfo, CaseError> {
+    let (d, length) = (space.mesh.dimension, space.nodes.len());
+    let rule = model.time_rule.as_ref();
+    let terms = model.memory.iter();
+    let mut memory: Vec<Memory> =
+        terms.map(|term| Memory::new(&*term.kernel, rule, grid, length)).collect();
+    let mut history = vec![vec![0.0; length]; memory.len()];
+    let mut accumulated = Accumulated::default();
+    let mut info = CaseInfo::default();
+    let points = space.trace.points.len();
+    let no_multiplier = vec![0.0; points];
+    for n in 0..=grid.steps() {
+        let level = &u[n * length..(n + 1) * length];
+        let vertices = space.nodes.vertex.iter().map(|&vertex| vertex as usize * d);
+        let nodal: Vec<f64> = vertices.flat_map(|at| level[at..at + d].iter().copied()).collect();
+        for ((memory, term), sum) in memory.iter_mut().zip(&model.memory).zip(&mut history) {
+            memory.past(&*term.kernel, rule, grid, sum);
+            axpy(rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n), &nodal, sum);
+            memory.commit(grid, &nodal);
+        }
+        let strain_norm = strain_norm(space, &nodal);
+        let zeta = accumulated.past(rule, grid) + rule.weight(grid, n, n) * strain_norm;
+        accumulated.commit(grid, strain_norm);
+        let bytes = memory.iter().map(Memory::bytes).sum();
+        info.peak_history_bytes = info.peak_history_bytes.max(bytes);
+        observe(&StepView {
+            n,
+            t: grid.time(n),
+            u: &nodal,
+            history: &history,
+            zeta,
+            kappa: model.projection.limit().map_or(f64::INFINITY, |limit| limit.value(zeta)),
+            strain_norm,
+            compliance: &pressures[n * points..(n + 1) * points],
+            multiplier: &no_multiplier,
+        })?;
+    }
+    Ok(info)
+}

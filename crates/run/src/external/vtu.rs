@@ -1,0 +1,244 @@
+//! Displacements in a `.vtu` file of any writer: text, base64 or raw, in one place or appended, plain or packed by zlib.
+//!
+//! The published crates that read the format take a raw byte `<` for markup and drop an array that they cannot decode:
+//! here the XML is read by one crate, base64 and zlib by others.
+
+mod array;
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use roxmltree::{Document, Node, ParsingOptions};
+
+use self::array::{Binary, numbers};
+use super::bounded::{Bound, Until, is_below, read_bounded};
+use files::counted;
+
+/// Names of the point data that are looked for, the first that is there.
+const NAMES: [&str; 2] = ["displacement", "u"];
+
+/// Why a file has no displacement of the mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum VtuError {
+    /// The file system refused, or the file is too long.
+    #[error("{0}")]
+    Unreadable(String),
+    /// No XML.
+    #[error("no XML that can be read: {0}")]
+    Xml(String),
+    /// A file of another kind.
+    #[error("{0}: write an UnstructuredGrid (.vtu), by one process")]
+    Kind(String),
+    /// An index of pieces, which is followed if it has one.
+    #[error(
+        "a parallel file of {}: one below the directory of the case is read; write it by one process",
+        counted(.0.len(), "piece")
+    )]
+    Pieces(Vec<String>),
+    /// A way of writing that is not known.
+    #[error("{name} `{found}` is not read: write the file with `{known}`, or without {name}")]
+    Form { name: String, found: String, known: &'static str },
+    /// Points that are not one a vertex.
+    #[error(
+        "{found} points where the mesh has {wanted} vertices: write each vertex once; interpolate elements of higher \
+         order or discontinuous ones to continuous P1 first"
+    )]
+    Points { found: usize, wanted: usize },
+    /// Other point data.
+    #[error("no point data `displacement` or `u`; there are: {0}")]
+    NoArray(String),
+    /// A displacement of another dimension.
+    #[error("`{name}` has {found} components where {wanted} are wanted")]
+    Components { name: String, found: usize, wanted: &'static str },
+    /// Single precision.
+    #[error("`{0}` is of type Float32, seven digits, which would pass for an error: write Float64")]
+    Single(String),
+    /// An array of another length or kind, or that cannot be decoded.
+    #[error("array `{name}`: {reason}")]
+    Array { name: String, reason: String },
+    /// A number that is none.
+    #[error("{value} at point {point}")]
+    NotFinite { value: f64, point: usize },
+    /// A displacement out of the plane.
+    #[error("a third component of {value} at point {point}: in the plane it is 0")]
+    OutOfPlane { value: f64, point: usize },
+    /// A point where no vertex is.
+    #[error(
+        "point {point} at {at:?} is no vertex of the mesh: points are those of the body at rest, as in vertices.csv, to \
+         {near:e}"
+    )]
+    Elsewhere { point: usize, at: [f64; 3], near: f64 },
+    /// Two points at one vertex.
+    #[error(
+        "points {first} and {point} are both vertex {vertex}: write each vertex once; interpolate discontinuous elements \
+         to continuous P1 first"
+    )]
+    Twice { first: usize, point: usize, vertex: usize },
+}
+
+/// A file's points and their displacements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Snapshot {
+    /// Coordinates.
+    pub points: Vec<[f64; 3]>,
+    /// d numbers a point.
+    pub u: Vec<f64>,
+}
+
+/// A point and the cells around it take some 60 numbers with their connectivity in space; as text, at 25 letters each,
+/// with another 600 of a solver's own fields beside, they are below this.
+const BYTES_A_POINT: Bound = Bound { first: 1 << 20, each: 1 << 14 };
+/// Elements of the XML: a piece with its arrays has a few dozen.
+const MOST_NODES: u32 = 1 << 16;
+
+/// Reads the displacement of `vertices` points in `dimension`. Some programs write an index of pieces from one process
+/// too: its only piece is read.
+///
+/// # Errors
+/// [`VtuError`].
+pub fn read_vtu(
+    path: &Path,
+    [vertices, dimension]: [usize; 2],
+    until: Until,
+) -> Result<Snapshot, VtuError> {
+    let read = |path: &Path| {
+        let bytes =
+            read_bounded(path, BYTES_A_POINT.of(vertices), until).map_err(VtuError::Unreadable)?;
+        snapshot(&bytes, vertices, dimension)
+    };
+    match read(path) {
+        Err(VtuError::Pieces(files)) => match &files[..] {
+            [only] if is_below(only) => read(&path.with_file_name(only)),
+            _ => Err(VtuError::Pieces(files)),
+        },
+        other => other,
+    }
+}
+
+fn snapshot(bytes: &[u8], vertices: usize, dimension: usize) -> Result<Snapshot, VtuError> {
+    let (text, appended) = apart(bytes)?;
+    let document = xml(&text)?;
+    let root = document.root_element();
+    let kind = root.attribute("type").unwrap_or_default();
+    if kind == "PUnstructuredGrid" {
+        let pieces = root.descendants().filter(|node| node.has_tag_name("Piece"));
+        let files = pieces.filter_map(|piece| piece.attribute("Source")).map(str::to_owned);
+        return Err(VtuError::Pieces(files.collect()));
+    }
+    if root.tag_name().name() != "VTKFile" || kind != "UnstructuredGrid" {
+        return Err(VtuError::Kind(format!("a file of type `{kind}`")));
+    }
+    let binary = binary(root, appended)?;
+    let pieces: Vec<(Node<'_, '_>, usize)> = root
+        .children()
+        .filter(|node| node.has_tag_name("UnstructuredGrid"))
+        .flat_map(|grid| grid.children().filter(|node| node.has_tag_name("Piece")))
+        .map(|piece| {
+            let count = piece.attribute("NumberOfPoints").and_then(|text| text.trim().parse().ok());
+            Ok((piece, count.ok_or_else(|| VtuError::Kind("a piece without points".into()))?))
+        })
+        .collect::<Result<_, VtuError>>()?;
+    let found = pieces.iter().fold(0usize, |sum, &(_, count)| sum.saturating_add(count));
+    if found != vertices {
+        return Err(VtuError::Points { found, wanted: vertices });
+    }
+    let mut all = Snapshot { points: Vec::new(), u: Vec::new() };
+    for (piece, count) in pieces.into_iter().filter(|&(_, count)| count > 0) {
+        let points = child(piece, "Points").and_then(|points| child(points, "DataArray"));
+        let points = points.ok_or_else(|| VtuError::Kind("a piece without points".into()))?;
+        let coordinates = numbers(points, &binary, 3 * count)?;
+        all.points.extend(coordinates.as_chunks::<3>().0);
+        all.u.extend(displacement(piece, &binary, count, dimension)?);
+    }
+    Ok(all)
+}
+
+/// The XML, and what follows the underscore of `AppendedData`, which need not be text.
+fn apart(bytes: &[u8]) -> Result<(Cow<'_, str>, Option<&[u8]>), VtuError> {
+    let text = |part| std::str::from_utf8(part).map_err(|error| VtuError::Xml(error.to_string()));
+    const TAG: &[u8] = b"<AppendedData";
+    let Some(tag) = bytes.windows(TAG.len()).position(|window| window == TAG) else {
+        return Ok((Cow::Borrowed(text(bytes)?), None));
+    };
+    let early = || VtuError::Xml("the file ends early".into());
+    let head = tag + bytes[tag..].iter().position(|&byte| byte == b'>').ok_or_else(early)? + 1;
+    let underscore = bytes[head..].iter().position(|&byte| byte == b'_').ok_or_else(early)?;
+    let document = format!("{}</AppendedData></VTKFile>", text(&bytes[..head])?);
+    Ok((Cow::Owned(document), Some(&bytes[head + underscore + 1..])))
+}
+
+/// The elements of a text.
+///
+/// # Errors
+/// [`VtuError::Xml`].
+pub(super) fn xml(text: &str) -> Result<Document<'_>, VtuError> {
+    let options = ParsingOptions { nodes_limit: MOST_NODES, ..ParsingOptions::default() };
+    Document::parse_with_options(text, options).map_err(|error| VtuError::Xml(error.to_string()))
+}
+
+fn binary<'a>(root: Node<'_, '_>, appended: Option<&'a [u8]>) -> Result<Binary<'a>, VtuError> {
+    let stated = |name: &str, usual: &str, other: &'static str| {
+        let found = root.attribute(name).unwrap_or(usual);
+        if found != usual && found != other {
+            let (name, found) = (name.to_owned(), found.to_owned());
+            return Err(VtuError::Form { name, found, known: other });
+        }
+        Ok(found == other)
+    };
+    let encoding = child(root, "AppendedData").and_then(|node| node.attribute("encoding"));
+    Ok(Binary {
+        big_endian: stated("byte_order", "LittleEndian", "BigEndian")?,
+        header: if stated("header_type", "UInt32", "UInt64")? { 8 } else { 4 },
+        packed: stated("compressor", "", "vtkZLibDataCompressor")?,
+        appended: appended.map(|bytes| (bytes, encoding.is_none_or(|name| name == "base64"))),
+    })
+}
+
+fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+/// d numbers a point.
+fn displacement(
+    piece: Node<'_, '_>,
+    binary: &Binary<'_>,
+    count: usize,
+    dimension: usize,
+) -> Result<Vec<f64>, VtuError> {
+    let data = child(piece, "PointData");
+    let named = |node: &Node<'_, '_>| node.attribute("Name").unwrap_or_default().to_owned();
+    let arrays: Vec<(String, Node<'_, '_>)> = data
+        .iter()
+        .flat_map(|data| data.children().filter(|node| node.has_tag_name("DataArray")))
+        .map(|node| (named(&node), node))
+        .collect();
+    let found = NAMES.iter().find_map(|name| arrays.iter().find(|(found, _)| found == name));
+    let Some((name, node)) = found else {
+        let there: Vec<&str> = arrays.iter().map(|(name, _)| name.as_str()).collect();
+        let there = if there.is_empty() { "none".to_owned() } else { there.join(", ") };
+        return Err(VtuError::NoArray(there));
+    };
+    let stated =
+        node.attribute("NumberOfComponents").map_or(Some(1), |text| text.trim().parse().ok());
+    let components = stated.unwrap_or(0);
+    if components != 3 && components != dimension {
+        let wanted = if dimension == 2 { "2 or 3" } else { "3" };
+        return Err(VtuError::Components { name: name.clone(), found: components, wanted });
+    }
+    if node.attribute("type") == Some("Float32") {
+        return Err(VtuError::Single(name.clone()));
+    }
+    let values = numbers(*node, binary, components * count)?;
+    if let Some(at) = values.iter().position(|value| !value.is_finite()) {
+        return Err(VtuError::NotFinite { value: values[at], point: at / components });
+    }
+    for (point, u) in values.chunks_exact(components).enumerate() {
+        if let Some(&value) = u[dimension..].iter().find(|&&value| value != 0.0) {
+            return Err(VtuError::OutOfPlane { value, point });
+        }
+    }
+    Ok(values.chunks_exact(components).flat_map(|u| u[..dimension].iter().copied()).collect())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,235 @@
+//! The time error in ℝ^m: the linearised scheme of an abstract scene along its exact solution.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::NoConstant;
+use super::adaptive::{cuts, integral};
+use super::law_slope::{Answer, answer};
+use super::time::weight;
+use exact::LawNumbers;
+use formula::{Bound, Graph, Node, Point, Program, Variable};
+use scene::setup::AbstractSetup;
+
+/// max_n ‖e_n‖_X on a grid, where
+///
+/// ```text
+/// (M + g'(u_n) + N_r + Σ w a aᵀ ∂²j) e_n + N_y R Σ_l Q_l Σ' w_nj q_l(t_n,t_j) e_j = N(S u, u_n) - N(S_n^k u, u_n)
+/// ```
+///
+/// and a_i·e_n = 0 where the constraint or a jump of ∂j_i holds a_i·u.
+///
+/// # Errors
+/// [`NoConstant::Singular`].
+pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64, NoConstant> {
+    let problem = Linearised::new(setup);
+    let m = problem.matrix.nrows();
+    let states: Vec<_> = times.iter().map(|&t| setup.state(t)).collect();
+    let exact: Vec<DVector<f64>> =
+        states.iter().map(|state| DVector::from_column_slice(&state.u)).collect();
+    let mut errors: Vec<DVector<f64>> = Vec::with_capacity(times.len());
+    let mut largest: f64 = 0.0;
+    let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
+    let mut kernels: Vec<Bound> = problem.kernels.iter().map(|(q, _)| q.bind(&places)).collect();
+    let mut row = vec![Vec::new()];
+    let kinks = problem.kinks(times);
+    for (n, &t) in times.iter().enumerate() {
+        let state = &states[n];
+        let mut sum = problem.constant.clone();
+        let mut of_sums = Vec::new();
+        let mut past = DVector::zeros(m);
+        let mut present = DMatrix::zeros(m, m);
+        for (kernel, (_, matrix)) in kernels.iter_mut().zip(&problem.kernels) {
+            kernel.evaluate(t, 0.0, &mut row);
+            let mut of_exact = DVector::zeros(m);
+            let mut of_errors = DVector::zeros(m);
+            for (j, q) in row[0][..=n].iter().enumerate() {
+                let w = weight(times, n, j);
+                // A kernel may be infinite where the sum is empty.
+                if w > 0.0 {
+                    of_exact.axpy(w * q, &exact[j], 1.0);
+                    if j < n {
+                        of_errors.axpy(w * q, &errors[j], 1.0);
+                    } else {
+                        present += (w * q) * matrix;
+                    }
+                }
+            }
+            sum += matrix * &of_exact;
+            of_sums.push(of_exact);
+            past += matrix * of_errors;
+        }
+        let discrete = &problem.r * sum;
+        let history = problem.history(t, &of_sums, &kinks);
+        let (source, by_y, by_r) = problem.force(&state.u, history.as_slice(), discrete.as_slice());
+        let mut tangent = &problem.matrix + DMatrix::from_diagonal(&by_r);
+        tangent += DMatrix::from_diagonal(&by_y) * &problem.r * present;
+        let right = source - by_y.component_mul(&(&problem.r * past));
+        let error = problem.solve(tangent, right, state).ok_or(NoConstant::Singular { t })?;
+        largest = largest.max(problem.norm(&error));
+        errors.push(error);
+    }
+    Ok(largest)
+}
+
+/// The scene's numbers as matrices, and the derivatives of its formulas.
+struct Linearised<'a> {
+    graph: Graph,
+    matrix: DMatrix<f64>,
+    product: DMatrix<f64>,
+    r: DMatrix<f64>,
+    constant: DVector<f64>,
+    kernels: Vec<(Program, DMatrix<f64>)>,
+    /// q_l(t, s) u_j(s), by l, then j.
+    integrands: Program,
+    /// g_i'.
+    nonlinear: Vec<Node>,
+    /// N_i, ∂N_i/∂y, ∂N_i/∂r.
+    force: Vec<[Node; 3]>,
+    laws: Vec<Option<LawNumbers>>,
+    setup: &'a AbstractSetup,
+}
+
+impl<'a> Linearised<'a> {
+    fn new(setup: &'a AbstractSetup) -> Self {
+        let problem = &setup.problem;
+        let mut graph = setup.scene.formulas.clone();
+        let rows = |list: &[Vec<f64>]| DMatrix::from_fn(list.len(), list.len(), |i, j| list[i][j]);
+        let horizon = setup.scene.time.horizon;
+        let kernels = problem
+            .kernels
+            .iter()
+            .map(|kernel| {
+                (Program::compile(&mut graph, &[kernel.q], horizon), rows(&kernel.matrix))
+            })
+            .collect();
+        let s = graph.variable(Variable::X);
+        let mut integrands = Vec::new();
+        for kernel in &problem.kernels {
+            for &u in &problem.u {
+                let past = graph.substitute(u, Variable::T, s);
+                integrands.push(graph.mul(kernel.q, past));
+            }
+        }
+        let integrands = Program::compile(&mut graph, &integrands, horizon);
+        let mut by = |f: Node, variable| graph.derivative(f, variable);
+        let nonlinear = problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();
+        let force = problem
+            .force
+            .iter()
+            .flatten()
+            .map(|&f| [f, by(f, Variable::Y), by(f, Variable::X)])
+            .collect();
+        Self {
+            matrix: rows(&problem.matrix),
+            product: rows(&problem.inner_product),
+            r: rows(&problem.r),
+            constant: DVector::from_column_slice(&problem.a_s),
+            laws: setup.exact.laws(),
+            kernels,
+            integrands,
+            nonlinear,
+            force,
+            graph,
+            setup,
+        }
+    }
+
+    fn norm(&self, e: &DVector<f64>) -> f64 {
+        (e.dot(&(&self.product * e))).sqrt()
+    }
+
+    /// Where a guard of u changes its sign between two of these times.
+    fn kinks(&self, times: &[f64]) -> Vec<f64> {
+        let mut kinks = Vec::new();
+        for guard in self.graph.guards(&self.setup.problem.u) {
+            let above = |t: f64| self.graph.evaluate(guard, &Point { t, ..Point::default() }) > 0.0;
+            for ends in times.windows(2) {
+                let (mut low, mut high) = (ends[0], ends[1]);
+                let before = above(low);
+                if above(high) == before {
+                    continue;
+                }
+                let mut middle = 0.5 * (low + high);
+                while low < middle && middle < high {
+                    *if above(middle) == before { &mut low } else { &mut high } = middle;
+                    middle = 0.5 * (low + high);
+                }
+                kinks.push(high);
+            }
+        }
+        kinks
+    }
+
+    /// (S u)(t), integrated apart from the truth; `sums` are those in place of its integrals, `kinks` the kinks of u.
+    fn history(&self, t: f64, sums: &[DVector<f64>], kinks: &[f64]) -> DVector<f64> {
+        let m = self.constant.len();
+        let mut sum = self.constant.clone();
+        let discrete: Vec<f64> = sums.iter().flat_map(|sum| sum.iter().copied()).collect();
+        if t > 0.0 && !discrete.is_empty() {
+            let integrals = integral(&cuts(t, kinks), &discrete, |times| {
+                let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
+                let mut values = vec![Vec::new(); discrete.len()];
+                self.integrands.bind(&places).evaluate(t, 0.0, &mut values);
+                (0..times.len()).map(|k| values.iter().map(|list| list[k]).collect()).collect()
+            });
+            for ((_, matrix), part) in self.kernels.iter().zip(integrals.chunks(m)) {
+                sum += matrix * DVector::from_column_slice(part);
+            }
+        }
+        &self.r * sum
+    }
+
+    /// N(S u, u) - N(S^k u, u), ∂N/∂y, and the diagonal g' + ∂N/∂r.
+    fn force(
+        &self,
+        u: &[f64],
+        exact: &[f64],
+        discrete: &[f64],
+    ) -> (DVector<f64>, DVector<f64>, DVector<f64>) {
+        let m = u.len();
+        let at = |node: Node, i: usize, y: f64| {
+            self.graph.evaluate(node, &Point { x: u[i], y, ..Point::default() })
+        };
+        let source = DVector::from_fn(m, |i, _| match self.force.get(i) {
+            Some(nodes) => at(nodes[0], i, exact[i]) - at(nodes[0], i, discrete[i]),
+            None => exact[i] - discrete[i],
+        });
+        let by_y =
+            DVector::from_fn(m, |i, _| self.force.get(i).map_or(1.0, |f| at(f[1], i, discrete[i])));
+        let by_r = DVector::from_fn(m, |i, _| {
+            let own = self.nonlinear.get(i).map_or(0.0, |&g| at(g, i, 0.0));
+            own + self.force.get(i).map_or(0.0, |f| at(f[2], i, discrete[i]))
+        });
+        (source, by_y, by_r)
+    }
+
+    /// The saddle point problem with the held functionals; `None` if it is singular.
+    fn solve(
+        &self,
+        mut tangent: DMatrix<f64>,
+        right: DVector<f64>,
+        state: &exact::FiniteState,
+    ) -> Option<DVector<f64>> {
+        let m = right.len();
+        let mut held = Vec::new();
+        for (i, trace) in self.setup.problem.traces.iter().enumerate() {
+            let a = DVector::from_column_slice(&trace.functional);
+            let (r, xi, lambda) = (state.traces[i], state.selection[i], state.multiplier[i]);
+            match answer(self.laws[i].as_ref(), r, xi, lambda) {
+                Answer::Slope(slope) => tangent += (trace.weight * slope) * &a * a.transpose(),
+                Answer::Held => held.push(a),
+            }
+        }
+        let order = m + held.len();
+        let saddle = DMatrix::from_fn(order, order, |i, j| match (i < m, j < m) {
+            (true, true) => tangent[(i, j)],
+            (true, false) => held[j - m][i],
+            (false, true) => held[i - m][j],
+            (false, false) => 0.0,
+        });
+        let right = DVector::from_fn(order, |i, _| if i < m { right[i] } else { 0.0 });
+        let solution = saddle.lu().solve(&right)?;
+        let error = solution.rows(0, m).into_owned();
+        error.iter().all(|value| value.is_finite()).then_some(error)
+    }
+}

@@ -1,0 +1,353 @@
+//! The time error on V^h: the linearised scheme of a contact scene along the nodal interpolant of its exact solution.
+
+use std::sync::Arc;
+
+use super::NoConstant;
+use super::cells::{Mandel, add_force, add_stiffness, inner, product, strains};
+use super::interpolation::InterpolationError;
+use super::law_slope::{Answer, answer};
+use super::measures::{Largest, Level, balancing, normal};
+use super::own_history::OwnHistory;
+use super::sums::{Kernel, Sums};
+use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
+use super::time::weight;
+use algebra::linalg::{Front, axpy, dot};
+use exact::{ComplianceRule, Exact, InterpolatedOnMesh};
+use fem::contact::Discretization;
+use formula::{Node, Point, Variable};
+
+/// A contact scene on one mesh, with tensors of S numbers.
+pub(super) struct InSpace<const S: usize> {
+    exact: Arc<Exact>,
+    space: Arc<Discretization>,
+    truth: InterpolatedOnMesh,
+    /// κ'(ζ).
+    slope: Option<Node>,
+    graph: formula::Graph,
+    /// The region of each cell.
+    regions: Vec<usize>,
+    kernels: Vec<Kernel>,
+}
+
+/// I_h u with its exact histories at one time.
+struct State<const S: usize> {
+    u: Vec<f64>,
+    strain: Vec<Mandel<S>>,
+    /// ‖ε‖_ℋ.
+    norm: f64,
+    /// ε(∫ b_i(t-s) u ds) of each term of the memory.
+    memory: Vec<Vec<Mandel<S>>>,
+    /// ζ, where κ depends on it.
+    zeta: f64,
+    /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
+    contact: Vec<[f64; 5]>,
+}
+
+/// The past of a level: Σ' over exact values, and over the errors of earlier levels.
+struct Past<const S: usize> {
+    /// One a term of the memory.
+    memory: Vec<Vec<Mandel<S>>>,
+    memory_error: Vec<Vec<Mandel<S>>>,
+    /// The weights with which the level itself enters.
+    own_memory: Vec<f64>,
+    accumulated: Accumulated,
+}
+
+/// ζ of the discrete history.
+struct Accumulated {
+    /// The weight with which the level itself enters.
+    own: f64,
+    zeta: f64,
+    zeta_error: f64,
+}
+
+/// How the stress of a cell moves, linearised.
+struct Response<const S: usize> {
+    /// By the strain of the level, its own share of the memory included.
+    tangent: [Mandel<S>; S],
+    /// What it misses beside that: minus its part from the past.
+    source: Mandel<S>,
+    /// By ζ.
+    by_zeta: Mandel<S>,
+}
+
+impl<const S: usize> Response<S> {
+    /// The leading part of σ^k - σ.
+    fn stress(&self, strain: &Mandel<S>, zeta: f64) -> Mandel<S> {
+        let of = |i: usize| product(&self.tangent[i], strain) + zeta * self.by_zeta[i];
+        std::array::from_fn(|i| of(i) - self.source[i])
+    }
+}
+
+impl<const S: usize> InSpace<S> {
+    /// Binds the exact solution to the mesh of `space`.
+    pub(super) fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
+        // The rule matters to loads alone, which are not asked for here.
+        let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
+        let mut graph = exact.data.graph.clone();
+        let slope = exact
+            .data
+            .kappa
+            .filter(|&kappa| graph.depends_on(kappa, Variable::Zeta))
+            .map(|kappa| graph.derivative(kappa, Variable::Zeta));
+        let regions = exact.cell_regions(&space.mesh);
+        let kernel = |&node: &Node| Kernel::new(&mut graph, node, exact.data.horizon);
+        let kernels = exact.data.kernels.iter().map(kernel).collect();
+        Self { exact, space, truth, slope, graph, regions, kernels }
+    }
+
+    /// The number of steps beyond which the sums over the past are dearer than what they tell.
+    pub(super) fn most_steps(&self) -> u32 {
+        match self.kernels.iter().any(Kernel::is_direct) {
+            true => (MOST_PRODUCTS / self.space.nodes.len() as f64).sqrt() as u32,
+            false => u32::MAX,
+        }
+    }
+
+    /// Whether u(t) ∈ V^h, to rounding, at times that no scene has reason to single out.
+    pub(super) fn holds_the_solution(&self, horizon: f64) -> bool {
+        let mut interpolation = InterpolationError::new(&self.exact, &self.space.mesh);
+        [0.37, 0.83, 1.0].iter().all(|share| {
+            let t = share * horizon;
+            let strain: Vec<Mandel<S>> = strains(&self.space, &self.own_history().displacement(t));
+            interpolation.at(t) <= VANISHING * inner(&self.space, &strain, &strain).sqrt()
+        })
+    }
+
+    /// The largest errors on a grid, max_n ‖ε(e_n)‖ and those of the other norms.
+    pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
+        let mut sums = Sums::new(&self.kernels, times, self.space.nodes.len());
+        // Σ' over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
+        let (mut zeta, mut zeta_error) = (0.0, 0.0);
+        let mut largest = Largest::default();
+        let mut history = self.own_history();
+        for (n, &t) in times.iter().enumerate() {
+            if n > 0 {
+                history.advance(t);
+            }
+            let state = self.state(t, &mut history, &sums);
+            let (mut error, mut of_norm) = (vec![0.0; self.space.nodes.len()], 0.0);
+            if n > 0 {
+                let own = weight(times, n, n);
+                let zeta = zeta + own * state.norm;
+                let past = self.past(&sums, &state, Accumulated { own, zeta, zeta_error });
+                let level = self.level(t, &state, &past)?;
+                let norm = inner(&self.space, &level.strain, &level.strain).sqrt();
+                let along = inner(&self.space, &state.strain, &level.strain) / state.norm;
+                // Where ε vanishes the norm of its neighbour is the error's own.
+                of_norm = if state.norm > VANISHING * norm { along } else { norm };
+                if norm.is_nan() {
+                    return Err(NoConstant::Singular { t });
+                }
+                largest.raise(&self.space, &level);
+                error = level.error;
+            }
+            if n + 1 < times.len() {
+                let w = weight(times, n + 1, n);
+                zeta += w * state.norm;
+                zeta_error += w * of_norm;
+                sums.advance([state.u, error]);
+            }
+        }
+        Ok(largest)
+    }
+
+    fn at_zeta(&self, node: Option<Node>, zeta: f64, absent: f64) -> f64 {
+        let at = Point { zeta, ..Point::default() };
+        node.map_or(absent, |node| self.graph.evaluate(node, &at))
+    }
+
+    fn own_history(&self) -> OwnHistory<'_, S> {
+        OwnHistory::new(&self.exact, &self.space, &self.kernels, self.slope.is_some())
+    }
+
+    /// That of the time to which `history` and `sums` have come.
+    fn state(&self, t: f64, history: &mut OwnHistory<'_, S>, sums: &Sums) -> State<S> {
+        let u = history.displacement(t);
+        let strain: Vec<Mandel<S>> = strains(&self.space, &u);
+        let remembered = |term: usize| {
+            let [mut discrete, _] = sums.before(term);
+            axpy(sums.own(term), &u, &mut discrete);
+            strains(&self.space, &history.remembered(term, &discrete))
+        };
+        let memory = (0..self.kernels.len()).map(remembered).collect();
+        let norm = inner(&self.space, &strain, &strain).sqrt();
+        let (zeta, contact) = (history.zeta(), self.truth.contact_state(t));
+        State { u, strain, norm, memory, zeta, contact }
+    }
+
+    fn past(&self, sums: &Sums, state: &State<S>, accumulated: Accumulated) -> Past<S> {
+        let (mut memory, mut memory_error, mut own_memory) = (vec![], vec![], vec![]);
+        for term in 0..self.kernels.len() {
+            let ([mut exact, error], own) = (sums.before(term), sums.own(term));
+            axpy(own, &state.u, &mut exact);
+            own_memory.push(own);
+            memory.push(strains(&self.space, &exact));
+            memory_error.push(strains(&self.space, &error));
+        }
+        Past { memory, memory_error, own_memory, accumulated }
+    }
+
+    /// e_n from the linearised step
+    ///
+    /// ```text
+    /// (D ε(e), ε(v)) + ∫ ∂²j e_ν v_ν + (r, ε(v)) w (ε_n, ε(e))/‖ε_n‖ = -(ρ + past, ε(v)),   r = ∂σ/∂κ κ'
+    /// ```
+    ///
+    /// with ρ the stress of the discrete history less that of the exact one.
+    fn level(&self, t: f64, state: &State<S>, past: &Past<S>) -> Result<Level<S>, NoConstant> {
+        let space = &self.space;
+        let kappa = self.exact.data.kappa;
+        let (exact_kappa, own_kappa) = (
+            self.at_zeta(kappa, state.zeta, f64::INFINITY),
+            self.at_zeta(kappa, past.accumulated.zeta, f64::INFINITY),
+        );
+        let slope = self.at_zeta(self.slope, past.accumulated.zeta, 0.0);
+        let mut values = vec![0.0; space.pattern.entries()];
+        let mut right = vec![0.0; space.nodes.len()];
+        let (mut column, mut row) = (right.clone(), right.clone());
+        let mut responses = Vec::with_capacity(space.mesh.cell_count());
+        for c in 0..space.mesh.cell_count() {
+            let (strain, material) = (&state.strain[c], self.exact.material_in(self.regions[c]));
+            let of_cell = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
+                terms.iter().map(|term| term[c]).collect()
+            };
+            let before = stress_of(material, strain, &of_cell(&state.memory), exact_kappa);
+            let after = stress_of(material, strain, &of_cell(&past.memory), own_kappa);
+            let mut tangent = by_strain(material, strain, own_kappa);
+            let mut remembered = [0.0; S];
+            for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
+                let part = isotropic(lambda, mu, &past.memory_error[term][c]);
+                (0..S).for_each(|i| remembered[i] += part[i]);
+                for (i, line) in tangent.iter_mut().enumerate() {
+                    let memory = isotropic(lambda, mu, &unit::<S>(i));
+                    (0..S).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
+                }
+            }
+            let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
+            let source: Mandel<S> = std::array::from_fn(|i| {
+                before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
+            });
+            add_force(space, c, &source, &mut right);
+            add_stiffness(space, c, &tangent, &mut values);
+            responses.push(Response { tangent, source, by_zeta });
+            if self.slope.is_some() && state.norm > 0.0 {
+                add_force(space, c, &by_zeta, &mut column);
+                add_force(
+                    space,
+                    c,
+                    &strain.map(|e| past.accumulated.own * e / state.norm),
+                    &mut row,
+                );
+            }
+        }
+        let answers = self.answers(state);
+        self.add_contact(&answers, &mut values);
+        let error = self.solve(t, &values, right, column, &row)?;
+        let strain: Vec<Mandel<S>> = strains(space, &error);
+        // The change of ζ that the level itself makes.
+        let share = match self.slope.is_some() && state.norm > 0.0 {
+            true => past.accumulated.own * inner(space, &state.strain, &strain) / state.norm,
+            false => 0.0,
+        };
+        let stress: Vec<Mandel<S>> =
+            responses.iter().zip(&strain).map(|(own, e)| own.stress(e, share)).collect();
+        let balance = balancing(space, &stress);
+        let pressure = answers.iter().enumerate().map(|(i, answer)| match answer {
+            None => 0.0,
+            Some(Answer::Slope(slope)) => slope * normal(space, i, &error),
+            Some(Answer::Held) => balance[i],
+        });
+        let pressure = pressure.collect();
+        Ok(Level { error, strain, stress, pressure })
+    }
+
+    /// How the pressure at each point of the trace answers; `None` where u = 0 is given.
+    fn answers(&self, state: &State<S>) -> Vec<Option<Answer>> {
+        let contact = self.exact.data.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref());
+        let mut answers = Vec::with_capacity(state.contact.len());
+        for (point, &[normal, _, _, xi, lambda]) in
+            self.space.trace.points.iter().zip(&state.contact)
+        {
+            // The law is c p: its slope is c times that of p at ξ/c.
+            let shift =
+                self.at_vertex(contact.and_then(|contact| contact.shift), 0.0, point.vertex);
+            let scale =
+                self.at_vertex(contact.and_then(|contact| contact.scale), 1.0, point.vertex);
+            let own = match answer(law, normal - shift, xi / scale, lambda) {
+                Answer::Slope(slope) => Answer::Slope(scale * slope),
+                Answer::Held => Answer::Held,
+            };
+            answers.push((!point.clamped).then_some(own));
+        }
+        answers
+    }
+
+    /// Adds the slopes of the law at the vertices; holds the vertices whose u_ν does not move.
+    fn add_contact(&self, answers: &[Option<Answer>], values: &mut [f64]) {
+        let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+        for (point, answer) in self.space.trace.points.iter().zip(answers) {
+            let answer = match answer {
+                None => continue,
+                Some(Answer::Slope(slope)) => point.weight * slope,
+                Some(Answer::Held) => HELD * stiffness,
+            };
+            // answer · ν νᵀ on the components of the vertex.
+            let d = self.space.mesh.dimension;
+            for i in 0..d {
+                for j in 0..=i {
+                    let first = d * point.node as usize;
+                    if let Some(at) = self.space.pattern.position(first + i, first + j) {
+                        values[at] += answer * point.normal[i] * point.normal[j];
+                    }
+                }
+            }
+        }
+    }
+
+    /// The value of a formula at a vertex, or `absent` without one.
+    fn at_vertex(&self, node: Option<Node>, absent: f64, vertex: u32) -> f64 {
+        let [x, y, z] = self.space.mesh.point(&[vertex], &[1.0]);
+        let at = Point { x, y, z, ..Point::default() };
+        node.map_or(absent, |node| self.exact.data.graph.evaluate(node, &at))
+    }
+
+    /// (K + column rowᵀ) e = right, by the formula of Sherman and Morrison.
+    fn solve(
+        &self,
+        t: f64,
+        values: &[f64],
+        mut right: Vec<f64>,
+        column: Vec<f64>,
+        row: &[f64],
+    ) -> Result<Vec<f64>, NoConstant> {
+        let (space, dofs) = (&self.space, self.space.dofs());
+        let analysis = &space.analysis;
+        let (mut factor, mut workspace) = (analysis.factor::<f64>(), analysis.workspace());
+        analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
+        let mut front = Front::default();
+        let [error, answer] = [&right, &column].map(|side| {
+            let mut x = side[..dofs].to_vec();
+            analysis.solve(&factor, &mut x, &mut front);
+            x
+        });
+        let denominator = 1.0 + dot(&row[..dofs], &answer);
+        if denominator.is_nan() || denominator.abs() <= VANISHING {
+            return Err(NoConstant::Singular { t });
+        }
+        let factor = dot(&row[..dofs], &error) / denominator;
+        right.fill(0.0);
+        for (target, (e, a)) in right.iter_mut().zip(error.iter().zip(&answer)) {
+            *target = e - factor * a;
+        }
+        Ok(right)
+    }
+}
+
+/// Numbers multiplied in the sums over the past of one grid: some seconds.
+const MOST_PRODUCTS: f64 = 1e10;
+/// Shares below this are zero but for rounding.
+const VANISHING: f64 = 1e-9;
+/// Stiffness of a held vertex, in units of the largest entry: it moves by 1e-10 of what it would.
+const HELD: f64 = 1e10;

@@ -1,0 +1,230 @@
+//! The space error: ‖ε(u - I_h u)‖ on a mesh, and its limit over h from the second derivatives of u.
+
+use std::sync::Arc;
+
+use super::interpolation_stress::StressInterpolationError;
+use super::quadratic::QuadraticError;
+use super::time::{largest_step, times};
+use super::{Case, LeadingError, LeadingErrors, NoConstant, along_the_interpolant};
+use exact::Exact;
+use exact::constitutive::{Tensor, full};
+use exact::linear::gradient_of;
+use fem::contact::LoadError;
+use fem::mesh::Mesh;
+use fem::space::quadrature::{Rule, gauss_legendre, tetrahedron_degree_5, triangle_degree_4};
+use formula::{Bound, Program, Variable};
+use scene::Shape;
+use scene::setup::Setup;
+
+/// Cells of the integral of second derivatives, in each coordinate, in the plane and in space, and Gauss points a
+/// cell. Moving zones leave jumps in third derivatives of the profile, which are second derivatives of u: the sum over
+/// 128 points meets them within 1 %. Smooth fields need fewer.
+const CELLS: [usize; 2] = [64, 8];
+const POINTS: usize = 2;
+
+const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
+
+/// lim ‖ε(u(t) - I_h u(t))‖/h on the structured family, the squares or cubes of side h with their diagonal, in the
+/// domain of the given `size`.
+pub fn interpolation_constant(exact: &Exact, size: &[f64], t: f64) -> f64 {
+    match size.len() {
+        2 => constant_in::<2>(exact, size, t),
+        _ => constant_in::<3>(exact, size, t),
+    }
+}
+
+fn constant_in<const D: usize>(exact: &Exact, size: &[f64], t: f64) -> f64 {
+    let mut graph = exact.data.graph.clone();
+    let mut nodes = Vec::new();
+    for &u in &exact.data.u {
+        for i in 0..D {
+            let first = graph.derivative(u, AXES[i]);
+            nodes.extend((i..D).map(|j| graph.derivative(first, AXES[j])));
+        }
+    }
+    let rule = |length: f64| -> Vec<(f64, f64)> {
+        let count = CELLS[D - 2];
+        let width = length / count as f64;
+        let cell = |i: usize| {
+            let gauss = gauss_legendre(POINTS).into_iter();
+            gauss.map(move |(x, w)| (width * (i as f64 + 0.5 + 0.5 * x), 0.5 * width * w))
+        };
+        (0..count).flat_map(cell).collect()
+    };
+    let mut points = vec![([0.0; 3], 1.0)];
+    for (axis, &length) in size.iter().enumerate() {
+        let places = rule(length);
+        let with = |(point, weight): ([f64; 3], f64)| {
+            places.iter().map(move |&(place, w)| {
+                let mut point = point;
+                point[axis] = place;
+                (point, weight * w)
+            })
+        };
+        points = points.into_iter().flat_map(with).collect();
+    }
+    let places: Vec<[f64; 3]> = points.iter().map(|(point, _)| *point).collect();
+    let mut out = vec![Vec::new(); nodes.len()];
+    let program = Program::compile(&mut graph, &nodes, exact.data.horizon);
+    program.bind(&places).evaluate(t, 0.0, &mut out);
+    let simplices = simplices_of_a_cube::<D>();
+    let numbers = nodes.len() / D;
+    let density = |p: usize| {
+        let hessians: [Tensor<D>; D] = std::array::from_fn(|i| full(|k| out[numbers * i + k][p]));
+        let sum: f64 = simplices.iter().map(|simplex| simplex.mean_square(&hessians)).sum();
+        sum / simplices.len() as f64
+    };
+    points.iter().enumerate().map(|(p, (_, weight))| weight * density(p)).sum::<f64>().sqrt()
+}
+
+/// Simplices of the structured family in a unit square or cube: the paths from the origin to the opposite corner along
+/// the axes in cyclic order. In the plane these are both; in space the other three are these reflected at the centre, with
+/// the same values.
+fn simplices_of_a_cube<const D: usize>() -> Vec<QuadraticError<D>> {
+    let path = |start: usize| {
+        let mut corner = [0.0; D];
+        let mut corners = vec![corner];
+        for step in 0..D {
+            corner[(start + step) % D] = 1.0;
+            corners.push(corner);
+        }
+        QuadraticError::new(&corners)
+    };
+    (0..D).map(path).collect()
+}
+
+/// ‖ε(u(t) - I_h u(t))‖ on one mesh.
+pub struct InterpolationError<'a> {
+    mesh: &'a Mesh,
+    /// u at the vertices.
+    nodal: Bound,
+    /// ε(u) at the points of the cells.
+    strain: Bound,
+    rule: Rule,
+}
+
+impl<'a> InterpolationError<'a> {
+    /// Binds u to the vertices of a mesh, ε(u) to the points of a rule of degree 4 or 5 a cell: the square of what
+    /// interpolation leaves of a quadratic's strain is of degree 2.
+    pub fn new(exact: &Exact, mesh: &'a Mesh) -> Self {
+        let mut graph = exact.data.graph.clone();
+        let horizon = exact.data.horizon;
+        let vertices: Vec<[f64; 3]> =
+            (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
+        let rule = if mesh.dimension == 2 { triangle_degree_4() } else { tetrahedron_degree_5() };
+        let points: Vec<[f64; 3]> = (0..mesh.cell_count())
+            .flat_map(|c| rule.points.iter().map(move |b| mesh.point(mesh.cell(c), b)))
+            .collect();
+        let nodal = Program::compile(&mut graph, &exact.data.u, horizon).bind(&vertices);
+        let strain = Program::compile(&mut graph, &exact.strain, horizon).bind(&points);
+        Self { mesh, nodal, strain, rule }
+    }
+
+    /// The error at time t.
+    pub fn at(&mut self, t: f64) -> f64 {
+        match self.mesh.dimension {
+            2 => self.at_in::<2>(t),
+            _ => self.at_in::<3>(t),
+        }
+    }
+
+    fn at_in<const D: usize>(&mut self, t: f64) -> f64 {
+        let mut nodal = vec![Vec::new(); D];
+        self.nodal.evaluate(t, 0.0, &mut nodal);
+        let mut strain = vec![Vec::new(); D * (D + 1) / 2];
+        self.strain.evaluate(t, 0.0, &mut strain);
+        let mut sum = 0.0;
+        for c in 0..self.mesh.cell_count() {
+            let (interpolant, measure) = strain_of_interpolant::<D>(self.mesh, c, &nodal);
+            for (q, weight) in self.rule.weights.iter().enumerate() {
+                let p = c * self.rule.weights.len() + q;
+                let own: Tensor<D> = full(|k| strain[k][p]);
+                let pairs = own.as_flattened().iter().zip(interpolant.as_flattened());
+                sum += weight * measure * pairs.map(|(e, i)| (e - i).powi(2)).sum::<f64>();
+            }
+        }
+        sum.sqrt()
+    }
+}
+
+/// ε of the linear function with the nodal values of a cell, and the measure of the cell.
+fn strain_of_interpolant<const D: usize>(
+    mesh: &Mesh,
+    c: usize,
+    nodal: &[Vec<f64>],
+) -> (Tensor<D>, f64) {
+    let cell = mesh.cell(c);
+    let corner = |a: usize| mesh.vertex(cell[a]);
+    let edges: [[f64; D]; D] =
+        std::array::from_fn(|a| std::array::from_fn(|i| corner(a + 1)[i] - corner(0)[i]));
+    let gradient: [[f64; D]; D] = std::array::from_fn(|i| {
+        let rise = |a: usize| nodal[i][cell[a + 1] as usize] - nodal[i][cell[0] as usize];
+        gradient_of(&edges, &std::array::from_fn(rise))
+    });
+    let strain =
+        std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (gradient[i][j] + gradient[j][i])));
+    (strain, measure(&edges))
+}
+
+/// The measure of a positively oriented simplex by its edges from one corner.
+fn measure<const D: usize>(edges: &[[f64; D]; D]) -> f64 {
+    let minor = |p: &[f64; D], q: &[f64; D], i: usize, j: usize| p[i] * q[j] - p[j] * q[i];
+    if D == 2 {
+        return 0.5 * minor(&edges[0], &edges[1], 0, 1);
+    }
+    let (q, r) = (&edges[1], &edges[2 % D]);
+    let axis = |i: usize| edges[0][i] * minor(q, r, (i + 1) % D, (i + 2) % D);
+    (0..D).map(axis).sum::<f64>() / 6.0
+}
+
+/// Up to this n all times of the grid are tried. A front that moves through the cells makes the largest error depend
+/// on where it stands in them, less so on finer meshes.
+const ALL_TIMES: u32 = 32;
+/// On finer meshes the times with the largest errors of the next coarser one are tried, so many of them.
+const TRIED: usize = 3;
+
+/// The largest interpolation errors of ε or, where `of_stress`, of σ over the grids of the cases.
+pub(super) fn over_cases(
+    setup: &Setup,
+    exact: &Arc<Exact>,
+    of_stress: bool,
+    cases: &[Case],
+) -> Result<LeadingErrors, NoConstant> {
+    let mut sorted: Vec<(u32, Case)> =
+        cases.iter().filter_map(|&case| Some((case.n?, case))).collect();
+    sorted.sort_unstable_by_key(|&(n, case)| (case.steps, n));
+    let mut points = Vec::with_capacity(cases.len());
+    let mut worst: Vec<(f64, f64)> = Vec::new();
+    for (at, &(n, case)) in sorted.iter().enumerate() {
+        let grid = times(&setup.scene.time, case.steps);
+        let first = at == 0 || sorted[at - 1].1.steps != case.steps;
+        let tried = match first || n <= ALL_TIMES {
+            true => grid.clone(),
+            false => worst.iter().take(TRIED).map(|&(t, _)| t).collect(),
+        };
+        let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
+        worst = match of_stress {
+            true => {
+                let mut stress = StressInterpolationError::new(exact.clone(), space.clone());
+                let at = |&t: &f64| Ok((t, stress.at(t)?));
+                tried.iter().map(at).collect::<Result<_, LoadError>>()?
+            }
+            false => {
+                let mut strain = InterpolationError::new(exact, &space.mesh);
+                tried.iter().map(|&t| (t, strain.at(t))).collect()
+            }
+        };
+        // A NaN comes first and stays.
+        worst.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let Some(&(_, error)) = worst.first() else { continue };
+        let (h, k) = (Some(space.mesh.h()), largest_step(&grid));
+        points.push(LeadingError { case, h, k, error });
+    }
+    let domain = &setup.body.domain;
+    // The integral of second derivatives is over a rectangle or box.
+    let at = worst.first().filter(|_| domain.shape == Shape::Box && !of_stress);
+    let limit = at.map(|&(t, _)| interpolation_constant(exact, &domain.size, t));
+    let finest = points.iter().filter_map(|point| point.h).fold(f64::INFINITY, f64::min);
+    let tolerance = along_the_interpolant(setup, finest);
+    Ok(LeadingErrors { points, limit, tolerance })
+}

@@ -1,0 +1,80 @@
+//! How ξ ∈ ∂j_ν(r) answers to a small change of r.
+
+use exact::LawNumbers;
+
+/// The answer of one point of the contact side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Answer {
+    /// ξ changes by this slope times the change of r.
+    Slope(f64),
+    /// r does not change: the constraint is active, or ξ is inside a jump.
+    Held,
+}
+
+/// The answer where r, ξ and λ are given.
+pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> Answer {
+    if lambda.abs() > 0.0 {
+        return Answer::Held;
+    }
+    let Some(law) = law else { return Answer::Slope(0.0) };
+    let curve = law.curve.map_or(0.0, |curve| curve.slope(r));
+    let [first, .., last] = law.points[..] else { return Answer::Slope(outer(law, r) + curve) };
+    let pairs = || law.points.windows(2).map(|pair| (pair[0], pair[1]));
+    // At a jump ξ strictly inside keeps r where it is.
+    let jump = pairs().any(|([from, low], [to, high])| {
+        from == to && (r - from).abs() <= ROUNDING * from.abs().max(1.0) && xi > low && xi < high
+    });
+    if jump {
+        return Answer::Held;
+    }
+    let piece = pairs().find(|([from, _], [to, _])| *from < r && r <= *to);
+    let graph = match piece {
+        Some(([from, low], [to, high])) => (high - low) / (to - from),
+        None if r <= first[0] => law.slope_before,
+        None if r > last[0] => law.slope_after,
+        None => f64::NAN,
+    };
+    Answer::Slope(graph + curve)
+}
+
+/// Rounding of a formula that is to stay at a jump.
+const ROUNDING: f64 = 1e-12;
+
+fn outer(law: &LawNumbers, r: f64) -> f64 {
+    if law.points.first().is_some_and(|point| r > point[0]) {
+        law.slope_after
+    } else {
+        law.slope_before
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_branch_answers_with_its_slope() {
+        let points = vec![[0.0, 0.0], [0.04, 0.08], [0.10, 0.05], [0.10, 0.09]];
+        let law = LawNumbers { points, slope_before: 0.5, slope_after: 3.0, curve: None };
+        let at = |r, xi, lambda| answer(Some(&law), r, xi, lambda);
+        let slope = |answer| match answer {
+            Answer::Slope(slope) => slope,
+            Answer::Held => f64::NAN,
+        };
+        assert_eq!(at(-0.1, 0.0, 0.0), Answer::Slope(0.5));
+        assert_eq!(at(0.02, 0.04, 0.0), Answer::Slope(2.0));
+        assert!((slope(at(0.07, 0.065, 0.0)) + 0.5).abs() < 1e-14);
+        assert_eq!(at(0.2, 0.4, 0.0), Answer::Slope(3.0));
+        assert_eq!(at(0.10, 0.07, 0.0), Answer::Held);
+        assert_eq!(at(0.02, 0.04, 0.1), Answer::Held);
+        assert_eq!(answer(None, 0.02, 0.0, 0.0), Answer::Slope(0.0));
+        let line = LawNumbers {
+            points: vec![[0.0, 0.0]],
+            slope_before: 1.0,
+            slope_after: 2.0,
+            curve: None,
+        };
+        assert_eq!(answer(Some(&line), 0.1, 0.2, 0.0), Answer::Slope(2.0));
+        assert_eq!(answer(Some(&line), -0.1, 0.2, 0.0), Answer::Slope(1.0));
+    }
+}

@@ -1,0 +1,252 @@
+//! The error that a sound scheme has on a case, to leading order, from the exact solution alone.
+//!
+//! In space it is the interpolation error ‖ε(u - I_h u)‖ (`interpolation`): on meshes of translated simplices I_h u is
+//! closer to u_h than either is to u. In time it solves the linearised scheme with what the trapezoidal rule misses of
+//! the exact history as its source (`in_space` on V^h, `finite` in ℝ^m):
+//!
+//! ```text
+//! A'(u_n) e_n + N_y(Σ' w_nj q(t_n,t_j) e_j) = N(S_n u, u_n) - N(S_n^k u, u_n)
+//! ```
+//!
+//! For smooth data its leading term is k² E(t), driven by (1/12)[∂_s(q(t,s) u(s))]_0^t; the source is taken whole, so
+//! that other grids, kernels like (t-s)^a, kinks and jumps are covered by the same lines.
+//!
+//! Independence: numbers of the scene, formulas, the manufactured side's stress, and linear algebra. Its histories are
+//! integrated here once more (`adaptive`): where those of the truth are wrong, the error is off its prediction.
+//! Nothing is taken from the solver's model, laws, time weights, assembly or march, so that a wrong one among them does
+//! not move the prediction; `tests/house.rs` holds the list of what is shared.
+
+mod adaptive;
+mod cells;
+mod error;
+mod finite;
+mod in_space;
+mod interpolation;
+mod interpolation_stress;
+mod law_slope;
+mod measures;
+mod own_history;
+mod quadratic;
+mod sums;
+mod tangent;
+mod time;
+
+pub use error::NoConstant;
+pub use interpolation::{InterpolationError, interpolation_constant};
+pub use interpolation_stress::StressInterpolationError;
+pub use quadratic::QuadraticError;
+
+use std::sync::Arc;
+
+use exact::Exact;
+use fem::contact::Discretization;
+use scene::setup::{AbstractSetup, Setup, Subject};
+use scene::{Data, Direction, Hypothesis, MeshFamily, Norm, TimeRule};
+
+/// One case, by its mesh and number of steps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Case {
+    /// Cells a unit length; none in ℝ^m.
+    pub n: Option<u32>,
+    /// Number of steps.
+    pub steps: u32,
+}
+
+/// The leading error of one case.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LeadingError {
+    /// The case.
+    pub case: Case,
+    /// h = 1/n.
+    pub h: Option<f64>,
+    /// The largest step.
+    pub k: f64,
+    /// Maximum over the grid.
+    pub error: f64,
+}
+
+/// Leading errors in one norm, and what they tend to over the step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LeadingErrors {
+    /// One a case, in the order of the cases.
+    pub points: Vec<LeadingError>,
+    /// lim ‖ε(u - I_h u)‖/h at the time at which the finest mesh has its largest error; in space alone.
+    pub limit: Option<f64>,
+    /// The share by which a sound scheme's error may differ on the finest of these cases.
+    pub tolerance: f64,
+}
+
+/// Linearisation leaves a share of the size of the error itself over that of the solution: 1e-5 on the finest steps of
+/// the shipped scenes, with a factor 10 in hand. Where a state of contact changes within the error the share does not fall
+/// with k, and the scene has to say so.
+const IN_TIME: f64 = 1e-4;
+/// I_h u is superclose: ‖ε(I_h u - u_h)‖ is O(h^(3/2)) at worst, so by orthogonality the squares of ‖ε(u - u_h)‖ and of
+/// ‖ε(u - I_h u)‖ differ by a share of O(h), and so does a time error along I_h u in place of u_h. Of h over the length of
+/// the body that share is 0.13 at most on the finest meshes of the shipped scenes; a third leaves a factor 2.5.
+const SUPERCLOSE: f64 = 1.0 / 3.0;
+/// On coarser meshes than 1/16 the next terms count, and the scene has to say how much.
+const COARSEST: f64 = 0.02;
+
+/// The share by which an error on the mesh size h may differ from that of the interpolant.
+fn along_the_interpolant(setup: &Setup, h: f64) -> f64 {
+    let domain = &setup.body.domain;
+    let length = domain.measure().powf(1.0 / setup.scene.dimension as f64);
+    (SUPERCLOSE * h / length).min(COARSEST)
+}
+/// Steps beyond which a direct sum over the past costs more than it tells: the error is long asymptotic.
+const MOST_STEPS: u32 = 1024;
+
+/// What is measured, and how a run with more steps stands for the truth.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// The norm.
+    pub norm: Norm,
+    /// What is refined.
+    pub variable: Direction,
+    /// The order that is predicted in it.
+    pub order: f64,
+    /// The reference of the time error has so many times the steps of the case.
+    pub time_reference: u32,
+}
+
+/// The leading errors of `cases` of a scene.
+///
+/// # Errors
+/// Why this scene, norm or direction has none.
+pub fn leading_errors(
+    subject: &Subject,
+    measured: &Measured,
+    cases: &[Case],
+) -> Result<LeadingErrors, NoConstant> {
+    match subject {
+        Subject::Abstract(setup) => of_abstract(setup, cases),
+        Subject::Contact(setup) => match measured.variable {
+            Direction::H => in_space_direction(setup, measured, cases),
+            Direction::K => in_time_direction(setup, measured, cases),
+            Direction::Joint | Direction::Path => Err(NoConstant::Joint),
+        },
+    }
+}
+
+fn of_abstract(setup: &AbstractSetup, cases: &[Case]) -> Result<LeadingErrors, NoConstant> {
+    if setup.scene.time.rule != TimeRule::Trapezoid {
+        return Err(NoConstant::Rule);
+    }
+    let points = of_few_steps(cases, MOST_STEPS).map(|&case| {
+        let times = time::times(&setup.scene.time, case.steps);
+        let error = finite::largest_error(setup, &times)?;
+        Ok(LeadingError { case, h: None, k: time::largest_step(&times), error })
+    });
+    let points = points.collect::<Result<_, NoConstant>>()?;
+    Ok(LeadingErrors { points, limit: None, tolerance: IN_TIME })
+}
+
+fn in_space_direction(
+    setup: &Setup,
+    measured: &Measured,
+    cases: &[Case],
+) -> Result<LeadingErrors, NoConstant> {
+    let violated = |hypothesis| setup.scene.violates.contains(&hypothesis);
+    let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
+    // ‖u - u_h‖ is as small as ‖u - I_h u‖, and no more than that: neither L² norm of u has a leading error here.
+    let of_stress = match measured.norm {
+        Norm::VMax => false,
+        Norm::StressL2Max => true,
+        other => return Err(NoConstant::InSpace { norm: other.name() }),
+    };
+    if setup.body.domain.mesh != MeshFamily::Structured {
+        return Err(NoConstant::Mesh);
+    }
+    if violated(Hypothesis::RegularInSpace) || violated(Hypothesis::ConcaveGap) {
+        return Err(NoConstant::Regularity);
+    }
+    interpolation::over_cases(setup, exact, of_stress, cases)
+}
+
+fn in_time_direction(
+    setup: &Setup,
+    measured: &Measured,
+    cases: &[Case],
+) -> Result<LeadingErrors, NoConstant> {
+    let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
+    if setup.scene.time.rule != TimeRule::Trapezoid {
+        return Err(NoConstant::Rule);
+    }
+    let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    // The reference of M times the steps has M^-order of the error.
+    let share = match measured.norm {
+        Norm::VMax | Norm::L2Max | Norm::StressL2Max | Norm::TraceL2Max | Norm::PressureL2Max => {
+            1.0
+        }
+        Norm::VTimeMax => 1.0 - f64::from(measured.time_reference).powf(-measured.order),
+        other => return Err(NoConstant::Norm { norm: other.name() }),
+    };
+    let mut points = Vec::with_capacity(cases.len());
+    let mut ns: Vec<u32> = cases.iter().filter_map(|case| case.n).collect();
+    ns.sort_unstable();
+    ns.dedup();
+    let tolerance = match (measured.norm, ns.last()) {
+        (Norm::VTimeMax, Some(&n)) => along_the_interpolant(setup, setup.body.domain.h(n)),
+        _ => IN_TIME,
+    };
+    let in_space = measured.norm != Norm::VTimeMax && !interpolated;
+    for n in ns {
+        let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
+        let own: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
+        let on_mesh = match space.mesh.dimension {
+            2 => time_errors::<3>,
+            _ => time_errors::<6>,
+        };
+        points.extend(
+            on_mesh(setup, exact, space, measured.norm, &own, in_space)?
+                .into_iter()
+                .map(|point| LeadingError { error: share * point.error, ..point }),
+        );
+    }
+    Ok(LeadingErrors { points, limit: None, tolerance })
+}
+
+/// The leading time errors of the cases of one mesh; where `in_space`, u(t) must be in V^h.
+fn time_errors<const S: usize>(
+    setup: &Setup,
+    exact: &Arc<Exact>,
+    space: Arc<Discretization>,
+    norm: Norm,
+    cases: &[Case],
+    in_space: bool,
+) -> Result<Vec<LeadingError>, NoConstant> {
+    let body = in_space::InSpace::<S>::new(exact.clone(), space);
+    if in_space && !body.holds_the_solution(setup.scene.time.horizon) {
+        return Err(NoConstant::NotInSpace);
+    }
+    let error = |&case: &Case| {
+        let times = time::times(&setup.scene.time, case.steps);
+        let largest = body.largest_errors(&times)?;
+        let error = largest.of(norm).ok_or(NoConstant::Norm { norm: norm.name() })?;
+        let h = case.n.map(|n| 1.0 / f64::from(n));
+        Ok(LeadingError { case, h, k: time::largest_step(&times), error })
+    };
+    of_few_steps(cases, body.most_steps()).map(error).collect()
+}
+
+/// The cases of up to `most` steps; where all have more, those of the fewest.
+fn of_few_steps(cases: &[Case], most: u32) -> impl Iterator<Item = &Case> {
+    let fewest = cases.iter().map(|case| case.steps).min().unwrap_or(0);
+    cases.iter().filter(move |case| case.steps <= most.max(fewest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fewest_steps_are_told_however_many_they_are() {
+        let told = |steps: &[u32], most: u32| -> Vec<u32> {
+            let cases: Vec<Case> = steps.iter().map(|&steps| Case { n: None, steps }).collect();
+            of_few_steps(&cases, most).map(|case| case.steps).collect()
+        };
+        assert_eq!(told(&[64, 4096, 1024], 1024), [64, 1024]);
+        assert_eq!(told(&[4096, 2048, 8192], 1024), [2048]);
+        assert!(told(&[], 1024).is_empty());
+    }
+}

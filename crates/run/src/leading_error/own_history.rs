@@ -1,0 +1,145 @@
+//! The exact histories of I_h u as the prediction takes them: integrated here, so that an error of those of the truth
+//! moves the ratio of the two.
+
+use super::adaptive::{cuts, integral};
+use super::cells::{Mandel, inner, strains};
+use super::sums::Kernel;
+use exact::Exact;
+use fem::contact::Discretization;
+use formula::{Bound, Program};
+
+/// ∫_0^t b_i(t-s) u(s) ds at the nodes, and ζ(t) = ∫_0^t ‖ε(I_h u(s))‖ ds, from one time to the next.
+pub(super) struct OwnHistory<'a, const S: usize> {
+    space: &'a Discretization,
+    /// u at the nodes.
+    u: Bound,
+    kernels: &'a [Kernel],
+    t: f64,
+    /// ∫_0^t exp(-c (t-s)) u(s) ds of all exponentials in turn, then ζ if it is wanted.
+    carried: Vec<f64>,
+    rates: Vec<f64>,
+    with_zeta: bool,
+    /// What decides branches of u at the nodes, where kernels have no recursion, and its values at t.
+    guards: Option<(Bound, Vec<Vec<f64>>)>,
+    /// The ends of steps in which one of these changes its sign.
+    kinked: Vec<f64>,
+}
+
+impl<'a, const S: usize> OwnHistory<'a, S> {
+    /// That of `exact` at t = 0.
+    pub(super) fn new(
+        exact: &Exact,
+        space: &'a Discretization,
+        kernels: &'a [Kernel],
+        with_zeta: bool,
+    ) -> Self {
+        let mut graph = exact.data.graph.clone();
+        let program = Program::compile(&mut graph, &exact.data.u, exact.data.horizon);
+        let point = |&vertex: &u32| space.mesh.point(&[vertex], &[1.0]);
+        let points: Vec<[f64; 3]> = space.nodes.vertex.iter().map(point).collect();
+        let terms = kernels.iter().flat_map(Kernel::exponentials);
+        let rates: Vec<f64> = terms.map(|&(_, rate)| rate).collect();
+        let carried = vec![0.0; rates.len() * space.nodes.len() + usize::from(with_zeta)];
+        let guards = graph.guards(&exact.data.u);
+        let guards = kernels.iter().any(Kernel::is_direct).then(|| {
+            let mut values = vec![Vec::new(); guards.len()];
+            let program = Program::compile(&mut graph, &guards, exact.data.horizon);
+            let mut bound = program.bind(&points);
+            bound.evaluate(0.0, 0.0, &mut values);
+            (bound, values)
+        });
+        let (u, kinked) = (program.bind(&points), Vec::new());
+        Self { space, u, kernels, t: 0.0, carried, rates, with_zeta, guards, kinked }
+    }
+
+    /// I_h u at time t.
+    pub(super) fn displacement(&mut self, t: f64) -> Vec<f64> {
+        nodal(&mut self.u, self.space, t)
+    }
+
+    /// On to a later time.
+    pub(super) fn advance(&mut self, to: f64) {
+        let Self { space, u, rates, carried, with_zeta, t: from, guards, kinked, .. } = self;
+        if let Some((bound, before)) = guards {
+            let mut values = vec![Vec::new(); before.len()];
+            bound.evaluate(to, 0.0, &mut values);
+            let pairs = before.iter().flatten().zip(values.iter().flatten());
+            if pairs.into_iter().any(|(a, b)| (*a > 0.0) != (*b > 0.0)) {
+                kinked.extend([*from, to]);
+            }
+            *before = values;
+        }
+        if carried.is_empty() {
+            *from = to;
+            return;
+        }
+        let mut f = |times: &[f64]| -> Vec<Vec<f64>> {
+            let at = |&s: &f64| {
+                let u = nodal(u, space, s);
+                let faded = |rate: &f64| (-rate * (to - s)).exp();
+                let mut all: Vec<f64> =
+                    rates.iter().flat_map(|rate| u.iter().map(|u| faded(rate) * u)).collect();
+                if *with_zeta {
+                    let strain: Vec<Mandel<S>> = strains(space, &u);
+                    all.push(inner(space, &strain, &strain).sqrt());
+                }
+                all
+            };
+            times.iter().map(at).collect()
+        };
+        let step = to - *from;
+        let ends = f(&[*from, to]);
+        let trapezoid: Vec<f64> =
+            ends[0].iter().zip(&ends[1]).map(|(a, b)| 0.5 * step * (a + b)).collect();
+        let added = integral(&[*from, to], &trapezoid, f);
+        for (values, rate) in carried.chunks_mut(space.nodes.len()).zip(&*rates) {
+            values.iter_mut().for_each(|value| *value *= (-rate * step).exp());
+        }
+        algebra::linalg::axpy(1.0, &added, carried);
+        *from = to;
+    }
+
+    /// ∫_0^t b(t-s) u(s) ds of one kernel; `discrete` is the sum in its place.
+    pub(super) fn remembered(&mut self, term: usize, discrete: &[f64]) -> Vec<f64> {
+        let (t, length) = (self.t, self.space.nodes.len());
+        if t == 0.0 {
+            return vec![0.0; length];
+        }
+        let kernel = &self.kernels[term];
+        if kernel.is_direct() {
+            let cuts = cuts(t, &self.kinked);
+            let (u, space) = (&mut self.u, self.space);
+            return integral(&cuts, discrete, |times| {
+                let of_lag = kernel.at_lags(t, times);
+                let at =
+                    |(&s, b): (&f64, &f64)| nodal(u, space, s).into_iter().map(|u| b * u).collect();
+                times.iter().zip(&of_lag).map(at).collect()
+            });
+        }
+        let before: usize = self.kernels[..term].iter().map(|k| k.exponentials().len()).sum();
+        let mut sum = vec![0.0; length];
+        for ((a, _), values) in
+            kernel.exponentials().iter().zip(self.carried.chunks(length).skip(before))
+        {
+            algebra::linalg::axpy(*a, values, &mut sum);
+        }
+        sum
+    }
+
+    /// ζ(t); 0 if it was not wanted.
+    pub(super) fn zeta(&self) -> f64 {
+        self.carried.last().copied().filter(|_| self.with_zeta).unwrap_or(0.0)
+    }
+}
+
+/// u at the nodes, component by component.
+fn nodal(bound: &mut Bound, space: &Discretization, t: f64) -> Vec<f64> {
+    let d = space.mesh.dimension;
+    let mut fields = vec![Vec::new(); d];
+    bound.evaluate(t, 0.0, &mut fields);
+    let mut all = vec![0.0; space.nodes.len()];
+    for (i, field) in fields.iter().enumerate() {
+        all[i..].iter_mut().step_by(d).zip(field).for_each(|(own, value)| *own = *value);
+    }
+    all
+}

@@ -1,0 +1,220 @@
+//! Trapezoidal sums over the past of vectors, level by level.
+
+use super::time::weight;
+use formula::{Bound, Graph, Node, Program, Variable};
+
+/// b of one term of the memory, as the sums need it.
+pub(super) enum Kernel {
+    /// The list (a, c) of b(t) = Σ a exp(-c t).
+    Exponentials(Vec<(f64, f64)>),
+    /// b(t - x).
+    Any(Program),
+}
+
+impl Kernel {
+    /// Prepares a formula in t.
+    pub(super) fn new(graph: &mut Graph, kernel: Node, horizon: f64) -> Self {
+        if let Some(terms) = graph.exponential_sum(kernel) {
+            return Self::Exponentials(terms);
+        }
+        let (t, x) = (graph.variable(Variable::T), graph.variable(Variable::X));
+        let lag = graph.sub(t, x);
+        let of_lag = graph.substitute(kernel, Variable::T, lag);
+        Self::Any(Program::compile(graph, &[of_lag], horizon))
+    }
+
+    /// The list (a, c), empty where there is none.
+    pub(super) fn exponentials(&self) -> &[(f64, f64)] {
+        match self {
+            Self::Exponentials(terms) => terms,
+            Self::Any(_) => &[],
+        }
+    }
+
+    /// b(t - s) at some times s.
+    pub(super) fn at_lags(&self, t: f64, times: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Exponentials(terms) => {
+                let at = |s: f64| terms.iter().map(|(a, c)| a * (-c * (t - s)).exp()).sum();
+                times.iter().map(|&s| at(s)).collect()
+            }
+            Self::Any(program) => {
+                let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
+                let mut values = vec![Vec::new()];
+                program.bind(&places).evaluate(t, 0.0, &mut values);
+                values.swap_remove(0)
+            }
+        }
+    }
+
+    /// Whether its sums go over all earlier levels anew.
+    pub(super) fn is_direct(&self) -> bool {
+        matches!(self, Self::Any(_))
+    }
+}
+
+/// Vectors summed side by side: values and errors.
+pub(super) type Pair<T> = [T; 2];
+
+/// Of each kernel, Σ_{j<n} w_nj b(t_n - t_j) v_j for a pair of sequences v_0, …, v_{n-1}.
+///
+/// For b(t) = Σ a exp(-c t) each term is carried on: with P_n its sum,
+///
+/// ```text
+/// P_{n+1} = exp(-c k_{n+1}) (P_n + a (k_n + k_{n+1})/2 v_n),   k_0 = 0
+/// ```
+pub(super) struct Sums<'a> {
+    times: &'a [f64],
+    /// The level n at which the sums are.
+    level: usize,
+    kernels: Vec<Sum>,
+    /// v_0, …, v_{n-1}, if a kernel asks for them.
+    past: Vec<Pair<Vec<f64>>>,
+    length: usize,
+}
+
+enum Sum {
+    Carried(Vec<Carried>),
+    /// The kernel bound to the times, and its values b(t_n - t_j).
+    Direct(Box<Bound>, Vec<Vec<f64>>),
+}
+
+struct Carried {
+    a: f64,
+    c: f64,
+    sums: Pair<Vec<f64>>,
+}
+
+impl<'a> Sums<'a> {
+    /// Empty sums at t_0, of vectors of the given length.
+    pub(super) fn new(kernels: &[Kernel], times: &'a [f64], length: usize) -> Self {
+        let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
+        let zero = || [vec![0.0; length], vec![0.0; length]];
+        let sum = |kernel: &Kernel| match kernel {
+            Kernel::Exponentials(terms) => {
+                Sum::Carried(terms.iter().map(|&(a, c)| Carried { a, c, sums: zero() }).collect())
+            }
+            Kernel::Any(program) => Sum::Direct(Box::new(program.bind(&places)), vec![Vec::new()]),
+        };
+        let mut sums = Self {
+            times,
+            level: 0,
+            kernels: kernels.iter().map(sum).collect(),
+            past: Vec::new(),
+            length,
+        };
+        sums.evaluate();
+        sums
+    }
+
+    /// The weights with which the level itself would enter: w_nn b(0).
+    pub(super) fn own(&self, kernel: usize) -> f64 {
+        let at_zero = match &self.kernels[kernel] {
+            Sum::Carried(terms) => terms.iter().map(|term| term.a).sum(),
+            Sum::Direct(_, values) => values[0][self.level],
+        };
+        weight(self.times, self.level, self.level) * at_zero
+    }
+
+    /// The sums over the levels before this one.
+    pub(super) fn before(&self, kernel: usize) -> Pair<Vec<f64>> {
+        let mut out = [vec![0.0; self.length], vec![0.0; self.length]];
+        match &self.kernels[kernel] {
+            Sum::Carried(terms) => terms.iter().for_each(|term| add(1.0, &term.sums, &mut out)),
+            Sum::Direct(_, values) => {
+                for (j, past) in self.past.iter().enumerate() {
+                    add(weight(self.times, self.level, j) * values[0][j], past, &mut out);
+                }
+            }
+        }
+        out
+    }
+
+    /// On to the next level, with the vectors of this one.
+    pub(super) fn advance(&mut self, vectors: Pair<Vec<f64>>) {
+        let n = self.level;
+        let Some(next) = self.times.get(n + 1) else { return };
+        let (weight, step) = (weight(self.times, n + 1, n), next - self.times[n]);
+        for kernel in &mut self.kernels {
+            let Sum::Carried(terms) = kernel else { continue };
+            for Carried { a, c, sums } in terms {
+                add(*a * weight, &vectors, sums);
+                let decay = (-*c * step).exp();
+                sums.iter_mut().flatten().for_each(|value| *value *= decay);
+            }
+        }
+        if self.kernels.iter().any(|kernel| matches!(kernel, Sum::Direct(..))) {
+            self.past.push(vectors);
+        }
+        self.level = n + 1;
+        self.evaluate();
+    }
+
+    /// Kernels at the lags of this level; of later times they are not used.
+    fn evaluate(&mut self) {
+        for kernel in &mut self.kernels {
+            if let Sum::Direct(bound, values) = kernel {
+                bound.evaluate(self.times[self.level], 0.0, values);
+            }
+        }
+    }
+}
+
+fn add(factor: f64, vectors: &Pair<Vec<f64>>, sums: &mut Pair<Vec<f64>>) {
+    for (vector, sum) in vectors.iter().zip(sums) {
+        algebra::linalg::axpy(factor, vector, sum);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use formula::Scope;
+
+    /// Sums of both kinds against the plain definition, on a grid of steps that differ much.
+    #[test]
+    fn sums_are_those_of_the_definition() {
+        let times = [0.0, 0.02, 0.5, 0.6, 0.61, 1.3];
+        type Plain = fn(f64) -> f64;
+        let kernels: [(&str, Plain, bool); 4] = [
+            ("-exp(-t)", |t| -(-t).exp(), false),
+            (
+                "0.3 + 2*exp(-3*t) - exp(0.5*t)",
+                |t| 0.3 + 2.0 * (-3.0 * t).exp() - (0.5 * t).exp(),
+                false,
+            ),
+            ("1/(1 + t)^1.5", |t| (1.0 + t).powf(-1.5), true),
+            ("sqrt(t)", f64::sqrt, true),
+        ];
+        let mut graph = Graph::new();
+        let scope = Scope::new(&[Variable::T]);
+        let prepared: Vec<Kernel> = kernels
+            .iter()
+            .map(|(text, _, direct)| {
+                let node = graph.parse(text, &scope).unwrap();
+                let kernel = Kernel::new(&mut graph, node, 1.3);
+                assert_eq!(kernel.is_direct(), *direct, "{text}");
+                kernel
+            })
+            .collect();
+        let vectors = |t: f64| [vec![1.0 - t, (3.0 * t).sin()], vec![t * t, 2.0]];
+        let mut sums = Sums::new(&prepared, &times, 2);
+        for n in 0..times.len() {
+            for (i, (text, b, _)) in kernels.iter().enumerate() {
+                let own = weight(&times, n, n) * b(0.0);
+                assert!((sums.own(i) - own).abs() < 1e-15, "{text}: {own}");
+                let before = sums.before(i);
+                for (which, part) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    let term = |j: usize| {
+                        let w = weight(&times, n, j) * b(times[n] - times[j]);
+                        w * vectors(times[j])[which][part]
+                    };
+                    let plain: f64 = (0..n).map(term).sum();
+                    // Sums of size one.
+                    assert!((before[which][part] - plain).abs() < 1e-14, "{text}: {plain}");
+                }
+            }
+            sums.advance(vectors(times[n]));
+        }
+    }
+}

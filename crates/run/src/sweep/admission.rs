@@ -1,0 +1,226 @@
+//! What commands beside a sweep take of the memory, before any of their runs begins.
+
+use super::cost::{Cost, PROGRAM, PlanCost, predict, run_cost};
+use super::memory_limit::{MemoryLimit, TooLarge};
+use super::needs::{admit_run, constants_bytes};
+use super::plan::{CasePlan, ScenePlan};
+use fem::contact::Discretization;
+use scene::Scene;
+use scene::setup::{Setup, Subject};
+
+/// A command would take more memory than there may be.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{what}: {source}")]
+pub struct Refused {
+    /// The run at fault.
+    pub what: String,
+    /// Its bytes.
+    pub source: TooLarge,
+}
+
+/// Bytes that a command holds beside a run with so many steps on a mesh.
+pub type Beside<'a> = dyn Fn(&Discretization, u32) -> f64 + 'a;
+
+/// Runs of a body that a command makes one after another.
+pub struct Runs<'a> {
+    /// The body.
+    pub setup: &'a Setup,
+    /// n and N of each.
+    pub grid: Vec<(u32, u32)>,
+    /// What is held beside each.
+    pub beside: Box<Beside<'a>>,
+}
+
+impl Runs<'_> {
+    /// Refuses all if one takes more than the limit: before a mesh is made if that is clear by then.
+    ///
+    /// # Errors
+    /// [`Refused`], of the run that takes most.
+    pub fn admit(&self, limit: &MemoryLimit) -> Result<(), Refused> {
+        let setup = self.setup;
+        let mut grid = self.grid.clone();
+        grid.sort_unstable();
+        grid.dedup();
+        early(setup, &grid, limit)?;
+        let mut dearest: Option<((u32, u32), f64)> = None;
+        for of_mesh in grid.chunk_by(|a, b| a.0 == b.0) {
+            // What is wrong with a mesh is said by the run that makes it.
+            let Ok(space) = setup.space(of_mesh[0].0) else { continue };
+            for &(n, steps) in of_mesh {
+                let run = run_cost(setup, &space, n, steps).memory_bytes;
+                let bytes = run + (self.beside)(&space, steps);
+                // What is no number is above all.
+                let above = |known: f64| !known.is_nan() && (bytes.is_nan() || bytes > known);
+                if dearest.is_none_or(|(_, known)| above(known)) {
+                    dearest = Some(((n, steps), bytes));
+                }
+            }
+        }
+        let Some(((n, steps), bytes)) = dearest else { return Ok(()) };
+        limit
+            .admit(bytes, false)
+            .map_err(|source| Refused { what: in_words(setup, n, steps), source })
+    }
+}
+
+/// Refuses a plan whose cases are measured `jobs` at a time, all meshes and what they keep being held until the last of
+/// them; `beside` is what else is held then.
+///
+/// # Errors
+/// [`Refused`].
+pub fn admit_plan(
+    plan: &ScenePlan,
+    jobs: usize,
+    limit: &MemoryLimit,
+    beside: impl Fn(&[(&CasePlan, &Cost)]) -> f64,
+) -> Result<(), Refused> {
+    // An abstract problem keeps a few numbers a level.
+    let Subject::Contact(setup) = &plan.subject else { return Ok(()) };
+    let reference = plan.reference.map(|own| (own.n as u32, own.steps as u32));
+    let runs: Vec<(u32, u32)> = plan.runs().into_iter().chain(reference).collect();
+    early(setup, &runs, limit)?;
+    // What is wrong with a mesh is said by the case that makes it.
+    let Ok(PlanCost { cases, .. }) = predict(setup, plan) else { return Ok(()) };
+    let cases: Vec<(&CasePlan, &Cost)> = plan.cases.iter().zip(&cases).collect();
+    let bytes = PROGRAM + together(&cases, jobs) + beside(&cases);
+    let dearest = cases.iter().max_by(|a, b| a.1.memory_bytes.total_cmp(&b.1.memory_bytes));
+    let Some((case, _)) = dearest else { return Ok(()) };
+    limit.admit(bytes, false).map_err(|source| Refused {
+        what: in_words(setup, case.n.unwrap_or_default(), case.steps),
+        source,
+    })
+}
+
+/// Bytes of the dearest `jobs` cases, and of what all meshes keep.
+fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
+    let mut working: Vec<f64> =
+        cases.iter().map(|(_, cost)| cost.memory_bytes - PROGRAM - cost.kept_bytes).collect();
+    working.sort_by(|a, b| b.total_cmp(a));
+    let mut kept = std::collections::BTreeMap::<u32, f64>::new();
+    for (case, cost) in cases {
+        let own = kept.entry(case.n.unwrap_or_default()).or_default();
+        *own = own.max(cost.kept_bytes);
+    }
+    working.iter().take(jobs).sum::<f64>() + kept.values().sum::<f64>()
+}
+
+/// Refuses a scene whose trace constants do not fit, before it is set up: they decide on (2.9) and on the step size where
+/// the law falls, and a command may want them of `any` scene with contact.
+///
+/// # Errors
+/// [`Refused`].
+pub fn admit_constants(scene: &Scene, any: bool, limit: &MemoryLimit) -> Result<(), Refused> {
+    let Some(body) = scene.as_contact() else { return Ok(()) };
+    let law = body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    let falls = law.is_some_and(|law| law.alpha() > 0.0);
+    if body.domain.contact.is_empty() || !(any || falls) {
+        return Ok(());
+    }
+    constants_bytes(body, limit)
+        .and_then(|bytes| limit.admit(bytes, false))
+        .map_err(|source| Refused { what: format!("{}, c_j^2", scene.name), source })
+}
+
+/// By a coarse mesh of each, the finest first.
+fn early(setup: &Setup, runs: &[(u32, u32)], limit: &MemoryLimit) -> Result<(), Refused> {
+    let mut runs = runs.to_vec();
+    runs.sort_unstable_by(|a, b| b.cmp(a));
+    runs.iter().try_for_each(|&(n, steps)| {
+        admit_run(setup, None, (n, steps), limit)
+            .map_err(|source| Refused { what: in_words(setup, n, steps), source })
+    })
+}
+
+fn in_words(setup: &Setup, n: u32, steps: u32) -> String {
+    format!("{} n = {n}, N = {steps}", setup.scene.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sweep::Overrides;
+    use scene::Scene;
+
+    fn plan(n: &[u32], steps: &[u32]) -> ScenePlan {
+        let path = format!("{}/../../manufactured/signorini.toml", env!("CARGO_MANIFEST_DIR"));
+        let scene = Scene::read(path.as_ref()).expect("a scene");
+        let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
+        ScenePlan::new(Subject::new(scene).expect("a subject"), &overrides)
+    }
+
+    fn setup(plan: &ScenePlan) -> &Setup {
+        match &plan.subject {
+            Subject::Contact(setup) => setup,
+            Subject::Abstract(_) => panic!("no body"),
+        }
+    }
+
+    /// The least limit that is kept, in bytes.
+    fn least(admitted: impl Fn(&MemoryLimit) -> bool) -> f64 {
+        let (mut low, mut high) = (0.0, 1e12);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            match admitted(&MemoryLimit::of_bytes(middle)) {
+                true => high = middle,
+                false => low = middle,
+            }
+        }
+        high
+    }
+
+    #[test]
+    fn runs_take_what_the_dearest_of_them_takes_and_what_is_held_beside_it() {
+        let plan = plan(&[8], &[4]);
+        let setup = setup(&plan);
+        let runs = |grid: &[(u32, u32)], beside: f64| Runs {
+            setup,
+            grid: grid.to_vec(),
+            beside: Box::new(move |_, _| beside),
+        };
+        let of = |grid: &[(u32, u32)], beside: f64| {
+            least(|limit| runs(grid, beside).admit(limit).is_ok())
+        };
+        let (small, large) = (of(&[(8, 4)], 0.0), of(&[(16, 8)], 0.0));
+        assert!(small < large);
+        let near = |a: f64, b: f64| (a - b).abs() < 1.0;
+        assert!(near(of(&[(16, 8), (8, 4)], 0.0), large));
+        assert!(near(of(&[(8, 4)], 1e9), small + 1e9));
+        let said = runs(&[(8, 4), (16, 8)], 0.0).admit(&MemoryLimit::of_bytes(small)).unwrap_err();
+        assert!(said.to_string().starts_with("signorini n = 16, N = 8: about "), "{said}");
+        // What is no number is above any limit that is one.
+        let whatever = MemoryLimit::of_bytes(1e300);
+        let unknown = |steps: u32| if steps == 4 { f64::NAN } else { 0.0 };
+        let beside: Box<Beside<'_>> = Box::new(move |_, steps| unknown(steps));
+        let mixed = Runs { setup, grid: vec![(8, 2), (8, 4), (16, 8)], beside };
+        assert!(mixed.admit(&whatever).unwrap_err().source.bytes.is_nan());
+        // A mesh that no machine holds is not made.
+        let said = runs(&[(8, 4), (4096, 4)], 0.0).admit(&MemoryLimit::of_bytes(1e9)).unwrap_err();
+        assert!(said.to_string().contains("n = 4096") && said.source.at_least, "{said}");
+    }
+
+    #[test]
+    fn a_plan_holds_all_of_its_meshes_and_works_on_some_cases() {
+        let bytes = |n: &[u32], steps: &[u32], jobs: usize| {
+            let plan = plan(n, steps);
+            least(|limit| admit_plan(&plan, jobs, limit, |_| 0.0).is_ok())
+        };
+        let costs = |n: u32, steps: u32| {
+            let plan = plan(&[n], &[steps]);
+            let cost = predict(setup(&plan), &plan).expect("a prediction").cases[0];
+            (cost.memory_bytes, cost.kept_bytes)
+        };
+        let ((small, small_kept), (large, large_kept)) = (costs(8, 4), costs(16, 4));
+        let near = |a: f64, b: f64| assert!((a - b).abs() < 1.0, "{a} {b}");
+        near(bytes(&[16], &[4], 1), large);
+        near(bytes(&[8, 16], &[4], 1), large + small_kept);
+        near(bytes(&[8, 16], &[4], 2), large + small - PROGRAM);
+        // Cases on one mesh share what it keeps.
+        let (shared, kept) = costs(16, 2);
+        near(bytes(&[16], &[2, 4], 2), large + shared - PROGRAM - kept);
+        assert!(kept <= large_kept);
+        let plan = plan(&[8], &[4]);
+        let beside = |cases: &[(&CasePlan, &Cost)]| 1e9 * cases.len() as f64;
+        let own = least(|limit| admit_plan(&plan, 1, limit, beside).is_ok());
+        near(own, small + 1e9);
+    }
+}

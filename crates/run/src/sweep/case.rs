@@ -1,0 +1,235 @@
+//! One case: march, errors at every step, their maxima over time.
+
+use std::time::Instant;
+
+use super::plan::{CasePlan, TIME_REFERENCE};
+use fem::contact::{CaseError, CaseInfo, Floors, LoadError, StepView, strain_distance};
+use fem::norms::{
+    ContactState, ElasticProjection, StateErrors, StepErrors, Trajectory, state_errors, step_errors,
+};
+use judge::record::{CaseRecord, NormError, Status};
+use scene::setup::{MeshData, Setup};
+use scene::{Norm, Reference};
+
+/// Runs a case; a failure is recorded with its reason, and never carries an error.
+pub fn run_contact_case(setup: &Setup, data: &MeshData, case: &CasePlan) -> CaseRecord {
+    let start = Instant::now();
+    let mut maxima = Maxima::new(case);
+    let outcome = measure(setup, data, case, &mut maxima);
+    let grid = setup.grid(case.steps);
+    let (info, quadrature) = outcome.as_ref().copied().unwrap_or_default();
+    let floors = CaseFloors {
+        solver: info.floors,
+        quadrature,
+        share: scene_reference(setup)
+            .zip(case.n)
+            .map_or(0.0, |(reference, n)| reference_share(reference, n, case.steps)),
+    };
+    let status = match &outcome {
+        Ok(_) => Status::Converged,
+        Err(error) => Status::Failed { reason: error.to_string() },
+    };
+    CaseRecord {
+        scene: setup.scene.name.clone(),
+        dimension: setup.scene.dimension as u32,
+        n: case.n,
+        steps: case.steps,
+        h: Some(data.space.mesh.h()),
+        k: grid.largest_step(),
+        dofs: data.space.dofs() as u64,
+        elements: data.space.mesh.cell_count() as u64,
+        errors: maxima.errors(status == Status::Converged, &floors),
+        status,
+        newton_iterations: info.newton_iterations.into(),
+        active_set_changes: info.active_set_changes.into(),
+        factorizations: info.work.linear.factorizations.into(),
+        seconds_load: info.seconds_load,
+        seconds_assemble: info.work.seconds_assemble,
+        seconds_factor: info.work.linear.seconds_factor,
+        seconds_solve: info.work.linear.seconds_solve,
+        seconds_total: start.elapsed().as_secs_f64(),
+        peak_history_bytes: info.peak_history_bytes as u64,
+    }
+}
+
+fn measure(
+    setup: &Setup,
+    data: &MeshData,
+    case: &CasePlan,
+    maxima: &mut Maxima,
+) -> Result<(CaseInfo, Floors), CaseError> {
+    let wants = |norm| case.norms.contains(&norm);
+    // Before loads are asked for, here or by the finer run.
+    data.truth.expect(setup.grid(case.steps).times())?;
+    let finer = match wants(Norm::VTimeMax) {
+        true => Some(data.trajectory(setup, TIME_REFERENCE * case.steps, case.steps)?),
+        false => None,
+    };
+    let mut projection = match wants(Norm::VProjectionMax) {
+        true => Some(
+            ElasticProjection::held(&data.space, &setup.model.elasticity, setup.projection_mu())
+                .map_err(|error| LoadError::Reference { reason: error.to_string() })?,
+        ),
+        false => None,
+    };
+    let by_state = case.norms.iter().any(|norm| norm.by_state());
+    let mut by_rule = Floors::default();
+    let mut observe = |view: &StepView<'_>| {
+        let moments = data.truth.moments(view.t)?;
+        let errors = step_errors(&data.space, &setup.model, view, &moments);
+        if let Some(stronger) = data.rule_check(setup)?.moments(view.t) {
+            let other = step_errors(&data.space, &setup.model, view, stronger);
+            by_rule = by_rule.max(as_floors(&errors).minus(as_floors(&other)));
+        }
+        for (norm, value) in [
+            (Norm::VMax, errors.v),
+            (Norm::L2Max, errors.l2),
+            (Norm::StressL2Max, errors.stress),
+            (Norm::TraceL2Max, errors.trace),
+            (Norm::PressureL2Max, errors.pressure),
+            (Norm::ContactSetMax, errors.contact_set),
+        ] {
+            maxima.raise(norm, value);
+        }
+        if by_state && let Some(samples) = data.truth.contact_samples(view.t)? {
+            maxima.raise_by_state(&state_errors(&data.space, view, &samples));
+        }
+        if let Some(finer) = &finer {
+            maxima.raise(Norm::VTimeMax, time_error(data, finer, view)?);
+        }
+        if let Some(projection) = &mut projection {
+            maxima.raise(Norm::VProjectionMax, projection.distance(&moments, view.u));
+        }
+        Ok(())
+    };
+    let info = setup.scheme.march(setup, data, case.steps, &mut observe)?;
+    Ok((info, data.rule_check(setup)?.floors.plus(by_rule.times(ERROR_RULE))))
+}
+
+/// Errors by the next rule are compared at a few levels; between them they may differ by more.
+pub(super) const ERROR_RULE: f64 = 2.0;
+
+/// The norms of one level that have a floor.
+pub fn as_floors(errors: &StepErrors) -> Floors {
+    let StepErrors { v, l2, stress, trace, pressure, .. } = *errors;
+    Floors { v, l2, stress, trace, pressure }
+}
+
+/// ‖ε(u_n - u_ref(t_n))‖ against the run with more steps on the same mesh.
+fn time_error(data: &MeshData, finer: &Trajectory, view: &StepView<'_>) -> Result<f64, CaseError> {
+    let Some(reference) = finer.at(view.t) else {
+        let reason = format!("the finer run has no step at t = {}", view.t);
+        return Err(LoadError::Reference { reason }.into());
+    };
+    Ok(strain_distance(&data.space, view.u, reference))
+}
+
+/// Maxima over time; a NaN stays a NaN, a norm that was never raised stays absent.
+struct Maxima {
+    values: Vec<(Norm, Option<f64>)>,
+}
+
+impl Maxima {
+    fn new(case: &CasePlan) -> Self {
+        Self { values: case.norms.iter().map(|&norm| (norm, None)).collect() }
+    }
+
+    fn raise(&mut self, norm: Norm, value: f64) {
+        if let Some((_, known)) = self.values.iter_mut().find(|(own, _)| *own == norm) {
+            *known = Some(match *known {
+                Some(before) if before.is_nan() || before >= value => before,
+                _ => value,
+            });
+        }
+    }
+
+    /// Raises the norms of the states that occur at this level.
+    fn raise_by_state(&mut self, errors: &StateErrors) {
+        for (i, state) in ContactState::ALL.into_iter().enumerate() {
+            if errors.measure[i] > 0.0 {
+                self.raise(Norm::TraceMax(state), errors.trace[i]);
+                self.raise(Norm::PressureMax(state), errors.pressure[i]);
+            }
+        }
+        self.raise(Norm::ContactMeasureMax, errors.set_difference);
+    }
+
+    fn errors(&self, converged: bool, floors: &CaseFloors) -> Vec<NormError> {
+        self.values
+            .iter()
+            .map(|&(norm, error)| NormError {
+                norm: norm.name().to_string(),
+                error: error.filter(|_| converged),
+                floor: error.filter(|_| converged).map(|error| floors.of(norm, error)),
+            })
+            .collect()
+    }
+}
+
+/// What is not the discretisation in the errors of a case.
+struct CaseFloors {
+    /// Of the accepted residuals and of rounding.
+    solver: Floors,
+    /// Of the quadrature of loads and errors.
+    quadrature: Floors,
+    /// The share of an error that the reference run may take away.
+    share: f64,
+}
+
+impl CaseFloors {
+    fn of(&self, norm: Norm, error: f64) -> f64 {
+        match norm {
+            // Two runs on one mesh under the same loads: no quadrature, and no finer mesh.
+            Norm::VTimeMax => 2.0 * self.solver.v + time_reference_floor(error),
+            Norm::ContactSetMax | Norm::ContactMeasureMax => 0.0,
+            _ => {
+                floor_in(&self.solver, norm) + floor_in(&self.quadrature, norm) + self.share * error
+            }
+        }
+    }
+}
+
+/// The floor of a norm; that of contact sets is not known.
+pub fn floor_in(floors: &Floors, norm: Norm) -> f64 {
+    match norm {
+        Norm::VMax | Norm::VTimeMax | Norm::VProjectionMax => floors.v,
+        Norm::L2Max => floors.l2,
+        Norm::StressL2Max => floors.stress,
+        Norm::TraceL2Max | Norm::TraceMax(_) => floors.trace,
+        Norm::PressureL2Max | Norm::PressureMax(_) => floors.pressure,
+        Norm::ContactSetMax | Norm::ContactMeasureMax => 0.0,
+    }
+}
+
+/// The reference run of a scene without exact solution.
+pub(super) fn scene_reference(setup: &Setup) -> Option<Reference> {
+    let sweep = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_none());
+    sweep.and_then(|sweep| sweep.reference)
+}
+
+/// The error of the run with 8N steps in an error against it: 1/64 of the time error of the case at
+/// order 2 (3.17), so 1/63 of what is measured. It is the same part of every point of a line: it
+/// moves the constant C_k, not the order.
+pub(super) fn time_reference_floor(error: f64) -> f64 {
+    let ratio = f64::from(TIME_REFERENCE * TIME_REFERENCE);
+    error / (ratio - 1.0)
+}
+
+/// Least order in h of a reference run: where conditions change on a straight side or a convex
+/// corner, u behaves like r^(1/2) at worst.
+const REFERENCE_ORDER: f64 = 0.5;
+
+/// The part of a measured error that the reference's own error may take away, if the reference has
+/// the given mesh and steps. In space the discrete solutions of nested meshes are nearly orthogonal,
+/// e² = C²(h^2p - h_ref^2p); in time the error is C(k² - k_ref²). What the two have in common (the
+/// same n, or the same N) does not show in e at all.
+pub(super) fn reference_share(reference: Reference, n: u32, steps: u32) -> f64 {
+    let (cells, times) =
+        (reference.n as f64 / f64::from(n), reference.steps as f64 / f64::from(steps));
+    let in_space = match cells > 1.0 {
+        true => (1.0 + 1.0 / (cells.powf(2.0 * REFERENCE_ORDER) - 1.0)).sqrt() - 1.0,
+        false => 0.0,
+    };
+    let in_time = if times > 1.0 { 1.0 / (times * times - 1.0) } else { 0.0 };
+    in_space.max(in_time)
+}

@@ -1,0 +1,143 @@
+//! Cases beyond a scene's grid, where a verdict names those that would decide it.
+
+use serde::{Deserialize, Serialize};
+
+use super::cost::predict_abstract;
+use super::{ScenePlan, predict};
+use judge::verdict::{Decision, NextCase, Verdict};
+use scene::setup::{SetupError, Subject};
+
+/// Rounds of extension in one directory: each refines once, and an order that three refinements do
+/// not settle wants another scene.
+pub const ROUNDS: u32 = 3;
+
+/// A case that was added, with the verdict that asked for it. Kept with the records, so that they
+/// are resumed and judged as they were made.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AddedCase {
+    /// The case.
+    #[serde(flatten)]
+    pub case: NextCase,
+    /// 1, 2, …
+    pub round: u32,
+    /// The verdict that was open, and why.
+    pub why: String,
+}
+
+/// What one round does.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Step {
+    /// The case is added to the plan of its scene.
+    Add {
+        /// Name of the scene.
+        scene: String,
+        /// The case.
+        case: NextCase,
+        /// Predicted CPU seconds.
+        seconds: f64,
+        /// The verdict that asks for it.
+        why: String,
+    },
+    /// Nothing is run.
+    Leave {
+        /// Name of the scene.
+        scene: String,
+        /// Why not.
+        why: String,
+    },
+}
+
+/// Adds to `plans` the cases that open verdicts ask for, as far as the predicted cost of all added
+/// cases stays below `budget` (CPU seconds). Says of every open verdict what is done.
+///
+/// # Errors
+/// A mesh whose cost cannot be predicted.
+pub fn extend(
+    plans: &mut [ScenePlan],
+    verdicts: &[Verdict],
+    budget: f64,
+) -> Result<Vec<Step>, SetupError> {
+    let round = 1 + plans.iter().flat_map(|plan| &plan.added).map(|a| a.round).max().unwrap_or(0);
+    let mut left = budget;
+    for plan in plans.iter() {
+        left -= added_seconds(plan)?;
+    }
+    let mut steps = Vec::new();
+    let open = |v: &&Verdict| v.decision == Decision::Unresolved && !v.as_expected();
+    for verdict in verdicts.iter().filter(open) {
+        let scene = verdict.scene.clone();
+        let name = format!("{} in {}", verdict.norm, verdict.variable.name());
+        let mut leave = |why: String| {
+            let why = format!("{name}: {why}");
+            steps.push(Step::Leave { scene: scene.clone(), why });
+        };
+        let Some(plan) = plans.iter_mut().find(|plan| plan.scene().name == scene) else { continue };
+        let has = |case: &NextCase, plan: &ScenePlan| {
+            plan.cases.iter().any(|own| own.n == case.n && own.steps == case.steps)
+        };
+        let new: Vec<NextCase> =
+            verdict.next.iter().copied().filter(|case| !has(case, plan)).collect();
+        if verdict.next.is_empty() {
+            leave(format!("no case would help: {}", verdict.reason));
+            continue;
+        }
+        if round > ROUNDS {
+            leave(format!("still open after {ROUNDS} rounds: {}", verdict.reason));
+            continue;
+        }
+        for case in new {
+            let ns: Vec<u32> = case.n.into_iter().collect();
+            if let Err(error) = plan.scene().check_cases(&ns, &[case.steps]) {
+                let place = words(&case);
+                let hint = error.to_string();
+                let hint = hint.lines().next().unwrap_or_default().to_owned();
+                steps.push(Step::Leave {
+                    scene: scene.clone(),
+                    why: format!("{name}: {place} cannot be run: {hint}"),
+                });
+                continue;
+            }
+            let why = format!("{name}: {}", verdict.reason);
+            plan.add(AddedCase { case, round, why: why.clone() });
+            let seconds = case_seconds(plan, &case)?;
+            if seconds > left {
+                plan.remove(&case);
+                let place = words(&case);
+                let why = format!(
+                    "{name}: {place} would take about {seconds:.1} s of CPU time, {:.1} s are left of the budget",
+                    left.max(0.0)
+                );
+                steps.push(Step::Leave { scene: scene.clone(), why });
+                continue;
+            }
+            left -= seconds;
+            steps.push(Step::Add { scene: scene.clone(), case, seconds, why });
+        }
+    }
+    Ok(steps)
+}
+
+/// A case in words: `n = 64, steps = 16`.
+pub fn words(case: &NextCase) -> String {
+    match case.n {
+        Some(n) => format!("n = {n}, steps = {}", case.steps),
+        None => format!("steps = {}", case.steps),
+    }
+}
+
+fn added_seconds(plan: &ScenePlan) -> Result<f64, SetupError> {
+    plan.added.iter().map(|added| case_seconds(plan, &added.case)).sum()
+}
+
+/// Predicted CPU seconds of one case of a plan; a reference run, which no record keeps, is run again.
+fn case_seconds(plan: &ScenePlan, case: &NextCase) -> Result<f64, SetupError> {
+    let setup = match &plan.subject {
+        Subject::Contact(setup) => setup,
+        Subject::Abstract(setup) => return Ok(predict_abstract(setup, case.steps)),
+    };
+    let costs = predict(setup, plan)?;
+    let own = plan.cases.iter().zip(&costs.cases);
+    let own = own.filter(|(own, _)| own.n == case.n && own.steps == case.steps);
+    let reference = costs.reference.map_or(0.0, |cost| cost.seconds);
+    Ok(reference + own.map(|(_, cost)| cost.seconds).sum::<f64>())
+}

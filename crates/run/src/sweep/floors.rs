@@ -1,0 +1,263 @@
+//! Floors measured: how far an error moves when one of the things that are not the discretisation is
+//! done better. The solver goes on to 1/100 of its tolerance, the recursion gives way to the direct
+//! sum, loads and errors are integrated by the next rule, the reference is another one.
+
+use std::sync::Arc;
+
+use nalgebra::DVector;
+
+use super::case::{
+    ERROR_RULE, as_floors, floor_in, reference_share, scene_reference, time_reference_floor,
+};
+use super::cost::Cost;
+use super::plan::{CasePlan, TIME_REFERENCE};
+use fem::contact::{CaseError, CaseInfo, Floors, LevelFields, LoadError, strain_distance};
+use fem::norms::step_errors;
+use fem::space::quadrature::TruthRules;
+use scene::setup::{AbstractLoad, AbstractSetup, MeshData, Setup, SetupError, reference_run};
+use scene::{Data, Norm, Reference};
+use vhi::finite::{FiniteError, march};
+use vhi::{Newton, Polished, StepSolver};
+
+/// What a floor comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FloorPart {
+    /// The accepted residual of the solver.
+    Solver,
+    /// The recursion of the history against the direct sum.
+    History,
+    /// The quadrature of the loads.
+    Load,
+    /// The quadrature of the error norm.
+    Error,
+    /// The error of the reference run.
+    Reference,
+}
+
+impl FloorPart {
+    /// Its name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solver => "solver",
+            Self::History => "history",
+            Self::Load => "load quadrature",
+            Self::Error => "error quadrature",
+            Self::Reference => "reference",
+        }
+    }
+}
+
+/// One part of the floor of one norm.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FloorRow {
+    /// The norm.
+    pub norm: Norm,
+    /// Where it comes from.
+    pub part: FloorPart,
+    /// The error of the case in this norm.
+    pub error: f64,
+    /// What was measured.
+    pub measured: f64,
+    /// What the floor of the case holds for this part, rounding included. Solver and history share
+    /// theirs, and so do the two quadratures.
+    pub estimated: f64,
+}
+
+/// The norms whose floors are distances of two discrete solutions or of two errors.
+const NORMS: [Norm; 5] =
+    [Norm::VMax, Norm::L2Max, Norm::TraceL2Max, Norm::PressureL2Max, Norm::StressL2Max];
+
+/// The same scene with the direct sum in place of a recursion; none where there is no recursion.
+pub fn direct_history(setup: Setup) -> Option<Setup> {
+    let trapezoidal = setup.model.time_rule.is_trapezoidal();
+    let recursive = setup.model.memory.iter().any(|term| term.kernel.exponentials().is_some());
+    (trapezoidal && recursive).then(|| setup.with_history(None))
+}
+
+/// Every part of the floor of the case (n, steps) of `setup`; `direct` is the scene of
+/// [`direct_history`], `norms` what the sweep measures there. Costs four to six marches, more where
+/// a reference has to be run again.
+///
+/// # Errors
+/// A run that fails.
+pub fn contact_floors(
+    setup: &Setup,
+    direct: Option<&Setup>,
+    n: u32,
+    steps: u32,
+    norms: &[Norm],
+) -> Result<Vec<FloorRow>, SetupError> {
+    let reference = scene_reference(setup);
+    let run = |reference: Reference| {
+        let every = (reference.steps as u32 / steps).max(1);
+        reference_run(setup, reference.n as u32, reference.steps as u32, every).map(Arc::new)
+    };
+    let truth = reference.map(run).transpose()?;
+    let data = MeshData::new(setup, n, truth.clone())?;
+    let stronger =
+        MeshData::with_rules(setup, n, truth, &TruthRules::stronger(setup.scene.dimension))?;
+    let measured = measure_errors(setup, &data, &stronger, steps)?;
+    let polished = levels(setup, &data, steps)?;
+    let apart = |other: &[LevelFields]| distance(&data, &polished, other);
+    let solver = measured.info.floors;
+    // What the marches that are compared round is in every part.
+    let load = data.rule_check(setup).map_err(CaseError::from)?.floors.plus(solver);
+    let quadrature = load.plus(measured.at_times.times(ERROR_RULE));
+    let reloaded = measure_errors(setup, &stronger, &data, steps)?;
+    let mut parts = vec![
+        (FloorPart::Solver, apart(&measured.levels), solver),
+        (FloorPart::Load, reloaded.by_other.minus(measured.errors), quadrature),
+        (FloorPart::Error, measured.moved, quadrature),
+    ];
+    if let Some(direct) = direct {
+        parts.insert(1, (FloorPart::History, apart(&levels(direct, &data, steps)?), solver));
+    }
+    if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+        // Nothing is integrated: the fields are those of V^h.
+        parts.retain(|(part, ..)| !matches!(part, FloorPart::Load | FloorPart::Error));
+    }
+    if let Some(half) = reference.and_then(|reference| halved(reference, n, steps)) {
+        let coarser = MeshData::new(setup, n, Some(run(half)?))?;
+        let errors = measure_errors(setup, &coarser, &coarser, steps)?.errors;
+        let share = reference_share(half, n, steps);
+        parts.push((FloorPart::Reference, errors.minus(measured.errors), errors.times(share)));
+    }
+    let mut rows: Vec<FloorRow> = parts
+        .iter()
+        .flat_map(|(part, measured_floors, estimated)| {
+            let kept = NORMS.into_iter().filter(|norm| norms.contains(norm));
+            kept.map(|norm| FloorRow {
+                norm,
+                part: *part,
+                error: floor_in(&measured.errors, norm),
+                measured: floor_in(measured_floors, norm),
+                estimated: floor_in(estimated, norm),
+            })
+        })
+        .collect();
+    if norms.contains(&Norm::VTimeMax) {
+        rows.push(time_reference(setup, &data, steps, &measured.levels)?);
+    }
+    Ok(rows)
+}
+
+/// Bytes beside the dearest of these cases in [`contact_floors`]: the truth by stronger rules, of about twice the points,
+/// its own check by yet stronger ones, u and σ at the levels of three marches, and of one of them the whole past. There
+/// are about as many cells as unknowns in the plane, twice as many in space.
+pub fn floors_beside(dimension: usize, cases: &[(&CasePlan, &Cost)]) -> f64 {
+    let stresses = if dimension == 2 { 3.0 } else { 12.0 };
+    let of = |&(case, cost): &(&CasePlan, &Cost)| {
+        let vector = 8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0);
+        2.0 * cost.kept_bytes + 3.0 * (1.0 + stresses) * vector + vector
+    };
+    cases.iter().map(of).fold(0.0, f64::max)
+}
+
+/// A reference of half the cells and steps, if it is still finer than the case.
+fn halved(reference: Reference, n: u32, steps: u32) -> Option<Reference> {
+    let half = Reference { n: reference.n / 2, steps: reference.steps / 2 };
+    let finer = |half: usize, whole: usize, own: u32| {
+        2 * half == whole && half.is_multiple_of(own as usize) && half > own as usize
+    };
+    let serves = finer(half.n, reference.n, n) && finer(half.steps, reference.steps, steps);
+    serves.then_some(half)
+}
+
+/// The scheme under test, and its errors by the rules of `data` and by those of `stronger`.
+struct Measured {
+    levels: Vec<LevelFields>,
+    /// Largest errors, by the rule of each.
+    errors: Floors,
+    by_other: Floors,
+    /// Largest difference of the two, over all levels and over those that a sweep compares.
+    moved: Floors,
+    at_times: Floors,
+    info: CaseInfo,
+}
+
+fn measure_errors(
+    setup: &Setup,
+    data: &MeshData,
+    stronger: &MeshData,
+    steps: u32,
+) -> Result<Measured, CaseError> {
+    let mut levels = Vec::new();
+    let [mut errors, mut by_other, mut moved, mut at_times] = [Floors::default(); 4];
+    let info = setup.scheme.march(setup, data, steps, &mut |view| {
+        let by = |data: &MeshData| -> Result<Floors, LoadError> {
+            let moments = data.truth.moments(view.t)?;
+            Ok(as_floors(&step_errors(&data.space, &setup.model, view, &moments)))
+        };
+        let (own, other) = (by(data)?, by(stronger)?);
+        errors = errors.max(own);
+        by_other = by_other.max(other);
+        moved = moved.max(own.minus(other));
+        if data.rule_check(setup)?.moments(view.t).is_some() {
+            at_times = at_times.max(own.minus(other));
+        }
+        levels.push(LevelFields::of(&data.space, &setup.model, view));
+        Ok(())
+    })?;
+    Ok(Measured { levels, errors, by_other, moved, at_times, info })
+}
+
+/// The levels of a polished march.
+fn levels(setup: &Setup, data: &MeshData, steps: u32) -> Result<Vec<LevelFields>, CaseError> {
+    let mut levels = Vec::new();
+    data.march(setup, steps, &Polished::default(), &mut |view| {
+        levels.push(LevelFields::of(&data.space, &setup.model, view));
+        Ok(())
+    })?;
+    Ok(levels)
+}
+
+fn distance(data: &MeshData, a: &[LevelFields], b: &[LevelFields]) -> Floors {
+    let pairs = a.iter().zip(b).map(|(a, b)| a.distance(b, &data.space));
+    pairs.fold(Floors::default(), Floors::max)
+}
+
+/// The error of the run with 8N steps against one with 16N, which lacks a quarter of it.
+fn time_reference(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    levels: &[LevelFields],
+) -> Result<FloorRow, CaseError> {
+    let run = |factor: u32| data.trajectory(setup, factor * steps, steps);
+    let (finer, finest) = (run(TIME_REFERENCE)?, run(2 * TIME_REFERENCE)?);
+    let apart = |a: &[f64], b: &[f64]| strain_distance(&data.space, a, b);
+    let own = levels.iter().zip(&finer.displacements).map(|(level, u)| apart(&level.u, u));
+    let error = own.fold(0.0, f64::max);
+    let pairs = finer.displacements.iter().zip(&finest.displacements);
+    let measured = pairs.map(|(a, b)| apart(a, b)).fold(0.0, f64::max);
+    let estimated = time_reference_floor(error);
+    Ok(FloorRow { norm: Norm::VTimeMax, part: FloorPart::Reference, error, measured, estimated })
+}
+
+/// The floor of a case of an abstract scene: its histories are direct sums, its truth is exact.
+///
+/// # Errors
+/// A run that fails.
+pub fn abstract_floors(setup: &AbstractSetup, steps: u32) -> Result<Vec<FloorRow>, FiniteError> {
+    let (own, error, estimated) = abstract_levels(setup, steps, &Newton::default())?;
+    let (polished, ..) = abstract_levels(setup, steps, &Polished::default())?;
+    let apart = own.iter().zip(&polished).map(|(a, b)| setup.model.norm(&(a - b)));
+    let measured = apart.fold(0.0, f64::max);
+    let (norm, part) = (Norm::VMax, FloorPart::Solver);
+    Ok(vec![FloorRow { norm, part, error, measured, estimated }])
+}
+
+fn abstract_levels<S: StepSolver>(
+    setup: &AbstractSetup,
+    steps: u32,
+    solver: &S,
+) -> Result<(Vec<DVector<f64>>, f64, f64), FiniteError> {
+    let (mut levels, mut error) = (Vec::new(), 0f64);
+    let grid = setup.grid(steps);
+    let info = march(&setup.model, &grid, &mut AbstractLoad(setup), solver, &mut |view| {
+        let exact = DVector::from_column_slice(&setup.state(view.t).u);
+        error = error.max(setup.model.norm(&(exact - view.u)));
+        levels.push(view.u.clone());
+    })?;
+    Ok((levels, error, info.floor))
+}

@@ -1,0 +1,158 @@
+//! From a scene's predictions to verdicts on records.
+
+use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
+use crate::leading_error::{Case, Measured, NoConstant, leading_errors};
+use judge::record::{CaseRecord, Key};
+use judge::verdict::{
+    self, Expect, FloorSource, Foreseen, ForeseenConstant, LeadingLine, LeadingPoint, Variable,
+    Verdict,
+};
+use scene::setup::Subject;
+use scene::{Data, Direction, Expectation, Hypothesis, LoadForm, Prediction, Scene};
+
+/// The verdicts of a scene; none if it is not judged. `foreseen` holds what is known beforehand of constants, of this
+/// scene and others.
+pub fn judge_scene(
+    scene: &Scene,
+    records: &[CaseRecord],
+    expected: &[Key],
+    foreseen: &[ForeseenConstant],
+) -> Vec<Verdict> {
+    if !scene.judge {
+        return Vec::new();
+    }
+    let expect = match scene.expect {
+        Expectation::Pass => Expect::Pass,
+        Expectation::Fail => Expect::Fail,
+        Expectation::Unresolved => Expect::Unresolved,
+    };
+    let one = |written: &Prediction| {
+        let prediction = prediction(scene, written);
+        let known = foreseen.iter().find(|known| {
+            known.scene == scene.name
+                && known.norm == prediction.norm
+                && known.variable == prediction.variable
+        });
+        let known = known.map(|known| &known.foreseen);
+        verdict::judge_foreseen(&scene.name, records, expected, &prediction, known, expect)
+    };
+    scene.predicts.iter().map(one).collect()
+}
+
+/// What is known beforehand of the constants of a judged scene, on the cases that its predictions rest on.
+pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstant> {
+    let scene = subject.scene();
+    let one = |written: &Prediction| {
+        let prediction = prediction(scene, written);
+        let keys = verdict::line_keys(&scene.name, records, &prediction);
+        let cases: Vec<Case> = keys.iter().map(|key| Case { n: key.n, steps: key.steps }).collect();
+        ForeseenConstant {
+            scene: scene.name.clone(),
+            norm: prediction.norm,
+            variable: prediction.variable,
+            foreseen: foreseen(subject, written, &cases),
+        }
+    };
+    let judged = scene.predicts.iter().filter(|_| scene.judge);
+    judged.map(one).collect()
+}
+
+/// What is known beforehand of the constants of a scene, on the cases of a plan: before anything is solved.
+pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
+    let scene = plan.scene();
+    let one = |written: &Prediction| {
+        let prediction = prediction(scene, written);
+        let inside = |window: Option<[u32; 2]>, value: u32| {
+            window.is_none_or(|[first, last]| (first..=last).contains(&value))
+        };
+        let serves = |case: &&CasePlan| {
+            case.norms.contains(&written.norm)
+                && inside(prediction.window_steps, case.steps)
+                && case.n.is_none_or(|n| inside(prediction.window_n, n))
+        };
+        let cases: Vec<&CasePlan> = plan.cases.iter().filter(serves).collect();
+        let steps = cases.iter().map(|case| case.steps).max();
+        let finest = cases.iter().filter_map(|case| case.n).max();
+        let on_line = |case: &&&CasePlan| match written.variable {
+            Direction::H => Some(case.steps) == steps,
+            Direction::K => case.n == finest,
+            Direction::Joint | Direction::Path => true,
+        };
+        let case = |case: &&CasePlan| Case { n: case.n, steps: case.steps };
+        let cases: Vec<Case> = cases.iter().filter(on_line).map(case).collect();
+        ForeseenConstant {
+            scene: scene.name.clone(),
+            norm: prediction.norm,
+            variable: prediction.variable,
+            foreseen: foreseen(&plan.subject, written, &cases),
+        }
+    };
+    scene.predicts.iter().map(one).collect()
+}
+
+/// What is known beforehand of the constant of one prediction on the given cases.
+fn foreseen(subject: &Subject, written: &Prediction, cases: &[Case]) -> Foreseen {
+    let measured = Measured {
+        norm: written.norm,
+        variable: written.variable,
+        order: written.order,
+        time_reference: TIME_REFERENCE,
+    };
+    let leading = match written.constant {
+        true => leading_errors(subject, &measured, cases),
+        false => Err(NoConstant::OptedOut),
+    };
+    match leading {
+        Err(reason) => Foreseen::Nothing { not_predicted: reason.to_string() },
+        Ok(leading) => Foreseen::Leading(LeadingLine {
+            points: leading
+                .points
+                .iter()
+                .map(|point| LeadingPoint {
+                    n: point.case.n,
+                    steps: point.case.steps,
+                    h: point.h,
+                    k: point.k,
+                    error: point.error,
+                })
+                .collect(),
+            limit: leading.limit,
+            tolerance: written.constant_within.unwrap_or(leading.tolerance),
+        }),
+    }
+}
+
+/// What the floors of a scene's errors come from: nothing is integrated of what is exact in V^h or in ℝ^m, and a
+/// reference run is no better than its own error.
+fn floor_source(scene: &Scene) -> FloorSource {
+    match scene.as_contact().map(|body| &body.data) {
+        None | Some(Data::Exact { interpolated: true, .. }) => FloorSource::Solver,
+        Some(Data::Exact { form: LoadForm::Strong, .. }) => FloorSource::LoadQuadrature,
+        Some(Data::Exact { .. }) => FloorSource::Quadrature,
+        Some(_) => FloorSource::Reference,
+    }
+}
+
+fn prediction(scene: &Scene, written: &Prediction) -> verdict::Prediction {
+    let pair = |window: Option<[usize; 2]>| window.map(|w| w.map(|v| v as u32));
+    verdict::Prediction {
+        norm: written.norm.name().into(),
+        variable: match written.variable {
+            Direction::H => Variable::H,
+            Direction::K => Variable::K,
+            Direction::Joint => Variable::Joint,
+            Direction::Path => Variable::Path,
+        },
+        order: written.order,
+        order_k: written.order_k,
+        at_least: written.at_least,
+        exact: written.exact,
+        why: written.why.clone(),
+        window_n: pair(written.window_n.or(scene.window_n)),
+        window_steps: pair(written.window_steps.or(scene.window_steps)),
+        floor: floor_source(scene),
+        unique: ![Hypothesis::Smallness, Hypothesis::StepSize]
+            .iter()
+            .any(|hypothesis| scene.violates.contains(hypothesis)),
+    }
+}

@@ -1,0 +1,94 @@
+//! The directory of a sweep, held by one process at a time.
+
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use files::make_directory;
+
+/// Why a directory cannot be written to.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The file system refused.
+    #[error("{}: {source}; choose another directory with --out", path.display())]
+    Io { path: PathBuf, source: io::Error },
+    /// Another process holds it.
+    #[error(
+        "{}: {holder} writes here; wait for its end, or choose another directory with --out",
+        path.display()
+    )]
+    Held { path: PathBuf, holder: String },
+}
+
+/// A directory that no other sweep writes to as long as this value lives. The system gives the lock back when the
+/// process ends, however it ends.
+#[derive(Debug)]
+pub struct OutputDirectory {
+    path: PathBuf,
+    _lock: File,
+}
+
+/// Name of the file that is locked; it holds the process number for the message of the other.
+const LOCK: &str = ".lock";
+
+impl OutputDirectory {
+    /// Makes the directory if it is not there, and takes it.
+    ///
+    /// # Errors
+    /// [`OutputError`]. On a file system without locks the directory is taken all the same.
+    pub fn take(path: &Path) -> Result<Self, OutputError> {
+        let refused = |source| OutputError::Io { path: path.to_owned(), source };
+        make_directory(path).map_err(refused)?;
+        let file = path.join(LOCK);
+        // What a link in its place names is no file of ours.
+        if fs::symlink_metadata(&file).is_ok_and(|known| known.is_symlink()) {
+            fs::remove_file(&file).map_err(refused)?;
+        }
+        let open =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(file);
+        let mut lock = open.map_err(refused)?;
+        match lock.try_lock() {
+            Ok(()) => {
+                let number = format!("process {}", std::process::id());
+                let written = lock.set_len(0).and_then(|()| lock.write_all(number.as_bytes()));
+                written.map_err(refused)?;
+            }
+            Err(TryLockError::WouldBlock) => {
+                let mut holder = String::new();
+                if lock.read_to_string(&mut holder).is_err() || holder.is_empty() {
+                    holder = "another sweep".into();
+                }
+                return Err(OutputError::Held { path: path.to_owned(), holder });
+            }
+            Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => {}
+            Err(TryLockError::Error(error)) => return Err(refused(error)),
+        }
+        Ok(Self { path: path.to_owned(), _lock: lock })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_directory_is_held_once_and_given_back() {
+        let path = std::env::temp_dir().join(format!("gronwall-output-{}", std::process::id()));
+        let held = OutputDirectory::take(&path).unwrap();
+        let second = OutputDirectory::take(&path).unwrap_err().to_string();
+        assert!(second.contains(&format!("process {}", std::process::id())), "{second}");
+        assert!(second.contains("--out"), "{second}");
+        drop(held);
+        drop(OutputDirectory::take(&path).unwrap());
+        // A file in its place.
+        let file = path.join("file");
+        fs::write(&file, "").unwrap();
+        assert!(matches!(OutputDirectory::take(&file), Err(OutputError::Io { .. })));
+        fs::remove_dir_all(&path).unwrap();
+    }
+}

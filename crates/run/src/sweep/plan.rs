@@ -1,0 +1,201 @@
+//! The cases of a scene: every n with every number of steps, and the norms of each.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use super::extend::AddedCase;
+use judge::record::{CaseRecord, Key, NormError, Status};
+use judge::verdict::NextCase;
+use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
+use scene::{Norm, Prediction, Reference, Scene};
+
+/// Grids given on the command line in place of the scene's.
+#[derive(Debug, Clone, Default)]
+pub struct Overrides {
+    /// Cells a unit length.
+    pub n: Option<Vec<u32>>,
+    /// Numbers of steps.
+    pub steps: Option<Vec<u32>>,
+}
+
+/// One case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CasePlan {
+    /// Cells a unit length; none in an abstract scene.
+    pub n: Option<u32>,
+    /// Number of steps N.
+    pub steps: u32,
+    /// What is measured.
+    pub norms: Vec<Norm>,
+}
+
+/// The cases of one scene.
+pub struct ScenePlan {
+    /// The scene with its model.
+    pub subject: Subject,
+    /// The cases, by n and steps; those added come last.
+    pub cases: Vec<CasePlan>,
+    /// Which of them are no cases of the scene's own grid.
+    pub added: Vec<AddedCase>,
+    /// The finer run that is the truth, if the scene has no exact solution.
+    pub reference: Option<Reference>,
+}
+
+/// A run against which the time error is measured has this many times the steps of the case.
+pub const TIME_REFERENCE: u32 = 8;
+
+impl ScenePlan {
+    /// The plan of a scene, with the grids of `overrides` where given.
+    pub fn new(subject: Subject, overrides: &Overrides) -> Self {
+        let cases = scene_cases(subject.scene(), overrides);
+        let reference = subject.scene().sweep.as_ref().and_then(|sweep| sweep.reference);
+        let reference = reference.filter(|_| !subject.has_exact());
+        Self { cases, added: Vec::new(), reference, subject }
+    }
+
+    /// The record of a case: that of `run`, or of a failed case with the reason. A solver under test may
+    /// panic, which is a failed case too and not the end of the others.
+    pub fn record(
+        &self,
+        case: &CasePlan,
+        run: impl FnOnce() -> Result<CaseRecord, String>,
+    ) -> CaseRecord {
+        let reason = match without_panic(run) {
+            Ok(record) => return record,
+            Err(reason) => reason,
+        };
+        let (scene, k) = (self.scene(), self.subject.grid(case.steps).largest_step());
+        let body = scene.as_contact();
+        let nothing =
+            |norm: &Norm| NormError { norm: norm.name().into(), error: None, floor: None };
+        CaseRecord {
+            dimension: scene.dimension as u32,
+            h: case.n.zip(body).map(|(n, body)| body.domain.h(n)),
+            status: Status::Failed { reason },
+            errors: case.norms.iter().map(nothing).collect(),
+            ..CaseRecord::without_work(&scene.name, case.n, case.steps, k)
+        }
+    }
+
+    /// Adds a case, unless it is there.
+    pub fn add(&mut self, added: AddedCase) {
+        let NextCase { n, steps } = added.case;
+        if !self.cases.iter().any(|case| case.n == n && case.steps == steps) {
+            self.cases.push(CasePlan { n, steps, norms: norms(self.subject.scene(), n) });
+            self.added.push(added);
+        }
+    }
+
+    /// Takes an added case back.
+    pub fn remove(&mut self, case: &NextCase) {
+        self.added.retain(|added| added.case != *case);
+        self.cases.retain(|own| own.n != case.n || own.steps != case.steps);
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        self.subject.scene()
+    }
+
+    /// The keys of all cases.
+    pub fn keys(&self) -> Vec<Key> {
+        let scene = &self.scene().name;
+        self.cases
+            .iter()
+            .map(|case| Key { scene: scene.clone(), n: case.n, steps: case.steps })
+            .collect()
+    }
+
+    /// What (3.4) says of the step sizes of the cases.
+    ///
+    /// # Errors
+    /// A step size that is refused.
+    pub fn step_remark(&self) -> Result<Option<StepRemark>, SetupError> {
+        let steps: Vec<u32> = self.cases.iter().map(|case| case.steps).collect();
+        check_step_sizes(&self.subject, &steps)
+    }
+
+    /// n and steps of all runs on the meshes of the cases: those of the cases, and those that time errors are against.
+    pub fn runs(&self) -> Vec<(u32, u32)> {
+        let of = |case: &CasePlan| {
+            let finer = case.norms.contains(&Norm::VTimeMax).then_some(TIME_REFERENCE * case.steps);
+            let steps = std::iter::once(case.steps).chain(finer);
+            let runs = case.n.map(|n| steps.map(move |steps| (n, steps)));
+            runs.into_iter().flatten().collect::<Vec<_>>()
+        };
+        self.cases.iter().flat_map(of).collect()
+    }
+
+    /// How often reference levels are kept so that all cases find theirs.
+    pub fn kept_steps(&self) -> u32 {
+        self.cases.iter().map(|case| case.steps).fold(1, lowest_common_multiple)
+    }
+}
+
+/// The cases of a scene, on the grids of `overrides` where given.
+pub(super) fn scene_cases(scene: &Scene, overrides: &Overrides) -> Vec<CasePlan> {
+    let listed = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<_>>();
+    let sweep = scene.sweep.as_ref();
+    let own_n = sweep.map_or(Vec::new(), |sweep| listed(&sweep.n));
+    let own_steps = sweep.map_or(Vec::new(), |sweep| listed(&sweep.steps));
+    let ns = overrides.n.clone().unwrap_or(own_n);
+    let steps = overrides.steps.clone().unwrap_or(own_steps);
+    let ns: Vec<Option<u32>> = match scene.as_contact() {
+        Some(_) => ns.into_iter().map(Some).collect(),
+        None => vec![None],
+    };
+    let path = sweep.and_then(|sweep| sweep.pairs.as_ref());
+    let path = path.filter(|_| overrides.n.is_none() && overrides.steps.is_none());
+    let places: Vec<(Option<u32>, u32)> = match path {
+        Some(pairs) => pairs.iter().map(|&[n, steps]| (Some(n as u32), steps as u32)).collect(),
+        None => ns.iter().flat_map(|&n| steps.iter().map(move |&steps| (n, steps))).collect(),
+    };
+    let case = |(n, steps)| CasePlan { n, steps, norms: norms(scene, n) };
+    places.into_iter().map(case).collect()
+}
+
+/// What `run` says; a panic is an error with its text.
+pub fn without_panic<T>(run: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(run)).unwrap_or_else(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| panic.downcast_ref::<&str>().copied());
+        Err(format!("internal error: {}", text.unwrap_or("unknown")))
+    })
+}
+
+/// The fewest steps of a grid that has the times of both.
+pub fn lowest_common_multiple(a: u32, b: u32) -> u32 {
+    let (mut x, mut y) = (a, b);
+    while y > 0 {
+        (x, y) = (y, x % y);
+    }
+    a / x.max(1) * b
+}
+
+/// The norms of a case on mesh n: all that cost next to nothing, and those of the scene's list or
+/// predictions (the time error costs further runs, so it is measured inside its window only); those by contact
+/// state where the scene asks for them.
+pub(super) fn norms(scene: &Scene, n: Option<u32>) -> Vec<Norm> {
+    let listed = scene.sweep.as_ref().and_then(|sweep| sweep.norms.as_ref());
+    let by_state = scene.sweep.as_ref().is_some_and(|sweep| sweep.by_state);
+    let asked = |norm: Norm| {
+        listed.is_some_and(|list| list.contains(&norm))
+            || scene.predicts.iter().any(|p| p.norm == norm && serves(scene, p, n))
+    };
+    let Some(body) = scene.as_contact() else { return vec![Norm::VMax] };
+    let on_contact = body.contact.as_ref().is_some_and(|c| c.gap.is_some() || c.law.is_some());
+    Norm::ALL
+        .into_iter()
+        .filter(|&norm| match norm {
+            Norm::VTimeMax | Norm::VProjectionMax => asked(norm),
+            _ if norm.needs_contact() && !on_contact => false,
+            _ if norm.by_state() => asked(norm) || by_state,
+            _ => listed.is_none() || asked(norm),
+        })
+        .collect()
+}
+
+/// Whether a prediction uses the mesh n.
+fn serves(scene: &Scene, prediction: &Prediction, n: Option<u32>) -> bool {
+    let window = prediction.window_n.or(scene.window_n);
+    window.zip(n).is_none_or(|([first, last], n)| (first..=last).contains(&(n as usize)))
+}

@@ -1,0 +1,107 @@
+//! The cases that a directory of records was to hold: what its provenance says of them.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::plan::{CasePlan, Overrides, ScenePlan, norms, scene_cases};
+use super::provenance::Provenance;
+use judge::record::{CaseRecord, Key, Status};
+use scene::{Norm, Scene};
+
+/// Cases of a scene that are not its own grid: every n of a list with every number of steps of another.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Block {
+    /// Cells a unit length; empty in an abstract scene.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub n: Vec<u32>,
+    /// Numbers of steps.
+    pub steps: Vec<u32>,
+    /// Names of the norms, where they are not those that the scene asks for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub norms: Option<Vec<String>>,
+}
+
+/// A mesh, and the names of the norms that are measured on it where they are not the scene's.
+type Measured = (Option<u32>, Option<Vec<String>>);
+
+/// The cases of a plan without the added ones; none where they are those of the scene's own grid.
+pub fn blocks(plan: &ScenePlan) -> Option<Vec<Block>> {
+    let added = |case: &CasePlan| {
+        plan.added.iter().any(|added| added.case.n == case.n && added.case.steps == case.steps)
+    };
+    let cases: Vec<&CasePlan> = plan.cases.iter().filter(|case| !added(case)).collect();
+    let own = scene_cases(plan.scene(), &Overrides::default());
+    if cases.iter().copied().eq(&own) {
+        return None;
+    }
+    // By mesh, and meshes with the same steps and norms together.
+    let mut of_mesh: BTreeMap<Measured, Vec<u32>> = BTreeMap::new();
+    for case in cases {
+        let names = || case.norms.iter().map(|norm| norm.name().to_owned()).collect();
+        let usual = case.norms == norms(plan.scene(), case.n);
+        of_mesh.entry((case.n, (!usual).then(names))).or_default().push(case.steps);
+    }
+    let mut blocks: Vec<Block> = Vec::new();
+    for ((n, norms), steps) in of_mesh {
+        let same = |block: &&mut Block| {
+            block.steps == steps && block.norms == norms && n.is_some() != block.n.is_empty()
+        };
+        match blocks.iter_mut().find(same) {
+            Some(block) => block.n.extend(n),
+            None => blocks.push(Block { n: n.into_iter().collect(), steps, norms }),
+        }
+    }
+    Some(blocks)
+}
+
+/// The cases of a scene by its provenance: those of its own grid or of the blocks that are kept, and the added ones.
+pub fn planned(scene: &Scene, known: &Provenance) -> Vec<CasePlan> {
+    let mut cases = match known.cases.get(&scene.name) {
+        None => scene_cases(scene, &Overrides::default()),
+        Some(blocks) => blocks.iter().flat_map(|block| of_block(scene, block)).collect(),
+    };
+    for added in known.added_cases.get(&scene.name).into_iter().flatten() {
+        let (n, steps) = (added.case.n, added.case.steps);
+        if !cases.iter().any(|case| case.n == n && case.steps == steps) {
+            cases.push(CasePlan { n, steps, norms: norms(scene, n) });
+        }
+    }
+    cases
+}
+
+fn of_block(scene: &Scene, block: &Block) -> Vec<CasePlan> {
+    let ns: Vec<Option<u32>> = match block.n.is_empty() {
+        true => vec![None],
+        false => block.n.iter().copied().map(Some).collect(),
+    };
+    let named = |n: Option<u32>| match &block.norms {
+        None => norms(scene, n),
+        Some(names) => {
+            let listed = |norm: &Norm| names.iter().any(|name| name == norm.name());
+            Norm::ALL.into_iter().filter(listed).collect()
+        }
+    };
+    let of_mesh = |&n: &Option<u32>| {
+        block.steps.iter().map(move |&steps| CasePlan { n, steps, norms: named(n) })
+    };
+    ns.iter().flat_map(of_mesh).collect()
+}
+
+/// Whether a record holds all that was asked of its case: it was run, and no row of it is lost. A case that failed was run.
+pub fn is_complete(record: &CaseRecord, norms: &[Norm]) -> bool {
+    record.status != Status::Skipped && norms.iter().all(|norm| record.norm(norm.name()).is_some())
+}
+
+/// The planned cases of a scene that have no complete record.
+pub fn missing_cases(scene: &str, planned: &[CasePlan], records: &[CaseRecord]) -> Vec<Key> {
+    let own = records.iter().filter(|record| record.scene == scene);
+    let known: BTreeMap<(Option<u32>, u32), &CaseRecord> =
+        own.map(|record| ((record.n, record.steps), record)).collect();
+    let open = |case: &&CasePlan| {
+        let record = known.get(&(case.n, case.steps));
+        !record.is_some_and(|record| is_complete(record, &case.norms))
+    };
+    let key = |case: &CasePlan| Key { scene: scene.to_owned(), n: case.n, steps: case.steps };
+    planned.iter().filter(open).map(key).collect()
+}

@@ -1,0 +1,146 @@
+//! A scene as a report shows it: its equations, the data of its file, and what a reader has to know.
+
+use report::{SceneSummary, StepLimits, Terms, equations};
+use scene::setup::{Subject, subject_bounds};
+use scene::{Body, Data, Expectation, Scene};
+
+/// Parts of a scene file that a report says elsewhere.
+const SAID_ELSEWHERE: [&str; 2] = ["scene", "predicts"];
+
+/// What a report says of a scene; without the subject that was made of it, nothing of its step size.
+pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
+    SceneSummary {
+        name: scene.name.clone(),
+        question: scene.question.clone(),
+        remarks: remarks(scene),
+        equations: equations(terms(scene)),
+        data: data(&scene.source.text),
+        violates: scene.violates.iter().map(|hypothesis| hypothesis.name().to_owned()).collect(),
+        step: subject.and_then(step),
+    }
+}
+
+/// The bounds on the step size, without a solve in time.
+fn step(subject: &Subject) -> Option<StepLimits> {
+    let bounds = subject_bounds(subject).ok()?;
+    Some(StepLimits {
+        m0: bounds.m0,
+        paper: bounds.paper_limit(),
+        theorem: bounds.limit(),
+        sharpened: bounds.sharpened_limit(),
+        solvable: bounds.solvable_limit(),
+    })
+}
+
+fn terms(scene: &Scene) -> Terms {
+    match &scene.body {
+        Body::Contact(body) => Terms {
+            is_abstract: false,
+            projection: body.material.projection.is_some(),
+            memory: !body.material.memory.is_empty(),
+            contact: body.contact.is_some(),
+            gap: body.contact.as_ref().is_some_and(|contact| contact.gap.is_some()),
+            law: body.contact.as_ref().is_some_and(|contact| contact.law.is_some()),
+        },
+        Body::Abstract(problem) => {
+            Terms { is_abstract: true, memory: !problem.kernels.is_empty(), ..Terms::default() }
+        }
+    }
+}
+
+fn remarks(scene: &Scene) -> Vec<String> {
+    let truth = match scene.as_contact().map(|body| &body.data) {
+        Some(Data::Loads { .. }) => {
+            "The loads are given and no solution is known: errors are against a run on a finer grid."
+        }
+        Some(Data::Exact { interpolated: true, .. }) => {
+            "The exact solution is the nodal interpolant of a known displacement on each mesh: errors are those in time."
+        }
+        Some(Data::Exact { .. }) => {
+            "The solution is known in closed form; the loads are derived from it."
+        }
+        None => "The solution is known; the problem has no body and no mesh.",
+    };
+    let mut remarks = vec![truth.to_owned()];
+    if !scene.violates.is_empty() {
+        remarks.push("A hypothesis of the theory is broken here on purpose.".into());
+    }
+    remarks.extend(match (scene.judge, scene.expect) {
+        (false, _) => Some("It is measured and not judged: the theory promises no order here.".into()),
+        (true, Expectation::Pass) => None,
+        (true, Expectation::Fail) => {
+            Some("The predicted order is not reached here, and the scene is there to show that: it is as expected if the verdict is fail.".into())
+        }
+        (true, Expectation::Unresolved) => {
+            Some("Its cases cannot decide, and the program has to say so: it is as expected if the verdict is unresolved.".into())
+        }
+    });
+    remarks
+}
+
+/// The keys of a scene file in their order, with their values as written there.
+fn data(text: &str) -> Vec<[String; 3]> {
+    // It was read and validated before.
+    let Ok(table) = text.parse::<toml::Table>() else { return Vec::new() };
+    let mut rows = Vec::new();
+    for (part, value) in &table {
+        if !SAID_ELSEWHERE.contains(&part.as_str()) {
+            collect(part, value, &mut rows);
+        }
+    }
+    rows
+}
+
+/// Tables become parts `a.b`; what has no keys of its own is a value.
+fn collect(part: &str, value: &toml::Value, rows: &mut Vec<[String; 3]>) {
+    match value {
+        toml::Value::Table(table) => {
+            let (nested, own): (Vec<_>, Vec<_>) =
+                table.iter().partition(|(_, value)| is_part(value));
+            rows.extend(
+                own.iter().map(|(key, value)| [part.into(), (*key).clone(), written(value)]),
+            );
+            nested.iter().for_each(|(key, value)| collect(&format!("{part}.{key}"), value, rows));
+        }
+        toml::Value::Array(parts) => {
+            for (index, value) in parts.iter().enumerate() {
+                collect(&format!("{part} {}", index + 1), value, rows);
+            }
+        }
+        other => rows.push([part.into(), String::new(), written(other)]),
+    }
+}
+
+/// A table with more than a few keys, and a list of tables; a small table stands on one line in scene files too.
+fn is_part(value: &toml::Value) -> bool {
+    match value {
+        toml::Value::Table(table) => !table.contains_key("kind"),
+        toml::Value::Array(values) => values.iter().any(toml::Value::is_table),
+        _ => false,
+    }
+}
+
+/// A formula without its quotes, anything else as TOML spells it.
+fn written(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(text) => text.clone(),
+        other => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn data_are_the_keys_of_the_file() {
+        let text = "[scene]\nname = \"a\"\n[time]\nhorizon = 1.0\ngrid = { kind = \"uniform\" }\n[material.memory]\nkernel = \"-exp(-t)\"\n\
+                    [[material.region]]\nname = \"stiff\"\n[[predicts]]\norder = 1.0\n";
+        let rows = data(text);
+        let has = |row: [&str; 3]| rows.contains(&row.map(str::to_owned));
+        assert!(has(["time", "horizon", "1.0"]) && has(["material.memory", "kernel", "-exp(-t)"]));
+        assert!(has(["material.region 1", "name", "stiff"]), "{rows:?}");
+        assert!(rows.iter().any(|[_, key, value]| key == "grid" && value.contains("uniform")));
+        assert_eq!(rows.len(), 4, "{rows:?}");
+    }
+}

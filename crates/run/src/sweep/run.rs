@@ -1,0 +1,386 @@
+//! Runs the cases of many scenes on a few threads, longest first and within memory, and records each as it ends.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::Build;
+use super::memory_limit::{MemoryLimit, TooLarge};
+use super::needs::{Need, needs};
+use super::plan::{CasePlan, ScenePlan, without_panic};
+use super::schedule::{Kept, Schedule, Task};
+use super::{
+    OutputDirectory, Provenance, ResumeError, Resumed, resume, run_abstract_case, run_contact_case,
+};
+use rayon::prelude::*;
+
+use fem::norms::ReferenceRun;
+use files::counted;
+use judge::record::{CaseRecord, Journal, RecordError};
+use report::{ReportError, remove_earlier};
+use scene::setup::{MeshData, Setup, Subject, reference_run};
+
+/// Why a sweep ended without records.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// The records cannot be written or read.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The old records cannot be resumed.
+    #[error(transparent)]
+    Resume(#[from] ResumeError),
+    /// A file of the directory cannot be written or removed.
+    #[error("{}: {reason}", path.display())]
+    Directory { path: PathBuf, reason: String },
+    /// What an earlier report left cannot be removed.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// The threads could not be started.
+    #[error("starting {}: {reason}", counted(*jobs, "thread"))]
+    Threads { jobs: usize, reason: String },
+}
+
+/// What of the machine a sweep may take, and how it was asked to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Machine {
+    /// Cases at a time.
+    pub jobs: usize,
+    /// Memory that cases may be predicted to take together.
+    pub memory: MemoryLimit,
+    /// What the program was built from, and options of the command, for the provenance.
+    pub build: Build,
+    pub options: String,
+}
+
+impl Machine {
+    /// So many cases at a time, whatever memory they take.
+    pub fn with_jobs(jobs: usize) -> Self {
+        let build = Build::UNKNOWN;
+        Self { jobs, memory: MemoryLimit::NONE, build, options: String::new() }
+    }
+}
+
+/// Hears of the sweep while it runs.
+pub trait Progress: Sync {
+    /// The sweep begins, with `total` cases of which `done` are already recorded.
+    fn begin(&self, total: usize, done: usize);
+    /// Records of an earlier sweep are not trusted, and their cases are run again.
+    fn doubted(&self, why: &str);
+    /// A case or reference run starts.
+    fn started(&self, what: &str);
+    /// It ended.
+    fn finished(&self, what: &str, record: Option<&CaseRecord>);
+}
+
+/// Nobody listens.
+impl Progress for () {
+    fn begin(&self, _: usize, _: usize) {}
+    fn doubted(&self, _: &str) {}
+    fn started(&self, _: &str) {}
+    fn finished(&self, _: &str, _: Option<&CaseRecord>) {}
+}
+
+/// A piece of work.
+enum Job {
+    /// The reference run of a scene.
+    Reference(usize),
+    /// A case: scene and index.
+    Case(usize, usize),
+}
+
+/// Made when it is first asked for, and let go when the last one that needs it has ended.
+type Slot<T> = Mutex<Arc<OnceLock<Result<T, String>>>>;
+
+/// What the jobs of one scene share.
+struct Shared<'a> {
+    plan: &'a ScenePlan,
+    reference: Slot<Arc<ReferenceRun>>,
+    meshes: Vec<(u32, Slot<MeshData>)>,
+}
+
+/// Runs `plans` on `machine`; with `keep`, complete cases in `out` are not run again.
+/// Returns all records, sorted by scene, n and steps.
+///
+/// # Errors
+/// Files only: a case that fails is a record. Where a record cannot be written no further case begins.
+pub fn run_sweep(
+    plans: &[ScenePlan],
+    out: &OutputDirectory,
+    machine: &Machine,
+    keep: bool,
+    progress: &dyn Progress,
+) -> Result<Vec<CaseRecord>, SweepError> {
+    let Resumed { records, doubts } = match keep {
+        true => resume(out.path(), plans)?,
+        false => Resumed::default(),
+    };
+    doubts.iter().for_each(|doubt| progress.doubted(doubt));
+    run_more(plans, records, out, machine, progress)
+}
+
+/// Runs the cases of `plans` that `known` does not hold. Returns all records, sorted likewise.
+///
+/// # Errors
+/// As [`run_sweep`].
+pub fn run_more(
+    plans: &[ScenePlan],
+    known: Vec<CaseRecord>,
+    out: &OutputDirectory,
+    machine: &Machine,
+    progress: &dyn Progress,
+) -> Result<Vec<CaseRecord>, SweepError> {
+    let journal = prepare(plans, out, &known, machine)?;
+    let total = plans.iter().map(|plan| plan.cases.len()).sum();
+    progress.begin(total, known.len());
+    let shared: Vec<Shared<'_>> = plans.iter().map(Shared::new).collect();
+    let sweep = Sweep {
+        shared: &shared,
+        journal: Mutex::new(journal),
+        records: Mutex::new(known),
+        failure: Mutex::new(None),
+        progress,
+    };
+    let jobs = machine.jobs;
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(jobs)
+        .build()
+        .map_err(|error| SweepError::Threads { jobs, reason: error.to_string() })?;
+    let (work, tasks) = pool.install(|| sweep.work(&machine.memory));
+    let schedule = Schedule::new(tasks, machine.memory.bytes());
+    pool.scope(|scope| {
+        for _ in 0..jobs {
+            scope.spawn(|_| {
+                // What cannot be recorded need not be computed.
+                while let Some(start) = schedule.begin(|| sweep.failed()) {
+                    start.dropped.into_iter().for_each(|kept| sweep.let_go(kept));
+                    sweep.execute(&work[start.task]);
+                    schedule.end(start.task).into_iter().for_each(|kept| sweep.let_go(kept));
+                }
+            });
+        }
+    });
+    if let Some(error) = sweep.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(error.into());
+    }
+    sweep.journal.into_inner().unwrap_or_else(PoisonError::into_inner).in_place()?;
+    let mut records = sweep.records.into_inner().unwrap_or_else(PoisonError::into_inner);
+    records.sort_by_key(CaseRecord::key);
+    Ok(records)
+}
+
+/// Writes the provenance, and the journal with the records that are kept.
+fn prepare(
+    plans: &[ScenePlan],
+    out: &OutputDirectory,
+    known: &[CaseRecord],
+    machine: &Machine,
+) -> Result<Journal, SweepError> {
+    let out = out.path();
+    let refused = |(path, reason)| SweepError::Directory { path, reason };
+    let table = out.join("cases.csv");
+    // Killed at any point, the directory must hold no table without its provenance, and nothing of
+    // an old table beside a new one: page, pictures, verdicts and the old table go first, the new
+    // one comes last.
+    remove_earlier(out)?;
+    let old = [Some(out.join("verdict.json")), known.is_empty().then(|| table.clone())];
+    for path in old.into_iter().flatten().filter(|path| path.exists()) {
+        std::fs::remove_file(&path).map_err(|e| refused((path, e.to_string())))?;
+    }
+    Provenance::of_run(plans, machine).write(out).map_err(refused)?;
+    judge::record::write_sorted(&table, known)?;
+    Ok(Journal::open(&table)?)
+}
+
+struct Sweep<'a> {
+    shared: &'a [Shared<'a>],
+    journal: Mutex<Journal>,
+    records: Mutex<Vec<CaseRecord>>,
+    failure: Mutex<Option<RecordError>>,
+    progress: &'a dyn Progress,
+}
+
+impl Sweep<'_> {
+    /// The cases that are not recorded, with the reference runs that they need. A case that asks for more memory than
+    /// there may be is recorded as failed, and is none of them.
+    fn work(&self, limit: &MemoryLimit) -> (Vec<Job>, Vec<Task>) {
+        let open: Vec<Vec<usize>> = self.shared.iter().map(|shared| self.open(shared)).collect();
+        let needs: Vec<_> = self
+            .shared
+            .par_iter()
+            .zip(&open)
+            .map(|(shared, open)| {
+                let cases: Vec<CasePlan> =
+                    open.iter().map(|&c| shared.plan.cases[c].clone()).collect();
+                needs(shared.plan, &cases, limit)
+            })
+            .collect();
+        let (mut work, mut tasks) = (Vec::new(), Vec::new());
+        for (s, (open, needs)) in open.into_iter().zip(needs).enumerate() {
+            let plan = self.shared[s].plan;
+            let mut cases = Vec::new();
+            for (c, need) in open.into_iter().zip(needs.cases) {
+                match need {
+                    Ok(need) => cases.push((c, need)),
+                    Err(reason) => self.refuse(&plan.cases[c], plan, &reason),
+                }
+            }
+            let reference = needs.reference.and_then(Result::ok).filter(|_| !cases.is_empty());
+            let mut shares = Vec::new();
+            let after = reference.map(|need| {
+                shares.push(((s, None), need.kept));
+                let longest = cases.iter().map(|(_, case)| case.seconds).fold(0.0, f64::max);
+                work.push(Job::Reference(s));
+                tasks.push(Task { shares: shares.clone(), ..task(need, need.seconds + longest) });
+                tasks.len() - 1
+            });
+            for (c, need) in cases {
+                let own = plan.cases[c].n.map(|n| ((s, Some(n)), need.kept));
+                let shares = shares.iter().copied().chain(own).collect();
+                work.push(Job::Case(s, c));
+                tasks.push(Task { after, shares, ..task(need, need.seconds) });
+            }
+        }
+        (work, tasks)
+    }
+
+    /// Indices of the cases of a scene that are not recorded.
+    fn open(&self, shared: &Shared<'_>) -> Vec<usize> {
+        let records = self.records.lock().unwrap_or_else(PoisonError::into_inner);
+        let (plan, cases) = (shared.plan, &shared.plan.cases);
+        let recorded = |c: usize| records.iter().any(|record| is_case(plan, &cases[c], record));
+        (0..cases.len()).filter(|&c| !recorded(c)).collect()
+    }
+
+    fn refuse(&self, case: &CasePlan, plan: &ScenePlan, reason: &TooLarge) {
+        let record = plan.record(case, || Err(reason.to_string()));
+        self.progress.finished(&in_words(plan, case), Some(&record));
+        self.keep(record);
+    }
+
+    /// Lets go of what the cases on a mesh, or all cases of a scene, have shared.
+    fn let_go(&self, (scene, n): Kept) {
+        let shared = &self.shared[scene];
+        match n {
+            None => empty(&shared.reference),
+            Some(n) => {
+                shared.meshes.iter().filter(|(own, _)| *own == n).for_each(|(_, slot)| empty(slot))
+            }
+        }
+    }
+
+    fn execute(&self, job: &Job) {
+        match *job {
+            Job::Reference(s) => {
+                let what = format!("{} reference", self.shared[s].plan.scene().name);
+                self.progress.started(&what);
+                if let Subject::Contact(setup) = &self.shared[s].plan.subject {
+                    // Its failure is that of each case.
+                    let _ = self.shared[s].reference(setup);
+                }
+                self.progress.finished(&what, None);
+            }
+            Job::Case(s, c) => {
+                let shared = &self.shared[s];
+                let case = &shared.plan.cases[c];
+                let what = in_words(shared.plan, case);
+                self.progress.started(&what);
+                let record = shared.case(case);
+                self.progress.finished(&what, Some(&record));
+                self.keep(record);
+            }
+        }
+    }
+
+    /// A record could not be written.
+    fn failed(&self) -> bool {
+        self.failure.lock().unwrap_or_else(PoisonError::into_inner).is_some()
+    }
+
+    fn keep(&self, record: CaseRecord) {
+        let mut journal = self.journal.lock().unwrap_or_else(PoisonError::into_inner);
+        // The failed write may have left half a line: a line after it would make the table unreadable.
+        if self.failed() {
+            return;
+        }
+        if let Err(error) = journal.append(&record) {
+            self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+        }
+        self.records.lock().unwrap_or_else(PoisonError::into_inner).push(record);
+    }
+}
+
+/// A task by what it is predicted to take.
+fn task(need: Need, rank: f64) -> Task {
+    Task { rank, bytes: need.bytes, ..Task::default() }
+}
+
+/// A case in words.
+fn in_words(plan: &ScenePlan, case: &CasePlan) -> String {
+    let name = &plan.scene().name;
+    match case.n {
+        Some(n) => format!("{name} n={n} N={}", case.steps),
+        None => format!("{name} N={}", case.steps),
+    }
+}
+
+/// What is in a slot now, made or not.
+fn content<T>(slot: &Slot<T>) -> Arc<OnceLock<Result<T, String>>> {
+    slot.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
+fn empty<T>(slot: &Slot<T>) {
+    *slot.lock().unwrap_or_else(PoisonError::into_inner) = Arc::default();
+}
+
+impl<'a> Shared<'a> {
+    fn new(plan: &'a ScenePlan) -> Self {
+        let mut ns: Vec<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
+        ns.sort_unstable();
+        ns.dedup();
+        let meshes = ns.into_iter().map(|n| (n, Slot::default())).collect();
+        Self { plan, reference: Slot::default(), meshes }
+    }
+
+    fn reference(&self, setup: &Setup) -> Result<Arc<ReferenceRun>, String> {
+        let run = || {
+            let Some(reference) = self.plan.reference else {
+                return Err("the scene has neither an exact solution nor a reference".into());
+            };
+            let (n, steps) = (reference.n as u32, reference.steps as u32);
+            let every = (steps / self.plan.kept_steps()).max(1);
+            without_panic(|| {
+                reference_run(setup, n, steps, every)
+                    .map(Arc::new)
+                    .map_err(|error| error.to_string())
+            })
+        };
+        content(&self.reference).get_or_init(run).clone()
+    }
+
+    /// The record of a case on the mesh n.
+    fn on_mesh(&self, setup: &Setup, n: u32, case: &CasePlan) -> Result<CaseRecord, String> {
+        let Some((_, slot)) = self.meshes.iter().find(|(own, _)| *own == n) else {
+            return Err(format!("no mesh n = {n} in the plan"));
+        };
+        let cell = content(slot);
+        let data = cell.get_or_init(|| {
+            let reference = match setup.exact {
+                Some(_) => None,
+                None => Some(self.reference(setup)?),
+            };
+            MeshData::new(setup, n, reference).map_err(|error| error.to_string())
+        });
+        data.as_ref().map(|data| run_contact_case(setup, data, case)).map_err(Clone::clone)
+    }
+
+    fn case(&self, case: &CasePlan) -> CaseRecord {
+        self.plan.record(case, || match (&self.plan.subject, case.n) {
+            (Subject::Contact(setup), Some(n)) => self.on_mesh(setup, n, case),
+            (Subject::Contact(_), None) => Err("a body needs a mesh: no n".into()),
+            (Subject::Abstract(setup), _) => Ok(run_abstract_case(setup, case)),
+        })
+    }
+}
+
+fn is_case(plan: &ScenePlan, case: &CasePlan, record: &CaseRecord) -> bool {
+    record.scene == plan.scene().name && record.n == case.n && record.steps == case.steps
+}

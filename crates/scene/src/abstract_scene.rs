@@ -1,0 +1,226 @@
+//! `kind = "abstract"`: Problem 1 in X = ℝ^m with a known solution, no mesh.
+//!
+//! ```text
+//! A u = matrix u + g(u),                 g_i a formula in r = u_i
+//! S u = R(Σ_l ∫_0^t q_l(t,s) Q_l u(s) ds + a_S)
+//! φ(y, u, v) = Σ_i N_i(y_i, u_i) v_i,    N_i a formula in y and r, by default y
+//! j(γu) = Σ_i w_i j_i(a_i·u),            K = {l_i ≤ a_i·u ≤ g_i}
+//! ```
+
+use formula::{Node, Variable};
+
+use super::abstract_written::{AbstractFile, Trace as WrittenTrace};
+use super::definitions::definitions_in;
+use super::diagnostic::SceneError;
+use super::law::Law;
+use super::reading::Reading;
+
+/// A matrix by rows.
+pub type Rows = Vec<Vec<f64>>;
+
+/// One kernel with its matrix: q_l(t, s) Q_l.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AbstractKernel {
+    /// q_l, a formula in t and, in place of s, the first space coordinate.
+    pub q: Node,
+    /// Q_l, the identity if none was given.
+    pub matrix: Rows,
+}
+
+/// One functional a_i with what the scene says of a_i·u.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AbstractTrace {
+    /// a_i.
+    pub functional: Vec<f64>,
+    /// w_i > 0.
+    pub weight: f64,
+    /// ∂j_i; none is 0.
+    pub law: Option<Law>,
+    /// g_i, ∞ if none was given.
+    pub upper: f64,
+    /// l_i, -∞ if none was given.
+    pub lower: f64,
+}
+
+/// The problem of an abstract scene as validated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AbstractScene {
+    /// Gram matrix of the inner product of X, symmetric.
+    pub inner_product: Rows,
+    /// The matrix of A.
+    pub matrix: Rows,
+    /// g_i in r (the first space coordinate); none where A is linear.
+    pub nonlinear: Option<Vec<Node>>,
+    /// Kernels; none where the problem has no history.
+    pub kernels: Vec<AbstractKernel>,
+    /// R.
+    pub r: Rows,
+    /// a_S.
+    pub a_s: Vec<f64>,
+    /// N_i in y (the second space coordinate) and r (the first); none is N_i = y_i.
+    pub force: Option<Vec<Node>>,
+    /// The functionals.
+    pub traces: Vec<AbstractTrace>,
+    /// u(t).
+    pub u: Vec<Node>,
+    /// λ_i(t), one a functional; none is 0.
+    pub multiplier: Option<Vec<Node>>,
+    /// ξ_i(t) ∈ ∂j_i(a_i·u), one a functional; none where all laws are functions.
+    pub selection: Option<Vec<Node>>,
+}
+
+/// Unknowns of an abstract scene at most: its matrices are dense.
+pub(super) const MOST: i64 = 256;
+
+impl AbstractScene {
+    pub(super) fn validate(
+        reading: &mut Reading,
+        file: &AbstractFile,
+        m: usize,
+    ) -> Result<Self, SceneError> {
+        let identity = || -> Rows {
+            (0..m).map(|i| (0..m).map(|j| f64::from(u8::from(i == j))).collect()).collect()
+        };
+        let inner_product = match &file.space {
+            Some(space) => square(reading, "space.inner_product", &space.inner_product, m)?,
+            None => identity(),
+        };
+        symmetric(reading, "space.inner_product", &inner_product)?;
+        let matrix = square(reading, "operator.matrix", &file.operator.matrix, m)?;
+        let nonlinear = match &file.operator.nonlinear {
+            Some(formulas) => {
+                let mut scope = reading.scope(&[]);
+                scope.define("r", reading.formulas.variable(Variable::X));
+                Some(reading.vector("operator.nonlinear", formulas, m, &scope)?)
+            }
+            None => None,
+        };
+        let mut kernels = Vec::new();
+        let (mut r, mut a_s) = (identity(), vec![0.0; m]);
+        if let Some(history) = &file.history {
+            let mut scope = reading.scope(&[Variable::T]);
+            scope.define("s", reading.formulas.variable(Variable::X));
+            for (l, kernel) in history.kernels.iter().enumerate() {
+                let key = format!("history.kernels.{l}");
+                let q = reading.formula(&format!("{key}.q"), &kernel.q, &scope)?;
+                let matrix = match &kernel.matrix {
+                    Some(rows) => square(reading, &format!("{key}.matrix"), rows, m)?,
+                    None => identity(),
+                };
+                kernels.push(AbstractKernel { q, matrix });
+            }
+            if let Some(rows) = &history.r {
+                r = square(reading, "history.R", rows, m)?;
+            }
+            if let Some(values) = &history.a_s {
+                a_s = vector(reading, "history.a_S", values, m)?;
+            }
+        }
+        let force = match &file.phi {
+            Some(phi) => {
+                let mut scope = reading.scope(&[Variable::Y]);
+                scope.define("r", reading.formulas.variable(Variable::X));
+                Some(reading.vector("phi.force", &phi.force, m, &scope)?)
+            }
+            None => None,
+        };
+        let traces = file
+            .trace
+            .iter()
+            .enumerate()
+            .map(|(i, trace)| AbstractTrace::validate(reading, i, trace, m))
+            .collect::<Result<Vec<_>, _>>()?;
+        let scope = definitions_in(reading, &file.exact.define, &[Variable::T])?;
+        let u = reading.vector("exact.u", &file.exact.u, m, &scope)?;
+        let mut optional = |key: &str, formulas: &Option<Vec<_>>| match formulas {
+            Some(list) => reading.vector(key, list, traces.len(), &scope).map(Some),
+            None => Ok(None),
+        };
+        let multiplier = optional("exact.multiplier", &file.exact.multiplier)?;
+        let selection = optional("exact.selection", &file.exact.selection)?;
+        Ok(Self {
+            inner_product,
+            matrix,
+            nonlinear,
+            kernels,
+            r,
+            a_s,
+            force,
+            traces,
+            u,
+            multiplier,
+            selection,
+        })
+    }
+}
+
+impl AbstractTrace {
+    fn validate(
+        reading: &Reading,
+        index: usize,
+        written: &WrittenTrace,
+        m: usize,
+    ) -> Result<Self, SceneError> {
+        let key = |name: &str| format!("trace.{index}.{name}");
+        let functional = vector(reading, &key("functional"), &written.functional, m)?;
+        if functional.iter().all(|a| *a == 0.0) {
+            let message = "the functional is zero: it says nothing of u";
+            return Err(reading.error(&key("functional"), message, "give one nonzero number"));
+        }
+        let law = match &written.law {
+            Some(law) => {
+                if law.scale.is_some() {
+                    let message = "a functional has no place that `scale` could depend on";
+                    let hint = "remove `scale` and write the factor into the numbers of the law";
+                    return Err(reading.key_error(&key("law.scale"), message, hint));
+                }
+                Law::validate(reading, &key("law"), law)?
+            }
+            None => None,
+        };
+        let (lower, upper) =
+            (written.lower.unwrap_or(f64::NEG_INFINITY), written.upper.unwrap_or(f64::INFINITY));
+        if lower.is_nan() || upper.is_nan() || lower >= upper {
+            let message = format!("no number lies between lower = {lower} and upper = {upper}");
+            return Err(reading.error(&key("lower"), message, "K needs lower < upper"));
+        }
+        let weight = reading.positive(&key("weight"), written.weight.unwrap_or(1.0))?;
+        Ok(Self { functional, weight, law, upper, lower })
+    }
+
+    /// Whether a_i·u is bounded.
+    pub fn is_bounded(&self) -> bool {
+        self.upper.is_finite() || self.lower.is_finite()
+    }
+}
+
+fn vector(reading: &Reading, key: &str, values: &[f64], m: usize) -> Result<Vec<f64>, SceneError> {
+    if values.len() != m || !values.iter().all(|value| value.is_finite()) {
+        let message = format!("{values:?} is no vector of {m} finite numbers");
+        return Err(reading.error(key, message, "one number a component, dimension of them"));
+    }
+    Ok(values.to_vec())
+}
+
+fn square(reading: &Reading, key: &str, rows: &[Vec<f64>], m: usize) -> Result<Rows, SceneError> {
+    if rows.len() != m {
+        let message = format!("{} rows in dimension {m}", rows.len());
+        return Err(reading.error(key, message, "a matrix of the scene has dimension rows"));
+    }
+    rows.iter().enumerate().map(|(i, row)| vector(reading, &format!("{key}.{i}"), row, m)).collect()
+}
+
+fn symmetric(reading: &Reading, key: &str, rows: &Rows) -> Result<(), SceneError> {
+    for i in 0..rows.len() {
+        for j in 0..i {
+            if rows[i][j] != rows[j][i] {
+                let message = format!(
+                    "not symmetric: {} at ({i}, {j}), {} at ({j}, {i})",
+                    rows[i][j], rows[j][i]
+                );
+                return Err(reading.error(key, message, "an inner product is symmetric"));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,312 @@
+//! `[domain]`: the rectangle, box, polygon or mesh file, its named sides, and the mesh family.
+
+mod depth;
+mod family;
+mod mesh_file;
+mod normals;
+mod polygon;
+mod shape;
+mod side;
+
+pub use family::MeshFamily;
+pub(super) use mesh_file::with_mesh;
+pub use side::{Face, Side};
+
+use fem::mesh::{CoarseMesh, Family, Mesh, Nesting, cuboid, rectangle};
+use formula::Point;
+
+use super::diagnostic::SceneError;
+use super::reading::{Reading, evenly};
+use super::written;
+
+/// Where a point is, in words.
+pub(super) fn place(point: &Point, dimension: usize) -> String {
+    let named = [("x", point.x), ("y", point.y), ("z", point.z)];
+    let parts: Vec<String> =
+        named[..dimension].iter().map(|(name, value)| format!("{name} = {value}")).collect();
+    parts.join(", ")
+}
+
+/// Each point with each place along an axis; the new axis varies slowest.
+fn combined(points: &[[f64; 3]], axis: usize, places: &[f64]) -> Vec<[f64; 3]> {
+    let with = |place: f64| {
+        points.iter().map(move |point| {
+            let mut point = *point;
+            point[axis] = place;
+            point
+        })
+    };
+    places.iter().flat_map(|&place| with(place)).collect()
+}
+
+/// What the domain is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// The product of (0, size\[i\]).
+    Box,
+    /// The union of coarse simplices, which the meshes refine.
+    Refined(CoarseMesh),
+}
+
+/// A domain; each side is in exactly one of the three lists.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Domain {
+    pub shape: Shape,
+    /// Extent along each axis, positive: of a rectangle or box, its sides.
+    pub size: Vec<f64>,
+    /// Names of the sides, in the order of [`Side`] and of `Mesh::sides`.
+    pub sides: Vec<String>,
+    /// Γ1, at least one side: u = 0.
+    pub clamped: Vec<Side>,
+    /// Γ2: σν = f2.
+    pub traction: Vec<Side>,
+    /// Γ3: contact.
+    pub contact: Vec<Side>,
+    pub mesh: MeshFamily,
+}
+
+impl Domain {
+    pub(super) fn validate(
+        reading: &Reading,
+        written: &written::Domain,
+        dimension: usize,
+    ) -> Result<Domain, SceneError> {
+        let (shape, size, sides) = shape::shape(reading, written, dimension)?;
+        let (clamped, traction, contact) = Default::default();
+        let mesh = MeshFamily::Structured;
+        let mut domain = Domain { shape, size, sides, clamped, traction, contact, mesh };
+        domain.clamped = domain.listed(reading, "domain.clamped", &written.clamped)?;
+        domain.traction = domain.listed(reading, "domain.traction", &written.traction)?;
+        domain.contact = domain.listed(reading, "domain.contact", &written.contact)?;
+        domain.mesh = family::family(reading, written.mesh.as_ref(), &domain)?;
+        domain.each_side_once(reading)?;
+        normals::few_at_a_vertex(reading, &domain)?;
+        if domain.clamped.is_empty() {
+            let message =
+                "no side is clamped: without Γ1 there is no Korn inequality, and ‖ε(v)‖ is no norm";
+            let hint =
+                format!("clamp at least one side: clamped = [\"{}\"]", domain.example_of_a_side());
+            return Err(reading.error("domain.clamped", message, hint));
+        }
+        Ok(domain)
+    }
+
+    /// d.
+    pub fn dimension(&self) -> usize {
+        self.size.len()
+    }
+
+    /// The name of a side.
+    pub fn name(&self, side: Side) -> &str {
+        &self.sides[side.index()]
+    }
+
+    /// The side with a name.
+    pub(super) fn parse(
+        &self,
+        reading: &Reading,
+        key: &str,
+        word: &str,
+    ) -> Result<Side, SceneError> {
+        let sides = self.sides.iter().enumerate();
+        let known: Vec<_> = sides.map(|(i, name)| (name.as_str(), Side(i as u32))).collect();
+        reading.choice(key, word, &known)
+    }
+
+    /// The plane pieces of a side.
+    pub fn faces(&self, side: Side) -> Vec<Face> {
+        match &self.shape {
+            Shape::Box => vec![Face::of_box(&self.size, side)],
+            Shape::Refined(coarse) => {
+                let own = coarse.pieces().into_iter().filter(|piece| piece.side == side.0);
+                own.map(|piece| Face::simplex(&piece)).collect()
+            }
+        }
+    }
+
+    /// Points of a side: on each plane piece a grid with `intervals` steps.
+    pub fn points_on(&self, side: Side, intervals: u32) -> Vec<[f64; 3]> {
+        self.faces(side).iter().flat_map(|face| face.points(intervals)).collect()
+    }
+
+    /// All sides.
+    pub fn all_sides(&self) -> impl Iterator<Item = Side> + use<> {
+        (0..self.sides.len() as u32).map(Side)
+    }
+
+    /// If Γ3 is one plane piece: the longest line that leaves it at right angles and stays in the body
+    /// until it meets the boundary again, if all of these lines end on Γ1.
+    pub fn depth_under_contact(&self) -> Option<f64> {
+        let [side] = self.contact[..] else { return None };
+        match &self.shape {
+            Shape::Box => {
+                let opposite = Side(side.0 ^ 1);
+                self.clamped.contains(&opposite).then(|| self.size[side.index() / 2])
+            }
+            Shape::Refined(CoarseMesh::Plane(coarse)) => {
+                depth::under(coarse, side.0, |of| self.clamped.contains(&Side(of)))
+            }
+            // Not worked out in space.
+            Shape::Refined(CoarseMesh::Space(_)) => None,
+        }
+    }
+
+    /// |Ω|.
+    pub fn measure(&self) -> f64 {
+        match &self.shape {
+            Shape::Box => self.size.iter().product(),
+            Shape::Refined(coarse) => coarse.measure(),
+        }
+    }
+
+    /// Smallest and largest x.
+    pub fn width(&self) -> [f64; 2] {
+        match &self.shape {
+            Shape::Box => [0.0, self.size[0]],
+            Shape::Refined(coarse) => coarse.bounds().map(|corner| corner[0]),
+        }
+    }
+
+    /// The mesh n.
+    pub fn mesh(&self, n: u32) -> Mesh {
+        let family = self.mesh.of_mesh();
+        match (&self.shape, &self.size[..]) {
+            (Shape::Refined(coarse), _) => coarse.refined(n, family),
+            (Shape::Box, &[a, b, c]) => cuboid([a, b, c], n, family),
+            (Shape::Box, _) => rectangle([self.size[0], self.size[1]], n, family),
+        }
+    }
+
+    /// Cells of the mesh n, which is not made.
+    pub fn cells(&self, n: u32) -> f64 {
+        match &self.shape {
+            Shape::Refined(coarse) => {
+                coarse.count() as f64 * f64::from(n).powi(coarse.dimension() as i32)
+            }
+            Shape::Box => {
+                // As the meshes of boxes round, and no side has less than one.
+                let along = |size: &f64| (size * f64::from(n)).round().max(1.0);
+                let each = if self.dimension() == 2 { 2.0 } else { 6.0 };
+                each * self.size.iter().map(along).product::<f64>()
+            }
+        }
+    }
+
+    /// What the mesh n refines.
+    pub fn nesting(&self, n: u32) -> Nesting {
+        match &self.shape {
+            Shape::Refined(CoarseMesh::Plane(coarse)) => {
+                Nesting::Refined { coarse: coarse.clone(), parts: n }
+            }
+            // Tetrahedra from a file are refined edgewise; the parents of their vertices are not kept.
+            Shape::Refined(CoarseMesh::Space(_)) => Nesting::Unknown,
+            Shape::Box => Nesting::of_box(&self.size, n),
+        }
+    }
+
+    /// The reported mesh size of the mesh n: 1/n of a rectangle or box, else the longest coarse edge
+    /// over n.
+    pub fn h(&self, n: u32) -> f64 {
+        match &self.shape {
+            Shape::Box => 1.0 / f64::from(n),
+            Shape::Refined(coarse) => coarse.longest_edge() / f64::from(n),
+        }
+    }
+
+    /// Points of the domain: a grid with `intervals` steps along each axis or coarse edge, ends
+    /// included; along an edge of tetrahedra as many fewer as there are of them beside each other.
+    pub fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
+        let coarse = match &self.shape {
+            Shape::Refined(coarse) => coarse,
+            Shape::Box => {
+                let axes = self.size.iter().enumerate();
+                return axes.fold(vec![[0.0; 3]], |points, (axis, &length)| {
+                    let places: Vec<f64> = evenly(0.0, length, intervals).collect();
+                    combined(&points, axis, &places)
+                });
+            }
+        };
+        let beside = match coarse {
+            CoarseMesh::Plane(_) => 1.0,
+            CoarseMesh::Space(_) => (coarse.count() as f64 / 6.0).cbrt().max(1.0),
+        };
+        let parts = (f64::from(intervals) / beside).ceil() as u32;
+        let mesh = coarse.refined(parts, Family::Structured);
+        (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect()
+    }
+
+    /// Points inside: the midpoints of count × count parts of a rectangle (of a box, at z = 0), or the
+    /// centroids of its coarse simplices cut into as many as make at least count².
+    pub fn inner_points(&self, count: u32) -> Vec<[f64; 3]> {
+        match &self.shape {
+            Shape::Box => {
+                let part = |i: u32| (f64::from(i) + 0.5) / f64::from(count);
+                // In space the planes take turns.
+                let depth = self.size.get(2).copied().unwrap_or(0.0);
+                let planes = count.saturating_sub(1).max(1);
+                let at = |i: u32| {
+                    let [x, y] = [part(i / count), part(i % count)];
+                    [self.size[0] * x, self.size[1] * y, depth * part(i % planes)]
+                };
+                (0..count * count).map(at).collect()
+            }
+            Shape::Refined(coarse) => {
+                let share = f64::from(count * count) / coarse.count() as f64;
+                let root = if self.dimension() == 2 { share.sqrt() } else { share.cbrt() };
+                let mesh = coarse.refined(root.ceil().max(1.0) as u32, Family::Structured);
+                let corners = mesh.dimension + 1;
+                let centroid = vec![1.0 / corners as f64; corners];
+                (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &centroid)).collect()
+            }
+        }
+    }
+
+    fn example_of_a_side(&self) -> &str {
+        let top = self.sides.iter().find(|name| *name == "top");
+        top.or(self.sides.first()).map_or("top", String::as_str)
+    }
+
+    fn listed(
+        &self,
+        reading: &Reading,
+        key: &str,
+        words: &[String],
+    ) -> Result<Vec<Side>, SceneError> {
+        let parse =
+            |(index, word): (usize, &String)| self.parse(reading, &format!("{key}.{index}"), word);
+        words.iter().enumerate().map(parse).collect()
+    }
+
+    fn each_side_once(&self, reading: &Reading) -> Result<(), SceneError> {
+        let lists =
+            [("clamped", &self.clamped), ("traction", &self.traction), ("contact", &self.contact)];
+        let mut owner: Vec<Option<&str>> = vec![None; self.sides.len()];
+        for (list, sides) in lists {
+            for (index, side) in sides.iter().enumerate() {
+                if let Some(first) = owner[side.index()].replace(list) {
+                    let key = format!("domain.{list}.{index}");
+                    return Err(twice(reading, &key, self.name(*side), [first, list]));
+                }
+            }
+        }
+        let named = self.sides.iter().zip(&owner);
+        let free: Vec<&str> =
+            named.filter(|(_, owner)| owner.is_none()).map(|(name, _)| name.as_str()).collect();
+        if free.is_empty() {
+            return Ok(());
+        }
+        let message = format!("no condition on the side {}", free.join(", "));
+        let hint = "put each side into clamped, traction or contact; a free side is a traction side without a load";
+        Err(reading.error("domain", message, hint))
+    }
+}
+
+fn twice(reading: &Reading, key: &str, side: &str, [first, second]: [&str; 2]) -> SceneError {
+    let lists = if first == second {
+        format!("twice in `{first}`")
+    } else {
+        format!("in `{first}` and in `{second}`")
+    };
+    let message = format!("the side `{side}` is {lists}");
+    reading.error(key, message, "each side belongs to exactly one of clamped, traction, contact")
+}

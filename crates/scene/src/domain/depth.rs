@@ -1,0 +1,97 @@
+//! How far the body reaches from a plane side along its normal.
+
+use fem::mesh::{BoundaryEdge, Coarse};
+
+/// Lengths below this part of the side are rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The longest line from the side into the body at right angles, if the side is one straight line and
+/// all these lines end on sides for which `clamped` holds.
+///
+/// Between the feet of the other vertices the edge that a line meets first is one and the same, and the
+/// length is affine: one line in the middle tells the edge, those at both ends the lengths.
+pub(super) fn under(coarse: &Coarse, side: u32, clamped: impl Fn(u32) -> bool) -> Option<f64> {
+    let own: Vec<&BoundaryEdge> = coarse.edges.iter().filter(|edge| edge.side == side).collect();
+    let (first, normal) = coarse.segment(own.first()?);
+    let along = [-normal[1], normal[0]];
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    // Places along the side and heights into the body.
+    let local = |p: [f64; 2]| {
+        let away = [p[0] - first[0][0], p[1] - first[0][1]];
+        [dot(away, along), -dot(away, normal)]
+    };
+    let length = coarse.longest_edge();
+    let mut deepest = 0.0f64;
+    for edge in own {
+        let ends = coarse.segment(edge).0.map(local);
+        if ends.iter().any(|end| end[1].abs() > ROUNDING * length) {
+            return None;
+        }
+        let (from, to) = (ends[0][0].min(ends[1][0]), ends[0][0].max(ends[1][0]));
+        let mut cuts: Vec<f64> = coarse.vertices.iter().map(|v| local(*v)[0]).collect();
+        cuts.retain(|cut| *cut > from && *cut < to);
+        cuts.extend([from, to]);
+        cuts.sort_by(f64::total_cmp);
+        for pair in cuts.windows(2).filter(|pair| pair[1] - pair[0] > ROUNDING * length) {
+            let height = |edge: &BoundaryEdge, s: f64| {
+                let [p, q] = coarse.segment(edge).0.map(local);
+                p[1] + (s - p[0]) / (q[0] - p[0]) * (q[1] - p[1])
+            };
+            let middle = 0.5 * (pair[0] + pair[1]);
+            let crosses = |edge: &&BoundaryEdge| {
+                let [p, q] = coarse.segment(edge).0.map(local);
+                (p[0] < middle) != (q[0] < middle) && height(edge, middle) > ROUNDING * length
+            };
+            let nearest = coarse
+                .edges
+                .iter()
+                .filter(crosses)
+                .min_by(|a, b| height(a, middle).total_cmp(&height(b, middle)))?;
+            if !clamped(nearest.side) {
+                return None;
+            }
+            deepest = deepest.max(height(nearest, pair[0])).max(height(nearest, pair[1]));
+        }
+    }
+    Some(deepest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::under;
+    use fem::mesh::{BoundaryEdge, Coarse, triangulate};
+
+    fn polygon(vertices: &[[f64; 2]]) -> Coarse {
+        let count = vertices.len() as u32;
+        let edge = |i| BoundaryEdge { ends: [i, (i + 1) % count], side: i };
+        let triangles = triangulate(vertices).unwrap();
+        Coarse {
+            vertices: vertices.to_vec(),
+            region: vec![0; triangles.len()],
+            triangles,
+            regions: vec!["body".into()],
+            edges: (0..count).map(edge).collect(),
+            sides: (0..count).map(|i| i.to_string()).collect(),
+        }
+    }
+
+    #[test]
+    fn depths_of_known_shapes() {
+        let turn = |[x, y]: [f64; 2]| [0.6 * x - 0.8 * y + 2.0, 0.8 * x + 0.6 * y];
+        let trapezium = [[0.0, 0.0], [2.0, 0.0], [1.5, 1.0], [0.5, 0.8]].map(turn);
+        // Over the bottom the lines end on the right, top and left edges: the deepest at (1.5, 1).
+        let depth = under(&polygon(&trapezium), 0, |_| true).unwrap();
+        assert!((depth - 1.0).abs() < 1e-12, "{depth}");
+        assert_eq!(under(&polygon(&trapezium), 0, |side| side == 2), None);
+        // From the top down: all lines end on the bottom.
+        assert!(under(&polygon(&trapezium), 2, |side| side == 0).is_some());
+        let notch = [[0.0, 0.0], [3.0, 0.0], [3.0, 2.0], [2.0, 2.0], [2.0, 0.5], [1.0, 0.5]];
+        let notch: Vec<[f64; 2]> =
+            notch.into_iter().chain([[1.0, 2.0], [0.0, 2.0]]).map(turn).collect();
+        let depth = under(&polygon(&notch), 0, |_| true).unwrap();
+        assert!((depth - 2.0).abs() < 1e-12, "{depth}");
+        // From the left wall of the notch, lines run to the left side.
+        let depth = under(&polygon(&notch), 5, |side| side == 7).unwrap();
+        assert!((depth - 1.0).abs() < 1e-12, "{depth}");
+    }
+}

@@ -1,0 +1,77 @@
+//! `shape = "mesh"`: a gmsh file beside the scene file.
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use crate::diagnostic::SceneError;
+use crate::reading::Reading;
+use crate::source::Source;
+use crate::spans::Spans;
+use crate::written;
+use fem::mesh::{CoarseMesh, read_gmsh};
+use files::read_file_up_to;
+
+/// Largest mesh file that is read, in bytes (64 MiB): a coarse mesh has a few thousand cells.
+const LARGEST_FILE: u64 = 64 << 20;
+
+/// The source with the text of the mesh file that its domain names; a text that is there already stays.
+pub(crate) fn with_mesh(
+    source: Source,
+    spans: &Spans,
+    domain: &written::Domain,
+) -> Result<Source, SceneError> {
+    let Some(file) = domain.file.as_ref().filter(|_| domain.shape == "mesh") else {
+        return Ok(source);
+    };
+    if source.mesh.is_some() {
+        return Ok(source);
+    }
+    let path = path_of(&source, file);
+    match text(&path) {
+        Ok(mesh) => Ok(source.with_mesh(mesh)),
+        Err(reason) => {
+            let message = format!("cannot read the mesh {}: {reason}", path.display());
+            let hint =
+                "give the path of a gmsh file (.msh, ASCII), relative to the folder of the scene";
+            Err(SceneError::at(&source, spans.value("domain.file"), message, hint))
+        }
+    }
+}
+
+fn path_of(source: &Source, file: &str) -> PathBuf {
+    source.path.parent().unwrap_or(Path::new("")).join(file)
+}
+
+/// The coarse mesh in the file of the source.
+pub(super) fn mesh_file(
+    reading: &Reading,
+    file: &str,
+    dimension: usize,
+) -> Result<CoarseMesh, SceneError> {
+    let path = path_of(reading.source, file);
+    let text = reading.source.mesh.as_deref().unwrap_or_default();
+    let mesh = read_gmsh(text).map_err(|error| {
+        let message = format!("the mesh file, {error}");
+        let hint = "export the mesh from gmsh as ASCII, version 4.1 or 2.2, order 1, with a physical group for every side";
+        SceneError::at(&Source::from_text(path.clone(), text), error.span, message, hint)
+    })?;
+    let cells = match mesh.dimension() {
+        found if found == dimension => return Ok(mesh),
+        3 => "tetrahedra, and dimension = 2",
+        _ => "triangles and no tetrahedra, and dimension = 3",
+    };
+    let message = format!("the mesh {} has {cells}", path.display());
+    let hint = "write the other dimension, or export the elements of this one from gmsh";
+    Err(reading.error("domain.file", message, hint))
+}
+
+fn text(path: &Path) -> Result<String, String> {
+    let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| match error.kind() {
+        ErrorKind::FileTooLarge => "it is larger than 64 MiB".to_string(),
+        _ => error.to_string(),
+    })?;
+    String::from_utf8(bytes).map_err(|error| {
+        let byte = error.utf8_error().valid_up_to();
+        format!("byte {byte} is not text: export as ASCII")
+    })
+}

@@ -1,0 +1,59 @@
+//! How many contact conditions may meet at a vertex.
+
+use super::{Domain, Shape, place};
+use crate::diagnostic::SceneError;
+use crate::reading::Reading;
+use fem::mesh::{CoarseMesh, Solid};
+use formula::Point;
+
+/// |det| of unit normals below which they depend on each other: as the frames of the unknowns have it.
+const DEPENDENT: f64 = 1e-6;
+
+/// A condition u_ν ≤ g takes an unknown of its vertex: three at most, along independent normals. In the plane two edges
+/// meet and nothing can go wrong; a bent contact side of tetrahedra has a normal a face.
+///
+/// # Errors
+/// The first vertex of Γ3 off Γ1 with too many normals.
+pub(super) fn few_at_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
+    let Shape::Refined(CoarseMesh::Space(solid)) = &domain.shape else { return Ok(()) };
+    let on = |sides: &[super::Side], side: u32| sides.iter().any(|own| own.0 == side);
+    let mut normals: Vec<Vec<[f64; 3]>> = vec![Vec::new(); solid.vertices.len()];
+    let mut clamped = vec![false; solid.vertices.len()];
+    for face in &solid.faces {
+        for &v in &face.corners {
+            let here = &mut normals[v as usize];
+            if on(&domain.contact, face.side) && !here.contains(&face.normal) {
+                here.push(face.normal);
+            }
+            clamped[v as usize] |= on(&domain.clamped, face.side);
+        }
+    }
+    let bad = |v: &usize| !clamped[*v] && !independent(&normals[*v]);
+    let Some(v) = (0..normals.len()).find(bad) else { return Ok(()) };
+    Err(refusal(reading, solid, v, normals[v].len()))
+}
+
+fn refusal(reading: &Reading, solid: &Solid, v: usize, count: usize) -> SceneError {
+    let [x, y, z] = solid.vertices[v];
+    let at = place(&Point { x, y, z, ..Point::default() }, 3);
+    let message = format!(
+        "{count} faces of the contact sides with different normals meet at {at}: the conditions u_nu <= g there are not independent"
+    );
+    let hint = "contact sides of tetrahedra must be plane: a bent side of many faces may be a traction side";
+    reading.error("domain.contact", message, hint)
+}
+
+/// True if unit vectors are linearly independent, by Gram's determinant.
+fn independent(normals: &[[f64; 3]]) -> bool {
+    let dot = |p: [f64; 3], q: [f64; 3]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
+    match *normals {
+        [] | [_] => true,
+        [p, q] => 1.0 - dot(p, q).powi(2) > DEPENDENT.powi(2),
+        [p, q, r] => {
+            let cross = [0, 1, 2]
+                .map(|i| q[(i + 1) % 3] * r[(i + 2) % 3] - q[(i + 2) % 3] * r[(i + 1) % 3]);
+            dot(p, cross).abs() > DEPENDENT
+        }
+        _ => false,
+    }
+}

@@ -1,0 +1,175 @@
+//! `shape = "polygon"`: vertices, named edges, and a coarse triangulation.
+
+use crate::diagnostic::SceneError;
+use crate::reading::Reading;
+use crate::written;
+use fem::mesh::{BoundaryEdge, Coarse, PolygonError, WHOLE, triangulate};
+
+/// The coarse triangulation of the polygon as written.
+pub(super) fn polygon(
+    reading: &Reading,
+    written: &written::Domain,
+    boundary: &[Vec<f64>],
+) -> Result<Coarse, SceneError> {
+    let boundary = &places(reading, "domain.vertices", boundary)?[..];
+    measurable(reading, boundary)?;
+    let triangles = triangulate(boundary).map_err(|error| refused(reading, &error))?;
+    let mut vertices = boundary.to_vec();
+    let triangles = match &written.triangles {
+        None => match &written.points {
+            None => triangles,
+            Some(_) => {
+                let message = "`points` are vertices of `triangles`, and there are none";
+                let hint = "add triangles = [[i, j, k], ...], numbered from 0, first the vertices, then the points";
+                return Err(reading.key_error("domain.points", message, hint));
+            }
+        },
+        Some(own) => {
+            let inner = written.points.as_deref().unwrap_or_default();
+            vertices.extend(places(reading, "domain.points", inner)?);
+            numbered(reading, own, vertices.len())?
+        }
+    };
+    let (sides, of_edge) = names(reading, written.sides.as_deref(), boundary.len())?;
+    let next = |i: usize| ((i + 1) % boundary.len()) as u32;
+    let edge = |(i, side): (usize, u32)| BoundaryEdge { ends: [i as u32, next(i)], side };
+    let coarse = Coarse {
+        vertices,
+        region: vec![0; triangles.len()],
+        triangles,
+        regions: vec![WHOLE.to_string()],
+        edges: of_edge.into_iter().enumerate().map(edge).collect(),
+        sides,
+    };
+    coarse.checked().map_err(|error| {
+        let hint = "the triangles must cover the polygon, edge to edge, and each edge of the polygon must be an edge of one of them";
+        reading.error("domain.triangles", error.to_string(), hint)
+    })
+}
+
+/// Areas of polygons in this range are doubles, and of their cells on any mesh of this program.
+const EXTENTS: std::ops::RangeInclusive<f64> = 1e-150..=1e150;
+
+fn measurable(reading: &Reading, boundary: &[[f64; 2]]) -> Result<(), SceneError> {
+    let range = |axis: usize| {
+        let ends = boundary.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], p| {
+            [low.min(p[axis]), high.max(p[axis])]
+        });
+        ends[1] - ends[0]
+    };
+    let extent = range(0).max(range(1));
+    // Points that coincide, or fewer than three, are refused with better words below.
+    if extent <= 0.0 || EXTENTS.contains(&extent) {
+        return Ok(());
+    }
+    let message = format!("the polygon is {extent:.1e} across, outside 1e-150 to 1e150");
+    let hint = "areas leave the range of doubles there; state the scene in another unit of length";
+    Err(reading.error("domain.vertices", message, hint))
+}
+
+/// Points of the plane.
+fn places(reading: &Reading, key: &str, written: &[Vec<f64>]) -> Result<Vec<[f64; 2]>, SceneError> {
+    written
+        .iter()
+        .enumerate()
+        .map(|(i, place)| point(reading, &format!("{key}.{i}"), place))
+        .collect()
+}
+
+/// A point of the plane: two finite numbers.
+pub(super) fn point(reading: &Reading, key: &str, place: &[f64]) -> Result<[f64; 2], SceneError> {
+    let &[x, y] = place else {
+        let message = format!("{} numbers, a point of the plane has two", place.len());
+        return Err(reading.error(key, message, "write [x, y]"));
+    };
+    Ok([reading.finite(&format!("{key}.0"), x)?, reading.finite(&format!("{key}.1"), y)?])
+}
+
+/// Triangles of the file, their numbers checked.
+fn numbered(
+    reading: &Reading,
+    written: &[Vec<i64>],
+    count: usize,
+) -> Result<Vec<[u32; 3]>, SceneError> {
+    let one = |(t, triangle): (usize, &Vec<i64>)| {
+        if triangle.len() != 3 {
+            let message = format!("{} numbers, a triangle has three vertices", triangle.len());
+            let key = format!("domain.triangles.{t}");
+            return Err(reading.error(&key, message, "write [i, j, k]"));
+        }
+        let mut own = [0; 3];
+        for (a, &value) in triangle.iter().enumerate() {
+            own[a] = match u32::try_from(value) {
+                Ok(v) if (v as usize) < count => v,
+                _ => {
+                    let message =
+                        format!("there is no vertex {value}: {count} are numbered from 0");
+                    let key = format!("domain.triangles.{t}.{a}");
+                    return Err(reading.error(
+                        &key,
+                        message,
+                        "first the vertices, then the points",
+                    ));
+                }
+            };
+        }
+        Ok(own)
+    };
+    written.iter().enumerate().map(one).collect()
+}
+
+/// Names of the sides in order of appearance, and the side of each edge.
+fn names(
+    reading: &Reading,
+    written: Option<&[String]>,
+    count: usize,
+) -> Result<(Vec<String>, Vec<u32>), SceneError> {
+    let own: Vec<String> = match written {
+        Some(names) => names.to_vec(),
+        None => (1..=count).map(|i| format!("s{i}")).collect(),
+    };
+    if own.len() != count {
+        let message = format!("{} names for {count} edges", own.len());
+        let hint = "give one name an edge; edge i goes from vertex i to the next, and several may share a name";
+        return Err(reading.error("domain.sides", message, hint));
+    }
+    let mut sides: Vec<String> = Vec::new();
+    let mut of_edge = Vec::new();
+    for (i, name) in own.into_iter().enumerate() {
+        if name.trim().is_empty() {
+            let hint = "give the side a name: sides = [\"bottom\", ...]";
+            return Err(reading.error(&format!("domain.sides.{i}"), "a side without name", hint));
+        }
+        let side = sides.iter().position(|known| *known == name).unwrap_or_else(|| {
+            sides.push(name);
+            sides.len() - 1
+        });
+        of_edge.push(side as u32);
+    }
+    Ok((sides, of_edge))
+}
+
+fn refused(reading: &Reading, error: &PolygonError) -> SceneError {
+    let (key, hint) = match error {
+        PolygonError::TooFew { .. } => {
+            ("domain.vertices".to_string(), "vertices = [[0.0, 0.0], [1.0, 0.0], [0.5, 1.0]]")
+        }
+        PolygonError::Repeated { second, .. } => (
+            format!("domain.vertices.{second}"),
+            "name each corner once; the last edge returns to the first vertex by itself",
+        ),
+        PolygonError::Crossing { second, .. } => {
+            (format!("domain.vertices.{second}"), "order the vertices along the boundary")
+        }
+        PolygonError::Clockwise { .. } => (
+            "domain.vertices".to_string(),
+            "reverse them: the domain lies on the left of each edge",
+        ),
+        PolygonError::TooThin { vertex } => (
+            format!("domain.vertices.{vertex}"),
+            "widen the polygon, or give triangles = [[i, j, k], ...]",
+        ),
+    };
+    // Vertices in messages count as in `triangles`, from 0.
+    reading.error(&key, error.to_string(), hint)
+}

@@ -1,0 +1,136 @@
+//! Sides by number, and their plane pieces.
+
+use fem::mesh::Piece;
+
+/// A side by its position in [`super::Domain::sides`] and in `Mesh::sides`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Side(pub u32);
+
+impl Side {
+    /// x = 0 of a rectangle or box.
+    pub const LEFT: Side = Side(0);
+    /// x = size\[0\].
+    pub const RIGHT: Side = Side(1);
+    /// y = 0.
+    pub const BOTTOM: Side = Side(2);
+    /// y = size\[1\].
+    pub const TOP: Side = Side(3);
+    /// z = 0 of a box.
+    pub const FRONT: Side = Side(4);
+    /// z = size\[2\].
+    pub const BACK: Side = Side(5);
+
+    /// Its position.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// The names of the sides of a rectangle, the first four, and of a box.
+pub(super) const OF_A_BOX: [&str; 6] = ["left", "right", "bottom", "top", "front", "back"];
+
+/// A plane piece of a side: a segment, a rectangle of a box, or a triangle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Face {
+    /// Outward unit normal, padded with zeros.
+    pub normal: [f64; 3],
+    /// A corner.
+    pub corner: [f64; 3],
+    /// The edges that leave the corner, one or two; of a rectangle at right angles.
+    pub edges: Vec<[f64; 3]>,
+    /// True for the half of the parallelogram that the edges span.
+    pub triangle: bool,
+}
+
+impl Face {
+    /// The face of a side of a box.
+    pub(super) fn of_box(size: &[f64], side: Side) -> Self {
+        let (axis, far) = (side.index() / 2, side.index() % 2 == 1);
+        let (mut normal, mut corner) = ([0.0; 3], [0.0; 3]);
+        normal[axis] = if far { 1.0 } else { -1.0 };
+        corner[axis] = if far { size[axis] } else { 0.0 };
+        let edge = |a: usize| {
+            let mut edge = [0.0; 3];
+            edge[a] = size[a];
+            edge
+        };
+        let edges = (0..size.len()).filter(|&a| a != axis).map(edge).collect();
+        Self { normal, corner, edges, triangle: false }
+    }
+
+    /// A boundary edge or face of coarse simplices.
+    pub(super) fn simplex(piece: &Piece) -> Self {
+        let (corner, others) = (piece.corners[0], &piece.corners[1..]);
+        let edges: Vec<[f64; 3]> =
+            others.iter().map(|end| [0, 1, 2].map(|i| end[i] - corner[i])).collect();
+        Self { normal: piece.normal, corner, triangle: edges.len() == 2, edges }
+    }
+
+    /// The lengths of the edges.
+    pub fn lengths(&self) -> Vec<f64> {
+        self.edges.iter().map(|&edge| length(edge)).collect()
+    }
+
+    /// The longest edge, that across a triangle included.
+    pub fn longest(&self) -> f64 {
+        let across = match (&self.edges[..], self.triangle) {
+            ([a, b], true) => length([0, 1, 2].map(|i| a[i] - b[i])),
+            _ => 0.0,
+        };
+        self.lengths().into_iter().fold(across, f64::max)
+    }
+
+    /// Length or area.
+    pub fn measure(&self) -> f64 {
+        match (&self.edges[..], self.triangle) {
+            ([a, b], true) => {
+                let doubled =
+                    |i: usize| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+                0.5 * length([0, 1, 2].map(doubled))
+            }
+            _ => self.lengths().into_iter().product(),
+        }
+    }
+
+    /// Unit vectors in the piece, one along each axis of a segment or rectangle; of a triangle one along its first
+    /// edge and one across it.
+    pub fn tangents(&self) -> Vec<[f64; 3]> {
+        let unit = |edge: [f64; 3]| edge.map(|e| e / length(edge));
+        let mut tangents: Vec<[f64; 3]> = self.edges.iter().map(|&edge| unit(edge)).collect();
+        if self.triangle {
+            let (first, second) = (tangents[0], self.edges[1]);
+            let along: f64 = first.iter().zip(second).map(|(a, b)| a * b).sum();
+            tangents[1] = unit([0, 1, 2].map(|i| second[i] - along * first[i]));
+        }
+        tangents
+    }
+
+    /// The points of a grid with `intervals` steps along each edge, ends included; the first edge
+    /// varies fastest, and a triangle has those with i + j ≤ `intervals`.
+    pub fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
+        self.grid(intervals).into_iter().map(|(_, point)| point).collect()
+    }
+
+    /// The same with the steps (i, j) along the edges.
+    pub fn grid(&self, intervals: u32) -> Vec<([u32; 2], [f64; 3])> {
+        let start = vec![([0, 0], self.corner)];
+        let grid = self.edges.iter().enumerate().fold(start, |points, (axis, edge)| {
+            (0..=intervals)
+                .flat_map(|i| {
+                    let step = edge.map(|e| e * f64::from(i) / f64::from(intervals));
+                    points.iter().map(move |(at, p)| {
+                        let mut at = *at;
+                        at[axis] = i;
+                        (at, [p[0] + step[0], p[1] + step[1], p[2] + step[2]])
+                    })
+                })
+                .collect()
+        });
+        let inside = |at: &[u32; 2]| !self.triangle || at[0] + at[1] <= intervals;
+        grid.into_iter().filter(|(at, _)| inside(at)).collect()
+    }
+}
+
+fn length(v: [f64; 3]) -> f64 {
+    v.iter().map(|e| e * e).sum::<f64>().sqrt()
+}

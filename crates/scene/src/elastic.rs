@@ -1,0 +1,216 @@
+//! The elasticity tensor 𝒜 of a body or of a region: by two numbers, by moduli along the axes, or in full.
+
+use vhi::law::{FourthOrder, Isotropic};
+
+use super::diagnostic::SceneError;
+use super::reading::Reading;
+use super::wording::heading;
+use super::written;
+
+/// What `[material]` and a region give of 𝒜.
+pub(super) struct Given<'a> {
+    pub lambda: Option<f64>,
+    pub mu: Option<f64>,
+    pub young: Option<f64>,
+    pub poisson: Option<f64>,
+    pub table: Option<&'a written::Elasticity>,
+}
+
+/// Exactly one of the pairs (lambda, mu_L) and (E, nu), or the table `elasticity`.
+pub(super) fn elastic(
+    reading: &Reading,
+    key: &str,
+    given: &Given,
+    dimension: usize,
+) -> Result<FourthOrder, SceneError> {
+    match (given.lambda, given.mu, given.young, given.poisson, given.table) {
+        (Some(lambda), Some(mu), None, None, None) => elliptic(reading, key, lambda, mu, dimension),
+        (None, None, Some(young), Some(poisson), None) => from_young(reading, key, young, poisson),
+        (None, None, None, None, Some(table)) => full(reading, key, table, dimension),
+        (lambda, mu, young, poisson, table) => {
+            let numbers = [("lambda", lambda), ("mu_L", mu), ("E", young), ("nu", poisson)];
+            let mut names: Vec<&str> = numbers
+                .iter()
+                .filter(|(_, value)| value.is_some())
+                .map(|(name, _)| *name)
+                .collect();
+            names.extend(table.map(|_| "elasticity"));
+            let list = if names.is_empty() { "nothing".to_string() } else { names.join(", ") };
+            let part = heading(key);
+            let message = format!("{part} gives {list}: elasticity needs exactly one pair");
+            Err(reading.error(
+                key,
+                message,
+                "give lambda and mu_L, or E and nu, or elasticity = { kind = \"full\", … }",
+            ))
+        }
+    }
+}
+
+/// m_𝒜 > 0: the eigenvalues 2 mu and 2 mu + d lambda of 𝒜 on S^d are positive.
+fn elliptic(
+    reading: &Reading,
+    key: &str,
+    lambda: f64,
+    mu: f64,
+    dimension: usize,
+) -> Result<FourthOrder, SceneError> {
+    reading.finite(&format!("{key}.lambda"), lambda)?;
+    reading.finite(&format!("{key}.mu_L"), mu)?;
+    if mu <= 0.0 {
+        let message = format!(
+            "mu_L = {mu} is not positive: the eigenvalue 2 mu_L of the elasticity tensor must be"
+        );
+        return Err(reading.error(&format!("{key}.mu_L"), message, "give mu_L > 0"));
+    }
+    let d = dimension as f64;
+    if 2.0 * mu + d * lambda <= 0.0 {
+        let message = match dimension {
+            2 => format!(
+                "lambda + mu_L = {} is not positive: the eigenvalue 2 mu_L + 2 lambda of the elasticity tensor must be",
+                lambda + mu
+            ),
+            _ => format!(
+                "2 mu_L + {dimension} lambda = {} is not positive: this eigenvalue of the elasticity tensor must be",
+                2.0 * mu + d * lambda
+            ),
+        };
+        let hint = format!("give lambda > {}", -2.0 * mu / d);
+        return Err(reading.error(&format!("{key}.lambda"), message, hint));
+    }
+    Ok(Isotropic { lambda, mu }.into())
+}
+
+/// Plane strain: λ = E ν/((1+ν)(1-2ν)), μ = E/(2(1+ν)).
+fn from_young(
+    reading: &Reading,
+    key: &str,
+    young: f64,
+    poisson: f64,
+) -> Result<FourthOrder, SceneError> {
+    reading.positive(&format!("{key}.E"), young)?;
+    if !(poisson > -1.0 && poisson < 0.5) {
+        let message = format!("nu = {poisson} is outside (-1, 0.5)");
+        return Err(reading.error(
+            &format!("{key}.nu"),
+            message,
+            "at 0.5 the material is incompressible: give less, such as 0.3",
+        ));
+    }
+    let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
+    Ok(Isotropic { lambda, mu: young / (2.0 * (1.0 + poisson)) }.into())
+}
+
+/// `{ kind = "full", mandel = [[…], …] }`, or `{ kind = "orthotropic", normal = […], coupling = […], shear = […] }`
+/// with 𝒜_iiii, 𝒜_iijj and 𝒜_ijij along the axes, pairs in the order 12 in the plane and 23, 13, 12 in space.
+fn full(
+    reading: &Reading,
+    key: &str,
+    table: &written::Elasticity,
+    dimension: usize,
+) -> Result<FourthOrder, SceneError> {
+    let key = format!("{key}.elasticity");
+    let order = dimension * (dimension + 1) / 2;
+    let kinds = [("full", true), ("orthotropic", false)];
+    let (matrix, place) = if reading.choice(&format!("{key}.kind"), &table.kind, &kinds)? {
+        let place = format!("{key}.mandel");
+        (mandel(reading, &key, table, order)?, place)
+    } else {
+        (orthotropic(reading, &key, table, dimension)?, key.clone())
+    };
+    let tensor = FourthOrder::Full(Box::new(matrix));
+    let (smallest, _) = tensor.eigenvalues(dimension);
+    // Written so that a NaN is refused.
+    if smallest > 0.0 {
+        return Ok(tensor);
+    }
+    let message = format!(
+        "the elasticity tensor is not positive definite: its smallest eigenvalue m_A is {smallest:.6}"
+    );
+    let hint = "an elastic energy must be positive for every strain: raise the diagonal entries, or lower what couples them";
+    Err(reading.error(&place, message, hint))
+}
+
+/// A symmetric matrix in Mandel notation.
+fn mandel(
+    reading: &Reading,
+    key: &str,
+    table: &written::Elasticity,
+    order: usize,
+) -> Result<[[f64; 6]; 6], SceneError> {
+    let place = format!("{key}.mandel");
+    let others =
+        [("normal", &table.normal), ("coupling", &table.coupling), ("shear", &table.shear)];
+    let rows = table.mandel.as_deref().unwrap_or_default();
+    if rows.len() != order || rows.iter().any(|row| row.len() != order) {
+        let message = format!("a full elasticity tensor is a {order} by {order} matrix here");
+        let hint = "in Mandel notation: xx, yy, sqrt(2) xy in the plane; xx, yy, zz, sqrt(2) yz, sqrt(2) xz, sqrt(2) xy in space";
+        let at = if table.mandel.is_some() { &place } else { key };
+        return Err(reading.error(at, message, hint));
+    }
+    if let Some((name, _)) = others.iter().find(|(_, value)| value.is_some()) {
+        let message = format!("a tensor of kind \"full\" has no key `{name}`");
+        return Err(reading.error(
+            &format!("{key}.{name}"),
+            message,
+            "its keys are kind and mandel",
+        ));
+    }
+    let mut matrix = [[0.0; 6]; 6];
+    for (i, row) in rows.iter().enumerate() {
+        for (j, &entry) in row.iter().enumerate() {
+            reading.finite(&format!("{place}.{i}"), entry)?;
+            if entry != rows[j][i] {
+                let message = format!(
+                    "entry ({}, {}) is {entry}, entry ({}, {}) is {}: the matrix must be symmetric",
+                    i + 1,
+                    j + 1,
+                    j + 1,
+                    i + 1,
+                    rows[j][i]
+                );
+                return Err(reading.error(&place, message, "give both entries the same number"));
+            }
+            matrix[i][j] = entry;
+        }
+    }
+    Ok(matrix)
+}
+
+/// The matrix of moduli along the axes.
+fn orthotropic(
+    reading: &Reading,
+    key: &str,
+    table: &written::Elasticity,
+    d: usize,
+) -> Result<[[f64; 6]; 6], SceneError> {
+    if table.mandel.is_some() {
+        let message = "a tensor of kind \"orthotropic\" has no key `mandel`";
+        let hint = "its keys are kind, normal, coupling and shear";
+        return Err(reading.error(&format!("{key}.mandel"), message, hint));
+    }
+    let pairs: &[(usize, usize)] = if d == 2 { &[(0, 1)] } else { &[(1, 2), (0, 2), (0, 1)] };
+    let list = |name: &str, values: &Option<Vec<f64>>, count: usize| {
+        let values = values.clone().unwrap_or_default();
+        if values.len() == count && values.iter().all(|value| value.is_finite()) {
+            return Ok(values);
+        }
+        let message =
+            format!("`{name}` of an orthotropic tensor needs {count} finite number(s) here");
+        let hint = "normal = [A_xxxx, A_yyyy], coupling = [A_xxyy], shear = [A_xyxy] in the plane; three each, pairs in the order yz, xz, xy, in space";
+        Err(reading.error(key, message, hint))
+    };
+    let normal = list("normal", &table.normal, d)?;
+    let coupling = list("coupling", &table.coupling, pairs.len())?;
+    let shear = list("shear", &table.shear, pairs.len())?;
+    let mut matrix = [[0.0; 6]; 6];
+    for (i, value) in normal.into_iter().enumerate() {
+        matrix[i][i] = value;
+    }
+    for (at, &(i, j)) in pairs.iter().enumerate() {
+        (matrix[i][j], matrix[j][i]) = (coupling[at], coupling[at]);
+        // σ_ij = 2 𝒜_ijij ε_ij, the same for √2 times both.
+        matrix[d + at][d + at] = 2.0 * shear[at];
+    }
+    Ok(matrix)
+}

@@ -1,0 +1,65 @@
+//! Scene files: TOML as written, the scene as validated, and messages that name the way out.
+//!
+//! A file becomes a [`Scene`] in two stages, and each may stop it with a [`SceneError`] that points at the text:
+//! - [`written`]: the keys and their types, nothing else; unknown keys are refused with the nearest known one;
+//! - `validated`: plain numbers and compiled formulas that satisfy every hypothesis
+//!   that can be checked without a mesh and without a solve.
+//!
+//! Conditions that need a mesh, such as (2.9), are checked later and point at the same text by [`Scene::span`].
+
+mod abstract_scene;
+pub mod abstract_written;
+mod choices;
+mod contact;
+mod curve;
+mod data;
+mod definitions;
+mod diagnostic;
+mod domain;
+mod elastic;
+mod examples;
+mod gap;
+mod heading;
+mod kernel;
+mod law;
+mod material;
+mod memory;
+mod nearest;
+mod prediction;
+mod projection;
+mod reading;
+mod region_place;
+mod registry;
+mod scale;
+pub mod setup;
+mod source;
+mod spans;
+mod sweep;
+mod time;
+mod validated;
+mod wording;
+pub mod written;
+
+pub use abstract_scene::{AbstractKernel, AbstractScene, AbstractTrace};
+pub use contact::{Contact, ContactQuadrature};
+pub use curve::Curve;
+pub use data::{Data, LoadForm};
+pub use diagnostic::{Diagnosis, SceneError};
+pub use domain::{Domain, Face, MeshFamily, Shape, Side};
+pub use heading::{Expectation, Hypothesis};
+pub use law::Law;
+pub use material::{Material, Region};
+pub use memory::Memory;
+pub use prediction::{Direction, Norm, Prediction};
+pub use projection::Projection;
+pub use region_place::Place;
+pub use registry::Registry;
+pub use scale::Scale;
+pub use source::Source;
+pub use spans::Spans;
+pub use sweep::{Reference, Sweep};
+pub use time::{Time, TimeGrid, TimeRule};
+pub use validated::{Body, ContactScene, Scene};
+
+#[cfg(test)]
+mod tests;

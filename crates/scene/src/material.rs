@@ -1,0 +1,132 @@
+//! `[material]`: elasticity, the optional memory and projection, and named regions with their own.
+
+use vhi::law::FourthOrder;
+
+use super::diagnostic::SceneError;
+use super::domain::Domain;
+use super::elastic::{Given, elastic};
+use super::memory::{self, Memory, Part};
+use super::projection::Projection;
+use super::reading::Reading;
+use super::region_place::{Place, place};
+use super::written;
+
+/// The law (5.1) with the terms that the scene has.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// 𝒜 outside all named regions, positive definite.
+    pub elastic: FourthOrder,
+    /// The terms of ℬ; empty without memory.
+    pub memory: Vec<Memory>,
+    pub projection: Option<Projection>,
+    /// `[[material.region]]`, in file order.
+    pub regions: Vec<Region>,
+}
+
+/// A named part of the body with an elasticity of its own; a memory of its own is in [`Memory::regions`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    pub name: String,
+    pub place: Place,
+    pub elastic: FourthOrder,
+}
+
+/// Regions are numbered by a byte.
+const MOST_REGIONS: usize = 200;
+
+impl Material {
+    pub(super) fn validate(
+        reading: &mut Reading,
+        written: &written::Material,
+        horizon: f64,
+        domain: &Domain,
+    ) -> Result<Material, SceneError> {
+        let dimension = domain.dimension();
+        let given = Given {
+            lambda: written.lambda,
+            mu: written.mu_l,
+            young: written.young,
+            poisson: written.poisson,
+            table: written.elasticity.as_ref(),
+        };
+        let elastic = elastic(reading, "material", &given, dimension)?;
+        let base = match &written.memory {
+            Some(memory) => memory::parts(reading, "material.memory", memory, horizon, dimension)?,
+            None => Vec::new(),
+        };
+        let (mut regions, mut parts) = (Vec::new(), Vec::new());
+        for (index, region) in written.region.iter().enumerate() {
+            let (region, own) = Region::validate(reading, index, region, horizon, domain)?;
+            if regions.iter().any(|other: &Region| other.name == region.name) {
+                let message = format!("two regions are called `{}`", region.name);
+                let key = format!("material.region.{index}.name");
+                return Err(reading.error(&key, message, "rename one of them"));
+            }
+            regions.push(region);
+            parts.push(own.unwrap_or_else(|| base.clone()));
+        }
+        if regions.len() > MOST_REGIONS {
+            let message =
+                format!("{} regions: at most {MOST_REGIONS} are told apart", regions.len());
+            return Err(reading.error("material.region", message, "merge regions of one material"));
+        }
+        let memory = memory::terms(reading, &base, &parts);
+        let projection = match &written.projection {
+            Some(projection) => Some(Projection::validate(reading, projection, horizon)?),
+            None => None,
+        };
+        Ok(Material { elastic, memory, projection, regions })
+    }
+
+    /// True if 𝒜 is given in full somewhere.
+    pub fn is_anisotropic(&self) -> bool {
+        let mut elastic = self.regions.iter().map(|region| &region.elastic).chain([&self.elastic]);
+        elastic.any(|elastic| matches!(elastic, FourthOrder::Full(_)))
+    }
+
+    /// True where one isotropic tensor and one term of memory at most describe the whole body.
+    pub fn is_plain(&self) -> bool {
+        self.regions.is_empty()
+            && self.memory.len() <= 1
+            && matches!(self.elastic, FourthOrder::Isotropic(_))
+    }
+}
+
+impl Region {
+    /// A region, and its memory where it has one of its own.
+    fn validate(
+        reading: &mut Reading,
+        index: usize,
+        written: &written::Region,
+        horizon: f64,
+        domain: &Domain,
+    ) -> Result<(Region, Option<Vec<Part>>), SceneError> {
+        let dimension = domain.dimension();
+        let key = format!("material.region.{index}");
+        if written.name.trim().is_empty() {
+            let message = "a region needs a name";
+            return Err(reading.error(
+                &format!("{key}.name"),
+                message,
+                "for instance: name = \"layer\"",
+            ));
+        }
+        let place = place(reading, &key, written, domain)?;
+        let given = Given {
+            lambda: written.lambda,
+            mu: written.mu_l,
+            young: written.young,
+            poisson: written.poisson,
+            table: written.elasticity.as_ref(),
+        };
+        let elastic = elastic(reading, &key, &given, dimension)?;
+        let own = match &written.memory {
+            Some(memory) => {
+                let key = format!("{key}.memory");
+                Some(memory::parts(reading, &key, memory, horizon, dimension)?)
+            }
+            None => None,
+        };
+        Ok((Region { name: written.name.clone(), place, elastic }, own))
+    }
+}

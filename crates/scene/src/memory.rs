@@ -1,0 +1,114 @@
+//! `[material.memory]`: the relaxation tensor ℬ(t).
+
+use formula::{Node, Point, Scope, Variable};
+
+use super::diagnostic::SceneError;
+use super::kernel::formula_of;
+use super::reading::{Reading, evenly};
+use super::written;
+
+/// Intervals of [0, T] at whose ends the kernel is evaluated.
+const SAMPLES: u32 = 512;
+
+/// A term of ℬ(t)ε = Σ kernel(t) · (2 mu ε + lambda tr(ε) I).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Memory {
+    /// A formula in t, finite on [0, T].
+    pub kernel: Node,
+    /// Pairs (a, c) with kernel = Σ a exp(-c t), where it has that form.
+    pub exponentials: Option<Vec<(f64, f64)>>,
+    /// Outside all named regions.
+    pub lambda: f64,
+    pub mu: f64,
+    /// (lambda, mu) in each named region.
+    pub regions: Vec<[f64; 2]>,
+}
+
+/// A kernel with its tensor on one region.
+pub(super) type Part = (Node, [f64; 2]);
+
+/// The parts of a `memory` table at `key`: its kernel, or its kernels of bulk and shear.
+pub(super) fn parts(
+    reading: &mut Reading,
+    key: &str,
+    written: &written::Memory,
+    horizon: f64,
+    dimension: usize,
+) -> Result<Vec<Part>, SceneError> {
+    let written::Memory { kernel, lambda, mu, bulk, shear } = written;
+    match (kernel, lambda, mu, bulk, shear) {
+        (Some(kernel), Some(lambda), Some(mu), None, None) => {
+            let lambda = reading.finite(&format!("{key}.lambda"), *lambda)?;
+            let mu = reading.finite(&format!("{key}.mu"), *mu)?;
+            let kernel = validated(reading, &format!("{key}.kernel"), kernel, horizon)?;
+            Ok(vec![(kernel, [lambda, mu])])
+        }
+        (None, None, None, bulk, shear) if bulk.is_some() || shear.is_some() => {
+            // bulk tr(ε) I, and 2 shear ε^D with ε^D = ε - tr(ε)/d I.
+            let tensors = [[1.0, 0.0], [-2.0 / dimension as f64, 1.0]];
+            let mut parts = Vec::new();
+            for ((kernel, name), tensor) in
+                [(bulk, "bulk"), (shear, "shear")].into_iter().zip(tensors)
+            {
+                if let Some(kernel) = kernel {
+                    let kernel = validated(reading, &format!("{key}.{name}"), kernel, horizon)?;
+                    parts.push((kernel, tensor));
+                }
+            }
+            Ok(parts)
+        }
+        (Some(_), ..) if bulk.is_none() && shear.is_none() => {
+            let missing = if lambda.is_none() { "lambda" } else { "mu" };
+            let message = format!("[{key}] lacks the key `{missing}`");
+            Err(reading.error(key, message, format!("for instance: {missing} = 0.25")))
+        }
+        _ => {
+            let message = format!(
+                "[{key}] needs one kernel with its tensor, or the kernels of bulk and shear"
+            );
+            let hint = "give kernel, lambda and mu for kernel(t)(2 mu eps + lambda tr(eps) I), or bulk and shear for bulk(t) tr(eps) I + 2 shear(t) dev(eps)";
+            Err(reading.error(key, message, hint))
+        }
+    }
+}
+
+/// A kernel that is finite on [0, T].
+fn validated(
+    reading: &mut Reading,
+    key: &str,
+    written: &written::Kernel,
+    horizon: f64,
+) -> Result<Node, SceneError> {
+    let formula = formula_of(reading, key, written)?;
+    let kernel = reading.formula(key, &formula, &Scope::new(&[Variable::T]))?;
+    let times = evenly(0.0, horizon, SAMPLES).map(|t| Point { t, ..Point::default() });
+    if let Some((point, value)) = reading.first_not_finite(kernel, times) {
+        let message = format!("the memory kernel is {value} at t = {}", point.t);
+        let hint = "ℬ must be continuous on [0, T]: the trapezoidal rule uses its value at t = 0; -exp(-t) and sqrt(t) are examples";
+        return Err(reading.error(key, message, hint));
+    }
+    Ok(kernel)
+}
+
+/// The terms of ℬ: equal kernels are one term, with a tensor a region.
+pub(super) fn terms(reading: &Reading, base: &[Part], regions: &[Vec<Part>]) -> Vec<Memory> {
+    let mut terms: Vec<Memory> = Vec::new();
+    for (kernel, _) in base.iter().chain(regions.iter().flatten()) {
+        if terms.iter().any(|term| term.kernel == *kernel) {
+            continue;
+        }
+        let tensor = |parts: &[Part]| {
+            let own = parts.iter().filter(|(other, _)| other == kernel);
+            own.fold([0.0, 0.0], |[a, b], (_, [lambda, mu])| [a + lambda, b + mu])
+        };
+        let [lambda, mu] = tensor(base);
+        terms.push(Memory {
+            kernel: *kernel,
+            exponentials: reading.formulas.exponential_sum(*kernel),
+            lambda,
+            mu,
+            regions: regions.iter().map(|parts| tensor(parts)).collect(),
+        });
+    }
+    terms
+}

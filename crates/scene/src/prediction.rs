@@ -1,0 +1,262 @@
+//! `[[predicts]]`: the orders that the theory promises, each with the theorem that does.
+
+use super::diagnostic::SceneError;
+use super::reading::Reading;
+use super::written;
+use fem::norms::ContactState;
+
+/// A quantity in which errors are measured; names as in `cases.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Norm {
+    /// max over n of ‖ε(u_n - u_n^{kh})‖, the paper's.
+    VMax,
+    L2Max,
+    TraceL2Max,
+    PressureL2Max,
+    StressL2Max,
+    ContactSetMax,
+    VTimeMax,
+    VProjectionMax,
+    /// Of u_ν on the part of Γ3 where the truth is in a state.
+    TraceMax(ContactState),
+    /// Of ξ + λ there.
+    PressureMax(ContactState),
+    /// Measure of the symmetric difference of the locked sets.
+    ContactMeasureMax,
+}
+
+impl Norm {
+    /// Every norm.
+    pub const ALL: [Norm; 19] = [
+        Norm::VMax,
+        Norm::L2Max,
+        Norm::TraceL2Max,
+        Norm::PressureL2Max,
+        Norm::StressL2Max,
+        Norm::ContactSetMax,
+        Norm::VTimeMax,
+        Norm::VProjectionMax,
+        Norm::TraceMax(ContactState::Open),
+        Norm::TraceMax(ContactState::Rising),
+        Norm::TraceMax(ContactState::Falling),
+        Norm::TraceMax(ContactState::AtJump),
+        Norm::TraceMax(ContactState::Locked),
+        Norm::PressureMax(ContactState::Open),
+        Norm::PressureMax(ContactState::Rising),
+        Norm::PressureMax(ContactState::Falling),
+        Norm::PressureMax(ContactState::AtJump),
+        Norm::PressureMax(ContactState::Locked),
+        Norm::ContactMeasureMax,
+    ];
+
+    /// The name in scene files and in `cases.csv`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Norm::VMax => "V_max",
+            Norm::L2Max => "L2_max",
+            Norm::TraceL2Max => "trace_L2_max",
+            Norm::PressureL2Max => "pressure_L2_max",
+            Norm::StressL2Max => "stress_L2_max",
+            Norm::ContactSetMax => "contact_set_max",
+            Norm::VTimeMax => "V_time_max",
+            Norm::VProjectionMax => "V_projection_max",
+            Norm::TraceMax(ContactState::Open) => "trace_open_max",
+            Norm::TraceMax(ContactState::Rising) => "trace_rising_max",
+            Norm::TraceMax(ContactState::Falling) => "trace_falling_max",
+            Norm::TraceMax(ContactState::AtJump) => "trace_jump_max",
+            Norm::TraceMax(ContactState::Locked) => "trace_locked_max",
+            Norm::PressureMax(ContactState::Open) => "pressure_open_max",
+            Norm::PressureMax(ContactState::Rising) => "pressure_rising_max",
+            Norm::PressureMax(ContactState::Falling) => "pressure_falling_max",
+            Norm::PressureMax(ContactState::AtJump) => "pressure_jump_max",
+            Norm::PressureMax(ContactState::Locked) => "pressure_locked_max",
+            Norm::ContactMeasureMax => "contact_measure_max",
+        }
+    }
+
+    /// Whether the norm lives on Γ3 and so has no meaning without contact.
+    pub fn needs_contact(self) -> bool {
+        matches!(self, Norm::TraceL2Max | Norm::PressureL2Max | Norm::ContactSetMax)
+            || self.by_state()
+    }
+
+    /// Whether the norm asks for the contact state of the truth.
+    pub fn by_state(self) -> bool {
+        matches!(self, Norm::TraceMax(_) | Norm::PressureMax(_) | Norm::ContactMeasureMax)
+    }
+
+    pub(super) fn validate(
+        reading: &Reading,
+        key: &str,
+        word: &str,
+        has_contact: bool,
+    ) -> Result<Norm, SceneError> {
+        let norm = reading.choice(key, word, &Norm::ALL.map(|norm| (norm.name(), norm)))?;
+        if norm.needs_contact() && !has_contact {
+            let message = format!("`{word}` is measured on Γ3, and the scene has no contact");
+            return Err(reading.error(
+                key,
+                message,
+                "choose V_max, L2_max or stress_L2_max, or add contact",
+            ));
+        }
+        Ok(norm)
+    }
+}
+
+/// The direction in which an order is seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// h → 0 at a fixed number of steps.
+    H,
+    /// k → 0 on a fixed mesh.
+    K,
+    /// Both: C_h h^order + C_k k^order_k over the grid of cases.
+    Joint,
+    /// h → 0 along the pairs of the sweep: the order in h of the whole error.
+    Path,
+}
+
+/// One promised order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prediction {
+    pub norm: Norm,
+    pub variable: Direction,
+    /// Order in `variable`; in h where that is joint. Positive.
+    pub order: f64,
+    /// Order in k, present exactly if `variable` is joint. Positive.
+    pub order_k: Option<f64>,
+    /// The order is a lower bound.
+    pub at_least: bool,
+    /// The order is sharp: more is a failure too.
+    pub exact: bool,
+    /// The constant is compared with its prediction, where there is one.
+    pub constant: bool,
+    /// How far from one the constant may be from its prediction, where the scene has a reason for another share than the
+    /// usual one.
+    pub constant_within: Option<f64>,
+    /// The theorem or equation that promises it.
+    pub why: String,
+    pub window_n: Option<[usize; 2]>,
+    pub window_steps: Option<[usize; 2]>,
+}
+
+impl Prediction {
+    /// The prediction at position `index` of the file.
+    pub(super) fn validate(
+        reading: &Reading,
+        index: usize,
+        written: &written::Prediction,
+        has_contact: bool,
+    ) -> Result<Prediction, SceneError> {
+        let key = |name: &str| format!("predicts.{index}.{name}");
+        let known = [
+            ("h", Direction::H),
+            ("k", Direction::K),
+            ("joint", Direction::Joint),
+            ("path", Direction::Path),
+        ];
+        let variable = reading.choice(&key("variable"), &written.variable, &known)?;
+        if written.at_least && written.exact {
+            let message = "both at_least and exact: an order is a lower bound or it is sharp";
+            return Err(reading.key_error(&key("exact"), message, "keep one of the two"));
+        }
+        if written.why.trim().is_empty() {
+            return Err(reading.error(
+                &key("why"),
+                "`why` is empty",
+                "name the theorem or equation that promises the order: why = \"(5.26)\"",
+            ));
+        }
+        Ok(Prediction {
+            norm: Norm::validate(reading, &key("norm"), &written.norm, has_contact)?,
+            variable,
+            order: reading.positive(&key("order"), written.order)?,
+            order_k: order_in_k(reading, &key("order_k"), variable, written.order_k)?,
+            at_least: written.at_least,
+            exact: written.exact,
+            constant: written.constant,
+            constant_within: constant_within(reading, &key, written)?,
+            why: written.why.clone(),
+            window_n: reading.window(&key("window_n"), written.window_n.as_ref())?,
+            window_steps: reading.window(&key("window_steps"), written.window_steps.as_ref())?,
+        })
+    }
+}
+
+impl Prediction {
+    /// An abstract scene has no mesh: its error is ‖u_n - u_n^k‖_X, in k alone.
+    pub(super) fn only_in_time(&self, reading: &Reading, index: usize) -> Result<(), SceneError> {
+        let key = |name: &str| format!("predicts.{index}.{name}");
+        if self.norm != Norm::VMax {
+            let message = format!("`{}` needs a body", self.norm.name());
+            let hint = "the error of an abstract scene is V_max, the largest norm in X";
+            return Err(reading.error(&key("norm"), message, hint));
+        }
+        if self.variable != Direction::K {
+            let message = "an abstract scene has no mesh, so no order in h";
+            return Err(reading.error(&key("variable"), message, "write variable = \"k\""));
+        }
+        Ok(())
+    }
+}
+
+/// The share by which a constant may differ from its prediction: in (0, 1), and never without a reason.
+fn constant_within(
+    reading: &Reading,
+    key: &dyn Fn(&str) -> String,
+    written: &written::Prediction,
+) -> Result<Option<f64>, SceneError> {
+    let (within, why) = (key("constant_within"), key("constant_why"));
+    let reason = written.constant_why.as_ref().filter(|reason| !reason.trim().is_empty());
+    match (written.constant_within, reason) {
+        (None, None) if written.constant_why.is_some() => {
+            Err(reading.error(&why, "`constant_why` is empty", "state the reason, or remove it"))
+        }
+        (None, None) => Ok(None),
+        (None, Some(_)) => Err(reading.key_error(
+            &why,
+            "`constant_why` explains a share that is not there",
+            "add it: constant_within = 0.03, or remove constant_why",
+        )),
+        (Some(_), _) if !written.constant => Err(reading.key_error(
+            &within,
+            "`constant_within` beside constant = false: nothing is compared",
+            "keep one of the two",
+        )),
+        (Some(_), None) => Err(reading.key_error(
+            &within,
+            "`constant_within` without a reason",
+            "say why the usual share does not do: constant_why = \"n = 6 is the finest mesh\"",
+        )),
+        (Some(share), Some(_)) if share.is_nan() || share <= 0.0 || share >= 1.0 => Err(reading
+            .error(
+                &within,
+                format!("`constant_within` = {share} is no share between 0 and 1"),
+                "give the relative distance that is allowed, such as 0.03",
+            )),
+        (Some(share), Some(_)) => Ok(Some(share)),
+    }
+}
+
+fn order_in_k(
+    reading: &Reading,
+    key: &str,
+    variable: Direction,
+    order: Option<f64>,
+) -> Result<Option<f64>, SceneError> {
+    match (variable, order) {
+        (Direction::Joint, Some(order)) => reading.positive(key, order).map(Some),
+        (Direction::Joint, None) => Err(reading.error(
+            key,
+            "a joint prediction needs two orders",
+            "add the one in k: order_k = 2.0",
+        )),
+        (_, None) => Ok(None),
+        (_, Some(_)) => Err(reading.key_error(
+            key,
+            "`order_k` belongs to joint predictions",
+            "write variable = \"joint\", or remove order_k",
+        )),
+    }
+}

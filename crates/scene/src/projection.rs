@@ -1,0 +1,106 @@
+//! `[material.projection]`: the projection on the von Mises convex.
+
+use formula::{Node, Point, Scope, Variable};
+
+use super::diagnostic::SceneError;
+use super::heading::Hypothesis;
+use super::reading::{Reading, evenly};
+use super::written;
+
+/// Even intervals of the range of ζ, and points that crowd towards ζ = 0.
+const EVEN_SAMPLES: u32 = 2000;
+const CROWDED_SAMPLES: i32 = 48;
+/// The range of ζ that is sampled, in horizons: mean strain norms up to 100.
+const LARGEST_MEAN_STRAIN: f64 = 100.0;
+
+/// The stress μ(ε - P_{M(κ(ζ))} ε) of (5.1).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Projection {
+    /// μ ≥ 0.
+    pub mu: f64,
+    /// κ ≥ 0, a formula in zeta.
+    pub kappa: Node,
+    /// L_κ: largest sampled |κ'| on [0, 100 T]; infinite only where the scene violates (5.1) on purpose.
+    pub lipschitz: f64,
+}
+
+impl Projection {
+    pub(super) fn validate(
+        reading: &mut Reading,
+        written: &written::Projection,
+        horizon: f64,
+    ) -> Result<Projection, SceneError> {
+        let key = "material.projection.kappa";
+        let mu = reading.finite("material.projection.mu", written.mu)?;
+        if mu < 0.0 {
+            let message =
+                format!("mu = {mu} is negative: the projection term would not be monotone");
+            return Err(reading.error(
+                "material.projection.mu",
+                message,
+                "give mu >= 0; remove [material.projection] for mu = 0",
+            ));
+        }
+        let kappa = reading.formula(key, &written.kappa, &Scope::new(&[Variable::Zeta]))?;
+        admissible(reading, key, kappa, horizon)?;
+        let lipschitz = lipschitz(reading, key, kappa, horizon)?;
+        Ok(Projection { mu, kappa, lipschitz })
+    }
+}
+
+/// κ maps to [0, ∞).
+fn admissible(reading: &Reading, key: &str, kappa: Node, horizon: f64) -> Result<(), SceneError> {
+    let values =
+        samples(horizon).map(|point| (point.zeta, reading.formulas.evaluate(kappa, &point)));
+    for (zeta, value) in values {
+        if !(value.is_finite() && value >= 0.0) {
+            let message = format!(
+                "kappa = {value} at zeta = {zeta}: a yield bound must be finite and not negative"
+            );
+            return Err(reading.error(
+                key,
+                message,
+                "give a formula with values >= 0 for all zeta >= 0, such as max(0, 0.2 - zeta)",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// L_κ from the exact derivative at the samples.
+fn lipschitz(
+    reading: &mut Reading,
+    key: &str,
+    kappa: Node,
+    horizon: f64,
+) -> Result<f64, SceneError> {
+    let slope = reading.formulas.derivative(kappa, Variable::Zeta);
+    let mut steepest: f64 = 0.0;
+    for point in samples(horizon) {
+        let value = reading.formulas.evaluate(slope, &point).abs();
+        if value.is_finite() {
+            steepest = steepest.max(value);
+            continue;
+        }
+        if reading.violates.contains(&Hypothesis::LipschitzKappa) {
+            return Ok(f64::INFINITY);
+        }
+        let message = format!(
+            "kappa is not Lipschitz: its derivative at zeta = {} is {value}, and (5.1) asks for a constant L_kappa",
+            point.zeta
+        );
+        return Err(reading.error(
+            key,
+            message,
+            "to run it on purpose, write violates = [\"5.1\"] in [scene]",
+        ));
+    }
+    Ok(steepest)
+}
+
+/// ζ = 0, a geometric sequence towards 0, and even steps up to 100 T.
+fn samples(horizon: f64) -> impl Iterator<Item = Point> {
+    let largest = LARGEST_MEAN_STRAIN * horizon;
+    let crowded = (0..CROWDED_SAMPLES).map(move |i| largest * 0.5_f64.powi(i));
+    evenly(0.0, largest, EVEN_SAMPLES).chain(crowded).map(|zeta| Point { zeta, ..Point::default() })
+}

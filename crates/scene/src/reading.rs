@@ -1,0 +1,207 @@
+//! One reading of a scene file: the text, its places, and the formulas compiled so far.
+
+use std::ops::Range;
+
+use formula::{Graph, Node, Point, Scope, Variable};
+
+use super::diagnostic::SceneError;
+use super::heading::Hypothesis;
+use super::source::Source;
+use super::spans::Spans;
+use super::written::Formula;
+
+/// What validation carries from part to part.
+pub(super) struct Reading<'a> {
+    pub source: &'a Source,
+    pub spans: &'a Spans,
+    pub violates: Vec<Hypothesis>,
+    pub formulas: Graph,
+    /// Named constants of `[exact.parameters]`, in file order.
+    pub parameters: Vec<(String, Node)>,
+}
+
+impl<'a> Reading<'a> {
+    pub fn new(source: &'a Source, spans: &'a Spans) -> Reading<'a> {
+        Reading {
+            source,
+            spans,
+            violates: Vec::new(),
+            formulas: Graph::new(),
+            parameters: Vec::new(),
+        }
+    }
+
+    /// An error that underlines the value at `key`, or the part that should hold it.
+    pub fn error(
+        &self,
+        key: &str,
+        message: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> SceneError {
+        SceneError::at(self.source, self.spans.value(key), message, hint)
+    }
+
+    /// An error that underlines the key itself.
+    pub fn key_error(
+        &self,
+        key: &str,
+        message: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> SceneError {
+        SceneError::at(self.source, self.spans.key(key), message, hint)
+    }
+
+    pub fn finite(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+        if value.is_finite() {
+            return Ok(value);
+        }
+        Err(self.error(
+            key,
+            format!("`{}` = {value} is not finite", last(key)),
+            "give a finite number",
+        ))
+    }
+
+    pub fn positive(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+        if self.finite(key, value)? > 0.0 {
+            return Ok(value);
+        }
+        Err(self.error(
+            key,
+            format!("`{}` = {value} is not positive", last(key)),
+            "give a number above 0",
+        ))
+    }
+
+    /// A whole number of at least 1 and at most 2³¹ - 1.
+    pub fn count(&self, key: &str, value: i64) -> Result<usize, SceneError> {
+        match i32::try_from(value) {
+            Ok(count) if count >= 1 => Ok(count.unsigned_abs() as usize),
+            _ => Err(self.error(
+                key,
+                format!("{value} is not a whole number from 1 to 2147483647"),
+                "give a positive whole number",
+            )),
+        }
+    }
+
+    pub fn seed(&self, key: &str, value: i64) -> Result<u64, SceneError> {
+        u64::try_from(value).map_err(|_| {
+            self.error(
+                key,
+                format!("the seed {value} is negative"),
+                "give a whole number, 0 or above",
+            )
+        })
+    }
+
+    /// An increasing pair of counts: the window of an order.
+    pub fn window(
+        &self,
+        key: &str,
+        written: Option<&Vec<i64>>,
+    ) -> Result<Option<[usize; 2]>, SceneError> {
+        let Some(values) = written else {
+            return Ok(None);
+        };
+        match values[..] {
+            [first, last] if first <= last => Ok(Some([
+                self.count(&format!("{key}.0"), first)?,
+                self.count(&format!("{key}.1"), last)?,
+            ])),
+            _ => Err(self.error(
+                key,
+                format!("{values:?} is not a window"),
+                "a window is [from, to] with from <= to, as in [32, 128]",
+            )),
+        }
+    }
+
+    /// The variables and the parameters of the scene.
+    pub fn scope(&self, variables: &[Variable]) -> Scope {
+        let mut scope = Scope::new(variables);
+        for (name, node) in &self.parameters {
+            scope.define(name, *node);
+        }
+        scope
+    }
+
+    /// Compiles a formula; an error points into the text of the formula.
+    pub fn formula(
+        &mut self,
+        key: &str,
+        formula: &Formula,
+        scope: &Scope,
+    ) -> Result<Node, SceneError> {
+        self.formulas.parse(&formula.0, scope).map_err(|error| {
+            let hint = error.hint.unwrap_or_else(|| "correct the formula".to_string());
+            SceneError::at(
+                self.source,
+                self.inside(key, &formula.0, error.span),
+                error.message,
+                hint,
+            )
+        })
+    }
+
+    /// Compiles one formula a component; there must be `dimension` of them.
+    pub fn vector(
+        &mut self,
+        key: &str,
+        formulas: &[Formula],
+        dimension: usize,
+        scope: &Scope,
+    ) -> Result<Vec<Node>, SceneError> {
+        if formulas.len() != dimension {
+            let message = format!(
+                "`{}` has {} components in dimension {dimension}",
+                last(key),
+                formulas.len()
+            );
+            return Err(self.error(
+                key,
+                message,
+                format!("give {dimension} formulas, one a component"),
+            ));
+        }
+        formulas
+            .iter()
+            .enumerate()
+            .map(|(index, formula)| self.formula(&format!("{key}.{index}"), formula, scope))
+            .collect()
+    }
+
+    /// The first of the points at which a formula is infinite or undefined, and its value there.
+    pub fn first_not_finite(
+        &self,
+        node: Node,
+        points: impl IntoIterator<Item = Point>,
+    ) -> Option<(Point, f64)> {
+        points
+            .into_iter()
+            .map(|point| (point, self.formulas.evaluate(node, &point)))
+            .find(|(_, value)| !value.is_finite())
+    }
+
+    /// Bytes of a part of a string value; the whole value where escapes break the count.
+    fn inside(&self, key: &str, content: &str, part: Range<usize>) -> Range<usize> {
+        let value = self.spans.value(key);
+        match self.source.text[value.clone()].find(content) {
+            Some(offset) if !content.is_empty() => {
+                let start = value.start + offset;
+                start + part.start..start + part.end
+            }
+            _ => value,
+        }
+    }
+}
+
+/// Evenly spaced numbers, both ends included.
+pub(super) fn evenly(from: f64, to: f64, intervals: u32) -> impl Iterator<Item = f64> + Clone {
+    (0..=intervals).map(move |i| from + (to - from) * f64::from(i) / f64::from(intervals))
+}
+
+/// The last name of a dotted key.
+pub(super) fn last(key: &str) -> &str {
+    key.rsplit('.').find(|part| part.parse::<usize>().is_err()).unwrap_or(key)
+}

@@ -1,0 +1,97 @@
+//! Where a region of the material is: a condition on the place, or a physical group of the mesh file.
+
+use fem::mesh::CoarseMesh;
+use formula::{Graph, Node, Scope, Variable};
+
+use super::data::AXES;
+use super::diagnostic::SceneError;
+use super::domain::{Domain, Shape};
+use super::reading::Reading;
+use super::written;
+
+/// The cells of a region.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// Those whose centroid has a positive value of the formula.
+    Where(Node),
+    /// Those of a region of the mesh, an index into `Mesh::regions`.
+    Physical(u32),
+}
+
+pub(super) fn place(
+    reading: &mut Reading,
+    key: &str,
+    written: &written::Region,
+    domain: &Domain,
+) -> Result<Place, SceneError> {
+    match (&written.condition, &written.physical) {
+        (Some(condition), None) => {
+            let axes = [Variable::X, Variable::Y, Variable::Z];
+            let scope = Scope::new(&axes[..domain.dimension()]);
+            reading.formula(&format!("{key}.where"), condition, &scope).map(Place::Where)
+        }
+        (None, Some(name)) => {
+            let key = format!("{key}.physical");
+            let Shape::Refined(coarse) = &domain.shape else {
+                let message = "physical groups are in mesh files, and the domain is none";
+                let hint = "write where = \"y - 0.5\", or shape = \"mesh\" with a file";
+                return Err(reading.error(&key, message, hint));
+            };
+            let known: Vec<(&str, u32)> =
+                coarse.regions().iter().map(String::as_str).zip(0..).collect();
+            reading.choice(&key, name, &known).map(Place::Physical)
+        }
+        (condition, _) => {
+            let count = if condition.is_some() { "two places" } else { "no place" };
+            let message = format!("the region `{}` has {count}", written.name);
+            let hint = "give either where = \"y - 0.5\", positive inside, or physical = \"name\", a group of the mesh file";
+            Err(reading.error(key, message, hint))
+        }
+    }
+}
+
+/// Barycentric coordinates down to this one count as inside: points on the boundary of the body belong to it.
+const INSIDE: f64 = 1e-9;
+
+impl Place {
+    /// A formula that is positive in the region: of a physical group the largest over its coarse simplices of the
+    /// smallest barycentric coordinate, raised so that points on their faces are inside. On the interface itself two
+    /// regions meet, and either may have its points.
+    pub fn condition(self, graph: &mut Graph, shape: &Shape) -> Node {
+        let (group, coarse) = match (self, shape) {
+            (Place::Where(node), _) => return node,
+            (Place::Physical(_), Shape::Box) => return graph.constant(-1.0),
+            (Place::Physical(group), Shape::Refined(coarse)) => (group, coarse),
+        };
+        let own = (0..coarse.count()).filter(|&simplex| coarse.region_of(simplex) == group);
+        let mut deepest = graph.constant(f64::NEG_INFINITY);
+        for simplex in own {
+            let least = smallest_coordinate(graph, coarse, simplex);
+            deepest = graph.max(deepest, least);
+        }
+        let raised = graph.constant(INSIDE);
+        graph.add(deepest, raised)
+    }
+}
+
+/// min_a λ_a(x) of a coarse simplex.
+fn smallest_coordinate(graph: &mut Graph, coarse: &CoarseMesh, simplex: usize) -> Node {
+    let (corners, d) = (coarse.corners(simplex), coarse.dimension());
+    // Rows of the inverse are the gradients of λ_1, …, λ_d; λ_0 is what they leave of 1.
+    let edges = nalgebra::DMatrix::from_fn(d, d, |i, a| corners[a + 1][i] - corners[0][i]);
+    let inverse = edges.try_inverse().unwrap_or_else(|| nalgebra::DMatrix::zeros(d, d));
+    let mut first = graph.constant(1.0);
+    let mut least = None;
+    for a in 0..d {
+        let at_corner: f64 = (0..d).map(|i| inverse[(a, i)] * corners[0][i]).sum();
+        let mut own = graph.constant(-at_corner);
+        for (i, &axis) in AXES.iter().enumerate().take(d) {
+            let (slope, axis) = (graph.constant(inverse[(a, i)]), graph.variable(axis));
+            let term = graph.mul(slope, axis);
+            own = graph.add(own, term);
+        }
+        first = graph.sub(first, own);
+        least = Some(least.map_or(own, |least| graph.min(least, own)));
+    }
+    least.map_or(first, |least| graph.min(least, first))
+}

@@ -1,0 +1,179 @@
+//! Constants of an abstract problem (docs/THEORY.md, section 1), with respect to ‖·‖_X and its dual norm.
+//!
+//! Forces, and with them the values of S, are measured in X*: ‖y‖² = y·G⁻¹y.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::SetupError;
+use crate::{AbstractScene, Law, Scene};
+use vhi::finite::{ComponentLaw, FiniteModel};
+use vhi::{StepBounds, monotonicity};
+
+/// Constants of (2.5)-(2.11).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AbstractConstants {
+    /// m_A, of strong monotonicity.
+    pub m_a: f64,
+    /// L_A, Lipschitz.
+    pub l_a: f64,
+    /// α_φ of (2.7b).
+    pub alpha_phi: f64,
+    /// β_φ of (2.7b).
+    pub beta_phi: f64,
+    /// α_j of (2.8c).
+    pub alpha_j: f64,
+    /// c_j², the largest eigenvalue of Σ w_i a_i a_iᵀ in X.
+    pub c_j_squared: f64,
+    /// m0 = m_A - α_φ - α_j c_j².
+    pub m0: f64,
+    /// ‖R‖ on X*.
+    pub r_norm: f64,
+    /// ‖q‖ = max over 0 ≤ s ≤ t ≤ T of the norm of q(t, s): X → X*, sampled.
+    pub q_norm: f64,
+    /// ‖q(t, t)‖, the largest over t, sampled.
+    pub q_norm_now: f64,
+}
+
+impl AbstractConstants {
+    /// The same as a bound on the step size. The last slot may act in any direction, so all of it
+    /// counts against the monotonicity of a step.
+    pub fn step_bounds(&self) -> StepBounds {
+        let (lipschitz, now) = (self.r_norm * self.q_norm, self.r_norm * self.q_norm_now);
+        StepBounds {
+            m0: self.m0,
+            beta_phi: self.beta_phi,
+            lipschitz,
+            paper_lipschitz: lipschitz,
+            last_slot: self.beta_phi * now,
+            destabilizing: self.beta_phi * now,
+        }
+    }
+}
+
+/// Samples of component laws, and of kernels in t and s.
+const SAMPLES: u32 = 400;
+const TIMES: u32 = 64;
+/// Components and histories are sampled on [-REACH, REACH].
+const REACH: f64 = 10.0;
+
+/// The constants of an abstract problem.
+///
+/// # Errors
+/// An inner product that is not positive definite.
+pub fn abstract_constants(
+    scene: &Scene,
+    problem: &AbstractScene,
+    model: &FiniteModel,
+) -> Result<AbstractConstants, SetupError> {
+    let gram = SymmetricEigen::new(model.inner_product.clone());
+    let least = gram.eigenvalues.min();
+    if least.is_nan() || least <= 0.0 {
+        let message = format!("the inner product has the eigenvalue {least:.3e}: not positive");
+        let hint = "an inner product is positive definite";
+        return Err(scene.error("space.inner_product", message, hint).into());
+    }
+    let root = |power: f64| -> DMatrix<f64> {
+        let scaled = DMatrix::from_diagonal(&gram.eigenvalues.map(|value| value.powf(power)));
+        &gram.eigenvectors * scaled * gram.eigenvectors.transpose()
+    };
+    let (half, inverse_half) = (root(0.5), root(-0.5));
+    // Operators X → X* and X* → X* as matrices between orthonormal coordinates.
+    let to_dual = |a: &DMatrix<f64>| &inverse_half * a * &inverse_half;
+    let (low, high) = slopes(&model.nonlinear, |law, y, r| law.by_r(y, r));
+    let m = model.dimension();
+    let shifted = model.matrix.clone() + DMatrix::from_diagonal(&padded(&low, m));
+    let symmetric = to_dual(&(0.5 * (&shifted + shifted.transpose())));
+    let bends = to_dual(&DMatrix::from_diagonal(&padded(&largest(&low, &high), m)));
+    let (force_low, force_high) = slopes(&model.force, |law, y, r| law.by_r(y, r));
+    let (history_low, history_high) = slopes(&model.force, |law, y, r| law.by_y(y, r));
+    let beta_phi = if model.force.is_empty() {
+        1.0
+    } else {
+        let slope = DMatrix::from_diagonal(&padded(&largest(&history_low, &history_high), m));
+        norm(&inverse_half) * slope.max() * norm(&half)
+    };
+    let mut trace = DMatrix::zeros(m, m);
+    for functional in &model.functionals {
+        trace += functional.weight * &functional.a * functional.a.transpose();
+    }
+    let alpha_phi = if model.force.is_empty() {
+        0.0
+    } else {
+        norm(&to_dual(&DMatrix::from_diagonal(&padded(&largest(&force_low, &force_high), m))))
+    };
+    let alpha_j = problem.traces.iter().filter_map(|t| t.law.as_ref()).map(Law::alpha);
+    let alpha_j = alpha_j.fold(0.0, f64::max);
+    let c_j_squared = norm(&to_dual(&trace));
+    let m_a = SymmetricEigen::new(symmetric).eigenvalues.min();
+    let m0 = monotonicity(m_a, alpha_phi + alpha_j * c_j_squared);
+    let r_norm = norm(&(&inverse_half * &model.r * &half));
+    let (q_norm, q_norm_now) = kernel_norms(scene.time.horizon, model, to_dual);
+    Ok(AbstractConstants {
+        m_a,
+        l_a: norm(&to_dual(&model.matrix)) + norm(&bends),
+        alpha_phi,
+        beta_phi,
+        alpha_j,
+        c_j_squared,
+        m0,
+        r_norm,
+        q_norm,
+        q_norm_now,
+    })
+}
+
+/// The norm of Σ_l q_l(t, s) Q_l: X → X* at its largest, over s ≤ t and over s = t.
+fn kernel_norms(
+    horizon: f64,
+    model: &FiniteModel,
+    to_dual: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
+) -> (f64, f64) {
+    let m = model.dimension();
+    let at = |t: f64, s: f64| {
+        let mut sum = DMatrix::zeros(m, m);
+        for term in &model.kernels {
+            sum += term.kernel.at(t, s) * &term.matrix;
+        }
+        norm(&to_dual(&sum))
+    };
+    if model.kernels.is_empty() {
+        return (0.0, 0.0);
+    }
+    let time = |i: u32| horizon * f64::from(i) / f64::from(TIMES);
+    let pairs = (0..=TIMES).flat_map(|i| (0..=i).map(move |j| (time(i), time(j))));
+    let all = pairs.map(|(t, s)| at(t, s)).fold(0.0, f64::max);
+    let now = (0..=TIMES).map(|i| at(time(i), time(i))).fold(0.0, f64::max);
+    (all, now)
+}
+
+/// Smallest and largest slope of each component law over the samples.
+fn slopes(
+    laws: &[Box<dyn ComponentLaw>],
+    slope: fn(&dyn ComponentLaw, f64, f64) -> f64,
+) -> (Vec<f64>, Vec<f64>) {
+    let place = |i: u32| REACH * (2.0 * f64::from(i) / f64::from(SAMPLES) - 1.0);
+    laws.iter()
+        .map(|law| {
+            let points = (0..=SAMPLES)
+                .flat_map(|i| (0..=SAMPLES).step_by(20).map(move |j| (place(j), place(i))));
+            points
+                .map(|(y, r)| slope(&**law, y, r))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                    (low.min(value), high.max(value))
+                })
+        })
+        .unzip()
+}
+
+fn largest(low: &[f64], high: &[f64]) -> Vec<f64> {
+    low.iter().zip(high).map(|(low, high)| low.abs().max(high.abs())).collect()
+}
+
+fn padded(values: &[f64], m: usize) -> DVector<f64> {
+    DVector::from_fn(m, |i, _| values.get(i).copied().unwrap_or(0.0))
+}
+
+/// The largest singular value.
+fn norm(a: &DMatrix<f64>) -> f64 {
+    a.singular_values().max()
+}

@@ -1,0 +1,332 @@
+//! An abstract scene made computable: model, exact solution, and what must hold before a solve.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::abstract_constants::{AbstractConstants, abstract_constants};
+use super::regularity::abstract_claims;
+use super::{SetupError, law_numbers, potential, time_grid, time_rule};
+use crate::{AbstractScene, Body, Hypothesis, Scene};
+use exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace};
+use formula::{Graph, Node, Point, Program, Variable};
+use vhi::StepSolver;
+use vhi::finite::{
+    ComponentLaw, FiniteError, FiniteInfo, FiniteKernel, FiniteLoad, FiniteModel, FiniteView,
+    Functional, march,
+};
+use vhi::history::TimeGrid;
+use vhi::law::HistoryKernel;
+
+/// An abstract scene with its model and exact solution.
+pub struct AbstractSetup {
+    /// The scene as validated.
+    pub scene: Scene,
+    /// Its problem.
+    pub problem: AbstractScene,
+    /// Its model.
+    pub model: FiniteModel,
+    /// Its exact solution.
+    pub exact: FiniteExact,
+    /// Its constants.
+    pub constants: AbstractConstants,
+    /// States at times already asked for: grids share their common times.
+    states: Mutex<HashMap<u64, Arc<FiniteState>>>,
+}
+
+impl AbstractSetup {
+    /// Builds model and exact solution, and checks the contact state and (2.9).
+    ///
+    /// # Errors
+    /// The first violated condition, at the key of the scene that states it.
+    pub fn new(scene: Scene) -> Result<Self, SetupError> {
+        let Body::Abstract(problem) = scene.body.clone() else {
+            let message = "a body in contact is no abstract problem";
+            let hint = "this command needs a scene with kind = \"abstract\"";
+            return Err(scene.error("scene.kind", message, hint).into());
+        };
+        let model = model(&scene, &problem);
+        let exact = exact(&scene, &problem).map_err(|error| {
+            let hint = "write u and q by functions that vary on the scale of the horizon";
+            scene.error("exact.u", error.to_string(), hint)
+        })?;
+        let constants = abstract_constants(&scene, &problem, &model)?;
+        let setup = Self { scene, problem, model, exact, constants, states: Mutex::default() };
+        setup.admissible()?;
+        Ok(setup)
+    }
+
+    /// The grid with the given number of steps.
+    pub fn grid(&self, steps: u32) -> TimeGrid {
+        time_grid(&self.scene.time, steps)
+    }
+
+    /// The exact state at time t; computed once.
+    pub fn state(&self, t: f64) -> Arc<FiniteState> {
+        let lock = || self.states.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = lock().get(&t.to_bits()) {
+            return known.clone();
+        }
+        let state = Arc::new(self.exact.at(t));
+        lock().entry(t.to_bits()).or_insert(state).clone()
+    }
+
+    /// Solves the scene with `steps` steps and measures it against the exact solution.
+    ///
+    /// # Errors
+    /// The solver's.
+    pub fn run<S: StepSolver>(&self, steps: u32, solver: &S) -> Result<AbstractRun, FiniteError> {
+        let mut run = AbstractRun::default();
+        let mut observe = |view: &FiniteView<'_>| {
+            let begin = Instant::now();
+            let exact = DVector::from_column_slice(&self.state(view.t).u);
+            run.seconds_truth += begin.elapsed().as_secs_f64();
+            let error = self.model.norm(&(exact - view.u));
+            // A NaN stays: no later error is larger.
+            if !run.error.is_nan() && (error.is_nan() || error > run.error) {
+                run.error = error;
+            }
+            run.u = view.u.as_slice().to_vec();
+            run.history = view.history.as_slice().to_vec();
+            run.pressure = view.pressure.to_vec();
+        };
+        let grid = self.grid(steps);
+        let info = march(&self.model, &grid, &mut AbstractLoad(self), solver, &mut observe)?;
+        Ok(AbstractRun { info, ..run })
+    }
+
+    /// l ≤ a·u ≤ g, λ on the bound alone and of its sign, ξ ∈ ∂j(a·u); m0 > 0.
+    fn admissible(&self) -> Result<(), SetupError> {
+        let m0 = self.constants.m0;
+        if m0 <= 0.0 && !self.scene.violates.contains(&Hypothesis::Smallness) {
+            let c = &self.constants;
+            let message = format!(
+                "the smallness condition (2.9) fails: m0 = m_A - alpha_phi - alpha_j c_j^2 = {:.4} - {:.4} - {:.4} * {:.4} = {m0:.4}",
+                c.m_a, c.alpha_phi, c.alpha_j, c.c_j_squared
+            );
+            let hint = "enlarge the matrix of the operator; or say violates = [\"2.9\"] in [scene] to run it all the same";
+            return Err(self.scene.error("operator.matrix", message, hint).into());
+        }
+        let times = (0..=TIMES).map(|n| self.scene.time.horizon * f64::from(n) / f64::from(TIMES));
+        // What rounding is relative to: the largest a_i·u and ξ_i at any time.
+        let mut sizes = vec![[0.0f64; 2]; self.problem.traces.len()];
+        for t in times.clone() {
+            let state = self.state(t);
+            let own = state.traces.iter().zip(&state.selection);
+            for (size, (r, xi)) in sizes.iter_mut().zip(own) {
+                *size = [size[0].max(r.abs()), size[1].max(xi.abs())];
+            }
+        }
+        for t in times {
+            self.contact_state(t, &sizes)?;
+        }
+        abstract_claims(self)
+    }
+
+    fn contact_state(&self, t: f64, sizes: &[[f64; 2]]) -> Result<(), SetupError> {
+        let state = self.state(t);
+        if let Some(value) = state.load.iter().find(|value| !value.is_finite()) {
+            let message = format!("the load of the exact solution is {value} at t = {t:.4}");
+            let hint = "u, its history and the operator must be finite on [0, T]";
+            return Err(self.scene.error("exact.u", message, hint).into());
+        }
+        for (i, trace) in self.problem.traces.iter().enumerate() {
+            let (r, xi, lambda) = (state.traces[i], state.selection[i], state.multiplier[i]);
+            let slack = ROUNDING * sizes[i][0];
+            let at = |key: &str, message: String, hint: &str| {
+                Err(self.scene.error(key, format!("{message}, t = {t:.4}"), hint).into())
+            };
+            if r > trace.upper + slack || r < trace.lower - slack {
+                let message = format!("a_{i}·u = {r:.6} leaves [{}, {}]", trace.lower, trace.upper);
+                return at("exact.u", message, "keep u in K, or widen the bounds");
+            }
+            let (above, below) = (r >= trace.upper - slack, r <= trace.lower + slack);
+            if (lambda > 0.0 && !above) || (lambda < 0.0 && !below) || lambda.is_nan() {
+                let message = format!("the multiplier is {lambda:.3e} where a_{i}·u = {r:.6}");
+                let hint = "λ > 0 on the upper bound, λ < 0 on the lower one, 0 between";
+                return at(&format!("exact.multiplier.{i}"), message, hint);
+            }
+            let (lo, hi) = self.model.functionals[i].potential.subdifferential(r);
+            let slack = ROUNDING * lo.abs().max(hi.abs()).max(sizes[i][1]);
+            if !(xi >= lo - slack && xi <= hi + slack) {
+                let message = format!("xi = {xi:.6} is not in [{lo:.6}, {hi:.6}] = ∂j({r:.6})");
+                let hint = "state exact.selection within the interval of the law";
+                return at(&format!("exact.selection.{i}"), message, hint);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Times at which the exact state is checked.
+const TIMES: u32 = 64;
+/// Rounding of formulas, relative to the size of the numbers compared.
+const ROUNDING: f64 = 1e-9;
+
+/// What a run of an abstract scene gave.
+#[derive(Debug, Clone, Default)]
+pub struct AbstractRun {
+    /// Counters and floor.
+    pub info: FiniteInfo,
+    /// max_n ‖u(t_n) - u_n^k‖_X.
+    pub error: f64,
+    /// u_N.
+    pub u: Vec<f64>,
+    /// S_N^k u.
+    pub history: Vec<f64>,
+    /// ξ_i + λ_i at t_N, one a functional.
+    pub pressure: Vec<f64>,
+    /// Seconds in exact states.
+    pub seconds_truth: f64,
+}
+
+/// f(t) of the exact solution.
+pub struct AbstractLoad<'a>(pub &'a AbstractSetup);
+
+impl FiniteLoad for AbstractLoad<'_> {
+    fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError> {
+        let state = self.0.state(t);
+        match state.load.iter().position(|value| !value.is_finite()) {
+            Some(component) => {
+                Err(FiniteError::Load { component, value: state.load[component], t })
+            }
+            None => Ok(DVector::from_column_slice(&state.load)),
+        }
+    }
+}
+
+/// A formula in y and r with its derivatives.
+struct FormulaComponent {
+    graph: Arc<Graph>,
+    value: Node,
+    by_y: Node,
+    by_r: Node,
+}
+
+impl FormulaComponent {
+    fn evaluate(&self, node: Node, y: f64, r: f64) -> f64 {
+        self.graph.evaluate(node, &Point { x: r, y, ..Point::default() })
+    }
+}
+
+impl ComponentLaw for FormulaComponent {
+    fn value(&self, y: f64, r: f64) -> f64 {
+        self.evaluate(self.value, y, r)
+    }
+
+    fn by_y(&self, y: f64, r: f64) -> f64 {
+        self.evaluate(self.by_y, y, r)
+    }
+
+    fn by_r(&self, y: f64, r: f64) -> f64 {
+        self.evaluate(self.by_r, y, r)
+    }
+}
+
+/// A formula q(t, s).
+struct FormulaKernel {
+    graph: Arc<Graph>,
+    node: Node,
+    program: Program,
+}
+
+impl HistoryKernel for FormulaKernel {
+    fn at(&self, t: f64, s: f64) -> f64 {
+        self.graph.evaluate(self.node, &Point { x: s, t, ..Point::default() })
+    }
+
+    fn row(&self, t: f64, s: &[f64]) -> Vec<f64> {
+        let points: Vec<[f64; 3]> = s.iter().map(|&s| [s, 0.0, 0.0]).collect();
+        let mut values = vec![Vec::new()];
+        self.program.bind(&points).evaluate(t, 0.0, &mut values);
+        values.swap_remove(0)
+    }
+}
+
+/// A matrix from its rows.
+pub(super) fn dense(rows: &[Vec<f64>]) -> DMatrix<f64> {
+    DMatrix::from_fn(rows.len(), rows.len(), |i, j| rows[i][j])
+}
+
+fn model(scene: &Scene, problem: &AbstractScene) -> FiniteModel {
+    let mut graph = scene.formulas.clone();
+    let mut derivatives = |nodes: &Option<Vec<Node>>| -> Vec<[Node; 3]> {
+        let list = nodes.iter().flatten();
+        list.map(|&f| [f, graph.derivative(f, Variable::Y), graph.derivative(f, Variable::X)])
+            .collect()
+    };
+    let (nonlinear, force) = (derivatives(&problem.nonlinear), derivatives(&problem.force));
+    let programs: Vec<Program> = problem
+        .kernels
+        .iter()
+        .map(|kernel| Program::compile(&mut graph, &[kernel.q], scene.time.horizon))
+        .collect();
+    let graph = Arc::new(graph);
+    let components = |nodes: &[[Node; 3]]| -> Vec<Box<dyn ComponentLaw>> {
+        nodes
+            .iter()
+            .map(|&[value, by_y, by_r]| {
+                let graph = graph.clone();
+                Box::new(FormulaComponent { graph, value, by_y, by_r }) as Box<dyn ComponentLaw>
+            })
+            .collect()
+    };
+    FiniteModel {
+        inner_product: dense(&problem.inner_product),
+        matrix: dense(&problem.matrix),
+        nonlinear: components(&nonlinear),
+        kernels: problem
+            .kernels
+            .iter()
+            .zip(programs)
+            .map(|(kernel, program)| FiniteKernel {
+                kernel: Box::new(FormulaKernel { graph: graph.clone(), node: kernel.q, program }),
+                matrix: dense(&kernel.matrix),
+            })
+            .collect(),
+        r: dense(&problem.r),
+        a_s: DVector::from_column_slice(&problem.a_s),
+        force: components(&force),
+        functionals: problem
+            .traces
+            .iter()
+            .map(|trace| Functional {
+                a: DVector::from_column_slice(&trace.functional),
+                weight: trace.weight,
+                potential: potential(trace.law.as_ref()),
+                upper: trace.upper,
+                lower: trace.lower,
+            })
+            .collect(),
+        time_rule: time_rule(&scene.time),
+    }
+}
+
+fn exact(scene: &Scene, problem: &AbstractScene) -> Result<FiniteExact, exact::Unresolved> {
+    let one = |list: &Option<Vec<Node>>, i: usize| list.as_ref().map(|list| list[i]);
+    FiniteExact::new(FiniteData {
+        graph: scene.formulas.clone(),
+        matrix: problem.matrix.clone(),
+        nonlinear: problem.nonlinear.clone().unwrap_or_default(),
+        kernels: problem.kernels.iter().map(|k| (k.q, k.matrix.clone())).collect(),
+        r: problem.r.clone(),
+        a_s: problem.a_s.clone(),
+        force: problem.force.clone().unwrap_or_default(),
+        traces: problem
+            .traces
+            .iter()
+            .enumerate()
+            .map(|(i, trace)| FiniteTrace {
+                functional: trace.functional.clone(),
+                weight: trace.weight,
+                law: trace.law.as_ref().map(law_numbers),
+                multiplier: one(&problem.multiplier, i),
+                selection: one(&problem.selection, i),
+            })
+            .collect(),
+        u: problem.u.clone(),
+        horizon: scene.time.horizon,
+    })
+}

@@ -1,0 +1,198 @@
+//! What a scene must satisfy before anything is solved, beyond what its text shows: the exact
+//! solution meets its own conditions, and the smallness condition (2.9) holds.
+
+use super::regularity::contact_claims;
+use super::{Setup, SetupError, constants};
+use crate::{Face, Hypothesis, SceneError, Side};
+use exact::Exact;
+use formula::{Point, Program};
+use vhi::law::Potential;
+
+/// Samples along an edge, along each direction of a face, and in time.
+const ALONG: u32 = 64;
+const ON_FACE: u32 = 16;
+const TIMES: u32 = 32;
+/// Rounding of formulas, relative to the size of the numbers compared.
+const ROUNDING: f64 = 1e-9;
+
+/// Checks exact data, (2.9), and that what the scene claims to violate is violated.
+///
+/// # Errors
+/// The first violated condition, at the key of the scene that states it.
+pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
+    representable(setup)?;
+    smallness(setup)?;
+    if let Some(exact) = &setup.exact {
+        clamped(setup, exact)?;
+        let domain = &setup.body.domain;
+        for face in domain.contact.iter().flat_map(|&side| domain.faces(side)) {
+            contact_state(setup, exact, &face)?;
+        }
+    }
+    contact_claims(setup)
+}
+
+/// |Ω| whose parts on any mesh of this program are doubles, with 1e-7 to spare at either end.
+const MEASURES: std::ops::RangeInclusive<f64> = 1e-301..=1e301;
+/// Moduli whose products with strains of any unit are.
+const MODULI: std::ops::RangeInclusive<f64> = 1e-152..=1e152;
+
+/// Measures and moduli are doubles with their products: lengths within 1e±150 in the plane, 1e±100 in space.
+fn representable(setup: &Setup) -> Result<(), SetupError> {
+    let (scene, domain) = (&setup.scene, &setup.body.domain);
+    let measure = domain.measure();
+    if !MEASURES.contains(&measure) {
+        let message =
+            format!("the measure of the domain is {measure:.1e}, outside 1e-301 to 1e301");
+        let hint = "state the scene in another unit of length: lengths within 1e-150 to 1e150 in the plane, 1e-100 to 1e100 in space";
+        return Err(scene.error("domain", message, hint).into());
+    }
+    let (_, largest) = setup.model.elasticity.eigenvalues(scene.dimension);
+    if !MODULI.contains(&largest) {
+        let message = format!("the stiffest modulus is {largest:.1e}, outside 1e-152 to 1e152");
+        let hint = "state the scene in another unit of stress";
+        return Err(scene.error("material", message, hint).into());
+    }
+    Ok(())
+}
+
+/// (2.9): α_ν c_j² < m_𝒜.
+fn smallness(setup: &Setup) -> Result<(), SetupError> {
+    let scene = &setup.scene;
+    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    if law.is_none_or(|law| law.alpha() == 0.0) || scene.violates.contains(&Hypothesis::Smallness) {
+        return Ok(());
+    }
+    let constants = constants(setup)?;
+    if constants.m0 > 0.0 {
+        return Ok(());
+    }
+    let message = format!(
+        "the smallness condition (2.9) fails: alpha_nu c_j^2 = {:.4} * {:.4} = {:.4} is not below m_A = {:.4}",
+        constants.alpha_nu,
+        constants.c_j_squared,
+        constants.alpha_nu * constants.c_j_squared,
+        constants.m_elastic
+    );
+    let hint = "flatten the falling branch of the law or stiffen the body; or say violates = [\"2.9\"] in [scene] to run it all the same";
+    Err(scene.error("contact.law", message, hint).into())
+}
+
+fn side_points(setup: &Setup, side: Side) -> Vec<[f64; 3]> {
+    setup.body.domain.points_on(side, samples_along(setup))
+}
+
+fn samples_along(setup: &Setup) -> u32 {
+    if setup.scene.dimension == 2 { ALONG } else { ON_FACE }
+}
+
+/// Calls `visit` with place, time and the values of all outputs at every sample.
+fn visit(
+    program: &Program,
+    outputs: usize,
+    points: &[[f64; 3]],
+    horizon: f64,
+    mut visit: impl FnMut(&Point, &[f64]) -> Result<(), SetupError>,
+) -> Result<(), SetupError> {
+    let mut bound = program.bind(points);
+    let mut values = vec![Vec::new(); outputs];
+    for n in 0..=TIMES {
+        let t = horizon * f64::from(n) / f64::from(TIMES);
+        bound.evaluate(t, 0.0, &mut values);
+        for (p, &[x, y, z]) in points.iter().enumerate() {
+            let at: Vec<f64> = values.iter().map(|field| field[p]).collect();
+            visit(&Point { x, y, z, t, zeta: 0.0 }, &at)?;
+        }
+    }
+    Ok(())
+}
+
+fn place(setup: &Setup, at: &Point) -> String {
+    let coordinates = [at.x, at.y, at.z].map(|x| format!("{x:.4}"));
+    format!("at ({}), t = {:.4}", coordinates[..setup.scene.dimension].join(", "), at.t)
+}
+
+/// u = 0 on Γ1.
+fn clamped(setup: &Setup, exact: &Exact) -> Result<(), SetupError> {
+    let (horizon, count) = (setup.scene.time.horizon, exact.data.u.len());
+    let mut graph = exact.data.graph.clone();
+    let program = Program::compile(&mut graph, &exact.data.u, horizon);
+    let mut size = 0.0f64;
+    visit(&program, count, &interior(setup), horizon, |_, u| {
+        size = u.iter().fold(size, |size, u| size.max(u.abs()));
+        Ok(())
+    })?;
+    let allowed = ROUNDING * size.max(f64::MIN_POSITIVE);
+    for &side in &setup.body.domain.clamped {
+        visit(&program, count, &side_points(setup, side), horizon, |at, u| {
+            let Some(component) = u.iter().position(|u| u.is_nan() || u.abs() > allowed) else {
+                return Ok(());
+            };
+            let key = format!("exact.u.{component}");
+            let value = u[component];
+            let message = format!(
+                "the exact displacement is {value:.3e} {} on a clamped side",
+                place(setup, at)
+            );
+            let hint = "multiply it by a function that vanishes there, such as (1 - y)";
+            Err(setup.scene.error(&key, message, hint).into())
+        })?;
+    }
+    Ok(())
+}
+
+fn interior(setup: &Setup) -> Vec<[f64; 3]> {
+    setup.body.domain.inner_points(6)
+}
+
+/// u_ν ≤ g, λ ≥ 0, λ(g - u_ν) = 0, ξ ∈ ∂j_ν(u_ν) on a plane piece of Γ3.
+fn contact_state(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError> {
+    let formulas = exact.boundary(&face.normal[..setup.scene.dimension]);
+    let (points, horizon) = (face.points(samples_along(setup)), setup.scene.time.horizon);
+    visit(&formulas.program, 5, &points, horizon, |at, values| {
+        let &[u_nu, _, gap, xi, lambda] = values else { return Ok(()) };
+        let scene = &setup.scene;
+        if lambda.is_nan() || lambda < 0.0 {
+            let message = format!(
+                "the multiplier is {lambda:.3e} {}: it must not be negative",
+                place(setup, at)
+            );
+            let hint = "a multiplier is a pressure: lambda >= 0, and it vanishes where u_nu < g";
+            return Err(scene.error("exact.multiplier", message, hint).into());
+        }
+        if u_nu.is_nan() || u_nu - gap > ROUNDING * gap.abs().max(f64::MIN_POSITIVE) {
+            let message = format!(
+                "the exact solution violates u_nu <= g: u_nu = {u_nu:.6}, g = {gap:.6} {}",
+                place(setup, at)
+            );
+            let hint = "lower the displacement on the contact side or raise the gap";
+            return Err(scene.error("exact.u", message, hint).into());
+        }
+        if gap.is_finite() && lambda > 0.0 && gap - u_nu > ROUNDING * gap.abs() {
+            let message = format!(
+                "the multiplier is {lambda:.3e} where u_nu = {u_nu:.6} is below g = {gap:.6}, {}",
+                place(setup, at)
+            );
+            let hint = "complementarity: lambda (u_nu - g) = 0, so lambda > 0 only where u_nu = g";
+            return Err(scene.error("exact.multiplier", message, hint).into());
+        }
+        Ok(selection(setup, at, u_nu, xi)?)
+    })
+}
+
+/// ξ ∈ ∂j_ν(u_ν - s), where the scene states ξ.
+fn selection(setup: &Setup, at: &Point, u_nu: f64, xi: f64) -> Result<(), SceneError> {
+    let Some(boundary) = &setup.model.boundary else { return Ok(()) };
+    let x = [at.x, at.y, at.z];
+    let (lo, hi) = boundary.potential_at(x).subdifferential(u_nu - (boundary.shift)(x));
+    let slack = ROUNDING * lo.abs().max(hi.abs()).max(f64::MIN_POSITIVE);
+    if xi >= lo - slack && xi <= hi + slack {
+        return Ok(());
+    }
+    let message = format!(
+        "xi = {xi:.6} is not in the subdifferential [{lo:.6}, {hi:.6}] at u_nu = {u_nu:.6}, {}",
+        place(setup, at)
+    );
+    let hint = "state exact.selection within the interval of the law at u_nu - shift";
+    Err(setup.scene.error("exact.selection", message, hint))
+}

@@ -1,0 +1,189 @@
+//! Constants of the contact problem (section 5 of the paper) that its step size depends on.
+
+use super::trace_family::{TraceFamily, trace_family};
+use super::{Setup, SetupError, elasticity, memory_tensor};
+use crate::Domain;
+use fem::contact::TraceMass;
+use formula::{Node, Point};
+use vhi::law::TensorField;
+use vhi::{StepBounds, monotonicity};
+
+/// Constants that the step-size bound and the smallness condition need.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Constants {
+    /// m_𝒜, smallest eigenvalue of 𝒜 on S^d (a stress).
+    pub m_elastic: f64,
+    /// m_A = m_𝒜 + μ.
+    pub m_a: f64,
+    /// L_A = largest eigenvalue of 𝒜, plus μ.
+    pub l_a: f64,
+    /// α_φ = μ.
+    pub alpha_phi: f64,
+    /// α_ν of (2.8c) (a stiffness).
+    pub alpha_nu: f64,
+    /// c_j² (a length): extrapolated from meshes, no bound.
+    pub c_j_squared: f64,
+    /// A proved upper bound of c_j²: the distance of Γ3 from a clamped parallel side.
+    pub c_j_squared_bound: Option<f64>,
+    /// m0 = m_𝒜 - α_ν c_j² with the extrapolated c_j².
+    pub m0: f64,
+    /// L_κ.
+    pub lipschitz_kappa: f64,
+    /// √|Ω|.
+    pub root_area: f64,
+    /// μ L_κ √|Ω|.
+    pub yielding: f64,
+    /// β_φ = max(μ L_κ √|Ω|, 1).
+    pub beta_phi: f64,
+    /// ℬ(t) on [0, T].
+    pub memory: MemoryNorms,
+}
+
+/// Norms of the relaxation tensor.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct MemoryNorms {
+    /// max over [0, T] of the operator norm of ℬ(t) on S^d.
+    pub operator: f64,
+    /// max over [0, T] of the sum of the moduli of all entries, the paper's norm of Q_∞.
+    pub entries: f64,
+    /// Operator norm of ℬ(0).
+    pub at_zero: f64,
+    /// Smallest eigenvalue of ℬ(0) on S^d, and the largest.
+    pub spectrum_at_zero: (f64, f64),
+}
+
+impl Constants {
+    /// The same as a bound on the step size.
+    pub fn step_bounds(&self) -> StepBounds {
+        StepBounds {
+            m0: self.m0,
+            beta_phi: self.beta_phi,
+            lipschitz: 1.0 + self.memory.operator,
+            paper_lipschitz: 1.0 + self.memory.entries,
+            last_slot: self.yielding + self.memory.at_zero,
+            destabilizing: self.yielding + (-self.memory.spectrum_at_zero.0).max(0.0),
+        }
+    }
+}
+
+/// The finest mesh on which c_j² is computed before extrapolation, in the plane and in space, where the cost of a level is
+/// that of a plane one four times as fine.
+const FINEST: [u32; 2] = [32, 8];
+/// More cells than this it has not, where a coarser one does: some 60 MB with its factor, and the iterates of an eigenvalue beside them.
+const MOST_CELLS: [f64; 2] = [65_536.0, 32_768.0];
+/// Samples of the kernel on [0, T].
+const KERNEL_SAMPLES: u32 = 512;
+
+/// The constants of a scene.
+///
+/// # Errors
+/// A mesh whose stiffness matrix cannot be factorized.
+pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
+    let domain = &setup.body.domain;
+    let c_j_squared =
+        if domain.contact.is_empty() { 0.0 } else { strain_trace_family(setup)?.limit };
+    Ok(with_trace_constant(setup, c_j_squared))
+}
+
+/// The constants that decide on a step size: c_j² is computed only if the law falls somewhere.
+///
+/// # Errors
+/// A mesh whose stiffness matrix cannot be factorized.
+pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
+    let c_j_squared = if alpha_nu(setup) == 0.0 { 0.0 } else { strain_trace_family(setup)?.limit };
+    Ok(with_trace_constant(setup, c_j_squared).step_bounds())
+}
+
+/// The constants of a scene with a given c_j².
+pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
+    let scene = &setup.scene;
+    let material = &setup.body.material;
+    let (m_elastic, largest) = elasticity(material).eigenvalues(scene.dimension);
+    let mu = setup.projection_mu();
+    let alpha_nu = alpha_nu(setup);
+    let lipschitz_kappa =
+        material.projection.as_ref().map_or(0.0, |projection| projection.lipschitz);
+    let root_area = setup.body.domain.measure().sqrt();
+    // Without projection nothing depends on κ, whatever its slope.
+    let yielding = if mu == 0.0 { 0.0 } else { mu * lipschitz_kappa * root_area };
+    Constants {
+        m_elastic,
+        m_a: m_elastic + mu,
+        l_a: largest + mu,
+        alpha_phi: mu,
+        alpha_nu,
+        c_j_squared,
+        c_j_squared_bound: proved_bound(setup),
+        m0: monotonicity(m_elastic, alpha_nu * c_j_squared),
+        lipschitz_kappa,
+        root_area,
+        yielding,
+        beta_phi: yielding.max(1.0),
+        memory: memory_norms(setup),
+    }
+}
+
+pub(super) fn alpha_nu(setup: &Setup) -> f64 {
+    let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
+    law.map_or(0.0, crate::Law::alpha)
+}
+
+fn memory_norms(setup: &Setup) -> MemoryNorms {
+    let scene = &setup.scene;
+    let d = scene.dimension;
+    let terms: Vec<(Node, TensorField)> = setup
+        .body
+        .material
+        .memory
+        .iter()
+        .map(|memory| (memory.kernel, memory_tensor(memory)))
+        .collect();
+    // ℬ(t) = Σ b_i(t) ℬ_i.
+    let relaxation = |t: f64| {
+        let at = Point { t, ..Point::default() };
+        let b = |kernel: Node| scene.formulas.evaluate(kernel, &at);
+        let (first, others) = terms.split_first()?;
+        let start = first.1.scaled(b(first.0));
+        Some(others.iter().fold(start, |sum, (kernel, tensor)| sum.plus(b(*kernel), tensor, d)))
+    };
+    let Some(at_zero) = relaxation(0.0) else { return MemoryNorms::default() };
+    let step = scene.time.horizon / f64::from(KERNEL_SAMPLES);
+    let (mut operator, mut entries) = (0f64, 0f64);
+    for tensor in (0..=KERNEL_SAMPLES).filter_map(|i| relaxation(step * f64::from(i))) {
+        operator = operator.max(tensor.norm(d));
+        entries = entries.max(tensor.entry_sum(d));
+    }
+    MemoryNorms {
+        operator,
+        entries,
+        at_zero: at_zero.norm(d),
+        spectrum_at_zero: at_zero.eigenvalues(d),
+    }
+}
+
+/// If the lines from Γ3, one plane piece, into the body end on a clamped side after at most H, then for
+/// v = 0 there |v_ν(x, 0)|² ≤ H ∫_0^H |∂_y v_y|² dy, so c_j² ≤ H.
+///
+/// On the structured mesh of a rectangle the vertex rule obeys it too: ∂_y v_y is constant on the vertical edges,
+/// each triangle has one of them (a tetrahedron as well), and h times the sum over edges with the vertex weights is the
+/// integral over Ω.
+fn proved_bound(setup: &Setup) -> Option<f64> {
+    setup.body.domain.depth_under_contact()
+}
+
+/// The meshes of the extrapolated c_j², each twice as fine as the one before: three of them, or fewer on a domain of so
+/// many cells that the coarsest mesh of all is not far below `MOST_CELLS`.
+pub fn trace_levels(domain: &Domain) -> Vec<u32> {
+    let place = usize::from(domain.dimension() == 3);
+    let mut finest = FINEST[place];
+    while finest > 1 && domain.cells(finest) > MOST_CELLS[place] {
+        finest /= 2;
+    }
+    [finest / 4, finest / 2, finest].into_iter().filter(|&n| n > 0).collect()
+}
+
+fn strain_trace_family(setup: &Setup) -> Result<TraceFamily, SetupError> {
+    let levels = trace_levels(&setup.body.domain);
+    // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
+    trace_family(setup, &TensorField::identity(), TraceMass::Consistent, &levels)
+}

@@ -1,0 +1,43 @@
+//! The contraction factor of the decomposition of Remark 3, bounded from the scene's constants.
+
+use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
+use fem::contact::{Discretization, TraceMass, trace_constant};
+use vhi::law::TensorField;
+
+/// α_ν c_j²/m on this mesh and grid, with m = m_𝒜 - (k/2)(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))) and c_j² by
+/// the lumped trace mass; below one exactly if the step satisfies (2.9) with these constants. Infinite
+/// where m ≤ 0, 0 for a convex j. The weight of the last slot is the trapezoidal rule's.
+///
+/// # Errors
+/// [`SetupError::Constant`].
+pub fn decomposition_bound(
+    setup: &Setup,
+    space: &Discretization,
+    n: u32,
+    steps: u32,
+) -> Result<f64, SetupError> {
+    if constants::alpha_nu(setup) == 0.0 {
+        return Ok(0.0);
+    }
+    let c_j = trace_constant(space, &TensorField::identity(), TraceMass::Lumped)
+        .map_err(|source| SetupError::Constant { n, source })?;
+    let constants = with_trace_constant(setup, c_j.value);
+    let destabilizing = constants.step_bounds().destabilizing;
+    let m = constants.m_elastic - 0.5 * setup.grid(steps).largest_step() * destabilizing;
+    Ok(quotient(constants.alpha_nu * c_j.value, m))
+}
+
+/// The same for an abstract problem: α_j c_j²/(m_A - α_φ - (k/2) β_φ‖R‖‖q(t,t)‖).
+pub fn abstract_decomposition_bound(setup: &AbstractSetup, steps: u32) -> f64 {
+    let c = &setup.constants;
+    let last = 0.5 * setup.grid(steps).largest_step() * c.step_bounds().destabilizing;
+    quotient(c.alpha_j * c.c_j_squared, c.m_a - c.alpha_phi - last)
+}
+
+fn quotient(above: f64, m: f64) -> f64 {
+    match (above == 0.0, m > 0.0) {
+        (true, _) => 0.0,
+        (false, true) => above / m,
+        (false, false) => f64::INFINITY,
+    }
+}

@@ -1,0 +1,73 @@
+//! Scene formulas as components of the solver's model.
+
+use std::sync::Arc;
+
+use formula::{Graph, Node, Point, Variable};
+use vhi::law::{MemoryKernel, YieldLimit};
+
+/// b(t) by a formula in t.
+pub struct KernelFormula {
+    graph: Arc<Graph>,
+    node: Node,
+}
+
+impl KernelFormula {
+    /// The kernel that `node` of `graph` states.
+    pub fn new(graph: Arc<Graph>, node: Node) -> Self {
+        Self { graph, node }
+    }
+}
+
+impl MemoryKernel for KernelFormula {
+    fn value(&self, lag: f64) -> f64 {
+        self.graph.evaluate(self.node, &Point { t: lag, ..Point::default() })
+    }
+}
+
+/// κ(ζ) by a formula in ζ, with its exact derivative.
+pub struct YieldFormula {
+    graph: Graph,
+    value: Node,
+    slope: Node,
+}
+
+impl YieldFormula {
+    /// The limit that `node` of `graph` states.
+    pub fn new(graph: &Graph, node: Node) -> Self {
+        let mut graph = graph.clone();
+        let slope = graph.derivative(node, Variable::Zeta);
+        Self { graph, value: node, slope }
+    }
+}
+
+impl YieldLimit for YieldFormula {
+    fn value(&self, zeta: f64) -> f64 {
+        self.graph.evaluate(self.value, &Point { zeta, ..Point::default() })
+    }
+
+    fn slope(&self, zeta: f64) -> f64 {
+        self.graph.evaluate(self.slope, &Point { zeta, ..Point::default() })
+    }
+}
+
+/// g or s on Γ3 by a formula in x, with the value where there is none.
+pub struct GapFormula {
+    graph: Arc<Graph>,
+    node: Option<Node>,
+    absent: f64,
+}
+
+impl GapFormula {
+    /// The function that `node` states, or the constant `absent`.
+    pub fn new(graph: Arc<Graph>, node: Option<Node>, absent: f64) -> Self {
+        Self { graph, node, absent }
+    }
+
+    /// As the model holds it.
+    pub fn boxed(self) -> Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> {
+        Box::new(move |[x, y, z]| match self.node {
+            Some(node) => self.graph.evaluate(node, &Point { x, y, z, ..Point::default() }),
+            None => self.absent,
+        })
+    }
+}

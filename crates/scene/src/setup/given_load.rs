@@ -1,0 +1,215 @@
+//! Loads given as formulas f0, f2, and the reference run that stands for their solution.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use crate::Side;
+use exact::Truth;
+use fem::contact::{Discretization, LoadError, facet_measure};
+use fem::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
+use fem::space::quadrature::TruthRules;
+use formula::{Graph, Node, Point, Program};
+
+/// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.
+///
+/// Formulas that separate give few vectors F_i, assembled once; a formula that does not is
+/// assembled at each time.
+pub struct GivenLoad {
+    graph: Graph,
+    horizon: f64,
+    /// The a_i and F_i.
+    factors: Vec<Node>,
+    basis: Vec<Vec<f64>>,
+    /// Terms that do not separate.
+    rest: Vec<Term>,
+    rules: TruthRules,
+}
+
+/// Where a load acts.
+#[derive(Clone, Copy)]
+enum Part {
+    Body,
+    Side(u32),
+}
+
+impl GivenLoad {
+    /// The load of `body` and `traction` formulas on `space`.
+    pub fn new(
+        graph: &Graph,
+        horizon: f64,
+        body: &[Node],
+        traction: &[(Side, Vec<Node>)],
+        space: &Discretization,
+        rules: &TruthRules,
+    ) -> Self {
+        let mut load = Self {
+            graph: graph.clone(),
+            horizon,
+            factors: Vec::new(),
+            basis: Vec::new(),
+            rest: Vec::new(),
+            rules: rules.clone(),
+        };
+        let sides =
+            traction.iter().map(|(side, formulas)| (Part::Side(side.0), formulas.as_slice()));
+        for (part, formulas) in std::iter::once((Part::Body, body)).chain(sides) {
+            for (component, &formula) in formulas.iter().enumerate() {
+                load.add(part, component, formula, space);
+            }
+        }
+        load
+    }
+
+    fn add(&mut self, part: Part, component: usize, formula: Node, space: &Discretization) {
+        if self.graph.value_of_constant(formula) == Some(0.0) {
+            return;
+        }
+        let term = |graph: &mut Graph, formula, horizon| {
+            let program = Program::compile(graph, &[formula], horizon);
+            Term { part, component, program }
+        };
+        let Some(terms) = self.graph.separate(formula) else {
+            self.rest.push(term(&mut self.graph, formula, self.horizon));
+            return;
+        };
+        for (factor, shape) in terms {
+            let index = self.factors.iter().position(|&known| known == factor);
+            let index = index.unwrap_or_else(|| {
+                self.factors.push(factor);
+                self.basis.push(vec![0.0; space.nodes.len()]);
+                self.factors.len() - 1
+            });
+            let shape = term(&mut self.graph, shape, self.horizon);
+            shape.add_to(0.0, space, &self.rules, &mut self.basis[index]);
+        }
+    }
+
+    /// The values a_i(t).
+    pub fn factors_at(&self, t: f64, out: &mut [f64]) {
+        let at = Point { t, ..Point::default() };
+        for (value, &factor) in out.iter_mut().zip(&self.factors) {
+            *value = self.graph.evaluate(factor, &at);
+        }
+    }
+
+    /// The vectors F_i over all nodes, if nothing else is left.
+    pub fn basis(&self) -> Option<&[Vec<f64>]> {
+        self.rest.is_empty().then_some(self.basis.as_slice())
+    }
+
+    fn at(&self, t: f64, space: &Discretization) -> Result<Vec<f64>, LoadError> {
+        let mut factors = vec![0.0; self.factors.len()];
+        self.factors_at(t, &mut factors);
+        let mut force = vec![0.0; space.nodes.len()];
+        for (vector, factor) in self.basis.iter().zip(&factors) {
+            algebra::linalg::axpy(*factor, vector, &mut force);
+        }
+        for term in &self.rest {
+            term.add_to(t, space, &self.rules, &mut force);
+        }
+        force.truncate(space.dofs());
+        if let Some(dof) = force.iter().position(|f| !f.is_finite()) {
+            let vertex = space.nodes.vertex[dof / space.nodes.dimension];
+            let place = space.mesh.vertex(vertex).to_vec();
+            let what = "the load near a vertex".to_string();
+            return Err(LoadError::NotFinite { what, value: force[dof], place, t });
+        }
+        Ok(force)
+    }
+}
+
+/// ∫ f v_component over a part of the body or its boundary, with f compiled.
+struct Term {
+    part: Part,
+    component: usize,
+    program: Program,
+}
+
+impl Term {
+    /// Adds the integral at time t to a nodal vector.
+    fn add_to(&self, t: f64, space: &Discretization, rules: &TruthRules, force: &mut [f64]) {
+        let mesh = &space.mesh;
+        let (rule, simplices): (_, Vec<(&[u32], f64)>) = match self.part {
+            Part::Body => {
+                let cells = 0..mesh.cell_count();
+                let sized = cells.map(|c| (mesh.cell(c), space.geometry.measure[c]));
+                (&rules.load, sized.collect())
+            }
+            Part::Side(side) => {
+                let sides = [side];
+                let sized = mesh.facets_on(&sides).map(|f| (mesh.facet(f), facet_measure(mesh, f)));
+                (&rules.traction, sized.collect())
+            }
+        };
+        let points: Vec<[f64; 3]> = simplices
+            .iter()
+            .flat_map(|(simplex, _)| rule.points.iter().map(|b| mesh.point(simplex, b)))
+            .collect();
+        let mut out = vec![Vec::new()];
+        self.program.bind(&points).evaluate(t, 0.0, &mut out);
+        let count = rule.weights.len();
+        for (s, (simplex, measure)) in simplices.iter().enumerate() {
+            for (q, weight) in rule.weights.iter().enumerate() {
+                let value = weight * measure * out[0][count * s + q];
+                for (&vertex, shape) in simplex.iter().zip(&rule.points[q]) {
+                    let node = space.nodes.of_vertex[vertex as usize] as usize;
+                    force[space.nodes.dimension * node + self.component] += shape * value;
+                }
+            }
+        }
+    }
+}
+
+/// Given loads on one mesh, with a reference run as truth.
+pub struct ReferenceTruth {
+    space: Arc<Discretization>,
+    load: GivenLoad,
+    basis: Option<Vec<Vec<f64>>>,
+    reference: Option<Arc<ReferenceRun>>,
+    /// Where the mesh of the reference lies in this one.
+    refinement: OnceLock<Result<Refinement, ReferenceError>>,
+    moments: Mutex<HashMap<u64, Arc<Moments>>>,
+}
+
+impl ReferenceTruth {
+    /// Loads of `load`, errors against `reference` (none: the run cannot be measured).
+    pub fn new(
+        space: Arc<Discretization>,
+        load: GivenLoad,
+        reference: Option<Arc<ReferenceRun>>,
+    ) -> Self {
+        let basis = load
+            .basis()
+            .map(|basis| basis.iter().map(|vector| vector[..space.dofs()].to_vec()).collect());
+        let (refinement, moments) = (OnceLock::new(), Mutex::default());
+        Self { space, load, basis, reference, refinement, moments }
+    }
+}
+
+impl Truth for ReferenceTruth {
+    fn load(&self, t: f64) -> Result<Arc<Vec<f64>>, LoadError> {
+        self.load.at(t, &self.space).map(Arc::new)
+    }
+
+    fn load_basis(&self) -> Option<&[Vec<f64>]> {
+        self.basis.as_deref()
+    }
+
+    fn load_factors(&self, t: f64, out: &mut [f64]) {
+        self.load.factors_at(t, out);
+    }
+
+    fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
+        let lock = || self.moments.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = lock().get(&t.to_bits()) {
+            return Ok(known.clone());
+        }
+        let reference = self.reference.as_ref().ok_or(LoadError::NoTruth { t })?;
+        let refused = |error: &ReferenceError| LoadError::Reference { reason: error.to_string() };
+        let refinement = self.refinement.get_or_init(|| reference.refinement(&self.space));
+        let refinement = refinement.as_ref().map_err(refused)?;
+        let moments =
+            reference.moments(refinement, &self.space, t).map_err(|error| refused(&error))?;
+        Ok(lock().entry(t.to_bits()).or_insert(Arc::new(moments)).clone())
+    }
+}

@@ -1,0 +1,280 @@
+//! Total force and first moments of a load against an integral of its own: a load that is not that of its formulas
+//! drives a sound solver to a wrong answer, and no order need move.
+//!
+//! The sums are Σ F_i m(x_i) over the unknowns, for each component and m = 1, x, y, z: total force, and among the first
+//! moments the moment. On P1 functions that is F(v) of v = m where nodes are free and 0 on Γ1.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::{Setup, load_form, side_numbers};
+use crate::{Data, Scene, Side};
+use exact::{Exact, ExactOnMesh, LoadForm, Truth};
+use fem::contact::{Discretization, LoadError};
+use fem::space::quadrature::{
+    Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8, triangle_product,
+};
+use formula::{Node, Program};
+
+/// Shares of [0, T] at which a load is checked: the middle, and the end.
+const TIMES: [f64; 2] = [0.5, 1.0];
+/// Sums of up to a million terms of both signs, each good to a few units of rounding.
+const ROUNDING: f64 = 1e-11;
+/// The sound sum differs from the integral by what its own rule misses, and that is what the two rules of the integral
+/// differ by; twice that leaves room for rounding alone.
+const BY_RULES: f64 = 2.0;
+/// σ and Div σ are other integrands: what the next rules change is the size of what both miss, not a bound of it.
+const BY_FORMS: f64 = 10.0;
+
+/// Compares the loads of `truth` with the formulas of the scene. Loads of an exact solution in the weak form have no
+/// second form that is cheaper than they are, and are measured by the orders.
+///
+/// # Errors
+/// [`LoadError::Resultant`]; a formula that is not finite.
+pub(super) fn check(
+    setup: &Setup,
+    space: &Arc<Discretization>,
+    truth: &dyn Truth,
+) -> Result<(), LoadError> {
+    let times = TIMES.map(|share| share * setup.scene.time.horizon);
+    match (&setup.body.data, &setup.exact) {
+        (Data::Loads { body, traction }, _) => {
+            let integrals = Integrals::new(&setup.scene, body, traction, space);
+            times.iter().try_for_each(|&t| {
+                let [by_own, by_other] = integrals.at(t);
+                let rules = Sums::largest_difference(&by_own, &by_other);
+                let sums = Sums::of(space, &truth.load(t)?);
+                sums.compare(&by_other, BY_RULES * rules, t)
+            })
+        }
+        (Data::Exact { form, .. }, Some(exact)) if load_form(*form) == LoadForm::Strong => {
+            of_forms(setup, exact, space, truth, times)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// ∫ f0·v + ∫ f2·v + ∫ h3·v against ∫ σ:ε(v) + ∫ (ξ + λ) v_ν: nothing of the sides but the pressure, no derivative of σ.
+fn of_forms(
+    setup: &Setup,
+    exact: &Arc<Exact>,
+    space: &Arc<Discretization>,
+    truth: &dyn Truth,
+    times: [f64; 2],
+) -> Result<(), LoadError> {
+    let sides = side_numbers(&setup.body.domain.traction);
+    let by = |form, rules: TruthRules| -> Result<Vec<Sums>, LoadError> {
+        let exact = ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
+        let exact = exact.time_by_time();
+        times.iter().map(|&t| Ok(Sums::of(space, &exact.load(t)?))).collect()
+    };
+    // By the usual rules, and by the next. Those in the strong form are the scene's own loads: what is wrong in `truth`
+    // must not widen what it may be off by.
+    let by_both = |form| -> Result<[Vec<Sums>; 2], LoadError> {
+        let d = space.mesh.dimension;
+        Ok([by(form, TruthRules::of(d))?, by(form, TruthRules::stronger(d))?])
+    };
+    let (strong, weak) = (by_both(LoadForm::Strong)?, by_both(LoadForm::Weak)?);
+    let missed =
+        |[usual, next]: &[Vec<Sums>; 2], at: usize| Sums::largest_difference(&usual[at], &next[at]);
+    times.iter().enumerate().try_for_each(|(at, &t)| {
+        let missed = missed(&strong, at) + missed(&weak, at);
+        Sums::of(space, &truth.load(t)?).compare(&weak[1][at], BY_FORMS * missed, t)
+    })
+}
+
+/// Σ F_i m(x_i), component by component, m = 1, x, y, z.
+struct Sums {
+    values: Vec<f64>,
+    /// Σ |F_i m(x_i)|, the largest.
+    size: f64,
+}
+
+/// 1 and the coordinates of a place.
+fn moments(x: &[f64]) -> impl Iterator<Item = f64> + '_ {
+    std::iter::once(1.0).chain(x.iter().copied())
+}
+
+impl Sums {
+    fn zero(dimension: usize) -> (Vec<f64>, Vec<f64>) {
+        (vec![0.0; dimension * (dimension + 1)], vec![0.0; dimension * (dimension + 1)])
+    }
+
+    fn new((values, sizes): (Vec<f64>, Vec<f64>)) -> Self {
+        Self { values, size: sizes.into_iter().fold(0.0, f64::max) }
+    }
+
+    fn of(space: &Discretization, force: &[f64]) -> Self {
+        let d = space.mesh.dimension;
+        let mut sums = Self::zero(d);
+        for (node, own) in force.chunks_exact(d).enumerate() {
+            let place = space.mesh.vertex(space.nodes.vertex[node]);
+            for (i, f) in own.iter().enumerate() {
+                for (m, value) in moments(place).enumerate() {
+                    sums.0[(d + 1) * i + m] += f * value;
+                    sums.1[(d + 1) * i + m] += (f * value).abs();
+                }
+            }
+        }
+        Self::new(sums)
+    }
+
+    fn largest_difference(a: &Self, b: &Self) -> f64 {
+        a.values.iter().zip(&b.values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    }
+
+    /// Refuses a sum that is farther from `integral` than `quadrature` and rounding allow.
+    fn compare(&self, integral: &Self, quadrature: f64, t: f64) -> Result<(), LoadError> {
+        let allowed = quadrature + ROUNDING * self.size.max(integral.size);
+        let components = self.values.len().isqrt();
+        for (index, (&assembled, &integrated)) in
+            self.values.iter().zip(&integral.values).enumerate()
+        {
+            let off = (assembled - integrated).abs();
+            // Written so that a NaN is refused.
+            if off <= allowed {
+                continue;
+            }
+            let (i, m) = (index / (components + 1), index % (components + 1));
+            let axis = |i: usize| ["x", "y", "z"][i];
+            let what = match m {
+                0 => format!("total force along {}", axis(i)),
+                _ => format!("first moment in {} of the force along {}", axis(m - 1), axis(i)),
+            };
+            return Err(LoadError::Resultant { what, t, assembled, integrated, allowed });
+        }
+        Ok(())
+    }
+}
+
+/// A formula with the simplices that it acts on.
+struct Acting {
+    formula: Program,
+    component: usize,
+    simplices: Rc<[Vec<u32>]>,
+    /// The rule of the loads, and another one.
+    rules: [Rule; 2],
+}
+
+/// ∫ f0·v + ∫ f2·v of the formulas, by simplices that are found from the cells alone.
+struct Integrals<'a> {
+    space: &'a Discretization,
+    acting: Vec<Acting>,
+}
+
+impl<'a> Integrals<'a> {
+    fn new(
+        scene: &Scene,
+        body: &[Node],
+        traction: &[(Side, Vec<Node>)],
+        space: &'a Discretization,
+    ) -> Self {
+        let (mesh, mut graph) = (&space.mesh, scene.formulas.clone());
+        let own = TruthRules::of(mesh.dimension);
+        let (inside, outside) = match mesh.dimension {
+            2 => ([own.load, triangle_product(5)], [own.traction, edge(7)]),
+            _ => ([own.load, tetrahedron_product(4)], [own.traction, triangle_degree_8()]),
+        };
+        let mut acting = Vec::new();
+        let mut add = |formulas: &[Node], simplices: Vec<Vec<u32>>, rules: &[Rule; 2]| {
+            let simplices: Rc<[Vec<u32>]> = simplices.into();
+            for (component, &formula) in formulas.iter().enumerate() {
+                if graph.value_of_constant(formula) != Some(0.0) {
+                    let formula = Program::compile(&mut graph, &[formula], scene.time.horizon);
+                    let (simplices, rules) = (simplices.clone(), rules.clone());
+                    acting.push(Acting { formula, component, simplices, rules });
+                }
+            }
+        };
+        add(body, (0..mesh.cell_count()).map(|c| mesh.cell(c).to_vec()).collect(), &inside);
+        if !traction.is_empty() {
+            let faces = boundary_faces(space);
+            for (side, formulas) in traction {
+                add(formulas, faces.get(&side.0).cloned().unwrap_or_default(), &outside);
+            }
+        }
+        Self { space, acting }
+    }
+
+    /// By either rule.
+    fn at(&self, t: f64) -> [Sums; 2] {
+        [0, 1].map(|which| {
+            let mut sums = Sums::zero(self.space.mesh.dimension);
+            for acting in &self.acting {
+                self.add(acting, &acting.rules[which], t, &mut sums);
+            }
+            Sums::new(sums)
+        })
+    }
+
+    fn add(&self, acting: &Acting, rule: &Rule, t: f64, sums: &mut (Vec<f64>, Vec<f64>)) {
+        let (space, d) = (self.space, self.space.mesh.dimension);
+        let simplices = acting.simplices.iter();
+        let points: Vec<[f64; 3]> = simplices
+            .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
+            .collect();
+        let mut out = vec![Vec::new()];
+        acting.formula.bind(&points).evaluate(t, 0.0, &mut out);
+        let mut values = out[0].iter();
+        for simplex in &*acting.simplices {
+            let measure = measure(space, simplex);
+            for ((weight, shapes), f) in rule.weights.iter().zip(&rule.points).zip(&mut values) {
+                for (&vertex, shape) in simplex.iter().zip(shapes) {
+                    // v vanishes on Γ1.
+                    if space.nodes.of_vertex[vertex as usize] as usize >= space.nodes.free {
+                        continue;
+                    }
+                    for (m, at) in moments(space.mesh.vertex(vertex)).enumerate() {
+                        let share = weight * measure * f * shape * at;
+                        sums.0[(d + 1) * acting.component + m] += share;
+                        sums.1[(d + 1) * acting.component + m] += share.abs();
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The faces of cells that belong to one cell alone, by side.
+fn boundary_faces(space: &Discretization) -> HashMap<u32, Vec<Vec<u32>>> {
+    let mesh = &space.mesh;
+    let sorted = |simplex: &[u32]| {
+        let mut own = simplex.to_vec();
+        own.sort_unstable();
+        own
+    };
+    let mut count: HashMap<Vec<u32>, u32> = HashMap::new();
+    for c in 0..mesh.cell_count() {
+        let cell = sorted(mesh.cell(c));
+        for left_out in 0..cell.len() {
+            let mut face = cell.clone();
+            face.remove(left_out);
+            *count.entry(face).or_default() += 1;
+        }
+    }
+    let mut faces: HashMap<u32, Vec<Vec<u32>>> = HashMap::new();
+    for (f, &side) in mesh.facet_side.iter().enumerate() {
+        let face = sorted(mesh.facet(f));
+        // Once each, however often it is listed.
+        if count.remove(&face) == Some(1) {
+            faces.entry(side).or_default().push(face);
+        }
+    }
+    faces
+}
+
+/// Length, area or volume by the determinant of edges (Gram's for a side), in units of the longest: squares of lengths far
+/// from one would leave the range of numbers.
+fn measure(space: &Discretization, simplex: &[u32]) -> f64 {
+    let d = space.mesh.dimension;
+    let corner = |i: usize| space.mesh.vertex(simplex[i]);
+    let edges: Vec<Vec<f64>> =
+        (1..simplex.len()).map(|i| (0..d).map(|j| corner(i)[j] - corner(0)[j]).collect()).collect();
+    let unit = edges.iter().flatten().fold(0.0f64, |most, value| most.max(value.abs()));
+    let gram = nalgebra::DMatrix::from_fn(edges.len(), edges.len(), |i, j| {
+        edges[i].iter().zip(&edges[j]).map(|(a, b)| (a / unit) * (b / unit)).sum::<f64>()
+    });
+    let parts: usize = (1..=edges.len()).product();
+    gram.determinant().max(0.0).sqrt() / parts as f64 * unit.powi(edges.len() as i32)
+}

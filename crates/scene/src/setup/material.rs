@@ -1,0 +1,155 @@
+//! The material of a scene: for the solver as laws, for the manufactured side as numbers; and the
+//! region of every cell.
+
+use std::sync::Arc;
+
+use super::KernelFormula;
+use crate::{Material, Memory, Place, Scene, SceneError, Shape};
+use exact::{MaterialNumbers, RegionNumbers};
+use fem::contact::MemoryTerm;
+use fem::mesh::Mesh;
+use formula::{Graph, Node, Point};
+use vhi::law::{ExponentialSum, FourthOrder, Isotropic, MemoryKernel, TensorField};
+
+/// 𝒜.
+pub fn elasticity(material: &Material) -> TensorField {
+    let others = material.regions.iter().map(|region| region.elastic.clone());
+    TensorField::new(material.elastic.clone(), others)
+}
+
+/// ℬ_i of a term of the memory.
+pub fn memory_tensor(memory: &Memory) -> TensorField {
+    let (lambda, mu) = (memory.lambda, memory.mu);
+    let others = memory.regions.iter().map(|&[lambda, mu]| Isotropic { lambda, mu }.into());
+    TensorField::new(Isotropic { lambda, mu }.into(), others)
+}
+
+/// The terms of ℬ as the solver has them: recursion where a kernel is a sum of exponentials.
+pub(super) fn memory_terms(material: &Material, formulas: &Arc<Graph>) -> Vec<MemoryTerm> {
+    let kernel = |memory: &Memory| match &memory.exponentials {
+        Some(terms) => Box::new(ExponentialSum { terms: terms.clone() }) as Box<dyn MemoryKernel>,
+        None => Box::new(KernelFormula::new(formulas.clone(), memory.kernel)),
+    };
+    let term = |memory| MemoryTerm { kernel: kernel(memory), tensor: memory_tensor(memory) };
+    material.memory.iter().map(term).collect()
+}
+
+/// The numbers outside all regions, and in each of them, with its condition as a formula of `graph`.
+pub(super) fn numbers(
+    material: &Material,
+    shape: &Shape,
+    graph: &mut Graph,
+) -> (MaterialNumbers, Vec<RegionNumbers>) {
+    let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
+    let of = |elastic: &FourthOrder, memory: Vec<(f64, f64)>| {
+        let (lambda, mu_l, full) = match elastic {
+            FourthOrder::Isotropic(law) => (law.lambda, law.mu, None),
+            FourthOrder::Full(matrix) => (0.0, 0.0, Some(**matrix)),
+        };
+        MaterialNumbers { lambda, mu_l, full, memory, projection: projection.map(|p| p.mu) }
+    };
+    let base = material.memory.iter().map(|memory| (memory.lambda, memory.mu)).collect();
+    let regions = material.regions.iter().enumerate().map(|(r, region)| {
+        let own = material.memory.iter().map(|memory| memory.regions[r].into()).collect();
+        let condition = region.place.condition(graph, shape);
+        RegionNumbers { condition, material: of(&region.elastic, own) }
+    });
+    (of(&material.elastic, base), regions.collect())
+}
+
+/// A vertex is on an interface if the condition is so small there, relative to its largest value on
+/// the mesh: rounding of a formula.
+const ON_INTERFACE: f64 = 1e-9;
+
+/// The region of every cell, that of its centroid; empty without regions.
+///
+/// # Errors
+/// A cell that an interface cuts, or that two regions claim.
+pub(super) fn cell_regions(
+    scene: &Scene,
+    material: &Material,
+    mesh: &Mesh,
+    n: u32,
+) -> Result<Vec<u8>, SceneError> {
+    let mut regions = vec![0; if material.regions.is_empty() { 0 } else { mesh.cell_count() }];
+    let weight = 1.0 / (mesh.dimension + 1) as f64;
+    let centroid = |c: usize| mesh.point(mesh.cell(c), &vec![weight; mesh.dimension + 1]);
+    for (index, region) in material.regions.iter().enumerate() {
+        let condition = match region.place {
+            Place::Where(condition) => condition,
+            Place::Physical(group) => {
+                for (c, own) in regions.iter_mut().enumerate() {
+                    if mesh.cell_region[c] == group {
+                        claim(scene, material, (index, "physical"), own, || {
+                            format!("the cell {c} of the mesh n = {n}")
+                        })?;
+                    }
+                }
+                continue;
+            }
+        };
+        let value = |place: [f64; 3]| at(scene, condition, place);
+        let vertices: Vec<f64> =
+            (0..mesh.vertices() as u32).map(|v| value(mesh.point(&[v], &[1.0]))).collect();
+        let size = vertices.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+        let key = format!("material.region.{index}.where");
+        for (c, own) in regions.iter_mut().enumerate() {
+            let ends = mesh.cell(c).iter().map(|&v| vertices[v as usize]);
+            let (low, high) = ends
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                    (low.min(value), high.max(value))
+                });
+            let [x, y, z] = centroid(c);
+            let place = match mesh.dimension {
+                2 => format!("({x:.4}, {y:.4})"),
+                _ => format!("({x:.4}, {y:.4}, {z:.4})"),
+            };
+            let middle = value([x, y, z]);
+            let name = &region.name;
+            // Written so that a NaN is cut.
+            if !(low >= -ON_INTERFACE * size || high <= ON_INTERFACE * size) || middle.is_nan() {
+                let message = format!(
+                    "on the mesh n = {n} the boundary of region `{name}` cuts the cell at {place}: the condition goes from {low:.4} to {high:.4} in it"
+                );
+                let hint = "mesh lines must follow the interface, or the coefficients jump inside cells and order 1 is lost: choose other n, or move the interface onto a mesh line";
+                return Err(scene.error(&key, message, hint));
+            }
+            if middle <= 0.0 {
+                continue;
+            }
+            claim(scene, material, (index, "where"), own, || {
+                format!("the cell at {place} of the mesh n = {n}")
+            })?;
+        }
+    }
+    Ok(regions)
+}
+
+/// Gives a cell to a region.
+///
+/// # Errors
+/// Another region has it.
+fn claim(
+    scene: &Scene,
+    material: &Material,
+    (index, key): (usize, &str),
+    own: &mut u8,
+    cell: impl Fn() -> String,
+) -> Result<(), SceneError> {
+    if *own != 0 {
+        let other = &material.regions[usize::from(*own) - 1].name;
+        let message = format!(
+            "{} is in the regions `{other}` and `{}`",
+            cell(),
+            material.regions[index].name
+        );
+        let key = format!("material.region.{index}.{key}");
+        return Err(scene.error(&key, message, "regions must not overlap"));
+    }
+    *own = index as u8 + 1;
+    Ok(())
+}
+
+fn at(scene: &Scene, condition: Node, [x, y, z]: [f64; 3]) -> f64 {
+    scene.formulas.evaluate(condition, &Point { x, y, z, ..Point::default() })
+}

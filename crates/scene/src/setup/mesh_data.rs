@@ -1,0 +1,233 @@
+//! What all cases on one mesh share: space, truth, reference trajectories, the A-projection.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::load_check;
+use super::paths::of_scene;
+use super::rule_check::{RuleCheck, check_times, rule_check};
+use super::{GivenLoad, ReferenceTruth, Setup, SetupError};
+use crate::{Data, Side};
+use exact::{Exact, ExactOnMesh, InterpolatedOnMesh, Truth};
+use fem::contact::{CaseError, CaseInfo, Discretization, Load, LoadError, Observer, march};
+use fem::norms::{ReferenceRun, Trajectory};
+use fem::space::quadrature::TruthRules;
+use vhi::StepSolver;
+
+/// Cells in which it is asked whether hereditary integrals lack anything.
+const CELLS_ASKED: usize = 16;
+
+/// A scene on one mesh.
+pub struct MeshData {
+    /// V^h.
+    pub space: Arc<Discretization>,
+    /// Loads and exact fields.
+    pub truth: Arc<dyn Truth>,
+    /// Those of the scene by its own rules, whatever stands in `truth`.
+    own: Option<Arc<dyn Truth>>,
+    /// Displacements of runs with more steps, by (steps of the run, steps kept).
+    trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
+    rule_check: OnceLock<Result<RuleCheck, LoadError>>,
+    load_check: OnceLock<Result<(), LoadError>>,
+}
+
+/// The load of a truth as the solver wants it.
+pub struct TruthLoad<'a>(pub &'a dyn Truth);
+
+impl Load for TruthLoad<'_> {
+    fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
+        out.copy_from_slice(&self.0.load(t)?);
+        Ok(())
+    }
+
+    fn basis(&self) -> Option<&[Vec<f64>]> {
+        self.0.load_basis()
+    }
+
+    fn factors(&self, t: f64, out: &mut [f64]) {
+        self.0.load_factors(t, out);
+    }
+}
+
+impl MeshData {
+    /// The scene on the mesh n; `reference` is the finer run of a scene without exact solution.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`].
+    pub fn new(
+        setup: &Setup,
+        n: u32,
+        reference: Option<Arc<ReferenceRun>>,
+    ) -> Result<Self, SetupError> {
+        let rules = TruthRules::of(setup.scene.dimension);
+        let space = setup.space(n)?;
+        let truth = truth(setup, setup.exact.as_ref(), &space, reference, &rules, true)?;
+        let mut data = Self::with_truth(space, truth);
+        data.own = Some(data.truth.clone());
+        Ok(data)
+    }
+
+    /// The same with loads and moments by other rules.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`].
+    pub fn with_rules(
+        setup: &Setup,
+        n: u32,
+        reference: Option<Arc<ReferenceRun>>,
+        rules: &TruthRules,
+    ) -> Result<Self, SetupError> {
+        let space = setup.space(n)?;
+        let truth = truth(setup, setup.exact.as_ref(), &space, reference, rules, true)?;
+        Ok(Self::with_truth(space, truth))
+    }
+
+    /// A space with the truth that drives and measures the runs on it.
+    pub fn with_truth(space: Arc<Discretization>, truth: Arc<dyn Truth>) -> Self {
+        let (trajectories, rule_check) = (Mutex::default(), OnceLock::new());
+        let load_check = OnceLock::new();
+        Self { space, truth, own: None, trajectories, rule_check, load_check }
+    }
+
+    /// What the next rules say of loads and errors on this mesh: nothing where u lives in V^h. Computed
+    /// once, from the scene alone: a truth put in its place has no say in it.
+    ///
+    /// # Errors
+    /// A load that is not finite.
+    pub fn rule_check(&self, setup: &Setup) -> Result<&RuleCheck, LoadError> {
+        let known = self.rule_check.get_or_init(|| {
+            let remainders = self.with_remainders(setup);
+            let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+            if interpolated && remainders.is_none() {
+                return Ok(RuleCheck::default());
+            }
+            let by = |rules: &TruthRules, next: bool| {
+                let exact = remainders.as_ref().filter(|_| next).or(setup.exact.as_ref());
+                truth(setup, exact, &self.space, None, rules, false)
+                    .map_err(|error| LoadError::Reference { reason: error.to_string() })
+            };
+            rule_check(setup, &self.space, self.own.clone(), by)
+        });
+        known.as_ref().map_err(Clone::clone)
+    }
+
+    /// The exact solution with what its hereditary integrals may lack, where that is anything in some cells.
+    fn with_remainders(&self, setup: &Setup) -> Option<Arc<Exact>> {
+        let mesh = &self.space.mesh;
+        let centroid = vec![1.0 / (mesh.dimension + 1) as f64; mesh.dimension + 1];
+        let every = mesh.cell_count().div_ceil(CELLS_ASKED).max(1);
+        let points: Vec<[f64; 3]> = (0..mesh.cell_count())
+            .step_by(every)
+            .map(|c| mesh.point(mesh.cell(c), &centroid))
+            .collect();
+        let times = check_times(setup, mesh.cell_count());
+        setup.exact.as_ref()?.with_remainders(&points, &times).map(Arc::new)
+    }
+
+    /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`. The first time, total
+    /// force and moments of given loads and of those in the strong form are compared with integrals of their own.
+    ///
+    /// # Errors
+    /// The solver's; [`LoadError::Resultant`].
+    pub fn march<S: StepSolver>(
+        &self,
+        setup: &Setup,
+        steps: u32,
+        solver: &S,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        let checked = || load_check::check(setup, &self.space, &*self.truth);
+        self.load_check.get_or_init(checked).clone()?;
+        let mut load = TruthLoad(&*self.truth);
+        let grid = setup.grid(steps);
+        let info = march(&self.space, &setup.model, &grid, &mut load, solver, observe)?;
+        Ok(CaseInfo { paths: info.paths.union(of_scene(setup, self, &grid)), ..info })
+    }
+
+    /// Displacements of a run with `run_steps` steps at the times of the grid with `kept` steps;
+    /// solved once and shared.
+    ///
+    /// # Errors
+    /// The solver's.
+    pub fn trajectory(
+        &self,
+        setup: &Setup,
+        run_steps: u32,
+        kept: u32,
+    ) -> Result<Arc<Trajectory>, CaseError> {
+        let lock = || self.trajectories.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = lock().get(&(run_steps, kept)) {
+            return Ok(known.clone());
+        }
+        let every = (run_steps / kept.max(1)).max(1) as usize;
+        let mut trajectory = Trajectory::default();
+        setup.scheme.march(setup, self, run_steps, &mut |view| {
+            if view.n % every == 0 {
+                trajectory.times.push(view.t);
+                trajectory.displacements.push(view.u.to_vec());
+            }
+            Ok(())
+        })?;
+        let trajectory = Arc::new(trajectory);
+        Ok(lock().entry((run_steps, kept)).or_insert(trajectory).clone())
+    }
+}
+
+/// Loads and exact fields of a scene on a mesh, by the given rules; those that separate are taken `in_parts`, which
+/// pays at more than a few times.
+fn truth(
+    setup: &Setup,
+    exact: Option<&Arc<Exact>>,
+    space: &Arc<Discretization>,
+    reference: Option<Arc<ReferenceRun>>,
+    rules: &TruthRules,
+    in_parts: bool,
+) -> Result<Arc<dyn Truth>, SetupError> {
+    Ok(match (&setup.body.data, exact) {
+        (Data::Exact { interpolated: true, .. }, Some(exact)) => {
+            Arc::new(InterpolatedOnMesh::new(exact.clone(), space.clone(), setup.compliance_rule()))
+        }
+        (Data::Exact { form, .. }, Some(exact)) => {
+            let sides = side_numbers(&setup.body.domain.traction);
+            let form = super::load_form(*form);
+            let exact = ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, rules);
+            Arc::new(if in_parts { exact } else { exact.time_by_time() })
+        }
+        (Data::Loads { body, traction }, _) => {
+            let (graph, horizon) = (&setup.scene.formulas, setup.scene.time.horizon);
+            let load = GivenLoad::new(graph, horizon, body, traction, space, rules);
+            Arc::new(ReferenceTruth::new(space.clone(), load, reference))
+        }
+        (Data::Exact { .. }, None) => {
+            return Err(SetupError::NoTruth { scene: setup.scene.name.clone() });
+        }
+    })
+}
+
+/// Numbers of sides in the meshes of a scene.
+pub fn side_numbers(sides: &[Side]) -> Vec<u32> {
+    sides.iter().map(|side| side.0).collect()
+}
+
+/// The finer run that stands for the truth of a scene without exact solution.
+///
+/// # Errors
+/// The solver's, and those of the mesh.
+pub fn reference_run(
+    setup: &Setup,
+    n: u32,
+    steps: u32,
+    keep_every: u32,
+) -> Result<ReferenceRun, SetupError> {
+    let data = MeshData::new(setup, n, None)?;
+    let mut run = ReferenceRun::new(data.space.clone());
+    setup.scheme.march(setup, &data, steps, &mut |view| {
+        if view.n % keep_every as usize == 0 {
+            run.keep(&setup.model, view);
+        }
+        Ok(())
+    })?;
+    // The mesh stays for as long as there are cases, and nothing is solved on it again.
+    data.space.forget_factors();
+    Ok(run)
+}

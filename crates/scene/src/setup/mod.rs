@@ -1,0 +1,313 @@
+//! A validated scene made computable: the model with its laws, the spaces, the truth.
+
+mod abstract_constants;
+mod abstract_setup;
+mod admissible;
+mod constants;
+mod contraction;
+mod formulas;
+mod given_load;
+mod laws;
+mod load_check;
+mod material;
+mod mesh_data;
+mod paths;
+mod regularity;
+mod rule_check;
+mod scheme;
+mod step_size;
+mod subject;
+mod trace_family;
+
+use std::sync::Arc;
+
+pub use abstract_constants::AbstractConstants;
+pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
+pub use admissible::admissible;
+pub use constants::{
+    Constants, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
+};
+pub use contraction::{abstract_decomposition_bound, decomposition_bound};
+pub use formulas::{GapFormula, KernelFormula, YieldFormula};
+pub use given_load::{GivenLoad, ReferenceTruth};
+pub use laws::law_numbers;
+use laws::potential;
+pub use material::{elasticity, memory_tensor};
+pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
+pub use regularity::{abstract_regularity, sides};
+pub use rule_check::RuleCheck;
+pub use scheme::{NewtonMarch, Scheme};
+pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
+pub use subject::Subject;
+pub use trace_family::{TraceFamily, trace_family};
+
+use crate::{Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
+use algebra::linalg::{EigenError, FactorError, Precision};
+use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polytope};
+use fem::contact::{
+    Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
+};
+use vhi::history::{
+    CorrectedEnd, FastConvolution, ProductIntegration, TimeGrid, TimeRule, Trapezoid,
+};
+use vhi::law::{Summed, VonMises};
+
+/// The model of a scene.
+pub type SceneModel = Model<Option<VonMises<YieldFormula>>>;
+
+/// Why a scene could not be set up or run.
+#[derive(Debug, thiserror::Error)]
+pub enum SetupError {
+    /// The scene file is at fault.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A matrix of the mesh could not be factorized.
+    #[error("mesh n = {n}: {source}")]
+    Mesh { n: u32, source: FactorError },
+    /// A constant of the mesh could not be computed.
+    #[error("mesh n = {n}: {source}")]
+    Constant { n: u32, source: EigenError },
+    /// A solve failed.
+    #[error("reference run: {0}")]
+    Reference(#[from] CaseError),
+    /// The scene has no truth to measure errors against.
+    #[error("scene `{scene}` has neither an exact solution nor a reference run")]
+    NoTruth { scene: String },
+}
+
+/// A scene with its model and exact solution.
+pub struct Setup {
+    /// The scene as validated.
+    pub scene: Scene,
+    /// Its body, domain and material.
+    pub body: ContactScene,
+    /// Its model.
+    pub model: SceneModel,
+    /// Its exact solution, if it has one.
+    pub exact: Option<Arc<Exact>>,
+    /// The solver that is measured; [`NewtonMarch`] unless another takes its place.
+    pub scheme: Arc<dyn Scheme>,
+    /// The linear solver of its runs, where it is not left to [`LinearSolver::of`].
+    pub linear_solver: Option<LinearSolver>,
+    /// The precision of factors that serve several Jacobians, where it is not left to their size.
+    pub precision: Option<Precision>,
+}
+
+impl Setup {
+    /// Builds model and exact solution, and checks what needs them: λ ≥ 0, u_ν ≤ g, (2.9), ….
+    ///
+    /// # Errors
+    /// What [`admissible`] refuses.
+    pub fn new(scene: Scene) -> Result<Self, SetupError> {
+        let Body::Contact(body) = &scene.body else {
+            let message = "an abstract problem has no body, mesh or contact";
+            let hint =
+                "this command needs a scene of the contact problem, without kind = \"abstract\"";
+            return Err(scene.error("scene.kind", message, hint).into());
+        };
+        let body = body.clone();
+        let model = model(&scene, &body);
+        let exact = exact(&scene, &body).map(Arc::new);
+        let scheme = Arc::new(NewtonMarch);
+        let setup =
+            Self { scene, body, model, exact, scheme, linear_solver: None, precision: None };
+        admissible(&setup)?;
+        Ok(setup)
+    }
+
+    /// V^h on the mesh with n cells a unit length, with the regions of its cells.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`]; a cell that the boundary of a region cuts.
+    pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
+        let mut space = self.plain_space(n)?;
+        let material = &self.body.material;
+        space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
+        Ok(Arc::new(space))
+    }
+
+    /// The same without regions, for what does not depend on the material.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`].
+    pub fn plain_space(&self, n: u32) -> Result<Discretization, SetupError> {
+        let domain = &self.body.domain;
+        let mesh = domain.mesh(n);
+        let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
+        let mut space = Discretization::new(mesh, &clamped, &contact)
+            .map_err(|source| SetupError::Mesh { n, source })?;
+        (space.nesting, space.linear_solver) = (domain.nesting(n), self.linear_solver);
+        space.precision = self.precision;
+        Ok(space)
+    }
+
+    /// Whether the mesh lines of this mesh follow the boundaries of all regions.
+    ///
+    /// # Errors
+    /// A cell that is cut, or that two regions claim.
+    pub fn check_regions(&self, n: u32) -> Result<(), SceneError> {
+        let material = &self.body.material;
+        if material.regions.is_empty() {
+            return Ok(());
+        }
+        material::cell_regions(&self.scene, material, &self.body.domain.mesh(n), n).map(drop)
+    }
+
+    /// The model that the scene states, built anew: [`Self::model`] may hold other components.
+    pub fn scene_model(&self) -> SceneModel {
+        model(&self.scene, &self.body)
+    }
+
+    /// The grid with the given number of steps.
+    pub fn grid(&self, steps: u32) -> TimeGrid {
+        time_grid(&self.scene.time, steps)
+    }
+
+    /// The same scene with kernels that are no sums of exponentials interpolated to an error; without one, the same
+    /// with direct sums over the past for all kernels.
+    pub fn with_history(mut self, interpolated_to: Option<f64>) -> Self {
+        let by_sums = |term: MemoryTerm| match (term.kernel.exponentials(), interpolated_to) {
+            (Some(_), Some(_)) => term,
+            _ => {
+                let kernel = Box::new(Summed { kernel: term.kernel, interpolated_to });
+                MemoryTerm { kernel, ..term }
+            }
+        };
+        let terms = std::mem::take(&mut self.model.memory);
+        self.model.memory = terms.into_iter().map(by_sums).collect();
+        self
+    }
+
+    /// Vectors of unknowns held for the history after N steps; of interpolated kernels with as many nodes as
+    /// smooth ones need.
+    pub fn history_vectors(&self, steps: u32) -> usize {
+        let steps = steps as usize;
+        let of_term = |term: &MemoryTerm| {
+            let trapezoidal = self.model.time_rule.is_trapezoidal();
+            let interpolated = |error| FastConvolution::foreseen_vectors(steps, error);
+            match term.kernel.exponentials() {
+                Some(terms) if trapezoidal => terms.len() + 1,
+                None if trapezoidal => {
+                    term.kernel.interpolated_to().and_then(interpolated).unwrap_or(steps + 1)
+                }
+                _ => steps + 1,
+            }
+        };
+        self.model.memory.iter().map(of_term).sum()
+    }
+
+    /// Where the compliance term is integrated; without contact the rule does not matter.
+    pub fn rule(&self) -> BoundaryRule {
+        self.model.boundary.as_ref().map_or(BoundaryRule::Vertex, |boundary| boundary.rule)
+    }
+
+    /// The same as the manufactured side names it.
+    pub fn compliance_rule(&self) -> ComplianceRule {
+        match self.rule() {
+            BoundaryRule::Vertex => ComplianceRule::Vertex,
+            BoundaryRule::Gauss => ComplianceRule::Gauss,
+            BoundaryRule::Exact => ComplianceRule::Exact,
+        }
+    }
+
+    /// μ of the projection, 0 without.
+    pub fn projection_mu(&self) -> f64 {
+        self.body.material.projection.as_ref().map_or(0.0, |projection| projection.mu)
+    }
+}
+
+/// The grid of a scene with the given number of steps.
+pub fn time_grid(time: &crate::Time, steps: u32) -> TimeGrid {
+    match time.grid {
+        crate::TimeGrid::Uniform => TimeGrid::uniform(time.horizon, steps),
+        crate::TimeGrid::Graded { exponent } => TimeGrid::graded(time.horizon, steps, exponent),
+        crate::TimeGrid::Random { seed } => TimeGrid::random(time.horizon, steps, seed),
+    }
+}
+
+/// The rule of a scene.
+fn time_rule(time: &crate::Time) -> Box<dyn TimeRule> {
+    match time.rule {
+        crate::TimeRule::Trapezoid => Box::new(Trapezoid),
+        crate::TimeRule::CorrectedEnd { exponent } => Box::new(CorrectedEnd { exponent }),
+        crate::TimeRule::ProductIntegration => Box::new(ProductIntegration),
+    }
+}
+
+fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
+    let material = &body.material;
+    let formulas = Arc::new(scene.formulas.clone());
+    let projection =
+        material.projection.as_ref().filter(|projection| projection.mu > 0.0).map(|projection| {
+            VonMises {
+                mu: projection.mu,
+                limit: YieldFormula::new(&scene.formulas, projection.kappa),
+            }
+        });
+    let boundary =
+        body.contact.as_ref().filter(|contact| contact.gap.is_some() || contact.law.is_some()).map(
+            |contact| Boundary {
+                potential: potential(contact.law.as_ref()),
+                scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| {
+                    GapFormula::new(formulas.clone(), Some(scale.formula), 1.0).boxed()
+                }),
+                gap: GapFormula::new(formulas.clone(), contact.gap, f64::INFINITY).boxed(),
+                shift: GapFormula::new(formulas.clone(), contact.shift, 0.0).boxed(),
+                rule: match contact.quadrature {
+                    ContactQuadrature::Vertex => BoundaryRule::Vertex,
+                    ContactQuadrature::Gauss => BoundaryRule::Gauss,
+                    ContactQuadrature::Exact => BoundaryRule::Exact,
+                },
+            },
+        );
+    Model {
+        elasticity: elasticity(material),
+        memory: material::memory_terms(material, &formulas),
+        projection,
+        boundary,
+        time_rule: time_rule(&scene.time),
+    }
+}
+
+fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
+    let Data::Exact { u, multiplier, selection, .. } = &body.data else { return None };
+    let material = &body.material;
+    let contact = body.contact.as_ref().map(|contact| ContactFormulas {
+        gap: contact.gap,
+        shift: contact.shift,
+        law: contact.law.as_ref().map(law_numbers),
+        scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| scale.formula),
+        multiplier: *multiplier,
+        selection: *selection,
+    });
+    let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
+    let mut graph = scene.formulas.clone();
+    let (numbers, regions) = material::numbers(material, &body.domain.shape, &mut graph);
+    Some(Exact::new(ExactData {
+        graph,
+        u: u.clone(),
+        material: numbers,
+        regions,
+        kernels: material.memory.iter().map(|memory| memory.kernel).collect(),
+        kappa: projection.map(|projection| projection.kappa),
+        contact,
+        horizon: scene.time.horizon,
+        size: body.domain.size.clone(),
+        polytope: match &body.domain.shape {
+            Shape::Box => None,
+            Shape::Refined(coarse) => Some(Polytope {
+                coarse: coarse.clone(),
+                clamped: side_numbers(&body.domain.clamped),
+                contact: side_numbers(&body.domain.contact),
+            }),
+        },
+    }))
+}
+
+/// The form of the loads as the manufactured side names it.
+pub fn load_form(form: crate::LoadForm) -> LoadForm {
+    match form {
+        crate::LoadForm::Weak => LoadForm::Weak,
+        crate::LoadForm::Strong => LoadForm::Strong,
+    }
+}

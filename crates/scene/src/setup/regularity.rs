@@ -1,0 +1,86 @@
+//! Hypotheses of regularity: measured, and a scene that claims to violate one must do so.
+
+use super::{AbstractSetup, Setup, SetupError};
+use crate::{AbstractScene, ContactScene, Face, Hypothesis, Scene, Shape, Side};
+use exact::{
+    Finding, SideOfBox, Status, regularity_in_space, regularity_in_time, second_difference,
+};
+use formula::{Node, Point};
+
+/// The sides of a scene's rectangle or box; none of another shape.
+pub fn sides(body: &ContactScene) -> Vec<SideOfBox> {
+    let of = |side: Side| {
+        let own = move |face: Face| SideOfBox {
+            normal: face.normal,
+            clamped: body.domain.clamped.contains(&side),
+            contact: body.domain.contact.contains(&side),
+        };
+        body.domain.faces(side).into_iter().map(own)
+    };
+    match body.domain.shape {
+        Shape::Box => body.domain.all_sides().flat_map(of).collect(),
+        // The exact solution knows the triangles and their sides itself.
+        Shape::Refined(_) => Vec::new(),
+    }
+}
+
+/// The regularity in time that Theorem 7 asks of an abstract scene: u_i on [0, T], and q_l(T, ·).
+pub fn abstract_regularity(scene: &Scene, problem: &AbstractScene) -> Vec<Finding> {
+    let (graph, horizon) = (&scene.formulas, scene.time.horizon);
+    let component = |(i, &node): (usize, &Node)| {
+        let value = |t: f64| graph.evaluate(node, &Point { t, ..Point::default() });
+        let subject = format!("u_{} in W2,inf (3.17)", i + 1);
+        second_difference(&subject, "the component", horizon, value)
+    };
+    let mut findings: Vec<Finding> = problem.u.iter().enumerate().map(component).collect();
+    findings.extend(problem.kernels.iter().enumerate().map(|(l, kernel)| {
+        let value =
+            |s: f64| graph.evaluate(kernel.q, &Point { x: s, t: horizon, ..Point::default() });
+        let subject = format!("q_{}(T, .) in C2 (3.17)", l + 1);
+        second_difference(&subject, "the kernel", horizon, value)
+    }));
+    findings
+}
+
+/// What an abstract scene claims to violate.
+///
+/// # Errors
+/// A claim that no finding bears out.
+pub(super) fn abstract_claims(setup: &AbstractSetup) -> Result<(), SetupError> {
+    let scene = &setup.scene;
+    claim(scene, Hypothesis::RegularInSpace, Vec::new)?;
+    claim(scene, Hypothesis::RegularInTime, || abstract_regularity(scene, &setup.problem))
+}
+
+/// What a scene of the contact problem with an exact solution claims to violate.
+///
+/// # Errors
+/// A claim that no finding bears out.
+pub(super) fn contact_claims(setup: &Setup) -> Result<(), SetupError> {
+    let Some(exact) = &setup.exact else { return Ok(()) };
+    let sides = sides(&setup.body);
+    claim(&setup.scene, Hypothesis::RegularInSpace, || regularity_in_space(exact, &sides))?;
+    claim(&setup.scene, Hypothesis::RegularInTime, || regularity_in_time(exact))
+}
+
+fn claim(
+    scene: &Scene,
+    hypothesis: Hypothesis,
+    findings: impl FnOnce() -> Vec<Finding>,
+) -> Result<(), SetupError> {
+    let Some(index) = scene.violates.iter().position(|&claimed| claimed == hypothesis) else {
+        return Ok(());
+    };
+    let findings = findings();
+    if findings.iter().any(|finding| finding.status == Status::Weak) {
+        return Ok(());
+    }
+    let seen: Vec<String> = findings.iter().map(|f| format!("{}: {}", f.subject, f.text)).collect();
+    let message = format!(
+        "the scene claims to violate ({}), and nothing shows it: {}",
+        hypothesis.name(),
+        if seen.is_empty() { "the problem has no such hypothesis".into() } else { seen.join("; ") }
+    );
+    let hint = "remove the claim: a prediction for a broken hypothesis says nothing where it holds";
+    Err(scene.error(&format!("scene.violates.{index}"), message, hint).into())
+}

@@ -1,0 +1,133 @@
+//! What the quadrature of loads and errors contributes to the errors on a mesh: both are done again by
+//! the next rule, at a few times.
+
+use std::sync::Arc;
+
+use super::{Setup, elasticity};
+use crate::{Data, LoadForm};
+use exact::Truth;
+use fem::contact::{Discretization, Floors, LevelFields, LoadError, strain_norm};
+use fem::norms::{ElasticProjection, Moments};
+use fem::space::quadrature::TruthRules;
+use fem::space::strain_of;
+use vhi::law::TensorField;
+
+/// `SAFETY` times the largest answer of A = 𝒜 + μ to a difference of loads stands for all times. The
+/// answer bounds what an error moves by; errors move less, as they are nearly orthogonal to V^h
+/// (`sweep floors` measures it).
+const SAFETY: f64 = 1.5;
+
+/// Parts of [0, T] at whose ends rules are compared: once fronts are on their way, once at the end,
+/// where some scenes have no front left.
+const TIMES: u32 = 2;
+/// The same on meshes of few cells: a front passes through few of them, and two times may both miss it.
+const TIMES_ON_FEW: u32 = 4;
+const FEW: usize = 4096;
+
+/// Two times are the same within rounding.
+const SAME_TIME: f64 = 1e-9;
+
+/// Loads and moments by the next rules.
+#[derive(Debug, Default)]
+pub struct RuleCheck {
+    /// What the quadrature of the loads contributes to each norm.
+    pub floors: Floors,
+    /// Moments of the exact fields by the next rule, with their times.
+    moments: Vec<(f64, Arc<Moments>)>,
+}
+
+impl RuleCheck {
+    /// The moments by the next rule, if t is one of the times at which they are compared.
+    pub fn moments(&self, t: f64) -> Option<&Moments> {
+        let close = |(own, _): &&(f64, Arc<Moments>)| (own - t).abs() <= SAME_TIME * t.abs();
+        self.moments.iter().find(close).map(|(_, moments)| &**moments)
+    }
+}
+
+/// The times at which rules are compared.
+pub(super) fn check_times(setup: &Setup, cells: usize) -> Vec<f64> {
+    let steps = setup.scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().max());
+    let most = if cells <= FEW { TIMES_ON_FEW } else { TIMES };
+    let parts = steps.map_or(most, |&steps| most.min(steps as u32));
+    (1..=parts).map(|i| setup.scene.time.horizon * f64::from(i) / f64::from(parts)).collect()
+}
+
+/// Compares the rules; `own` are loads and fields by the rules of the scene, if they are at hand, and
+/// `truth` makes them by given rules, the next ones with what hereditary integrals may lack. Those of the next rules are not kept: their formulas take more
+/// memory than the case.
+///
+/// # Errors
+/// A load or field that is not finite, a mesh on which A cannot be factorized.
+pub(super) fn rule_check(
+    setup: &Setup,
+    space: &Discretization,
+    own: Option<Arc<dyn Truth>>,
+    truth: impl Fn(&TruthRules, bool) -> Result<Arc<dyn Truth>, LoadError>,
+) -> Result<RuleCheck, LoadError> {
+    let times = check_times(setup, space.mesh.cell_count());
+    let loads = |truth: &dyn Truth| -> Result<Vec<Arc<Vec<f64>>>, LoadError> {
+        times.iter().map(|&t| truth.load(t)).collect()
+    };
+    let own = own.map_or_else(|| truth(&TruthRules::of(setup.scene.dimension), false), Ok)?;
+    let next = || truth(&TruthRules::stronger(setup.scene.dimension), true);
+    let mut stronger = next()?;
+    let moments = match setup.exact.is_some() {
+        // Moments of a reference run are exact.
+        false => Vec::new(),
+        true => {
+            let at = |&t: &f64| Ok((t, stronger.moments(t)?));
+            times.iter().map(at).collect::<Result<_, LoadError>>()?
+        }
+    };
+    if matches!(setup.body.data, Data::Exact { form: LoadForm::Strong, .. }) {
+        // Points of the moments are let go before those of the loads are made; in the weak form they are the same.
+        stronger = next()?;
+    }
+    let pairs = [loads(&*own)?, loads(&*stronger)?];
+    let elastic = elasticity(&setup.body.material);
+    let floors = load_floors(space, &pairs, &elastic, setup.projection_mu())?;
+    Ok(RuleCheck { floors, moments })
+}
+
+/// Floors from load vectors at the same times by two rules; `elasticity` and `mu` are the scene's.
+fn load_floors(
+    space: &Discretization,
+    [own, stronger]: &[Vec<Arc<Vec<f64>>>; 2],
+    elasticity: &TensorField,
+    mu: f64,
+) -> Result<Floors, LoadError> {
+    let mut operator = ElasticProjection::new(space, elasticity, mu)
+        .map_err(|error| LoadError::Reference { reason: error.to_string() })?;
+    let still = LevelFields { u: vec![0.0; space.nodes.len()], ..LevelFields::default() };
+    // Stresses follow strains by the stiffest modulus, on Γ3 those of the cells there.
+    let largest = elasticity.eigenvalues(space.mesh.dimension).1;
+    let mut floors = Floors::default();
+    for (own, stronger) in own.iter().zip(stronger) {
+        let difference: Vec<f64> = stronger.iter().zip(&**own).map(|(a, b)| a - b).collect();
+        let u = operator.response(&difference);
+        let pressure = largest * strain_on_contact(space, &u);
+        let moved = LevelFields { u, ..LevelFields::default() }.distance(&still, space);
+        floors = floors.max(Floors { stress: largest * moved.v, pressure, ..moved });
+    }
+    Ok(floors.times(SAFETY))
+}
+
+/// ‖ε(v)‖ on Γ3, from the cells with a side on it: a cell of measure m has about 2m/h of Γ3. In the
+/// plane; in space the norm in the body stands for it.
+fn strain_on_contact(space: &Discretization, v: &[f64]) -> f64 {
+    if space.mesh.dimension != 2 {
+        return strain_norm(space, v);
+    }
+    let mut on_contact = vec![false; space.mesh.vertices()];
+    for point in &space.trace.points {
+        on_contact[point.vertex as usize] = true;
+    }
+    let touches = |c: &usize| {
+        space.mesh.cell(*c).iter().filter(|&&vertex| on_contact[vertex as usize]).count() > 1
+    };
+    let cells = (0..space.mesh.cell_count()).filter(touches).map(|c| {
+        let strain = strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), v);
+        space.geometry.measure[c] * strain.iter().map(|e| e * e).sum::<f64>()
+    });
+    (2.0 * cells.sum::<f64>() / space.mesh.h()).sqrt()
+}

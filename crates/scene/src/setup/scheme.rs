@@ -1,0 +1,37 @@
+//! The solver under test: whatever marches a scene through the levels of a time grid.
+
+use super::{MeshData, Setup};
+use fem::contact::{CaseError, CaseInfo, Observer};
+use vhi::Newton;
+
+/// A solver of Problem 14 on a given mesh and time grid. A sweep measures and judges what it shows.
+pub trait Scheme: Send + Sync {
+    /// Solves the scene with `steps` steps on its own grid and shows every level, n = 0 first, to
+    /// `observe`.
+    ///
+    /// # Errors
+    /// A level that has no solution or was not found; errors of `observe` are passed on.
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError>;
+}
+
+/// P1 elements, the time rule of the scene, semismooth Newton: [`fem::contact::march`].
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NewtonMarch;
+
+impl Scheme for NewtonMarch {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        data.march(setup, steps, &Newton::default(), observe)
+    }
+}

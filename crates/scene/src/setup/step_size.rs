@@ -1,0 +1,114 @@
+//! Step sizes against (3.4): what is refused, and what is said of the rest.
+
+use super::{SetupError, Subject, constants::step_bounds};
+use crate::Hypothesis;
+use vhi::{StepBounds, StepPlace};
+
+/// No hint proposes more steps than this.
+const MOST_STEPS: u32 = 1 << 20;
+
+/// What is to be said of the step sizes of a run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepRemark {
+    /// True for a warning, false for a note.
+    pub warning: bool,
+    /// The label of the run in reports, one sentence.
+    pub text: String,
+}
+
+/// The constants of a scene that decide on its step size.
+///
+/// # Errors
+/// As [`step_bounds`].
+pub fn subject_bounds(subject: &Subject) -> Result<StepBounds, SetupError> {
+    match subject {
+        Subject::Contact(setup) => step_bounds(setup),
+        Subject::Abstract(setup) => Ok(setup.constants.step_bounds()),
+    }
+}
+
+/// Compares the grids with these numbers of steps with (3.4) and with the bound below which each step
+/// is strongly monotone.
+///
+/// # Errors
+/// A step size at or beyond the latter, unless the scene says `violates = ["3.4"]`, or violates (2.9)
+/// or (5.1), without which there is no bound to compare with.
+pub fn check_step_sizes(
+    subject: &Subject,
+    steps: &[u32],
+) -> Result<Option<StepRemark>, SetupError> {
+    let scene = subject.scene();
+    let violates = |hypothesis| scene.violates.contains(&hypothesis);
+    if violates(Hypothesis::Smallness) || violates(Hypothesis::LipschitzKappa) {
+        return Ok(None);
+    }
+    let bounds = subject_bounds(subject)?;
+    let size = |steps: u32| subject.grid(steps).largest_step();
+    let Some(coarsest) = steps.iter().copied().max_by(|&a, &b| size(a).total_cmp(&size(b))) else {
+        return Ok(None);
+    };
+    let (k, declared) = (size(coarsest), violates(Hypothesis::StepSize));
+    match bounds.place(k) {
+        StepPlace::WithinTheorem if declared => Ok(Some(StepRemark {
+            warning: false,
+            text: format!(
+                "violates = [\"3.4\"] is not needed: k = {k:.4} is below the bound (3.4), {:.4}",
+                bounds.limit()
+            ),
+        })),
+        StepPlace::WithinTheorem => Ok(None),
+        StepPlace::Solvable => Ok(Some(StepRemark {
+            warning: true,
+            text: format!(
+                "k = {k:.4} (N = {coarsest}) is beyond (3.4), k < {:.4}; one solution a step is guaranteed all the same, by strong monotonicity{}",
+                bounds.limit(),
+                below(bounds.solvable_limit())
+            ),
+        })),
+        StepPlace::Unguaranteed if declared => Ok(Some(StepRemark {
+            warning: true,
+            text: format!(
+                "k = {k:.4} (N = {coarsest}) violates (3.4) on purpose: one solution a step is guaranteed only{}",
+                below(bounds.solvable_limit())
+            ),
+        })),
+        StepPlace::Unguaranteed => Err(refusal(subject, coarsest, k, &bounds)),
+    }
+}
+
+fn below(limit: f64) -> String {
+    if limit.is_finite() { format!(" for k < {limit:.4}") } else { " for every k".into() }
+}
+
+fn refusal(subject: &Subject, steps: u32, k: f64, bounds: &StepBounds) -> SetupError {
+    let limit = bounds.solvable_limit();
+    let message = format!(
+        "N = {steps} makes k = {k:.4}, but one solution a step is guaranteed only for k < {limit:.4} (and by (3.4) itself for k < {:.4})",
+        bounds.limit()
+    );
+    let enough = sufficient(subject, limit)
+        .map_or(String::new(), |steps| format!("take N = {steps} steps or more, or "));
+    let hint = format!("{enough}say violates = [\"3.4\"] in [scene] to run it all the same");
+    subject.scene().error("time", message, hint).into()
+}
+
+/// A number of steps that brings k below `limit` while one step less does not.
+fn sufficient(subject: &Subject, limit: f64) -> Option<u32> {
+    let size = |steps: u32| subject.grid(steps).largest_step();
+    let (mut too_few, mut enough) = (0, 1);
+    while size(enough) >= limit {
+        (too_few, enough) = (enough, 2 * enough);
+        if enough > MOST_STEPS {
+            return None;
+        }
+    }
+    while enough - too_few > 1 {
+        let middle = too_few + (enough - too_few) / 2;
+        if size(middle) < limit {
+            enough = middle;
+        } else {
+            too_few = middle;
+        }
+    }
+    Some(enough)
+}

@@ -1,0 +1,50 @@
+//! What a scene asks to be solved, of either kind.
+
+use super::{AbstractSetup, Setup, SetupError};
+use crate::Scene;
+use vhi::history::TimeGrid;
+
+/// A scene made computable.
+pub enum Subject {
+    /// Problem 12, a body in contact.
+    Contact(Box<Setup>),
+    /// Problem 1 in ℝ^m.
+    Abstract(Box<AbstractSetup>),
+}
+
+impl Subject {
+    /// Sets a scene up and checks what needs its model.
+    ///
+    /// # Errors
+    /// The first violated condition, at the key of the scene that states it.
+    pub fn new(scene: Scene) -> Result<Self, SetupError> {
+        match scene.as_contact() {
+            Some(_) => Ok(Self::Contact(Box::new(Setup::new(scene)?))),
+            None => Ok(Self::Abstract(Box::new(AbstractSetup::new(scene)?))),
+        }
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        match self {
+            Self::Contact(setup) => &setup.scene,
+            Self::Abstract(setup) => &setup.scene,
+        }
+    }
+
+    /// The grid with the given number of steps.
+    pub fn grid(&self, steps: u32) -> TimeGrid {
+        match self {
+            Self::Contact(setup) => setup.grid(steps),
+            Self::Abstract(setup) => setup.grid(steps),
+        }
+    }
+
+    /// Whether the exact solution is known, so that no reference run is needed.
+    pub fn has_exact(&self) -> bool {
+        match self {
+            Self::Contact(setup) => setup.exact.is_some(),
+            Self::Abstract(_) => true,
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Trace constants on a family of meshes, and what their sequence tends to.
+
+use std::sync::Arc;
+
+use super::{Setup, SetupError};
+use fem::contact::{TraceMass, trace_constant};
+use vhi::law::TensorField;
+
+/// sup ‖v_ν‖²/(𝒞ε(v), ε(v)) on meshes, each twice as fine as the one before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TraceFamily {
+    /// n and the value there.
+    pub values: Vec<(u32, f64)>,
+    /// The extrapolated limit.
+    pub limit: f64,
+    /// How much the limit still moves when the finest mesh is left out; NaN if that cannot be said.
+    pub uncertainty: f64,
+}
+
+/// The trace constants of `tensor` on the meshes `levels` (each twice as fine as the one before).
+///
+/// # Errors
+/// A mesh whose stiffness matrix cannot be factorized.
+pub fn trace_family(
+    setup: &Setup,
+    tensor: &TensorField,
+    mass: TraceMass,
+    levels: &[u32],
+) -> Result<TraceFamily, SetupError> {
+    let mut values = Vec::new();
+    for &n in levels {
+        let space = match tensor.is_uniform() {
+            true => setup.plain_space(n).map(Arc::new)?,
+            false => setup.space(n)?,
+        };
+        let found = trace_constant(&space, tensor, mass)
+            .map_err(|source| SetupError::Constant { n, source })?;
+        values.push((n, found.value));
+    }
+    Ok(TraceFamily::new(values))
+}
+
+impl TraceFamily {
+    /// Extrapolates: errors that shrink by a constant factor from mesh to mesh vanish from the limit
+    /// (Aitken), so the order of convergence need not be known.
+    pub fn new(values: Vec<(u32, f64)>) -> Self {
+        let sequence: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
+        let limit = aitken(&sequence);
+        let uncertainty = match sequence.len() {
+            0..=2 => f64::NAN,
+            // Without a second extrapolation: the whole step that Aitken takes.
+            3 => (limit - sequence[2]).abs(),
+            count => (limit - aitken(&sequence[..count - 1])).abs(),
+        };
+        Self { values, limit, uncertainty }
+    }
+}
+
+fn aitken(values: &[f64]) -> f64 {
+    let [.., a, b, c] = values else { return values.last().copied().unwrap_or(0.0) };
+    let (first, second) = (b - a, c - b);
+    let shrinks = second.abs() < first.abs() && first != 0.0;
+    if shrinks { c + second * second / (first - second) } else { *c }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_geometric_sequence_is_extrapolated_exactly() {
+        let values = (0..5).map(|i| (8 << i, 0.44 - 0.1 * 0.36f64.powi(i))).collect();
+        let family = TraceFamily::new(values);
+        assert!((family.limit - 0.44).abs() < 1e-13 && family.uncertainty < 1e-12);
+    }
+
+    #[test]
+    fn the_uncertainty_covers_a_second_term() {
+        let exact = 0.44;
+        let value = |i: i32| exact - 0.1 * 0.36f64.powi(i) + 0.02 * 0.25f64.powi(i);
+        let family = TraceFamily::new((0..5).map(|i| (8 << i, value(i))).collect());
+        assert!((family.limit - exact).abs() < family.uncertainty && family.uncertainty < 1e-3);
+    }
+
+    #[test]
+    fn a_sequence_that_does_not_settle_is_not_extrapolated() {
+        let family = TraceFamily::new(vec![(8, 1.0), (16, 2.0), (32, 4.0)]);
+        assert_eq!(family.limit, 4.0);
+        assert!(TraceFamily::new(vec![(8, 1.0)]).uncertainty.is_nan());
+    }
+}

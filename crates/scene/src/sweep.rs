@@ -1,0 +1,348 @@
+//! `[sweep]`: the grid of cases, and the finer run that stands for the truth.
+
+use super::diagnostic::SceneError;
+use super::domain::{Domain, Shape};
+use super::prediction::{Direction, Norm, Prediction};
+use super::reading::Reading;
+use super::validated::{Body, Scene};
+use super::written;
+use files::counted;
+
+/// The run that stands for the truth where there is no exact solution.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reference {
+    pub n: usize,
+    pub steps: usize,
+}
+
+/// Every n with every number of steps; or the pairs of a path.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sweep {
+    /// Mesh cells per unit length, h = 1/n; each divides both sides of the rectangle into whole cells.
+    /// Empty for abstract scenes, which have no mesh.
+    pub n: Vec<usize>,
+    /// Numbers N of time steps.
+    pub steps: Vec<usize>,
+    /// n a multiple of every n, steps of every number of steps.
+    pub reference: Option<Reference>,
+    /// The cases [n, N] of a path in place of the grid; `n` and `steps` then hold what occurs.
+    pub pairs: Option<Vec<[usize; 2]>>,
+    /// Norms to measure; none leaves the choice to the sweep.
+    pub norms: Option<Vec<Norm>>,
+    /// Errors split by contact state are measured beside them.
+    pub by_state: bool,
+}
+
+impl Sweep {
+    pub(super) fn validate(
+        reading: &Reading,
+        written: Option<&written::Sweep>,
+        domain: &Domain,
+        has_contact: bool,
+    ) -> Result<Option<Sweep>, SceneError> {
+        let Some(written) = written else {
+            return Ok(None);
+        };
+        let pairs = match &written.pairs {
+            Some(pairs) => Some(path(reading, written, pairs, domain)?),
+            None => None,
+        };
+        let (n, steps) = match &pairs {
+            Some(pairs) => [0, 1].map(|i| distinct(pairs.iter().map(|pair| pair[i]))).into(),
+            None => {
+                let n = counts(reading, "sweep.n", &written.n)?;
+                (n, counts(reading, "sweep.steps", &written.steps)?)
+            }
+        };
+        for (index, &n) in n.iter().enumerate().filter(|_| pairs.is_none()) {
+            whole_cells(reading, &format!("sweep.n.{index}"), n, domain)?;
+        }
+        let reference = match &written.reference {
+            Some(_) if !domain.mesh.nests() => {
+                let message = "a reference run on meshes that do not nest: the mesh n is no part of the reference's";
+                let hint = "use the structured mesh, or an exact solution";
+                return Err(reading.error("sweep.reference", message, hint));
+            }
+            Some(reference) => Some(Reference::validate(reading, reference, domain, &n, &steps)?),
+            None => None,
+        };
+        let norms = match &written.norms {
+            Some(words) => Some(norms(reading, words, has_contact)?),
+            None => None,
+        };
+        Ok(Some(Sweep { n, steps, pairs, reference, norms, by_state: written.by_state }))
+    }
+}
+
+impl Sweep {
+    /// The sweep of an abstract scene: numbers of steps alone.
+    pub(super) fn in_time(reading: &Reading, steps: &[i64]) -> Result<Sweep, SceneError> {
+        let steps = counts(reading, "sweep.steps", steps)?;
+        Ok(Sweep {
+            n: Vec::new(),
+            steps,
+            pairs: None,
+            reference: None,
+            norms: None,
+            by_state: false,
+        })
+    }
+}
+
+impl Reference {
+    fn validate(
+        reading: &Reading,
+        written: &written::Reference,
+        domain: &Domain,
+        n: &[usize],
+        steps: &[usize],
+    ) -> Result<Reference, SceneError> {
+        let reference = Reference {
+            n: reading.count("sweep.reference.n", written.n)?,
+            steps: step_count(reading, "sweep.reference.steps", written.steps)?,
+        };
+        whole_cells(reading, "sweep.reference.n", reference.n, domain)?;
+        multiple(reading, "n", reference.n, n)?;
+        multiple(reading, "steps", reference.steps, steps)?;
+        if n.contains(&reference.n) && steps.contains(&reference.steps) {
+            let message = format!(
+                "the reference is the case n = {}, steps = {} itself: its error would be 0",
+                reference.n, reference.steps
+            );
+            return Err(reading.error(
+                "sweep.reference",
+                message,
+                "refine the reference in n or in steps",
+            ));
+        }
+        Ok(reference)
+    }
+}
+
+/// The pairs [n, N] of a path: at least three, finer in n from one to the next and no coarser in N.
+fn path(
+    reading: &Reading,
+    written: &written::Sweep,
+    pairs: &[Vec<i64>],
+    domain: &Domain,
+) -> Result<Vec<[usize; 2]>, SceneError> {
+    let key = |index: usize| format!("sweep.pairs.{index}");
+    if !written.n.is_empty() || !written.steps.is_empty() {
+        let hint = "keep pairs, or the lists n and steps of a grid";
+        return Err(reading.error("sweep.pairs", "both pairs and a grid of n and steps", hint));
+    }
+    let mut path: Vec<[usize; 2]> = Vec::new();
+    for (index, pair) in pairs.iter().enumerate() {
+        let &[n, steps] = &pair[..] else {
+            let message = format!("{} numbers, a pair has two", pair.len());
+            return Err(reading.error(&key(index), message, "write [n, N]: [16, 8]"));
+        };
+        let n = reading.count(&format!("{}.0", key(index)), n)?;
+        let steps = step_count(reading, &format!("{}.1", key(index)), steps)?;
+        whole_cells(reading, &format!("{}.0", key(index)), n, domain)?;
+        if path.last().is_some_and(|&[last, before]| n <= last || steps < before) {
+            let message = format!("[{n}, {steps}] does not refine the pair before it");
+            let hint = "order the pairs from coarse to fine: n grows, N does not fall";
+            return Err(reading.error(&key(index), message, hint));
+        }
+        path.push([n, steps]);
+    }
+    if path.len() < 3 {
+        let message = format!("{} on the path, an order needs three", counted(path.len(), "pair"));
+        return Err(reading.error("sweep.pairs", message, "pairs = [[8, 4], [16, 6], [32, 8]]"));
+    }
+    Ok(path)
+}
+
+fn distinct(values: impl Iterator<Item = usize>) -> Vec<usize> {
+    let mut values: Vec<usize> = values.collect();
+    values.dedup();
+    values
+}
+
+fn step_count(reading: &Reading, key: &str, value: i64) -> Result<usize, SceneError> {
+    match reading.count(key, value)? {
+        count if count <= MOST_STEPS => Ok(count),
+        count => {
+            let message = format!("{count} time steps are more than {MOST_STEPS}");
+            Err(reading.error(key, message, "choose fewer steps"))
+        }
+    }
+}
+
+/// A list of positive numbers without repetition.
+fn counts(reading: &Reading, key: &str, written: &[i64]) -> Result<Vec<usize>, SceneError> {
+    if written.is_empty() {
+        return Err(reading.error(key, "the list is empty", "give at least one: [8, 16, 32]"));
+    }
+    let mut counts = Vec::new();
+    for (index, &value) in written.iter().enumerate() {
+        let item = format!("{key}.{index}");
+        let count = match key {
+            "sweep.steps" => step_count(reading, &item, value)?,
+            _ => reading.count(&item, value)?,
+        };
+        if counts.contains(&count) {
+            return Err(reading.error(
+                &item,
+                format!("{count} is listed twice"),
+                "remove one of the two",
+            ));
+        }
+        counts.push(count);
+    }
+    Ok(counts)
+}
+
+/// Numbers of cells and vertices are whole numbers of 32 bits, with room to spare.
+const MOST_CELLS: f64 = 1e9;
+/// Steps beyond which a number of steps is a slip; `--steps` takes no more either.
+const MOST_STEPS: usize = 10_000_000;
+
+/// Cells of the mesh n, where they are too many.
+fn too_many_cells(n: usize, domain: &Domain) -> Option<String> {
+    let cells = domain.cells(u32::try_from(n).unwrap_or(u32::MAX));
+    let many = cells.is_nan() || cells > MOST_CELLS;
+    many.then(|| format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most"))
+}
+
+/// n cells a unit length must cut every side of a rectangle or box into a whole number of cells, and not into too many.
+fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Result<(), SceneError> {
+    if let Some(message) = too_many_cells(n, domain) {
+        return Err(reading.error(key, message, "choose a smaller n"));
+    }
+    let Some(length) = odd_length(n, domain) else { return Ok(()) };
+    let cells = n as f64 * length;
+    let message = format!(
+        "n = {n} does not divide side {length} into whole cells: {n} cells a unit length make {cells}"
+    );
+    Err(reading.error(key, message, "choose n so that n times each side is a whole number"))
+}
+
+/// A length that n cells a unit length do not divide into whole cells.
+fn odd_length(n: usize, domain: &Domain) -> Option<f64> {
+    let odd = |length: &f64| {
+        let cells = n as f64 * length;
+        cells < 0.5 || (cells - cells.round()).abs() > 1e-9 * cells
+    };
+    match domain.shape {
+        Shape::Box => domain.size.iter().copied().find(odd),
+        Shape::Refined(_) => None,
+    }
+}
+
+impl Scene {
+    /// Checks that n cells a unit length divide the sides into whole cells.
+    ///
+    /// # Errors
+    /// An n that does not.
+    pub fn check_cells(&self, n: u32) -> Result<(), SceneError> {
+        let Body::Contact(body) = &self.body else { return Ok(()) };
+        if let Some(message) = too_many_cells(n as usize, &body.domain) {
+            return Err(self.error("domain.size", message, "choose a smaller n"));
+        }
+        let Some(length) = odd_length(n as usize, &body.domain) else { return Ok(()) };
+        let message = format!("n = {n} does not divide side {length} into whole cells");
+        let hint = "choose n so that n times each side is a whole number";
+        Err(self.error("domain.size", message, hint))
+    }
+
+    /// Checks grids that come from outside the file (the command line) as the file's own are.
+    ///
+    /// # Errors
+    /// As [`Self::check_cases`]; any grid for a scene that runs along a path.
+    pub fn check_grid(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
+        let path = self.sweep.as_ref().is_some_and(|sweep| sweep.pairs.is_some());
+        if path && !(n.is_empty() && steps.is_empty()) {
+            let message = "the scene runs along a path of pairs, not on a grid";
+            let hint = "leave --n and --steps away, or change the pairs";
+            return Err(self.error("sweep.pairs", message, hint));
+        }
+        self.check_cases(n, steps)
+    }
+
+    /// Checks numbers of cells and steps that the file does not list.
+    ///
+    /// # Errors
+    /// As [`Self::check_cells`]; an n or a number of steps that the reference run does not refine.
+    pub fn check_cases(&self, n: &[u32], steps: &[u32]) -> Result<(), SceneError> {
+        n.iter().try_for_each(|&n| self.check_cells(n))?;
+        let Some(reference) = self.sweep.as_ref().and_then(|sweep| sweep.reference) else {
+            return Ok(());
+        };
+        for (name, own, cases) in [("n", reference.n, n), ("steps", reference.steps, steps)] {
+            if let Some(case) = cases.iter().find(|&&case| !own.is_multiple_of(case as usize)) {
+                let message =
+                    format!("the reference {name} = {own} is no multiple of {name} = {case}");
+                let hint = "choose divisors of the reference's, or change the reference";
+                return Err(self.error("sweep.reference", message, hint));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A path serves predictions along it, and a grid all others.
+pub(super) fn serves(
+    reading: &Reading,
+    sweep: Option<&Sweep>,
+    predicts: &[Prediction],
+) -> Result<(), SceneError> {
+    let path = sweep.is_some_and(|sweep| sweep.pairs.is_some());
+    let odd = predicts.iter().position(|p| (p.variable == Direction::Path) != path);
+    let (Some(index), Some(_)) = (odd, sweep) else { return Ok(()) };
+    let (message, hint) = match path {
+        true => ("the pairs of a sweep hold h and k together", "write variable = \"path\""),
+        false => ("a path needs pairs", "write pairs = [[8, 4], [16, 6], [32, 8]] under [sweep]"),
+    };
+    Err(reading.error(&format!("predicts.{index}.variable"), message, hint))
+}
+
+/// Errors by contact state need the states of the truth: an exact solution in the plane with contact.
+pub(super) fn states_are_known(
+    reading: &Reading,
+    known: bool,
+    sweep: Option<&Sweep>,
+    predicts: &[Prediction],
+) -> Result<(), SceneError> {
+    let listed = sweep.and_then(|sweep| sweep.norms.as_ref());
+    let listed = listed.and_then(|list| list.iter().position(|norm| norm.by_state()));
+    let judged = predicts.iter().position(|prediction| prediction.norm.by_state());
+    let key = match (sweep.is_some_and(|sweep| sweep.by_state), listed, judged) {
+        _ if known => return Ok(()),
+        (true, ..) => "sweep.by_state".to_owned(),
+        (_, Some(index), _) => format!("sweep.norms.{index}"),
+        (.., Some(index)) => format!("predicts.{index}.norm"),
+        _ => return Ok(()),
+    };
+    let message = "errors by contact state need the state of the truth at every point";
+    let hint = "they are known for an exact solution in the plane with contact; measure trace_L2_max and pressure_L2_max here";
+    Err(reading.error(&key, message, hint))
+}
+
+fn multiple(
+    reading: &Reading,
+    name: &str,
+    reference: usize,
+    cases: &[usize],
+) -> Result<(), SceneError> {
+    match cases.iter().find(|&&case| !reference.is_multiple_of(case)) {
+        None => Ok(()),
+        Some(case) => {
+            let message =
+                format!("the reference {name} = {reference} is not a multiple of {name} = {case}");
+            Err(reading.error(
+                &format!("sweep.reference.{name}"),
+                message,
+                "errors are compared at common vertices and times: choose a common multiple",
+            ))
+        }
+    }
+}
+
+fn norms(reading: &Reading, words: &[String], has_contact: bool) -> Result<Vec<Norm>, SceneError> {
+    let one = |(index, word): (usize, &String)| {
+        Norm::validate(reading, &format!("sweep.norms.{index}"), word, has_contact)
+    };
+    words.iter().enumerate().map(one).collect()
+}

@@ -1,0 +1,281 @@
+//! The scene as validated: what every later part of the program reads.
+
+use std::ops::Range;
+use std::path::Path;
+
+use serde::Deserialize;
+use toml::de::{DeTable, Deserializer};
+
+use formula::Graph;
+
+use super::abstract_scene::AbstractScene;
+use super::abstract_written::AbstractFile;
+use super::contact::Contact;
+use super::data::Data;
+use super::definitions::parameters;
+use super::diagnostic::SceneError;
+use super::domain::{Domain, with_mesh};
+use super::heading::{Expectation, Heading, Hypothesis, Kind};
+use super::material::Material;
+use super::prediction::Prediction;
+use super::reading::Reading;
+use super::source::Source;
+use super::spans::Spans;
+use super::sweep::{Sweep, serves, states_are_known};
+use super::time::Time;
+use super::{wording, written};
+
+/// A scene that satisfies everything that can be checked without a mesh and without a solve.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    pub name: String,
+    pub question: String,
+    /// 2 for bodies (plane strain); m for an abstract problem in ℝ^m.
+    pub dimension: usize,
+    /// Whether verdicts are given; else the scene is measured and reported only.
+    pub judge: bool,
+    pub expect: Expectation,
+    /// Runs only when asked for.
+    pub long: bool,
+    pub window_n: Option<[usize; 2]>,
+    pub window_steps: Option<[usize; 2]>,
+    pub violates: Vec<Hypothesis>,
+    pub source: Source,
+    pub spans: Spans,
+    pub time: Time,
+    /// What is solved.
+    pub body: Body,
+    pub predicts: Vec<Prediction>,
+    /// None where the scene asks for no sweep.
+    pub sweep: Option<Sweep>,
+    /// Owns every formula of the scene.
+    pub formulas: Graph,
+}
+
+/// The problem of a scene.
+#[derive(Debug, Clone)]
+pub enum Body {
+    /// Problem 12.
+    Contact(ContactScene),
+    /// Problem 1 in ℝ^m.
+    Abstract(AbstractScene),
+}
+
+/// A body in contact.
+#[derive(Debug, Clone)]
+pub struct ContactScene {
+    pub domain: Domain,
+    pub material: Material,
+    pub contact: Option<Contact>,
+    pub data: Data,
+}
+
+impl Scene {
+    /// The body in contact, if the scene is one.
+    pub fn as_contact(&self) -> Option<&ContactScene> {
+        match &self.body {
+            Body::Contact(body) => Some(body),
+            Body::Abstract(_) => None,
+        }
+    }
+
+    /// Reads and validates a file.
+    ///
+    /// # Errors
+    /// The first fault found, with its place and the way out.
+    pub fn read(path: &Path) -> Result<Scene, SceneError> {
+        Scene::from_source(Source::read(path)?)
+    }
+
+    /// Validates the text of a scene.
+    ///
+    /// # Errors
+    /// The first fault found, with its place and the way out.
+    pub fn from_source(source: Source) -> Result<Scene, SceneError> {
+        if is_blank(&source.text) {
+            return Err(SceneError::Empty { path: source.path });
+        }
+        let table = DeTable::parse(&source.text).map_err(|e| wording::syntax(&source, &e))?;
+        let spans = Spans::of(table.get_ref());
+        let kind = Kind::validate(&Reading::new(&source, &spans), kind_of(table.get_ref()))?;
+        match kind {
+            Kind::Contact => {
+                let file = structured(table, &source, &spans)?;
+                validate_contact(file, source, spans)
+            }
+            Kind::Abstract => {
+                let file = structured(table, &source, &spans)?;
+                validate_abstract(file, source, spans)
+            }
+        }
+    }
+
+    /// Bytes of the value at a dotted key (`exact.multiplier`), or of the part that would hold it.
+    pub fn span(&self, key: &str) -> Range<usize> {
+        self.spans.value(key)
+    }
+
+    /// An error found later, such as (2.9) violated, that points at a key of this scene.
+    pub fn error(
+        &self,
+        key: &str,
+        message: impl Into<String>,
+        hint: impl Into<String>,
+    ) -> SceneError {
+        SceneError::at(&self.source, self.span(key), message, hint)
+    }
+}
+
+/// Nothing but white space and comments.
+fn is_blank(text: &str) -> bool {
+    text.lines().map(str::trim).all(|line| line.is_empty() || line.starts_with('#'))
+}
+
+/// scene.kind, if it is a string.
+fn kind_of<'t>(table: &'t DeTable<'_>) -> Option<&'t str> {
+    table.get("scene")?.get_ref().get("kind")?.get_ref().as_str()
+}
+
+fn structured<'t, F: Deserialize<'t>>(
+    table: toml::Spanned<DeTable<'t>>,
+    source: &Source,
+    spans: &Spans,
+) -> Result<F, SceneError> {
+    F::deserialize(Deserializer::from(table))
+        .map_err(|error| wording::structure(source, spans, &error))
+}
+
+fn validate_contact(
+    file: written::File,
+    source: Source,
+    spans: Spans,
+) -> Result<Scene, SceneError> {
+    let source = with_mesh(source, &spans, &file.domain)?;
+    let mut reading = Reading::new(&source, &spans);
+    let heading = Heading::validate(&reading, &file.scene, Kind::Contact)?;
+    reading.violates.clone_from(&heading.violates);
+    let domain = Domain::validate(&reading, &file.domain, heading.dimension)?;
+    let time = Time::validate(&reading, &file.time)?;
+    let material = Material::validate(&mut reading, &file.material, time.horizon, &domain)?;
+    if let Some(exact) = &file.exact {
+        reading.parameters = parameters(&mut reading, &exact.parameters)?;
+    }
+    let contact = Contact::validate(&mut reading, file.contact.as_ref(), &domain)?;
+    let data = Data::validate(&mut reading, &file, &domain, &time, contact.as_ref())?;
+    let predicts = predictions(&reading, &file.predicts, contact.is_some())?;
+    let sweep = Sweep::validate(&reading, file.sweep.as_ref(), &domain, contact.is_some())?;
+    serves(&reading, sweep.as_ref(), &predicts)?;
+    let known = matches!(data, Data::Exact { .. }) && contact.is_some() && heading.dimension == 2;
+    states_are_known(&reading, known, sweep.as_ref(), &predicts)?;
+    has_truth(&reading, file.scene.judge, &data, sweep.as_ref())?;
+    is_judged_by_something(&reading, file.scene.judge, &predicts)?;
+    let formulas = reading.formulas;
+    let body = Body::Contact(ContactScene { domain, material, contact, data });
+    let content = Content { source, spans, time, body, predicts, sweep, formulas };
+    Ok(heading.scene(file.scene, content))
+}
+
+fn validate_abstract(
+    file: AbstractFile,
+    source: Source,
+    spans: Spans,
+) -> Result<Scene, SceneError> {
+    let mut reading = Reading::new(&source, &spans);
+    let heading = Heading::validate(&reading, &file.scene, Kind::Abstract)?;
+    reading.violates.clone_from(&heading.violates);
+    let time = Time::validate(&reading, &file.time)?;
+    reading.parameters = parameters(&mut reading, &file.exact.parameters)?;
+    let body = AbstractScene::validate(&mut reading, &file, heading.dimension)?;
+    let predicts = predictions(&reading, &file.predicts, false)?;
+    for (index, prediction) in predicts.iter().enumerate() {
+        prediction.only_in_time(&reading, index)?;
+    }
+    let sweep = match &file.sweep {
+        Some(sweep) => Some(Sweep::in_time(&reading, &sweep.steps)?),
+        None => None,
+    };
+    is_judged_by_something(&reading, file.scene.judge, &predicts)?;
+    let formulas = reading.formulas;
+    let body = Body::Abstract(body);
+    let content = Content { source, spans, time, body, predicts, sweep, formulas };
+    Ok(heading.scene(file.scene, content))
+}
+
+/// What a scene has besides its heading.
+struct Content {
+    source: Source,
+    spans: Spans,
+    time: Time,
+    body: Body,
+    predicts: Vec<Prediction>,
+    sweep: Option<Sweep>,
+    formulas: Graph,
+}
+
+impl Heading {
+    fn scene(self, written: written::Heading, content: Content) -> Scene {
+        let Content { source, spans, time, body, predicts, sweep, formulas } = content;
+        Scene {
+            name: self.name,
+            question: written.question,
+            dimension: self.dimension,
+            judge: written.judge,
+            expect: self.expect,
+            long: written.long,
+            window_n: self.window_n,
+            window_steps: self.window_steps,
+            violates: self.violates,
+            source,
+            spans,
+            time,
+            body,
+            predicts,
+            sweep,
+            formulas,
+        }
+    }
+}
+
+fn predictions(
+    reading: &Reading,
+    written: &[written::Prediction],
+    has_contact: bool,
+) -> Result<Vec<Prediction>, SceneError> {
+    written
+        .iter()
+        .enumerate()
+        .map(|(index, one)| Prediction::validate(reading, index, one, has_contact))
+        .collect()
+}
+
+/// A judged scene that predicts nothing would be green whatever it measures.
+fn is_judged_by_something(
+    reading: &Reading,
+    judge: bool,
+    predicts: &[Prediction],
+) -> Result<(), SceneError> {
+    if !judge || !predicts.is_empty() {
+        return Ok(());
+    }
+    let message = "the scene is judged and predicts nothing: there is no order to judge";
+    let hint =
+        "add [[predicts]] with norm, variable, order and why, or say judge = false in [scene]";
+    Err(reading.error("scene.judge", message, hint))
+}
+
+/// A scene without an exact solution needs a reference run, unless it is neither judged nor swept.
+fn has_truth(
+    reading: &Reading,
+    judge: bool,
+    data: &Data,
+    sweep: Option<&Sweep>,
+) -> Result<(), SceneError> {
+    let reference = sweep.and_then(|sweep| sweep.reference);
+    if matches!(data, Data::Exact { .. }) || reference.is_some() || (!judge && sweep.is_none()) {
+        return Ok(());
+    }
+    let message =
+        "no exact solution and no reference run: errors have no truth to be measured against";
+    let key = if sweep.is_some() { "sweep" } else { "loads" };
+    Err(reading.error(key, message, "add to [sweep]: reference = { n = 128, steps = 64 }"))
+}

@@ -1,0 +1,141 @@
+//! Which term of a scene is at fault when one of its orders or constants is not what it must be.
+//!
+//! A ladder of variants takes one term of (5.1)-(5.5) away at a time and keeps u, the loads derived anew.
+//! In each u(t) is put into V^h, so that the history is the only source of errors: with a history the
+//! order in k is judged, without one the discrete solution is the exact one and any error convicts. A
+//! second ladder has one term at a time beside elasticity, on courses in time that the trapezoidal rule
+//! integrates exactly; memory and ζ come with a control where the scene lacks them, so that a fault of
+//! their common time rule is told from one of either. Where everything in V^h is sound and an order in h
+//! is not, the same removals are run outside V^h. The suspect that takes part in everything that fails,
+//! and in the least of what passes, is named.
+
+mod culprit;
+mod outcome;
+mod term;
+mod trial;
+mod variant;
+
+use rayon::prelude::*;
+
+pub use culprit::{Finding, culprit, sentence};
+pub use outcome::{EXACT_WITHIN, Outcome, Prepare};
+pub use term::{Suspect, Terms};
+pub use trial::{Question, Trial, trials_in_space, trials_in_time};
+
+use judge::verdict::{Decision, Variable, Verdict};
+use run::sweep::{
+    CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, foresee, judge_scene,
+};
+use scene::setup::{SetupError, Subject};
+use scene::{Body, Data, Direction, Scene};
+
+/// What a diagnosis found.
+#[derive(Debug, Clone)]
+pub struct Diagnosis {
+    /// Name of the scene.
+    pub scene: String,
+    /// The scene's own verdicts.
+    pub verdicts: Vec<Verdict>,
+    /// The trials, empty where nothing had to be diagnosed.
+    pub outcomes: Vec<Outcome>,
+    /// Whom they convict; none where nothing had to be diagnosed.
+    pub finding: Option<Finding>,
+    /// The finding in one sentence.
+    pub sentence: String,
+}
+
+/// Judges a scene with the solver that `prepare` puts into its setup and, if a verdict is not as
+/// expected (or `always`), runs the trials.
+///
+/// # Errors
+/// A scene without exact solution: its variants have no truth. What the setup refuses.
+pub fn diagnose(
+    scene: &Scene,
+    prepare: &Prepare<'_>,
+    always: bool,
+) -> Result<Diagnosis, SetupError> {
+    has_exact_solution(scene)?;
+    let outcome::Cases { plan, records, .. } = outcome::run_cases(scene, prepare)?;
+    let foreseen = foresee(&plan.subject, &records);
+    let verdicts = judge_scene(scene, &records, &plan.keys(), &foreseen);
+    let wrong = |verdict: &&Verdict| !verdict.as_expected();
+    if !always && !verdicts.iter().any(|verdict| wrong(&verdict)) {
+        let sentence = match verdicts.is_empty() {
+            true => "nothing to diagnose: the scene is not judged (judge = false)".into(),
+            false => "nothing to diagnose: every verdict is as expected".into(),
+        };
+        let (scene, outcomes, finding) = (scene.name.clone(), Vec::new(), None);
+        return Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence });
+    }
+    let in_space = verdicts.iter().filter(wrong).any(|verdict| verdict.variable != Variable::K);
+    let (outcomes, finding) = examine(scene, prepare, in_space || always);
+    let all_is_well = finding == Finding::NothingFails && verdicts.iter().all(Verdict::as_expected);
+    let sentence = match all_is_well {
+        true => "nothing is wrong: every variant shows what it must".into(),
+        false => sentence(&finding, &outcomes),
+    };
+    let (scene, finding) = (scene.name.clone(), Some(finding));
+    Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence })
+}
+
+/// Refuses a diagnosis that would take more memory than there may be, `jobs` cases at a time: the scene's own cases, and
+/// the first trial of each ladder, of which the others lack a term. A scene or trial that cannot be set up takes none.
+///
+/// # Errors
+/// [`Refused`].
+pub fn admit_diagnosis(scene: &Scene, jobs: usize, limit: &MemoryLimit) -> Result<(), Refused> {
+    if has_exact_solution(scene).is_err() {
+        return Ok(());
+    }
+    let first = |trials: Vec<Trial>| trials.into_iter().next().map(|trial| (trial.scene, jobs));
+    let ladders = [first(trials_in_time(scene)), first(trials_in_space(scene))];
+    // Trials run side by side, each with meshes of its own.
+    for (scene, times) in std::iter::once((scene.clone(), 1)).chain(ladders.into_iter().flatten()) {
+        let Ok(subject) = Subject::new(scene) else { continue };
+        let plan = ScenePlan::new(subject, &Overrides::default());
+        let kept = |cases: &[(&CasePlan, &Cost)]| -> f64 {
+            (times - 1) as f64 * cases.iter().map(|(_, cost)| cost.kept_bytes).sum::<f64>()
+        };
+        admit_plan(&plan, jobs, limit, kept)?;
+    }
+    Ok(())
+}
+
+/// Runs the trials of a scene with an exact solution. With `in_space`, those outside V^h follow where
+/// everything in V^h is sound.
+pub fn examine(scene: &Scene, prepare: &Prepare<'_>, in_space: bool) -> (Vec<Outcome>, Finding) {
+    let run_all = |trials: Vec<Trial>| -> Vec<Outcome> {
+        trials.par_iter().map(|trial| outcome::run(trial, prepare)).collect()
+    };
+    let mut outcomes = run_all(trials_in_time(scene));
+    let sound = outcomes.iter().all(|outcome| outcome.decision != Decision::Fail);
+    let predicts_in_space = scene.predicts.iter().any(|p| p.variable != Direction::K);
+    if in_space && sound && predicts_in_space {
+        // All terms first: only where they fail the dearer ladder has something to tell.
+        let mut ladder = trials_in_space(scene);
+        let removals = ladder.split_off(1.min(ladder.len()));
+        let all = run_all(ladder);
+        let fails = all.iter().any(|outcome| outcome.decision == Decision::Fail);
+        outcomes.extend(all);
+        if fails {
+            outcomes.extend(run_all(removals));
+        }
+    }
+    let finding = culprit(&outcomes);
+    (outcomes, finding)
+}
+
+fn has_exact_solution(scene: &Scene) -> Result<(), SetupError> {
+    let (message, hint) = match &scene.body {
+        Body::Abstract(_) => (
+            "an abstract problem has no terms to remove",
+            "name a scene of the contact problem; `sweep gronwall` examines the history of this one",
+        ),
+        Body::Contact(body) if !matches!(body.data, Data::Exact { .. }) => (
+            "the scene has no exact solution: with a term removed nothing would be known of it",
+            "name a scene with [exact], from which the loads of every variant are derived",
+        ),
+        Body::Contact(_) => return Ok(()),
+    };
+    Err(scene.error("scene.name", message, hint).into())
+}

@@ -1,0 +1,143 @@
+//! What one run of a scene answers, as far as extremes are judged by it.
+
+use algebra::linalg::{larger, largest};
+use fem::contact::LevelFields;
+use fem::norms::step_errors;
+use run::sweep::without_panic;
+use scene::setup::{MeshData, Setup};
+use scene::{Scene, Source};
+
+/// Puts the solver under test into a setup.
+pub type Prepare<'a> = dyn Fn(Setup) -> Setup + Sync + 'a;
+
+/// The discrete solution at all levels, and its errors where the exact one is known.
+#[derive(Debug, Clone, Default)]
+pub struct Answer {
+    /// Nodal displacements, level after level.
+    pub displacement: Vec<f64>,
+    /// Stresses of the cells (Mandel).
+    pub stress: Vec<f64>,
+    /// ξ + λ at the points of Γ3.
+    pub pressure: Vec<f64>,
+    /// ζ_n.
+    pub zeta: Vec<f64>,
+    /// The largest errors over time in V, L², of the stress, of the trace and of the pressure.
+    pub errors: Option<[f64; 5]>,
+    /// Newton iterations over all levels.
+    pub iterations: u32,
+    /// Levels.
+    pub levels: u32,
+    /// The largest relative KKT residual, by separate evaluation.
+    pub kkt: f64,
+}
+
+/// Why there is no answer.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum NoAnswer {
+    /// A typed error of scene, setup or solver: its first line.
+    #[error("{0}")]
+    Refused(String),
+    /// A panic: an internal error, never expected.
+    #[error("{0}")]
+    Panicked(String),
+}
+
+impl NoAnswer {
+    pub(super) fn refused(error: impl std::fmt::Display) -> Self {
+        let text = error.to_string();
+        let first = text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
+        Self::Refused(first.trim_start_matches("error: ").to_owned())
+    }
+}
+
+/// `run`, with a panic as a value: the other rungs go on.
+pub(super) fn caught<T>(run: impl FnOnce() -> Result<T, NoAnswer>) -> Result<T, NoAnswer> {
+    without_panic(|| Ok(run())).unwrap_or_else(|text| Err(NoAnswer::Panicked(text)))
+}
+
+/// A scene set up from its text.
+///
+/// # Errors
+/// What scene or setup refuse.
+pub fn set_up(text: String, prepare: &Prepare<'_>) -> Result<Setup, NoAnswer> {
+    let source = Source::from_text("extreme.toml", text);
+    let scene = Scene::from_source(source).map_err(NoAnswer::refused)?;
+    Ok(prepare(Setup::new(scene).map_err(NoAnswer::refused)?))
+}
+
+/// Solves a scene, given by its text, on the mesh n with so many steps.
+///
+/// # Errors
+/// What scene, setup or solver refuse.
+pub fn solve(text: String, n: u32, steps: u32, prepare: &Prepare<'_>) -> Result<Answer, NoAnswer> {
+    let setup = set_up(text, prepare)?;
+    let data = MeshData::new(&setup, n, None).map_err(NoAnswer::refused)?;
+    march(&setup, &data, steps)
+}
+
+/// Marches a setup and keeps every level.
+///
+/// # Errors
+/// The solver's.
+pub fn march(setup: &Setup, data: &MeshData, steps: u32) -> Result<Answer, NoAnswer> {
+    let mut answer = Answer::default();
+    let exact = setup.exact.is_some();
+    let info = setup.scheme.march(setup, data, steps, &mut |view| {
+        let fields = LevelFields::of(&data.space, &setup.model, view);
+        answer.displacement.extend(&fields.u);
+        answer.stress.extend(&fields.stress);
+        answer.pressure.extend(&fields.pressure);
+        answer.zeta.push(view.zeta);
+        answer.levels += 1;
+        if exact {
+            let moments = data.truth.moments(view.t)?;
+            let e = step_errors(&data.space, &setup.model, view, &moments);
+            let now = [e.v, e.l2, e.stress, e.trace, e.pressure];
+            let worst = answer.errors.unwrap_or_default();
+            answer.errors = Some(std::array::from_fn(|i| larger(worst[i], now[i])));
+        }
+        Ok(())
+    });
+    let info = info.map_err(NoAnswer::refused)?;
+    answer.iterations = info.newton_iterations;
+    answer.kkt = info.kkt_residual;
+    Ok(answer)
+}
+
+impl Answer {
+    /// The largest difference of two answers over all fields, each relative to the larger of its own
+    /// sizes; errors relative to the size of what they are errors of. NaN where the fields do not match.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let pairs = [
+            (&self.displacement, &other.displacement),
+            (&self.stress, &other.stress),
+            (&self.pressure, &other.pressure),
+            (&self.zeta, &other.zeta),
+        ];
+        let fields = pairs.map(|(a, b)| relative(a, b)).into_iter().fold(0.0, larger);
+        let (Some(a), Some(b)) = (self.errors, other.errors) else {
+            let both = self.errors.is_none() && other.errors.is_none();
+            return if both { fields } else { f64::NAN };
+        };
+        let of = |field: &[f64]| largest(field);
+        let sizes = [
+            of(&other.stress),
+            of(&other.displacement),
+            of(&other.stress),
+            of(&other.displacement),
+            of(&other.stress),
+        ];
+        let errors = (0..5).map(|i| (a[i] - b[i]).abs() / sizes[i].max(f64::MIN_POSITIVE));
+        errors.fold(fields, larger)
+    }
+}
+
+/// max |a_i - b_i| / max |b_i|; 0 of two zero fields.
+pub(super) fn relative(a: &[f64], b: &[f64]) -> f64 {
+    if a.len() != b.len() {
+        return f64::NAN;
+    }
+    let difference = a.iter().zip(b).fold(0.0, |worst, (a, b)| larger(worst, (a - b).abs()));
+    let size = larger(largest(a), largest(b));
+    if difference == 0.0 { 0.0 } else { difference / size }
+}

@@ -1,0 +1,108 @@
+//! Ladders of what is next to nothing: subnormal numbers in a scene, slivers, and memories whose parts cancel.
+
+use super::UnderTest;
+use super::answer::{relative, solve};
+use super::history::opposed;
+use super::rung::{Expected, Ladder, Measured, Rung};
+use super::scene_text::SceneText;
+use super::space_error::{InSpace, QUADRATURE, SMOOTH};
+use algebra::linalg::largest;
+
+/// A term that is 1e-310 of what it stands beside changes nothing that a double can hold; the answers agree but for
+/// the rounding of two ways of solving: 16ε of the forces times a condition number of about 10 n² = 160 on n = 4.
+const SAME: f64 = 1e-12;
+
+/// One number of a scene is 1e-310, below the normal numbers: the answer is that without the term. Where the load is
+/// the only force, nothing stands beside it: the displacements are 1e-310 as well, and are refused.
+pub fn subnormal() -> Ladder {
+    const LOAD: &str = "[loads]\nbody = [\"0\", \"-3*t*x\"]\n";
+    type Body = fn(String) -> SceneText;
+    let beside = |label: &'static str, body: Body, own: &'static str, without: &'static str| {
+        Rung::new(label, Expected::AtMost(SAME), move |under_test: &UnderTest<'_>| {
+            let [own, known] = [own, without].map(|term| {
+                let text = body(format!("{term}{LOAD}")).text();
+                solve(text, 4, 4, under_test.prepare)
+            });
+            let (own, known) = (own?, known?);
+            let distance = relative(&own.displacement, &known.displacement);
+            Ok(Measured::of(distance, &own))
+        })
+    };
+    let alone = Rung::new(
+        "load alone",
+        Expected::Refused("state the scene in other units"),
+        |under_test: &UnderTest<'_>| {
+            let load = "[loads]\nbody = [\"0\", \"-1e-310*t*x\"]\n";
+            let answer = solve(SceneText::free(load).text(), 4, 4, under_test.prepare)?;
+            Ok(Measured::of(largest(&answer.displacement), &answer))
+        },
+    );
+    let (free, touching): (Body, Body) = (SceneText::free, SceneText::in_contact);
+    let memory = "[material.memory]\nkernel = \"1e-310*exp(-t)\"\nlambda = 1.0\nmu = 1.0\n";
+    let projection = "[material.projection]\nmu = 1e-310\nkappa = \"0.001\"\n";
+    let law = "[contact]\nlaw = { kind = \"piecewise-linear\", points = [[0.0, 0.0], [1.0, 1e-310]], slope_before = 0.0, slope_after = 0.0 }\n";
+    Ladder {
+        name: "subnormal",
+        parameter: "which number of a scene is 1e-310",
+        quantity: "difference to the answer without that term, relative",
+        why: "1e-310 of a term changes no digit, whether or not subnormal numbers are flushed to zero",
+        rungs: vec![
+            beside("memory", free, memory, ""),
+            beside("projection", free, projection, ""),
+            beside("law", touching, law, "[contact]\nlaw = { kind = \"none\" }\n"),
+            beside(
+                "gap",
+                touching,
+                "[contact]\ngap = \"1e-310\"\nlaw = { kind = \"none\" }\n",
+                "[contact]\ngap = \"0\"\nlaw = { kind = \"none\" }\n",
+            ),
+            alone,
+        ],
+    }
+}
+
+/// A parallelogram with sides (1, 0) and (s, 1), n = 8: cells with two angles near 0 and one near π as s grows. The
+/// interpolant is poor on such cells, and Céa's bound is in terms of it: it holds all the same.
+pub fn sliver() -> Ladder {
+    let rung = |label: &str, shear: f64| {
+        Rung::new(label, Expected::AtMost(1.0 + QUADRATURE), move |under_test: &UnderTest<'_>| {
+            let domain = format!(
+                "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [{:?}, 1.0], [{shear:?}, 1.0]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\nclamped = [\"top\"]\ntraction = [\"left\", \"right\", \"bottom\"]\n",
+                1.0 + shear
+            );
+            let exact = SMOOTH.replace("pi*x", &format!("pi*(x - {shear:?}*y)"));
+            let text = SceneText { domain, ..SceneText::free(exact) }.text();
+            let own = InSpace::run(text, 8, under_test)?;
+            let angle = (1.0 / shear.max(1.0)).to_degrees();
+            let note = format!("angles down to about {angle:.1e} degrees");
+            Ok(Measured::of(own.ratio([1.0, 1.0]), &own.answer).noted(note))
+        })
+    };
+    Ladder {
+        name: "sliver",
+        parameter: "shear of a parallelogram: angles near 0 and π",
+        quantity: "error over Céa's bound",
+        why: "as mesh: no constant of shape, no condition on angles",
+        rungs: vec![
+            rung("0", 0.0),
+            rung("1e0", 1.0),
+            rung("1e1", 1e1),
+            rung("1e2", 1e2),
+            rung("1e3", 1e3),
+            rung("1e4", 1e4),
+        ],
+    }
+}
+
+/// A kernel e^{-t} - w e^{-2t} that changes its sign at t = ln w, w from 0.5 to 1e6: rounding is that of both parts,
+/// whatever is left of their difference.
+pub fn sign_change() -> Ladder {
+    let weights = [0.5, 1.0, 2.0, 1e3, 1e6];
+    Ladder {
+        name: "sign-change",
+        parameter: "w of the kernel e^{−t} − w e^{−2t}, N = 1000",
+        quantity: "recursion − sum in full, over the sum of magnitudes",
+        why: "rounding of either part, as in relaxation; a difference of the two adds ε/2",
+        rungs: weights.map(|weight| opposed(weight, 1e-3, 1000)).into(),
+    }
+}

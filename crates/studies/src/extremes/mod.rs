@@ -1,0 +1,78 @@
+//! Stability at the extremes: ladders of one parameter each, from the ordinary to where floating point or the
+//! theory ends. Every rung states beforehand what it must show, an error bound that is derived beside it or the
+//! refusal it must meet, and is measured; nothing may be lost, and nothing may be silently wrong.
+
+mod answer;
+mod degenerate;
+mod history;
+mod invariance;
+mod judge;
+mod material;
+mod memory;
+mod rung;
+mod scene_text;
+mod small;
+mod space_error;
+mod table;
+mod touching;
+mod units;
+
+use vhi::Newton;
+
+pub use answer::{Answer, NoAnswer, Prepare, march, set_up, solve};
+pub use history::by_recursion;
+pub use judge::{Row, Standing, judge, standing};
+pub use memory::admit;
+pub use rung::{Expected, Ladder, Largest, Measured, Run, Rung};
+pub use table::{COLUMNS, map};
+pub use units::{Unitless, Units};
+
+/// The parts under test.
+pub struct UnderTest<'a> {
+    /// Puts the solver into a setup of a body.
+    pub prepare: &'a Prepare<'a>,
+    /// Solves the levels of abstract scenes, and of the iteration Λ.
+    pub newton: Newton,
+    /// The history sum of step N by the rate of its kernel, the step and N, see [`by_recursion`].
+    pub history: &'a (dyn Fn(f64, f64, usize) -> f64 + Sync),
+}
+
+impl Default for UnderTest<'_> {
+    fn default() -> Self {
+        Self { prepare: &|setup| setup, newton: Newton::default(), history: &by_recursion }
+    }
+}
+
+/// All ladders. The largest meshes are climbed only where `long` says so.
+pub fn catalogue(long: bool) -> Vec<Ladder> {
+    vec![
+        invariance::length(),
+        invariance::stiffness(),
+        invariance::time(),
+        invariance::displacement(),
+        invariance::together(),
+        space_error::locking(),
+        space_error::locking_order(if long { 256 } else { 64 }),
+        material::projection(),
+        material::yield_limit(),
+        material::through_zero(),
+        material::body_step(),
+        material::long_march(if long { 5 } else { 4 }),
+        small::smallness(),
+        small::falling_memory(),
+        small::rising_memory(),
+        small::fixed_point(),
+        history::relaxation(),
+        history::steps(),
+        history::accumulated(),
+        degenerate::sign_change(),
+        touching::load(),
+        touching::gap(),
+        touching::one_vertex(),
+        touching::short_clamp(),
+        space_error::mesh_size(if long { 512 } else { 64 }),
+        space_error::aspect_ratio(),
+        degenerate::sliver(),
+        degenerate::subnormal(),
+    ]
+}

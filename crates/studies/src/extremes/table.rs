@@ -1,0 +1,84 @@
+//! Rows as CSV, JSON and a map.
+
+use super::judge::{Row, Standing};
+use super::rung::{Expected, Ladder};
+use report::{Cell, Map, ReportError, Shade};
+
+/// Columns of `extremes.csv`.
+pub const COLUMNS: [&str; 11] = [
+    "ladder",
+    "at",
+    "quantity",
+    "expected",
+    "measured",
+    "digits_lost",
+    "iterations",
+    "kkt",
+    "standing",
+    "note",
+    "seconds",
+];
+
+impl Row {
+    /// The fields of a line, in the order of [`COLUMNS`].
+    pub fn fields(&self) -> [String; 11] {
+        let number = |value: Option<f64>| value.map_or_else(String::new, |v| format!("{v:e}"));
+        [
+            self.ladder.to_owned(),
+            self.at.clone(),
+            self.quantity.to_owned(),
+            self.expected.clone(),
+            number(self.measured),
+            self.digits_lost.map_or_else(String::new, |digits| format!("{digits:.1}")),
+            self.iterations.map_or_else(String::new, |mean| format!("{mean:.2}")),
+            number(self.kkt),
+            self.standing.words().to_owned(),
+            self.note.clone(),
+            format!("{:.3}", self.seconds),
+        ]
+    }
+}
+
+/// The map of all rows: one line a ladder, one cell a rung, shaded by how far the measured number is within
+/// what is allowed: the lightest at six decades or more, the darkest at the bound.
+///
+/// # Errors
+/// [`ReportError::Drawing`].
+pub fn map(ladders: &[Ladder], rows: &[Row]) -> Result<String, ReportError> {
+    let of_ladder = |ladder: &Ladder| -> Vec<Cell> {
+        let own = rows.iter().filter(|row| row.ladder == ladder.name);
+        own.map(|row| {
+            let rung = ladder.rungs.iter().find(|rung| rung.at == row.at);
+            (row.at.clone(), shade(row, rung.map(|rung| rung.expected)))
+        })
+        .collect()
+    };
+    let wrong = rows.iter().filter(|row| !row.standing.as_expected()).count();
+    let refused = rows.iter().filter(|row| row.standing == Standing::RefusedAsExpected).count();
+    Map {
+        title: format!("{} rungs of {} ladders", rows.len(), ladders.len()),
+        subtitle: format!("{refused} refused as expected, {wrong} not as expected"),
+        rows: ladders.iter().map(|ladder| (ladder.name.to_owned(), of_ladder(ladder))).collect(),
+        legend: [
+            "as expected, darker nearer the bound".into(),
+            "refused as expected".into(),
+            "not as expected".into(),
+        ],
+    }
+    .svg()
+}
+
+/// Decades over which the shade goes from the darkest to the lightest.
+const DECADES: f64 = 6.0;
+
+fn shade(row: &Row, expected: Option<Expected>) -> Shade {
+    match (row.standing, expected, row.measured) {
+        (Standing::RefusedAsExpected, ..) => Shade::Outside,
+        (Standing::AsExpected, Some(Expected::AtMost(most)), Some(value)) => {
+            let decades = (most.max(f64::MIN_POSITIVE) / value.max(f64::MIN_POSITIVE)).log10();
+            Shade::Within(1.0 - decades / DECADES)
+        }
+        (Standing::AsExpected, ..) => Shade::Within(0.5),
+        _ => Shade::Wrong,
+    }
+}

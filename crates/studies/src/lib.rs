@@ -1,0 +1,7 @@
+//! What is asked of a scene beside its orders: the theorems as runs, speed against accuracy, extremes, diagnosis, solutions.
+
+pub mod diagnose;
+pub mod extremes;
+pub mod solution;
+pub mod theory;
+pub mod trade;

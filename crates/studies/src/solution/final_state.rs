@@ -1,0 +1,165 @@
+//! Named quantities of a solution at one time (t = T in `sweep solve`).
+
+use serde::Serialize;
+
+use super::pressed_zone::PressedZone;
+use algebra::tensor::contract;
+use fem::contact::{Discretization, Model, StepView};
+use fem::norms::is_locked;
+use fem::space::strain_of;
+use vhi::law::Projection;
+
+/// Named quantities; the field names are the JSON keys that other programs rely on.
+#[derive(Debug, Clone, Serialize)]
+pub struct FinalState {
+    /// ‖ε(u)‖.
+    pub strain_norm: f64,
+    /// ζ.
+    pub zeta: f64,
+    /// ½(𝒜ε, ε).
+    pub elastic_energy: f64,
+    /// ∫_{Γ3} (ξ + λ).
+    pub contact_force: f64,
+    /// Vertices with u_ν = g.
+    pub locked_vertices: usize,
+    /// ∫_{Γ3} ξ.
+    pub compliance_force: f64,
+    /// ∫_{Γ3} λ.
+    pub multiplier_force: f64,
+    /// Cells on which the projection acts.
+    pub yielding_elements: usize,
+    /// Smallest u_y over all vertices.
+    pub min_uy: f64,
+    /// Its vertex.
+    pub min_uy_vertex: Vec<f64>,
+    /// Smallest g - u_ν on Γ3; null without a finite gap.
+    pub min_normal_gap: Option<f64>,
+    /// Largest u_ν on Γ3; null without Γ3.
+    pub max_normal_displacement: Option<f64>,
+    /// Where Γ3 is under pressure.
+    #[serde(flatten)]
+    pub pressed: PressedZone,
+    /// [x, y, u_ν] (in 3D [x, y, z, u_ν]) on the vertices of Γ3, along the side.
+    pub normal_displacement: Vec<Vec<f64>>,
+    /// [x, y, ξ] (in 3D [x, y, z, ξ]) at the same vertices: the selection ξ ∈ ∂j_ν(u_ν - s).
+    pub compliance_pressure: Vec<Vec<f64>>,
+    /// Vertices where u_ν - s is at a jump of the law, so that the balance chooses ξ.
+    pub jump_vertices: usize,
+}
+
+impl FinalState {
+    /// The quantities of the level that `view` shows.
+    pub fn new<P: Projection>(
+        space: &Discretization,
+        model: &Model<P>,
+        view: &StepView<'_>,
+    ) -> Self {
+        let (elastic_energy, yielding_elements) = match space.mesh.dimension {
+            2 => over_cells::<P, 3>(space, model, view),
+            _ => over_cells::<P, 6>(space, model, view),
+        };
+        let (min_uy, min_uy_vertex) = lowest(space, view);
+        let mut state = Self {
+            strain_norm: view.strain_norm,
+            zeta: view.zeta,
+            elastic_energy,
+            contact_force: 0.0,
+            locked_vertices: 0,
+            compliance_force: 0.0,
+            multiplier_force: 0.0,
+            yielding_elements,
+            min_uy,
+            min_uy_vertex,
+            min_normal_gap: None,
+            max_normal_displacement: None,
+            pressed: PressedZone::new(space, view),
+            normal_displacement: Vec::new(),
+            compliance_pressure: Vec::new(),
+            jump_vertices: 0,
+        };
+        state.add_trace(space, model, view);
+        state
+    }
+
+    fn add_trace<P: Projection>(
+        &mut self,
+        space: &Discretization,
+        model: &Model<P>,
+        view: &StepView<'_>,
+    ) {
+        let d = space.mesh.dimension;
+        for (i, point) in space.trace.points.iter().enumerate() {
+            let normal = space.trace.normal(i, view.u);
+            self.compliance_force += point.weight * view.compliance[i];
+            self.multiplier_force += point.weight * view.multiplier[i];
+            let gap = model.boundary.as_ref().map_or(f64::INFINITY, |boundary| {
+                (boundary.gap)(space.mesh.point(&[point.vertex], &[1.0]))
+            });
+            self.locked_vertices += usize::from(is_locked(normal, gap));
+            if gap.is_finite() {
+                let smallest = self.min_normal_gap.unwrap_or(f64::INFINITY);
+                self.min_normal_gap = Some(smallest.min(gap - normal));
+            }
+            let largest = self.max_normal_displacement.unwrap_or(f64::NEG_INFINITY);
+            self.max_normal_displacement = Some(largest.max(normal));
+            let row = |value: f64| {
+                let mut row = space.mesh.vertex(point.vertex)[..d].to_vec();
+                row.push(value);
+                row
+            };
+            self.normal_displacement.push(row(normal));
+            self.compliance_pressure.push(row(view.compliance[i]));
+            if let Some(boundary) = model.boundary.as_ref().filter(|_| !point.clamped) {
+                let r = normal - (boundary.shift)(space.mesh.point(&[point.vertex], &[1.0]));
+                let mut jumps = boundary.potential.jumps().iter();
+                let at_jump = jumps.any(|jump| (r - jump).abs() <= AT_JUMP * jump.abs().max(1.0));
+                self.jump_vertices += usize::from(at_jump);
+            }
+        }
+        along_the_side(&mut self.normal_displacement);
+        along_the_side(&mut self.compliance_pressure);
+        self.contact_force = self.compliance_force + self.multiplier_force;
+    }
+}
+
+/// Rounding of u_ν - s at a vertex that the solver holds at a jump (a length; displacements of size 1).
+const AT_JUMP: f64 = 1e-14;
+
+/// Sorts rows by their coordinates.
+fn along_the_side(rows: &mut [Vec<f64>]) {
+    rows.sort_by(|a, b| {
+        a.iter()
+            .zip(b)
+            .map(|(p, q)| p.total_cmp(q))
+            .find(|o| o.is_ne())
+            .unwrap_or(std::cmp::Ordering::Equal)
+    });
+}
+
+fn over_cells<P: Projection, const S: usize>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+) -> (f64, usize) {
+    let (mut energy, mut yielding) = (0.0, 0);
+    for c in 0..space.mesh.cell_count() {
+        let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), view.u);
+        let stress = model.elasticity.on(space.region(c)).apply(&strain);
+        energy += 0.5 * space.geometry.measure[c] * contract(&stress, &strain);
+        yielding += usize::from(view.yields::<P, S>(space, model, c));
+    }
+    (energy, yielding)
+}
+
+/// Smallest u_y and its vertex; of equal values the first vertex in mesh order.
+fn lowest(space: &Discretization, view: &StepView<'_>) -> (f64, Vec<f64>) {
+    let d = space.mesh.dimension;
+    let mut best = (f64::INFINITY, 0);
+    for v in 0..space.mesh.vertices() {
+        let value = view.u[d * space.nodes.of_vertex[v] as usize + 1];
+        if value < best.0 {
+            best = (value, v as u32);
+        }
+    }
+    (best.0, space.mesh.vertex(best.1).to_vec())
+}

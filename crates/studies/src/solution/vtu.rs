@@ -1,0 +1,153 @@
+//! VTK files: a grid with its fields as `.vtu` (XML `UnstructuredGrid`, appended raw binary data)
+//! and a `.pvd` index of time steps.
+
+mod appended;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use self::appended::{Appended, escape};
+use files::replace_file;
+
+/// Values at the points or in the cells of a grid.
+#[derive(Debug, Clone, Copy)]
+pub struct Field<'a> {
+    /// Name that a viewer shows.
+    pub name: &'a str,
+    /// Values per point or cell; two are written as three, (v_x, v_y, 0).
+    pub components: usize,
+    /// All values, those of one point or cell next to each other.
+    pub values: &'a [f64],
+}
+
+/// A mesh of triangles or of tetrahedra.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid<'a> {
+    /// Coordinates; z = 0 in the plane.
+    pub points: &'a [[f64; 3]],
+    /// Vertices of all cells, as positions in `points`.
+    pub cells: &'a [u32],
+    /// 3 for triangles, 4 for tetrahedra.
+    pub vertices_per_cell: usize,
+}
+
+/// Why a file could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum VtuError {
+    /// The file system refused.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A field has no components, or does not cover its points or cells.
+    #[error("field `{name}`: {found} values, expected {count} × {components}")]
+    FieldLength {
+        /// Name of the field.
+        name: String,
+        /// Number of points or cells.
+        count: usize,
+        /// Values per point or cell.
+        components: usize,
+        /// Number of values given.
+        found: usize,
+    },
+    /// Neither triangles nor tetrahedra.
+    #[error("cells of {0} vertices are neither triangles (3) nor tetrahedra (4)")]
+    CellShape(usize),
+    /// The last cell is incomplete.
+    #[error("{found} cell vertices are no multiple of {vertices_per_cell}")]
+    IncompleteCell {
+        /// 3 or 4.
+        vertices_per_cell: usize,
+        /// Number of entries in `cells`.
+        found: usize,
+    },
+    /// A cell names a point that does not exist.
+    #[error("a cell has vertex {vertex}, but there are {points} points")]
+    UnknownVertex {
+        /// The vertex.
+        vertex: u32,
+        /// Number of points.
+        points: usize,
+    },
+}
+
+/// Writes `grid` with its fields to `path`, replacing the file as a whole. Values need not be
+/// finite: NaN and ±∞ are kept bit by bit, and viewers leave such points or cells blank.
+///
+/// # Errors
+/// A grid or field of inconsistent lengths, before anything is written; or what the file system
+/// reports.
+pub fn write_vtu(
+    path: &Path,
+    grid: &Grid<'_>,
+    point_fields: &[Field<'_>],
+    cell_fields: &[Field<'_>],
+) -> Result<(), VtuError> {
+    let cell_type = cell_type(grid)?;
+    let cells = grid.cells.len() / grid.vertices_per_cell;
+    let mut arrays = Appended::default();
+    arrays.open("PointData");
+    arrays.fields(point_fields, grid.points.len())?;
+    arrays.close("PointData");
+    arrays.open("CellData");
+    arrays.fields(cell_fields, cells)?;
+    arrays.close("CellData");
+    arrays.open("Points");
+    arrays.array("Float64", "Points", 3, grid.points.iter().flatten().map(|x| x.to_le_bytes()));
+    arrays.close("Points");
+    arrays.open("Cells");
+    let vertices = grid.cells.iter().map(|&vertex| i64::from(vertex).to_le_bytes());
+    arrays.array("Int64", "connectivity", 1, vertices);
+    let ends = (1..=cells).map(|cell| ((cell * grid.vertices_per_cell) as u64).to_le_bytes());
+    arrays.array("Int64", "offsets", 1, ends);
+    arrays.array("UInt8", "types", 1, (0..cells).map(|_| [cell_type]));
+    arrays.close("Cells");
+    replace(path, &arrays.document(grid.points.len(), cells))
+}
+
+/// Writes the index of a time series: for each step its time and the `.vtu` file, relative to the
+/// folder of `path`. Times are written with all their digits.
+///
+/// # Errors
+/// What the file system reports.
+pub fn write_pvd(path: &Path, steps: &[(f64, String)]) -> Result<(), VtuError> {
+    let mut text = String::from(
+        "<?xml version=\"1.0\"?>\n\
+         <VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n",
+    );
+    for (time, file) in steps {
+        let file = escape(file);
+        text += &format!("    <DataSet timestep=\"{time}\" part=\"0\" file=\"{file}\"/>\n");
+    }
+    text += "  </Collection>\n</VTKFile>\n";
+    replace(path, text.as_bytes())
+}
+
+/// The VTK number of the grid's cells, once its indices are known to be sound.
+fn cell_type(grid: &Grid<'_>) -> Result<u8, VtuError> {
+    let cell_type = match grid.vertices_per_cell {
+        3 => 5,
+        4 => 10,
+        other => return Err(VtuError::CellShape(other)),
+    };
+    let (vertices_per_cell, found) = (grid.vertices_per_cell, grid.cells.len());
+    if !found.is_multiple_of(vertices_per_cell) {
+        return Err(VtuError::IncompleteCell { vertices_per_cell, found });
+    }
+    let points = grid.points.len();
+    match grid.cells.iter().find(|&&vertex| vertex as usize >= points) {
+        Some(&vertex) => Err(VtuError::UnknownVertex { vertex, points }),
+        None => Ok(cell_type),
+    }
+}
+
+fn replace(path: &Path, bytes: &[u8]) -> Result<(), VtuError> {
+    replace_file(path, bytes).map_err(|source| VtuError::Io { path: path.to_owned(), source })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,278 @@
+//! One run audited: the lines at every level, and what they come to over all of them.
+
+use std::sync::Arc;
+
+use super::constants::AuditConstants;
+use super::fields::Fields;
+use super::in_space::InSpaceFields;
+use super::law::ClarkeLaw;
+use super::level::{Case, Levels};
+use super::lines::{Line, Relation, Standing, Statement, lines};
+use super::pointwise::Material;
+use super::smooth::SmoothFields;
+use exact::Truth;
+use fem::contact::{CaseError, Discretization, LoadError, StepView};
+use scene::Data;
+use scene::setup::{MeshData, Setup, SetupError};
+use vhi::history::TimeGrid;
+
+/// Why a scene cannot be audited.
+#[derive(Debug, thiserror::Error)]
+pub enum AuditError {
+    /// No exact solution: the lines need u.
+    #[error(
+        "scene `{scene}` has no exact solution, and every line of the proof needs u: choose a scene with [exact]"
+    )]
+    NoTruth {
+        /// The scene.
+        scene: String,
+    },
+    /// Not plain.
+    #[error(
+        "scene `{scene}` has regions, an anisotropic tensor or several memory kernels: the audit knows one isotropic tensor and one kernel; `sweep run`, `bound` and `gronwall` serve this scene"
+    )]
+    Material {
+        /// The scene.
+        scene: String,
+    },
+    /// Its integrals cut triangles and edges.
+    #[error(
+        "scene `{scene}` is one in space, and the integrals of the audit cut triangles and edges: choose a plane scene"
+    )]
+    Dimension {
+        /// The scene.
+        scene: String,
+    },
+    /// The set-up failed.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The run failed.
+    #[error("n = {n}, N = {steps}: {source}")]
+    Run {
+        /// Cells a unit length.
+        n: u32,
+        /// Steps.
+        steps: u32,
+        /// What the solver said.
+        source: CaseError,
+    },
+}
+
+/// A level at which a line fails.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Violation {
+    /// n.
+    pub level: usize,
+    /// Left side.
+    pub left: f64,
+    /// Right side.
+    pub right: f64,
+    /// What was allowed.
+    pub accuracy: f64,
+}
+
+/// A line over all levels of a run.
+#[derive(Debug, Clone)]
+pub struct Row {
+    /// Which line.
+    pub statement: Statement,
+    /// How its sides are related.
+    pub relation: Relation,
+    /// Largest |left| and |right|.
+    pub left: f64,
+    /// Largest |right|.
+    pub right: f64,
+    /// Largest left/right (inequalities), largest |left - right| over the larger side (identities);
+    /// none where both sides stay below the accuracy.
+    pub ratio: Option<f64>,
+    /// Largest accuracy.
+    pub accuracy: f64,
+    /// Largest rounding.
+    pub rounding: f64,
+    /// The level at which it fails worst.
+    pub violation: Option<Violation>,
+    /// Its bound is not defined at some level.
+    pub undefined: bool,
+}
+
+/// An audited run.
+#[derive(Debug, Clone)]
+pub struct CaseAudit {
+    /// Cells a unit length.
+    pub n: u32,
+    /// N.
+    pub steps: u32,
+    /// h.
+    pub h: f64,
+    /// k.
+    pub k: f64,
+    /// The lines.
+    pub rows: Vec<Row>,
+}
+
+/// Sees the levels of a run.
+pub struct Auditor<'a> {
+    setup: &'a Setup,
+    space: Arc<Discretization>,
+    truth: &'a dyn Truth,
+    grid: TimeGrid,
+    constants: &'a AuditConstants,
+    material: Material,
+    law: ClarkeLaw,
+    fields: Box<dyn Fields>,
+    levels: Levels,
+    rows: Vec<Row>,
+}
+
+impl<'a> Auditor<'a> {
+    /// An auditor of a run of `setup` on the mesh of `data` with the given number of steps.
+    ///
+    /// # Errors
+    /// [`AuditError::NoTruth`], [`AuditError::Material`].
+    pub fn new(
+        setup: &'a Setup,
+        data: &'a MeshData,
+        steps: u32,
+        constants: &'a AuditConstants,
+    ) -> Result<Self, AuditError> {
+        let missing = || AuditError::NoTruth { scene: setup.scene.name.clone() };
+        let other = || AuditError::Material { scene: setup.scene.name.clone() };
+        let exact = setup.exact.as_ref().ok_or_else(missing)?;
+        let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+        let fields: Box<dyn Fields> = if interpolated {
+            Box::new(InSpaceFields::new(exact, &data.space, setup.compliance_rule()))
+        } else {
+            Box::new(SmoothFields::new(setup, exact, &data.space))
+        };
+        let contact = setup.body.contact.as_ref();
+        Ok(Self {
+            setup,
+            space: data.space.clone(),
+            truth: &*data.truth,
+            grid: setup.grid(steps),
+            constants,
+            material: Material::new(setup).ok_or_else(other)?,
+            law: ClarkeLaw::new(contact.and_then(|contact| contact.law.as_ref())),
+            fields,
+            levels: Levels::default(),
+            rows: Vec::new(),
+        })
+    }
+
+    /// Computes the lines at the level that `view` shows; levels come in order.
+    ///
+    /// # Errors
+    /// The truth's.
+    pub fn observe(&mut self, view: &StepView<'_>) -> Result<(), LoadError> {
+        let case = Case {
+            space: &self.space,
+            grid: &self.grid,
+            material: &self.material,
+            law: &self.law,
+            boundary: self.setup.model.boundary.as_ref(),
+        };
+        let load = self.truth.load(view.t)?;
+        let level = self.levels.next(&case, &mut *self.fields, view, &load)?;
+        let gap = self.setup.body.contact.as_ref().and_then(|contact| contact.gap);
+        for (i, line) in lines(&level, self.constants, gap.is_none()).iter().enumerate() {
+            if i == self.rows.len() {
+                self.rows.push(Row::new(line));
+            }
+            self.rows[i].add(view.n, line);
+        }
+        Ok(())
+    }
+
+    /// The lines over all levels seen.
+    pub fn rows(self) -> Vec<Row> {
+        self.rows
+    }
+}
+
+impl Row {
+    fn new(line: &Line) -> Self {
+        Self {
+            statement: line.statement,
+            relation: line.relation,
+            left: 0.0,
+            right: 0.0,
+            ratio: None,
+            accuracy: 0.0,
+            rounding: 0.0,
+            violation: None,
+            undefined: false,
+        }
+    }
+
+    /// Over all levels; a violation is the worst that there is.
+    pub fn standing(&self) -> Standing {
+        match (self.violation, self.undefined) {
+            (Some(_), _) => Standing::Violated,
+            (None, true) => Standing::Undefined,
+            (None, false) => Standing::Holds,
+        }
+    }
+
+    fn add(&mut self, level: usize, line: &Line) {
+        self.left = larger(self.left, line.left.abs());
+        self.right = larger(self.right, line.right.abs());
+        self.accuracy = larger(self.accuracy, line.accuracy);
+        self.rounding = larger(self.rounding, line.rounding);
+        let own = match line.relation {
+            Relation::AtMost => line.ratio(),
+            Relation::Equal => line
+                .ratio()
+                .map(|_| (line.left - line.right).abs() / line.left.abs().max(line.right.abs())),
+        };
+        if let Some(own) = own {
+            self.ratio = Some(self.ratio.map_or(own, |ratio| larger(ratio, own)));
+        }
+        self.undefined |= line.standing() == Standing::Undefined;
+        let Line { left, right, accuracy, .. } = *line;
+        let excess = |v: &Violation| match line.relation {
+            Relation::AtMost => v.left - v.right - v.accuracy,
+            Relation::Equal => (v.left - v.right).abs() - v.accuracy,
+        };
+        let here = Violation { level, left, right, accuracy };
+        // A NaN is worst of all.
+        let worse = |known: &Violation| {
+            let (known, here) = (excess(known), excess(&here));
+            !known.is_nan() && (here.is_nan() || here > known)
+        };
+        if line.standing() == Standing::Violated && self.violation.as_ref().is_none_or(worse) {
+            self.violation = Some(here);
+        }
+    }
+}
+
+/// The larger of two numbers; a NaN is not lost.
+fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}
+
+/// Runs a case of `setup` by its scheme and audits every level.
+///
+/// # Errors
+/// [`AuditError`].
+pub fn audit_case(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    constants: &AuditConstants,
+) -> Result<CaseAudit, AuditError> {
+    let mut auditor = Auditor::new(setup, data, steps, constants)?;
+    let grid = setup.grid(steps);
+    let mut observe = |view: &StepView<'_>| auditor.observe(view).map_err(CaseError::from);
+    setup.scheme.march(setup, data, steps, &mut observe).map_err(|source| AuditError::Run {
+        n: data.space.mesh.n,
+        steps,
+        source,
+    })?;
+    Ok(CaseAudit {
+        n: data.space.mesh.n,
+        steps,
+        h: data.space.mesh.h(),
+        k: grid.largest_step(),
+        rows: auditor.rows(),
+    })
+}

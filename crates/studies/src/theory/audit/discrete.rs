@@ -1,0 +1,79 @@
+//! The discrete solution as the audit reads it: u_j^{kh} and λ_n alone; strains, ζ and θ of (4.2) by
+//! trapezoidal sums of its own.
+
+use super::pointwise::{Material, Plane, dot};
+use fem::contact::Discretization;
+use fem::space::strain_of;
+use vhi::history::TimeGrid;
+
+/// The past of a run.
+#[derive(Default)]
+pub struct Past {
+    /// u_j^{kh}, clamped nodes included.
+    pub displacements: Vec<Vec<f64>>,
+    /// ‖ε(u_j^{kh})‖.
+    pub norms: Vec<f64>,
+}
+
+/// One level of a run.
+pub struct DiscreteLevel {
+    /// ε(u_n^{kh}) a cell.
+    pub strain: Vec<Plane>,
+    /// ψ_h with φ(S_n^{kh}u^{kh}, u_n^{kh}, v) = (ψ_h, ε(v)).
+    pub coupled: Vec<Plane>,
+    /// θ_h a cell.
+    pub theta: Vec<Plane>,
+    /// ζ̃(t_n).
+    pub zeta: f64,
+}
+
+/// Weights of Σ' for j = 0, …, n: half of the neighbouring steps.
+pub fn primed_weights(grid: &TimeGrid, n: usize) -> Vec<f64> {
+    let times = &grid.times()[..=n];
+    let mut weights = vec![0.0; n + 1];
+    for (j, pair) in times.windows(2).enumerate() {
+        weights[j] += 0.5 * (pair[1] - pair[0]);
+        weights[j + 1] += 0.5 * (pair[1] - pair[0]);
+    }
+    weights
+}
+
+/// ε of a nodal vector on all cells.
+pub fn strains(space: &Discretization, nodal: &[f64]) -> Vec<Plane> {
+    let cell = |c: usize| strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), nodal);
+    (0..space.mesh.cell_count()).map(cell).collect()
+}
+
+impl Past {
+    /// Adds u_n and evaluates its level.
+    pub fn level(
+        &mut self,
+        space: &Discretization,
+        material: &Material,
+        grid: &TimeGrid,
+        u: &[f64],
+    ) -> DiscreteLevel {
+        let strain = strains(space, u);
+        let squares = strain.iter().zip(&space.geometry.measure).map(|(e, m)| m * dot(e, e));
+        self.norms.push(squares.sum::<f64>().sqrt());
+        self.displacements.push(u.to_vec());
+        let n = self.norms.len() - 1;
+        let weights = primed_weights(grid, n);
+        let zeta = weights.iter().zip(&self.norms).map(|(w, e)| w * e).sum();
+        let mut history = vec![0.0; u.len()];
+        if material.remembers() {
+            for (j, past) in self.displacements.iter().enumerate() {
+                let factor = weights[j] * material.kernel(grid.time(n) - grid.time(j));
+                for (target, value) in history.iter_mut().zip(past) {
+                    *target += factor * value;
+                }
+            }
+        }
+        let theta: Vec<Plane> =
+            strains(space, &history).iter().map(|h| material.remembered(h)).collect();
+        let kappa = material.kappa(zeta);
+        let coupled =
+            strain.iter().zip(&theta).map(|(e, theta)| material.coupled(e, theta, kappa)).collect();
+        DiscreteLevel { strain, coupled, theta, zeta }
+    }
+}

@@ -1,0 +1,82 @@
+//! Points of Γ2 and Γ3: edges cut where a field has a kink, and Gauss points on the pieces.
+
+use super::pointwise::Plane;
+use exact::sign_changes;
+use fem::space::quadrature::gauss_legendre;
+
+/// Gauss points a piece: degree 31. The identities hold to rounding only if a curved law over a coarse edge is
+/// integrated to rounding as well.
+const POINTS: usize = 16;
+/// Intervals of an edge in which sign changes are looked for.
+const WATCHES: usize = 8;
+
+/// The truth at a point of an edge.
+#[derive(Debug, Clone)]
+pub struct EdgeSample {
+    /// Ends of the edge.
+    pub vertices: [u32; 2],
+    /// Barycentric coordinates.
+    pub shape: [f64; 2],
+    /// Length.
+    pub weight: f64,
+    /// ν.
+    pub normal: [f64; 2],
+    /// u.
+    pub u: [f64; 2],
+    /// ε(u).
+    pub strain: Plane,
+    /// H.
+    pub history: Plane,
+    /// On Γ3.
+    pub contact: Option<ContactSample>,
+}
+
+/// Contact data at a point of Γ3.
+#[derive(Debug, Clone, Copy)]
+pub struct ContactSample {
+    /// Ends of the edge as points of the trace.
+    pub trace: [usize; 2],
+    /// u_ν.
+    pub normal: f64,
+    /// g.
+    pub gap: f64,
+    /// s.
+    pub shift: f64,
+    /// c(x): the law is c ∂j_ν(u_ν - s).
+    pub scale: f64,
+    /// ξ.
+    pub compliance: f64,
+    /// λ.
+    pub multiplier: f64,
+}
+
+/// Functions of places along a chain of edges: one list a function.
+pub type Along<'a> = dyn Fn(&[f64]) -> Vec<Vec<f64>> + 'a;
+
+/// A place along a chain of edges: the edge and ξ in [0, 1].
+pub fn edge_and_place(q: f64, edges: usize) -> (usize, f64) {
+    let edge = (q.floor() as usize).min(edges.saturating_sub(1));
+    (edge, q - edge as f64)
+}
+
+/// Points (edge, ξ, weight; the weights of an edge sum to one) on a chain of edges cut where one of the
+/// `functions` changes sign.
+pub fn cut_points(edges: usize, functions: &[&Along<'_>]) -> Vec<(usize, f64, f64)> {
+    let length = edges as f64;
+    let mut cuts: Vec<f64> = (0..=edges).map(|e| e as f64).collect();
+    for function in functions {
+        cuts.extend(sign_changes(0.0, length, WATCHES * edges, function));
+    }
+    cuts.sort_by(f64::total_cmp);
+    // Cuts closer than this hold less than rounding.
+    cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-14 * length);
+    let mut points = Vec::new();
+    for pair in cuts.windows(2) {
+        let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+        let (edge, _) = edge_and_place(middle, edges);
+        for (x, weight) in gauss_legendre(POINTS) {
+            points.push((edge, middle + half * x - edge as f64, half * weight));
+        }
+    }
+    points
+}

@@ -1,0 +1,180 @@
+//! The fields of a truth that lies in V^h at all times: constant strains, linear traces, and the
+//! boundary rule of the scheme in every boundary integral, as its loads have it.
+
+use std::sync::Arc;
+
+use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place};
+use super::fields::{CellValues, Fields, Forces, PlaneField, Remembered, Volume};
+use super::strips::CellPoints;
+use exact::{ComplianceRule, Exact, InterpolatedOnMesh, LawNumbers};
+use fem::contact::{Discretization, LoadError};
+use fem::space::quadrature::edge;
+use fem::space::strain_of;
+use formula::{Node, Point};
+
+/// The nodal interpolant of formulas as a truth.
+pub struct InSpaceFields {
+    exact: Arc<Exact>,
+    truth: InterpolatedOnMesh,
+    space: Arc<Discretization>,
+    rule: ComplianceRule,
+}
+
+impl InSpaceFields {
+    /// The interpolant of `exact` on `space`, with the boundary rule of the scheme.
+    pub fn new(exact: &Arc<Exact>, space: &Arc<Discretization>, rule: ComplianceRule) -> Self {
+        let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), rule);
+        Self { exact: exact.clone(), truth, space: space.clone(), rule }
+    }
+
+    /// (ε, H) a cell.
+    fn strains(&self, t: f64) -> Result<(PlaneField, PlaneField), LoadError> {
+        let (u, memory) = self.truth.displacements(t)?;
+        let by_cell = |nodal: &[f64]| -> PlaneField {
+            let mut out = [Vec::new(), Vec::new(), Vec::new()];
+            for c in 0..self.space.mesh.cell_count() {
+                let (gradients, nodes) =
+                    (self.space.geometry.gradients(c), self.space.cell_nodes(c));
+                let strain = strain_of::<3>(gradients, nodes, nodal);
+                for (field, value) in out.iter_mut().zip(strain) {
+                    field.push(value);
+                }
+            }
+            out
+        };
+        // One term at most: scenes with more are not audited.
+        let history = memory.first().map_or_else(Default::default, |memory| by_cell(memory));
+        Ok((by_cell(&u), history))
+    }
+
+    /// (edge, ξ, weight) of the rule on the whole of Γ3.
+    fn points(
+        &self,
+        traces: &[&[f64]],
+        shift: &dyn Fn(usize, f64) -> f64,
+    ) -> Vec<(usize, f64, f64)> {
+        let trace = &self.space.trace;
+        let edges = trace.measure.len();
+        let on_each = |points: &[(f64, f64)]| -> Vec<(usize, f64, f64)> {
+            (0..edges).flat_map(|e| points.iter().map(move |&(x, w)| (e, x, w))).collect()
+        };
+        match self.rule {
+            ComplianceRule::Vertex => on_each(&[(0.0, 0.5), (1.0, 0.5)]),
+            ComplianceRule::Gauss => {
+                let rule = edge(3);
+                let points: Vec<(f64, f64)> =
+                    rule.points.iter().zip(&rule.weights).map(|(b, w)| (b[1], *w)).collect();
+                on_each(&points)
+            }
+            ComplianceRule::Exact => {
+                let contact = self.exact.data.contact.as_ref();
+                let law = contact.and_then(|contact| contact.law.as_ref());
+                let kinks = law.map_or(Vec::new(), LawNumbers::kinks);
+                cut_points(
+                    edges,
+                    &[&|places: &[f64]| {
+                        let offset = |values: &[f64], kink: f64| -> Vec<f64> {
+                            let at = |&q: &f64| {
+                                let (e, x) = edge_and_place(q, edges);
+                                let [a, b] = [0, 1].map(|end| values[trace.facet(e)[end] as usize]);
+                                a + x * (b - a) - shift(e, x) - kink
+                            };
+                            places.iter().map(at).collect()
+                        };
+                        let each = |values: &&[f64]| -> Vec<Vec<f64>> {
+                            kinks.iter().map(|&kink| offset(values, kink)).collect()
+                        };
+                        traces.iter().flat_map(each).collect()
+                    }],
+                )
+            }
+        }
+    }
+}
+
+impl Fields for InSpaceFields {
+    fn volume(&mut self, t: f64, _: f64) -> Result<Volume, LoadError> {
+        let (strain, history) = self.strains(t)?;
+        let cells = self.space.mesh.cell_count();
+        let third = 1.0 / 3.0;
+        let centre = |c: usize| self.space.mesh.point(self.space.mesh.cell(c), &[third; 3]);
+        let at = CellPoints {
+            points: (0..cells).map(centre).collect(),
+            weights: self.space.geometry.measure.clone(),
+            cells: (0..cells as u32).collect(),
+        };
+        let nothing = || [vec![0.0; cells], vec![0.0; cells]];
+        let plain = CellValues { at, u: nothing(), strain, history, force: nothing() };
+        Ok(Volume { plain, ..Volume::default() })
+    }
+
+    fn edges(&mut self, t: f64, _: f64, traces: &[&[f64]]) -> Result<Vec<EdgeSample>, LoadError> {
+        let (trace, mesh) = (&self.space.trace, &self.space.mesh);
+        let state = self.truth.contact_state(t);
+        let contact = self.exact.data.contact.as_ref();
+        let law = contact.and_then(|contact| contact.law.as_ref());
+        let [shift_node, scale_node] =
+            [contact.and_then(|contact| contact.shift), contact.and_then(|contact| contact.scale)];
+        let ends = |e: usize| [0, 1].map(|a| trace.facet(e)[a] as usize);
+        let vertices = |e: usize| ends(e).map(|i| trace.points[i].vertex);
+        let formula = |node: Option<Node>, absent: f64, e: usize, x: f64| {
+            let Some(node) = node else { return absent };
+            let [x, y, z] = mesh.point(&vertices(e), &[1.0 - x, x]);
+            self.exact.data.graph.evaluate(node, &Point { x, y, z, ..Point::default() })
+        };
+        let shift = |e: usize, x: f64| formula(shift_node, 0.0, e, x);
+        let own: Vec<f64> = state.iter().map(|at| at[0]).collect();
+        let mut all = vec![own.as_slice()];
+        all.extend(traces);
+        let sample = |(e, x, weight): (usize, f64, f64)| {
+            let [a, b] = ends(e);
+            let between = |field: usize| (1.0 - x) * state[a][field] + x * state[b][field];
+            let (normal, s, c) = (between(0), shift(e, x), formula(scale_node, 1.0, e, x));
+            let compliance = match (self.rule, law) {
+                (ComplianceRule::Vertex, _) => between(3),
+                (_, Some(law)) => c * law.pressure(normal - s),
+                (_, None) => 0.0,
+            };
+            EdgeSample {
+                vertices: vertices(e),
+                shape: [1.0 - x, x],
+                weight: weight * trace.measure[e],
+                normal: [0.0; 2],
+                u: [0.0; 2],
+                strain: [0.0; 3],
+                history: [0.0; 3],
+                contact: Some(ContactSample {
+                    trace: [a, b],
+                    normal,
+                    gap: between(2),
+                    shift: s,
+                    scale: c,
+                    compliance,
+                    multiplier: 0.0,
+                }),
+            }
+        };
+        Ok(self.points(&all, &shift).into_iter().map(sample).collect())
+    }
+
+    fn interpolant(&mut self, t: f64) -> Result<Vec<f64>, LoadError> {
+        Ok(self.truth.displacements(t)?.0)
+    }
+
+    fn zeta(&mut self, t: f64) -> Result<Option<f64>, LoadError> {
+        self.truth.zeta(t).map(Some)
+    }
+
+    fn remembered(&mut self, t: f64) -> Result<Remembered, LoadError> {
+        let (strain, history) = self.strains(t)?;
+        Ok(Remembered { weights: self.space.geometry.measure.clone(), strain, history })
+    }
+
+    fn forces(&self) -> Forces {
+        Forces::Vector
+    }
+
+    fn nodal_multiplier(&mut self, t: f64) -> Result<Option<Vec<f64>>, LoadError> {
+        Ok(Some(self.truth.contact_state(t).iter().map(|at| at[4]).collect()))
+    }
+}

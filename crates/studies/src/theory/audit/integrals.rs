@@ -1,0 +1,199 @@
+//! Integrals over Ω and its boundary at one level: sums over points, each with the sum of its absolute
+//! values, against which rounding is measured.
+
+use super::discrete::DiscreteLevel;
+use super::edges::EdgeSample;
+use super::fields::CellValues;
+use super::pointwise::{Material, Plane, dot, minus};
+use fem::contact::Discretization;
+
+/// A sum and the sum of its absolute terms.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Sum {
+    /// The value.
+    pub value: f64,
+    /// The same with absolute values.
+    pub size: f64,
+}
+
+impl Sum {
+    /// Adds a term.
+    pub fn add(&mut self, term: f64) {
+        self.value += term;
+        self.size += term.abs();
+    }
+
+    /// Both parts of another sum.
+    pub fn plus(self, other: Self) -> Self {
+        Self { value: self.value + other.value, size: self.size + other.size }
+    }
+
+    /// The sum with the other sign.
+    pub fn minus(self, other: Self) -> Self {
+        Self { value: self.value - other.value, size: self.size + other.size }
+    }
+}
+
+/// What the lines of the proof need from Ω. w1 = v^h - u, w2 = u^{kh} - u.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Cells {
+    /// ‖u - u^{kh}‖_V².
+    pub e: f64,
+    /// ‖u - v^h‖_V².
+    pub d: f64,
+    /// ‖θ - θ_h‖².
+    pub theta: f64,
+    /// ⟨Au - Au^{kh}, u - u^{kh}⟩.
+    pub monotone: Sum,
+    /// E_φ1 of (4.10).
+    pub phi1: Sum,
+    /// E_φ2 of (4.11).
+    pub phi2: Sum,
+    /// E_φ3 of (4.27), term by term.
+    pub phi3: Sum,
+    /// E_A of (4.13).
+    pub operator: Sum,
+    /// (σ, ε(w1)), (σ, ε(w2)) with σ = Aε + ψ.
+    pub stress: [Sum; 2],
+    /// ∫ f0·w1, ∫ f0·w2.
+    pub force: [Sum; 2],
+    /// ‖σ‖‖ε‖, the unit of rounding where w1 or w2 is rounding itself.
+    pub natural: f64,
+    /// ‖ε(u)‖².
+    pub strain: f64,
+}
+
+/// A nodal field of V^h with its strains.
+pub struct NodalField<'a> {
+    /// Values at the nodes.
+    pub nodal: &'a [f64],
+    /// Strains of the cells.
+    pub strain: &'a [Plane],
+}
+
+/// The cells' integrals over `values`, and per cell (σ, ε(w)) - ∫ f0·w for both w.
+pub fn over_cells(
+    space: &Discretization,
+    material: &Material,
+    kappa: f64,
+    values: &CellValues,
+    discrete: &DiscreteLevel,
+    [v, u_h]: [&NodalField<'_>; 2],
+) -> (Cells, Vec<[f64; 2]>) {
+    let mut sums = Cells::default();
+    let mut residuals = vec![[0.0; 2]; space.mesh.cell_count()];
+    let (mut stresses, mut strains) = (0.0, 0.0);
+    let points = values.at.points.iter().zip(values.at.cells.iter().zip(&values.at.weights));
+    for (p, (x, (&c, &weight))) in points.enumerate() {
+        if weight == 0.0 {
+            continue;
+        }
+        let c = c as usize;
+        let plane = |field: &[Vec<f64>; 3]| -> Plane {
+            [0, 1, 2].map(|i: usize| field[i].get(p).copied().unwrap_or(0.0))
+        };
+        let strain = plane(&values.strain);
+        let theta = material.remembered(&plane(&values.history));
+        let psi = material.coupled(&strain, &theta, kappa);
+        let applied = material.operator(&strain);
+        let sigma = [applied[0] + psi[0], applied[1] + psi[1], applied[2] + psi[2]];
+        let to_h = minus(&discrete.strain[c], &strain);
+        let to_v = minus(&v.strain[c], &strain);
+        let psi_difference = minus(&psi, &discrete.coupled[c]);
+        let moved = material.operator(&to_h);
+        let theta_difference = minus(&theta, &discrete.theta[c]);
+        sums.e += weight * dot(&to_h, &to_h);
+        sums.d += weight * dot(&to_v, &to_v);
+        sums.theta += weight * dot(&theta_difference, &theta_difference);
+        sums.monotone.add(weight * dot(&moved, &to_h));
+        sums.phi1.add(weight * dot(&psi_difference, &to_h));
+        sums.phi2.add(-weight * dot(&psi_difference, &to_v));
+        let reflected = minus(&strain, &to_v);
+        for (tensor, factor) in [(reflected, 1.0), (v.strain[c], 1.0), (strain, -2.0)] {
+            sums.phi3.add(factor * weight * dot(&psi, &tensor));
+        }
+        sums.operator.add(weight * dot(&moved, &to_v));
+        stresses += weight * dot(&sigma, &sigma);
+        strains += weight * dot(&strain, &strain);
+        let shape = barycentric(space, c, x);
+        for (i, (field, to)) in [(v, to_v), (u_h, to_h)].into_iter().enumerate() {
+            let nodes = space.cell_nodes(c);
+            let mut work = 0.0;
+            for (component, u) in values.u.iter().enumerate() {
+                let at = |a: usize| shape[a] * field.nodal[2 * nodes[a] as usize + component];
+                work += values.force[component][p] * (at(0) + at(1) + at(2) - u[p]);
+            }
+            let power = dot(&sigma, &to);
+            sums.stress[i].add(weight * power);
+            sums.force[i].add(weight * work);
+            residuals[c][i] += weight * (power - work);
+        }
+    }
+    sums.natural = (stresses * strains).sqrt();
+    sums.strain = strains;
+    (sums, residuals)
+}
+
+impl Cells {
+    /// Adds the integrals over other cells.
+    pub fn join(&mut self, other: &Self) {
+        self.e += other.e;
+        self.d += other.d;
+        self.theta += other.theta;
+        self.strain += other.strain;
+        self.natural = self.natural.hypot(other.natural);
+        for (own, other) in [
+            (&mut self.monotone, other.monotone),
+            (&mut self.phi1, other.phi1),
+            (&mut self.phi2, other.phi2),
+            (&mut self.phi3, other.phi3),
+            (&mut self.operator, other.operator),
+        ] {
+            *own = own.plus(other);
+        }
+        for i in 0..2 {
+            self.stress[i] = self.stress[i].plus(other.stress[i]);
+            self.force[i] = self.force[i].plus(other.force[i]);
+        }
+    }
+}
+
+fn barycentric(space: &Discretization, c: usize, x: &[f64; 3]) -> [f64; 3] {
+    let gradients = space.geometry.gradients(c);
+    let origin = space.mesh.vertex(space.mesh.cell(c)[0]);
+    let along = |a: usize| {
+        gradients[2 * a] * (x[0] - origin[0]) + gradients[2 * a + 1] * (x[1] - origin[1])
+    };
+    let (b, c) = (along(1), along(2));
+    [1.0 - b - c, b, c]
+}
+
+/// (∫ (σν)·w1, ∫ (σν)·w2) over Γ2 and Γ3.
+pub fn tractions(
+    space: &Discretization,
+    material: &Material,
+    kappa: f64,
+    edges: &[EdgeSample],
+    fields: [&[f64]; 2],
+) -> [Sum; 2] {
+    let mut sums = [Sum::default(); 2];
+    for sample in edges {
+        let theta = material.remembered(&sample.history);
+        let psi = material.coupled(&sample.strain, &theta, kappa);
+        let applied = material.operator(&sample.strain);
+        let s: [f64; 3] = std::array::from_fn(|i| applied[i] + psi[i]);
+        let shear = s[2] * std::f64::consts::FRAC_1_SQRT_2;
+        let [x, y] = sample.normal;
+        let traction = [s[0] * x + shear * y, shear * x + s[1] * y];
+        for (sum, nodal) in sums.iter_mut().zip(fields) {
+            for (i, traction) in traction.iter().enumerate() {
+                let at = |a: usize| {
+                    let node = space.nodes.of_vertex[sample.vertices[a] as usize] as usize;
+                    sample.shape[a] * nodal[2 * node + i]
+                };
+                sum.add(sample.weight * traction * (at(0) + at(1) - sample.u[i]));
+            }
+        }
+    }
+    sums
+}

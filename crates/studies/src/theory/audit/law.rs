@@ -1,0 +1,127 @@
+//! j_ν⁰ of ∂j_ν, evaluated apart from the solver's law.
+
+use exact::CurveNumbers;
+use scene::setup::law_numbers;
+
+/// ∂j_ν by its points, outer slopes and curve, without the factor c(x).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClarkeLaw {
+    points: Vec<[f64; 2]>,
+    before: f64,
+    after: f64,
+    curve: Option<CurveNumbers>,
+    /// The largest c on Γ3.
+    largest_factor: f64,
+}
+
+impl ClarkeLaw {
+    /// The law of a scene; j_ν ≡ 0 without one.
+    pub fn new(law: Option<&scene::Law>) -> Self {
+        match law {
+            Some(law) => Self {
+                points: law.points.clone(),
+                before: law.slope_before,
+                after: law.slope_after,
+                curve: law_numbers(law).curve,
+                largest_factor: law.scale.map_or(1.0, |scale| scale.largest),
+            },
+            None => Self {
+                points: vec![[0.0, 0.0]],
+                before: 0.0,
+                after: 0.0,
+                curve: None,
+                largest_factor: 1.0,
+            },
+        }
+    }
+
+    /// ∂j_ν(r) as an interval.
+    pub fn interval(&self, r: f64) -> [f64; 2] {
+        let on = |p: [f64; 2], slope: f64| p[1] + slope * (r - p[0]);
+        let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut include = |value: f64| (low, high) = (low.min(value), high.max(value));
+        if r <= first[0] {
+            include(on(first, self.before));
+        }
+        if r >= last[0] {
+            include(on(last, self.after));
+        }
+        for pair in self.points.windows(2).filter(|pair| pair[0][0] <= r && r <= pair[1][0]) {
+            if pair[0][0] == pair[1][0] {
+                include(pair[0][1]);
+                include(pair[1][1]);
+            } else {
+                include(on(pair[0], (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])));
+            }
+        }
+        let curve = self.curve.map_or(0.0, |curve| curve.value(r));
+        [low + curve, high + curve]
+    }
+
+    /// j_ν⁰(r; d) = max {ξ d : ξ ∈ ∂j_ν(r)} (a pressure times a length).
+    pub fn directional(&self, r: f64, d: f64) -> f64 {
+        let [low, high] = self.interval(r);
+        if r.is_nan() { f64::NAN } else { (low * d).max(high * d) }
+    }
+
+    /// Where value or slope of the graph change.
+    pub fn kinks(&self) -> Vec<f64> {
+        let mut kinks: Vec<f64> = self.points.iter().map(|point| point[0]).collect();
+        kinks.dedup();
+        kinks
+    }
+
+    /// c̄0, c̄1 with |ξ| ≤ c̄0 + c̄1|r| for all ξ ∈ ∂j_ν(r): c̄1 is the steeper of the outer slopes, and
+    /// |ξ| - c̄1|r|, which does not grow outward, is largest at a point of the law or at 0. A curve adds its
+    /// largest value, c r0/2 or c r0/e at r0, and the slope of the power's tangent; a factor multiplies both.
+    pub fn growth(&self) -> [f64; 2] {
+        let graph = Self { curve: None, ..self.clone() };
+        let slope = self.before.abs().max(self.after.abs());
+        let excess = |r: f64| {
+            let [low, high] = graph.interval(r);
+            low.abs().max(high.abs()) - slope * r.abs()
+        };
+        let places = self.kinks().into_iter().chain([0.0]);
+        let largest = places.map(excess).fold(0.0, f64::max);
+        let curve = match self.curve {
+            None => [0.0, 0.0],
+            Some(
+                curve @ (CurveNumbers::Rational { r0, .. } | CurveNumbers::Exponential { r0, .. }),
+            ) => [curve.value(r0), 0.0],
+            Some(curve @ CurveNumbers::Power { r1, .. }) => [0.0, curve.slope(r1)],
+        };
+        [self.largest_factor * (largest + curve[0]), self.largest_factor * (slope + curve[1])]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn jump() -> ClarkeLaw {
+        let points = vec![[0.0, 0.0], [0.1, 0.2], [0.1, 0.5], [0.3, 0.4]];
+        ClarkeLaw { points, before: 0.0, after: -0.3, curve: None, largest_factor: 1.0 }
+    }
+
+    #[test]
+    fn the_directional_derivative_takes_the_larger_end_of_a_jump() {
+        let law = jump();
+        let [low, high] = law.interval(0.1);
+        assert!((low - 0.2).abs() < 1e-15 && (high - 0.5).abs() < 1e-15);
+        assert!((law.directional(0.1, 2.0) - 1.0).abs() < 1e-15);
+        assert!((law.directional(0.1, -2.0) + 0.4).abs() < 1e-15);
+        assert!((law.directional(0.2, 1.0) - 0.45).abs() < 1e-15);
+        assert!((law.directional(0.5, 1.0) - 0.34).abs() < 1e-15);
+        assert!(law.directional(f64::NAN, 1.0).is_nan());
+    }
+
+    #[test]
+    fn growth_bounds_the_graph_and_no_smaller_constant_does() {
+        let law = jump();
+        let [c0, c1] = law.growth();
+        let excess = |r: f64| law.interval(r)[1].abs().max(law.interval(r)[0].abs()) - c1 * r.abs();
+        let worst = (-400..400).map(|i| excess(f64::from(i) * 0.01)).fold(f64::MIN, f64::max);
+        assert!((worst - c0).abs() < 1e-12 && c1 == 0.3);
+    }
+}

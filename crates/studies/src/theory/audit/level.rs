@@ -1,0 +1,187 @@
+//! Every quantity of the proofs at one level t_n.
+
+use super::contact::{Contact, Traces, over_contact, scheme_terms};
+use super::discrete::{Past, primed_weights, strains};
+use super::fields::{Fields, Forces, Remembered};
+use super::integrals::{Cells, NodalField, Sum, over_cells, tractions};
+use super::law::ClarkeLaw;
+use super::pointwise::{Material, Plane, dot};
+use fem::contact::{Boundary, Discretization, LoadError, StepView};
+use vhi::history::TimeGrid;
+
+/// The numbers of one level, in the notation of section 4 of the paper; w1 = v^h - u, w2 = u^{kh} - u.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Level {
+    /// k, the largest step.
+    pub k: f64,
+    /// Integrals over Ω.
+    pub cells: Cells,
+    /// Integrals over Γ3.
+    pub contact: Contact,
+    /// F(w1), F(w2).
+    pub load: [Sum; 2],
+    /// Measured quadrature error of (σ, ε(w)) - F(w), both w.
+    pub quadrature: [f64; 2],
+    /// F(v^h - u^{kh}) by the scheme's load vector.
+    pub scheme_load: Sum,
+    /// ⟨Au^{kh}, v^h - u^{kh}⟩ + φ(S^{kh}u^{kh}, u^{kh}, v^h - u^{kh}).
+    pub scheme_stress: Sum,
+    /// j_ν⁰, Σ w λ(g - v^h) and the selection's slack, by the scheme's rule.
+    pub scheme_contact: [Sum; 3],
+    /// ‖S_n u - S_n^{kh} u^{kh}‖_Y.
+    pub history: f64,
+    /// ‖S_n u - S_n^k u‖_Y.
+    pub truncation: f64,
+    /// Σ_{j ≤ n} ‖u_j - u_j^{kh}‖_V.
+    pub errors: f64,
+}
+
+/// What is known of the levels so far.
+#[derive(Default)]
+pub struct Levels {
+    past: Past,
+    /// ‖u_j - u_j^{kh}‖_V.
+    errors: Vec<f64>,
+    /// ‖ε(u_j)‖.
+    norms: Vec<f64>,
+    remembered: Vec<[Vec<f64>; 3]>,
+}
+
+/// What a level is computed from.
+pub struct Case<'a> {
+    /// V^h.
+    pub space: &'a Discretization,
+    /// t_0, …, t_N.
+    pub grid: &'a TimeGrid,
+    /// A, φ, S.
+    pub material: &'a Material,
+    /// ∂j_ν.
+    pub law: &'a ClarkeLaw,
+    /// g, s and the rule of the scheme; none without contact.
+    pub boundary: Option<&'a Boundary>,
+}
+
+impl Levels {
+    /// The level that `view` shows; `load` is the scheme's F_n.
+    ///
+    /// # Errors
+    /// The truth's.
+    pub fn next(
+        &mut self,
+        case: &Case<'_>,
+        fields: &mut dyn Fields,
+        view: &StepView<'_>,
+        load: &[f64],
+    ) -> Result<Level, LoadError> {
+        let (space, material) = (case.space, case.material);
+        let t = view.t;
+        let discrete = self.past.level(space, material, case.grid, view.u);
+        let zeta = fields.zeta(t)?;
+        let kappa = material.kappa(zeta.unwrap_or(f64::NAN));
+        let v = fields.interpolant(t)?;
+        let strain = strains(space, &v);
+        let v_field = NodalField { nodal: &v, strain: &strain };
+        let u_field = NodalField { nodal: view.u, strain: &discrete.strain };
+        let volume = fields.volume(t, zeta.unwrap_or(f64::NAN))?;
+        let sum =
+            |values| over_cells(space, material, kappa, values, &discrete, [&v_field, &u_field]);
+        let (mut cells, _) = sum(&volume.plain);
+        let (crossed, fine) = sum(&volume.crossed);
+        cells.join(&crossed);
+        let (_, coarse) = sum(&volume.check);
+        let quadrature =
+            [0, 1].map(|i: usize| fine.iter().zip(&coarse).map(|(a, b)| (a[i] - b[i]).abs()).sum());
+        let traces = Traces { v: traces(space, &v), u_h: traces(space, view.u) };
+        let edges = fields.edges(t, zeta.unwrap_or(f64::NAN), &[&traces.v, &traces.u_h])?;
+        let (mut contact, mut scheme_contact) = (Contact::default(), [Sum::default(); 3]);
+        if let Some(boundary) = case.boundary {
+            let lambda = fields.nodal_multiplier(t)?;
+            contact = over_contact(space, case.law, &edges, &traces, boundary, lambda.as_deref());
+            scheme_contact = scheme_terms(space, case.law, boundary, view, &traces, contact.j_h_v);
+        }
+        let by_vector = |w: &mut dyn Iterator<Item = f64>| product(load, w);
+        let load_of = match fields.forces() {
+            Forces::Strong => {
+                let edge = tractions(space, material, kappa, &edges, [&v, view.u]);
+                [0, 1].map(|i: usize| cells.force[i].plus(edge[i]).plus(contact.work[i]))
+            }
+            // u = v^h: w1 = 0.
+            Forces::Vector => {
+                let w = &mut view.u.iter().zip(&v).map(|(u_h, u)| u_h - u);
+                [Sum::default(), by_vector(w)]
+            }
+        };
+        let scheme_load = by_vector(&mut v.iter().zip(view.u).map(|(v, u_h)| v - u_h));
+        let theta = cells.theta.sqrt();
+        let zeta_error = zeta.map_or(0.0, |zeta| (zeta - discrete.zeta).abs());
+        self.errors.push(cells.e.sqrt());
+        self.norms.push(cells.strain.sqrt());
+        let remembered = fields.remembered(t)?;
+        Ok(Level {
+            k: case.grid.largest_step(),
+            load: load_of,
+            quadrature,
+            scheme_load,
+            scheme_stress: scheme_stress(space, material, &discrete, &strain),
+            scheme_contact,
+            history: zeta_error + theta,
+            truncation: self.truncation(case, view.n, zeta, remembered),
+            errors: self.errors.iter().sum(),
+            cells,
+            contact,
+        })
+    }
+
+    /// ‖S_n u - S_n^k u‖_Y: what the trapezoidal rule makes of the truth.
+    fn truncation(&mut self, case: &Case<'_>, n: usize, zeta: Option<f64>, now: Remembered) -> f64 {
+        let weights = primed_weights(case.grid, n);
+        let sum: f64 = weights.iter().zip(&self.norms).map(|(w, norm)| w * norm).sum();
+        let accumulated = zeta.map_or(0.0, |zeta| (zeta - sum).abs());
+        if !case.material.remembers() {
+            return accumulated;
+        }
+        self.remembered.push(now.strain);
+        let factors: Vec<f64> = weights
+            .iter()
+            .enumerate()
+            .map(|(j, w)| w * case.material.kernel(case.grid.time(n) - case.grid.time(j)))
+            .collect();
+        let mut square = 0.0;
+        for (p, weight) in now.weights.iter().enumerate() {
+            let history: Plane = std::array::from_fn(|i| {
+                let past = self.remembered.iter().zip(&factors);
+                now.history[i][p] - past.map(|(strain, f)| f * strain[i][p]).sum::<f64>()
+            });
+            let theta = case.material.remembered(&history);
+            square += weight * dot(&theta, &theta);
+        }
+        accumulated + square.sqrt()
+    }
+}
+
+fn scheme_stress(
+    space: &Discretization,
+    material: &Material,
+    discrete: &super::discrete::DiscreteLevel,
+    v: &[Plane],
+) -> Sum {
+    let mut sum = Sum::default();
+    for (c, measure) in space.geometry.measure.iter().enumerate() {
+        let (strain, psi) = (&discrete.strain[c], &discrete.coupled[c]);
+        let applied = material.operator(strain);
+        for i in 0..3 {
+            sum.add(measure * (applied[i] + psi[i]) * (v[c][i] - strain[i]));
+        }
+    }
+    sum
+}
+
+fn product(load: &[f64], w: &mut dyn Iterator<Item = f64>) -> Sum {
+    let mut sum = Sum::default();
+    load.iter().zip(w).for_each(|(f, w)| sum.add(f * w));
+    sum
+}
+
+fn traces(space: &Discretization, nodal: &[f64]) -> Vec<f64> {
+    (0..space.trace.points.len()).map(|i| space.trace.normal(i, nodal)).collect()
+}

@@ -1,0 +1,102 @@
+//! Tensors of (5.8)-(5.10) at a point, in Mandel notation, apart from the solver's laws.
+
+use formula::{Graph, Node, Point};
+use scene::setup::Setup;
+use vhi::law::FourthOrder;
+
+/// A symmetric plane tensor (xx, yy, √2 xy).
+pub type Plane = [f64; 3];
+
+/// a:b.
+pub fn dot(a: &Plane, b: &Plane) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// a - b.
+pub fn minus(a: &Plane, b: &Plane) -> Plane {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// The tensors and functions of a scene's material.
+pub struct Material {
+    elastic: [f64; 2],
+    memory: Option<[f64; 2]>,
+    /// μ, 0 without projection.
+    mu: f64,
+    kappa: Option<Node>,
+    kernel: Option<Node>,
+    graph: Graph,
+}
+
+impl Material {
+    /// The material of a scene; none unless it is plain: one isotropic tensor, one term of memory at most.
+    pub fn new(setup: &Setup) -> Option<Self> {
+        let material = &setup.body.material;
+        let FourthOrder::Isotropic(law) = &material.elastic else { return None };
+        if !material.is_plain() {
+            return None;
+        }
+        let memory = material.memory.first();
+        let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
+        Some(Self {
+            elastic: [law.lambda, law.mu],
+            memory: memory.map(|memory| [memory.lambda, memory.mu]),
+            mu: projection.map_or(0.0, |projection| projection.mu),
+            kappa: projection.map(|projection| projection.kappa),
+            kernel: memory.map(|memory| memory.kernel),
+            graph: setup.scene.formulas.clone(),
+        })
+    }
+
+    /// A of (5.8): 𝒜ε + με.
+    pub fn operator(&self, strain: &Plane) -> Plane {
+        let volumetric = self.elastic[0] * (strain[0] + strain[1]);
+        let twice = 2.0 * self.elastic[1] + self.mu;
+        [twice * strain[0] + volumetric, twice * strain[1] + volumetric, twice * strain[2]]
+    }
+
+    /// θ = ℬ₀ H of a remembered strain H = ∫ b(t-s) ε(u(s)) ds.
+    pub fn remembered(&self, history: &Plane) -> Plane {
+        let Some([lambda, mu]) = self.memory else { return [0.0; 3] };
+        let volumetric = lambda * (history[0] + history[1]);
+        [
+            2.0 * mu * history[0] + volumetric,
+            2.0 * mu * history[1] + volumetric,
+            2.0 * mu * history[2],
+        ]
+    }
+
+    /// The tensor ψ with φ(y, u, v) = (ψ, ε(v)) in (5.10): -μ P_κ ε + θ.
+    pub fn coupled(&self, strain: &Plane, theta: &Plane, kappa: f64) -> Plane {
+        if self.mu == 0.0 {
+            return *theta;
+        }
+        let mean = 0.5 * (strain[0] + strain[1]);
+        let half = 0.5 * (strain[0] - strain[1]);
+        let size = (2.0 * half * half + strain[2] * strain[2]).sqrt();
+        let factor = if size > kappa { kappa / size } else { 1.0 };
+        let projected = [mean + factor * half, mean - factor * half, factor * strain[2]];
+        [
+            theta[0] - self.mu * projected[0],
+            theta[1] - self.mu * projected[1],
+            theta[2] - self.mu * projected[2],
+        ]
+    }
+
+    /// κ(ζ), infinite without projection.
+    pub fn kappa(&self, zeta: f64) -> f64 {
+        let at = Point { zeta, ..Point::default() };
+        self.kappa.map_or(f64::INFINITY, |kappa| self.graph.evaluate(kappa, &at))
+    }
+
+    /// b(lag), 0 without memory.
+    pub fn kernel(&self, lag: f64) -> f64 {
+        let at = Point { t: lag, ..Point::default() };
+        self.kernel.map_or(0.0, |kernel| self.graph.evaluate(kernel, &at))
+    }
+
+    /// Whether there is memory.
+    pub fn remembers(&self) -> bool {
+        self.memory.is_some()
+    }
+}

@@ -1,0 +1,155 @@
+//! A scene audited: all its runs, and for each line the worst ratio and the powers of h and k with
+//! which both sides fall.
+
+use rayon::prelude::*;
+
+use super::case::{AuditError, CaseAudit, Row, Violation, audit_case};
+use super::constants::AuditConstants;
+use super::lines::{Relation, Standing, Statement};
+use fem::contact::BoundaryRule;
+use judge::fit::{Sample, power_law};
+use scene::setup::{MeshData, Setup};
+
+/// An audited scene.
+#[derive(Debug, Clone)]
+pub struct SceneAudit {
+    /// Its name.
+    pub scene: String,
+    /// The boundary rule of the runs.
+    pub rule: BoundaryRule,
+    /// Whether K = X, so that Theorem 11 applies too.
+    pub unconstrained: bool,
+    /// What the bounds took.
+    pub constants: AuditConstants,
+    /// The runs, by n and steps.
+    pub cases: Vec<CaseAudit>,
+}
+
+/// A line over all runs of a scene.
+#[derive(Debug, Clone)]
+pub struct Summary {
+    /// Which line.
+    pub statement: Statement,
+    /// How its sides are related.
+    pub relation: Relation,
+    /// Largest |left| and |right| of the finest run.
+    pub left: f64,
+    /// Largest |right| of the finest run.
+    pub right: f64,
+    /// The worst ratio of all runs, as in [`Row::ratio`].
+    pub ratio: Option<f64>,
+    /// Powers of h with which left and right fall, at the smallest k; none below the accuracy.
+    pub power_h: [Option<f64>; 2],
+    /// Powers of k, at the smallest h.
+    pub power_k: [Option<f64>; 2],
+    /// Over all runs.
+    pub standing: Standing,
+    /// The first run that violates it, and how: n, h, N, k.
+    pub violation: Option<(u32, f64, u32, f64, Violation)>,
+}
+
+impl SceneAudit {
+    /// Audits the runs of `setup` on the meshes `ns` with the numbers of steps `steps`, its boundary
+    /// rule being that of the model.
+    ///
+    /// # Errors
+    /// [`AuditError`]: no exact solution, a run without result.
+    pub fn new(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Self, AuditError> {
+        if setup.scene.dimension != 2 {
+            return Err(AuditError::Dimension { scene: setup.scene.name.clone() });
+        }
+        let constants = AuditConstants::new(setup)?;
+        let mut cases = Vec::new();
+        for &n in ns {
+            let data = MeshData::new(setup, n, None)?;
+            let audited: Result<Vec<CaseAudit>, AuditError> = steps
+                .par_iter()
+                .map(|&steps| audit_case(setup, &data, steps, &constants))
+                .collect();
+            cases.extend(audited?);
+        }
+        Ok(Self {
+            scene: setup.scene.name.clone(),
+            rule: setup.rule(),
+            unconstrained: is_unconstrained(setup),
+            constants,
+            cases,
+        })
+    }
+
+    /// True if every line holds in every run, and there is a run.
+    pub fn holds(&self) -> bool {
+        let rows = |case: &CaseAudit| {
+            let holds = |row: &Row| row.standing() == Standing::Holds;
+            !case.rows.is_empty() && case.rows.iter().all(holds)
+        };
+        !self.cases.is_empty() && self.cases.iter().all(rows)
+    }
+
+    /// The lines in the order of the proof.
+    pub fn summaries(&self) -> Vec<Summary> {
+        let finest = self.cases.iter().max_by(|a, b| (a.n, a.steps).cmp(&(b.n, b.steps)));
+        let Some(finest) = finest else { return Vec::new() };
+        finest.rows.iter().map(|row| self.summary(row, finest)).collect()
+    }
+
+    fn summary(&self, row: &Row, finest: &CaseAudit) -> Summary {
+        let own = |case: &CaseAudit| -> Option<Row> {
+            case.rows.iter().find(|other| other.statement == row.statement).cloned()
+        };
+        let ratios = self.cases.iter().filter_map(|case| own(case)?.ratio);
+        let ratio =
+            ratios.reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) });
+        // What stands on the right of an identity has no volume integral in it.
+        let floors: [fn(&Row) -> f64; 2] = match row.relation {
+            Relation::Equal => [|row| row.accuracy, |row| row.rounding],
+            Relation::AtMost => [|row| row.accuracy; 2],
+        };
+        let power = |along_h: bool, i: usize| {
+            let sides: [fn(&Row) -> f64; 2] = [|row| row.left, |row| row.right];
+            let line = self.cases.iter().filter(|case| {
+                if along_h { case.steps == finest.steps } else { case.n == finest.n }
+            });
+            let samples: Vec<Sample> = line
+                .filter_map(|case| {
+                    let row = own(case)?;
+                    let (step, value) = (if along_h { case.h } else { case.k }, sides[i](&row));
+                    // An undefined bound has no power.
+                    (value.is_finite() && value > SEEN * floors[i](&row))
+                        .then_some(Sample { step, error: value })
+                })
+                .collect();
+            power_law(&samples).ok().map(|law| law.order)
+        };
+        let violated = self
+            .cases
+            .iter()
+            .find_map(|case| Some((case.n, case.h, case.steps, case.k, own(case)?.violation?)));
+        let undefined = |case: &CaseAudit| {
+            case.rows.iter().any(|other| other.statement == row.statement && other.undefined)
+        };
+        Summary {
+            statement: row.statement,
+            relation: row.relation,
+            left: row.left,
+            right: row.right,
+            ratio,
+            power_h: [power(true, 0), power(true, 1)],
+            power_k: [power(false, 0), power(false, 1)],
+            standing: match violated {
+                Some(_) => Standing::Violated,
+                None if self.cases.iter().any(undefined) => Standing::Undefined,
+                None => Standing::Holds,
+            },
+            violation: violated,
+        }
+    }
+}
+
+/// A side counts in a fitted power if it is above so many times its accuracy.
+const SEEN: f64 = 10.0;
+
+/// Whether K = X: no gap anywhere.
+fn is_unconstrained(setup: &Setup) -> bool {
+    setup.body.contact.as_ref().is_none_or(|contact| contact.gap.is_none())
+}

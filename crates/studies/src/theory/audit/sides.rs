@@ -1,0 +1,251 @@
+//! A side of Γ2 or Γ3 with the formulas of the truth on it.
+
+use super::edges::{ContactSample, EdgeSample, cut_points, edge_and_place};
+use super::fields::sort_interior;
+use exact::{BoundaryFormulas, ContactFormulas, Exact, LawNumbers};
+use fem::contact::Discretization;
+use fem::mesh::PlanePart;
+use formula::{Node, Point, Program};
+
+/// The edges of one side.
+pub struct SideEdges {
+    normal: [f64; 2],
+    edges: Vec<[u32; 2]>,
+    /// Length of each.
+    lengths: Vec<f64>,
+    /// Guards of σ.
+    guards: Program,
+    guard_count: usize,
+    contact: Option<ContactSide>,
+}
+
+/// What a side of Γ3 has beside.
+struct ContactSide {
+    /// Ends of the edges as points of the trace.
+    trace: Vec<[usize; 2]>,
+    formulas: BoundaryFormulas,
+    guards: Program,
+    guard_count: usize,
+    kinks: Vec<f64>,
+    has_jump: bool,
+}
+
+impl SideEdges {
+    /// All sides of Γ2 and Γ3, by their numbers in the mesh.
+    pub fn all(
+        exact: &Exact,
+        space: &Discretization,
+        traction: &[u32],
+        contact: &[u32],
+    ) -> Vec<Self> {
+        let parts = |sides: &[u32], touches: bool| -> Vec<Self> {
+            let of_side = |side: &u32| {
+                let facets: Vec<u32> = space.mesh.facets_on(&[*side]).map(|f| f as u32).collect();
+                let new = |part: PlanePart| {
+                    let facets = part.members.iter().map(|&at| facets[at] as usize).collect();
+                    Self::new(exact, space, [part.normal[0], part.normal[1]], facets, touches)
+                };
+                space.mesh.plane_parts(&facets).into_iter().map(new).collect::<Vec<_>>()
+            };
+            sides.iter().flat_map(of_side).collect()
+        };
+        let mut sides = parts(traction, false);
+        sides.extend(parts(contact, true));
+        sides
+    }
+
+    /// The plane part of a side with the given normal and facets.
+    fn new(
+        exact: &Exact,
+        space: &Discretization,
+        normal: [f64; 2],
+        facets: Vec<usize>,
+        touches: bool,
+    ) -> Self {
+        let horizon = exact.data.horizon;
+        let mut graph = exact.data.graph.clone();
+        let guards = graph.guards(&exact.stress);
+        let ends = |&f: &usize| [space.mesh.facet(f)[0], space.mesh.facet(f)[1]];
+        let contact = touches.then(|| {
+            let mut formulas = exact.boundary(&normal);
+            let [u, xi, lambda, gap] =
+                [formulas.normal, formulas.xi, formulas.lambda, formulas.gap];
+            let guards = formulas.graph.guards(&[u, xi, lambda, gap]);
+            let position = |f: &usize| {
+                let own = |&m: &u32| m as usize == *f;
+                let at = space.trace.mesh_facet.iter().position(own).unwrap_or(0);
+                [0, 1].map(|a| space.trace.facet(at)[a] as usize)
+            };
+            let law = exact.data.contact.as_ref().and_then(|contact| contact.law.as_ref());
+            ContactSide {
+                trace: facets.iter().map(position).collect(),
+                guard_count: guards.len(),
+                guards: Program::compile(&mut formulas.graph, &guards, horizon),
+                kinks: law.map_or(Vec::new(), LawNumbers::kinks),
+                has_jump: law
+                    .is_some_and(|law| law.points.windows(2).any(|pair| pair[0][0] == pair[1][0])),
+                formulas,
+            }
+        });
+        let edges: Vec<[u32; 2]> = facets.iter().map(ends).collect();
+        let length = |f: &usize| fem::contact::facet_measure(&space.mesh, *f);
+        Self {
+            normal,
+            lengths: facets.iter().map(length).collect(),
+            edges,
+            guard_count: guards.len(),
+            guards: Program::compile(&mut graph, &guards, horizon),
+            contact,
+        }
+    }
+
+    fn points(&self, space: &Discretization, places: &[f64]) -> Vec<[f64; 3]> {
+        let at = |&q: &f64| {
+            let (edge, x) = edge_and_place(q, self.edges.len());
+            space.mesh.point(&self.edges[edge], &[1.0 - x, x])
+        };
+        places.iter().map(at).collect()
+    }
+
+    /// The points of the side at t, cut for the truth and for `traces`.
+    pub fn samples(
+        &self,
+        exact: &Exact,
+        space: &Discretization,
+        t: f64,
+        zeta: f64,
+        traces: &[&[f64]],
+    ) -> Vec<EdgeSample> {
+        let values = |program: &Program, count: usize, places: &[f64], t: f64| {
+            let mut out = vec![Vec::new(); count];
+            program.bind(&self.points(space, places)).evaluate(t, zeta, &mut out);
+            out
+        };
+        let stress = |places: &[f64]| values(&self.guards, self.guard_count, places, t);
+        let Some(contact) = &self.contact else {
+            let points = cut_points(self.edges.len(), &[&stress]);
+            return self.at(exact, space, t, &points);
+        };
+        let guards = |time: f64| {
+            move |places: &[f64]| values(&contact.guards, contact.guard_count, places, time)
+        };
+        let (now, first) = (guards(t), guards(0.0));
+        let crossings = |places: &[f64]| {
+            let own = values(&contact.formulas.program, 5, places, t);
+            let shifts = self.values(exact, shift_of, 0.0, space, places);
+            contact.crossings(places, &own[0], &shifts, traces)
+        };
+        let points = cut_points(self.edges.len(), &[&stress, &now, &first, &crossings]);
+        self.at(exact, space, t, &points)
+    }
+
+    /// s or c of the law at places, `absent` without one.
+    fn values(
+        &self,
+        exact: &Exact,
+        formula: fn(&ContactFormulas) -> Option<Node>,
+        absent: f64,
+        space: &Discretization,
+        places: &[f64],
+    ) -> Vec<f64> {
+        let node = exact.data.contact.as_ref().and_then(formula);
+        let Some(node) = node else { return vec![absent; places.len()] };
+        self.points(space, places)
+            .into_iter()
+            .map(|[x, y, z]| {
+                let at = Point { x, y, z, ..Point::default() };
+                exact.data.graph.evaluate(node, &at)
+            })
+            .collect()
+    }
+
+    fn at(
+        &self,
+        exact: &Exact,
+        space: &Discretization,
+        t: f64,
+        points: &[(usize, f64, f64)],
+    ) -> Vec<EdgeSample> {
+        let places: Vec<f64> = points.iter().map(|(edge, x, _)| *edge as f64 + x).collect();
+        let coordinates: Vec<[f64; 3]> = points
+            .iter()
+            .map(|&(edge, x, _)| space.mesh.point(&self.edges[edge], &[1.0 - x, x]))
+            .collect();
+        let mut out = vec![Vec::new(); 5 + exact.memory.len()];
+        exact.interior.bind(&coordinates).evaluate(t, 0.0, &mut out);
+        let (u, strain, history) = sort_interior(out);
+        let plane = |field: &[Vec<f64>; 3], p: usize| {
+            [0, 1, 2].map(|i: usize| field[i].get(p).copied().unwrap_or(0.0))
+        };
+        let mut state = vec![Vec::new(); 5];
+        if let Some(contact) = &self.contact {
+            contact.formulas.program.bind(&coordinates).evaluate(t, 0.0, &mut state);
+        }
+        let shifts = self.values(exact, shift_of, 0.0, space, &places);
+        let scales = self.values(exact, scale_of, 1.0, space, &places);
+        let sample = |(p, &(edge, x, weight)): (usize, &(usize, f64, f64))| EdgeSample {
+            vertices: self.edges[edge],
+            shape: [1.0 - x, x],
+            weight: weight * self.lengths[edge],
+            normal: self.normal,
+            u: [u[0][p], u[1][p]],
+            strain: plane(&strain, p),
+            history: plane(&history, p),
+            contact: self.contact.as_ref().map(|contact| ContactSample {
+                trace: contact.trace[edge],
+                normal: state[0][p],
+                gap: state[2][p],
+                shift: shifts[p],
+                scale: scales[p],
+                compliance: state[3][p],
+                multiplier: state[4][p],
+            }),
+        };
+        points.iter().enumerate().map(sample).collect()
+    }
+}
+
+fn shift_of(contact: &ContactFormulas) -> Option<Node> {
+    contact.shift
+}
+
+fn scale_of(contact: &ContactFormulas) -> Option<Node> {
+    contact.scale
+}
+
+impl ContactSide {
+    /// Distances from the kinks of the law, of u_ν and of each trace; differences between them.
+    fn crossings(
+        &self,
+        places: &[f64],
+        own: &[f64],
+        shifts: &[f64],
+        traces: &[&[f64]],
+    ) -> Vec<Vec<f64>> {
+        let trace = |values: &&[f64]| -> Vec<f64> {
+            let at = |&q: &f64| {
+                let (edge, x) = edge_and_place(q, self.trace.len());
+                let [a, b] = self.trace[edge];
+                (1.0 - x) * values[a] + x * values[b]
+            };
+            places.iter().map(at).collect()
+        };
+        let mut fields = vec![own.to_vec()];
+        fields.extend(traces.iter().map(trace));
+        let mut rows = Vec::new();
+        for field in &fields {
+            for kink in &self.kinks {
+                rows.push(field.iter().zip(shifts).map(|(u, s)| u - s - kink).collect());
+            }
+        }
+        if self.has_jump {
+            // j_ν⁰(r; d) has a kink in d where ∂j_ν(r) is an interval.
+            for (i, a) in fields.iter().enumerate() {
+                for b in &fields[..i] {
+                    rows.push(a.iter().zip(b).map(|(a, b)| a - b).collect());
+                }
+            }
+        }
+        rows
+    }
+}

@@ -1,0 +1,98 @@
+//! The step-size study of a contact scene.
+
+use super::constants::TraceConstants;
+use super::ladder::BoundError;
+use super::linear::linear_loss;
+use super::run::{self, AtLevel, AtWorst, Study};
+use ::run::sweep::{Runs, run_cost};
+use fem::contact::{Discretization, Evolution, OpenLevel};
+use scene::setup::{MeshData, Setup, TruthLoad, YieldFormula};
+use vhi::law::VonMises;
+use vhi::{StepBounds, StepState};
+
+/// An open level of a scene's run.
+pub type SceneLevel<'a> = OpenLevel<'a, Option<VonMises<YieldFormula>>>;
+
+/// Runs the scene on the mesh `n` with `steps` steps and studies its worst level.
+///
+/// # Errors
+/// [`BoundError`].
+pub fn study(setup: &Setup, bounds: &StepBounds, n: u32, steps: u32) -> Result<Study, BoundError> {
+    let levels = levels_of_run(setup, bounds, n, steps)?;
+    let worst = run::worst(&levels, steps)?;
+    let mut meshes = Vec::new();
+    for other in meshes_beside(setup, n) {
+        let all = levels_of_run(setup, bounds, other, steps)?;
+        meshes.extend(all.get(worst.level - 1));
+    }
+    let data = MeshData::new(setup, n, None)?;
+    let linear = linear_loss(&data.space, &setup.model)?;
+    let exact = linear.map_or(f64::INFINITY, |loss| loss.mesh);
+    let AtWorst { starts, rungs, thresholds, not_followed } =
+        at_level(setup, &data, steps, worst.level, |level, state| {
+            run::at_worst(level, state, bounds, exact)
+        })?;
+    Ok(Study { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear })
+}
+
+/// The mesh n and its neighbours, as far as the domain has them.
+fn meshes_beside(setup: &Setup, n: u32) -> impl Iterator<Item = u32> {
+    let fits = |&other: &u32| other > 0 && setup.scene.check_cells(other).is_ok();
+    [n / 2, n, 2 * n].into_iter().filter(fits)
+}
+
+/// The runs of a study, and those of a single step with the factors of the trace constants.
+pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
+    let own: Vec<u32> = meshes_beside(setup, n).collect();
+    let traces = TraceConstants::meshes(setup).into_iter().filter(|n| !own.contains(n));
+    let grid = own.iter().map(|&n| (n, steps)).chain(traces.map(|n| (n, 1))).collect();
+    // Of earlier levels a run keeps its history alone; a factor of its own has no loads.
+    let beside = move |space: &Discretization, steps: u32| match own.contains(&space.mesh.n) {
+        true => 0.0,
+        false => -run_cost(setup, space, space.mesh.n, steps).load_bytes,
+    };
+    Runs { setup, grid, beside: Box::new(beside) }
+}
+
+/// The factor at every level n ≥ 1 of a run.
+fn levels_of_run(
+    setup: &Setup,
+    bounds: &StepBounds,
+    n: u32,
+    steps: u32,
+) -> Result<Vec<AtLevel>, BoundError> {
+    let data = MeshData::new(setup, n, None)?;
+    on_run(setup, &data, steps, |level| run::all_levels(level, bounds, Some(n)))
+}
+
+/// Runs to level `number`, leaves it open, and shows it with its solution.
+///
+/// # Errors
+/// The run's, and those of `see`.
+pub fn at_level<T>(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    number: usize,
+    see: impl FnOnce(&mut SceneLevel<'_>, StepState) -> Result<T, BoundError>,
+) -> Result<T, BoundError> {
+    on_run(setup, data, steps, |level| {
+        let state = run::run_to(level, number)?;
+        see(level, state)
+    })
+}
+
+/// Shows a run before its first level.
+fn on_run<T>(
+    setup: &Setup,
+    data: &MeshData,
+    steps: u32,
+    see: impl FnOnce(&mut SceneLevel<'_>) -> Result<T, BoundError>,
+) -> Result<T, BoundError> {
+    let grid = setup.grid(steps);
+    let mut load = TruthLoad(&*data.truth);
+    let evolution = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    let mut level = OpenLevel::new(&data.space, &setup.model, evolution)
+        .map_err(|source| BoundError::Constant(source.into()))?;
+    see(&mut level)
+}

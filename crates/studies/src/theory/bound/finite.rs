@@ -1,0 +1,119 @@
+//! The step-size study of an abstract scene: constants, samples, factors in ℝ^m.
+
+use nalgebra::DVector;
+
+use super::Bound;
+use super::constants::{Constant, Provenance};
+use super::gate;
+use super::ladder::BoundError;
+use super::run::{self, AtWorst, Study};
+use super::sampled::Sampled;
+use algebra::linalg::signed_unit;
+use scene::setup::{AbstractConstants, AbstractLoad, AbstractSetup};
+use vhi::finite::{FiniteEvolution, FiniteModel};
+
+/// Pairs of random states.
+const SAMPLES: u32 = 2000;
+/// Their components lie within this, as those in which slopes are sampled.
+const REACH: f64 = 10.0;
+
+impl Bound {
+    /// Studies an abstract scene along a run with `steps` steps.
+    ///
+    /// # Errors
+    /// [`BoundError`].
+    pub fn of_abstract(setup: &AbstractSetup, steps: u32) -> Result<Self, BoundError> {
+        let limits = setup.constants.step_bounds();
+        let grid = setup.grid(steps);
+        let mut load = AbstractLoad(setup);
+        let levels = {
+            let mut level = FiniteEvolution::new(&setup.model, &grid, &mut load)?;
+            run::all_levels(&mut level, &limits, None)?
+        };
+        let worst = run::worst(&levels, steps)?;
+        let mut level = FiniteEvolution::new(&setup.model, &grid, &mut load)?;
+        let state = run::run_to(&mut level, worst.level)?;
+        let AtWorst { starts, rungs, thresholds, not_followed } =
+            run::at_worst(&mut level, state, &limits, f64::INFINITY)?;
+        let (meshes, linear) = (Vec::new(), None);
+        let study =
+            Study { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear };
+        let samples = samples(&setup.model, &setup.constants);
+        let mut violations = gate::violations(&limits, &study.rungs, &study.thresholds);
+        violations.extend(super::sample_violations(&samples));
+        violations.extend(super::start_violations(&limits, &study));
+        violations.extend(super::smallness_violation(&limits));
+        Ok(Self {
+            scene: setup.scene.name.clone(),
+            n: None,
+            steps,
+            constants: table(&setup.constants, &setup.model),
+            samples,
+            limits,
+            study,
+            violations,
+        })
+    }
+}
+
+/// The constants of an abstract problem with how each was obtained.
+fn table(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
+    let row = |name: &str, value: f64, sampled: bool, note: &str| Constant {
+        name: name.into(),
+        value,
+        uncertainty: None,
+        how: if sampled { Provenance::Declared } else { Provenance::Computed },
+        safe: !sampled,
+        note: if sampled { format!("{note}; slopes sampled on [-10, 10]") } else { note.into() },
+    };
+    let (bent, forced) = (!model.nonlinear.is_empty(), !model.force.is_empty());
+    let mut rows = vec![
+        row("m_A", c.m_a, bent, "smallest eigenvalue of the symmetric part in X"),
+        row("L_A", c.l_a, bent, "norm X -> X*"),
+        row("alpha_phi", c.alpha_phi, forced, "slopes of N in u"),
+        row("beta_phi", c.beta_phi, forced, "slopes of N in y"),
+        row("alpha_j", c.alpha_j, false, "steepest descent of the laws (2.8c)"),
+        row("c_j^2", c.c_j_squared, false, "largest eigenvalue of sum w_i a_i a_i^T in X"),
+        row("m0", c.m0, bent || forced, "m_A - alpha_phi - alpha_j c_j^2 (2.9)"),
+        row("|R|", c.r_norm, false, "norm on X*"),
+    ];
+    for (name, value, note) in [
+        ("|q|", c.q_norm, "largest norm X -> X* over 0 <= s <= t <= T, 65 times"),
+        ("|q(t,t)|", c.q_norm_now, "the same over s = t"),
+    ] {
+        rows.push(Constant { safe: false, ..row(name, value, false, note) });
+    }
+    rows
+}
+
+/// Constants against random pairs of states.
+fn samples(model: &FiniteModel, c: &AbstractConstants) -> Vec<Sampled> {
+    let m = model.dimension();
+    let mut seed = 7;
+    let mut draw = || DVector::from_fn(m, |_, _| REACH * signed_unit(&mut seed));
+    let gram = model.inner_product.clone().cholesky();
+    let dual = |f: &DVector<f64>| {
+        gram.as_ref().map_or(f64::NAN, |gram| f.dot(&gram.solve(f)).max(0.0).sqrt())
+    };
+    let (mut monotone, mut lipschitz, mut by_state, mut by_history) = (f64::MIN, 0f64, 0f64, 0f64);
+    // A NaN must not vanish in a maximum.
+    let raise = |worst: &mut f64, value: f64| {
+        *worst = if value.is_nan() { f64::NAN } else { worst.max(value) };
+    };
+    for _ in 0..SAMPLES {
+        let (u, v, y, z) = (draw(), draw(), draw(), draw());
+        let (off, force) = (&u - &v, model.operator(&u) - model.operator(&v));
+        let size = model.norm(&off);
+        raise(&mut monotone, -force.dot(&off) / (size * size));
+        raise(&mut lipschitz, dual(&force) / size);
+        raise(&mut by_state, dual(&(model.force_of(&y, &u) - model.force_of(&y, &v))) / size);
+        let moved = model.force_of(&y, &u) - model.force_of(&z, &u);
+        raise(&mut by_history, dual(&moved) / dual(&(&y - &z)));
+    }
+    vec![
+        Sampled::new("(2.5b): -m_A", -c.m_a, monotone, SAMPLES),
+        Sampled::new("L_A", c.l_a, lipschitz, SAMPLES),
+        Sampled::new("(2.7b): alpha_phi, same y", c.alpha_phi, by_state, SAMPLES),
+        Sampled::new("(2.7b): beta_phi, same u", c.beta_phi, by_history, SAMPLES),
+    ]
+}

@@ -1,0 +1,191 @@
+//! Λ and Newton's method at one level over a ladder of step sizes.
+
+use super::factor::{contraction, finite_factor, random_finite_factor};
+use super::starts;
+use algebra::linalg::EigenError;
+use vhi::{
+    FixedPoint, FrozenDerivative, Newton, Scratch, StepBounds, StepError, StepSolver, StepState,
+};
+
+/// The outcome of a solver at one step size.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Outcome {
+    /// It found a solution in this many iterations.
+    Solved(u32),
+    /// It did not, and says why.
+    Failed(StepError),
+}
+
+impl Outcome {
+    /// Whether it found a solution.
+    pub fn solved(&self) -> bool {
+        matches!(self, Self::Solved(_))
+    }
+}
+
+/// What was measured at one step size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rung {
+    /// k.
+    pub k: f64,
+    /// ‖DΛ‖ at η, the worst direction.
+    pub norm: f64,
+    /// Spectral radius of DΛ at η.
+    pub radius: f64,
+    /// Largest real eigenvalue of DΛ at η.
+    pub rightmost: f64,
+    /// ‖Λ(η + δd) - Λη‖/‖δd‖ in the worst direction of the derivative.
+    pub finite_worst: f64,
+    /// The largest such ratio of some random directions.
+    pub finite_random: f64,
+    /// True if η is the solution of the step; false where Newton's method found none, and η is the
+    /// solution of the largest step that had one.
+    pub at_solution: bool,
+    /// Newton's method from the solution of the step size before.
+    pub newton: Outcome,
+    /// The iteration η ← Λη from the run's own u_n.
+    pub fixed_point: Outcome,
+    /// Solutions that Newton's method finds from random starts.
+    pub starts: starts::Starts,
+    /// Bounds of `norm`: sharpened, (3.15), and (3.15) with the norms of the paper.
+    pub sharpened: f64,
+    /// (3.15) with operator norms.
+    pub theorem: f64,
+    /// (3.15) with the norms of the paper.
+    pub paper: f64,
+}
+
+/// Random directions of finite perturbations, and random starts, at each step size.
+const DIRECTIONS: u64 = 3;
+const STARTS: u64 = 3;
+
+/// Iterations of Λ after which a step size is not followed further: 400 reach 1e-13 for factors up
+/// to 0.93.
+const ITERATIONS: u32 = 400;
+
+/// Λ at the open level, with solutions followed from one step size to the next.
+pub struct Ladder<'a, L> {
+    level: &'a mut L,
+    bounds: StepBounds,
+    /// The run's own solution of the level.
+    own: StepState,
+    /// The last solution found.
+    followed: StepState,
+}
+
+impl<'a, L: FrozenDerivative> Ladder<'a, L> {
+    /// The open `level` whose solution is `own`.
+    pub fn new(level: &'a mut L, bounds: StepBounds, own: StepState) -> Self {
+        Self { level, bounds, followed: own.clone(), own }
+    }
+
+    /// The solution at step size k, from the last one found.
+    fn follow(&mut self, k: f64) -> Outcome {
+        self.level.set_step(k);
+        self.level.freeze(None);
+        let mut state = self.followed.clone();
+        match Newton::default().solve(self.level, &mut state, &mut Scratch::default()) {
+            Ok(info) => {
+                self.followed = state;
+                Outcome::Solved(info.iterations)
+            }
+            Err(error) => Outcome::Failed(error),
+        }
+    }
+
+    /// η: the solution at k where there is one; and Λη.
+    fn state(&mut self) -> Result<StepState, StepError> {
+        let eta = self.followed.u.clone();
+        self.level.freeze(Some(&eta));
+        let mut state = self.followed.clone();
+        Newton::default().solve(self.level, &mut state, &mut Scratch::default())?;
+        Ok(state)
+    }
+
+    /// Measures at one step size.
+    ///
+    /// # Errors
+    /// A frozen level that cannot be solved, an eigenvalue that does not settle.
+    pub fn rung(&mut self, k: f64) -> Result<Rung, BoundError> {
+        let newton = self.follow(k);
+        let at = |source: StepError| BoundError::Frozen { k, source };
+        let eta = self.followed.u.clone();
+        let state = self.state().map_err(at)?;
+        let found = contraction(self.level, &eta, &state)
+            .map_err(|source| BoundError::Factor { k, source })?;
+        let finite_worst = match found.norm {
+            0.0 => 0.0,
+            _ => finite_factor(self.level, &eta, &state, &found.direction).map_err(at)?,
+        };
+        let finite_random =
+            random_finite_factor(self.level, &eta, &state, DIRECTIONS).map_err(at)?;
+        Ok(Rung {
+            k,
+            norm: found.norm,
+            radius: found.radius,
+            rightmost: found.rightmost,
+            finite_worst,
+            finite_random,
+            at_solution: newton.solved(),
+            newton,
+            fixed_point: self.fixed_point(k),
+            starts: starts::random_starts(self.level, &self.followed, STARTS),
+            sharpened: self.bounds.sharpened_factor(k),
+            theorem: self.bounds.factor(k),
+            paper: self.bounds.paper_factor(k),
+        })
+    }
+
+    /// The iteration from the run's own solution.
+    fn fixed_point(&mut self, k: f64) -> Outcome {
+        self.level.set_step(k);
+        let solver = FixedPoint { max_iterations: ITERATIONS, ..FixedPoint::default() };
+        let mut state = self.own.clone();
+        match solver.solve_level(self.level, &mut state, &mut Scratch::default()) {
+            Ok(info) => Outcome::Solved(info.fixed_point_iterations),
+            Err(error) => Outcome::Failed(error),
+        }
+    }
+}
+
+/// Why a step-size study could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum BoundError {
+    /// Λ could not be evaluated.
+    #[error("k = {k}: the level with frozen last slot was not solved: {source}")]
+    Frozen {
+        /// k.
+        k: f64,
+        /// What the solver said.
+        source: StepError,
+    },
+    /// A factor could not be computed.
+    #[error("k = {k}: the contraction factor was not found: {source}")]
+    Factor {
+        /// k.
+        k: f64,
+        /// Why.
+        source: EigenError,
+    },
+    /// The scene could not be set up.
+    #[error(transparent)]
+    Setup(#[from] scene::setup::SetupError),
+    /// The run to the level failed.
+    #[error("the run to the level: {0}")]
+    Run(#[from] fem::contact::CaseError),
+    /// The same in ℝ^m.
+    #[error("the run to the level: {0}")]
+    Finite(#[from] vhi::finite::FiniteError),
+    /// A step of the run failed.
+    #[error("the run to the level: {0}")]
+    Step(#[from] vhi::FailedStep),
+    /// A run without a step has no level with a last slot.
+    #[error("a run with {steps} steps has no level to study")]
+    NoLevel {
+        /// N.
+        steps: u32,
+    },
+    /// An eigenvalue of the mesh was not found.
+    #[error("a constant of the mesh: {0}")]
+    Constant(#[from] EigenError),
+}

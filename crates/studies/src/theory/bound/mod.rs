@@ -1,0 +1,165 @@
+//! The bound (3.4) on the step size, made measurable: constants, the contraction factor of Λ, and the
+//! step size at which the discrete problem itself loses its unique solution.
+//!
+//! `factor`, `threshold`, `branch`, `ladder`, `starts`, `run` and `gate` know no mesh: they ask for a
+//! [`vhi::FrozenDerivative`] and for [`StepBounds`]. `contact`, `constants`, `linear` and
+//! `sampled` are about Problem 14, `finite` about Problem 9 in ℝ^m.
+
+pub mod branch;
+pub mod constants;
+pub mod contact;
+pub mod factor;
+mod finite;
+pub mod gate;
+pub mod ladder;
+pub mod linear;
+mod picture;
+pub mod run;
+pub mod sampled;
+pub mod starts;
+pub mod threshold;
+
+use constants::{Constant, TraceConstants};
+use gate::Violation;
+use ladder::BoundError;
+use run::Study;
+use sampled::Sampled;
+
+use scene::setup::Setup;
+use vhi::StepBounds;
+
+/// Everything that `sweep bound` says of a scene.
+#[derive(Debug, Clone)]
+pub struct Bound {
+    /// Name of the scene.
+    pub scene: String,
+    /// Cells a unit length; none without a mesh.
+    pub n: Option<u32>,
+    /// N of the run.
+    pub steps: u32,
+    /// Every constant.
+    pub constants: Vec<Constant>,
+    /// Declared constants against samples.
+    pub samples: Vec<Sampled>,
+    /// The bounds, with the constants of the mesh n.
+    pub limits: StepBounds,
+    /// Factors and thresholds.
+    pub study: Study,
+    /// Inequalities that do not hold.
+    pub violations: Vec<Violation>,
+}
+
+/// The mesh of the samples: eight unknowns a unit length suffice for tensors of every kind.
+const SAMPLE_MESH: u32 = 4;
+/// The bound is called attained if the measured factor comes this close.
+const ATTAINED: f64 = 1e-6;
+
+impl Bound {
+    /// Studies a scene on the mesh `n`, along a run with `steps` steps.
+    ///
+    /// # Errors
+    /// [`BoundError`].
+    pub fn new(setup: &Setup, n: u32, steps: u32) -> Result<Self, BoundError> {
+        let traces = TraceConstants::new(setup)?;
+        let space = setup.space(n)?;
+        let constants = constants::on_mesh(setup, traces.as_ref(), &space)?;
+        let limits = constants.step_bounds();
+        let fits = setup.scene.check_cells(SAMPLE_MESH).is_ok();
+        let small = setup.space(if fits { SAMPLE_MESH } else { n })?;
+        let samples = sampled::sample(setup, &constants, &small)?;
+        let study = contact::study(setup, &limits, n, steps)?;
+        let mut violations = gate::violations(&limits, &study.rungs, &study.thresholds);
+        violations.extend(trace_violations(traces.as_ref(), &constants));
+        violations.extend(sample_violations(&samples));
+        violations.extend(start_violations(&limits, &study));
+        violations.extend(smallness_violation(&limits));
+        Ok(Self {
+            scene: setup.scene.name.clone(),
+            n: Some(n),
+            steps,
+            constants: constants::table(setup, &constants, traces.as_ref()),
+            samples,
+            limits,
+            study,
+            violations,
+        })
+    }
+
+    /// The grids in words.
+    pub fn grids(&self) -> String {
+        let mesh = self.n.map_or(String::new(), |n| format!("n = {n}, "));
+        format!("{mesh}N = {}", self.steps)
+    }
+
+    /// Whether every inequality and every declared constant holds.
+    pub fn holds(&self) -> bool {
+        self.violations.is_empty()
+    }
+
+    /// The measured threshold of Λ over (3.4) with the paper's norms: how many times too strict that
+    /// is; none if Λ has no threshold.
+    pub fn ratio(&self) -> Option<f64> {
+        let measured = self.study.thresholds.radius?.lower();
+        Some(measured / self.limits.paper_limit())
+    }
+
+    /// Whether the measured factor equals the sharpened bound at some step size.
+    pub fn attained(&self) -> bool {
+        self.study
+            .rungs
+            .iter()
+            .any(|rung| rung.sharpened > 0.0 && rung.norm >= (1.0 - ATTAINED) * rung.sharpened)
+    }
+}
+
+/// The proved bound of c_j² against the eigenvalues of every mesh, in both masses.
+fn trace_violations(
+    traces: Option<&TraceConstants>,
+    constants: &scene::setup::Constants,
+) -> Vec<Violation> {
+    let (Some(traces), Some(bound)) = (traces, constants.c_j_squared_bound) else {
+        return Vec::new();
+    };
+    // Rounding of an eigenvalue that settles to 1e-13.
+    let most = bound * (1.0 + 1e-10);
+    let values = traces.strain.iter().flat_map(|family| &family.values);
+    values
+        .filter(|(_, value)| value.is_nan() || *value > most)
+        .map(|(n, value)| Violation {
+            k: None,
+            what: format!("c_j^2 on the mesh n = {n} <= its proved bound"),
+            left: *value,
+            right: bound,
+        })
+        .collect()
+}
+
+fn sample_violations(samples: &[Sampled]) -> impl Iterator<Item = Violation> {
+    samples.iter().filter(|sample| !sample.holds).map(|sample| Violation {
+        k: None,
+        what: format!("{}: needed <= declared", sample.what),
+        left: sample.needed,
+        right: sample.declared,
+    })
+}
+
+/// 0 < m0: everything that the bound says rests on it.
+fn smallness_violation(limits: &StepBounds) -> Option<Violation> {
+    let m0 = limits.m0;
+    (m0.is_nan() || m0 <= 0.0).then(|| Violation {
+        k: None,
+        what: "0 < m0, (2.9)".into(),
+        left: 0.0,
+        right: m0,
+    })
+}
+
+fn start_violations(limits: &StepBounds, study: &Study) -> Option<Violation> {
+    let k = study.worst.k;
+    (k < limits.solvable_limit() && study.starts.distinct > 0).then(|| Violation {
+        k: Some(k),
+        what: "other solutions from random starts <= 0".into(),
+        left: f64::from(study.starts.distinct),
+        right: 0.0,
+    })
+}

@@ -1,0 +1,200 @@
+//! The step-size study of any run: factors at all its levels, and the ladder at the worst of them.
+
+use super::branch::{self, Branch};
+use super::ladder::{BoundError, Ladder, Rung};
+use super::linear::LinearLoss;
+use super::{factor, starts};
+use vhi::history::TimeGrid;
+use vhi::{FailedStep, FrozenDerivative, Newton, Scratch, StepBounds, StepState};
+
+/// The factor of Λ at a level of the run, with the run's own step size.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct AtLevel {
+    /// Cells a unit length; none without a mesh.
+    pub mesh: Option<u32>,
+    /// n.
+    pub level: usize,
+    /// t_n.
+    pub t: f64,
+    /// The step size there.
+    pub k: f64,
+    /// ‖DΛ‖.
+    pub norm: f64,
+    /// Spectral radius of DΛ.
+    pub radius: f64,
+    /// The sharpened bound.
+    pub sharpened: f64,
+}
+
+/// What the study found.
+#[derive(Debug, Clone)]
+pub struct Study {
+    /// Every level of the run.
+    pub levels: Vec<AtLevel>,
+    /// The level of the ladder: the one with the largest factor.
+    pub worst: AtLevel,
+    /// The same level on this and other meshes; empty without a mesh.
+    pub meshes: Vec<AtLevel>,
+    /// Uniqueness at the run's own step size, by many starts.
+    pub starts: starts::Starts,
+    /// The ladder.
+    pub rungs: Vec<Rung>,
+    /// Where factors reach one and solvability ends.
+    pub thresholds: Branch,
+    /// Why there are neither rungs nor thresholds, where there are none.
+    pub not_followed: Option<String>,
+    /// Linear scenes: the exact loss.
+    pub linear: Option<LinearLoss>,
+}
+
+/// Rungs of a ladder, and how far it goes beyond the largest finite threshold that is known.
+const RUNGS: u32 = 17;
+const REACH: f64 = 4.0;
+/// The share of the sharpened bound at which the solution begins to be followed.
+const SURE: f64 = 0.9;
+/// Random starts at the run's own step size.
+const MANY_STARTS: u64 = 24;
+
+/// What the level of the ladder shows.
+pub struct AtWorst {
+    /// Uniqueness at the run's own step size.
+    pub starts: starts::Starts,
+    /// The ladder.
+    pub rungs: Vec<Rung>,
+    /// Where factors reach one and solvability ends.
+    pub thresholds: Branch,
+    /// Why there are neither rungs nor thresholds, where there are none.
+    pub not_followed: Option<String>,
+}
+
+/// The level with the largest factor.
+///
+/// # Errors
+/// [`BoundError::NoLevel`] if there is none.
+pub fn worst(levels: &[AtLevel], steps: u32) -> Result<AtLevel, BoundError> {
+    let worse = |best: AtLevel, next: &AtLevel| if next.norm > best.norm { *next } else { best };
+    let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
+    Ok(levels.iter().fold(first, worse))
+}
+
+/// Starts, thresholds and ladder at the open `level` whose solution is `state`.
+///
+/// # Errors
+/// [`BoundError`].
+pub fn at_worst<L: FrozenDerivative>(
+    level: &mut L,
+    state: StepState,
+    bounds: &StepBounds,
+    exact: f64,
+) -> Result<AtWorst, BoundError> {
+    let starts = starts::random_starts(level, &state, MANY_STARTS);
+    if bounds.m0.is_nan() || bounds.m0 <= 0.0 {
+        let (rungs, thresholds) = (Vec::new(), Branch { norm: None, radius: None, loss: None });
+        let not_followed = Some(no_ladder(bounds.m0));
+        return Ok(AtWorst { starts, rungs, thresholds, not_followed });
+    }
+    let ks = step_sizes(bounds, exact);
+    // Below the sharpened bound all factors are below one and the solution is unique.
+    let sharpened = bounds.sharpened_limit();
+    let from = if sharpened.is_finite() { SURE * sharpened } else { ks[0] };
+    let thresholds = branch::follow(level, &state, from, ks[ks.len() - 1])?;
+    let mut ladder = Ladder::new(level, *bounds, state);
+    let rungs = ks.iter().map(|&k| ladder.rung(k)).collect::<Result<_, _>>()?;
+    Ok(AtWorst { starts, rungs, thresholds, not_followed: None })
+}
+
+/// A ladder begins below (3.4), and no k is below it.
+fn no_ladder(m0: f64) -> String {
+    format!(
+        "m0 = {m0:.6} is not positive, (2.9) is violated: no k is known to have one solution, from which it could be followed"
+    )
+}
+
+/// A geometric ladder from a quarter of (3.4) to beyond all thresholds that are known beforehand,
+/// `exact` among them.
+fn step_sizes(bounds: &StepBounds, exact: f64) -> Vec<f64> {
+    let known = [bounds.limit(), bounds.sharpened_limit(), bounds.solvable_limit(), exact];
+    let finite = known.into_iter().filter(|k| k.is_finite());
+    let (low, high) = (0.25 * bounds.paper_limit(), REACH * finite.fold(0.0, f64::max));
+    let share = |i: u32| f64::from(i) / f64::from(RUNGS - 1);
+    (0..RUNGS).map(|i| low * (high / low).powf(share(i))).collect()
+}
+
+/// The factor at every level n ≥ 1 of a run that has not begun.
+///
+/// # Errors
+/// The run's, or a factor that is not found.
+pub fn all_levels<L: FrozenDerivative>(
+    level: &mut L,
+    bounds: &StepBounds,
+    mesh: Option<u32>,
+) -> Result<Vec<AtLevel>, BoundError>
+where
+    BoundError: From<L::Error>,
+{
+    let grid: TimeGrid = level.grid().clone();
+    let mut state = rest(level);
+    let mut found = Vec::new();
+    for number in 0..=grid.steps() {
+        let t = grid.time(number);
+        level.open()?;
+        solve(level, &mut state, number, t)?;
+        if number > 0 {
+            let k = grid.step(number);
+            let eta = state.u.clone();
+            let contraction = factor::contraction(level, &eta, &state)
+                .map_err(|source| BoundError::Factor { k, source })?;
+            // The level is solved once more with its last slot implicit, which commit records.
+            solve(level, &mut state, number, t)?;
+            found.push(AtLevel {
+                mesh,
+                level: number,
+                t,
+                k,
+                norm: contraction.norm,
+                radius: contraction.radius,
+                sharpened: bounds.sharpened_factor(k),
+            });
+        }
+        level.commit(&state);
+    }
+    Ok(found)
+}
+
+/// Runs to level `number`, leaves it open, and returns its solution.
+///
+/// # Errors
+/// The run's.
+pub fn run_to<L: FrozenDerivative>(level: &mut L, number: usize) -> Result<StepState, BoundError>
+where
+    BoundError: From<L::Error>,
+{
+    let grid: TimeGrid = level.grid().clone();
+    let mut state = rest(level);
+    for before in 0..=number {
+        level.open()?;
+        solve(level, &mut state, before, grid.time(before))?;
+        if before < number {
+            level.commit(&state);
+        }
+    }
+    Ok(state)
+}
+
+fn rest<L: FrozenDerivative>(level: &L) -> StepState {
+    let graphs = level.graph().coordinates.len();
+    StepState { u: vec![0.0; level.dofs()], pressure: vec![0.0; graphs] }
+}
+
+fn solve<L: FrozenDerivative>(
+    level: &mut L,
+    state: &mut StepState,
+    n: usize,
+    t: f64,
+) -> Result<(), BoundError> {
+    level.freeze(None);
+    Newton::default()
+        .solve(level, state, &mut Scratch::default())
+        .map_err(|source| FailedStep { n, t, source })?;
+    Ok(())
+}

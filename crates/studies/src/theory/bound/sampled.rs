@@ -1,0 +1,354 @@
+//! Declared constants against samples: (2.5b), (2.7b), (2.8b), (2.8c), (4.1), L_κ and the Lipschitz
+//! constant of S on random states of a small mesh. A sample can refute a constant, not prove it.
+
+use serde::Serialize;
+
+use super::ladder::BoundError;
+use algebra::linalg::{FactorError, larger, signed_unit};
+use algebra::tensor::contract;
+use fem::contact::{
+    Boundary, Discretization, MemoryTerm, StiffnessInverse, strain_norm, stress_force,
+};
+use fem::space::strain_of;
+use scene::setup::{Constants, Setup};
+use vhi::history::{Accumulated, Memory, TimeGrid, Trapezoid};
+use vhi::law::{Potential, Projection, TensorField};
+
+/// A declared constant beside the worst that samples ask for.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sampled {
+    /// The hypothesis.
+    pub what: String,
+    /// The declared constant.
+    pub declared: f64,
+    /// The largest constant that a sample needed.
+    pub needed: f64,
+    /// Samples.
+    pub samples: u32,
+    /// Whether the declared constant suffices; false for NaN.
+    pub holds: bool,
+}
+
+/// Rounding of a quotient of sums over a small mesh.
+const ROUNDING: f64 = 1e-10;
+const SAMPLES: u32 = 200;
+/// Relative distance of a close pair: within 2 % of its steepest place a smooth law is as steep to 1e-3.
+const CLOSE: f64 = 0.02;
+/// Least distance (a length): over less, the rounding of pressures of size 1 counts.
+const APART: f64 = 1e-5;
+
+impl Sampled {
+    /// The worst need of `samples` samples; NaN does not hold.
+    pub fn new(what: &str, declared: f64, needed: f64, samples: u32) -> Self {
+        let holds = needed <= declared + ROUNDING * declared.abs().max(1.0);
+        Self { what: what.into(), declared, needed, samples, holds }
+    }
+}
+
+/// The constants of a scene on samples.
+///
+/// # Errors
+/// A stiffness matrix that cannot be factorized.
+pub fn sample(
+    setup: &Setup,
+    constants: &Constants,
+    space: &Discretization,
+) -> Result<Vec<Sampled>, BoundError> {
+    match space.mesh.dimension {
+        2 => sample_in::<2, 3>(setup, constants, space),
+        _ => sample_in::<3, 6>(setup, constants, space),
+    }
+}
+
+fn sample_in<const D: usize, const S: usize>(
+    setup: &Setup,
+    constants: &Constants,
+    space: &Discretization,
+) -> Result<Vec<Sampled>, BoundError> {
+    let model = &setup.model;
+    let mut rows = Vec::new();
+    if let Some(boundary) = &model.boundary {
+        rows.extend(law(&*boundary.potential));
+        if boundary.scale.is_some() {
+            rows.push(scaled(boundary, space, constants.alpha_nu));
+        }
+    }
+    let mut fields = Fields::<D, S>::new(space).map_err(|e| BoundError::Constant(e.into()))?;
+    rows.extend(fields.elasticity(&model.elasticity, constants));
+    rows.extend(fields.phi(&model.projection, setup.projection_mu(), constants));
+    if let Some(limit) = model.projection.limit() {
+        rows.push(lipschitz_kappa(limit, constants.lipschitz_kappa, setup.scene.time.horizon));
+    }
+    let lipschitz = 1.0 + constants.memory.operator;
+    rows.push(fields.history(&model.memory, setup.scene.time.horizon, lipschitz));
+    Ok(rows)
+}
+
+/// (2.8c) of a law with a factor: α_ν of the scene against the descents of the law at the vertices of Γ3.
+fn scaled(boundary: &Boundary, space: &Discretization, declared: f64) -> Sampled {
+    let needed = space.trace.points.iter().map(|point| {
+        let x = space.mesh.point(&[point.vertex], &[1.0]);
+        law(&boundary.potential_at(x))[1].needed
+    });
+    let count = space.trace.points.len() as u32 * 100 * SAMPLES;
+    Sampled::new("(2.8c): alpha_j with the factor", declared, needed.fold(0.0, larger), count)
+}
+
+/// (2.8b) and (2.8c) of a law, pointwise, which gives them on Γ3 by integration. The law is sampled
+/// at, between and beyond its points, at all scales; every other pair is close, so that a smooth law shows
+/// its slopes.
+pub fn law(potential: &dyn Potential) -> [Sampled; 2] {
+    let mut seed = 41;
+    let mut place = || {
+        let scale = 10f64.powf(2.0 * signed_unit(&mut seed) - 1.0);
+        let offset = potential.jumps().first().copied().unwrap_or(0.0);
+        let whole = signed_unit(&mut seed) * scale;
+        if whole > 0.5 * scale { offset } else { whole }
+    };
+    let (c0, c1) = potential.growth();
+    let (mut growth, mut descent) = (0f64, 0f64);
+    let count = 100 * SAMPLES;
+    for pair in 0..count {
+        let (r, mut s) = (place(), place());
+        let close = r * (1.0 + CLOSE);
+        if pair % 2 == 1 && (close - r).abs() > APART {
+            s = close;
+        }
+        let ends = |r: f64| <[f64; 2]>::from(potential.subdifferential(r));
+        for xi in ends(r) {
+            growth = larger(growth, (xi.abs() - c1 * r.abs()).max(0.0));
+            for eta in ends(s) {
+                if r != s {
+                    descent = larger(descent, -(xi - eta) / (r - s));
+                }
+            }
+        }
+    }
+    [
+        Sampled::new("(2.8b): |dj_nu(r)| - c1 |r| <= c0", c0, growth, count),
+        Sampled::new("(2.8c): alpha_j", potential.alpha(), descent, count),
+    ]
+}
+
+fn lipschitz_kappa(limit: &dyn vhi::law::YieldLimit, declared: f64, horizon: f64) -> Sampled {
+    let mut seed = 43;
+    let mut place = || horizon * 10f64.powf(2.0 * signed_unit(&mut seed));
+    let mut needed = 0f64;
+    for _ in 0..10 * SAMPLES {
+        let (r, s) = (place(), place());
+        if r != s {
+            needed = larger(needed, (limit.value(r) - limit.value(s)).abs() / (r - s).abs());
+        }
+    }
+    Sampled::new("L_kappa", declared, needed, 10 * SAMPLES)
+}
+
+/// Random states on a mesh in dimension D, with strains of S numbers (Mandel) and Riesz representatives
+/// in V^h.
+pub struct Fields<'a, const D: usize, const S: usize> {
+    space: &'a Discretization,
+    gram: StiffnessInverse<'a>,
+    seed: u64,
+}
+
+/// A tensor a cell.
+type Tensors<const S: usize> = Vec<[f64; S]>;
+
+impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
+    /// Fields on a mesh of dimension D.
+    ///
+    /// # Errors
+    /// The factorization of the strain products.
+    pub fn new(space: &'a Discretization) -> Result<Self, FactorError> {
+        let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
+        Ok(Self { space, gram, seed: 47 })
+    }
+
+    fn unit(&mut self) -> f64 {
+        signed_unit(&mut self.seed)
+    }
+
+    /// A nodal vector with strains of size 10^[-2, 1].
+    fn displacement(&mut self) -> Vec<f64> {
+        let mut u = vec![0.0; self.space.nodes.len()];
+        for value in &mut u[..self.space.dofs()] {
+            *value = signed_unit(&mut self.seed);
+        }
+        let size = 10f64.powf(1.5 * self.unit() - 0.5) / strain_norm(self.space, &u);
+        u.iter_mut().for_each(|value| *value *= size);
+        u
+    }
+
+    fn strains(&self, u: &[f64]) -> Tensors<S> {
+        let space = self.space;
+        (0..space.mesh.cell_count())
+            .map(|c| strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), u))
+            .collect()
+    }
+
+    fn product(&self, a: &Tensors<S>, b: &Tensors<S>) -> f64 {
+        let pairs = a.iter().zip(b).zip(&self.space.geometry.measure);
+        pairs.map(|((a, b), m)| m * contract(a, b)).sum()
+    }
+
+    fn size(&self, a: &Tensors<S>) -> f64 {
+        self.product(a, a).sqrt()
+    }
+
+    /// sup over v ∈ V^h of (τ, ε(v))/‖v‖, attained at the Riesz representative.
+    fn dual_norm(&mut self, tau: &Tensors<S>) -> f64 {
+        let space = self.space;
+        let mut force = vec![0.0; space.nodes.len()];
+        for (c, tensor) in tau.iter().enumerate() {
+            let stress = tensor.map(|t| t * space.geometry.measure[c]);
+            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+            stress_force::<D, S>(gradients, nodes, &stress, &mut force);
+        }
+        let mut riesz = force.clone();
+        self.gram.solve(&mut riesz[..space.dofs()]);
+        riesz[space.dofs()..].fill(0.0);
+        algebra::linalg::dot(&force, &riesz).max(0.0).sqrt()
+    }
+
+    /// m_A and L_A of A = 𝒜 + μ, which is linear.
+    fn elasticity(&mut self, elastic: &TensorField, constants: &Constants) -> [Sampled; 2] {
+        let (mut least, mut most) = (f64::INFINITY, 0f64);
+        for _ in 0..SAMPLES {
+            let u = self.displacement();
+            let strain = self.strains(&u);
+            let mu = constants.alpha_phi;
+            let stress: Tensors<S> = strain
+                .iter()
+                .enumerate()
+                .map(|(c, e)| {
+                    let s = elastic.on(self.space.region(c)).apply(e);
+                    std::array::from_fn(|i| s[i] + mu * e[i])
+                })
+                .collect();
+            let size = self.size(&strain);
+            let quotient = self.product(&stress, &strain) / (size * size);
+            least = if quotient.is_nan() { f64::NAN } else { least.min(quotient) };
+            most = larger(most, self.dual_norm(&stress) / size);
+        }
+        [
+            // Turned round, so that as everywhere the declared number is the larger one.
+            Sampled::new("(2.5b): -m_A", -constants.m_a, -least, SAMPLES),
+            Sampled::new("L_A", constants.l_a, most, SAMPLES),
+        ]
+    }
+
+    /// (2.7b) and (4.1) of φ(y, u, v) = (θ - μ P_{M(κ(r))} ε(u), ε(v)), y = (r, θ): the left side of
+    /// (2.7b) is (τ1 - τ2, ε(v2 - v1)) with τ = θ - μPε(u), largest at the Riesz representative.
+    pub fn phi<P: Projection>(&mut self, p: &P, mu: f64, constants: &Constants) -> Vec<Sampled> {
+        let (alpha, beta) = (constants.alpha_phi, constants.beta_phi);
+        let (mut of_u, mut of_y, mut of_both, mut convex) = (0f64, 0f64, 0f64, 0f64);
+        for sample in 0..SAMPLES {
+            let (u1, mut u2) = (self.displacement(), self.displacement());
+            if sample % 2 == 0 {
+                // Close states, where the derivative counts.
+                u2.iter_mut().zip(&u1).for_each(|(b, a)| *b = a + 1e-2 * *b);
+            }
+            let (e1, e2) = (self.strains(&u1), self.strains(&u2));
+            let (r1, r2) = (1.0 + self.unit(), 1.0 + self.unit());
+            let theta = self.displacement();
+            let theta = self.strains(&theta);
+            let u = self.size(&subtract(&e1, &e2));
+            let (s11, s12) = (projected(p, mu, &e1, r1), projected(p, mu, &e1, r2));
+            let s21 = projected(p, mu, &e2, r1);
+            let s22 = projected(p, mu, &e2, r2);
+            of_u = larger(of_u, self.dual_norm(&subtract(&s11, &s21)) / u);
+            let y_r = (r1 - r2).abs();
+            of_y = larger(of_y, self.dual_norm(&subtract(&s11, &s12)) / y_r);
+            of_y = larger(of_y, self.dual_norm(&theta) / self.size(&theta));
+            let both = subtract(&subtract(&theta, &s11), &negative(&s22));
+            let right = alpha * u + beta * (y_r + self.size(&theta));
+            of_both = larger(of_both, self.dual_norm(&both) / right);
+            let tau = subtract(&theta, &s11);
+            let (at1, at2) = (self.product(&tau, &e1), self.product(&tau, &e2));
+            let half: Tensors<S> =
+                subtract(&e1, &negative(&e2)).iter().map(|e| e.map(|x| 0.5 * x)).collect();
+            let bend = at1 + at2 - 2.0 * self.product(&tau, &half);
+            convex = larger(convex, bend.abs() / (at1.abs() + at2.abs()));
+        }
+        vec![
+            Sampled::new("(2.7b): alpha_phi, same y", alpha, of_u, SAMPLES),
+            Sampled::new("(2.7b): beta_phi, same u", beta, of_y, SAMPLES),
+            Sampled::new("(2.7b): left / right", 1.0, of_both, SAMPLES),
+            Sampled::new("(4.1): c_phi", 0.0, convex, SAMPLES),
+        ]
+    }
+
+    /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the solver's own history sums.
+    pub fn history(&mut self, memory: &[MemoryTerm], horizon: f64, declared: f64) -> Sampled {
+        let mut needed = 0f64;
+        let samples = 40;
+        for sample in 0..samples {
+            let grid = TimeGrid::random(horizon, 6, u64::from(sample));
+            needed = larger(needed, self.history_ratio(memory, &grid, sample % 2 == 0));
+        }
+        Sampled::new("Lipschitz constant of S", declared, needed, samples)
+    }
+
+    fn history_ratio(&mut self, memory: &[MemoryTerm], grid: &TimeGrid, still: bool) -> f64 {
+        let dofs = self.space.dofs();
+        let mut zeta = [Accumulated::default(), Accumulated::default()];
+        let each = memory.iter().map(|term| Memory::new(&*term.kernel, &Trapezoid, grid, dofs));
+        let mut past: Vec<Memory> = each.collect();
+        let mut distance = Accumulated::default();
+        let (mut history, mut needed) = (vec![0.0; self.space.nodes.len()], 0f64);
+        let (fixed, direction) = (self.displacement(), self.displacement());
+        for n in 0..=grid.steps() {
+            // The same pair at all times adds up without cancelling, random ones do not.
+            let (u, d) = if still {
+                (fixed.clone(), direction.clone())
+            } else {
+                (self.displacement(), self.displacement())
+            };
+            let other: Vec<f64> = u.iter().zip(&d).map(|(u, d)| u + d).collect();
+            zeta[0].commit(grid, strain_norm(self.space, &u));
+            zeta[1].commit(grid, strain_norm(self.space, &other));
+            distance.commit(grid, strain_norm(self.space, &d));
+            let last = if n == 0 { 0.0 } else { 0.5 * grid.step(n) };
+            let mut stress: Tensors<S> = vec![[0.0; S]; self.space.mesh.cell_count()];
+            for (past, term) in past.iter_mut().zip(memory) {
+                past.past(&*term.kernel, &Trapezoid, grid, &mut history[..dofs]);
+                past.commit(grid, &d[..dofs]);
+                let own = last * term.kernel.value(0.0);
+                algebra::linalg::axpy(own, &d[..dofs], &mut history[..dofs]);
+                for (c, strain) in self.strains(&history).iter().enumerate() {
+                    let part = term.tensor.on(self.space.region(c)).apply(strain);
+                    stress[c].iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
+                }
+            }
+            let remembered = self.size(&stress);
+            if n > 0 {
+                let left = (zeta[0].value() - zeta[1].value()).abs() + remembered;
+                needed = larger(needed, left / distance.value());
+            }
+        }
+        needed
+    }
+}
+
+/// μ P_{M(κ(r))} ε a cell: μ ε minus the projection stress μ(ε - Pε).
+fn projected<P: Projection, const S: usize>(
+    p: &P,
+    mu: f64,
+    strain: &Tensors<S>,
+    r: f64,
+) -> Tensors<S> {
+    let kappa = p.limit().map_or(f64::INFINITY, |limit| limit.value(r));
+    let tensor = |e: &[f64; S]| {
+        let rest = p.stress(e, kappa).unwrap_or([0.0; S]);
+        std::array::from_fn(|i| mu * e[i] - rest[i])
+    };
+    strain.iter().map(tensor).collect()
+}
+
+fn subtract<const S: usize>(a: &Tensors<S>, b: &Tensors<S>) -> Tensors<S> {
+    a.iter().zip(b).map(|(a, b)| std::array::from_fn(|i| a[i] - b[i])).collect()
+}
+
+fn negative<const S: usize>(a: &Tensors<S>) -> Tensors<S> {
+    a.iter().map(|a| a.map(|x| -x)).collect()
+}

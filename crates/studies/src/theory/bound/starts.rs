@@ -1,0 +1,47 @@
+//! Uniqueness of a step, sampled: Newton's method from random starts.
+
+use algebra::linalg::signed_unit;
+use vhi::{FrozenDerivative, Newton, Scratch, StepState};
+
+/// Where the random starts ended.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Starts {
+    /// At the known solution.
+    pub same: u32,
+    /// At another one.
+    pub distinct: u32,
+    /// Nowhere: Newton's method is local, so this says nothing.
+    pub failed: u32,
+}
+
+/// Two solutions are the same if they differ by less than this share: each is found to rounding times
+/// the condition of the step.
+const SAME: f64 = 1e-7;
+
+/// Solves the open level, its last slot implicit, from `count` random starts of up to three times the
+/// size of `known`.
+pub fn random_starts<L: FrozenDerivative>(level: &mut L, known: &StepState, count: u64) -> Starts {
+    let mut starts = Starts::default();
+    let size = level.norm(&known.u).max(f64::MIN_POSITIVE);
+    level.freeze(None);
+    for number in 0..count {
+        let mut seed = 1000 + number;
+        let mut u: Vec<f64> = known.u.iter().map(|_| signed_unit(&mut seed)).collect();
+        let scale = size * (1.0 + (number % 3) as f64) / level.norm(&u);
+        u.iter_mut().for_each(|value| *value *= scale);
+        let mut state = StepState { u, pressure: vec![0.0; known.pressure.len()] };
+        let solved = Newton::default().solve(level, &mut state, &mut Scratch::default());
+        if solved.is_err() {
+            starts.failed += 1;
+            continue;
+        }
+        let off: Vec<f64> = state.u.iter().zip(&known.u).map(|(a, b)| a - b).collect();
+        // Written so that a NaN is not the same.
+        if level.norm(&off) <= SAME * size {
+            starts.same += 1;
+        } else {
+            starts.distinct += 1;
+        }
+    }
+    starts
+}

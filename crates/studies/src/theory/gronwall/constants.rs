@@ -1,0 +1,125 @@
+//! The constants of (3.21)-(3.24) for a contact scene: m0 from proved bounds only, β_φ, and the parts
+//! of the history with their norms.
+
+use super::GronwallError;
+use super::recurrence::{HistoryPart, KernelNorms};
+use scene::setup::{Setup, constants};
+use vhi::history::TimeGrid;
+use vhi::monotonicity;
+
+/// Constants of one scene. Where they bound a measured difference, each is the value itself or an
+/// upper bound, except L_κ and sup ‖ℬ‖, which are sampled (exactly for affine κ and monotone kernels).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GronwallConstants {
+    /// m0 = m_𝒜 - α_ν C, C a proved upper bound of c_j² (a stress).
+    pub m0: f64,
+    /// C, where α_ν > 0 needs it (a length).
+    pub trace_bound: Option<f64>,
+    /// β_φ = max(μ L_κ √|Ω|, 1).
+    pub beta: f64,
+    /// μ L_κ √|Ω|, with which ζ enters; zero if κ does not depend on ζ or there is no projection.
+    pub yielding: f64,
+    /// sup ‖ℬ‖ over [0, T], operator norms on S^d; zero without memory.
+    pub memory: f64,
+}
+
+/// The constants of (3.24) of any scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Summary {
+    /// m0.
+    pub m0: f64,
+    /// β_φ.
+    pub beta: f64,
+    /// ‖R‖‖q‖, or the Lipschitz constant of S.
+    pub lipschitz: f64,
+    /// What they are made of, by name.
+    pub details: Vec<(&'static str, f64)>,
+}
+
+impl Summary {
+    /// C1 = β_φ/m0.
+    pub fn c1(&self) -> f64 {
+        self.beta / self.m0
+    }
+
+    /// C2 = β_φ ‖S‖/m0.
+    pub fn c2(&self) -> f64 {
+        self.c1() * self.lipschitz
+    }
+}
+
+impl GronwallConstants {
+    /// The constants of `setup`.
+    ///
+    /// # Errors
+    /// No history, no proved bound of c_j², m0 ≤ 0, κ not Lipschitz.
+    pub fn new(setup: &Setup) -> Result<Self, GronwallError> {
+        let found = constants(setup)?;
+        let scene = &setup.scene;
+        let name = || scene.name.clone();
+        if scene.time.rule != scene::TimeRule::Trapezoid {
+            return Err(GronwallError::NotTrapezoidal { scene: name() });
+        }
+        let trace_bound = (found.alpha_nu > 0.0).then_some(found.c_j_squared_bound).flatten();
+        if found.alpha_nu > 0.0 && trace_bound.is_none() {
+            return Err(GronwallError::NoTraceBound { scene: name() });
+        }
+        let m0 = monotonicity(found.m_elastic, found.alpha_nu * trace_bound.unwrap_or(0.0));
+        if m0.is_nan() || m0 <= 0.0 {
+            return Err(GronwallError::Smallness { scene: name(), m0 });
+        }
+        let yielding = found.yielding;
+        if !yielding.is_finite() {
+            return Err(GronwallError::NotLipschitz { scene: name() });
+        }
+        let (beta, memory) = (found.beta_phi, found.memory.operator);
+        if yielding == 0.0 && memory == 0.0 {
+            return Err(GronwallError::NoHistory { scene: name() });
+        }
+        Ok(Self { m0, trace_bound, beta, yielding, memory })
+    }
+
+    /// As every scene states them. ‖S‖ is that of the parts the scene has: 1 for ζ, plus sup ‖ℬ‖.
+    pub fn summary(&self) -> Summary {
+        let mut details = vec![("yielding", self.yielding), ("memory_norm", self.memory)];
+        details.extend(self.trace_bound.map(|bound| ("c_j_squared_bound", bound)));
+        let lipschitz = f64::from(u8::from(self.has_zeta())) + self.memory;
+        Summary { m0: self.m0, beta: self.beta, lipschitz, details }
+    }
+
+    /// True if ζ is a part of the history.
+    pub fn has_zeta(&self) -> bool {
+        self.yielding > 0.0
+    }
+
+    /// True if there is a memory stress.
+    pub fn has_memory(&self) -> bool {
+        self.memory > 0.0
+    }
+
+    /// The parts of the history on a grid: ζ with κ = 1, the memory stress with κ(n, j) =
+    /// ‖ℬ(t_n - t_j)‖. An absent part is left out.
+    pub fn parts(&self, setup: &Setup, grid: &TimeGrid) -> Vec<HistoryPart> {
+        let mut parts = Vec::new();
+        if self.has_zeta() {
+            let norms = KernelNorms::Constant(1.0);
+            parts.push(HistoryPart { coefficient: self.yielding, norms, supremum: 1.0 });
+        }
+        if self.has_memory() {
+            let norm = |lag: f64| setup.model.memory_norm(lag, setup.scene.dimension);
+            let norms = match setup.scene.time.grid {
+                scene::TimeGrid::Uniform => {
+                    KernelNorms::Lags(grid.times().iter().map(|t| norm(*t)).collect())
+                }
+                _ => KernelNorms::Pairs(
+                    (0..=grid.steps())
+                        .map(|n| (0..=n).map(|j| norm(grid.time(n) - grid.time(j))).collect())
+                        .collect(),
+                ),
+            };
+            let supremum = norms.maximum(grid.steps()).max(self.memory);
+            parts.push(HistoryPart { coefficient: 1.0, norms, supremum });
+        }
+        parts
+    }
+}

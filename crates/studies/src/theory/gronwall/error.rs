@@ -1,0 +1,70 @@
+//! Why Gronwall's inequality could not be put over a run.
+
+use super::recurrence::StepTooLarge;
+use algebra::linalg::FactorError;
+use fem::contact::{CaseError, LoadError};
+use scene::setup::SetupError;
+use vhi::finite::FiniteError;
+
+/// What ends a study before it can judge.
+#[derive(Debug, thiserror::Error)]
+pub enum GronwallError {
+    /// Nothing is remembered, so there is no error in time to bound.
+    #[error(
+        "scene `{scene}` has no history: neither memory nor a yield limit that depends on zeta; the error in time is zero"
+    )]
+    NoHistory { scene: String },
+    /// m0 would have to rely on a computed c_j², which is no upper bound.
+    #[error(
+        "scene `{scene}` has a falling contact law, and no bound of c_j^2 is proved for its sides: place the contact side opposite a clamped one"
+    )]
+    NoTraceBound { scene: String },
+    /// (2.9) fails with the proved bound.
+    #[error(
+        "scene `{scene}`: m0 = {m0:.6} is not positive with an upper bound of c_j^2; flatten the falling branch of the law"
+    )]
+    Smallness { scene: String, m0: f64 },
+    /// Another rule in time.
+    #[error(
+        "scene `{scene}`: (3.24) is written for the trapezoidal rule; leave the rule in [time] out"
+    )]
+    NotTrapezoidal { scene: String },
+    /// A body without a mesh, or a mesh without a body.
+    #[error("{reason}")]
+    Mesh { reason: &'static str },
+    /// L_κ is infinite.
+    #[error("scene `{scene}`: kappa is not Lipschitz, so (3.24) has no constant C2")]
+    NotLipschitz { scene: String },
+    /// C2 w_nn ≥ 1 on a grid.
+    #[error("{steps} steps: {source}")]
+    Step { steps: u32, source: StepTooLarge },
+    /// A run with more steps has no level at the times of this grid.
+    #[error(
+        "the grid with {steps} steps is not part of the reference's with {reference}: random grids need an exact solution in V^h"
+    )]
+    NotNested { steps: u32, reference: u32 },
+    /// A horizon that is no multiple of the step.
+    #[error("horizon {horizon} is no multiple of the step k = {k}: choose multiples")]
+    Horizon { horizon: f64, k: f64 },
+    /// Horizons are beginnings of one run, which holds on a uniform grid.
+    #[error("scene `{scene}`: horizons at a fixed step need a uniform grid; leave --horizons out")]
+    NotUniform { scene: String },
+    /// A load or an exact field failed.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// A run failed.
+    #[error("{steps} steps: {source}")]
+    Case { steps: u32, source: CaseError },
+    /// A run in ℝ^m failed.
+    #[error("{steps} steps: {source}")]
+    FiniteCase { steps: u32, source: FiniteError },
+    /// The inner product of an abstract scene has no inverse.
+    #[error("the inner product is singular")]
+    InnerProduct,
+    /// The strain stiffness could not be factorized.
+    #[error("the dual norm: {0}")]
+    Dual(#[from] FactorError),
+    /// The scene could not be set up.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+}

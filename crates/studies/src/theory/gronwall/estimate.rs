@@ -1,0 +1,174 @@
+//! A measured difference with what the proof of Theorem 7 puts over it: any scene, with or without a
+//! mesh, fills an [`Estimate`] and has its [`Envelopes`].
+
+use super::recurrence::{
+    HistoryPart, StepTooLarge, closed_limit, larger, primed, primed_closed, unprimed,
+    unprimed_closed, weighted,
+};
+use vhi::history::TimeGrid;
+
+/// A difference e_n on a time grid and the data of its bounds,
+///
+/// ```text
+/// m0 e_n ≤ s_n + Σ_p ω_p Σ'_j w_nj κ_p(n, j) e_j        (weighted)
+/// m0 e_n ≤ S_n + β_φ ‖S‖ Σ'_j w_nj e_j,  ‖S‖ = Σ_p sup κ_p   (3.21)-(3.24), with Σ' as in (3.2)
+/// ```
+///
+/// s_n ≤ S_n and ω_p ≤ β_φ, so the second follows from the first. For the error of a run in time,
+/// s_n = Σ_p ω_p g_n^p and S_n = β_φ Σ_p g_n^p; for two loads both are ‖f_n - f̃_n‖_*.
+#[derive(Debug, Clone)]
+pub struct Estimate {
+    /// t_0, …, t_N.
+    pub grid: TimeGrid,
+    /// e_n = ‖u_n - u_n^k‖.
+    pub error: Vec<f64>,
+    /// s_n (a dual norm: a stress times √|Ω| in the contact problem).
+    pub weighted_source: Vec<f64>,
+    /// S_n = β_φ g_n, in the same unit.
+    pub source: Vec<f64>,
+    /// m0 > 0, no larger than the problem's.
+    pub m0: f64,
+    /// β_φ.
+    pub beta: f64,
+    /// The components of the history.
+    pub parts: Vec<HistoryPart>,
+    /// What solver and rounding leave in one u_n, in the norm of e_n.
+    pub floor: f64,
+}
+
+impl Estimate {
+    /// ‖R‖‖q‖, or the Lipschitz constant of S: Σ_p sup κ_p.
+    pub fn lipschitz(&self) -> f64 {
+        self.parts.iter().map(|part| part.supremum).sum()
+    }
+
+    /// C1 = β_φ/m0.
+    pub fn c1(&self) -> f64 {
+        self.beta / self.m0
+    }
+
+    /// C2 = β_φ ‖S‖/m0.
+    pub fn c2(&self) -> f64 {
+        self.c1() * self.lipschitz()
+    }
+
+    /// The same up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
+    /// horizon.
+    pub fn up_to(&self, last: usize) -> Self {
+        let kept = |values: &[f64]| values[..=last].to_vec();
+        let part = |part: &HistoryPart| {
+            let supremum = part.norms.maximum(last);
+            HistoryPart { supremum, ..part.clone() }
+        };
+        Self {
+            grid: self.grid.up_to(last),
+            error: kept(&self.error),
+            weighted_source: kept(&self.weighted_source),
+            source: kept(&self.source),
+            parts: self.parts.iter().map(part).collect(),
+            ..*self
+        }
+    }
+
+    /// The bounds, each above the one before.
+    ///
+    /// # Errors
+    /// C2 w_nn ≥ 1 with the halved weight. The printed sum, which needs C2 k < 1, is `None` where it
+    /// fails.
+    pub fn envelopes(&self) -> Result<Envelopes, StepTooLarge> {
+        let scaled: Vec<f64> = self.source.iter().map(|s| s / self.m0).collect();
+        let (grid, c2) = (&self.grid, self.c2());
+        let floor = vec![self.floor; self.error.len()];
+        Ok(Envelopes {
+            primed: primed(grid, &scaled, c2)?,
+            closed: primed_closed(grid, &scaled, c2)?,
+            limit: closed_limit(grid, &scaled, c2),
+            weighted: weighted(grid, &self.weighted_source, self.m0, &self.parts)?,
+            printed: unprimed(grid, &scaled, c2).ok(),
+            printed_closed: unprimed_closed(grid, &scaled, c2).ok(),
+            allowance: primed(grid, &floor, c2)?,
+        })
+    }
+}
+
+/// The bounds of e_n at every n, in the order weighted ≤ primed ≤ closed ≤ …; primed ≤ printed.
+#[derive(Debug, Clone)]
+pub struct Envelopes {
+    /// m0 E_n = s_n + Σ_p ω_p Σ' w κ_p E_j: the parts of the history apart.
+    pub weighted: Vec<f64>,
+    /// E_n = C1 g_n + C2 Σ' w_nj E_j.
+    pub primed: Vec<f64>,
+    /// C1 max g/(1 - c/2) ((1 + c/2)/(1 - c/2))^{n-1}, c = C2 k.
+    pub closed: Vec<f64>,
+    /// C1 max g e^{C2 t_n}.
+    pub limit: Vec<f64>,
+    /// E_n = C1 g_n + C2 k Σ_{j ≤ n} E_j, as printed in (3.24).
+    pub printed: Option<Vec<f64>>,
+    /// C1 max g/(1 - c) exp(C2 t_n/(1 - c)).
+    pub printed_closed: Option<Vec<f64>>,
+    /// What the floor of one step can grow to in e_n: its own primed envelope.
+    pub allowance: Vec<f64>,
+}
+
+/// A link of the chain that does not hold.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct Violation {
+    /// Which inequality, such as "e <= weighted envelope".
+    pub link: &'static str,
+    /// The first n at which it fails.
+    pub n: usize,
+    /// t_n.
+    pub t: f64,
+    /// Left side.
+    pub left: f64,
+    /// Right side.
+    pub right: f64,
+}
+
+/// Rounding of sums of up to some thousands of positive terms, relative: N·2^-53 for N = 4096 is
+/// 5e-13. The envelopes that are compared are equal where the constants are.
+const ROUNDING: f64 = 1e-12;
+
+impl Envelopes {
+    /// Every link e ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ printed closed that fails, by
+    /// its first n. A number that is not finite fails.
+    pub fn violations(&self, estimate: &Estimate) -> Vec<Violation> {
+        let measured = "e <= weighted envelope";
+        let mut links: Vec<(&'static str, &[f64], &[f64])> = vec![
+            (measured, &estimate.error, &self.weighted),
+            ("weighted <= primed envelope", &self.weighted, &self.primed),
+            ("primed envelope <= closed form", &self.primed, &self.closed),
+        ];
+        if let (Some(printed), Some(closed)) = (&self.printed, &self.printed_closed) {
+            links.push(("primed <= printed envelope", &self.primed, printed));
+            links.push(("printed envelope <= its closed form", printed, closed));
+            links.push(("closed form <= closed form of the printed sum", &self.closed, closed));
+        }
+        let steps = estimate.grid.times();
+        let failing = |(link, left, right): (&'static str, &[f64], &[f64])| {
+            if left.len() != steps.len() || right.len() != steps.len() {
+                let (left, right) = (left.len() as f64, right.len() as f64);
+                return Some(Violation { link: "one value a step", n: 0, t: 0.0, left, right });
+            }
+            let n = (0..steps.len()).find(|&n| {
+                let allowed = if link == measured { self.allowance[n] } else { 0.0 };
+                let bound = right[n] * (1.0 + ROUNDING) + allowed;
+                // NaN and infinity fail.
+                !(left[n] <= bound && bound.is_finite() && left[n] >= 0.0)
+            })?;
+            Some(Violation { link, n, t: steps[n], left: left[n], right: right[n] })
+        };
+        links.into_iter().filter_map(failing).collect()
+    }
+}
+
+/// bound/measured, for steps n ≥ 1 whose e_n is above 20 floors; `None` elsewhere.
+pub fn effectivities(bound: &[f64], estimate: &Estimate) -> Vec<Option<f64>> {
+    let serves = |n: usize| n > 0 && estimate.error[n] > 20.0 * estimate.floor;
+    (0..bound.len()).map(|n| serves(n).then(|| bound[n] / estimate.error[n])).collect()
+}
+
+/// max over n; NaN if one value is.
+pub fn maximum(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| larger(most, *value))
+}

@@ -1,0 +1,226 @@
+//! An abstract problem in ℝ^m as a scene in time: no mesh, u(t) and (S u)(t) known, any kernel q(t, s),
+//! uniform, graded and random grids.
+
+use nalgebra::{DMatrix, DVector, SymmetricEigen};
+
+use super::GronwallError;
+use super::constants::Summary;
+use super::estimate::Estimate;
+use super::in_time::InTime;
+use super::measure::TemporalRun;
+use super::recurrence::{HistoryPart, KernelNorms};
+use scene::setup::{AbstractLoad, AbstractSetup};
+use vhi::Newton;
+use vhi::finite::{FiniteError, FiniteLoad, FiniteModel, march};
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+
+/// Accuracy of the exact side's histories, relative.
+const EXACT: f64 = 1e-12;
+
+/// An abstract scene with the square roots of its inner product.
+pub struct FiniteInTime<'a> {
+    setup: &'a AbstractSetup,
+    /// G^{-1/2}: ‖y‖_{X*} = |G^{-1/2} y|.
+    inverse_root: DMatrix<f64>,
+    /// m0 and its kin; a test may spoil them.
+    pub constants: Summary,
+}
+
+impl<'a> FiniteInTime<'a> {
+    /// The scene with its constants.
+    ///
+    /// # Errors
+    /// Another rule than the trapezoidal one, no history, m0 ≤ 0.
+    pub fn new(setup: &'a AbstractSetup) -> Result<Self, GronwallError> {
+        let (found, name) = (&setup.constants, || setup.scene.name.clone());
+        if setup.scene.time.rule != scene::TimeRule::Trapezoid {
+            return Err(GronwallError::NotTrapezoidal { scene: name() });
+        }
+        if found.m0.is_nan() || found.m0 <= 0.0 {
+            return Err(GronwallError::Smallness { scene: name(), m0: found.m0 });
+        }
+        let lipschitz = found.r_norm * found.q_norm;
+        if lipschitz == 0.0 {
+            return Err(GronwallError::NoHistory { scene: name() });
+        }
+        let details = vec![
+            ("m_A", found.m_a),
+            ("alpha_phi", found.alpha_phi),
+            ("alpha_j", found.alpha_j),
+            ("c_j_squared", found.c_j_squared),
+            ("r_norm", found.r_norm),
+            ("q_norm", found.q_norm),
+        ];
+        let constants = Summary { m0: found.m0, beta: found.beta_phi, lipschitz, details };
+        let gram = SymmetricEigen::new(setup.model.inner_product.clone());
+        if gram.eigenvalues.min() <= 0.0 {
+            return Err(GronwallError::InnerProduct);
+        }
+        let scale = DMatrix::from_diagonal(&gram.eigenvalues.map(|value| value.sqrt().recip()));
+        let inverse_root = &gram.eigenvectors * scale * gram.eigenvectors.transpose();
+        Ok(Self { setup, inverse_root, constants })
+    }
+
+    /// Runs `model`, which a test may have changed, against the exact solution. The truncation error
+    /// is that of the scene's own model with the trapezoidal rule.
+    ///
+    /// # Errors
+    /// Those of the run.
+    pub fn measure_model(
+        &self,
+        model: &FiniteModel,
+        steps: u32,
+    ) -> Result<TemporalRun, GronwallError> {
+        let setup = self.setup;
+        let grid = setup.grid(steps);
+        let (mut error, mut size) = (Vec::new(), 0f64);
+        let mut load = AbstractLoad(setup);
+        let info = march(model, &grid, &mut load, &Newton::default(), &mut |view| {
+            let exact = DVector::from_column_slice(&setup.state(view.t).u);
+            size = size.max(setup.model.norm(&exact));
+            error.push(setup.model.norm(&(exact - view.u)));
+        })
+        .map_err(|source| GronwallError::FiniteCase { steps, source })?;
+        let truncation = self.truncation(&grid);
+        let source: Vec<f64> = truncation.iter().map(|g| self.constants.beta * g).collect();
+        let mut estimate = self.blank(&grid);
+        estimate.error = error;
+        estimate.weighted_source = source.clone();
+        estimate.source = source;
+        estimate.floor = info.floor + EXACT * size;
+        let truncation_zeta = vec![0.0; truncation.len()];
+        Ok(TemporalRun { steps, truncation_zeta, truncation_memory: truncation, estimate })
+    }
+
+    /// ‖S_n u - S_n^k u‖_{X*}, S_n^k u = R(Σ_l Q_l Σ'_j w_nj q_l(t_n, t_j) u_j + a_S).
+    fn truncation(&self, grid: &TimeGrid) -> Vec<f64> {
+        let model = &self.setup.model;
+        let states: Vec<_> = grid.times().iter().map(|t| self.setup.state(*t)).collect();
+        let u: Vec<DVector<f64>> =
+            states.iter().map(|state| DVector::from_column_slice(&state.u)).collect();
+        let defect = |n: usize| {
+            let mut sum = model.a_s.clone();
+            for term in &model.kernels {
+                let weights = Trapezoid.kernel_row(&*term.kernel, grid, n);
+                let mut integral = DVector::zeros(model.dimension());
+                for (u, weight) in u.iter().zip(&weights) {
+                    integral.axpy(*weight, u, 1.0);
+                }
+                sum += &term.matrix * integral;
+            }
+            let exact = DVector::from_column_slice(&states[n].history);
+            (&self.inverse_root * (exact - &model.r * sum)).norm()
+        };
+        (0..states.len()).map(defect).collect()
+    }
+
+    /// κ(n, j) = ‖R Σ_l q_l(t_n, t_j) Q_l‖ from X to X*.
+    fn kernel_norms(&self, grid: &TimeGrid) -> KernelNorms {
+        let model = &self.setup.model;
+        // Operators X → X* between orthonormal coordinates.
+        let matrices: Vec<DMatrix<f64>> = model
+            .kernels
+            .iter()
+            .map(|term| &self.inverse_root * &model.r * &term.matrix * &self.inverse_root)
+            .collect();
+        let alone = matrices.iter().map(norm).collect::<Vec<f64>>();
+        let row = |n: usize| -> Vec<f64> {
+            let (t, s) = (grid.time(n), &grid.times()[..=n]);
+            let values: Vec<Vec<f64>> =
+                model.kernels.iter().map(|term| term.kernel.row(t, s)).collect();
+            if let [values] = &values[..] {
+                return values.iter().map(|q| q.abs() * alone[0]).collect();
+            }
+            let at = |j: usize| {
+                let mut sum = DMatrix::zeros(model.dimension(), model.dimension());
+                for (values, matrix) in values.iter().zip(&matrices) {
+                    sum += values[j] * matrix;
+                }
+                norm(&sum)
+            };
+            (0..=n).map(at).collect()
+        };
+        KernelNorms::Pairs((0..=grid.steps()).map(row).collect())
+    }
+}
+
+/// The largest singular value.
+fn norm(matrix: &DMatrix<f64>) -> f64 {
+    matrix.singular_values().max()
+}
+
+impl InTime for FiniteInTime<'_> {
+    fn constants(&self) -> Summary {
+        self.constants.clone()
+    }
+
+    fn truth(&self) -> String {
+        "exact u(t) in R^m".to_string()
+    }
+
+    fn grid(&self, steps: u32) -> TimeGrid {
+        self.setup.grid(steps)
+    }
+
+    fn measure(&self, steps: u32) -> Result<TemporalRun, GronwallError> {
+        self.measure_model(&self.setup.model, steps)
+    }
+
+    fn loads(&self, grid: &TimeGrid) -> Result<Vec<Vec<f64>>, GronwallError> {
+        Ok(grid.times().iter().map(|t| self.setup.state(*t).load.clone()).collect())
+    }
+
+    fn dual_norms(&self, loads: &[Vec<f64>]) -> Result<Vec<f64>, GronwallError> {
+        let norm = |load: &Vec<f64>| (&self.inverse_root * DVector::from_column_slice(load)).norm();
+        Ok(loads.iter().map(norm).collect())
+    }
+
+    fn solutions(
+        &self,
+        grid: &TimeGrid,
+        loads: &[Vec<f64>],
+    ) -> Result<(Vec<Vec<f64>>, f64), GronwallError> {
+        let mut found = Vec::new();
+        let mut load = Levels { grid, loads };
+        let solver = Newton::default();
+        let info = march(&self.setup.model, grid, &mut load, &solver, &mut |view| {
+            found.push(view.u.as_slice().to_vec());
+        })
+        .map_err(|source| GronwallError::FiniteCase { steps: grid.steps() as u32, source })?;
+        Ok((found, info.floor))
+    }
+
+    fn distance(&self, u: &[f64], v: &[f64]) -> f64 {
+        let difference = DVector::from_column_slice(u) - DVector::from_column_slice(v);
+        self.setup.model.norm(&difference)
+    }
+
+    fn blank(&self, grid: &TimeGrid) -> Estimate {
+        let norms = self.kernel_norms(grid);
+        let supremum = norms.maximum(grid.steps()).max(self.constants.lipschitz);
+        Estimate {
+            grid: grid.clone(),
+            error: Vec::new(),
+            weighted_source: Vec::new(),
+            source: Vec::new(),
+            m0: self.constants.m0,
+            beta: self.constants.beta,
+            parts: vec![HistoryPart { coefficient: self.constants.beta, norms, supremum }],
+            floor: 0.0,
+        }
+    }
+}
+
+/// Loads given at the times of a grid.
+struct Levels<'a> {
+    grid: &'a TimeGrid,
+    loads: &'a [Vec<f64>],
+}
+
+impl FiniteLoad for Levels<'_> {
+    fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError> {
+        let found = self.grid.times().iter().position(|own| *own == t);
+        let missing = FiniteError::Load { component: 0, value: f64::NAN, t };
+        found.map(|n| DVector::from_column_slice(&self.loads[n])).ok_or(missing)
+    }
+}

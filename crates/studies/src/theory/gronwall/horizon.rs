@@ -1,0 +1,119 @@
+//! Error and bounds over the horizon T at a fixed step k: is the error uniform in T, or does it grow
+//! like e^{C2 T}? The theory is on R₊ with constants for each [0, T].
+
+use super::estimate::{Envelopes, Estimate, maximum};
+use super::in_time::prepare;
+use super::measure::TemporalRun;
+use super::{GronwallError, Violation};
+use scene::setup::Subject;
+
+/// Error and bounds on [0, T].
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct HorizonRow {
+    /// T.
+    pub horizon: f64,
+    /// N = T/k.
+    pub steps: u32,
+    /// max_{n ≤ N} e_n.
+    pub error: f64,
+    /// max_{n ≤ N} g_n β_φ/m0.
+    pub truncation: f64,
+    /// Maxima of the envelopes.
+    pub weighted: f64,
+    pub primed: f64,
+    pub closed: f64,
+    /// Of the printed sum; absent where C2 k ≥ 1.
+    pub printed: Option<f64>,
+    pub printed_closed: Option<f64>,
+    /// C2 on [0, T].
+    pub c2: f64,
+    /// log(error(T)/error(T'))/(T - T') from the horizon T' before; compare with C2.
+    pub growth: Option<f64>,
+}
+
+/// A run to the longest horizon, and its rows.
+pub struct Horizons {
+    /// k.
+    pub k: f64,
+    /// Where the truth comes from.
+    pub truth: String,
+    /// The run to the longest horizon.
+    pub run: TemporalRun,
+    /// Its bounds.
+    pub envelopes: Envelopes,
+    /// One row a horizon, increasing.
+    pub rows: Vec<HorizonRow>,
+    /// Links that fail on some horizon.
+    pub violations: Vec<Violation>,
+}
+
+/// Runs the scene with the step k to the longest of `horizons`: on a uniform grid the run to a
+/// shorter one is its beginning.
+///
+/// # Errors
+/// A horizon that is no multiple of k; those of the run.
+pub fn horizons(
+    subject: &Subject,
+    n: Option<u32>,
+    k: f64,
+    horizons: &[f64],
+) -> Result<Horizons, GronwallError> {
+    let scene = subject.scene();
+    if scene.time.grid != scene::TimeGrid::Uniform {
+        return Err(GronwallError::NotUniform { scene: scene.name.clone() });
+    }
+    let mut sorted = horizons.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    let steps: Vec<u32> =
+        sorted.iter().map(|&horizon| whole_steps(horizon, k)).collect::<Result<_, _>>()?;
+    let (longest, last) = (sorted[sorted.len() - 1], steps[steps.len() - 1]);
+    // Formulas are defined for all t; what validation samples over the horizon (exact contact state,
+    // constants) is sampled again.
+    let mut longer = scene.clone();
+    longer.time.horizon = longest;
+    let longer = Subject::new(longer)?;
+    let in_time = prepare(&longer, n, &[last])?;
+    let run = in_time.measure(last)?;
+    let mut rows: Vec<HorizonRow> = Vec::new();
+    let mut violations = Vec::new();
+    for (&horizon, &steps) in sorted.iter().zip(&steps) {
+        let estimate = run.estimate.up_to(steps as usize);
+        let envelopes =
+            estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
+        violations.extend(envelopes.violations(&estimate));
+        let error = maximum(&estimate.error);
+        let before = rows.last();
+        rows.push(HorizonRow {
+            horizon,
+            steps,
+            error,
+            truncation: maximum(&estimate.source) / estimate.m0,
+            weighted: maximum(&envelopes.weighted),
+            primed: maximum(&envelopes.primed),
+            closed: maximum(&envelopes.closed),
+            printed: envelopes.printed.as_deref().map(maximum),
+            printed_closed: envelopes.printed_closed.as_deref().map(maximum),
+            c2: estimate.c2(),
+            growth: before
+                .filter(|before| resolved(&estimate, before.error))
+                .map(|before| (error / before.error).ln() / (horizon - before.horizon)),
+        });
+    }
+    let envelopes =
+        run.estimate.envelopes().map_err(|source| GronwallError::Step { steps: last, source })?;
+    Ok(Horizons { envelopes, k, truth: in_time.truth(), run, rows, violations })
+}
+
+fn resolved(estimate: &Estimate, error: f64) -> bool {
+    error > 20.0 * estimate.floor
+}
+
+/// T/k, if that is a whole number.
+pub(super) fn whole_steps(horizon: f64, k: f64) -> Result<u32, GronwallError> {
+    let steps = horizon / k;
+    let whole = steps.round();
+    let fits =
+        whole >= 1.0 && whole <= f64::from(u32::MAX) && (steps - whole).abs() <= 1e-9 * whole;
+    if fits { Ok(whole as u32) } else { Err(GronwallError::Horizon { horizon, k }) }
+}

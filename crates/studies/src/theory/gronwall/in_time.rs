@@ -1,0 +1,80 @@
+//! What a scene of either kind gives to the study of its error in time.
+
+use super::GronwallError;
+use super::constants::Summary;
+use super::contact_scene::ContactInTime;
+use super::estimate::Estimate;
+use super::finite_scene::FiniteInTime;
+use super::measure::TemporalRun;
+use scene::setup::Subject;
+use vhi::history::TimeGrid;
+
+/// A scene with its truth in time, ready to run on any of the grids it was prepared for. Vectors are
+/// loads and displacements in the scene's own layout.
+pub trait InTime {
+    /// The constants of (3.24).
+    fn constants(&self) -> Summary;
+
+    /// Where the truth comes from.
+    fn truth(&self) -> String;
+
+    /// The grid with N steps.
+    fn grid(&self, steps: u32) -> TimeGrid;
+
+    /// e_n, g_n and the data of the bounds on this grid.
+    ///
+    /// # Errors
+    /// Those of the run and of the truth.
+    fn measure(&self, steps: u32) -> Result<TemporalRun, GronwallError>;
+
+    /// f_0, …, f_N.
+    ///
+    /// # Errors
+    /// A formula that is not finite.
+    fn loads(&self, grid: &TimeGrid) -> Result<Vec<Vec<f64>>, GronwallError>;
+
+    /// ‖·‖_* of each vector.
+    ///
+    /// # Errors
+    /// A factorization's.
+    fn dual_norms(&self, loads: &[Vec<f64>]) -> Result<Vec<f64>, GronwallError>;
+
+    /// u_0^k, …, u_N^k under these loads, and the floor of the run.
+    ///
+    /// # Errors
+    /// Those of the run.
+    fn solutions(
+        &self,
+        grid: &TimeGrid,
+        loads: &[Vec<f64>],
+    ) -> Result<(Vec<Vec<f64>>, f64), GronwallError>;
+
+    /// ‖u - v‖_X.
+    fn distance(&self, u: &[f64], v: &[f64]) -> f64;
+
+    /// The bounds of a difference without truncation whose source is ‖δf_n‖_*: constants and parts
+    /// of the history on this grid, everything else zero.
+    fn blank(&self, grid: &TimeGrid) -> Estimate;
+}
+
+/// Prepares a scene for grids with these numbers of steps. A body needs `n`, cells a unit length; an
+/// abstract scene has none.
+///
+/// # Errors
+/// Constants, loads or a reference run that cannot be had.
+pub fn prepare<'a>(
+    subject: &'a Subject,
+    n: Option<u32>,
+    steps: &[u32],
+) -> Result<Box<dyn InTime + 'a>, GronwallError> {
+    match (subject, n) {
+        (Subject::Contact(setup), Some(n)) => Ok(Box::new(ContactInTime::new(setup, n, steps)?)),
+        (Subject::Abstract(setup), None) => Ok(Box::new(FiniteInTime::new(setup)?)),
+        (Subject::Contact(_), None) => {
+            Err(GronwallError::Mesh { reason: "a body needs a mesh: give --n" })
+        }
+        (Subject::Abstract(_), Some(_)) => {
+            Err(GronwallError::Mesh { reason: "an abstract problem has no mesh: leave --n away" })
+        }
+    }
+}

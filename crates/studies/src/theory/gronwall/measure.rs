@@ -1,0 +1,152 @@
+//! e_n and g_n of a run: the error against a truth on the same mesh, and the truncation error of the
+//! trapezoidal rule on the truth, g_n = ‖S_n u - S_n^k u‖_Y = |ζ part| + ‖memory part‖_ℋ.
+
+use super::GronwallError;
+use super::constants::GronwallConstants;
+use super::estimate::Estimate;
+use super::truth::{Level, TemporalTruth, difference};
+use algebra::linalg::axpy;
+use algebra::tensor::contract;
+use fem::contact::{Discretization, MemoryTerm, Model, march, strain_distance, strain_norm};
+use fem::space::strain_of;
+use scene::setup::{MeshData, Setup, TruthLoad};
+use vhi::Newton;
+use vhi::history::{Memory, TimeGrid, TimeRule, Trapezoid};
+use vhi::law::Projection;
+
+/// One run in time with the truncation error of its grid.
+#[derive(Debug, Clone)]
+pub struct TemporalRun {
+    /// N.
+    pub steps: u32,
+    /// |∫_0^{t_n} ‖ε(u)‖ - Σ' ‖ε(u_j)‖|; zero where ζ is no part of the history, as in abstract scenes.
+    pub truncation_zeta: Vec<f64>,
+    /// ‖∫_0^{t_n} ℬ(t_n - s) ε(u) - Σ' ℬ(t_n - t_j) ε(u_j)‖_ℋ (a stress times √|Ω|), zero without memory;
+    /// ‖S_n u - S_n^k u‖_{X*} of an abstract scene.
+    pub truncation_memory: Vec<f64>,
+    /// The data of the bounds.
+    pub estimate: Estimate,
+}
+
+impl TemporalRun {
+    /// Runs `model`, which a test may have changed, under the loads of `setup`, and compares it with
+    /// the truth of `setup`. Truncation errors and constants are those of `setup`.
+    ///
+    /// # Errors
+    /// Those of the run and of the truth.
+    pub fn measure<P: Projection>(
+        setup: &Setup,
+        model: &Model<P>,
+        data: &MeshData,
+        truth: &TemporalTruth,
+        constants: &GronwallConstants,
+        steps: u32,
+    ) -> Result<Self, GronwallError> {
+        let grid = setup.grid(steps);
+        let levels = truth.levels(setup, steps)?;
+        let mut error = Vec::with_capacity(levels.len());
+        let info = march(
+            &data.space,
+            model,
+            &grid,
+            &mut TruthLoad(&*data.truth),
+            &Newton::default(),
+            &mut |view| {
+                error.push(strain_distance(&data.space, view.u, &levels[view.n].u));
+                Ok(())
+            },
+        )
+        .map_err(|source| GronwallError::Case { steps, source })?;
+        let size = levels.iter().map(|level| strain_norm(&data.space, &level.u));
+        let floor = info.floors.v + truth.accuracy() * size.fold(0.0, f64::max);
+        let truncation_zeta = match constants.has_zeta() {
+            true => truncation_of_zeta(&data.space, &grid, &levels),
+            false => vec![0.0; levels.len()],
+        };
+        let truncation_memory = truncation_of_memory(setup, &data.space, &grid, &levels);
+        let parts = constants.parts(setup, &grid);
+        let both = truncation_zeta.iter().zip(&truncation_memory);
+        let weighted_source = both.clone().map(|(z, b)| constants.yielding * z + b).collect();
+        let source = both.map(|(z, b)| constants.beta * (z + b)).collect();
+        let estimate = Estimate {
+            grid,
+            error,
+            weighted_source,
+            source,
+            m0: constants.m0,
+            beta: constants.beta,
+            parts,
+            floor,
+        };
+        Ok(Self { steps, truncation_zeta, truncation_memory, estimate })
+    }
+
+    /// g_n.
+    pub fn truncation(&self) -> Vec<f64> {
+        self.truncation_zeta.iter().zip(&self.truncation_memory).map(|(z, b)| z + b).collect()
+    }
+}
+
+fn truncation_of_zeta(space: &Discretization, grid: &TimeGrid, levels: &[Level]) -> Vec<f64> {
+    let (mut sum, mut before) = (0.0, 0.0);
+    let mut defect = |(n, level): (usize, &Level)| {
+        let norm = strain_norm(space, &level.u);
+        if n > 0 {
+            sum += 0.5 * grid.step(n) * (before + norm);
+        }
+        before = norm;
+        (level.zeta - sum).abs()
+    };
+    levels.iter().enumerate().map(&mut defect).collect()
+}
+
+fn truncation_of_memory(
+    setup: &Setup,
+    space: &Discretization,
+    grid: &TimeGrid,
+    levels: &[Level],
+) -> Vec<f64> {
+    let terms = &setup.model.memory;
+    if terms.is_empty() {
+        return vec![0.0; levels.len()];
+    }
+    let (rule, length) = (&Trapezoid, space.nodes.len());
+    let mut histories: Vec<Memory> =
+        terms.iter().map(|term| Memory::new(&*term.kernel, rule, grid, length)).collect();
+    let mut sum = vec![0.0; length];
+    let mut defect = |(n, level): (usize, &Level)| {
+        let missed = terms.iter().zip(&mut histories).zip(&level.memory);
+        let missed: Vec<Vec<f64>> = missed
+            .map(|((term, history), exact)| {
+                let kernel = &*term.kernel;
+                history.past(kernel, rule, grid, &mut sum);
+                history.commit(grid, &level.u);
+                axpy(rule.weight(grid, n, n) * kernel.value(0.0), &level.u, &mut sum);
+                difference(exact, &sum)
+            })
+            .collect();
+        stress_norm(space, terms, &missed)
+    };
+    levels.iter().enumerate().map(&mut defect).collect()
+}
+
+/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one a term of the memory.
+fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
+    fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
+        let cell = |c| {
+            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+            let mut stress = [0.0; S];
+            for (term, v) in terms.iter().zip(v) {
+                let strain = strain_of::<S>(gradients, nodes, v);
+                let part = term.tensor.on(space.region(c)).apply(&strain);
+                stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
+            }
+            space.geometry.measure[c] * contract(&stress, &stress)
+        };
+        (0..space.mesh.cell_count()).map(cell).sum()
+    }
+    match space.mesh.dimension {
+        2 => sum::<3>(space, terms, v).sqrt(),
+        _ => sum::<6>(space, terms, v).sqrt(),
+    }
+}

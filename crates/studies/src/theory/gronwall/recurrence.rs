@@ -1,0 +1,197 @@
+//! The discrete Gronwall inequality, solved with equality: envelopes on any grid, without a mesh.
+//!
+//! For e_n ≤ C1 g_n + C2 Σ_j w_nj e_j with w_nj ≥ 0 and C2 w_nn < 1 the solution E_n of the equality
+//! is an upper bound of e_n (induction over n), and E_n depends on g monotonically. Without
+//! C2 w_nn < 1 nothing follows: see [`StepTooLarge`].
+
+use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+
+/// The lemma's hypothesis fails: e_n stands on both sides with a factor of at least 1, so that the
+/// inequality holds for arbitrarily large e_n whatever g is. "For any C2" the lemma is false.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "the discrete Gronwall lemma needs C2 w_nn < 1: at n = {n} it is {factor:.6} * {weight:.6} = {:.6}; take smaller steps", .factor * .weight
+)]
+pub struct StepTooLarge {
+    /// The first n at which it fails.
+    pub n: usize,
+    /// C2, or (Σ ω_p κ_p(n,n))/m0 of the weighted form.
+    pub factor: f64,
+    /// w_nn.
+    pub weight: f64,
+}
+
+fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTooLarge> {
+    let remaining = 1.0 - factor * weight;
+    // NaN is refused as well.
+    if remaining > 0.0 { Ok(remaining) } else { Err(StepTooLarge { n, factor, weight }) }
+}
+
+/// E_n = s_n + C2 Σ'_{j ≤ n} w_nj E_j with the trapezoidal weights of `grid`, s_n = C1 g_n. O(N).
+///
+/// # Errors
+/// C2 k_n/2 ≥ 1.
+pub fn primed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+    let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
+    // Σ'_{j ≤ n} w_nj E_j.
+    let mut sum = 0.0;
+    for (n, s) in source.iter().enumerate() {
+        if n == 0 {
+            envelope.push(*s);
+            continue;
+        }
+        let half = 0.5 * grid.step(n);
+        let remaining = solvable(n, c2, half)?;
+        sum += half * envelope[n - 1];
+        let value = (s + c2 * sum) / remaining;
+        sum += half * value;
+        envelope.push(value);
+    }
+    Ok(envelope)
+}
+
+/// max_{j ≤ n} s_j · A_n with A_1 = 1/(1 - c_1/2), A_n = A_{n-1} (1 + c_n/2)/(1 - c_n/2), c_n = C2 k_n:
+/// on a uniform grid (1/(1 - c/2)) ((1 + c/2)/(1 - c/2))^{n-1}. It is E_n for constant g with g_0 = 0;
+/// where s_0 > 0, E_0 = s_0 enters too and A_n is larger by 1 + c_1/2.
+///
+/// # Errors
+/// C2 k_n/2 ≥ 1.
+pub fn primed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+    let mut largest = 0.0f64;
+    let mut amplification = 1.0;
+    let from_rest = source.first().is_none_or(|s| *s == 0.0);
+    let bound = |(n, s): (usize, &f64)| {
+        if n > 0 {
+            let half = 0.5 * grid.step(n);
+            let remaining = solvable(n, c2, half)?;
+            let carried = if n == 1 && from_rest { 1.0 } else { 1.0 + c2 * half };
+            amplification *= carried / remaining;
+        }
+        largest = larger(largest, *s);
+        Ok(largest * amplification)
+    };
+    source.iter().enumerate().map(bound).collect()
+}
+
+/// The limit of [`primed_closed`] for k → 0: max_{j ≤ n} s_j · e^{C2 t_n}.
+pub fn closed_limit(grid: &TimeGrid, source: &[f64], c2: f64) -> Vec<f64> {
+    let mut largest = 0.0f64;
+    let times = grid.times().iter();
+    let bound = |(s, t): (&f64, &f64)| {
+        largest = larger(largest, *s);
+        largest * (c2 * t).exp()
+    };
+    source.iter().zip(times).map(bound).collect()
+}
+
+/// The printed form (3.24), E_n = s_n + C2 k Σ_{j=0..n} E_j, k the largest step. O(N).
+///
+/// # Errors
+/// C2 k ≥ 1.
+pub fn unprimed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+    let k = grid.largest_step();
+    let mut envelope = Vec::with_capacity(source.len());
+    let mut sum = 0.0;
+    for (n, s) in source.iter().enumerate() {
+        let remaining = solvable(n, c2, k)?;
+        let value = (s + c2 * k * sum) / remaining;
+        sum += value;
+        envelope.push(value);
+    }
+    Ok(envelope)
+}
+
+/// max_{j ≤ n} s_j/(1 - c) · exp(C2 n k/(1 - c)), c = C2 k, k the largest step: above E_n of
+/// [`unprimed`], since (1 - c)^{-n} ≤ exp(n c/(1 - c)).
+///
+/// # Errors
+/// C2 k ≥ 1.
+pub fn unprimed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f64>, StepTooLarge> {
+    let k = grid.largest_step();
+    let remaining = solvable(0, c2, k)?;
+    let mut largest = 0.0f64;
+    let bound = |(n, s): (usize, &f64)| {
+        largest = larger(largest, *s);
+        largest / remaining * (c2 * k * n as f64 / remaining).exp()
+    };
+    Ok(source.iter().enumerate().map(bound).collect())
+}
+
+/// m0 E_n = s_n + Σ_p ω_p Σ'_{j ≤ n} w_nj κ_p(n, j) E_j, with ω_p and κ_p of `parts`. O(N²) a part:
+/// meant for N up to some thousands.
+///
+/// # Errors
+/// w_nn Σ_p ω_p κ_p(n, n) ≥ m0.
+pub fn weighted(
+    grid: &TimeGrid,
+    source: &[f64],
+    m0: f64,
+    parts: &[HistoryPart],
+) -> Result<Vec<f64>, StepTooLarge> {
+    let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
+    for (n, s) in source.iter().enumerate() {
+        let mut sum = *s;
+        for (j, known) in envelope.iter().enumerate() {
+            let factor: f64 = parts.iter().map(|part| part.factor(n, j)).sum();
+            sum += Trapezoid.weight(grid, n, j) * factor * known;
+        }
+        let factor = parts.iter().map(|part| part.factor(n, n)).sum::<f64>() / m0;
+        let remaining = solvable(n, factor, Trapezoid.weight(grid, n, n))?;
+        envelope.push(sum / (m0 * remaining));
+    }
+    Ok(envelope)
+}
+
+/// One component of the history S u = (…, S_p u, …), which enters φ with the factor ω_p and whose
+/// discrete sum satisfies ‖S_p^k u - S_p^k v‖ ≤ Σ'_j w_nj κ_p(n, j) ‖u_j - v_j‖.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HistoryPart {
+    /// ω_p: μ L_κ √|Ω| for ζ, 1 for the memory stress, β_φ for an abstract history.
+    pub coefficient: f64,
+    /// κ_p(n, j): 1 for ζ, ‖ℬ(t_n - t_j)‖ for the memory stress, ‖R q(t_n, t_j)‖ in general.
+    pub norms: KernelNorms,
+    /// sup κ_p on [0, T]², at least every κ_p(n, j).
+    pub supremum: f64,
+}
+
+impl HistoryPart {
+    fn factor(&self, n: usize, j: usize) -> f64 {
+        self.coefficient * self.norms.at(n, j)
+    }
+}
+
+/// κ(n, j) on the grid.
+#[derive(Debug, Clone, PartialEq)]
+pub enum KernelNorms {
+    /// The same number for all n and j.
+    Constant(f64),
+    /// κ(n, j) = `values[n - j]`: a convolution on a uniform grid.
+    Lags(Vec<f64>),
+    /// κ(n, j) = `rows[n][j]`: any kernel on any grid.
+    Pairs(Vec<Vec<f64>>),
+}
+
+impl KernelNorms {
+    /// κ(n, j), j ≤ n.
+    pub fn at(&self, n: usize, j: usize) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Lags(values) => values[n - j],
+            Self::Pairs(rows) => rows[n][j],
+        }
+    }
+
+    /// The largest κ(n, j) with n ≤ `last`; NaN if one is.
+    pub fn maximum(&self, last: usize) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Lags(values) => values[..=last].iter().fold(0.0, |m, v| larger(m, *v)),
+            Self::Pairs(rows) => rows[..=last].iter().flatten().fold(0.0, |m, v| larger(m, *v)),
+        }
+    }
+}
+
+/// The maximum; NaN if one of them is.
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
+}

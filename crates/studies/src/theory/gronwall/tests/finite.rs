@@ -1,0 +1,87 @@
+//! Abstract scenes: the chain on every kind of grid, and defects of the solver.
+
+use super::super::*;
+use super::subject;
+use scene::setup::{AbstractSetup, Subject};
+use vhi::history::{CorrectedEnd, TimeGrid, TimeRule, Trapezoid};
+
+fn abstract_setup(name: &str) -> AbstractSetup {
+    match subject(name) {
+        Subject::Abstract(setup) => *setup,
+        Subject::Contact(_) => panic!("{name} has a body"),
+    }
+}
+
+fn violations(run: &TemporalRun) -> Vec<Violation> {
+    run.estimate.envelopes().unwrap().violations(&run.estimate)
+}
+
+/// Uniform, graded and random steps, convolutions and general kernels, contact events.
+#[test]
+fn the_chain_holds_on_uniform_graded_and_random_grids() {
+    for name in ["abstract-smooth", "abstract-contact", "abstract-graded", "abstract-random"] {
+        let setup = abstract_setup(name);
+        let scene = FiniteInTime::new(&setup).unwrap();
+        for steps in [16, 64, 128] {
+            let run = scene.measure(steps).unwrap();
+            assert_eq!(violations(&run), [], "{name} {steps}");
+            let last = steps as usize;
+            assert!(run.estimate.error[last] > 1e3 * run.estimate.floor, "{name} {steps}");
+            // Truncation is of order 2: k² times a constant that the scenes keep below 1.
+            let k = run.estimate.grid.largest_step();
+            assert!(run.truncation_memory[last] < k * k, "{name} {steps}");
+        }
+    }
+}
+
+struct LastWeight;
+impl TimeRule for LastWeight {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        let right = Trapezoid.weight(grid, n, j);
+        if j == n { 2.0 * right } else { right }
+    }
+}
+
+struct NothingAtZero;
+impl TimeRule for NothingAtZero {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        if j == n { 0.0 } else { Trapezoid.weight(grid, n, j) }
+    }
+}
+
+#[test]
+fn wrong_last_weights_are_caught() {
+    for name in ["abstract-smooth", "abstract-contact", "abstract-graded", "abstract-random"] {
+        let mut wrong = abstract_setup(name);
+        let setup = abstract_setup(name);
+        let scene = FiniteInTime::new(&setup).unwrap();
+        let rules: [Box<dyn TimeRule>; 2] = [Box::new(LastWeight), Box::new(NothingAtZero)];
+        for (i, rule) in rules.into_iter().enumerate() {
+            wrong.model.time_rule = rule;
+            let run = scene.measure_model(&wrong.model, 128).unwrap();
+            let found = violations(&run);
+            assert!(found.iter().any(|v| v.link == "e <= weighted envelope"), "{name} {i}");
+        }
+    }
+}
+
+/// For one kernel κ(n, j) = |q(t_n, t_j)| ‖RQ‖ attains ‖R‖‖q‖ at q = 1, R = I: C2 is that of (3.4).
+#[test]
+fn constants_are_those_of_the_step_bound() {
+    let setup = abstract_setup("abstract-contact");
+    let scene = FiniteInTime::new(&setup).unwrap();
+    let run = scene.measure(64).unwrap();
+    let c2 = run.estimate.c2();
+    assert!((c2 * setup.constants.step_bounds().limit() - 1.0).abs() < 1e-12, "{c2}");
+    let part = &run.estimate.parts[0];
+    assert!((part.norms.maximum(64) / part.supremum - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn other_rules_are_refused() {
+    let mut setup = abstract_setup("abstract-contact");
+    setup.scene.time.rule = scene::TimeRule::ProductIntegration;
+    setup.model.time_rule = Box::new(CorrectedEnd { exponent: 0.5 });
+    let refused = FiniteInTime::new(&setup).err().unwrap();
+    assert!(matches!(refused, GronwallError::NotTrapezoidal { .. }));
+}

@@ -1,0 +1,23 @@
+mod finite;
+mod horizon;
+mod measure;
+mod recurrence;
+mod stability;
+
+use std::path::Path;
+
+use scene::Registry;
+use scene::setup::{Setup, Subject};
+
+fn setup(name: &str) -> Setup {
+    match subject(name) {
+        Subject::Contact(setup) => *setup,
+        Subject::Abstract(_) => panic!("{name} has no body"),
+    }
+}
+
+fn subject(name: &str) -> Subject {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../manufactured");
+    let scene = Registry::open(&folder).and_then(|registry| registry.load(name));
+    Subject::new(scene.unwrap_or_else(|error| panic!("{error}"))).unwrap()
+}

@@ -1,0 +1,275 @@
+//! The theorem ledger: what runs say of the claims of sections 3-5 of the paper, each with the command
+//! that shows it.
+//!
+//! An entry compares a power (or a constant) that the proof gives with the one that the audit of a
+//! scene observes, and says whether the proof is sharp there. It is generated, never written down.
+
+use serde::Serialize;
+
+use crate::theory::audit::{AuditError, SceneAudit, Summary};
+use fem::contact::BoundaryRule;
+use scene::setup::{Setup, SetupError};
+
+/// What an entry finds of a proved power or constant.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Finding {
+    /// Attained: no better power, or constant, holds in general.
+    Sharp,
+    /// The observed quantity is better than proved.
+    Slack,
+}
+
+/// An entry.
+#[derive(Debug, Clone, Serialize)]
+pub struct Entry {
+    /// What is claimed.
+    pub claim: &'static str,
+    /// Under which hypotheses.
+    pub hypotheses: &'static str,
+    /// What is measured.
+    pub quantity: &'static str,
+    /// What the proof gives.
+    pub proved: f64,
+    /// What the runs show; null where nothing could be fitted.
+    pub observed: Option<f64>,
+    /// The share of the proof's bound that is used, at most.
+    pub used: Option<f64>,
+    /// Which of the two the claim is.
+    pub claimed: Finding,
+    /// Whether the runs confirm it, and every line of theirs holds.
+    pub confirmed: bool,
+    /// The smallest scene that shows it.
+    pub scene: &'static str,
+    /// What to type.
+    pub command: String,
+}
+
+/// Why there is no ledger.
+#[derive(Debug, thiserror::Error)]
+pub enum LedgerError {
+    /// A scene is missing or at fault.
+    #[error("{0}")]
+    Scene(#[from] SetupError),
+    /// An audit could not be made.
+    #[error("{0}")]
+    Audit(#[from] AuditError),
+}
+
+/// A fitted power confirms a proved one within this distance: half of the distance of neighbouring
+/// whole powers would not tell them apart, and three meshes bend a logarithmic line by 0.1 to 0.2.
+const NEAR: f64 = 0.25;
+/// A power counts as better than proved from this excess on.
+const BETTER: f64 = 0.5;
+/// A ratio within this part of one counts as attained.
+const ATTAINED: f64 = 0.02;
+
+/// What an entry reads from an audit.
+enum Reading {
+    /// Power of h of the left side of a line.
+    PowerOfH(&'static str),
+    /// Power of k.
+    PowerOfK(&'static str),
+    /// Largest left/right of a line; the proof gives 1.
+    Ratio(&'static str),
+    /// k over the bound (3.4); the proof gives 1.
+    StepOverBound,
+}
+
+/// An entry before its runs.
+struct Question {
+    claim: &'static str,
+    hypotheses: &'static str,
+    quantity: &'static str,
+    proved: f64,
+    claimed: Finding,
+    scene: &'static str,
+    n: &'static [u32],
+    steps: &'static [u32],
+    reading: Reading,
+}
+
+const QUESTIONS: [Question; 8] = [
+    Question {
+        claim: "E_j = int (p(u_h) - p(u)) (v - u_h) is quadratic in the errors for a law without jump: the square root of |u_nu - v_nu| in (4.4) and (4.21) is not needed there",
+        hypotheses: "(2.8b), (2.8c), the law without jump",
+        quantity: "power of h in E_j, (4.16)",
+        proved: 2.0,
+        claimed: Finding::Slack,
+        scene: "unconstrained",
+        n: &[8, 16, 32],
+        steps: &[8],
+        reading: Reading::PowerOfH("(4.16)"),
+    },
+    Question {
+        claim: "u' of bounded variation in time suffices for order 2; u in W(2,inf) is not needed",
+        hypotheses: "q in C2, u' in BV(0,T;V) with a jump at T/3",
+        quantity: "power of k in |u - u_h|, (3.17)",
+        proved: 2.0,
+        claimed: Finding::Sharp,
+        scene: "affine-kink",
+        n: &[4],
+        steps: &[16, 32, 64, 128],
+        reading: Reading::PowerOfK("(4.18)"),
+    },
+    Question {
+        claim: "the last slot enters with weight k/2 and the constants combine: (3.4) is sufficient, and steps beyond it are solved",
+        hypotheses: "those of Theorem 6 but for (3.4)",
+        quantity: "k over the bound (3.4), solved and audited",
+        proved: 1.0,
+        claimed: Finding::Slack,
+        scene: "pure-mild",
+        n: &[8],
+        steps: &[1],
+        reading: Reading::StepOverBound,
+    },
+    Question {
+        claim: "no bound on k is needed where B(0) >= 0 and kappa is constant",
+        hypotheses: "B(0) >= 0, no projection",
+        quantity: "k over the bound (3.4), solved and audited",
+        proved: 1.0,
+        claimed: Finding::Slack,
+        scene: "positive-memory",
+        n: &[8],
+        steps: &[1],
+        reading: Reading::StepOverBound,
+    },
+    Question {
+        claim: "E_n vanishes to high order for a constant gap: interpolants of locked values are exact",
+        hypotheses: "g constant, u_nu in H2 on the contact side",
+        quantity: "power of h in E_n, (5.23)",
+        proved: 2.0,
+        claimed: Finding::Slack,
+        scene: "signorini",
+        n: &[8, 16, 32],
+        steps: &[4],
+        reading: Reading::PowerOfH("(5.23)"),
+    },
+    Question {
+        claim: "E_n is of order h^2 for a concave gap: (5.23) is sharp in its power",
+        hypotheses: "g concave and not affine, u_nu in H2 on the contact side",
+        quantity: "power of h in E_n, (5.23)",
+        proved: 2.0,
+        claimed: Finding::Sharp,
+        scene: "pure-concave-gap",
+        n: &[8, 16, 32],
+        steps: &[4],
+        reading: Reading::PowerOfH("(5.23)"),
+    },
+    Question {
+        claim: "relaxed monotonicity (2.8c) is attained: alpha_j is the steepest descent of the law",
+        hypotheses: "u affine in space, on the falling branch",
+        quantity: "left/right of (4.16)",
+        proved: 1.0,
+        claimed: Finding::Sharp,
+        scene: "affine",
+        n: &[4],
+        steps: &[16],
+        reading: Reading::Ratio("(4.16)"),
+    },
+    Question {
+        claim: "(4.20) has the right power of h and a constant several times too large",
+        hypotheses: "those of Theorem 10",
+        quantity: "left/right of (4.20)",
+        proved: 1.0,
+        claimed: Finding::Slack,
+        scene: "pure-mild",
+        n: &[8, 16],
+        steps: &[4],
+        reading: Reading::Ratio("(4.20)"),
+    },
+];
+
+/// All entries; `scene` loads a scene by its name.
+///
+/// # Errors
+/// [`LedgerError`].
+pub fn ledger<E>(scene: impl Fn(&str) -> Result<Setup, E>) -> Result<Vec<Entry>, E>
+where
+    E: From<LedgerError>,
+{
+    QUESTIONS
+        .iter()
+        .map(|question| {
+            let mut setup = scene(question.scene)?;
+            if let Some(boundary) = &mut setup.model.boundary {
+                boundary.rule = BoundaryRule::Exact;
+            }
+            let audit = SceneAudit::new(&setup, question.n, question.steps);
+            let audit = audit.map_err(|error| E::from(LedgerError::from(error)))?;
+            Ok(question.entry(&setup, &audit))
+        })
+        .collect()
+}
+
+impl Question {
+    fn entry(&self, setup: &Setup, audit: &SceneAudit) -> Entry {
+        let summaries = audit.summaries();
+        let find = |name: &str| summaries.iter().find(|s| s.statement.name == name);
+        let line = match self.reading {
+            Reading::PowerOfH(name) | Reading::PowerOfK(name) | Reading::Ratio(name) => find(name),
+            Reading::StepOverBound => None,
+        };
+        let used = line.and_then(|summary| summary.ratio);
+        let observed = match self.reading {
+            Reading::PowerOfH(_) => line.and_then(|summary: &Summary| summary.power_h[0]),
+            Reading::PowerOfK(_) => line.and_then(|summary| summary.power_k[0]),
+            Reading::Ratio(_) => used,
+            Reading::StepOverBound => {
+                let c = &audit.constants;
+                let bound = c.m0() / (c.beta_phi * c.history);
+                audit.cases.iter().map(|case| case.k / bound).reduce(f64::min)
+            }
+        };
+        let list =
+            |numbers: &[u32]| numbers.iter().map(u32::to_string).collect::<Vec<_>>().join(",");
+        Entry {
+            claim: self.claim,
+            hypotheses: self.hypotheses,
+            quantity: self.quantity,
+            proved: self.proved,
+            observed,
+            used,
+            claimed: self.claimed,
+            confirmed: audit.holds() && observed.is_some_and(|observed| self.confirms(observed)),
+            scene: self.scene,
+            command: format!(
+                "sweep audit {} --n {} --steps {}",
+                setup.scene.name,
+                list(self.n),
+                list(self.steps)
+            ),
+        }
+    }
+
+    /// Whether the observed number is what the claim says of the proof.
+    fn confirms(&self, observed: f64) -> bool {
+        match (&self.reading, self.claimed) {
+            (Reading::Ratio(_), Finding::Sharp) => (observed - self.proved).abs() <= ATTAINED,
+            (Reading::Ratio(_), Finding::Slack) => observed < 0.5 * self.proved,
+            (_, Finding::Sharp) => (observed - self.proved).abs() <= NEAR,
+            (Reading::StepOverBound, Finding::Slack) => observed > self.proved,
+            (_, Finding::Slack) => observed >= self.proved + BETTER,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_on_the_wrong_side_confirms_nothing() {
+        for question in &QUESTIONS {
+            let wrong = match (&question.reading, question.claimed) {
+                (Reading::Ratio(_), Finding::Sharp) => 0.9,
+                (Reading::Ratio(_), Finding::Slack) => 0.9,
+                (Reading::StepOverBound, _) => 0.99,
+                (_, Finding::Sharp) => question.proved - 0.5,
+                (_, Finding::Slack) => question.proved,
+            };
+            assert!(!question.confirms(wrong), "{}", question.claim);
+            assert!(!question.confirms(f64::NAN), "{}", question.claim);
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! The whole numbers n and N that a scene has, for searches.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
+
+/// No larger n or N is proposed: `sweep solve` takes no larger n, and N beyond it is a campaign of its own.
+pub const MOST: [u32; 2] = [4096, 100_000];
+
+/// The numbers of a scene, with their steps.
+pub struct Candidates<'a> {
+    setup: &'a Setup,
+    subject: Subject,
+    /// Whether n and N must divide those of the scene's reference run.
+    beside_reference: bool,
+    /// Whether (3.4) and solvability leave a number of steps, and its largest step: asked once for each.
+    safe: RefCell<HashMap<u32, bool>>,
+    largest: RefCell<HashMap<u32, f64>>,
+}
+
+impl<'a> Candidates<'a> {
+    /// Those of a scene; `beside_reference`: errors are to be measured against its reference run.
+    ///
+    /// # Errors
+    /// Those of a setup.
+    pub fn new(setup: &'a Setup, beside_reference: bool) -> Result<Self, SetupError> {
+        let subject = Subject::new(setup.scene.clone())?;
+        let (safe, largest) = Default::default();
+        Ok(Self { setup, subject, beside_reference, safe, largest })
+    }
+
+    /// h of n.
+    pub fn h(&self, n: u32) -> f64 {
+        self.setup.body.domain.h(n)
+    }
+
+    /// The largest step of N steps.
+    pub fn k(&self, steps: u32) -> f64 {
+        let largest = || self.setup.grid(steps).largest_step();
+        *self.largest.borrow_mut().entry(steps).or_insert_with(largest)
+    }
+
+    /// Whether n suits the domain.
+    pub fn cells(&self, n: u32) -> bool {
+        let scene = &self.setup.scene;
+        match self.beside_reference {
+            true => scene.check_cases(&[n], &[]).is_ok(),
+            false => scene.check_cells(n).is_ok(),
+        }
+    }
+
+    /// Whether N steps are small enough.
+    pub fn steps(&self, steps: u32) -> bool {
+        let divides = !self.beside_reference || self.setup.scene.check_cases(&[], &[steps]).is_ok();
+        let safe = || check_step_sizes(&self.subject, &[steps]).is_ok();
+        divides && *self.safe.borrow_mut().entry(steps).or_insert_with(safe)
+    }
+}

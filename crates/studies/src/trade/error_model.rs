@@ -1,0 +1,224 @@
+//! The error of a scene as a function of both steps, from the runs of a trade.
+
+use judge::fit::{
+    Correction, Direction, Interval, Model, Point, Sample, joint_fits, local_slopes,
+    order_interval, same_level, samples,
+};
+
+/// C s^p of one step s.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Term {
+    /// C.
+    pub constant: f64,
+    /// p.
+    pub order: f64,
+    /// Interval of p.
+    pub interval: Interval,
+}
+
+/// E^m = (C_h h^p)^m + (C_k k^q)^m.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorModel {
+    /// m = 1 or 2.
+    pub model: Model,
+    /// The term of h; none where the error does not depend on it.
+    pub space: Option<Term>,
+    /// The term of k, likewise.
+    pub time: Option<Term>,
+    /// How it was found.
+    pub source: String,
+    /// Largest |log e - log E| of the runs.
+    pub residual: f64,
+}
+
+impl Term {
+    /// C s^p.
+    pub fn at(&self, step: f64) -> f64 {
+        self.constant * step.powf(self.order)
+    }
+}
+
+impl ErrorModel {
+    /// m.
+    pub fn exponent(&self) -> f64 {
+        match self.model {
+            Model::Sum => 1.0,
+            Model::RootSumSquare => 2.0,
+        }
+    }
+
+    /// The error at (h, k).
+    pub fn error(&self, h: f64, k: f64) -> f64 {
+        let parts = [self.space.map(|term| term.at(h)), self.time.map(|term| term.at(k))];
+        let m = self.exponent();
+        parts.into_iter().flatten().map(|part| part.powf(m)).sum::<f64>().powf(1.0 / m)
+    }
+
+    /// What is left of `target` for the term of k at a given h: nothing where space takes it all.
+    pub fn left_for_time(&self, target: f64, h: f64) -> f64 {
+        let m = self.exponent();
+        let space = self.space.map_or(0.0, |term| term.at(h));
+        (target.powf(m) - space.powf(m)).max(0.0).powf(1.0 / m)
+    }
+
+    /// Fits the errors of a grid. Where both terms show, by the joint fit of `fit`; where one hides below the other,
+    /// the visible one from a line (in h on the finest k; in k on the coarsest h, which is the mesh to take then), and a
+    /// hidden term of k from `differences`: C k^q without space error, of runs on one mesh. `on_mesh` says that the data
+    /// depend on the mesh, so that h has no error.
+    ///
+    /// # Errors
+    /// What is missing, in words.
+    pub fn fit(points: &[Point], differences: &[Sample], on_mesh: bool) -> Result<Self, String> {
+        let hidden = if on_mesh {
+            Some(Direction::Space)
+        } else {
+            match joint_fits(points, false) {
+                Ok(fits) => return Ok(Self::joint(&fits.best, points)),
+                Err(refused) => refused.hidden,
+            }
+        };
+        let line = |direction: Direction| -> Result<Term, String> {
+            let points = line_of(points, direction);
+            let samples = samples(&points, direction).map_err(|error| error.to_string())?;
+            term(&samples, direction)
+        };
+        let (space, time) = match hidden {
+            Some(Direction::Space) => (None, Some(line(Direction::Time)?)),
+            _ => (Some(line(Direction::Space)?), term(differences, Direction::Time).ok()),
+        };
+        let source = match (space, time) {
+            (None, _) => "line in k; the error does not show h".to_owned(),
+            (_, Some(_)) => "line in h on the finest k; k from runs on one mesh".to_owned(),
+            (_, None) => "line in h; k does not show".to_owned(),
+        };
+        let with = |model| {
+            let fitted = Self { model, space, time, source: source.clone(), residual: 0.0 };
+            fitted.judged(points)
+        };
+        let [sum, root] = [Model::Sum, Model::RootSumSquare].map(with);
+        Ok(if sum.residual < root.residual { sum } else { root })
+    }
+
+    fn joint(fit: &judge::fit::JointFit, points: &[Point]) -> Self {
+        let term = |constant: f64, order: judge::fit::Estimate| {
+            Some(Term { constant, order: order.value, interval: order.interval })
+        };
+        let found = Self {
+            model: fit.model,
+            space: term(fit.constant_h, fit.order_h),
+            time: term(fit.constant_k, fit.order_k),
+            source: format!("joint fit, {}", fit.model.name()),
+            residual: 0.0,
+        };
+        found.judged(points)
+    }
+
+    fn judged(mut self, points: &[Point]) -> Self {
+        let off = points.iter().map(|p| (self.error(p.h, p.k) / p.error).ln().abs());
+        self.residual = off.fold(0.0, f64::max);
+        self
+    }
+}
+
+/// The runs on the finest k, or on the coarsest h.
+fn line_of(points: &[Point], direction: Direction) -> Vec<Point> {
+    let (other, level): (fn(&Point) -> f64, f64) = match direction {
+        Direction::Space => (|p| p.k, points.iter().map(|p| p.k).fold(f64::INFINITY, f64::min)),
+        Direction::Time => (|p| p.h, points.iter().map(|p| p.h).fold(0.0, f64::max)),
+    };
+    points.iter().filter(|p| same_level(other(p), level)).copied().collect()
+}
+
+fn term(samples: &[Sample], direction: Direction) -> Result<Term, String> {
+    let correction = match direction {
+        Direction::Space => Correction::Linear,
+        Direction::Time => Correction::Quadratic,
+    };
+    let (order, interval) = match samples.len() {
+        // Two runs have an order and nothing that bounds it.
+        2 => (local_slopes(samples)[0], Interval::around(0.0, f64::INFINITY)),
+        _ => {
+            let found = order_interval(samples, correction).map_err(|error| error.to_string())?;
+            (found.law.order, found.interval)
+        }
+    };
+    // Predictions are for finer steps: the constant is that of the finest run, not of the middle of the line.
+    let constant = samples.last().map_or(f64::NAN, |s| s.error / s.step.powf(order));
+    if !(order > 0.0 && constant > 0.0) {
+        return Err(format!("order {order:.2}: the error does not fall"));
+    }
+    Ok(Term { constant, order, interval })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn grid(error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
+        let steps = |list: [u32; 4]| list.map(|n| 1.0 / f64::from(n));
+        let pairs =
+            steps([8, 16, 32, 64]).into_iter().flat_map(|h| steps([4, 8, 16, 32]).map(|k| (h, k)));
+        pairs.map(|(h, k)| Point { h, k, error: error(h, k), floor: 0.0 }).collect()
+    }
+
+    fn differences(constant: f64) -> Vec<Sample> {
+        let k = [4, 8, 16].map(|steps| 1.0 / f64::from(steps));
+        k.map(|step| Sample { step, error: constant * step * step }).to_vec()
+    }
+
+    #[test]
+    fn both_terms_are_found_where_both_show() {
+        for (model, m) in [(Model::Sum, 1.0f64), (Model::RootSumSquare, 2.0)] {
+            let law = |h: f64, k: f64| ((0.5 * h).powf(m) + (2.0 * k * k).powf(m)).powf(1.0 / m);
+            // The differences are not asked.
+            let found = ErrorModel::fit(&grid(law), &differences(77.0), false).expect("a model");
+            assert_eq!(found.model, model);
+            let (space, time) = (found.space.expect("h"), found.time.expect("k"));
+            // The minimum of a smooth residual, to the root of rounding.
+            assert!((space.order - 1.0).abs() < 1e-6 && (time.order - 2.0).abs() < 1e-6);
+            assert!((found.error(0.01, 0.01) / law(0.01, 0.01) - 1.0).abs() < 1e-5);
+            assert!(found.residual < 1e-6);
+        }
+    }
+
+    #[test]
+    fn a_hidden_term_of_time_comes_from_runs_on_one_mesh() {
+        let law = |h: f64, k: f64| (0.5 * h).hypot(0.01 * k * k);
+        let found = ErrorModel::fit(&grid(law), &differences(0.01), false).expect("a model");
+        let (space, time) = (found.space.expect("h"), found.time.expect("k"));
+        assert!((space.order - 1.0).abs() < 1e-3 && (time.constant - 0.01).abs() < 1e-12);
+        // Where k is coarse and h is not, its error counts.
+        assert!((found.error(1e-3, 0.25) / law(1e-3, 0.25) - 1.0).abs() < 0.01);
+        // Without them it is left out, and said.
+        let without = ErrorModel::fit(&grid(law), &[], false).expect("a model");
+        assert!(without.time.is_none() && without.source.contains("k does not show"));
+    }
+
+    #[test]
+    fn an_error_without_h_has_a_line_in_k_alone() {
+        let found = ErrorModel::fit(&grid(|_, k| 3.0 * k * k), &[], true).expect("a model");
+        assert!(found.space.is_none());
+        assert!((found.error(0.5, 0.1) - 0.03).abs() < 1e-10);
+        assert_eq!(found.left_for_time(0.25, 0.5), 0.25);
+        // One that does not fall is no model.
+        assert!(ErrorModel::fit(&grid(|_, k| 1.0 / k), &[], true).is_err());
+    }
+
+    #[test]
+    fn what_space_takes_is_not_left_for_time() {
+        let term =
+            |constant, order| Term { constant, order, interval: Interval::around(order, 0.0) };
+        let found = ErrorModel {
+            model: Model::RootSumSquare,
+            space: Some(term(1.0, 1.0)),
+            time: Some(term(1.0, 2.0)),
+            source: String::new(),
+            residual: 0.0,
+        };
+        // 3-4-5.
+        assert!((found.left_for_time(0.5, 0.3) - 0.4).abs() < 1e-15);
+        assert_eq!(found.left_for_time(0.2, 0.3), 0.0);
+        let sum = ErrorModel { model: Model::Sum, ..found };
+        assert!((sum.left_for_time(0.5, 0.3) - 0.2).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,335 @@
+//! A run with its coarser companions, and the differences of each pair in every norm.
+
+use std::time::{Duration, Instant};
+
+use cpu_time::ThreadTime;
+use serde_json::Value;
+
+use crate::solution::FinalState;
+use crate::trade::NORMS;
+use fem::contact::{
+    CaseError, CaseInfo, Discretization, Floors, LevelFields, LoadError, Observer, StepView,
+};
+use fem::norms::{ReferenceRun, step_errors};
+use run::sweep::{Runs, as_floors, floor_in};
+use scene::setup::{MeshData, Setup, SetupError};
+use scene::{Data, Norm};
+
+/// What the companions of a run show.
+pub struct Companions {
+    /// The run itself at t = T.
+    pub state: FinalState,
+    /// Differences in each norm.
+    pub norms: Vec<NormDifferences>,
+    /// Scalars of the state.
+    pub quantities: Vec<Scalar>,
+    /// Why there are no companions in h, and in k.
+    pub missing: [Option<String>; 2],
+    /// The data depend on the mesh, so that each mesh has a solution of its own and h no error.
+    pub own_on_each_mesh: bool,
+    /// Largest ‖ε(u_n)‖ of the run.
+    pub size: f64,
+    /// What each run took, the run itself first.
+    pub times: Vec<RunTime>,
+}
+
+/// CPU seconds of one run as if it were alone: mesh, analysis, loads and march, without what companions are kept and
+/// compared for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunTime {
+    /// Cells a unit length.
+    pub n: u32,
+    /// Number of steps.
+    pub steps: u32,
+    /// CPU seconds of the thread.
+    pub seconds: f64,
+}
+
+/// A named quantity in a run and its companions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scalar {
+    /// Its name, see [`FinalState`].
+    pub name: String,
+    /// On [4h, 2h, h]; none without companions.
+    pub space: Option<[f64; 3]>,
+    /// On [4k, 2k, k], likewise.
+    pub time: Option<[f64; 3]>,
+    /// In the run.
+    pub value: f64,
+}
+
+/// The differences [d₁, d₂] of one norm, of the two finest runs and of the two coarser ones.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NormDifferences {
+    /// The norm.
+    pub norm: Norm,
+    /// In h; NaN where there are no companions.
+    pub space: [f64; 2],
+    /// In k, likewise.
+    pub time: [f64; 2],
+    /// What solver and rounding leave in any of the runs.
+    pub floor: f64,
+}
+
+/// Levels of the coarsest companion in time that are compared at most, beside the last.
+const COMPARED: u32 = 64;
+/// Two times are the same within rounding.
+const SAME_TIME: f64 = 1e-9;
+
+/// A mesh with its loads, and the CPU seconds that it took.
+struct Meshed {
+    n: u32,
+    data: MeshData,
+    seconds: f64,
+}
+
+impl Meshed {
+    fn new(setup: &Setup, n: u32) -> Result<Self, SetupError> {
+        let clock = ThreadTime::now();
+        let data = MeshData::new(setup, n, None)?;
+        Ok(Self { n, data, seconds: clock.elapsed().as_secs_f64() })
+    }
+}
+
+/// CPU seconds of a run: mesh, loads, and all else of the march.
+#[derive(Clone, Copy)]
+struct Clock {
+    mesh: f64,
+    load: f64,
+    march: f64,
+}
+
+/// One run: fields at the compared times, the state at T, floors.
+struct Run {
+    n: u32,
+    steps: u32,
+    clock: Clock,
+    size: f64,
+    levels: Vec<LevelFields>,
+    state: FinalState,
+    floors: Floors,
+    kept: ReferenceRun,
+    /// Largest distance to the finer run that it was compared with.
+    apart: Floors,
+}
+
+/// Runs a scene on (n, N) and on the coarser companions that it has.
+///
+/// # Errors
+/// The run itself; a companion that fails is `missing`.
+pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, SetupError> {
+    let mesh = Meshed::new(setup, n)?;
+    let own_on_each_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+    let own = run(setup, &mesh, [steps, steps], None)?;
+    let (in_time, no_time) = split(time_companions(setup, &mesh, steps));
+    let (in_space, no_space) = match own_on_each_mesh {
+        true => (None, None),
+        false => split(space_companions(setup, n, steps, &own)),
+    };
+    let data = &mesh.data;
+    let floors = [&in_time, &in_space]
+        .into_iter()
+        .flatten()
+        .flatten()
+        .fold(own.floors, |floors, run| floors.max(run.floors));
+    let time = in_time
+        .as_ref()
+        .map(|[half, quarter]| [distance(data, &own, half), distance(data, half, quarter)]);
+    let space = in_space.as_ref().map(|[half, quarter]| [half.apart, quarter.apart]);
+    let read = |pair: &Option<[Floors; 2]>, norm: Norm| {
+        pair.map_or([f64::NAN; 2], |pair| pair.map(|floors| floor_in(&floors, norm)))
+    };
+    let on_contact = setup.model.boundary.is_some();
+    let norms = NORMS.into_iter().filter(|norm| on_contact || !norm.needs_contact());
+    let norms = norms.map(|norm| NormDifferences {
+        norm,
+        space: read(&space, norm),
+        time: read(&time, norm),
+        floor: floor_in(&floors, norm),
+    });
+    let triple = |runs: &Option<[Run; 2]>, name: &str, value: f64| {
+        let [half, quarter] = runs.as_ref()?;
+        Some([scalar(&quarter.state, name)?, scalar(&half.state, name)?, value])
+    };
+    let runs = [&in_time, &in_space].into_iter().flatten().flatten();
+    let times = std::iter::once(&own).chain(runs).map(|run| run.alone(&own)).collect();
+    let quantities = scalars(&own.state).into_iter().map(|(name, value)| {
+        let space = match own_on_each_mesh {
+            true => Some([value; 3]),
+            false => triple(&in_space, &name, value),
+        };
+        let time = triple(&in_time, &name, value);
+        Scalar { name, space, time, value }
+    });
+    Ok(Companions {
+        norms: norms.collect(),
+        quantities: quantities.collect(),
+        missing: [no_space, no_time],
+        own_on_each_mesh,
+        size: own.size,
+        times,
+        state: own.state,
+    })
+}
+
+/// The runs of [`companions`], the finest of which is the run itself: beside it, the levels of that and of two companions
+/// that are compared, u and σ of each twice over.
+pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
+    let beside = move |space: &Discretization, _| {
+        let d = space.mesh.dimension;
+        let stresses = d * (d + 1) / 2 * space.mesh.cell_count();
+        let compared = steps / stride(steps, steps) + 2;
+        3.0 * 2.0 * 8.0 * f64::from(compared) * (space.nodes.len() + stresses) as f64
+    };
+    Runs { setup, grid: vec![(n, steps)], beside: Box::new(beside) }
+}
+
+fn split<T>(outcome: Result<T, String>) -> (Option<T>, Option<String>) {
+    match outcome {
+        Ok(value) => (Some(value), None),
+        Err(reason) => (None, Some(reason)),
+    }
+}
+
+/// Half and a quarter of the steps on the same mesh.
+fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2], String> {
+    if !steps.is_multiple_of(4) {
+        return Err(format!("N = {steps} is no multiple of 4"));
+    }
+    let (fine, coarse) = (setup.grid(steps), setup.grid(steps / 4));
+    let apart = |j: usize| (fine.time(4 * j) - coarse.time(j)).abs();
+    if (0..=coarse.steps()).any(|j| apart(j) > SAME_TIME * fine.time(fine.steps())) {
+        return Err("the grids of N and N/4 steps share no times".into());
+    }
+    let companion = |own: u32| {
+        run(setup, mesh, [own, steps], None)
+            .map_err(|error| format!("the companion with N = {own} fails: {error}"))
+    };
+    Ok([companion(steps / 2)?, companion(steps / 4)?])
+}
+
+/// Half and a quarter of the cells a unit length with the same steps, each beside the finer run.
+fn space_companions(setup: &Setup, n: u32, steps: u32, own: &Run) -> Result<[Run; 2], String> {
+    if !n.is_multiple_of(4) {
+        return Err(format!("n = {n} is no multiple of 4"));
+    }
+    if setup.scene.check_cells(n / 4).is_err() {
+        return Err(format!("the domain has no mesh with n = {}", n / 4));
+    }
+    let companion = |own: u32, finer: &Run| -> Result<Run, String> {
+        let failed =
+            |error: &dyn std::fmt::Display| format!("the companion with n = {own} fails: {error}");
+        let mesh = Meshed::new(setup, own).map_err(|error| failed(&error))?;
+        run(setup, &mesh, [steps, steps], Some(&finer.kept)).map_err(|error| failed(&error))
+    };
+    let half = companion(n / 2, own)?;
+    let quarter = companion(n / 4, &half)?;
+    Ok([half, quarter])
+}
+
+impl Run {
+    /// The seconds of this run alone. Loads are those of the first run on a mesh, a level: companions may find them there.
+    fn alone(&self, first: &Self) -> RunTime {
+        let levels = |run: &Self| f64::from(run.steps + 1);
+        let Clock { mesh, load, march } = self.clock;
+        let load = match self.n == first.n {
+            true => first.clock.load * levels(self) / levels(first),
+            false => load,
+        };
+        RunTime { n: self.n, steps: self.steps, seconds: mesh + load + march }
+    }
+}
+
+/// One run, kept at the times of N/4 steps (thinned), N being the steps of the finest one.
+fn run(
+    setup: &Setup,
+    mesh: &Meshed,
+    [own, finest]: [u32; 2],
+    finer: Option<&ReferenceRun>,
+) -> Result<Run, CaseError> {
+    let refused =
+        |error: &dyn std::fmt::Display| LoadError::Reference { reason: error.to_string() };
+    let (n, space) = (mesh.n, &mesh.data.space);
+    let refinement = finer.map(|finer| finer.refinement(space)).transpose();
+    let refinement = refinement.map_err(|error| refused(&error))?;
+    let stride = stride(own, finest);
+    let mut kept = ReferenceRun::new(space.clone());
+    let (mut levels, mut state, mut apart) = (Vec::new(), None, Floors::default());
+    let mut keep = |view: &StepView<'_>| -> Result<(), CaseError> {
+        let last = view.n == own as usize;
+        if !(last || view.n.is_multiple_of(stride as usize)) {
+            return Ok(());
+        }
+        if let Some((finer, refinement)) = finer.zip(refinement.as_ref()) {
+            let truth =
+                finer.moments(refinement, space, view.t).map_err(|error| refused(&error))?;
+            apart = apart.max(as_floors(&step_errors(space, &setup.model, view, &truth)));
+        }
+        kept.keep(&setup.model, view);
+        levels.push(LevelFields::of(space, &setup.model, view));
+        if last {
+            state = Some(FinalState::new(space, &setup.model, view));
+        }
+        Ok(())
+    };
+    let (info, clock) = timed(setup, mesh, own, &mut keep)?;
+    let missing =
+        || LoadError::Reference { reason: format!("the run on n = {n} has no last level") };
+    Ok(Run {
+        n,
+        steps: own,
+        clock,
+        size: info.strain_norm,
+        levels,
+        state: state.ok_or_else(missing)?,
+        floors: info.floors,
+        kept,
+        apart,
+    })
+}
+
+/// A march that shows its levels to `keep`, and its CPU seconds without those of `keep`.
+fn timed(
+    setup: &Setup,
+    mesh: &Meshed,
+    steps: u32,
+    keep: &mut Observer<'_>,
+) -> Result<(CaseInfo, Clock), CaseError> {
+    let (clock, wall, mut keeping) = (ThreadTime::now(), Instant::now(), Duration::ZERO);
+    let info = setup.scheme.march(setup, &mesh.data, steps, &mut |view| {
+        let clock = ThreadTime::now();
+        let outcome = keep(view);
+        keeping += clock.elapsed();
+        outcome
+    })?;
+    let taken = clock.elapsed().as_secs_f64();
+    // A share of the wall is one of the CPU time, wherever the thread had to wait.
+    let load = taken * (info.seconds_load / wall.elapsed().as_secs_f64()).min(1.0);
+    let march = (taken - keeping.as_secs_f64() - load).max(0.0);
+    Ok((info, Clock { mesh: mesh.seconds, load, march }))
+}
+
+/// Levels of a run with `own` steps between two compared ones, N = `finest` being the steps of the finest.
+fn stride(own: u32, finest: u32) -> u32 {
+    let compared = if finest.is_multiple_of(4) { finest / 4 } else { finest };
+    compared.div_ceil(COMPARED).max(1) * (own / compared).max(1)
+}
+
+/// The largest distance of two runs on one mesh.
+fn distance(data: &MeshData, a: &Run, b: &Run) -> Floors {
+    let pairs = a.levels.iter().zip(&b.levels).map(|(a, b)| a.distance(b, &data.space));
+    pairs.fold(Floors::default(), Floors::max)
+}
+
+/// The scalars of a state; counts of vertices and cells have no order.
+fn scalars(state: &FinalState) -> Vec<(String, f64)> {
+    let Ok(Value::Object(fields)) = serde_json::to_value(state) else { return Vec::new() };
+    let number = |(name, value): (String, Value)| {
+        value.as_f64().filter(|_| value.is_f64()).map(|value| (name, value))
+    };
+    fields.into_iter().filter_map(number).collect()
+}
+
+fn scalar(state: &FinalState, name: &str) -> Option<f64> {
+    scalars(state).into_iter().find(|(own, _)| own == name).map(|(_, value)| value)
+}

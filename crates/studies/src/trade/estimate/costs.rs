@@ -1,0 +1,63 @@
+//! What other n and N cost, from a run and its companions.
+
+use super::{Companions, RunTime};
+use crate::trade::{Composition, CostSample};
+use run::sweep::run_seconds;
+use scene::setup::{Setup, SetupError};
+
+/// A run has a time of its own from here on, in CPU seconds: page faults and a cold cache are about a millisecond, a
+/// tenth of it.
+const TIMED: f64 = 0.01;
+
+/// Where predicted seconds come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CostSource {
+    /// The CPU times of the run and its companions.
+    Timed,
+    /// Counts of `sweep explain` with the rates of another machine: the runs are too short for a clock.
+    Counted,
+}
+
+/// The cost of runs: parts fitted to the CPU times of the companions, or to their counts where one is too short to
+/// time. None where nothing fits.
+///
+/// # Errors
+/// A mesh that cannot be made.
+pub fn costs(
+    setup: &Setup,
+    found: &Companions,
+) -> Result<Option<(Composition, CostSource)>, SetupError> {
+    let sample = |run: &RunTime| CostSample {
+        h: setup.body.domain.h(run.n),
+        k: setup.grid(run.steps).largest_step(),
+        seconds: run.seconds,
+    };
+    let shortest = found.times.iter().map(|run| run.seconds).fold(f64::INFINITY, f64::min);
+    let (runs, source) = match shortest >= TIMED {
+        true => (found.times.clone(), CostSource::Timed),
+        false => (counted(setup, &found.times)?, CostSource::Counted),
+    };
+    let samples: Vec<CostSample> = runs.iter().map(sample).collect();
+    let (dimension, horizon) = (setup.scene.dimension, setup.scene.time.horizon);
+    let fitted = Composition::fit(&samples, dimension, horizon);
+    Ok(fitted.map(|composition| (composition, source)))
+}
+
+/// Counted costs of all pairs of the n and N that were run.
+fn counted(setup: &Setup, times: &[RunTime]) -> Result<Vec<RunTime>, SetupError> {
+    let listed = |pick: fn(&RunTime) -> u32| {
+        let mut list: Vec<u32> = times.iter().map(pick).collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    };
+    let (meshes, numbers) = (listed(|run| run.n), listed(|run| run.steps));
+    let mut found = Vec::new();
+    for n in meshes {
+        let space = setup.space(n)?;
+        for &steps in &numbers {
+            found.push(RunTime { n, steps, seconds: run_seconds(setup, &space, n, steps) });
+        }
+    }
+    Ok(found)
+}

@@ -1,0 +1,100 @@
+//! Named quantities at t = T: how far each is from its limit, from the same companions.
+
+use judge::fit::{Triple, ValueSample};
+
+/// A quantity with what h and k leave open in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct QuantityEstimate {
+    /// Its name, see `solution::FinalState`.
+    pub name: String,
+    /// Its value in the run.
+    pub value: f64,
+    /// The value with what either extrapolation adds, where both have a limit.
+    pub extrapolated: Option<f64>,
+    /// Bound of the distance to the limit: the sum of the two grid convergence indices.
+    pub uncertainty: Option<f64>,
+    /// Observed orders in h and k.
+    pub orders: [Option<f64>; 2],
+    /// Why there is no bound.
+    pub reason: Option<String>,
+}
+
+/// Reads the values of a quantity on [4h, 2h, h] and on [4k, 2k, k]; a direction that was not run is none.
+pub fn quantity(
+    name: &str,
+    space: Option<[f64; 3]>,
+    time: Option<[f64; 3]>,
+    value: f64,
+) -> QuantityEstimate {
+    let read = |values: Option<[f64; 3]>| {
+        values.map(|[coarse, middle, fine]| {
+            let at = |step: f64, value: f64| ValueSample { step, value };
+            Triple::of([at(4.0, coarse), at(2.0, middle), at(1.0, fine)])
+        })
+    };
+    let triples = [read(space), read(time)];
+    let mut found = QuantityEstimate {
+        name: name.into(),
+        value,
+        extrapolated: Some(value),
+        uncertainty: Some(0.0),
+        orders: triples.map(|triple| triple.and_then(Triple::order)),
+        reason: None,
+    };
+    let mut refuse = |reason: String| {
+        found.extrapolated = None;
+        found.uncertainty = None;
+        found.reason.get_or_insert(reason);
+    };
+    let (mut shift, mut width) = (0.0, 0.0);
+    for (step, triple) in ["h", "k"].into_iter().zip(triples) {
+        match triple {
+            Some(Triple::Converging { order, limit, gci }) if order >= super::LEAST_ORDER => {
+                shift += limit - value;
+                width += gci;
+            }
+            // No order, but no further away than the values are from each other.
+            Some(Triple::Oscillating { half_range }) => width += 2.0 * half_range,
+            Some(Triple::Stationary) => {}
+            Some(Triple::Converging { order, .. } | Triple::Diverging { order }) => {
+                refuse(format!("pre-asymptotic in {step}: order {order:.2}"));
+            }
+            None => refuse(format!("no companions in {step}")),
+        }
+    }
+    if found.uncertainty.is_some() {
+        found.extrapolated = Some(value + shift);
+        found.uncertainty = Some(width);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_bound_holds_the_limit_of_power_laws() {
+        // 5 + 2h² + k² at h = k = 0.1.
+        let at = |h: f64, k: f64| 5.0 + 2.0 * h * h + k * k;
+        let space = [at(0.4, 0.1), at(0.2, 0.1), at(0.1, 0.1)];
+        let time = [at(0.1, 0.4), at(0.1, 0.2), at(0.1, 0.1)];
+        let found = quantity("q", Some(space), Some(time), at(0.1, 0.1));
+        // Differences of numbers of size 5 with 16 digits, over 3.
+        assert!((found.extrapolated.expect("a limit") - 5.0).abs() < 1e-13);
+        // Roache's factor 1.25 on both corrections.
+        assert!((found.uncertainty.expect("a bound") - 1.25 * 0.03).abs() < 1e-13);
+        let orders = found.orders.map(|order| order.expect("an order"));
+        assert!(orders.iter().all(|order| (order - 2.0).abs() < 1e-10));
+    }
+
+    #[test]
+    fn what_does_not_converge_has_no_bound() {
+        let growing = quantity("q", Some([0.0, 1.0, 3.0]), Some([3.0; 3]), 3.0);
+        assert!(growing.uncertainty.is_none() && growing.extrapolated.is_none());
+        assert!(growing.reason.expect("a reason").contains("in h"));
+        assert!(quantity("q", None, Some([3.0; 3]), 3.0).uncertainty.is_none());
+        let oscillating = quantity("q", Some([3.1, 2.9, 3.0]), Some([3.0; 3]), 3.0);
+        assert!((oscillating.uncertainty.expect("a range") - 0.2).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,100 @@
+//! What Richardson's extrapolation is worth: errors with and without it, and the orders of both.
+
+use super::measure::Bench;
+use super::{Knob, Study, Trial};
+use fem::contact::strain_norm;
+use judge::fit::{Correction, Interval, Sample, local_slopes, order_interval};
+use scene::Data;
+
+/// Errors by step, with and without extrapolation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Extrapolated {
+    /// What is extrapolated.
+    pub what: String,
+    /// k or h.
+    pub step: &'static str,
+    /// Step, error, error with the extrapolation from twice the step.
+    pub rows: Vec<(f64, f64, Option<f64>)>,
+    /// Orders of both: the last local one, and the interval from three points on.
+    pub orders: [Option<(f64, Option<Interval>)>; 2],
+}
+
+impl Extrapolated {
+    fn new(what: String, step: &'static str, mut rows: Vec<(f64, f64, Option<f64>)>) -> Self {
+        rows.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let plain: Vec<Sample> =
+            rows.iter().map(|row| Sample { step: row.0, error: row.1 }).collect();
+        let better = rows.iter().filter_map(|row| Some(Sample { step: row.0, error: row.2? }));
+        let orders = [order(&plain, step), order(&better.collect::<Vec<_>>(), step)];
+        Self { what, step, rows, orders }
+    }
+}
+
+fn order(samples: &[Sample], step: &str) -> Option<(f64, Option<Interval>)> {
+    let positive: Vec<Sample> = samples.iter().copied().filter(|s| s.error > 0.0).collect();
+    let correction = if step == "k" { Correction::Quadratic } else { Correction::Linear };
+    let last = *local_slopes(&positive).last()?;
+    Some((last, order_interval(&positive, correction).ok().map(|found| found.interval)))
+}
+
+/// (4 u_k - u_2k)/3 on the finest mesh, in the V norm.
+pub fn in_time(study: &Study) -> Option<Extrapolated> {
+    let name = Knob::Extrapolated.name();
+    let n = study.trials.iter().filter(|t| t.knob == name).map(|t| t.n).max()?;
+    let error = |trial: &Trial| trial.done().map(|run| run.error);
+    let rows = study.plain().filter(|trial| trial.n == n).filter_map(|own| {
+        let other =
+            study.trials.iter().find(|t| t.knob == name && t.n == n && t.steps == own.steps);
+        Some((own.k, error(own)?, other.and_then(error)))
+    });
+    let what = format!("(4 u_k - u_2k)/3 on n = {n}, V_max");
+    Some(Extrapolated::new(what, "k", rows.collect()))
+}
+
+/// ‖ε(u_h(T))‖ by (4 Q_h - Q_2h)/3 with the most steps: the discrete solutions of nested meshes are nearly orthogonal,
+/// so that Q has order 2. The strain itself gains nothing: it is constant on cells. None where each mesh has a solution
+/// of its own.
+pub fn in_space(bench: &Bench, study: &Study) -> Option<Extrapolated> {
+    let setup = &bench.plain.setup;
+    if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
+        return None;
+    }
+    let steps = study.plain().map(|trial| trial.steps).max()?;
+    let values: Vec<(u32, f64, f64)> = study
+        .plain()
+        .filter(|trial| trial.steps == steps && trial.done().is_some())
+        .filter_map(|trial| {
+            let (space, u, exact) = bench.last_level(trial.n, steps)?;
+            Some((trial.n, strain_norm(space, u), exact))
+        })
+        .collect();
+    let row = |&(n, own, exact): &(u32, f64, f64)| {
+        let coarse = values.iter().find(|(other, ..)| 2 * other == n);
+        let better = coarse.map(|(_, coarse, _)| ((4.0 * own - coarse) / 3.0 - exact).abs());
+        (setup.body.domain.h(n), (own - exact).abs(), better)
+    };
+    let what = format!("(4 Q_h - Q_2h)/3 of Q = |eps(u(T))|, N = {steps}");
+    let rows: Vec<_> = values.iter().map(row).collect();
+    (rows.len() > 1).then(|| Extrapolated::new(what, "h", rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extrapolated_values_have_their_own_order() {
+        let rows = [4, 8, 16, 32].map(|steps| {
+            let k = 1.0 / f64::from(steps);
+            (k, k * k, (steps > 4).then(|| 3.0 * k.powi(4)))
+        });
+        let found = Extrapolated::new("u".into(), "k", rows.to_vec());
+        let [plain, better] = found.orders.map(|order| order.expect("an order"));
+        // Roundings of logarithms.
+        assert!((plain.0 - 2.0).abs() < 1e-12 && (better.0 - 4.0).abs() < 1e-12);
+        assert!(better.1.expect("an interval").contains(4.0));
+        assert!(!better.1.expect("an interval").contains(2.0));
+        let one = Extrapolated::new("u".into(), "k", rows[..1].to_vec());
+        assert_eq!(one.orders, [None, None]);
+    }
+}

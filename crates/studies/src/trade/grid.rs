@@ -1,0 +1,101 @@
+//! Which meshes and numbers of steps a trade runs, where the command line names none: at least three of each, so that
+//! orders and exponents have something to rest on, and no more than the budget bears.
+
+use super::Variant;
+use run::sweep::{CasePlan, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, predict};
+use scene::setup::{SetupError, Subject, check_step_sizes};
+
+/// Levels of each direction that orders need.
+const LEVELS: usize = 3;
+/// Levels that are kept while the budget bears them.
+const MOST: [usize; 2] = [4, 5];
+/// No mesh coarser than this, no fewer steps.
+const LEAST: [u32; 2] = [2, 2];
+
+/// The grid of a scene: its own lists, completed by halves (or doubles) up to three levels, and without its finest
+/// levels while the predicted seconds of all runs, `runs` a case, are above `budget`.
+///
+/// # Errors
+/// Those of a setup.
+pub fn own_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
+    let scene = &plain.setup.scene;
+    let sweep = scene.sweep.as_ref();
+    let list = |pick: fn(&scene::Sweep) -> &Vec<usize>, default: [usize; 3]| {
+        let own = sweep.map_or_else(|| default.to_vec(), |sweep| pick(sweep).clone());
+        own.into_iter().map(|value| value as u32).collect::<Vec<u32>>()
+    };
+    let reference = sweep.and_then(|sweep| sweep.reference).filter(|_| plain.setup.exact.is_none());
+    let finest = reference.map_or([u32::MAX; 2], |r| [r.n as u32 / 2, r.steps as u32 / 2]);
+    let cells = |n: u32| n <= finest[0] && scene.check_cases(&[n], &[]).is_ok();
+    let subject = Subject::new(scene.clone())?;
+    let steps = |steps: u32| {
+        let safe = || check_step_sizes(&subject, &[steps]).is_ok();
+        steps <= finest[1] && scene.check_cases(&[], &[steps]).is_ok() && safe()
+    };
+    let mut ns = completed(list(|sweep| &sweep.n, [8, 16, 32]), LEAST[0], &cells);
+    let mut numbers = completed(list(|sweep| &sweep.steps, [4, 8, 16]), LEAST[1], &steps);
+    ns.truncate(MOST[0]);
+    numbers.truncate(MOST[1]);
+    loop {
+        let overrides = Overrides { n: Some(ns.clone()), steps: Some(numbers.clone()) };
+        let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);
+        let cost = predict(&plain.setup, &plan)?;
+        let seconds: f64 = cost.cases.iter().map(|case| case.seconds).sum();
+        if seconds * f64::from(runs) <= budget {
+            break;
+        }
+        // Meshes cost more than steps: they go first.
+        match [ns.len() > LEVELS, numbers.len() > LEVELS] {
+            [true, _] => ns.truncate(ns.len() - 1),
+            [false, true] => numbers.truncate(numbers.len() - 1),
+            [false, false] => break,
+        }
+    }
+    Ok([ns, numbers])
+}
+
+/// Refuses a trade of the cases of `plan` that would take more memory than there may be: a bench holds the truth on every
+/// mesh, and the displacements of every run as written. A knob is predicted to take no more than the scene as written.
+///
+/// # Errors
+/// [`Refused`].
+pub fn admit_trade(plan: &ScenePlan, limit: &MemoryLimit) -> Result<(), Refused> {
+    admit_plan(plan, 1, limit, |cases| {
+        let levels = |case: &CasePlan| f64::from(case.steps) + 1.0;
+        cases.iter().map(|(case, cost)| 8.0 * cost.dofs as f64 * levels(case)).sum()
+    })
+}
+
+/// A list with at least three levels, rising.
+fn completed(mut list: Vec<u32>, least: u32, admitted: &dyn Fn(u32) -> bool) -> Vec<u32> {
+    list.sort_unstable();
+    list.dedup();
+    while list.len() < LEVELS {
+        let (Some(&first), Some(&last)) = (list.first(), list.last()) else { break };
+        let half = first / 2;
+        if first.is_multiple_of(2) && half >= least && admitted(half) {
+            list.insert(0, half);
+        } else if let Some(double) = last.checked_mul(2).filter(|&double| admitted(double)) {
+            list.push(double);
+        } else {
+            break;
+        }
+    }
+    list
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_completed_downwards_and_then_upwards() {
+        let any = |_| true;
+        assert_eq!(completed(vec![16], 2, &any), [4, 8, 16]);
+        assert_eq!(completed(vec![4], 2, &any), [2, 4, 8]);
+        assert_eq!(completed(vec![6, 3, 4], 2, &any), [3, 4, 6]);
+        assert_eq!(completed(vec![3], 2, &any), [3, 6, 12]);
+        assert_eq!(completed(vec![16], 2, &|value| value == 8), [8, 16]);
+        assert!(completed(Vec::new(), 2, &any).is_empty());
+    }
+}

@@ -1,0 +1,210 @@
+//! Runs for the clock and runs for the error. The clock sees mesh, analysis, loads and march, each time from nothing;
+//! what the error is measured with (moments of the truth) is no part of it.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use cpu_time::ThreadTime;
+
+use super::knob::{Knob, Variant};
+use super::trial::{Outcome, Trial};
+use fem::contact::{CaseError, CaseInfo, Discretization, LoadError, strain_distance};
+use fem::norms::{ReferenceRun, Trajectory, step_errors, strain_error};
+use run::sweep::{floor_in, run_cost};
+use scene::Norm;
+use scene::setup::{MeshData, Setup, SetupError, reference_run};
+
+/// The norms in which a trade can be measured: those of levels that have a truth at every time.
+pub const NORMS: [Norm; 5] =
+    [Norm::VMax, Norm::L2Max, Norm::TraceL2Max, Norm::PressureL2Max, Norm::StressL2Max];
+
+/// Measures runs of one scene.
+pub struct Bench {
+    /// The scene as written.
+    pub plain: Variant,
+    /// The norm of the errors.
+    pub norm: Norm,
+    /// Runs for the clock.
+    pub repeats: u32,
+    reference: Option<Arc<ReferenceRun>>,
+    /// By n, the truth by the rules of the scene.
+    judges: HashMap<u32, MeshData>,
+    /// Displacements of the runs as written, by (n, N).
+    trajectories: HashMap<(u32, u32), Trajectory>,
+    /// Largest ‖ε(u)‖ of the truth that was met.
+    pub size: f64,
+}
+
+impl Bench {
+    /// Makes the reference run of a scene without exact solution.
+    ///
+    /// # Errors
+    /// A reference run that fails.
+    pub fn new(plain: Variant, norm: Norm, repeats: u32) -> Result<Self, SetupError> {
+        let setup = &plain.setup;
+        let wanted = setup.scene.sweep.as_ref().filter(|_| setup.exact.is_none());
+        let reference = match wanted.and_then(|sweep| sweep.reference) {
+            Some(wanted) => {
+                Some(Arc::new(reference_run(setup, wanted.n as u32, wanted.steps as u32, 1)?))
+            }
+            None => None,
+        };
+        let (judges, trajectories) = (HashMap::new(), HashMap::new());
+        Ok(Self { plain, norm, repeats, reference, judges, trajectories, size: 0.0 })
+    }
+
+    fn setup(&self) -> &Setup {
+        &self.plain.setup
+    }
+
+    /// A run with a knob turned, n cells a unit length and `steps` steps. What fails is a row without numbers.
+    pub fn trial(&mut self, variant: &Variant, n: u32, steps: u32) -> Trial {
+        let outcome = self.outcome(variant, n, steps);
+        let dofs = self.judges.get(&n).map_or(0, |data| data.space.dofs());
+        self.row(variant.knob.name(), n, steps, dofs, outcome)
+    }
+
+    fn row(
+        &self,
+        knob: String,
+        n: u32,
+        steps: u32,
+        dofs: usize,
+        outcome: Result<Outcome, String>,
+    ) -> Trial {
+        let h = self.setup().body.domain.h(n);
+        let k = self.setup().grid(steps).largest_step();
+        Trial { knob, n, steps, h, k, dofs, outcome }
+    }
+
+    fn outcome(&mut self, variant: &Variant, n: u32, steps: u32) -> Result<Outcome, String> {
+        let words = |error: &dyn std::fmt::Display| error.to_string();
+        if !self.judges.contains_key(&n) {
+            let data = MeshData::new(self.setup(), n, self.reference.clone());
+            self.judges.insert(n, data.map_err(|error| words(&error))?);
+        }
+        let (mut seconds, mut slowest, mut load_share) = (f64::INFINITY, 0f64, 0.0);
+        let mut last = None;
+        for _ in 0..self.repeats.max(1) {
+            let (clock, wall) = (ThreadTime::now(), Instant::now());
+            let data = variant.on_mesh(n).map_err(|error| words(&error))?;
+            let info =
+                variant.march(&data, steps, &mut |_| Ok(())).map_err(|error| words(&error))?;
+            let taken = clock.elapsed().as_secs_f64();
+            slowest = slowest.max(taken);
+            if taken < seconds {
+                // A share of the wall is one of the CPU time, wherever the thread had to wait.
+                (seconds, load_share) = (taken, info.seconds_load / wall.elapsed().as_secs_f64());
+            }
+            last = Some(data);
+        }
+        let data = last.ok_or("no run")?;
+        let (info, error) = self.error(variant, &data, n, steps).map_err(|e| words(&e))?;
+        let cost = run_cost(self.setup(), &data.space, n, steps);
+        // The prediction is that of the scene as written; the history is counted.
+        let bytes = cost.memory_bytes + info.peak_history_bytes as f64 - cost.history_bytes;
+        Ok(Outcome {
+            error,
+            floor: floor_in(&info.floors, self.norm),
+            seconds,
+            slowest,
+            repeats: self.repeats.max(1),
+            load_share,
+            bytes,
+            history_bytes: info.peak_history_bytes,
+            newton_iterations: info.newton_iterations,
+            factorizations: info.work.linear.factorizations,
+        })
+    }
+
+    /// The error of a run, on mesh and loads of the clock, against the truth by the rules of the scene.
+    fn error(
+        &mut self,
+        variant: &Variant,
+        data: &MeshData,
+        n: u32,
+        steps: u32,
+    ) -> Result<(CaseInfo, f64), CaseError> {
+        let judge = &self.judges[&n];
+        let still = vec![0.0; judge.space.nodes.len()];
+        let (mut error, mut size) = (0f64, self.size);
+        let mut trajectory = Trajectory::default();
+        let info = variant.march(data, steps, &mut |view| {
+            let truth = judge.truth.moments(view.t)?;
+            let errors = step_errors(&judge.space, &variant.setup.model, view, &truth);
+            let own = match self.norm {
+                Norm::L2Max => errors.l2,
+                Norm::TraceL2Max => errors.trace,
+                Norm::PressureL2Max => errors.pressure,
+                Norm::StressL2Max => errors.stress,
+                _ => errors.v,
+            };
+            error = if error.is_nan() || own <= error { error } else { own };
+            size = size.max(strain_error(&judge.space, &still, &truth));
+            trajectory.times.push(view.t);
+            trajectory.displacements.push(view.u.to_vec());
+            Ok(())
+        })?;
+        if variant.knob == Knob::AsWritten {
+            self.trajectories.insert((n, steps), trajectory);
+        }
+        self.size = size;
+        Ok((info, error))
+    }
+
+    /// (4 u_k - u_2k)/3 of two runs that were made, `coarse` with 2k; its error in the V norm at the times of both, and
+    /// the time of both. None where one of them has no row.
+    pub fn extrapolated(&self, fine: &Trial, coarse: &Trial) -> Option<Trial> {
+        let (cheap, dear) = (coarse.done()?, fine.done()?);
+        let [rough, exact] = [coarse, fine].map(|t| self.trajectories.get(&(t.n, t.steps)));
+        let (rough, exact) = (rough?, exact?);
+        let judge = self.judges.get(&fine.n)?;
+        let levels = || -> Result<f64, LoadError> {
+            let mut worst = 0f64;
+            for (t, u) in rough.times.iter().zip(&rough.displacements) {
+                let Some(finer) = exact.at(*t) else {
+                    let reason = format!("the run with half the step has no level at t = {t}");
+                    return Err(LoadError::Reference { reason });
+                };
+                let pairs = finer.iter().zip(u);
+                let sum: Vec<f64> =
+                    pairs.map(|(fine, coarse)| fine + (fine - coarse) / 3.0).collect();
+                worst = worst.max(strain_error(&judge.space, &sum, &*judge.truth.moments(*t)?));
+            }
+            Ok(worst)
+        };
+        let outcome = levels().map_err(|error| error.to_string()).map(|error| Outcome {
+            error,
+            seconds: cheap.seconds + dear.seconds,
+            slowest: cheap.slowest + dear.slowest,
+            bytes: dear.bytes.max(cheap.bytes),
+            newton_iterations: cheap.newton_iterations + dear.newton_iterations,
+            factorizations: cheap.factorizations + dear.factorizations,
+            ..dear.clone()
+        });
+        Some(self.row(Knob::Extrapolated.name(), fine.n, fine.steps, fine.dofs, outcome))
+    }
+
+    /// The last level of a run as written, and ‖ε(u(T))‖ of the truth.
+    pub(super) fn last_level(&self, n: u32, steps: u32) -> Option<(&Discretization, &[f64], f64)> {
+        let judge = self.judges.get(&n)?;
+        let trajectory = self.trajectories.get(&(n, steps))?;
+        let (t, u) = trajectory.times.last().zip(trajectory.displacements.last())?;
+        let still = vec![0.0; judge.space.nodes.len()];
+        let truth = judge.truth.moments(*t).ok()?;
+        Some((&*judge.space, u, strain_error(&judge.space, &still, &truth)))
+    }
+
+    /// max ‖ε(u_k - u_k')‖ of two runs as written on one mesh, at the times of the coarser one.
+    pub fn apart_in_time(&self, n: u32, coarse: u32, fine: u32) -> Option<f64> {
+        let (rough, exact) =
+            (self.trajectories.get(&(n, coarse))?, self.trajectories.get(&(n, fine))?);
+        let space = &self.judges.get(&n)?.space;
+        let mut worst = 0f64;
+        for (t, u) in rough.times.iter().zip(&rough.displacements) {
+            worst = worst.max(strain_distance(space, u, exact.at(*t)?));
+        }
+        Some(worst)
+    }
+}

@@ -1,0 +1,90 @@
+//! Error against CPU time or memory, a marker a run, with the Pareto front of both.
+
+use super::{Knob, Study, Trial, front};
+use judge::record::norm_label;
+use report::{Axis, Chart, Datum, Key, Part, ReportError, Scale, Series};
+
+/// What a run costs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Resource {
+    /// CPU seconds.
+    Time,
+    /// Peak memory of a process that does it alone, predicted.
+    Memory,
+}
+
+impl Study {
+    /// The picture; none without two runs.
+    ///
+    /// # Errors
+    /// [`ReportError::Drawing`].
+    pub fn svg(&self, resource: Resource) -> Result<Option<String>, ReportError> {
+        self.chart(resource).svg()
+    }
+
+    fn chart(&self, resource: Resource) -> Chart {
+        let (title, question, axis) = match resource {
+            Resource::Time => (
+                "speed against accuracy",
+                "Which error does a second buy? Lines: one mesh each, from few steps to many. CPU time of one thread, the least of the repeats: mesh, loads and march.",
+                "CPU time in seconds",
+            ),
+            Resource::Memory => (
+                "memory against accuracy",
+                "Which error does a megabyte buy? Lines: one mesh each, from few steps to many. Peak memory of a process that does the run alone, predicted, with its history as it was counted.",
+                "memory in MB",
+            ),
+        };
+        let place = |trial: &Trial| place(trial, resource);
+        let label = norm_label(self.norm.name());
+        let mut chart = Chart::new(
+            &format!("{}: {title}", self.scene),
+            question,
+            Axis::new(axis, Scale::Log),
+            Axis::new(format!("error {label}"), Scale::Log),
+        );
+        let mut ns: Vec<u32> = self.plain().map(|trial| trial.n).collect();
+        ns.dedup();
+        for n in ns {
+            let data: Vec<Datum> =
+                self.plain().filter(|trial| trial.n == n).filter_map(place).collect();
+            let series =
+                Series::new(format!("n = {n}"), vec![Part::Line(data.clone()), Part::Points(data)]);
+            chart.series.push(series);
+        }
+        let name = Knob::Extrapolated.name();
+        let extrapolated: Vec<Datum> =
+            self.trials.iter().filter(|t| t.knob == name).filter_map(place).collect();
+        if !extrapolated.is_empty() {
+            chart.series.push(Series::new("Richardson in k", vec![Part::Points(extrapolated)]));
+        }
+        let turned: Vec<Datum> = self
+            .trials
+            .iter()
+            .filter(|t| t.knob != name && t.knob != Knob::AsWritten.name())
+            .filter_map(place)
+            .collect();
+        if !turned.is_empty() {
+            let hollow = Series::new("", vec![Part::Hollow(turned)]);
+            chart.series.push(Series { grey: true, ..hollow });
+            chart.keys.push(Key::Hollow("another knob turned".into()));
+        }
+        let all: Vec<Datum> = self.trials.iter().filter_map(place).collect();
+        let best: Vec<Datum> = front(&all).into_iter().map(|i| all[i]).collect();
+        let front = Series { grey: true, ..Series::new("Pareto front", vec![Part::Dashed(best)]) };
+        chart.series.push(front);
+        let failed = self.trials.iter().filter(|trial| trial.done().is_none()).count();
+        if failed > 0 {
+            chart.note = format!("{} failed, in the table", files::counted(failed, "run"));
+        }
+        chart
+    }
+}
+
+/// Resource and error.
+fn place(trial: &Trial, resource: Resource) -> Option<Datum> {
+    trial.done().map(|run| match resource {
+        Resource::Time => (run.seconds, run.error),
+        Resource::Memory => (1e-6 * run.bytes, run.error),
+    })
+}

@@ -1,0 +1,303 @@
+//! The trade of a scene: a grid of runs, each knob at three of them, and what the numbers say.
+
+use super::measure::Bench;
+use super::optimum::{Coupling, along_path, coupling};
+use super::trial::{Table, TableError};
+use super::{Composition, CostModel, CostSample, ErrorModel, Knob, Price, Trial, Variant, knobs};
+use judge::fit::{Point, Sample};
+use scene::setup::{SetupError, Subject, check_step_sizes};
+use scene::{Data, Norm};
+
+/// What a trade runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Cells a unit length.
+    pub n: Vec<u32>,
+    /// Numbers of steps.
+    pub steps: Vec<u32>,
+    /// CPU seconds for the knobs.
+    pub budget: f64,
+}
+
+/// Why a trade has no result.
+#[derive(Debug, thiserror::Error)]
+pub enum TradeError {
+    /// A scene or mesh is at fault.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The table could not be written.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// Not one run came to its end.
+    #[error("every run failed; the first: {first}")]
+    AllFailed {
+        /// What the first said.
+        first: String,
+    },
+}
+
+/// Hears of each run.
+pub type Heard<'a> = dyn FnMut(&Trial) + 'a;
+
+/// A finished trade.
+pub struct Study {
+    /// The scene's name.
+    pub scene: String,
+    /// The norm of the errors.
+    pub norm: Norm,
+    /// T.
+    pub horizon: f64,
+    /// Largest ‖ε(u)‖ of the truth.
+    pub size: f64,
+    /// All rows in the order in which they were run.
+    pub trials: Vec<Trial>,
+    /// The error of the scene as written, or why it was not fitted.
+    pub error: Result<ErrorModel, String>,
+    /// What it costs, likewise.
+    pub cost: Result<CostModel, String>,
+    /// The cost as a sum of parts, for predictions.
+    pub composition: Option<Composition>,
+    /// The path of optima.
+    pub coupling: Option<Coupling>,
+    /// The price list.
+    pub prices: Vec<Price>,
+    /// Powers s of k = c h^s, each with the exponent by which cost grows as the error falls: of the models, and
+    /// between the coarsest and the finest run of the grid on such a path.
+    pub paths: Vec<(f64, Option<f64>, Option<f64>)>,
+}
+
+impl Study {
+    /// Runs the trade; every row is in `table` as soon as it is known.
+    ///
+    /// # Errors
+    /// [`TradeError`]; a run that fails is a row.
+    pub fn run(
+        bench: &mut Bench,
+        plan: &Plan,
+        table: &mut Table,
+        heard: &mut Heard<'_>,
+    ) -> Result<Self, TradeError> {
+        let scene = bench.plain.setup.scene.clone();
+        check_step_sizes(&Subject::new(scene.clone())?, &plan.steps)?;
+        let mut trials: Vec<Trial> = Vec::new();
+        let mut keep = |trial: Trial, trials: &mut Vec<Trial>| -> Result<(), TableError> {
+            table.append(&trial)?;
+            heard(&trial);
+            trials.push(trial);
+            Ok(())
+        };
+        let Some(plain) = Variant::new(&scene, Knob::AsWritten)? else {
+            return Err(TradeError::AllFailed { first: "the scene as written has no run".into() });
+        };
+        for &n in &plan.n {
+            for &steps in &plan.steps {
+                keep(bench.trial(&plain, n, steps), &mut trials)?;
+            }
+            for fine in 0..plan.steps.len() {
+                let steps = plan.steps[fine];
+                let of = |steps: u32| trials.iter().find(|t| t.n == n && t.steps == steps);
+                let half = of(steps / 2).filter(|_| steps.is_multiple_of(2));
+                let row = of(steps).zip(half).filter(|_| bench.norm == Norm::VMax);
+                if let Some(row) = row.and_then(|(fine, half)| bench.extrapolated(fine, half)) {
+                    keep(row, &mut trials)?;
+                }
+            }
+        }
+        let first = trials.first().and_then(|trial| trial.outcome.as_ref().err().cloned());
+        if trials.iter().all(|trial| trial.done().is_none()) {
+            return Err(TradeError::AllFailed { first: first.unwrap_or_default() });
+        }
+        let offered = knobs(&bench.plain.setup);
+        let runs = offered.len() as u32 * (bench.repeats + 1);
+        let places = places(&trials, scene.dimension, runs, plan.budget);
+        for knob in offered {
+            let Some(variant) = Variant::new(&scene, knob)? else { continue };
+            for &[n, steps] in &places {
+                if knob.matters(&bench.plain.setup, steps) {
+                    keep(bench.trial(&variant, n, steps), &mut trials)?;
+                }
+            }
+        }
+        Ok(Self::of(bench, trials, plan))
+    }
+
+    fn of(bench: &Bench, trials: Vec<Trial>, plan: &Plan) -> Self {
+        let setup = &bench.plain.setup;
+        let on_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+        let (error, cost) = models(&trials, &differences(bench, plan), on_mesh);
+        let composition = cost.as_ref().ok().and_then(|_| {
+            let runs = cost_samples(&trials);
+            Composition::fit(&runs, setup.scene.dimension, setup.scene.time.horizon)
+        });
+        let both = error.as_ref().ok().zip(cost.as_ref().ok());
+        let coupling = both.and_then(|(error, cost)| coupling(error, cost));
+        let best = coupling.map(|path| path.exponent);
+        let exponents = [Some(0.5), Some(1.0), Some(2.0), best].into_iter().flatten();
+        let mut paths: Vec<(f64, Option<f64>, Option<f64>)> = exponents
+            .map(|s| {
+                let model = both.and_then(|(error, cost)| along_path(error, cost, s));
+                (s, model, measured_along(&trials, s))
+            })
+            .collect();
+        paths.sort_by(|a, b| a.0.total_cmp(&b.0));
+        paths.dedup_by(|a, b| a.0 == b.0);
+        Self {
+            scene: setup.scene.name.clone(),
+            norm: bench.norm,
+            horizon: setup.scene.time.horizon,
+            size: bench.size,
+            prices: prices(&trials, on_mesh),
+            trials,
+            error,
+            cost,
+            composition,
+            coupling,
+            paths,
+        }
+    }
+
+    /// The rows of the scene as written.
+    pub fn plain(&self) -> impl Iterator<Item = &Trial> {
+        plain(&self.trials)
+    }
+}
+
+fn plain(trials: &[Trial]) -> impl Iterator<Item = &Trial> + Clone {
+    let name = Knob::AsWritten.name();
+    trials.iter().filter(move |trial| trial.knob == name)
+}
+
+/// Runs at which knobs are turned: the largest that the budget bears `runs` times, the one with the next coarser mesh and
+/// the same steps, and the one with the fewest steps on the same mesh, to see on what a price depends.
+///
+/// Which is the largest is a matter of cells and steps: short runs swap their seconds.
+fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u32; 2]> {
+    let done = |trial: &&Trial| trial.done().is_some();
+    let seconds = |trial: &Trial| trial.done().map_or(f64::INFINITY, |run| run.seconds);
+    // The others cost less than the first.
+    let borne = |trial: &&Trial| 3.0 * f64::from(runs) * seconds(trial) <= budget;
+    let size = |trial: &Trial| f64::from(trial.n).powi(dimension as i32) * f64::from(trial.steps);
+    // Of two the one with more steps: others have fewer.
+    let by_size = |a: &&Trial, b: &&Trial| size(a).total_cmp(&size(b)).then(a.steps.cmp(&b.steps));
+    let first = plain(trials).filter(done).filter(borne).max_by(by_size);
+    let Some(first) = first.or_else(|| plain(trials).filter(done).min_by(by_size)) else {
+        return Vec::new();
+    };
+    let coarser = plain(trials).filter(done).filter(|t| t.steps == first.steps && t.n < first.n);
+    let second = coarser.max_by_key(|trial| trial.n);
+    let fewer = plain(trials).filter(done).filter(|t| t.n == first.n && t.steps < first.steps);
+    let third = fewer.min_by_key(|trial| trial.steps);
+    [Some(first), second, third].into_iter().flatten().map(|trial| [trial.n, trial.steps]).collect()
+}
+
+/// C k^q without space error on the finest mesh, from runs with k and k/r: ‖u_k - u_{k/r}‖ = C k^q (1 - r^-q). The
+/// factor is that of the order which the differences themselves show.
+fn differences(bench: &Bench, plan: &Plan) -> Vec<Sample> {
+    let Some(&n) = plan.n.last() else { return Vec::new() };
+    let ratio = |pair: &[u32]| pair[1].is_multiple_of(pair[0]).then(|| pair[1] / pair[0]);
+    let Some(r) = plan.steps.windows(2).next().and_then(ratio) else { return Vec::new() };
+    let pairs = plan.steps.windows(2).take_while(|pair| ratio(pair) == Some(r));
+    let apart: Vec<Sample> = pairs
+        .filter_map(|pair| {
+            let error = bench.apart_in_time(n, pair[0], pair[1])?;
+            let step = bench.plain.setup.grid(pair[0]).largest_step();
+            (error > 0.0).then_some(Sample { step, error })
+        })
+        .collect();
+    let Some(order) = judge::fit::local_slopes(&apart).last().copied() else { return Vec::new() };
+    let missing = 1.0 - f64::from(r).powf(-order);
+    if !(order > 0.0 && missing > 0.0) {
+        return Vec::new();
+    }
+    apart.into_iter().map(|s| Sample { error: s.error / missing, ..s }).collect()
+}
+
+fn models(
+    trials: &[Trial],
+    differences: &[Sample],
+    on_mesh: bool,
+) -> (Result<ErrorModel, String>, Result<CostModel, String>) {
+    let runs = plain(trials).filter_map(|trial| Some((trial, trial.done()?)));
+    let points: Vec<Point> = runs
+        .clone()
+        .map(|(t, run)| Point { h: t.h, k: t.k, error: run.error, floor: run.floor })
+        .collect();
+    let error = ErrorModel::fit(&points, differences, on_mesh);
+    (error, CostModel::fit(&cost_samples(trials)).map_err(|error| error.to_string()))
+}
+
+fn cost_samples(trials: &[Trial]) -> Vec<CostSample> {
+    let sample = |t: &Trial| Some(CostSample { h: t.h, k: t.k, seconds: t.done()?.seconds });
+    plain(trials).filter_map(sample).collect()
+}
+
+/// Steps against their halves at the finest run, and every knob against the run as written.
+fn prices(trials: &[Trial], on_mesh: bool) -> Vec<Price> {
+    let at = |n: u32, steps: u32| plain(trials).find(|t| t.n == n && t.steps == steps);
+    let done = |trial: &&Trial| trial.done().is_some();
+    let finest = plain(trials).filter(done).max_by_key(|trial| (trial.n, trial.steps));
+    let mut found = Vec::new();
+    if let Some(finest) = finest {
+        let others = [
+            ("half the cells", (finest.n / 2, finest.steps)),
+            ("half the steps", (finest.n, finest.steps / 2)),
+        ];
+        // Where each mesh has a solution of its own, half the cells are another problem.
+        for (what, (n, steps)) in others.into_iter().skip(usize::from(on_mesh)) {
+            let coarse = at(n, steps);
+            found.extend(coarse.and_then(|coarse| Price::of(what.into(), finest, coarse)));
+        }
+    }
+    let turned = trials.iter().filter(|trial| trial.knob != Knob::AsWritten.name());
+    let last_extrapolated = turned.clone().filter(|trial| trial.knob == Knob::Extrapolated.name());
+    let last = last_extrapolated.max_by_key(|trial| (trial.n, trial.steps));
+    for trial in turned.filter(|t| t.knob != Knob::Extrapolated.name()).chain(last) {
+        let own = at(trial.n, trial.steps);
+        found.extend(own.and_then(|own| Price::of(trial.knob.clone(), own, trial)));
+    }
+    found
+}
+
+/// The exponent between the ends of the path k ~ h^s on the grid.
+fn measured_along(trials: &[Trial], s: f64) -> Option<f64> {
+    let first = plain(trials).filter(|t| t.done().is_some()).min_by_key(|t| (t.n, t.steps))?;
+    let on_path = |trial: &&Trial| {
+        let [cells, steps] = [first.h / trial.h, first.k / trial.k];
+        // Grids of whole numbers meet a path to rounding or not at all.
+        (steps / cells.powf(s) - 1.0).abs() < 1e-9 && cells > 1.0
+    };
+    let last = plain(trials).filter(|t| t.done().is_some()).filter(on_path).max_by_key(|t| t.n)?;
+    let (coarse, fine) = (first.done()?, last.done()?);
+    let exponent = (fine.seconds / coarse.seconds).ln() / (coarse.error / fine.error).ln();
+    exponent.is_finite().then_some(exponent)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::trial::trial;
+    use super::*;
+
+    fn written(n: u32, steps: u32, seconds: f64) -> Trial {
+        trial(&Knob::AsWritten.name(), [n, steps], 1.0, seconds)
+    }
+
+    /// The clock may say that the run with the fewest steps took longest; three places it must be.
+    #[test]
+    fn knobs_are_turned_at_the_same_places_whatever_the_clock_says() {
+        let expected = vec![[8, 4], [4, 4], [8, 2]];
+        for slow in [[4, 2], [4, 4], [8, 2], [8, 4]] {
+            let seconds = |n, steps| if [n, steps] == slow { 2.0 } else { 1.0 };
+            let of = |n: u32| [2, 4].map(|steps| written(n, steps, seconds(n, steps)));
+            let trials = [of(4), of(8)].concat();
+            assert_eq!(places(&trials, 2, 1, 60.0), expected, "{slow:?}");
+        }
+        // Of 4² · 8 and 8² · 2 the first.
+        let trials = [(4, 2), (4, 8), (8, 2)].map(|(n, steps)| written(n, steps, 1.0));
+        assert_eq!(places(&trials, 2, 1, 60.0), [[4, 8], [4, 2]]);
+        assert_eq!(places(&trials, 3, 1, 60.0), [[8, 2], [4, 2]]);
+        // What the budget does not bear is left out.
+        let trials = [written(4, 4, 1.0), written(8, 4, 100.0)];
+        assert_eq!(places(&trials, 2, 1, 60.0), [[4, 4]]);
+        assert_eq!(places(&trials, 2, 100, 60.0), [[4, 4]]);
+    }
+}

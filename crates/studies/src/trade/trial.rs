@@ -1,0 +1,225 @@
+//! One row of the trade: a knob, a mesh, a number of steps, and what came of it.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use files::remove_if_there;
+
+/// What one run cost and how wrong it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// Name of the knob, see [`super::Knob::name`].
+    pub knob: String,
+    /// Cells a unit length.
+    pub n: u32,
+    /// Number N of time steps.
+    pub steps: u32,
+    /// Mesh size.
+    pub h: f64,
+    /// Largest time step.
+    pub k: f64,
+    /// Unknowns of a level.
+    pub dofs: usize,
+    /// The run, or why there is none.
+    pub outcome: Result<Outcome, String>,
+}
+
+/// A run that came to its end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outcome {
+    /// Error in the norm of the trade.
+    pub error: f64,
+    /// What solver and rounding have of it.
+    pub floor: f64,
+    /// CPU seconds of the thread, the least of all repeats: mesh, analysis, loads and march.
+    pub seconds: f64,
+    /// The most of them.
+    pub slowest: f64,
+    /// How often it was run.
+    pub repeats: u32,
+    /// The part of it that went into loads.
+    pub load_share: f64,
+    /// Peak memory of a process that does this run alone, predicted.
+    pub bytes: f64,
+    /// Bytes that the history took, counted.
+    pub history_bytes: usize,
+    /// Newton iterations of all levels.
+    pub newton_iterations: u32,
+    /// Factorizations of all levels.
+    pub factorizations: u32,
+}
+
+impl Trial {
+    /// The run, if it came to its end.
+    pub fn done(&self) -> Option<&Outcome> {
+        self.outcome.as_ref().ok()
+    }
+}
+
+/// Columns of the table.
+const COLUMNS: [&str; 20] = [
+    "scene",
+    "knob",
+    "n",
+    "steps",
+    "h",
+    "k",
+    "dofs",
+    "norm",
+    "error",
+    "floor",
+    "cpu_seconds",
+    "cpu_slowest",
+    "repeats",
+    "load_share",
+    "predicted_bytes",
+    "history_bytes",
+    "newton_iterations",
+    "factorizations",
+    "status",
+    "reason",
+];
+
+/// The table of a trade on disk: a row is there as soon as its run ended.
+pub struct Table {
+    file: std::fs::File,
+    path: PathBuf,
+    scene: String,
+    norm: String,
+}
+
+/// A table that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: {reason}", path.display())]
+pub struct TableError {
+    /// The file.
+    pub path: PathBuf,
+    /// What the system said.
+    pub reason: String,
+}
+
+impl Table {
+    /// A new table in place of an old one.
+    ///
+    /// # Errors
+    /// The file system's.
+    pub fn create(path: &Path, scene: &str, norm: &str) -> Result<Self, TableError> {
+        let failed =
+            |error: std::io::Error| TableError { path: path.into(), reason: error.to_string() };
+        // What a link in its place names is left alone.
+        remove_if_there(path).map_err(failed)?;
+        let file = std::fs::File::create_new(path).map_err(failed)?;
+        let mut table = Self { file, path: path.into(), scene: scene.into(), norm: norm.into() };
+        table.write(COLUMNS.map(str::to_owned))?;
+        Ok(table)
+    }
+
+    /// Appends a row and hands it to the system.
+    ///
+    /// # Errors
+    /// The file system's.
+    pub fn append(&mut self, trial: &Trial) -> Result<(), TableError> {
+        let row = row(&self.scene, &self.norm, trial);
+        self.write(row)
+    }
+
+    fn write(&mut self, row: [String; COLUMNS.len()]) -> Result<(), TableError> {
+        let failed = |reason: String| TableError { path: self.path.clone(), reason };
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(&row).map_err(|error| failed(error.to_string()))?;
+        let bytes = writer.into_inner().map_err(|error| failed(error.to_string()))?;
+        self.file.write_all(&bytes).map_err(|error| failed(error.to_string()))?;
+        self.file.flush().map_err(|error| failed(error.to_string()))
+    }
+}
+
+fn row(scene: &str, norm: &str, trial: &Trial) -> [String; COLUMNS.len()] {
+    let done = trial.done();
+    let number = |value: fn(&Outcome) -> f64| done.map_or(String::new(), |o| value(o).to_string());
+    let count = |value: fn(&Outcome) -> u64| done.map_or(String::new(), |o| value(o).to_string());
+    let (status, reason) = match &trial.outcome {
+        Ok(_) => ("converged", String::new()),
+        Err(reason) => ("failed", reason.clone()),
+    };
+    [
+        scene.into(),
+        trial.knob.clone(),
+        trial.n.to_string(),
+        trial.steps.to_string(),
+        trial.h.to_string(),
+        trial.k.to_string(),
+        trial.dofs.to_string(),
+        norm.into(),
+        number(|o| o.error),
+        number(|o| o.floor),
+        number(|o| o.seconds),
+        number(|o| o.slowest),
+        count(|o| o.repeats.into()),
+        number(|o| o.load_share),
+        number(|o| o.bytes),
+        count(|o| o.history_bytes as u64),
+        count(|o| o.newton_iterations.into()),
+        count(|o| o.factorizations.into()),
+        status.into(),
+        reason,
+    ]
+}
+
+#[cfg(test)]
+pub(super) fn trial(knob: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) -> Trial {
+    let outcome = Outcome {
+        error,
+        floor: 0.0,
+        seconds,
+        slowest: seconds,
+        repeats: 1,
+        load_share: 0.0,
+        bytes: 0.0,
+        history_bytes: 0,
+        newton_iterations: 0,
+        factorizations: 0,
+    };
+    Trial {
+        knob: knob.into(),
+        n,
+        steps,
+        h: 1.0 / f64::from(n),
+        k: 1.0 / f64::from(steps),
+        dofs: 0,
+        outcome: Ok(outcome),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_there_at_once_and_failures_are_rows() {
+        let path = std::env::temp_dir().join(format!("trade-{}.csv", std::process::id()));
+        let mut table = Table::create(&path, "block", "V_max").expect("a table");
+        let failed = Trial {
+            outcome: Err("no convergence, \"60\" iterations".into()),
+            ..trial("tolerance 1e-8", [4, 2], 0.0, 0.0)
+        };
+        for row in [trial("as written", [4, 2], 0.5, 2.0), failed] {
+            table.append(&row).expect("a row");
+        }
+        // Read while the table is still open: what a killed program leaves.
+        let mut reader = csv::Reader::from_path(&path).expect("a table");
+        let rows: Vec<csv::StringRecord> =
+            reader.records().map(|row| row.expect("a row")).collect();
+        std::fs::remove_file(&path).expect("no file left");
+        let at = |row: usize, name: &str| {
+            rows[row][COLUMNS.iter().position(|own| *own == name).expect("a column")].to_owned()
+        };
+        assert_eq!(
+            (rows.len(), at(0, "error"), at(0, "cpu_seconds")),
+            (2, "0.5".into(), "2".into())
+        );
+        assert_eq!((at(0, "status"), at(1, "status")), ("converged".into(), "failed".into()));
+        // A failed run carries no error and no time.
+        assert_eq!((at(1, "error"), at(1, "cpu_seconds")), (String::new(), String::new()));
+        assert_eq!(at(1, "reason"), "no convergence, \"60\" iterations");
+    }
+}

@@ -1,0 +1,152 @@
+//! The march in time in ℝ^m.
+
+use nalgebra::DVector;
+
+use super::{FiniteEvolution, FiniteModel};
+use crate::history::TimeGrid;
+use crate::law::graph_distance;
+use crate::{FailedStep, HistoryInequality, StepInequality, StepSolver, Stepper};
+use algebra::linalg::{larger, largest};
+
+/// Why a case has no result.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FiniteError {
+    /// A step failed.
+    #[error(transparent)]
+    Step(#[from] FailedStep),
+    /// The functionals of j and K do not determine coordinates.
+    #[error("the functionals of [[trace]] are linearly dependent: state each direction once")]
+    Dependent,
+    /// The load is not finite.
+    #[error("component {component} of the load is {value} at t = {t}")]
+    Load { component: usize, value: f64, t: f64 },
+    /// The separate evaluation of the inequality disagrees with the solver.
+    #[error(
+        "step {n} (t = {t}): residual {residual:.3e} by separate evaluation exceeds {allowed:.1e}"
+    )]
+    Kkt { n: usize, t: f64, residual: f64, allowed: f64 },
+}
+
+/// f(t).
+pub trait FiniteLoad {
+    /// f(t) as a vector of ℝ^m.
+    ///
+    /// # Errors
+    /// [`FiniteError::Load`] if it is not finite.
+    fn at(&mut self, t: f64) -> Result<DVector<f64>, FiniteError>;
+}
+
+/// One level as an observer sees it.
+pub struct FiniteView<'a> {
+    /// n.
+    pub n: usize,
+    /// t_n.
+    pub t: f64,
+    /// u_n.
+    pub u: &'a DVector<f64>,
+    /// S_n^k u.
+    pub history: &'a DVector<f64>,
+    /// ξ_i + λ_i, one a functional.
+    pub pressure: &'a [f64],
+}
+
+/// What one case took.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FiniteInfo {
+    /// Newton iterations over all steps; each is a factorization.
+    pub newton_iterations: u32,
+    /// Applications of Λ, 0 for other solvers.
+    pub fixed_point_iterations: u32,
+    /// Convex problems of the decomposition over all steps, 0 for other solvers.
+    pub convex_problems: u32,
+    /// Largest quotient of successive changes of the decomposition.
+    pub contraction: f64,
+    /// Changes of the active set over all steps.
+    pub active_set_changes: u32,
+    /// What unresolved residual and rounding contribute to ‖u_n - u_n^k‖_X.
+    pub floor: f64,
+    /// Largest relative residual by separate evaluation.
+    pub kkt_residual: f64,
+    /// Memory held by the history.
+    pub peak_history_bytes: usize,
+}
+
+/// A relative residual above this is a failure: solves end at 16 units of rounding of the forces.
+const ALLOWED: f64 = 1e-12;
+
+/// History adds up the rounding of all levels, the correction is that of one.
+const SAFETY: f64 = 4.0;
+
+/// Solves all steps and shows each to `observe`.
+///
+/// # Errors
+/// A step that does not converge, a load that is not finite, a residual above 1e-12.
+pub fn march<S: StepSolver>(
+    model: &FiniteModel,
+    grid: &TimeGrid,
+    load: &mut dyn FiniteLoad,
+    solver: &S,
+    observe: &mut dyn FnMut(&FiniteView<'_>),
+) -> Result<FiniteInfo, FiniteError> {
+    let mut evolution = FiniteEvolution::new(model, grid, load)?;
+    let mut stepper = Stepper::new(&evolution, solver);
+    let mut info = FiniteInfo::default();
+    let (mut size, mut correction, mut worst) = (0f64, 0f64, 0f64);
+    for n in 0..=grid.steps() {
+        let step = stepper.step(&mut evolution)?;
+        info.newton_iterations += step.iterations;
+        info.fixed_point_iterations += step.fixed_point_iterations;
+        info.convex_problems += step.convex_problems;
+        info.contraction = info.contraction.max(step.contraction);
+        info.active_set_changes += step.active_set_changes;
+        let u = evolution.displacement(&stepper.state.u);
+        let history = evolution.history();
+        let t = grid.time(n);
+        let residual = residual(&mut evolution, &stepper.state.u, &stepper.state.pressure);
+        if residual.is_nan() || residual > ALLOWED {
+            return Err(FiniteError::Kkt { n, t, residual, allowed: ALLOWED });
+        }
+        info.kkt_residual = info.kkt_residual.max(residual);
+        size = size.max(model.norm(&u));
+        // The level that was solved worst: what one more solve would change there.
+        if step.residual > worst {
+            worst = step.residual;
+            let one_more = evolution.correction(stepper.scratch.unbalanced());
+            let own = one_more.map_or(0.0, |w| evolution.norm(w.as_slice()));
+            // A residual far below its tolerance is rounding that cancels.
+            let allowed = SAFETY * (step.tolerance / step.residual).max(1.0);
+            correction = correction.max(allowed * own);
+        }
+        let pressure = &stepper.state.pressure;
+        observe(&FiniteView { n, t, u: &u, history: &history, pressure });
+    }
+    info.floor = correction + f64::EPSILON * size;
+    info.peak_history_bytes = (grid.steps() + 1) * model.dimension() * size_of::<f64>();
+    Ok(info)
+}
+
+/// Force balance with the pressures, and their distance from the graphs, relative to the forces.
+fn residual(evolution: &mut FiniteEvolution<'_>, w: &[f64], pressure: &[f64]) -> f64 {
+    let mut balance = vec![0.0; w.len()];
+    evolution.residual(w, &mut balance);
+    let graph = evolution.graph();
+    let mut worst = 0f64;
+    for (i, at) in graph.coordinates.iter().enumerate() {
+        balance[at.dof as usize] += at.weight * pressure[i];
+        let value = graph.normal(i, w);
+        let potential = &*graph.potentials[i];
+        let stiffness = at.weight / at.gamma;
+        let missed = graph_distance(potential, [value, pressure[i]], at.weight, stiffness);
+        // Pressure beyond the law's needs a bound: the smaller of it and the distance to the bound,
+        // as the force that the stiffness answers it with, is what is violated.
+        let above = pressure[i] > potential.subdifferential(value).1;
+        let bound = if above { at.gap } else { at.floor };
+        worst = worst.max(missed.min((bound - value).abs() * stiffness));
+        let outside = (value - at.gap).max(at.floor - value).max(0.0);
+        worst = worst.max(outside * stiffness);
+    }
+    // Every unknown and pressure is part of the balance: a NaN in one of them shows in it.
+    let worst = larger(worst, largest(&balance));
+    let scale = evolution.force_scale(w);
+    if scale > 0.0 { worst / scale } else { worst }
+}

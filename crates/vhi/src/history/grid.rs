@@ -1,0 +1,233 @@
+//! Time grids 0 = t_0 < … < t_N = T and the quadrature weights of the history integrals.
+
+use crate::law::HistoryKernel;
+use algebra::linalg::signed_unit;
+
+/// A time grid.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TimeGrid {
+    times: Vec<f64>,
+    /// T/N where all steps are the same but for the rounding of their ends: weights that ought to be equal are, and a
+    /// matrix that depends on them is factorized once.
+    equal: Option<f64>,
+}
+
+impl TimeGrid {
+    /// t_n = n T / N.
+    pub fn uniform(horizon: f64, steps: u32) -> Self {
+        Self::of((0..=steps).map(|n| horizon * f64::from(n) / f64::from(steps)).collect())
+    }
+
+    fn of(times: Vec<f64>) -> Self {
+        let (end, count) = (times[times.len() - 1], times.len() - 1);
+        let k = end / count as f64;
+        let near = |pair: &[f64]| (pair[1] - pair[0] - k).abs() <= 4.0 * f64::EPSILON * end;
+        let equal = (count > 0 && times.windows(2).all(near)).then_some(k);
+        Self { times, equal }
+    }
+
+    /// t_n = T (n/N)^r.
+    pub fn graded(horizon: f64, steps: u32, exponent: f64) -> Self {
+        let times = (0..=steps)
+            .map(|n| horizon * (f64::from(n) / f64::from(steps)).powf(exponent))
+            .collect();
+        Self::of(times)
+    }
+
+    /// Steps drawn from [½, 3/2] mean steps by a seeded generator, scaled to end at T.
+    pub fn random(horizon: f64, steps: u32, seed: u64) -> Self {
+        let mut state = seed;
+        let mut times = vec![0.0];
+        for n in 0..steps as usize {
+            times.push(times[n] + 1.0 + 0.5 * signed_unit(&mut state));
+        }
+        let total = times[steps as usize];
+        for time in &mut times {
+            *time *= horizon / total;
+        }
+        Self::of(times)
+    }
+
+    /// Any increasing times that start at 0; `None` otherwise.
+    pub fn new(times: Vec<f64>) -> Option<Self> {
+        let increasing = times.windows(2).all(|pair| pair[0] < pair[1]);
+        (times.first() == Some(&0.0) && increasing).then(|| Self::of(times))
+    }
+
+    /// The grid t_0, …, t_last.
+    pub fn up_to(&self, last: usize) -> Self {
+        Self { times: self.times[..=last].to_vec(), equal: self.equal }
+    }
+
+    /// Number of steps N.
+    pub fn steps(&self) -> usize {
+        self.times.len() - 1
+    }
+
+    /// t_n.
+    pub fn time(&self, n: usize) -> f64 {
+        self.times[n]
+    }
+
+    /// All times t_0, …, t_N.
+    pub fn times(&self) -> &[f64] {
+        &self.times
+    }
+
+    /// k_n = t_n - t_{n-1}, n ≥ 1.
+    pub fn step(&self, n: usize) -> f64 {
+        self.equal.unwrap_or(self.times[n] - self.times[n - 1])
+    }
+
+    /// Whether all steps are the same but for the rounding of their ends.
+    pub fn is_uniform(&self) -> bool {
+        self.equal.is_some()
+    }
+
+    /// k, the largest step.
+    pub fn largest_step(&self) -> f64 {
+        (1..self.times.len()).map(|n| self.step(n)).fold(0.0, f64::max)
+    }
+}
+
+/// Weights of ∫_0^{t_n} Z(s) ds ≈ Σ_{j ≤ n} w_{nj} Z(t_j).
+pub trait TimeRule: Send + Sync {
+    /// w_{nj}, 0 ≤ j ≤ n; all zero for n = 0.
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64;
+
+    /// The weight of v(t_j) in ∫_0^{t_n} q(t_n, s) v(s) ds: w_{nj} q(t_n, t_j), unless the rule
+    /// integrates the kernel in a way of its own.
+    fn kernel_weight(
+        &self,
+        kernel: &dyn HistoryKernel,
+        grid: &TimeGrid,
+        n: usize,
+        j: usize,
+    ) -> f64 {
+        match self.weight(grid, n, j) {
+            // A kernel may be infinite where it is not asked for.
+            0.0 => 0.0,
+            weight => weight * kernel.at(grid.time(n), grid.time(j)),
+        }
+    }
+
+    /// The weights of v(t_0), …, v(t_n) in the same integral.
+    fn kernel_row(&self, kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize) -> Vec<f64> {
+        (0..=n).map(|j| self.kernel_weight(kernel, grid, n, j)).collect()
+    }
+
+    /// True if the weights are those of [`Trapezoid`], so that recursions may replace sums.
+    fn is_trapezoidal(&self) -> bool {
+        false
+    }
+}
+
+/// The trapezoidal rule Σ' of (3.1): half a step at either end, (k_j + k_{j+1})/2 inside.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Trapezoid;
+
+impl TimeRule for Trapezoid {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        let before = if j > 0 { grid.step(j) } else { 0.0 };
+        let after = if j < n { grid.step(j + 1) } else { 0.0 };
+        0.5 * (before + after)
+    }
+
+    fn kernel_row(&self, kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize) -> Vec<f64> {
+        let mut row = kernel.row(grid.time(n), &grid.times()[..=n]);
+        for (j, value) in row.iter_mut().enumerate() {
+            let weight = self.weight(grid, n, j);
+            *value = if weight == 0.0 { 0.0 } else { weight * *value };
+        }
+        row
+    }
+
+    fn is_trapezoidal(&self) -> bool {
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rule_is_exact_for_affine_functions_on_any_grid() {
+        for grid in [TimeGrid::uniform(2.0, 7), TimeGrid::graded(2.0, 9, 1.7)] {
+            for n in 0..=grid.steps() {
+                let t = grid.time(n);
+                let sum: f64 =
+                    (0..=n).map(|j| Trapezoid.weight(&grid, n, j) * (3.0 - grid.time(j))).sum();
+                assert!((sum - (3.0 * t - 0.5 * t * t)).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn grids_must_increase_from_zero() {
+        assert!(TimeGrid::new(vec![0.0, 0.5, 0.5]).is_none());
+        assert!(TimeGrid::new(vec![0.1, 0.5]).is_none());
+        assert_eq!(TimeGrid::new(vec![0.0, 0.2, 1.0]).unwrap().largest_step(), 0.8);
+    }
+
+    #[test]
+    fn grids_have_the_times_of_their_formulas() {
+        assert_eq!(TimeGrid::uniform(2.0, 4).times(), [0.0, 0.5, 1.0, 1.5, 2.0]);
+        assert_eq!(TimeGrid::graded(4.0, 4, 2.0).times(), [0.0, 0.25, 1.0, 2.25, 4.0]);
+        let grid = TimeGrid::graded(4.0, 4, 2.0);
+        assert_eq!((grid.steps(), grid.step(2), grid.time(3)), (4, 0.75, 2.25));
+        assert_eq!(grid.largest_step(), 1.75);
+        assert_eq!(grid.up_to(2).times(), [0.0, 0.25, 1.0]);
+    }
+
+    /// The differences of n/6 have three values.
+    #[test]
+    fn equal_steps_are_equal_to_the_last_digit() {
+        let grid = TimeGrid::uniform(1.0, 6);
+        let differences = grid.times().windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(differences.clone().any(|k| k != 1.0 / 6.0));
+        for part in [&grid, &grid.up_to(4), &TimeGrid::new(grid.times().to_vec()).unwrap()] {
+            assert!((1..=part.steps()).all(|n| part.step(n) == 1.0 / 6.0) && part.is_uniform());
+        }
+        assert!(!TimeGrid::graded(1.0, 6, 1.1).is_uniform());
+    }
+
+    /// Steps in the ratios of 1 + draw/2, scaled to the horizon.
+    #[test]
+    fn random_steps_are_those_of_the_generator() {
+        let grid = TimeGrid::random(3.0, 200, 7);
+        let mut state = 7;
+        let steps: Vec<f64> = (0..200).map(|_| 1.0 + 0.5 * signed_unit(&mut state)).collect();
+        let total: f64 = steps.iter().sum();
+        for (n, step) in steps.iter().enumerate() {
+            assert!((grid.step(n + 1) - 3.0 * step / total).abs() < 1e-14);
+        }
+        assert!((grid.time(200) - 3.0).abs() < 1e-14);
+    }
+
+    /// q(t, s) = s - 2 with a pole at t = 0, where no rule may ask for it.
+    struct Pole;
+    impl HistoryKernel for Pole {
+        fn at(&self, t: f64, s: f64) -> f64 {
+            if t == 0.0 { f64::INFINITY } else { s - 2.0 }
+        }
+    }
+
+    #[test]
+    fn kernels_are_weighted_and_not_asked_where_the_weight_is_zero() {
+        struct Plain;
+        impl TimeRule for Plain {
+            fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+                Trapezoid.weight(grid, n, j)
+            }
+        }
+        let grid = TimeGrid::uniform(1.0, 2);
+        for rule in [&Plain as &dyn TimeRule, &Trapezoid] {
+            assert_eq!(rule.kernel_row(&Pole, &grid, 0), [0.0]);
+            assert_eq!(rule.kernel_row(&Pole, &grid, 2), [-0.5, -0.75, -0.25]);
+            assert_eq!(rule.kernel_weight(&Pole, &grid, 0, 0), 0.0);
+            assert_eq!(rule.kernel_weight(&Pole, &grid, 2, 1), -0.75);
+        }
+        assert!(Trapezoid.is_trapezoidal() && !Plain.is_trapezoidal());
+    }
+}

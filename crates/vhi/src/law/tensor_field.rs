@@ -1,0 +1,397 @@
+//! Symmetric fourth-order tensors, constant on each region of the body: 𝒜, and the ℬ_i of
+//! ℬ(t) = Σ b_i(t) ℬ_i.
+
+use nalgebra::DMatrix;
+
+use super::Isotropic;
+use algebra::tensor::Symmetric;
+
+/// A symmetric fourth-order tensor on S^d (a stress).
+#[derive(Debug, PartialEq)]
+pub enum FourthOrder {
+    /// By its Lamé numbers.
+    Isotropic(Isotropic),
+    /// By its symmetric S×S matrix in Mandel notation, the leading block of this one.
+    Full(Box<[[f64; 6]; 6]>),
+}
+
+impl Clone for FourthOrder {
+    fn clone(&self) -> Self {
+        match self {
+            Self::Isotropic(law) => Self::Isotropic(*law),
+            Self::Full(matrix) => Self::Full(matrix.clone()),
+        }
+    }
+
+    /// In the memory that is there, as [`TensorField`] is.
+    fn clone_from(&mut self, other: &Self) {
+        match (self, other) {
+            (Self::Full(own), Self::Full(other)) => own.clone_from(other),
+            (own, other) => *own = other.clone(),
+        }
+    }
+}
+
+impl FourthOrder {
+    /// 𝒜ε.
+    #[inline]
+    pub fn apply<const S: usize>(&self, strain: &Symmetric<S>) -> Symmetric<S> {
+        match self {
+            Self::Isotropic(law) => law.apply(strain),
+            Self::Full(matrix) => std::array::from_fn(|i| {
+                matrix[i].iter().zip(strain).map(|(entry, e)| entry * e).sum()
+            }),
+        }
+    }
+
+    /// The S×S matrix in Mandel notation.
+    pub fn matrix<const S: usize>(&self) -> [[f64; S]; S] {
+        match self {
+            Self::Isotropic(law) => law.matrix(),
+            Self::Full(matrix) => std::array::from_fn(|i| std::array::from_fn(|j| matrix[i][j])),
+        }
+    }
+
+    /// The S×S matrix as the leading block of a 6×6 one, S = d(d+1)/2.
+    fn block(&self, d: usize) -> [[f64; 6]; 6] {
+        let mut block = [[0.0; 6]; 6];
+        match (self, d) {
+            (Self::Full(matrix), _) => block = **matrix,
+            (Self::Isotropic(law), 2) => {
+                for (row, own) in block.iter_mut().zip(law.matrix::<3>()) {
+                    row[..3].copy_from_slice(&own);
+                }
+            }
+            (Self::Isotropic(law), _) => block = law.matrix::<6>(),
+        }
+        block
+    }
+
+    /// Smallest and largest eigenvalue on S^d.
+    pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
+        let matrix = match self {
+            Self::Isotropic(law) => return law.eigenvalues(d),
+            Self::Full(matrix) => matrix,
+        };
+        let order = d * (d + 1) / 2;
+        let dense = DMatrix::from_fn(order, order, |i, j| matrix[i][j]);
+        // Fixed order of the minimum and maximum: NaN in the matrix leaves (∞, -∞), which no check accepts.
+        let values = dense.symmetric_eigenvalues();
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| {
+            (low.min(value), high.max(value))
+        })
+    }
+
+    /// Σ |E_ijkl| over all d⁴ entries: a Mandel entry stands for 1, 2 or 4 of them, divided by 1, √2, 2.
+    pub fn entry_sum(&self, d: usize) -> f64 {
+        let matrix = match self {
+            Self::Isotropic(law) => return law.entry_sum(d),
+            Self::Full(matrix) => matrix,
+        };
+        let weight = |i: usize| if i < d { 1.0 } else { std::f64::consts::SQRT_2 };
+        let order = d * (d + 1) / 2;
+        let entry = |m: usize| {
+            let (i, j) = (m / order, m % order);
+            weight(i) * weight(j) * matrix[i][j].abs()
+        };
+        (0..order * order).map(entry).sum()
+    }
+
+    /// factor·self.
+    fn scaled(&self, factor: f64) -> Self {
+        match self {
+            Self::Isotropic(law) => {
+                let (lambda, mu) = (factor * law.lambda, factor * law.mu);
+                Self::Isotropic(Isotropic { lambda, mu })
+            }
+            Self::Full(matrix) => {
+                Self::Full(Box::new(matrix.map(|row| row.map(|entry| factor * entry))))
+            }
+        }
+    }
+
+    /// self + scale·other on S^d.
+    pub fn plus(&self, scale: f64, other: &Self, d: usize) -> Self {
+        if let (Self::Isotropic(a), Self::Isotropic(b)) = (self, other) {
+            let (lambda, mu) = (a.lambda + scale * b.lambda, a.mu + scale * b.mu);
+            return Self::Isotropic(Isotropic { lambda, mu });
+        }
+        let mut sum = Self::Full(Box::new(self.block(d)));
+        sum.add(scale, other, d);
+        sum
+    }
+
+    /// `self` ← self + scale·other on S^d; a full one in the memory that is there.
+    fn add(&mut self, scale: f64, other: &Self, d: usize) {
+        let Self::Full(matrix) = self else {
+            *self = self.plus(scale, other, d);
+            return;
+        };
+        for (row, own) in matrix.iter_mut().zip(other.block(d)) {
+            row.iter_mut().zip(own).for_each(|(value, own)| *value += scale * own);
+        }
+    }
+
+    /// β with `self` = β·`other`, both isotropic, if there is one (to rounding).
+    fn multiple_of(&self, other: &Self) -> Option<f64> {
+        match (self, other) {
+            (Self::Isotropic(a), Self::Isotropic(b)) => a.multiple_of(b),
+            _ => None,
+        }
+    }
+}
+
+impl From<Isotropic> for FourthOrder {
+    fn from(law: Isotropic) -> Self {
+        Self::Isotropic(law)
+    }
+}
+
+/// A tensor a region; region 0 is what belongs to no other one.
+#[derive(Debug, PartialEq)]
+pub struct TensorField {
+    /// One where the body is homogeneous.
+    regions: Vec<FourthOrder>,
+}
+
+impl Clone for TensorField {
+    fn clone(&self) -> Self {
+        Self { regions: self.regions.clone() }
+    }
+
+    /// In the memory that is there: a grid that is not uniform has another tensor at every level.
+    fn clone_from(&mut self, other: &Self) {
+        self.regions.clone_from(&other.regions);
+    }
+}
+
+impl<T: Into<FourthOrder>> From<T> for TensorField {
+    fn from(tensor: T) -> Self {
+        Self { regions: vec![tensor.into()] }
+    }
+}
+
+impl TensorField {
+    /// `base` on region 0 and `others` on the next ones.
+    pub fn new(base: FourthOrder, others: impl IntoIterator<Item = FourthOrder>) -> Self {
+        Self { regions: std::iter::once(base).chain(others).collect() }
+    }
+
+    /// The identity of S^d, whose stiffness matrix has the energy ‖ε(v)‖².
+    pub fn identity() -> Self {
+        // 2 μ ε with μ = ½.
+        Isotropic { lambda: 0.0, mu: 0.5 }.into()
+    }
+
+    /// True if it is the same on all regions.
+    pub fn is_uniform(&self) -> bool {
+        self.regions.len() == 1
+    }
+
+    /// The tensor on a region.
+    #[inline]
+    pub fn on(&self, region: usize) -> &FourthOrder {
+        match &self.regions[..] {
+            [everywhere] => everywhere,
+            regions => &regions[region],
+        }
+    }
+
+    /// The tensors, region 0 first; one where the body is homogeneous.
+    pub fn regions(&self) -> &[FourthOrder] {
+        &self.regions
+    }
+
+    /// Smallest and largest eigenvalue on S^d over all regions.
+    pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
+        let each = self.regions.iter().map(|tensor| tensor.eigenvalues(d));
+        each.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (a, b)| {
+            (low.min(a), high.max(b))
+        })
+    }
+
+    /// The largest operator norm on S^d of a region.
+    pub fn norm(&self, d: usize) -> f64 {
+        let (low, high) = self.eigenvalues(d);
+        low.abs().max(high.abs())
+    }
+
+    /// The largest Σ |E_ijkl| of a region.
+    pub fn entry_sum(&self, d: usize) -> f64 {
+        self.regions.iter().map(|tensor| tensor.entry_sum(d)).fold(0.0, f64::max)
+    }
+
+    /// factor·self.
+    pub fn scaled(&self, factor: f64) -> Self {
+        Self { regions: self.regions.iter().map(|tensor| tensor.scaled(factor)).collect() }
+    }
+
+    /// `self` ← self + scale·other on S^d, in the memory that is there where `self` is as full and as divided as `other`.
+    pub fn add(&mut self, scale: f64, other: &Self, d: usize) {
+        if self.regions.len() < other.regions.len() {
+            *self = self.plus(scale, other, d);
+            return;
+        }
+        for (region, own) in self.regions.iter_mut().enumerate() {
+            own.add(scale, other.on(region), d);
+        }
+    }
+
+    /// self + scale·other on S^d, region by region.
+    pub fn plus(&self, scale: f64, other: &Self, d: usize) -> Self {
+        let count = self.regions.len().max(other.regions.len());
+        let sum = |region| self.on(region).plus(scale, other.on(region), d);
+        Self { regions: (0..count).map(sum).collect() }
+    }
+
+    /// β with `self` = β·`other` on every region, if there is one (to rounding).
+    pub fn multiple_of(&self, other: &Self) -> Option<f64> {
+        let count = self.regions.len().max(other.regions.len());
+        let beta = self.on(0).multiple_of(other.on(0))?;
+        // The next regions may round β otherwise: a last digit, as within one tensor.
+        let same = |region| {
+            let own = self.on(region).multiple_of(other.on(region));
+            own.is_some_and(|own| (own - beta).abs() <= 4.0 * f64::EPSILON * beta.abs())
+        };
+        (1..count).all(same).then_some(beta)
+    }
+
+    /// The same with every isotropic tensor changed.
+    pub fn map(&self, change: impl Fn(Isotropic) -> Isotropic) -> Self {
+        let each = self.regions.iter().map(|tensor| match tensor {
+            FourthOrder::Isotropic(law) => FourthOrder::Isotropic(change(*law)),
+            full => full.clone(),
+        });
+        Self { regions: each.collect() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LAW: Isotropic = Isotropic { lambda: 1.3, mu: 0.7 };
+
+    fn full(d: usize) -> FourthOrder {
+        FourthOrder::Full(Box::new(FourthOrder::from(LAW).block(d)))
+    }
+
+    /// An isotropic tensor written out in full is the same tensor, in both dimensions.
+    #[test]
+    fn both_forms_of_an_isotropic_tensor_agree() {
+        for d in [2, 3] {
+            let (a, b) = (FourthOrder::from(LAW), full(d));
+            let ((low, high), (own_low, own_high)) = (a.eigenvalues(d), b.eigenvalues(d));
+            assert!((low - own_low).abs() < 1e-13 && (high - own_high).abs() < 1e-13);
+            assert!((a.entry_sum(d) - b.entry_sum(d)).abs() < 1e-13);
+        }
+        let strain = [0.1, -0.4, 0.25, 0.3, 0.2, -0.1];
+        let (a, b) = (LAW.apply(&strain), full(3).apply(&strain));
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15));
+        let plane = [0.1, -0.4, 0.25];
+        let (a, b) = (LAW.apply(&plane), full(2).apply(&plane));
+        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15));
+    }
+
+    /// 𝒜 in Mandel notation by hand: λ + 2μ and λ on the block of normal strains, 2μ for shears.
+    #[test]
+    fn matrices_are_those_of_lame_numbers() {
+        let plane = [[2.7, 1.3, 0.0], [1.3, 2.7, 0.0], [0.0, 0.0, 1.4]];
+        let close = |found: [[f64; 3]; 3]| {
+            let pairs = found.as_flattened().iter().zip(plane.as_flattened());
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-15
+        };
+        assert!(close(FourthOrder::from(LAW).matrix()) && close(full(2).matrix()));
+        let soft = Isotropic { lambda: 0.1, mu: 0.2 };
+        let field = TensorField::new(soft.into(), [full(2)]);
+        assert!(close(field.on(1).matrix()) && !close(field.on(0).matrix()) && !field.is_uniform());
+        assert!(
+            close(TensorField::from(LAW).on(1).matrix()) && TensorField::from(LAW).is_uniform()
+        );
+        assert_eq!(field.regions(), &[soft.into(), full(2)]);
+        // Seventeen entries: four of the normal strains, and 2μ/2 for each of the four shears.
+        let sum = 2.0 * (2.7 + 1.3) + 4.0 * 0.7;
+        assert!((full(2).entry_sum(2) - sum).abs() < 1e-14);
+        assert!((field.entry_sum(2) - sum).abs() < 1e-14);
+        // Eigenvalues 2(λ + μ) and 2μ in the plane; the largest of both regions is the norm.
+        assert!((field.norm(2) - 4.0).abs() < 1e-14);
+        assert!((field.scaled(-3.0).norm(2) - 12.0).abs() < 1e-13);
+    }
+
+    #[test]
+    fn a_factor_multiplies_every_number() {
+        let soft = Isotropic { lambda: 0.1, mu: 0.2 };
+        let field = TensorField::new(soft.into(), [full(3)]).scaled(3.0);
+        let FourthOrder::Isotropic(own) = field.on(0) else { panic!("isotropic") };
+        assert!((own.lambda - 0.3).abs() < 1e-15 && (own.mu - 0.6).abs() < 1e-15);
+        let strain = [0.1, -0.4, 0.25, 0.3, 0.2, -0.1];
+        let (found, once) = (field.on(1).apply(&strain), LAW.apply(&strain));
+        assert!(found.iter().zip(once).all(|(a, b)| (a - 3.0 * b).abs() < 1e-14));
+    }
+
+    /// In space a full matrix has all six eigenvalues: 3λ + 2μ once, 2μ five times, and one shear made stiffer.
+    #[test]
+    fn eigenvalues_in_space_are_those_of_six_rows() {
+        let FourthOrder::Full(mut matrix) = full(3) else { panic!("full") };
+        matrix[5][5] = 9.0;
+        let (low, high) = FourthOrder::Full(matrix).eigenvalues(3);
+        assert!((low - 1.4).abs() < 1e-14 && (high - 9.0).abs() < 1e-14, "{low} {high}");
+    }
+
+    /// By hand: [[2, 1], [1, 2]] has 1 and 3, the shear entry is 5.
+    #[test]
+    fn eigenvalues_of_a_full_matrix() {
+        let mut matrix = [[0.0; 6]; 6];
+        (matrix[0][0], matrix[1][1], matrix[2][2]) = (2.0, 2.0, 5.0);
+        (matrix[0][1], matrix[1][0]) = (1.0, 1.0);
+        let (low, high) = FourthOrder::Full(Box::new(matrix)).eigenvalues(2);
+        assert!((low - 1.0).abs() < 1e-14 && (high - 5.0).abs() < 1e-14);
+        matrix[0][2] = 3.0;
+        matrix[2][0] = 3.0;
+        assert!(FourthOrder::Full(Box::new(matrix)).eigenvalues(2).0 < 0.0);
+    }
+
+    #[test]
+    fn regions_keep_their_own_tensors() {
+        let soft = Isotropic { lambda: 0.1, mu: 0.2 };
+        let field = TensorField::new(LAW.into(), [soft.into()]);
+        assert_eq!(field.on(1), &FourthOrder::Isotropic(soft));
+        let ((low, high), expected) = (field.eigenvalues(2), (0.4, 4.0));
+        assert!((low - expected.0).abs() < 1e-15 && (high - expected.1).abs() < 1e-15);
+        assert_eq!(TensorField::from(LAW).on(7), &FourthOrder::Isotropic(LAW));
+        let sum = field.plus(2.0, &TensorField::from(soft), 2);
+        let FourthOrder::Isotropic(sum) = sum.on(1) else { panic!("isotropic") };
+        assert!((sum.lambda - 0.3).abs() < 1e-15 && (sum.mu - 0.6).abs() < 1e-15);
+        let mixed = field.plus(1.0, &full(2).into(), 2);
+        let twice = LAW.apply(&[1.0, 0.0, 0.5]).map(|s| 2.0 * s);
+        let found = mixed.on(0).apply(&[1.0, 0.0, 0.5]);
+        assert!(twice.iter().zip(found).all(|(a, b)| (a - b).abs() < 1e-14));
+    }
+
+    /// A multiple on one region only is none.
+    #[test]
+    fn a_multiple_is_one_on_every_region() {
+        let twice = |law: Isotropic| Isotropic { lambda: 2.0 * law.lambda, mu: 2.0 * law.mu };
+        let soft = Isotropic { lambda: 0.1, mu: 0.2 };
+        let field = TensorField::new(LAW.into(), [soft.into()]);
+        assert_eq!(field.map(twice).multiple_of(&field), Some(2.0));
+        // A last digit apart is the same: 7 · 0.3/0.3 is not 7 in doubles. A millionth is another number.
+        let third = Isotropic { lambda: 0.6, mu: 0.3 };
+        let large = |by: f64| {
+            let stiff = |law: Isotropic| Isotropic { lambda: by * law.lambda, mu: by * law.mu };
+            TensorField::new(stiff(LAW).into(), [stiff(third).into()])
+        };
+        let seven = 7.0 * 2f64.powi(30);
+        let of_large = |field: &TensorField| field.multiple_of(&large(1.0));
+        assert_eq!(of_large(&large(seven)), Some(seven));
+        assert_ne!((seven * 0.3) / 0.3, seven);
+        let next = large(1.000_001 * seven);
+        assert_eq!(
+            of_large(&TensorField::new(large(seven).on(0).clone(), [next.on(1).clone()])),
+            None
+        );
+        let other = TensorField::new(twice(LAW).into(), [soft.into()]);
+        assert_eq!(other.multiple_of(&field), None);
+        assert_eq!(TensorField::from(LAW).multiple_of(&full(2).into()), None);
+    }
+}

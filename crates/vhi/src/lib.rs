@@ -1,0 +1,30 @@
+//! The discrete inequality (4.3) over a time grid, and its solution level by level: a semismooth
+//! Newton method with primal-dual active set, the fixed-point iteration Λ of Theorem 6, or the
+//! decomposition of Remark 3. Nothing here knows a mesh.
+
+mod decomposition;
+mod extrapolation;
+pub mod finite;
+mod fixed_point;
+mod frozen_derivative;
+mod graph;
+pub mod history;
+mod history_inequality;
+pub mod law;
+mod newton;
+mod polished;
+mod step;
+mod step_bounds;
+mod stepper;
+
+pub use decomposition::Decomposition;
+pub use extrapolation::Extrapolation;
+pub use fixed_point::FixedPoint;
+pub use frozen_derivative::FrozenDerivative;
+pub use graph::{BoundaryGraph, Coordinate, Piece};
+pub use history_inequality::{FailedStep, HistoryInequality};
+pub use newton::{Newton, Scratch, StepError, StepInfo};
+pub use polished::Polished;
+pub use step::{StepInequality, StepState};
+pub use step_bounds::{StepBounds, StepPlace, monotonicity};
+pub use stepper::{StepSolver, Stepper};

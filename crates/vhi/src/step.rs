@@ -1,0 +1,68 @@
+//! What a solver may know of one time level.
+
+use super::BoundaryGraph;
+use algebra::linalg::FactorError;
+
+/// Problem 9 at one time level, reduced to coordinates: find u and pressures c with
+///
+///   F(u) + Σ_i w_i c_i s_i e_i = 0,   c_i ∈ G_i(s_i u_i),
+///
+/// where F is single-valued (A, φ with the history up to this level, smooth boundary terms, minus
+/// the load) and the graphs G_i = ∂j + ∂I_{≤ g} sit on single coordinates (dof, sign s_i, weight
+/// w_i): the constraint v ∈ K^h and a diagonal, possibly set-valued part of ∂j.
+pub trait StepInequality {
+    /// Number of unknowns.
+    fn dofs(&self) -> usize;
+
+    /// The graphs and the coordinates they sit on.
+    fn graph(&self) -> &BoundaryGraph;
+
+    /// α_i ≥ 0 with which r ↦ G_i(r) + α_i r is monotone, and so is the part of ∂j that F holds, after
+    /// w_i α_i s_i u_i has been added on every coordinate.
+    fn descent(&self, i: usize) -> f64 {
+        self.graph().descent(i)
+    }
+
+    /// `out` ← F(u).
+    fn residual(&mut self, u: &[f64], out: &mut [f64]);
+
+    /// Prepares solves with the generalized Jacobian of F at the u of the last [`Self::residual`],
+    /// plus `slopes[i]` on the coordinate of graph i (a stiffness), with the increment of graph i
+    /// prescribed where `prescribed[i]` says so (an increment of the dof).
+    ///
+    /// # Errors
+    /// The factorization's, if the Jacobian is not positive definite.
+    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError>;
+
+    /// Solves with the prepared Jacobian in place, to a residual of at most `forcing` times the
+    /// right side (or better: a direct solve ignores it).
+    ///
+    /// # Errors
+    /// The factorization's; [`FactorError::SingularInZeta`] if a low-rank part makes the Jacobian
+    /// singular.
+    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError>;
+
+    /// Size of the forces that cancel in F(u): rounding in F is a small multiple of ε times this.
+    fn force_scale(&self, u: &[f64]) -> f64;
+}
+
+/// Unknowns of one time level: start value on entry, solution on return.
+#[derive(Debug, Default)]
+pub struct StepState {
+    /// u.
+    pub u: Vec<f64>,
+    /// c_i, one a graph: the pressure ξ + λ.
+    pub pressure: Vec<f64>,
+}
+
+impl Clone for StepState {
+    fn clone(&self) -> Self {
+        Self { u: self.u.clone(), pressure: self.pressure.clone() }
+    }
+
+    /// In the memory that is there: levels are kept at every step.
+    fn clone_from(&mut self, other: &Self) {
+        self.u.clone_from(&other.u);
+        self.pressure.clone_from(&other.pressure);
+    }
+}
