@@ -30,7 +30,7 @@
 //!
 //! # The house
 //! Eleven crates, each of which knows those named beside it and no other; this one is the program `sweep` and a front of
-//! their modules. `tests/house.rs` holds the table.
+//! their modules. `tests/commands/house.rs` holds the table.
 //!
 //! | crate | knows | holds |
 //! |---|---|---|

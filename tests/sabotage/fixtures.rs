@@ -8,7 +8,7 @@ use serde_json::Value;
 
 use crate::shipped::{fixture, number, relative};
 
-/// The accuracies of tests/fixtures_punch.rs, tests/fixtures_affine.rs and tests/fixtures_pure_strong.rs, with their
+/// The accuracies of tests/numbers/fixtures_punch.rs, tests/numbers/fixtures_affine.rs and tests/numbers/fixtures_pure_strong.rs, with their
 /// reasons there.
 const PUNCH: f64 = 1e-9;
 const ERRORS: f64 = 1e-8;

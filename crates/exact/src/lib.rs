@@ -3,7 +3,7 @@
 //! Independence: the stress here is computed from full tensors by [`constitutive`], at the accuracy
 //! of formulas and adaptive quadrature, and turned into nodal forces by [`nodal_force`]. Nothing is
 //! taken from `law`, `history` or `vhi`. What both sides share carries no law and no integral of the
-//! problem, and `tests/house.rs` holds the list:
+//! problem, and `tests/commands/house.rs` holds the list:
 //! - of `contact`: `Discretization`, for the mesh, the node numbers of a load vector, cell areas and the
 //!   order of the facets of Γ3 (a wrong one moves forces to wrong nodes, which no formula repeats);
 //!   `LoadError`, a message;

@@ -14,7 +14,7 @@
 //! Independence: numbers of the scene, formulas, the manufactured side's stress, and linear algebra. Its histories are
 //! integrated here once more (`adaptive`): where those of the truth are wrong, the error is off its prediction.
 //! Nothing is taken from the solver's model, laws, time weights, assembly or march, so that a wrong one among them does
-//! not move the prediction; `tests/house.rs` holds the list of what is shared.
+//! not move the prediction; `tests/commands/house.rs` holds the list of what is shared.
 
 mod adaptive;
 mod cells;

@@ -1,4 +1,4 @@
-//! Intervals on laws whose order is known; tests/coverage.rs simulates them.
+//! Intervals on laws whose order is known; tests/numbers/coverage.rs simulates them.
 
 use super::*;
 

@@ -1,0 +1,437 @@
+//! Source: the contract of the command line: bad input ends with exit code 2 and one clear message on stderr.
+//! Goal: malformed scenes, unknown names and grids that do not fit are refused by every command that would compute,
+//!   with file, line and the reason, before anything is written or printed.
+//! Data: shipped scenes with one edit each, and a table of inputs of the worst kinds, counted with their exit codes.
+
+use std::collections::BTreeMap;
+use std::process::Output;
+use std::time::{Duration, Instant};
+
+use crate::program::{Folder, code, stderr, stdout, sweep};
+use crate::shipped::{edited, text};
+
+/// What is wrong with a refusal; `place` must stand in the one message, with each of the phrases.
+fn faults(output: &Output, place: &str, phrases: &[&str]) -> Vec<String> {
+    let message = stderr(output);
+    let mut faults = Vec::new();
+    let mut expect = |holds: bool, what: String| {
+        if !holds {
+            faults.push(what);
+        }
+    };
+    expect(code(output) == 2, format!("exit code {}", code(output)));
+    expect(output.stdout.is_empty(), format!("on stdout: {}", stdout(output)));
+    // codespan begins each message with `error:`, others have one line and a way out.
+    let messages = message.matches("error: ").count();
+    expect(messages <= 1 && !message.trim().is_empty(), format!("{messages} messages"));
+    expect(!message.contains("panicked"), "a panic".into());
+    for phrase in phrases.iter().chain([&place]) {
+        expect(message.contains(phrase), format!("no `{phrase}` in: {message}"));
+    }
+    faults
+}
+
+/// The line of `key` in a text, from 1.
+fn line_of(text: &str, key: &str) -> usize {
+    let at = text.find(key).unwrap_or_else(|| panic!("no `{key}`"));
+    1 + text[..at].matches('\n').count()
+}
+
+/// A malformed scene: where its message points (a text that stands at that line), and what it says.
+struct Malformed {
+    name: &'static str,
+    text: String,
+    at: &'static str,
+    phrases: &'static [&'static str],
+}
+
+fn malformed() -> Vec<Malformed> {
+    let make = |name, from: &str, edits: &[(&str, &str)], at, phrases| {
+        let mut scene = text(from);
+        for (old, new) in edits {
+            scene = edited(&scene, old, new);
+        }
+        Malformed { name, text: scene, at, phrases }
+    };
+    let [uniform, slope] =
+        ["grid = { kind = \"uniform\" }\n", "slope_before = 0.0, slope_after = 0.0"];
+    let time = format!("[time]\nhorizon = 1.0\n{uniform}");
+    let predicts =
+        "[[predicts]]\nnorm = \"V_max\"\nvariable = \"h\"\norder = 1.0\nwhy = \"(5.26)\"\n";
+    let steep = "points = [[0.0, 0.0], [0.04, 0.08], [0.05, -0.02]]";
+    vec![
+        make(
+            "unknown-key",
+            "punch",
+            &[("gap = ", "gpa = ")],
+            "gpa = ",
+            &["unknown key `gpa`", "`gap`"],
+        ),
+        // Nothing of a missing part can be underlined: the message points at the end of the file.
+        make("missing-part", "punch", &[(&time, "")], "", &["[time] is missing"]),
+        make(
+            "bad-formula",
+            "punch",
+            &[("\"-3*t*x\"", "\"-3*t*(x\"")],
+            "body = ",
+            &["`)` is missing"],
+        ),
+        make(
+            "unknown-name",
+            "affine",
+            &[("b = \"0.3*sin(2*t)\"", "b = \"0.3*sin(2*q)\"")],
+            "b = \"0.3",
+            &["unknown name `q`"],
+        ),
+        make(
+            "negative-lame",
+            "punch",
+            &[("mu_L = 1.0", "mu_L = -1.0")],
+            "mu_L = -1.0",
+            &["mu_L = -1", "not positive"],
+        ),
+        make(
+            "not-small",
+            "punch",
+            &[("points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]", steep)],
+            "law = ",
+            &["(2.9)", "alpha_nu", "m_A"],
+        ),
+        make("downward-jump", "punch", &[("[0.10, 0.05]", "[0.04, 0.05]")], "law = ", &["(2.8c)"]),
+        make(
+            "kernel-at-zero",
+            "punch",
+            &[("\"-exp(-t)\"", "\"-t^(-0.5)\"")],
+            "kernel = ",
+            &["kernel", "inf at t = 0"],
+        ),
+        make(
+            "negative-multiplier",
+            "affine-locked",
+            &[("multiplier = \"t\"", "multiplier = \"-t\"")],
+            "multiplier = ",
+            &["must not be negative"],
+        ),
+        make(
+            "multiplier-off-contact",
+            "affine",
+            &[("[exact.define]", "multiplier = \"t\"\n[exact.define]")],
+            "multiplier = ",
+            &["multiplier", "below g"],
+        ),
+        make(
+            "beyond-the-gap",
+            "affine",
+            &[("a = \"0.08*t", "a = \"0.12*t")],
+            "u = [",
+            &["u_nu <= g"],
+        ),
+        make(
+            "convex-gap",
+            "punch",
+            &[("gap = \"0.10\"", "gap = \"0.1 + 0.2*x^2\"")],
+            "gap = ",
+            &["not concave"],
+        ),
+        make(
+            "not-clamped",
+            "affine",
+            &[("\"b*(1 - y)\"", "\"b*(1 - 0.9*y)\"")],
+            "u = [",
+            &["clamped side"],
+        ),
+        make(
+            "judged-by-nothing",
+            "steady",
+            &[(predicts, "")],
+            "[scene]",
+            &["predicts nothing", "add [[predicts]]", "judge = false"],
+        ),
+        make(
+            "no-number",
+            "punch",
+            &[(slope, "slope_before = nan, slope_after = 0.0")],
+            "law = ",
+            &["not finite"],
+        ),
+    ]
+}
+
+#[test]
+fn malformed_scenes_are_refused_with_their_place() {
+    let folder = Folder::new("bad-input");
+    let mut wrong = Vec::new();
+    for Malformed { name, text, at, phrases } in malformed() {
+        let file = format!("{name}.toml");
+        let path = folder.file(&file, &text);
+        let line = if at.is_empty() { text.lines().count() } else { line_of(&text, at) };
+        let place = format!("{file}:{line}:");
+        let (out, vtu) = (folder.argument("out"), folder.argument("vtu"));
+        let commands: [&[&str]; 5] = [
+            &["run", &path, "--out", &out],
+            &["gate", &path, "--out", &out],
+            &["solve", &path, "--n", "4", "--steps", "4", "--vtu", &vtu],
+            &["check", &path],
+            &["explain", &path],
+        ];
+        for arguments in commands {
+            let found = faults(&sweep(arguments), &place, phrases);
+            wrong.extend(found.into_iter().map(|what| format!("{} {name}: {what}", arguments[0])));
+        }
+        assert!(!folder.at("out").exists() && !folder.at("vtu").exists(), "{name} left files");
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The judge of refusals above refuses what is none.
+#[test]
+fn a_sound_scene_is_no_refusal() {
+    let folder = Folder::new("sound");
+    let path = folder
+        .file("sound.toml", &edited(&text("affine"), "name = \"affine\"", "name = \"sound\""));
+    let output = sweep(&["solve", &path, "--n", "4", "--steps", "4"]);
+    let found = faults(&output, "sound.toml:1:", &["unknown key"]);
+    // Exit code, stdout, no message, no place, no phrase.
+    assert_eq!(found.len(), 5, "{found:?}");
+}
+
+#[test]
+fn files_and_names_that_are_no_scene() {
+    let folder = Folder::new("no-scene");
+    let empty = folder.file("empty.toml", "");
+    let remark = folder.file("remark.toml", "# nothing but a remark\n\n");
+    let broken = folder.file("broken.toml", "[scene\nname = \"x\"\n");
+    let missing = folder.argument("missing.toml");
+    let out = folder.argument("out");
+    let cases: [(&str, &str, &[&str]); 6] = [
+        (&empty, "empty.toml", &["is empty"]),
+        (&remark, "remark.toml", &["is empty"]),
+        (&broken, "broken.toml:1:", &["not TOML"]),
+        (&missing, "missing.toml", &["cannot read"]),
+        ("pure-mld", "pure-mld", &["no scene is called", "`pure-mild`"]),
+        ("zzzzzz", "zzzzzz", &["no scene is called", "known: "]),
+    ];
+    for (scene, place, phrases) in cases {
+        for arguments in [
+            vec!["run", scene, "--out", &out],
+            vec!["run", "affine", scene, "--out", &out],
+            vec!["solve", scene, "--n", "4", "--steps", "4"],
+            vec!["check", scene],
+            vec!["explain", scene],
+        ] {
+            let found = faults(&sweep(&arguments), place, phrases);
+            assert!(found.is_empty(), "{arguments:?}: {found:?}");
+        }
+    }
+    assert!(!folder.at("out").exists());
+}
+
+#[test]
+fn grids_that_do_not_fit() {
+    let folder = Folder::new("grids");
+    let half = edited(&text("viscoelastic"), "size = [1.0, 1.0]", "size = [1.0, 0.5]");
+    let half = half.replace("(1 - y)", "(1 - 2*y)").replace("(1 - y^2)", "(1 - 4*y^2)");
+    let half = folder.file("half.toml", &half);
+    let out = folder.argument("out");
+    let cases: [(&str, &[&str], &str, &[&str]); 5] = [
+        (&half, &["--n", "3"], "half.toml:", &["n = 3 does not divide side 0.5"]),
+        ("punch", &["--n", "24"], "punch.toml:", &["128", "n = 24"]),
+        ("punch", &["--steps", "24"], "punch.toml:", &["64", "steps = 24"]),
+        ("affine", &["--n", "0"], "--n", &["0"]),
+        ("affine", &["--steps", "-4"], "-4", &[]),
+    ];
+    for (scene, grid, place, phrases) in cases {
+        let mut arguments = vec!["run", scene, "--out", &out];
+        arguments.extend(grid);
+        let found = faults(&sweep(&arguments), place, phrases);
+        assert!(found.is_empty(), "{arguments:?}: {found:?}");
+    }
+    let found =
+        faults(&sweep(&["solve", &half, "--n", "5", "--steps", "4"]), "half.toml:", &["n = 5"]);
+    assert!(found.is_empty(), "{found:?}");
+    assert!(!folder.at("out").exists());
+}
+
+#[test]
+fn tables_that_cannot_be_fitted() {
+    let folder = Folder::new("tables");
+    let cases = [
+        ("no-error.csv", "h,k\n0.1,0.2\n", "no column `error`"),
+        ("no-steps.csv", "error\n0.1\n", "no column `h`"),
+        ("no-rows.csv", "h,error\n", "no rows"),
+        ("no-number.csv", "h,error\n0.1,0.2\n0.05,much\n", "line 3: `much` is not a number"),
+        ("one-h.csv", "h,error\n0.1,0.2\n0.1,0.3\n", "nothing to fit"),
+        ("torn.csv", "h,error\n0.1,0.2\n0.05\n", "line 3"),
+    ];
+    for (name, table, phrase) in cases {
+        let path = folder.file(name, table);
+        let found = faults(&sweep(&["fit", &path]), name, &[phrase]);
+        assert!(found.is_empty(), "{name}: {found:?}");
+    }
+    let missing = folder.argument("missing.csv");
+    let found = faults(&sweep(&["fit", &missing]), "missing.csv", &[]);
+    assert!(found.is_empty(), "{found:?}");
+    let found = faults(&sweep(&["report", &folder.argument("nowhere")]), "nowhere", &[]);
+    assert!(found.is_empty(), "{found:?}");
+}
+
+/// The worst a scene file may hold: a name, the text, where the message points (a text of that line), what it says.
+fn worst() -> Vec<Malformed> {
+    let affine = |name, to: &str, at, phrases| Malformed {
+        name,
+        text: edited(&text("affine"), "b = \"0.3*sin(2*t)\"", to),
+        at,
+        phrases,
+    };
+    let punch = |name, from: &str, to: &str, at, phrases| Malformed {
+        name,
+        text: edited(&text("punch"), from, to),
+        at,
+        phrases,
+    };
+    let nested =
+        |open: &str, close: &str| format!("b = \"{}t{}\"", open.repeat(5000), close.repeat(5000));
+    let also = |line: &str| format!("{line}\nb = \"0.3*sin(2*t)\"");
+    let grid = |key: &str, list: &str| {
+        let scene = text("affine");
+        let old =
+            scene.lines().find(|line| line.starts_with(&format!("{key} = ["))).expect("a grid");
+        edited(&scene, old, &format!("{key} = {list}"))
+    };
+    let mut all = vec![
+        // Deep nesting.
+        affine("deep-brackets", &nested("(", ")"), "b = \"(((", &["nested deeper than"]),
+        affine("deep-signs", &nested("-", ""), "b = \"---", &["nested deeper than"]),
+        affine("deep-calls", &nested("sin(", ")"), "b = \"sin(", &["nested deeper than"]),
+        affine("deep-powers", &nested("t^(", ")"), "b = \"t^(", &["nested deeper than"]),
+        punch(
+            "deep-lists",
+            "gap = \"0.10\"",
+            &format!("gap = {}{}", "[".repeat(5000), "]".repeat(5000)),
+            "gap = ",
+            &["not TOML"],
+        ),
+        // Huge numbers, and what is no number.
+        affine("huge-number", "b = \"1e400*t\"", "b = \"1e400", &["1e400", "too large"]),
+        punch("huge-modulus", "mu_L = 1.0", "mu_L = 1e400", "mu_L = ", &["overflow"]),
+        punch(
+            "huge-whole",
+            "mu_L = 1.0",
+            "mu_L = 99999999999999999999",
+            "mu_L = ",
+            &["99999999999999999999"],
+        ),
+        punch("stiff", "mu_L = 1.0", "mu_L = 1e300", "[material]", &["1e-152 to 1e152"]),
+        punch("nan", "mu_L = 1.0", "mu_L = nan", "mu_L = ", &["NaN", "not finite"]),
+        punch(
+            "infinite-time",
+            "horizon = 1.0",
+            "horizon = inf",
+            "horizon = ",
+            &["inf", "not finite"],
+        ),
+        affine("nan-formula", "b = \"nan*t\"", "b = \"nan", &["unknown name `nan`"]),
+        affine("inf-formula", "b = \"-inf*t\"", "b = \"-inf", &["unknown name `inf`"]),
+        // Names.
+        affine("shadows-function", &also("sin = \"3\""), "sin = ", &["`sin`", "reserved"]),
+        affine("shadows-constant", &also("pi = \"3\""), "pi = ", &["`pi`", "reserved"]),
+        affine("shadows-variable", &also("x = \"3\""), "x = \"3", &["`x`", "reserved"]),
+        affine("shadows-if", &also("if = \"3\""), "if = \"3", &["`if`", "reserved"]),
+        affine("recursive", "b = \"0.3*sin(2*b)\"", "b = \"0.3", &["unknown name `b`"]),
+        affine("each-other", "q = \"b\"\nb = \"q\"", "q = \"b", &["unknown name `b`"]),
+        affine("twice", "b = \"t\"\nb = \"t\" # again", "b = \"t\" # again", &["duplicate key"]),
+        // Unicode.
+        affine("greek-key", &also("β = \"3\""), "β = ", &["not TOML"]),
+        affine("dot-product", "b = \"0.3·t\"", "b = \"0.3·", &["`·` has no meaning"]),
+        affine("minus-sign", "b = \"0.3 − t\"", "b = \"0.3 −", &["`−` has no meaning"]),
+        affine("right-to-left", "b = \"t\u{202e}\"", "b = \"t\u{202e}", &["has no meaning"]),
+        affine("cyrillic-t", "b = \"0.3*т\"", "b = \"0.3*т", &["unknown name `т`"]),
+        affine("nul", "b = \"0.3\\u0000\"", "b = \"0.3", &["has no meaning"]),
+        affine("full-width", "b = \"０.３*t\"", "b = \"０", &["has no meaning"]),
+        // Singular at a point of a rule: point and time are named.
+        affine(
+            "singular-in-time",
+            "b = \"0.3/(t - 0.5)\"",
+            "u = [",
+            &["NaN at (0.0000, 1.0000)", "t = 0.5"],
+        ),
+        punch(
+            "singular-at-corner",
+            "\"-3*t*x\"",
+            "\"-3*log(x - 0.3)\"",
+            "body = ",
+            &["the load is NaN at x = 0, y = 0, t = 0"],
+        ),
+    ];
+    let grids: [(&str, &str, &str, &[&str]); 8] = [
+        ("n-zero", "n", "[0]", &["0 is not a whole number"]),
+        ("n-negative", "n", "[-8]", &["-8 is not a whole number"]),
+        ("n-huge", "n", "[99999999]", &["n = 99999999 makes 2.0e16 cells"]),
+        ("n-beyond", "n", "[99999999999]", &["not a whole number from 1 to"]),
+        ("n-text", "n", "[\"8\"]", &["expected a whole number"]),
+        ("steps-huge", "steps", "[2000000000]", &["2000000000 time steps"]),
+        ("steps-beyond", "steps", "[4294967296]", &["not a whole number from 1 to"]),
+        ("steps-part", "steps", "[1.5]", &["expected a whole number"]),
+    ];
+    for (name, key, list, phrases) in grids {
+        // `traction = [` ends like `n = [`: the comment makes the line one of a kind.
+        let text = grid(key, &format!("{list} # {name}"));
+        all.push(Malformed { name, text, at: name, phrases });
+    }
+    for (name, to) in
+        [("name-path", "../../etc/passwd"), ("name-empty", ""), ("name-line", "a\\nb")]
+    {
+        let scene = edited(&text("affine"), "name = \"affine\"", &format!("name = \"{to}\""));
+        all.push(Malformed { name, text: scene, at: "name = ", phrases: &["cannot name a scene"] });
+    }
+    // `NAME-trade-memory.svg` would be no name of a file: said before anything is run.
+    let long = format!("name = \"{}\"", "a".repeat(250));
+    let scene = edited(&text("affine"), "name = \"affine\"", &long);
+    let phrases = &["a name of 250 characters", "use at most 200"];
+    all.push(Malformed { name: "name-long", text: scene, at: "name = ", phrases });
+    all
+}
+
+#[test]
+fn the_worst_inputs_are_counted_with_their_exit_codes() {
+    let folder = Folder::new("worst");
+    let (mut codes, mut wrong) = (BTreeMap::<i32, usize>::new(), Vec::new());
+    let mut see = |name: &str, output: Output, place: &str, phrases: &[&str]| {
+        *codes.entry(code(&output)).or_default() += 1;
+        let found = faults(&output, place, phrases);
+        wrong.extend(found.into_iter().map(|what| format!("{name}: {what}")));
+    };
+    let start = Instant::now();
+    for Malformed { name, text, at, phrases } in worst().into_iter().chain(malformed()) {
+        let file = format!("{name}.toml");
+        let path = folder.file(&file, &text);
+        let line = if at.is_empty() { text.lines().count() } else { line_of(&text, at) };
+        see(name, sweep(&["check", &path]), &format!("{file}:{line}:"), phrases);
+    }
+    // Files that are no scene: 100 MB of nothing, bytes that are no text, a folder.
+    let large = std::fs::File::create(folder.at("large.toml")).expect("a file");
+    large.set_len(100 << 20).expect("100 MB");
+    std::fs::write(folder.at("bytes.toml"), [0xff_u8, 0xfe, 0x00, 0x80]).expect("a file");
+    std::fs::create_dir(folder.at("folder.toml")).expect("a folder");
+    for (name, phrases) in [
+        ("large.toml", ["large", "1 MiB"]),
+        ("bytes.toml", ["UTF-8", "byte"]),
+        ("folder.toml", ["cannot read", "folder.toml"]),
+    ] {
+        see(name, sweep(&["check", &folder.argument(name)]), name, &phrases);
+        see(name, sweep(&["solve", &folder.argument(name), "--n", "4", "--steps", "4"]), name, &[]);
+    }
+    // Not finite between the points at which a scene is sampled: only a point of the quadrature meets it.
+    let narrow = edited(&text("punch"), "\"-3*t*x\"", "\"-3*t*sqrt((x - 0.29)^2 - 1.6e-5)\"");
+    let path = folder.file("narrow.toml", &narrow);
+    let output = sweep(&["solve", &path, "--n", "32", "--steps", "4"]);
+    see("narrow", output, "punch n = 32", &["NaN", "at (0.2", "t = "]);
+    let taken = start.elapsed();
+    let tried: usize = codes.values().sum();
+    println!("{tried} bad inputs; exit codes {codes:?}; {taken:.1?}");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert_eq!(codes.keys().copied().collect::<Vec<_>>(), [2]);
+    assert!(tried >= 60, "{tried}");
+    // None of them takes a person's patience.
+    assert!(taken < Duration::from_secs(300), "{taken:?}");
+}

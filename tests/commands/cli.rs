@@ -1,0 +1,435 @@
+//! Source: the contracts of the command line (exit codes, JSON keys, files); others rely on them.
+//! Goal: 0 only where all verdicts pass, 1 where one fails or is unresolved, 2 where it could not judge; every table
+//!   has its JSON, and the help says what the main job is.
+//! Data: affine and steady (small, judged), edited copies of shipped scenes, tables by hand.
+
+use std::collections::BTreeSet;
+
+use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::shipped::{edited, text};
+use serde_json::Value;
+
+/// Runs a scene into `out` of the folder; the exit code and verdict.json.
+#[track_caller]
+fn run(folder: &Folder, scene: &str, grid: &[&str]) -> (i32, Value) {
+    let out = folder.argument("out");
+    let mut arguments = vec!["run", scene, "--out", &out];
+    arguments.extend(grid);
+    let output = sweep(&arguments);
+    let verdict = std::fs::read_to_string(folder.at("out/verdict.json"));
+    let verdict = verdict.unwrap_or_else(|error| panic!("{error}: {}", stderr(&output)));
+    (code(&output), serde_json::from_str(&verdict).expect("JSON"))
+}
+
+fn decisions(document: &Value) -> Vec<&str> {
+    let verdicts = document["verdicts"].as_array().expect("verdicts").iter();
+    verdicts.map(|verdict| verdict["verdict"].as_str().expect("a verdict")).collect()
+}
+
+const SMALL: [&str; 4] = ["--n", "4", "--steps", "4,8,16"];
+
+#[test]
+fn verdicts_that_pass_are_zero() {
+    let folder = Folder::new("pass");
+    let (exit, document) = run(&folder, "affine", &SMALL);
+    assert_eq!((exit, decisions(&document)), (0, vec!["pass"]));
+    for file in ["cases.csv", "index.html", "affine-k.svg", "provenance.json"] {
+        assert!(folder.at("out").join(file).exists(), "no {file}");
+    }
+}
+
+#[test]
+fn verdicts_that_fail_or_are_not_as_expected_are_one() {
+    let folder = Folder::new("fail");
+    let third = edited(&text("affine"), "order = 2.0", "order = 3.0");
+    let failing = folder.file("affine.toml", &third);
+    let (exit, document) = run(&folder, &failing, &SMALL);
+    assert_eq!((exit, decisions(&document)), (1, vec!["fail"]));
+    // A scene built to fail passes by failing, and fails by passing.
+    let heading = "name = \"affine\"\n";
+    let expected = |scene: &str| edited(scene, heading, &format!("{heading}expect = \"fail\"\n"));
+    let failing = folder.file("affine.toml", &expected(&third));
+    assert_eq!(run(&folder, &failing, &SMALL).0, 0);
+    let passing = folder.file("affine.toml", &expected(&text("affine")));
+    let (exit, document) = run(&folder, &passing, &SMALL);
+    assert_eq!((exit, decisions(&document)), (1, vec!["pass"]));
+}
+
+#[test]
+fn unresolved_is_one() {
+    let folder = Folder::new("unresolved");
+    // Two points give no interval.
+    let (exit, document) = run(&folder, "affine", &["--n", "4", "--steps", "4,8"]);
+    assert_eq!((exit, decisions(&document)), (1, vec!["unresolved"]));
+    // The steep front is pre-asymptotic up to n = 64 (0.78, 0.84, then 1.00): without its window no order is told.
+    let all = edited(&text("pure-strong"), "window_n = [32, 128]\n", "");
+    let scene = folder.file("pure-strong.toml", &all);
+    let (exit, document) = run(&folder, &scene, &["--n", "16,32,64", "--steps", "16"]);
+    assert_eq!((exit, decisions(&document)), (1, vec!["unresolved"]), "{document}");
+}
+
+/// No verdict is no verdict: a run says so, a gate cannot judge.
+#[test]
+fn scenes_without_judgement_are_measured_and_never_gated() {
+    let folder = Folder::new("unjudged");
+    let small = text("punch").replace("n = [8, 16, 32]", "n = [4, 8]");
+    let small =
+        edited(&small, "reference = { n = 128, steps = 64 }", "reference = { n = 16, steps = 8 }");
+    let small = edited(&small, "steps = [8, 16, 32]", "steps = [4]");
+    let scene = folder.file("punch.toml", &small);
+    let out = folder.argument("out");
+    let output = sweep(&["run", &scene, "--out", &out]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let said = stdout(&output);
+    assert!(said.contains("nothing was judged") && said.contains("2 cases, 0 failed\n"), "{said}");
+    assert!(!said.contains("verdict ") && !said.contains("as expected"), "{said}");
+    let page = std::fs::read_to_string(folder.at("out/index.html")).expect("a page");
+    assert!(page.contains("nothing was judged") && !page.contains("of 0 verdicts"));
+    let rebuilt = sweep(&["report", &out, "--scenes", &folder.argument("")]);
+    assert_eq!(code(&rebuilt), 0, "{}", stderr(&rebuilt));
+    assert!(stdout(&rebuilt).contains("nothing was judged"));
+    // A gate refuses before it computes anything.
+    let gated = folder.argument("gated");
+    let output = sweep(&["gate", &scene, "--out", &gated]);
+    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
+    let message = stderr(&output);
+    assert!(message.contains("nothing to judge") && message.contains("punch"), "{message}");
+    assert!(!folder.at("gated").exists());
+    // One judged scene is something to judge.
+    let judged = folder.file("affine.toml", &text("affine"));
+    let mixed = ["gate", &scene, &judged, "--n", "4", "--steps", "4,8", "--out", &gated];
+    let output = sweep(&mixed);
+    assert_eq!(code(&output), 1, "unresolved, but judged: {}", stderr(&output));
+}
+
+#[test]
+fn a_solver_that_gives_up_is_two() {
+    let folder = Folder::new("gives-up");
+    // 1 + (k/2) b(0)/4 < 0 at k = 1: no step has a positive definite tangent.
+    let strong = edited(&text("viscoelastic"), "-exp(-t)", "-50*exp(-t)");
+    let strong = edited(&strong, "dimension = 2", "dimension = 2\nviolates = [\"3.4\"]");
+    let scene = folder.file("viscoelastic.toml", &strong);
+    let (exit, document) = run(&folder, &scene, &["--n", "4", "--steps", "1,2"]);
+    assert_eq!((exit, decisions(&document)), (2, vec!["fail"]));
+    let failures = document["failures"].as_array().expect("failures");
+    assert_eq!(failures.len(), 2);
+    assert!(failures[0]["reason"].as_str().is_some_and(|r| r.contains("not positive definite")));
+    let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("a table");
+    assert!(
+        table.lines().skip(1).all(|row| row.contains(",,,failed,")),
+        "no error, no floor: {table}"
+    );
+    let output = sweep(&["solve", &scene, "--n", "4", "--steps", "1", "--json"]);
+    assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
+    assert!(stderr(&output).contains("step 1 (t = 1)"), "{}", stderr(&output));
+}
+
+#[test]
+fn tables_of_anybody_are_judged() {
+    let folder = Folder::new("fit");
+    let fit = |rows: &[&str], aim: &[&str]| {
+        let table = folder.file("table.csv", &format!("h,error\n{}\n", rows.join("\n")));
+        let mut arguments = vec!["fit", &table];
+        arguments.extend(aim);
+        code(&sweep(&arguments))
+    };
+    let first = ["0.2,0.6", "0.1,0.3", "0.05,0.15", "0.025,0.075"];
+    assert_eq!(fit(&first, &["--p", "1"]), 0);
+    assert_eq!(fit(&first, &["--p", "2"]), 1);
+    assert_eq!(fit(&first, &[]), 0);
+    assert_eq!(fit(&first[..2], &["--p", "1"]), 1, "two points are unresolved");
+    assert_eq!(fit(&first, &["--p", "1", "--q", "2"]), 1, "no k to judge");
+}
+
+#[test]
+fn a_fit_is_plain_to_read() {
+    let folder = Folder::new("plain");
+    let printed = |rows: &str, aim: &[&str]| {
+        let table = folder.file("table.csv", &format!("h,error\n{rows}\n"));
+        let text = stdout(&sweep(&[&["fit", &table], aim].concat()));
+        assert!(text.lines().all(|line| line == line.trim_end()), "trailing blanks: {text:?}");
+        text
+    };
+    let three = "0.2,0.6\n0.1,0.3\n0.05,0.15";
+    assert!(!printed(three, &[]).contains("predicted"));
+    assert!(printed(three, &["--p", "1"]).contains("predicted 1: pass, 1 lies in"));
+    let one = printed("0.2,0.6", &["--p", "1"]);
+    assert!(one.contains("unresolved, 1 point, an order needs"), "{one}");
+}
+
+/// NaN or missing is a failure: the other rows must not pass for the table.
+#[test]
+fn a_table_with_a_hole_does_not_pass() {
+    let folder = Folder::new("hole");
+    for hole in ["0.025,nan", "0.025,", "0.025,inf", "0.025,-0.075"] {
+        let rows = ["h,error", "0.2,0.6", "0.1,0.3", "0.05,0.15", hole, ""].join("\n");
+        let table = folder.file("table.csv", &rows);
+        let output = sweep(&["fit", &table, "--p", "1"]);
+        assert_ne!(code(&output), 0, "`{hole}`: {}", stdout(&output));
+    }
+}
+
+#[test]
+fn a_fit_says_nothing_of_absent_columns() {
+    let folder = Folder::new("absent");
+    let table = folder.file("table.csv", "h,error\n0.2,0.6\n0.1,0.3\n0.05,0.15\n");
+    let rows = json(&sweep(&["fit", &table, "--p", "1", "--json"]));
+    let variables: Vec<&Value> =
+        rows.as_array().expect("rows").iter().map(|r| &r["variable"]).collect();
+    assert_eq!(variables, ["h"]);
+    keys(
+        &rows[0],
+        &[
+            "variable",
+            "local_slopes",
+            "observed",
+            "interval",
+            "constant",
+            "constant_interval",
+            "predicted",
+            "verdict",
+            "reason",
+            "points_used",
+            "points_left_out",
+            "scene",
+            "norm",
+        ],
+    );
+}
+
+/// Exactly these keys.
+#[track_caller]
+fn keys(object: &Value, expected: &[&str]) {
+    let found: BTreeSet<&str> =
+        object.as_object().expect("an object").keys().map(String::as_str).collect();
+    assert_eq!(found, expected.iter().copied().collect());
+}
+
+#[test]
+fn list_explain_and_check_have_their_json() {
+    let list = json(&sweep(&["list", "--json"]));
+    let scenes = list.as_array().expect("scenes");
+    assert!(scenes.len() >= 13);
+    for scene in scenes {
+        keys(scene, &["name", "question", "terms", "truth", "predicts", "long", "judge"]);
+    }
+    let plan = json(&sweep(&["explain", "affine", "--json"]));
+    let own = ["scene", "terms", "truth", "algorithm", "history", "reference", "cases"];
+    keys(&plan, &[&own[..], &["constants", "corners", "regions"]].concat());
+    let cases = plan["cases"].as_array().expect("cases");
+    assert_eq!(cases.len(), 5);
+    let predicted = ["seconds_predicted", "memory_bytes_predicted"];
+    for case in cases {
+        keys(
+            case,
+            &[
+                &["n", "steps", "dofs", "plan", "linear_solver", "history_bytes", "norms"][..],
+                &predicted,
+            ]
+            .concat(),
+        );
+        assert_eq!(case["plan"], "newton");
+        assert!(predicted.iter().all(|key| case[key].as_f64().is_some_and(|value| value > 0.0)));
+        // 4 × 4 squares, 25 vertices, 5 of them clamped, two unknowns each.
+        assert_eq!(case["dofs"], 40);
+    }
+    let punch = json(&sweep(&["explain", "punch", "--json"]));
+    let run = ["n", "steps", "plan", "linear_solver"];
+    keys(&punch["reference"], &[&run[..], &predicted].concat());
+    assert!(plan["reference"].is_null());
+    let check = json(&sweep(&["check", "affine", "--json"]));
+    keys(&check, &["scene", "findings"]);
+    let findings = check["findings"].as_array().expect("findings");
+    assert!(findings.len() >= 10);
+    for finding in findings {
+        keys(finding, &["subject", "status", "value", "text"]);
+        let status = finding["status"].as_str().expect("a status");
+        assert!(["verified", "fact", "weak"].contains(&status), "{finding}");
+    }
+}
+
+/// The keys that programs outside rely on.
+const SOLVED: [&str; 17] = [
+    "strain_norm",
+    "zeta",
+    "elastic_energy",
+    "contact_force",
+    "locked_vertices",
+    "compliance_force",
+    "multiplier_force",
+    "yielding_elements",
+    "min_uy",
+    "min_uy_vertex",
+    "min_normal_gap",
+    "max_normal_displacement",
+    "normal_displacement",
+    "newton_iterations",
+    "kkt_residual",
+    "seconds",
+    "dofs",
+];
+/// Later additions.
+const ADDED: [&str; 15] = [
+    "compliance_pressure",
+    "contact_half_width",
+    "contraction",
+    "contraction_bound",
+    "convex_problems",
+    "factorizations",
+    "fixed_point_iterations",
+    "jump_vertices",
+    "linear_iterations",
+    "linear_solver",
+    "linear_solves",
+    "paths",
+    "peak_pressure",
+    "peak_resident_bytes",
+    "pressure_spread",
+];
+
+#[test]
+fn solve_has_its_keys() {
+    let punch = json(&sweep(&["solve", "punch", "--n", "4", "--steps", "4", "--json"]));
+    keys(&punch, &[&SOLVED[..], &ADDED[..]].concat());
+    let lists = ["min_uy_vertex", "normal_displacement"];
+    for key in SOLVED.iter().filter(|key| !lists.contains(key)) {
+        assert!(punch[*key].as_f64().is_some_and(f64::is_finite), "{key}: {}", punch[*key]);
+    }
+    let rows = punch["normal_displacement"].as_array().expect("rows");
+    assert!(rows.len() == 5 && rows.iter().all(|row| row.as_array().is_some_and(|r| r.len() == 3)));
+    assert!(punch["kkt_residual"].as_f64().is_some_and(|r| r <= 1e-9));
+    // g = ∞ has no distance to it.
+    let linear = json(&sweep(&["solve", "linear-punch", "--n", "4", "--steps", "4", "--json"]));
+    assert!(linear["min_normal_gap"].is_null() && linear["max_normal_displacement"].is_number());
+}
+
+/// `--resume` with other cases keeps what is there, or refuses and touches nothing.
+#[test]
+fn resume_loses_no_records() {
+    let folder = Folder::new("keeps");
+    run(&folder, "affine", &SMALL);
+    let more: [(&str, &[&str]); 2] = [
+        ("affine", &["--n", "4", "--steps", "32", "--resume"]),
+        ("steady", &["--n", "8", "--resume"]),
+    ];
+    for (scene, grid) in more {
+        run(&folder, scene, grid);
+        let table = std::fs::read_to_string(folder.at("out/cases.csv")).expect("a table");
+        for start in ["affine,2,4,4,", "affine,2,4,8,", "affine,2,4,16,"] {
+            let rows = table.lines().filter(|row| row.starts_with(start)).count();
+            assert_eq!(rows, 6, "rows of {start} after {scene} {grid:?}");
+        }
+    }
+}
+
+/// The words of a help text, whatever the line breaks.
+fn help(arguments: &[&str]) -> String {
+    let output = sweep(arguments);
+    assert_eq!(code(&output), 0);
+    stdout(&output).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn the_help_says_what_the_main_job_is() {
+    let main = help(&["--help"]);
+    assert!(main.contains("[default: manufactured]"), "{main}");
+    assert!(main.contains("Without a command") && main.contains("reports/latest"), "{main}");
+    let run = help(&["run", "--help"]);
+    assert!(
+        run.contains("[default: reports/latest]")
+            && run.contains("[default: number of processors]")
+    );
+    assert!(run.contains("not marked long"), "{run}");
+}
+
+#[test]
+fn the_help_documents_the_json_keys() {
+    let solve = help(&["solve", "--help"]);
+    let missing: Vec<_> = SOLVED.iter().filter(|key| !solve.contains(**key)).collect();
+    assert!(missing.is_empty(), "solve --help lacks {missing:?}");
+    for (command, key) in [
+        ("list", "truth"),
+        ("check", "findings"),
+        ("explain", "history_bytes"),
+        ("fit", "local_slopes"),
+    ] {
+        assert!(help(&[command, "--help"]).contains(key), "{command} --help lacks {key}");
+    }
+}
+
+#[test]
+fn audits_hold_and_say_what_they_checked() {
+    let folder = Folder::new("audit");
+    let grid = ["--n", "4,8", "--steps", "2,4"];
+    let out = folder.argument("out");
+    let output = sweep(&[&["audit", "compliance", "--json", "--out", &out], &grid[..]].concat());
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let document = json(&output);
+    assert_eq!(
+        (document["holds"].as_bool(), document["rule"].as_str()),
+        (Some(true), Some("exact"))
+    );
+    assert_eq!(document["lines"].as_array().map(Vec::len), Some(16));
+    assert_eq!(document["cases"].as_array().map(Vec::len), Some(4));
+    for file in ["compliance-audit.csv", "compliance-audit.json", "compliance-audit.svg"] {
+        assert!(folder.at("out").join(file).exists(), "no {file}");
+    }
+    // d falls with order 1: the bound of E_A, which has e d in it, with order 2.
+    let line =
+        document["lines"].as_array().and_then(|all| all.iter().find(|l| l["line"] == "(4.17)"));
+    let power = line.and_then(|line| line["power_h"][1].as_f64()).expect("a power");
+    assert!((1.8..2.2).contains(&power), "{power}");
+    // The same for a reader.
+    let output = sweep(&[&["audit", "compliance"], &grid[..]].concat());
+    assert!(stdout(&output).contains("16 of 16 lines hold in all runs"), "{}", stdout(&output));
+}
+
+#[test]
+fn what_cannot_be_audited_is_two() {
+    let output = sweep(&["audit", "punch"]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("no exact solution"), "{}", stderr(&output));
+    let folder = Folder::new("audit-jump");
+    let law = "points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
+    let jump = "points = [[-0.01, -0.01], [-0.01, 0.0], [0.0, 0.0], [0.04, 0.08], [0.10, 0.05]]";
+    let scene = edited(&text("affine"), law, jump);
+    let scene = folder.file("jump.toml", &scene);
+    let output = sweep(&["audit", &scene, "--n", "4", "--steps", "2", "--rule", "exact"]);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    assert!(stderr(&output).contains("--rule vertex"), "{}", stderr(&output));
+    let output = sweep(&["audit", &scene, "--n", "4", "--steps", "2"]);
+    assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
+    assert!(stdout(&output).contains("boundary rule vertex"));
+    assert_eq!(code(&sweep(&["audit"])), 2);
+}
+
+/// Completions and man pages know the commands and their options; --quiet leaves results alone.
+#[test]
+fn what_is_generated_knows_the_commands() {
+    for shell in ["bash", "zsh", "fish"] {
+        let text = stdout(&sweep(&["completions", shell]));
+        assert!(text.contains("gronwall") && text.contains("resume"), "{shell}: {text}");
+    }
+    let page = stdout(&sweep(&["man"]));
+    assert!(page.contains(".TH sweep") && page.contains("Exit codes"), "{page}");
+    let folder = Folder::new("man");
+    let output = sweep(&["man", "--out", &folder.argument("man")]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(folder.at("man/sweep-run.1").exists() && folder.at("man/sweep.1").exists());
+}
+
+#[test]
+fn quiet_says_errors_alone() {
+    let folder = Folder::new("quiet");
+    let out = folder.argument("out");
+    let small = ["run", "affine", "--n", "4", "--steps", "4,8,16", "--out", &out];
+    let usual = sweep(&small);
+    assert!(stderr(&usual).contains("3 cases"), "{}", stderr(&usual));
+    let quiet = sweep(&[&["--quiet"], &small[..]].concat());
+    assert_eq!((stderr(&quiet), stdout(&quiet)), (String::new(), stdout(&usual)));
+    // No colour where there is no terminal.
+    assert!(!stdout(&usual).contains('\u{1b}'));
+    let refused = sweep(&["--quiet", "run", "afine"]);
+    assert_eq!(code(&refused), 2);
+    assert!(stderr(&refused).contains("did you mean `affine`"), "{}", stderr(&refused));
+}

@@ -1,0 +1,72 @@
+//! Source: the contract of `sweep diagnose`: 0 nothing to diagnose, 1 something is wrong, 2 it could not be done.
+//! Goal: exit codes, the sentence and the JSON keys, from outside.
+//! Data: affine; affine with an order that no theorem gives; scenes without exact solution.
+
+use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::shipped::{edited, text};
+
+#[test]
+fn a_sound_scene_has_nothing_to_diagnose() {
+    let output = sweep(&["diagnose", "affine"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let printed = stdout(&output);
+    assert!(printed.contains("nothing to diagnose"), "{printed}");
+    assert!(!printed.contains("memory alone"), "{printed}");
+}
+
+#[test]
+fn always_runs_the_trials() {
+    let output = sweep(&["diagnose", "affine", "--always"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let printed = stdout(&output);
+    println!("{printed}");
+    for words in
+        ["without memory", "zeta alone", "error below 1e-9", "nothing is wrong: every variant"]
+    {
+        assert!(printed.contains(words), "{words}: {printed}");
+    }
+    assert!(printed.lines().all(|line| line.chars().count() <= 100), "{printed}");
+}
+
+#[test]
+fn json_has_its_keys() {
+    let output = sweep(&["diagnose", "affine", "--always", "--json"]);
+    assert_eq!(code(&output), 0);
+    let document = json(&output);
+    let trials = document["trials"].as_array().expect("trials");
+    assert!(trials.len() >= 12);
+    for trial in trials {
+        assert_eq!(trial["verdict"], "pass", "{trial}");
+        let is_order = trial["question"] == "order";
+        assert_eq!(trial["observed"].is_number(), is_order, "{trial}");
+        assert_eq!(trial["error"].is_number(), !is_order, "{trial}");
+        assert!(trial["suspects"].as_array().is_some_and(|list| !list.is_empty()));
+    }
+    let culprits = document["culprits"].as_array().expect("culprits");
+    assert!(culprits.is_empty() && document["sentence"].is_string());
+    assert!(document["verdicts"][0]["norm"] == "V_max" && document["scene"] == "affine");
+}
+
+/// A prediction that is wrong is no defect of the solver: the scene fails, and no term is named.
+#[test]
+fn a_wrong_prediction_is_not_among_the_terms() {
+    let folder = Folder::new("diagnose");
+    let wrong = edited(&text("affine"), "order = 2.0", "order = 3.0");
+    let output = sweep(&["diagnose", &folder.file("affine.toml", &wrong)]);
+    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    let printed = stdout(&output);
+    assert!(printed.contains("not among the terms") && !printed.contains("culprit"), "{printed}");
+}
+
+#[test]
+fn what_has_no_variants_is_refused() {
+    for (name, words) in [
+        ("punch", "no exact solution"),
+        ("abstract-smooth", "no terms to remove"),
+        ("no-such-scene", "no-such-scene"),
+    ] {
+        let output = sweep(&["diagnose", name]);
+        assert_eq!(code(&output), 2, "{name}");
+        assert!(stderr(&output).contains(words) && stdout(&output).is_empty(), "{name}");
+    }
+}

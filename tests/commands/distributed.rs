@@ -1,0 +1,440 @@
+//! Source: the contract of `sweep plan`, `case` and `merge`: a sweep in many processes is the sweep of one.
+//! Goal: records and verdicts are the same bit for bit; a part that is altered, torn, cut, doubled, foreign or missing is
+//!   seen and named; a changed scene or version is refused; a killed part leaves nothing that is read, and goes on.
+//! Data: signorini, punch with its reference run, an abstract scene, and a scene on which the solver gives up.
+
+use std::path::{Path, PathBuf};
+use std::process::{Output, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::program::{Folder, code, command, json, lasting, stderr, stdout, sweep, timeless};
+use crate::shipped::{edited, text};
+
+/// Names of the files of four scenes; 4 + 4 + 2 + 5 cases.
+fn scenes(folder: &Folder) -> Vec<String> {
+    let signorini = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [4, 8, 16, 32]");
+    let punch = edited(&text("punch"), "n = [8, 16, 32]", "n = [4, 8]");
+    let punch = edited(&punch, "steps = [8, 16, 32]", "steps = [4, 8]");
+    let punch = edited(&punch, "{ n = 128, steps = 64 }", "{ n = 16, steps = 16 }");
+    // No step of it has a positive definite tangent, as in tests/commands/cli.rs.
+    let strong = edited(&text("viscoelastic"), "-exp(-t)", "-50*exp(-t)");
+    let strong = edited(&strong, "dimension = 2", "dimension = 2\nviolates = [\"3.4\"]");
+    let strong = edited(&strong, "n = [8, 16, 32, 64]", "n = [2, 4]");
+    let strong = edited(&strong, "steps = [16]", "steps = [1]");
+    let own = "steps = [64, 128, 256, 512, 1024, 2048, 4096]";
+    let without_mesh = edited(&text("abstract-smooth"), own, "steps = [16, 32, 64, 128, 256]");
+    let named = [
+        ("signorini", signorini),
+        ("punch", punch),
+        ("viscoelastic", strong),
+        ("abstract-smooth", without_mesh),
+    ];
+    named.map(|(name, text)| folder.file(&format!("{name}.toml"), &text)).into()
+}
+
+/// A plan of `scenes` in `plan`, run part by part into `parts`.
+struct Distributed {
+    folder: Folder,
+    scenes: Vec<String>,
+    jobs: u64,
+}
+
+impl Distributed {
+    fn new(test: &str) -> Self {
+        let folder = Folder::new(test);
+        let scenes = scenes(&folder);
+        let planned = Self { jobs: 0, folder, scenes };
+        let output = planned.plan("plan");
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        Self { jobs: json(&output)["jobs"].as_u64().expect("a number"), ..planned }
+    }
+
+    fn plan(&self, out: &str) -> Output {
+        let out = self.folder.argument(out);
+        let mut arguments = vec!["plan", "--out", &out, "--seconds", "0.01", "--json", "--quiet"];
+        arguments.extend(self.scenes.iter().map(String::as_str));
+        sweep(&arguments)
+    }
+
+    fn job(&self, job: u64) -> Output {
+        let (plan, out) = (self.folder.argument("plan"), self.folder.argument("parts"));
+        let out = format!("{out}/{job}");
+        sweep(&["case", "--job", &job.to_string(), "--plan", &plan, "--out", &out])
+    }
+
+    fn all_jobs(&self) {
+        for job in 0..self.jobs {
+            let output = self.job(job);
+            assert_eq!(code(&output), 0, "{}", stderr(&output));
+        }
+    }
+
+    fn merge(&self, more: &[&str]) -> Output {
+        let [parts, plan, out] = ["parts", "plan", "merged"].map(|name| self.folder.argument(name));
+        let mut arguments = vec!["merge", &parts, "--plan", &plan, "--out", &out];
+        arguments.extend(more);
+        sweep(&arguments)
+    }
+
+    fn part(&self, job: u64) -> PathBuf {
+        self.folder.at(&format!("parts/{job}"))
+    }
+
+    /// The job and row of plan.csv of a case.
+    fn job_of(&self, id: &str) -> u64 {
+        let table = std::fs::read_to_string(self.folder.at("plan/plan.csv")).expect("a table");
+        let row = table.lines().find(|row| row.starts_with(&format!("{id},"))).expect("a row");
+        row.rsplit(',').next().expect("a field").parse().expect("a job")
+    }
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("a folder");
+    for entry in std::fs::read_dir(from).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_file() {
+            std::fs::copy(&path, to.join(path.file_name().expect("a name"))).expect("a copy");
+        }
+    }
+}
+
+/// A table as of a program that writes no checksums: what is changed in it is not seen by itself.
+fn without_checksums(table: &Path) -> String {
+    let text = std::fs::read_to_string(table).expect("a table");
+    text.lines().map(|row| row.rsplit_once(',').expect("fields").0.to_owned() + "\n").collect()
+}
+
+/// The first row of a case in a table, with another error.
+fn altered(table: &Path, begin: &str) -> String {
+    let text = without_checksums(table);
+    let row = text.lines().find(|row| row.starts_with(begin)).expect("a row");
+    let mut fields: Vec<String> = row.split(',').map(str::to_owned).collect();
+    let error: f64 = fields[9].parse().expect("an error");
+    fields[9] = format!("{:?}", error * (1.0 + 2.0 * f64::EPSILON));
+    text.replacen(row, &fields.join(","), 1)
+}
+
+#[track_caller]
+fn refused(output: &Output, parts: &[&str]) {
+    let said = stderr(output);
+    assert_eq!((code(output), stdout(output).as_str()), (2, ""), "{said}");
+    for part in parts {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+}
+
+#[test]
+fn many_processes_and_one_are_the_same_bit_for_bit() {
+    let sweeping = Distributed::new("distributed");
+    let folder = &sweeping.folder;
+    assert!((4..15).contains(&sweeping.jobs), "{} jobs: some bundled, not all", sweeping.jobs);
+    let whole = folder.argument("whole");
+    let mut arguments = vec!["run", "--out", &whole];
+    arguments.extend(sweeping.scenes.iter().map(String::as_str));
+    let run = sweep(&arguments);
+    // One scene fails.
+    assert_eq!(code(&run), 2, "{}", stderr(&run));
+    sweeping.all_jobs();
+    let same = || {
+        assert_eq!(code(&sweeping.merge(&[])), 2);
+        let [table, verdict] = ["cases.csv", "verdict.json"]
+            .map(|file| [folder.at("whole").join(file), folder.at("merged").join(file)]);
+        timeless(&table[0]) == timeless(&table[1]) && lasting(&verdict[0]) == lasting(&verdict[1])
+    };
+    assert!(same());
+    let provenance =
+        ["whole", "merged"].map(|dir| lasting(&folder.at(dir).join("provenance.json")));
+    assert_eq!(provenance[0], provenance[1]);
+    // The reasons of failures came along.
+    let failures = lasting(&folder.at("merged/verdict.json"))["failures"].clone();
+    assert_eq!(failures.as_array().map(Vec::len), Some(2));
+    assert!(failures[0]["reason"].as_str().is_some_and(|r| r.contains("not positive definite")));
+    // Pages come from the merged records as from any.
+    let report = sweep(&["report", &folder.argument("merged")]);
+    assert_eq!(code(&report), 2, "{}", stderr(&report));
+    assert!(folder.at("merged/index.html").is_file());
+    assert!(same());
+    assert!(!folder.at("merged/index.html").exists(), "the page of other records");
+    // One bit in one error of one part.
+    let table = sweeping.part(sweeping.job_of("signorini:n16:N16")).join("cases.csv");
+    let sound = std::fs::read(&table).expect("a table");
+    std::fs::write(&table, altered(&table, "signorini,2,16,16,")).expect("written");
+    assert!(!same(), "an altered part is not seen");
+    std::fs::write(&table, sound).expect("written");
+    assert!(same());
+}
+
+#[test]
+fn a_missing_case_is_never_silent() {
+    let sweeping = Distributed::new("missing");
+    sweeping.all_jobs();
+    let job = sweeping.job_of("signorini:n32:N16");
+    let part = sweeping.part(job);
+    // A part that never ran.
+    std::fs::rename(&part, sweeping.folder.at("away")).expect("renamed");
+    refused(
+        &sweeping.merge(&[]),
+        &["missing", &format!("signorini:n32:N16 (job {job})"), "--incomplete", "sweep case"],
+    );
+    assert!(!sweeping.folder.at("merged/cases.csv").exists());
+    let output = sweeping.merge(&["--incomplete"]);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    assert!(stderr(&output).contains("signorini:n32:N16"), "{}", stderr(&output));
+    let table = std::fs::read_to_string(sweeping.folder.at("merged/cases.csv")).expect("a table");
+    let rows: Vec<&str> = table.lines().filter(|r| r.starts_with("signorini,2,32,16,")).collect();
+    assert!(!rows.is_empty() && rows.iter().all(|row| row.contains(",,,skipped,")), "{rows:?}");
+    let verdicts = lasting(&sweeping.folder.at("merged/verdict.json"))["verdicts"].clone();
+    let of_scene = |verdict: &&serde_json::Value| verdict["scene"] == "signorini";
+    let found: Vec<_> = verdicts.as_array().expect("a list").iter().filter(of_scene).collect();
+    assert!(!found.is_empty() && found.iter().all(|verdict| verdict["verdict"] == "fail"));
+    // A part that lost rows at a line break: nothing in the table says so.
+    std::fs::rename(sweeping.folder.at("away"), &part).expect("renamed");
+    let file = part.join("cases.csv");
+    let sound = std::fs::read_to_string(&file).expect("a table");
+    let mut lines: Vec<&str> = sound.lines().collect();
+    let last = lines.pop().expect("a row");
+    std::fs::write(&file, lines.join("\n") + "\n").expect("written");
+    let id = last.split(',').collect::<Vec<_>>();
+    let id = format!("{}:n{}:N{}", id[0], id[2], id[3]);
+    refused(&sweeping.merge(&[]), &["1 case missing", &id]);
+    // Within a line.
+    std::fs::write(&file, &sound[..sound.len() - 7]).expect("written");
+    refused(&sweeping.merge(&[]), &[&file.display().to_string(), "cut off"]);
+    // A line in the middle that is none.
+    std::fs::write(&file, sound.replacen("converged", "convurged", 1)).expect("written");
+    refused(&sweeping.merge(&[]), &[":2:", "changed after it was written"]);
+    let bare = without_checksums(&file).replacen("converged", "convurged", 1);
+    std::fs::write(&file, bare).expect("written");
+    refused(&sweeping.merge(&[]), &[":2:", "convurged"]);
+    std::fs::write(&file, sound).expect("written");
+    assert!(stdout(&sweeping.merge(&[])).contains("0 missing"));
+    // Without a plan the grids of the files are what is expected.
+    let [parts, alone] = ["parts", "alone"].map(|name| sweeping.folder.argument(name));
+    let output = sweep(&["merge", &parts, "--out", &alone]);
+    assert!(stdout(&output).contains("0 missing"), "{}", stderr(&output));
+    let tables = ["alone", "merged"].map(|dir| sweeping.folder.at(dir).join("cases.csv"));
+    assert_eq!(timeless(&tables[0]), timeless(&tables[1]));
+    let output = sweep(&["merge", &part.display().to_string(), "--out", &alone]);
+    refused(&output, &["missing", "grids of the scenes' files", "--plan"]);
+}
+
+#[test]
+fn records_of_one_case_agree_or_are_refused() {
+    let sweeping = Distributed::new("twice");
+    sweeping.all_jobs();
+    let merged = || timeless(&sweeping.folder.at("merged/cases.csv"));
+    assert!(stdout(&sweeping.merge(&[])).contains("0 missing"));
+    let once = merged();
+    let job = sweeping.job_of("signorini:n16:N16");
+    let (part, again) = (sweeping.part(job), sweeping.folder.at("parts/again"));
+    copy(&part, &again);
+    // The same once more, other seconds included.
+    let table = again.join("cases.csv");
+    let text = without_checksums(&table);
+    assert!(stdout(&sweeping.merge(&[])).contains("0 missing"));
+    assert_eq!(merged(), once);
+    // Another error, then another count of iterations.
+    std::fs::write(&table, altered(&table, "signorini,2,16,16,")).expect("written");
+    let both = [part.display().to_string(), again.display().to_string()];
+    refused(&sweeping.merge(&[]), &["signorini:n16:N16", &both[0], &both[1]]);
+    assert_eq!(merged(), once, "an earlier merge stays until another is complete");
+    // Not one of the records, but not to be told from one.
+    std::fs::write(&table, text.replace(",converged,", ",failed,")).expect("written");
+    refused(&sweeping.merge(&[]), &["differ in more", &both[0], &both[1]]);
+}
+
+#[test]
+fn parts_that_do_not_belong_together_are_refused() {
+    let sweeping = Distributed::new("foreign");
+    sweeping.all_jobs();
+    let part = sweeping.part(sweeping.job_of("signorini:n16:N16"));
+    let file = part.join("provenance.json");
+    let sound = std::fs::read_to_string(&file).expect("a file");
+    let hash = json_hash(&sound, "signorini");
+    let own = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    let name = part.display().to_string();
+    for (from, to, said) in [
+        (own.as_str(), "\"version\": \"0.0.7\"", "version 0.0.7"),
+        (hash.as_str(), "0123456789abcdef", "`signorini` is another one (0123456789abcdef)"),
+        ("\"signorini\": \"", "\"stranger\": \"", "`stranger` is not in the plan"),
+        ("\"platform\": \"", "\"platform\": \"other-", "made on other-"),
+    ] {
+        std::fs::write(&file, sound.replace(from, to)).expect("written");
+        refused(&sweeping.merge(&[]), &[said, &name]);
+    }
+    std::fs::remove_file(&file).expect("removed");
+    refused(&sweeping.merge(&[]), &["without provenance.json", &name]);
+    std::fs::write(&file, &sound).expect("written");
+    // A case that nobody planned, of a scene that was.
+    let more = sweeping.folder.argument("parts/more");
+    let run = sweep(&["run", &sweeping.scenes[0], "--n", "12", "--out", &more, "--quiet"]);
+    assert_eq!(code(&run), 1, "{}", stderr(&run));
+    refused(&sweeping.merge(&[]), &["signorini:n12:N16 is no case of the plan", &more]);
+    std::fs::remove_dir_all(&more).expect("removed");
+    // Into one of the parts, from nothing, from a directory of something else.
+    let [parts, out] = ["parts", "plan"].map(|name| sweeping.folder.argument(name));
+    refused(&sweep(&["merge", &parts, "--out", &name]), &[&name, "--out"]);
+    refused(&sweep(&["merge", &out, "--out", "nowhere"]), &[&out, "no cases.csv"]);
+    refused(&sweep(&["merge", "no-such", "--out", "nowhere"]), &["no-such"]);
+    assert!(stdout(&sweeping.merge(&[])).contains("0 missing"));
+}
+
+/// The hash of a scene in a provenance.
+fn json_hash(text: &str, scene: &str) -> String {
+    let document: serde_json::Value = serde_json::from_str(text).expect("JSON");
+    document["scenes"][scene].as_str().expect("a hash").to_owned()
+}
+
+#[test]
+fn a_changed_scene_or_version_or_plan_is_refused() {
+    let sweeping = Distributed::new("pinned");
+    let folder = &sweeping.folder;
+    let job = sweeping.job_of("signorini:n16:N16");
+    // The file says something else than the plan.
+    let sound = std::fs::read_to_string(&sweeping.scenes[0]).expect("a scene");
+    std::fs::write(&sweeping.scenes[0], edited(&sound, "L = 600", "L = 601")).expect("written");
+    refused(&sweeping.job(job), &["`signorini` has changed", &sweeping.scenes[0], "plan again"]);
+    assert!(!sweeping.part(job).join("cases.csv").exists());
+    // Another plan does not replace this one; the same one does nothing.
+    refused(&sweeping.plan("plan"), &["another plan", "--out"]);
+    std::fs::write(&sweeping.scenes[0], &sound).expect("written");
+    let file = folder.at("plan/plan.json");
+    let plan = std::fs::read_to_string(&file).expect("a plan");
+    assert_eq!(code(&sweeping.plan("plan")), 0);
+    assert_eq!(code(&sweeping.plan("second")), 0);
+    for name in ["plan.json", "plan.csv", "jobs.csv"] {
+        let bytes = |dir: &str| std::fs::read(folder.at(dir).join(name)).expect("a file");
+        assert_eq!(bytes("plan"), bytes("second"), "{name}: a plan is the same each time");
+    }
+    // A machine without the file has the text.
+    std::fs::rename(&sweeping.scenes[0], folder.at("away.toml")).expect("renamed");
+    assert_eq!(code(&sweeping.job(job)), 0);
+    // What is recorded is not run again.
+    let job = sweeping.job_of("signorini:n32:N16");
+    assert!(!stdout(&sweeping.job(job)).contains("recorded before"));
+    let output = sweeping.job(job);
+    assert!(stdout(&output).contains("recorded before"), "{}", stdout(&output));
+    // Another version; a text that is not the hash's; no plan at all.
+    let own = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    for (from, to, said) in [
+        (own.as_str(), "\"version\": \"0.0.7\"", "version 0.0.7"),
+        ("L = 600", "L = 602", "not the one that was planned"),
+        ("\"scenes\"", "\"scones\"", "sweep plan"),
+    ] {
+        std::fs::write(&file, edited(&plan, from, to)).expect("written");
+        refused(&sweeping.job(job), &[said, "plan.json"]);
+    }
+    std::fs::write(&file, &plan).expect("written");
+    let [plan, out] = ["plan", "out"].map(|name| folder.argument(name));
+    let case = |id: &str| sweep(&["case", id, "--plan", &plan, "--out", &out]);
+    refused(&case("signorini:n17:N16"), &["no case signorini:n17:N16", "plan.csv"]);
+    refused(&sweep(&["case", "--job", "99", "--plan", &plan, "--out", &out]), &["no job 99"]);
+    refused(&sweep(&["case", "x", "--plan", &out, "--out", &out]), &["plan.json"]);
+    // By ids, into a directory of anybody's choice.
+    let output = case("signorini:n4:N16");
+    assert_eq!((code(&output), stdout(&output)), (0, format!("1 case in {out}\n")));
+    // More memory than there is is no record: the engine tries again elsewhere.
+    let small = ["case", "punch:n8:N8", "--plan", &plan, "--out", &folder.argument("small")];
+    refused(&sweep(&[&small[..], &["--memory-limit", "1M"]].concat()), &["punch:n8:N8", "MiB"]);
+    assert!(!folder.at("small/cases.csv").exists());
+    // A row that is no case of its scene.
+    let table = folder.at("plan/plan.csv");
+    let rows = std::fs::read_to_string(&table).expect("a table");
+    std::fs::write(&table, rows.replace(":n4:N16,signorini,4,", ":n4:N16,signorini,5,"))
+        .expect("written");
+    std::fs::remove_dir_all(&out).expect("removed");
+    refused(&case("signorini:n4:N16"), &["plan.csv", "signorini"]);
+    // One name, two scenes.
+    let twice = [sweeping.scenes[1].as_str(), "punch"];
+    let other = folder.argument("other");
+    refused(&sweep(&["plan", twice[0], twice[1], "--out", &other]), &["two scenes of this name"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_part_leaves_nothing_that_is_read_and_goes_on() {
+    let folder = Folder::new("killed");
+    let scene = crate::shipped::path("pure-mild").display().to_string();
+    let [plan, parts] = ["plan", "parts"].map(|name| folder.argument(name));
+    let grid = ["--n", "8,16,24,32", "--steps", "4,8,16"];
+    let planned = sweep(&[&["plan", &scene, "--out", &plan][..], &grid].concat());
+    assert_eq!(code(&planned), 0, "{}", stderr(&planned));
+    let part = format!("{parts}/0");
+    let job = ["case", "--job", "0", "--plan", &plan, "--out", &part];
+    let unfinished = folder.at("parts/0/.unfinished/cases.csv");
+    let lines = || std::fs::read_to_string(&unfinished).map_or(0, |text| text.lines().count());
+    let mut child =
+        command(&job).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("runs");
+    // The limit guards against a hanging process; it decides nothing.
+    let limit = Instant::now() + Duration::from_secs(300);
+    while lines() < 8 && child.try_wait().expect("a status").is_none() {
+        assert!(Instant::now() < limit, "no rows in five minutes");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // Two processes do not run one part.
+    let second = sweep(&job);
+    let running = child.try_wait().expect("a status").is_none();
+    child.kill().expect("SIGKILL");
+    child.wait().expect("a status");
+    assert!(running, "the part ended too early for this test");
+    refused(&second, &["writes here"]);
+    let merge = ["merge", &parts, "--plan", &plan, "--out", &folder.argument("merged")];
+    refused(&sweep(&merge), &["no cases.csv"]);
+    let again = sweep(&job);
+    assert_eq!(code(&again), 0, "{}", stderr(&again));
+    let said = stderr(&again);
+    assert!(said.contains("already recorded"), "nothing was kept: {said}");
+    assert!(!folder.at("parts/0/.unfinished").exists());
+    let merged = sweep(&merge);
+    let whole = folder.argument("whole");
+    let run = sweep(&[&["run", &scene, "--out", &whole, "--quiet"][..], &grid].concat());
+    assert_eq!(code(&merged), code(&run), "{}", stderr(&merged));
+    assert_eq!(timeless(&folder.at("merged/cases.csv")), timeless(&folder.at("whole/cases.csv")));
+}
+
+/// The baseline sees what no verdict does: one error a percent off.
+#[test]
+fn a_merge_is_compared_with_a_baseline() {
+    let folder = Folder::new("merge-baseline");
+    let scene = edited(&text("affine"), "name = \"affine\"", "name = \"own\"");
+    let scene = folder.file("own.toml", &scene);
+    let [file, run, parts, merged] = ["baseline.json", "run", "parts", "merged"];
+    let file = folder.argument(file);
+    let output = sweep(&["baseline", &scene, "--file", &file, "--out", &folder.argument(run)]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let text = std::fs::read_to_string(&file).expect("a baseline");
+    let whole: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let part = folder.argument(parts);
+    assert!(code(&sweep(&["run", &scene, "--out", &part])) == 0);
+    let merge = |more: &[&str]| {
+        let arguments = ["merge", &part, "--out", &folder.argument(merged), "--baseline", &file];
+        sweep(&[&arguments[..], more].concat())
+    };
+    let compared = || lasting(&folder.at("merged/verdict.json"))["baseline"].clone();
+    let sound = merge(&[]);
+    assert_eq!(code(&sound), 0, "{}", stderr(&sound));
+    assert!(stdout(&sound).contains("no deviation"), "{}", stdout(&sound));
+    assert_eq!(compared()["scenes"], serde_json::json!(["own"]));
+    let gate = sweep(&["gate", &scene, "--baseline", &file, "--out", &folder.argument("gate")]);
+    assert_eq!(code(&gate), 0);
+    assert_eq!(compared(), lasting(&folder.at("gate/verdict.json"))["baseline"]);
+    let with = |pointer: &str, value: serde_json::Value| {
+        let mut other = whole.clone();
+        *other.pointer_mut(pointer).expect("a value") = value;
+        std::fs::write(&file, other.to_string()).expect("a file");
+        let output = merge(&["--json"]);
+        assert_eq!(code(&output), 1, "{}", stderr(&output));
+        let deviations = json(&output)["baseline"]["deviations"].clone();
+        assert_eq!(deviations, compared()["deviations"]);
+        assert_eq!(deviations.as_array().map(Vec::len), Some(1), "{deviations}");
+        deviations[0]["kind"].as_str().expect("a kind").to_owned()
+    };
+    let error = whole["scenes"]["own"]["cases"][2]["errors"]["V_max"].as_f64().expect("a number");
+    let shifted = with("/scenes/own/cases/2/errors/V_max", (error / 1.01).into());
+    assert_eq!(shifted, "error");
+    // A case that no part has, which the grids of the file have not either.
+    assert_eq!(with("/scenes/own/cases/2/steps", 17.into()), "missing");
+    assert_eq!(with("/scenes/own/hash", "0000000000000000".into()), "stale");
+    std::fs::remove_file(&file).expect("removed");
+    refused(&merge(&[]), &["baseline.json: no such file"]);
+}

@@ -1,0 +1,498 @@
+//! Tables whose answer is known, judged both as records (`verdict::judge`) and as a file (`sweep fit`).
+//! Source: every table is a formula in this file, so its order is known without fitting.
+//! Goal: the expected verdict for each kind of table that a sweep can produce.
+
+use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
+use gronwall::verdict::{Decision, Expect, Prediction, Variable, judge};
+use serde_json::Value;
+
+/// A row: n and N, of which h = 1/n and k = 1/N, and the error, absent for a missing case.
+type Row = (u32, u32, Option<f64>);
+
+/// A table in one direction with its prediction and the verdicts it must get.
+struct Table {
+    name: &'static str,
+    variable: Variable,
+    rows: Vec<Row>,
+    floor: f64,
+    predicted: f64,
+    as_records: Decision,
+    as_file: Decision,
+    /// Words of both reasons.
+    words: &'static str,
+}
+
+const DOUBLING: [u32; 6] = [8, 16, 32, 64, 128, 256];
+
+/// A table in h at N = 4.
+fn in_space(
+    name: &'static str,
+    ns: &[u32],
+    predicted: f64,
+    expected: Decision,
+    words: &'static str,
+    error: impl Fn(f64) -> f64,
+) -> Table {
+    let rows = ns.iter().map(|&n| (n, 4, Some(error(1.0 / f64::from(n))))).collect();
+    Table {
+        name,
+        variable: Variable::H,
+        rows,
+        floor: 0.0,
+        predicted,
+        as_records: expected,
+        as_file: expected,
+        words,
+    }
+}
+
+/// The same numbers with k in the place of h, on one mesh.
+fn in_time(table: Table) -> Table {
+    let rows = table.rows.into_iter().map(|(n, steps, error)| (steps, n, error)).collect();
+    Table { variable: Variable::K, rows, ..table }
+}
+
+fn edited(mut table: Table, edit: impl FnOnce(&mut Vec<Row>)) -> Table {
+    edit(&mut table.rows);
+    table
+}
+
+/// One percent up and down: of known sign, so that no generator is needed.
+fn shaken(h: f64, by: f64) -> f64 {
+    let level = (1.0 / h).log2().round() as usize;
+    1.0 + by * [1.0, -0.4, -1.0, 0.7, 0.2, -0.9][level % 6]
+}
+
+fn fixtures() -> Vec<Table> {
+    use Decision::{Fail, Pass, Unresolved};
+    let ratio = |name, ns| in_space(name, ns, 1.0, Pass, "lies in", |h| 2.0 * h);
+    vec![
+        in_space("exact power law", &DOUBLING, 1.0, Pass, "1 lies in [1.000, 1.000]", |h| 3.0 * h),
+        in_time(in_space("exact square in time", &DOUBLING, 2.0, Pass, "2 lies in", |k| k * k)),
+        in_space("curvature", &DOUBLING, 1.0, Pass, "1 lies in", |h| h + 4.0 * h * h),
+        in_space("curvature downwards", &DOUBLING, 1.0, Pass, "1 lies in", |h| h - 2.0 * h * h),
+        ratio("ratio 1.3", &[10, 13, 17, 22]),
+        ratio("ratio 1.5", &[16, 24, 36, 54]),
+        ratio("ratio 2", &[8, 16, 32, 64]),
+        ratio("mixed ratios", &[8, 12, 30, 40, 100]),
+        Table {
+            floor: 1e-12,
+            ..in_time(in_space("plateau", &DOUBLING, 2.0, Unresolved, "2 points", |k| {
+                (1e-8 * k * k).max(5e-12)
+            }))
+        },
+        // Without a measured floor the plateau is data: the order falls from 2 to 0 on the way.
+        in_space("plateau without a floor", &DOUBLING, 2.0, Unresolved, "half-width", |h| {
+            (1e-3 * h * h).max(1e-7)
+        }),
+        // Local orders 1/(1 + 20h): 0.29 … 0.93. The order is 1 and the table cannot show it.
+        in_space("pre-asymptotic bend", &DOUBLING, 1.0, Unresolved, "", |h| h / (1.0 + 20.0 * h)),
+        in_space("divergence", &DOUBLING, 2.0, Fail, "lies 4.00 below 2", |h| h.powi(-2)),
+        in_space("no convergence", &DOUBLING, 1.0, Fail, "lies 1.00 below 1", |_| 0.3),
+        in_space("half an order less", &DOUBLING, 1.0, Fail, "lies 0.50 below 1", f64::sqrt),
+        in_space("noise of 1 %", &DOUBLING, 1.0, Pass, "1 lies in", |h| h * shaken(h, 0.01)),
+        in_space("noise of 30 %", &DOUBLING, 1.0, Unresolved, "half-width", |h| h * shaken(h, 0.3)),
+        in_space("outlier", &DOUBLING, 1.0, Unresolved, "half-width", |h| {
+            if h == 1.0 / 64.0 { 3.0 * h } else { h }
+        }),
+        in_space("outlier at the end", &DOUBLING, 1.0, Unresolved, "half-width", |h| {
+            if h == 1.0 / 256.0 { 3.0 * h } else { h }
+        }),
+        in_space("too high", &DOUBLING, 1.0, Unresolved, "order too high", |h| h.powf(1.7)),
+        in_space(
+            "two points",
+            &DOUBLING[..2],
+            1.0,
+            Unresolved,
+            "2 points, an order needs 3",
+            |h| h,
+        ),
+        in_space("one point", &DOUBLING[..1], 1.0, Unresolved, "1 point, an order needs", |h| h),
+        in_space("zero errors", &DOUBLING, 1.0, Unresolved, "0 points", |_| 0.0),
+        in_space("one zero error", &DOUBLING, 1.0, Pass, "1 lies in", |h| {
+            if h < 0.005 { 0.0 } else { h }
+        }),
+        in_space("NaN", &DOUBLING, 1.0, Fail, "NaN", |h| if h < 0.005 { f64::NAN } else { h }),
+        in_space(
+            "infinite",
+            &DOUBLING,
+            1.0,
+            Fail,
+            "inf",
+            |h| if h > 0.1 { f64::INFINITY } else { h },
+        ),
+        in_space("negative", &DOUBLING, 1.0, Fail, "is no error", |h| if h > 0.1 { -h } else { h }),
+        edited(in_space("missing case", &DOUBLING, 1.0, Fail, "no error", |h| h), |rows| {
+            rows[3].2 = None;
+        }),
+        edited(in_space("unsorted", &DOUBLING, 1.0, Pass, "[1.000, 1.000]", |h| h), |rows| {
+            rows.swap(0, 4);
+            rows.swap(1, 3);
+        }),
+        Table {
+            // A record is known by n and N, and the later counts; a file has two rows of one h.
+            as_records: Pass,
+            words: "",
+            ..edited(in_space("repeated", &DOUBLING, 1.0, Unresolved, "", |h| h), |rows| {
+                rows.push((64, 4, Some(1.0 / 64.0)));
+            })
+        },
+    ]
+}
+
+fn record(&(n, steps, error): &Row, floor: f64) -> CaseRecord {
+    CaseRecord {
+        status: Status::Converged,
+        errors: vec![NormError { norm: V_MAX.into(), error, floor: Some(floor) }],
+        ..CaseRecord::without_work("table", Some(n), steps, 1.0 / f64::from(steps))
+    }
+}
+
+fn prediction(variable: Variable, order: f64, order_k: Option<f64>) -> Prediction {
+    Prediction { order_k, why: "(5.26)".into(), ..Prediction::new(V_MAX, variable, order) }
+}
+
+fn judged(rows: &[Row], floor: f64, prediction: &Prediction) -> (Decision, String) {
+    let records: Vec<CaseRecord> = rows.iter().map(|row| record(row, floor)).collect();
+    let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
+    let verdict = judge("table", &records, &keys, prediction, Expect::Pass);
+    (verdict.decision, verdict.reason)
+}
+
+fn file(rows: &[Row], floor: f64) -> String {
+    let mut text = "h,k,error,floor\n".to_owned();
+    for (n, steps, error) in rows {
+        let (h, k) = (1.0 / f64::from(*n), 1.0 / f64::from(*steps));
+        let error = error.map_or_else(String::new, |error| format!("{error:e}"));
+        text += &format!("{h},{k},{error},{floor:e}\n");
+    }
+    text
+}
+
+/// The rows that `sweep fit` prints, and its exit code.
+fn fitted(folder: &Folder, text: &str, aim: &[&str]) -> (i32, Vec<Value>) {
+    let table = folder.file("table.csv", text);
+    let output = sweep(&[&["fit", &table, "--json"], aim].concat());
+    assert!(!stdout(&output).is_empty(), "{}", stderr(&output));
+    let Value::Array(rows) = json(&output) else { panic!("{}", stdout(&output)) };
+    (code(&output), rows)
+}
+
+fn row<'a>(rows: &'a [Value], variable: &str) -> &'a Value {
+    let found = rows.iter().find(|row| row["variable"] == variable);
+    found.unwrap_or_else(|| panic!("no {variable} in {rows:?}"))
+}
+
+#[test]
+fn every_table_gets_its_verdict_from_records_and_from_a_file() {
+    let folder = Folder::new("tables");
+    for table in fixtures() {
+        let Table { name, variable, rows, floor, predicted, words, .. } = table;
+        let (decision, reason) = judged(&rows, floor, &prediction(variable, predicted, None));
+        assert_eq!(decision, table.as_records, "{name} as records: {reason}");
+        assert!(reason.contains(words), "{name} as records: {reason}");
+        let (flag, own) = if variable == Variable::H { ("--p", "h") } else { ("--q", "k") };
+        let aim = [flag, &predicted.to_string()];
+        let (exit, found) = fitted(&folder, &file(&rows, floor), &aim);
+        let found = row(&found, own);
+        assert_eq!(found["verdict"], table.as_file.name(), "{name} as a file: {found}");
+        let reason = found["reason"].as_str().expect("a reason");
+        assert!(reason.contains(words), "{name} as a file: {reason}");
+        assert_eq!(exit, i32::from(table.as_file != Decision::Pass), "{name}");
+        // Without a prediction there is nothing to fail; of one row there is nothing to print.
+        if rows.len() > 1 {
+            assert_eq!(fitted(&folder, &file(&rows, floor), &[]).0, 0, "{name}");
+        }
+    }
+}
+
+#[test]
+fn divergence_is_not_read_as_convergence() {
+    let folder = Folder::new("sign");
+    let table = in_space("divergence", &DOUBLING, 2.0, Decision::Fail, "", |h| h.powi(-2));
+    let (_, rows) = fitted(&folder, &file(&table.rows, 0.0), &["--p", "2"]);
+    let observed = row(&rows, "h")["observed"].as_f64().expect("an order");
+    // Rounding of logarithms.
+    assert!((observed + 2.0).abs() < 1e-10, "{observed}");
+}
+
+/// Bad rows do not vanish without a word: the counts add up.
+#[test]
+fn points_below_the_floor_are_listed() {
+    let folder = Folder::new("floors");
+    let rows: Vec<Row> = DOUBLING.iter().map(|&n| (n, 4, Some(1.0 / f64::from(n)))).collect();
+    // 20 floors of 0.001 lie between 1/32 and 1/64.
+    let (_, found) = fitted(&folder, &file(&rows, 1e-3), &[]);
+    let found = row(&found, "h");
+    assert_eq!(found["points_used"].as_array().map(Vec::len), Some(3));
+    let left = found["points_left_out"].as_array().expect("points");
+    assert_eq!(left.len(), 3);
+    assert!(left[0]["reason"].as_str().is_some_and(|why| why.starts_with("below floor")));
+}
+
+fn grid(ns: &[u32], steps: &[u32], error: impl Fn(f64, f64) -> f64) -> Vec<Row> {
+    let step = |level: u32| 1.0 / f64::from(level);
+    ns.iter()
+        .flat_map(|&n| steps.iter().map(move |&s| (n, s)))
+        .map(|(n, s)| (n, s, Some(error(step(n), step(s)))))
+        .collect()
+}
+
+/// On k = h order 2 in time looks like order 1: a table along it cannot pass for both.
+#[test]
+fn the_path_k_equals_h_says_what_it_cannot_tell() {
+    let folder = Folder::new("diagonal");
+    let rows: Vec<Row> = grid(&DOUBLING, &DOUBLING, |h, k| 0.3 * h + 0.5 * k * k)
+        .into_iter()
+        .filter(|(n, steps, _)| n == steps)
+        .collect();
+    let joint = prediction(Variable::Joint, 1.0, Some(2.0));
+    let (decision, reason) = judged(&rows, 0.0, &joint);
+    assert_eq!(decision, Decision::Unresolved);
+    assert!(reason.contains("refined together"), "{reason}");
+    let text = file(&rows, 0.0);
+    let (exit, found) = fitted(&folder, &text, &["--p", "1", "--q", "2"]);
+    let found = row(&found, "path");
+    assert_eq!((exit, &found["verdict"]), (1, &"unresolved".into()));
+    let reason = found["reason"].as_str().expect("a reason");
+    assert!(reason.contains("cannot tell order 2 in k from 1.00"), "{reason}");
+    assert!(reason.contains("k proportional to h^0.50"), "{reason}");
+    assert!((found["exponent"].as_f64().expect("s") - 1.0).abs() < 1e-10);
+    // What it can tell: order 1 in h at the least.
+    assert_eq!(fitted(&folder, &text, &["--p", "1"]).0, 0);
+    assert_eq!(fitted(&folder, &text, &["--q", "2"]).0, 1);
+    assert_eq!(fitted(&folder, &text, &[]).0, 0);
+}
+
+/// On k = √h both terms of h + k² are of order 1 in h; a term in k alone would have ½.
+#[test]
+fn the_balanced_path_tests_both_orders() {
+    let folder = Folder::new("balanced");
+    let path = |error: &dyn Fn(f64, f64) -> f64| -> String {
+        let rows: Vec<Row> = [4u32, 8, 16, 32]
+            .iter()
+            .map(|&s| (s * s, s, Some(error(1.0 / f64::from(s * s), 1.0 / f64::from(s)))))
+            .collect();
+        file(&rows, 0.0)
+    };
+    let both = ["--p", "1", "--q", "2"];
+    let (exit, found) = fitted(&folder, &path(&|h, k| 0.3 * h + 4.0 * k * k), &both);
+    let found = row(&found, "path");
+    assert_eq!((exit, &found["verdict"]), (0, &"pass".into()));
+    let reason = found["reason"].as_str().expect("a reason");
+    assert!(reason.contains("at least 1 in h and 2 in k"), "{reason}");
+    assert!((found["exponent"].as_f64().expect("s") - 0.5).abs() < 1e-10);
+    // One order less in either term is seen.
+    assert_eq!(fitted(&folder, &path(&|h, k| 0.3 * h + 4.0 * k), &both).0, 1);
+    assert_eq!(fitted(&folder, &path(&|h, k| 0.3 * h.sqrt() + 4.0 * k * k), &both).0, 1);
+    // A path that time dominates tells q from its slope and nothing of p = 2.
+    let (exit, found) =
+        fitted(&folder, &path(&|h, k| h * h + 4.0 * k * k), &["--p", "2", "--q", "2"]);
+    assert_eq!(exit, 1);
+    let reason = row(&found, "path")["reason"].as_str().expect("a reason");
+    assert!(reason.contains("cannot tell order 2 in h from 1.00"), "{reason}");
+}
+
+#[test]
+fn a_grid_gives_both_orders_constants_and_models() {
+    let folder = Folder::new("grid");
+    let levels = [8, 16, 32, 64];
+    let both = ["--p", "1", "--q", "2"];
+    for (m, better) in [(1.0, "sum"), (2.0, "root-sum-square")] {
+        let mut rows = grid(&levels, &levels, |h, k| {
+            ((0.3 * h).powf(m) + (4.0 * k * k).powf(m)).powf(1.0 / m)
+        });
+        // A grid with holes is still a grid.
+        rows.remove(5);
+        rows.remove(9);
+        let (exit, found) = fitted(&folder, &file(&rows, 0.0), &both);
+        assert_eq!(exit, 0, "{found:?}");
+        let joint = row(&found, "joint");
+        assert_eq!((&joint["verdict"], &joint["better"]), (&"pass".into(), &better.into()));
+        let number = |value: &Value| value.as_f64().expect("a number");
+        // The minimisation stops at steps of 1e-10.
+        assert!((number(&joint["observed"]) - 1.0).abs() < 1e-7);
+        assert!((number(&joint["observed_k"]) - 2.0).abs() < 1e-7);
+        let constants = &joint["constants"];
+        assert!((number(&constants["C_h"]["value"]) - 0.3).abs() < 1e-7);
+        assert!((number(&constants["C_k"]["value"]) - 4.0).abs() < 1e-6);
+        let models = joint["models"].as_array().expect("models");
+        // Both models, and those fits with a floor that end: of an exact table F → 0 has no end.
+        assert!(models.len() >= 2 && models[0]["floor"].is_null(), "{models:?}");
+        assert!(number(&models[1]["residual"]) > 100.0 * number(&models[0]["residual"]));
+        // The line in k is bent by h, so that the grid is judged there.
+        let time = row(&found, "k")["reason"].as_str().expect("a reason");
+        assert!(time.contains("the grid is judged"), "{time}");
+        // A wrong order fails on the grid and on the line.
+        let (exit, found) = fitted(&folder, &file(&rows, 0.0), &["--p", "1", "--q", "3"]);
+        assert_eq!((exit, &row(&found, "joint")["verdict"]), (1, &"fail".into()));
+        assert_eq!(row(&found, "k")["verdict"], "fail");
+    }
+}
+
+#[test]
+fn a_floor_of_the_grid_is_found() {
+    let folder = Folder::new("floor");
+    let levels = [8, 16, 32, 64];
+    let table = folder.file(
+        "table.csv",
+        &file(&grid(&levels, &levels, |h, k| 1e-3 + 0.3 * h + 4.0 * k * k), 0.0),
+    );
+    let text = stdout(&sweep(&["fit", &table]));
+    assert!(text.contains("with a floor term (better): sum"), "{text}");
+    assert!(text.contains("floor 1.00e-3"), "{text}");
+    let plain = folder.file(
+        "table.csv",
+        &file(&grid(&levels, &levels, |h, k| shaken(h * k, 0.01) * (0.3 * h + 4.0 * k * k)), 0.0),
+    );
+    let text = stdout(&sweep(&["fit", &plain]));
+    assert!(text.contains("(no better)"), "{text}");
+}
+
+/// A term of 0.1 % of the error cannot be seen, whatever its order: no verdict, and the cure.
+#[test]
+fn a_hidden_term_is_not_judged() {
+    let folder = Folder::new("hidden");
+    let levels = [8, 16, 32, 64];
+    let rows = grid(&levels, &levels, |h, k| h + 1e-3 * k * k);
+    let (exit, found) = fitted(&folder, &file(&rows, 0.0), &["--q", "2"]);
+    let found = row(&found, "k");
+    assert_eq!((exit, &found["verdict"]), (1, &"unresolved".into()));
+    let reason = found["reason"].as_str().expect("a reason");
+    assert!(reason.contains("the time term is at most"), "{reason}");
+    assert_eq!(fitted(&folder, &file(&rows, 0.0), &["--p", "1"]).0, 0);
+}
+
+/// Several norms and scenes in one file, as a sweep writes them.
+#[test]
+fn norms_and_scenes_are_judged_one_by_one() {
+    let folder = Folder::new("norms");
+    let mut text = "scene,norm,h,k,error,floor,status\n".to_owned();
+    for n in [8, 16, 32, 64] {
+        let h = 1.0 / f64::from(n);
+        text += &format!("a,V_max,{h},0.1,{h},1e-12,converged\n");
+        text += &format!("a,L2_max,{h},0.1,{},1e-12,converged\n", h * h);
+    }
+    let (exit, rows) = fitted(&folder, &text, &["--p", "1"]);
+    let verdicts: Vec<(&str, &str)> = rows
+        .iter()
+        .map(|row| (row["norm"].as_str().unwrap_or("-"), row["verdict"].as_str().unwrap_or("-")))
+        .collect();
+    assert_eq!(verdicts, [("V_max", "pass"), ("L2_max", "unresolved")]);
+    assert!(rows.iter().all(|row| row["scene"] == "a"));
+    assert_eq!(exit, 1);
+    // A case that failed has no norm: it is missing in each.
+    let failed = format!("{text}a,,0.0078125,0.1,,,failed\n");
+    let (_, rows) = fitted(&folder, &failed, &["--p", "1"]);
+    for row in &rows {
+        assert_eq!(
+            (&row["verdict"], &row["reason"]),
+            (&"fail".into(), &"line 10: the case is failed".into())
+        );
+    }
+    let printed = stdout(&sweep(&["fit", &folder.file("norms.csv", &text)]));
+    assert!(printed.contains("a V_max\nh: order 1.000"), "{printed}");
+}
+
+/// φ = 2 − 3 h^1.5 on five grids: the limit is 2.
+#[test]
+fn values_are_extrapolated() {
+    let folder = Folder::new("values");
+    let table = |value: &dyn Fn(f64) -> f64, steps: &[f64]| -> String {
+        let rows: Vec<String> = steps.iter().map(|h| format!("{h},{:.17e}", value(*h))).collect();
+        format!("h,value\n{}\n", rows.join("\n"))
+    };
+    let steps = [0.2, 0.1, 0.05, 0.04, 0.02];
+    let smooth = table(&|h| 2.0 - 3.0 * h.powf(1.5), &steps);
+    let (exit, rows) = fitted(&folder, &smooth, &["--p", "1.5"]);
+    let found = row(&rows, "h");
+    let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{value} in {found}"));
+    assert_eq!((exit, &found["behaviour"]), (0, &"monotone".into()));
+    // Sixteen digits of 2 in differences of 1e-2, and one more lost in the order.
+    assert!((number(&found["extrapolated"]) - 2.0).abs() < 1e-11);
+    assert!((number(&found["order_of_last_three"]) - 1.5).abs() < 1e-10);
+    let error = 3.0 * 0.02f64.powf(1.5);
+    assert!((number(&found["gci"]) / (1.25 * error) - 1.0).abs() < 1e-8);
+    let published = &found["eca_hoekstra"];
+    // Golden section finds the order to the root of the rounding.
+    assert!((number(&published["limit"]) - 2.0).abs() < 1e-6);
+    assert!((number(&published["uncertainty"]) / (1.25 * error) - 1.0).abs() < 1e-4);
+    assert_eq!(fitted(&folder, &smooth, &["--p", "1"]).0, 1);
+    // Unsorted rows are the same table.
+    let mut reversed: Vec<f64> = steps.to_vec();
+    reversed.reverse();
+    assert_eq!(
+        fitted(&folder, &table(&|h| 2.0 - 3.0 * h.powf(1.5), &reversed), &[]).1,
+        rows_without_aim(rows)
+    );
+}
+
+fn rows_without_aim(mut rows: Vec<Value>) -> Vec<Value> {
+    for row in &mut rows {
+        row["predicted"] = Value::Null;
+        row["verdict"] = Value::Null;
+        row["reason"] = "".into();
+    }
+    rows
+}
+
+#[test]
+fn values_without_a_limit_say_so() {
+    let folder = Folder::new("no-limit");
+    let table = |value: &dyn Fn(usize, f64) -> f64| -> String {
+        let step = |level: usize| 0.5f64.powi(level as i32 + 2);
+        let rows: Vec<String> = (0..5)
+            .map(|level| format!("{},{:e}", step(level), value(level, step(level))))
+            .collect();
+        format!("k,value\n{}\n", rows.join("\n"))
+    };
+    let cases: [(&str, &str, String, &str); 4] = [
+        ("divergent", "fail", table(&|_, h| 1.0 / h), "diverge, order -1.00"),
+        ("divergent", "fail", table(&|level, _| level as f64), "diverge"),
+        (
+            "oscillating",
+            "unresolved",
+            table(&|level, h| 1.0 + h * [1.0, -1.0][level % 2]),
+            "oscillate",
+        ),
+        ("stationary", "unresolved", table(&|_, _| 0.7), "equal"),
+    ];
+    for (behaviour, verdict, text, words) in cases {
+        let (exit, rows) = fitted(&folder, &text, &["--q", "1"]);
+        let found = row(&rows, "k");
+        assert_eq!((&found["behaviour"], &found["verdict"]), (&behaviour.into(), &verdict.into()));
+        assert!(found["reason"].as_str().is_some_and(|why| why.contains(words)), "{found}");
+        assert!(found["extrapolated"].is_null() && exit == 1, "{found}");
+        let printed = stdout(&sweep(&["fit", &folder.file("plain.csv", &text)]));
+        assert!(!printed.contains("extrapolated value"), "{printed}");
+    }
+    // Oscillation that dies out still has a range.
+    let range = fitted(&folder, &table(&|level, h| 1.0 + h * [1.0, -1.0][level % 2]), &[]).1;
+    // Last three: ± h at 1/16, 1/32, 1/64, so 1 + 1/16 down to 1 − 1/32.
+    assert_eq!(row(&range, "k")["half_range"].as_f64(), Some(0.5 * (1.0 / 16.0 + 1.0 / 32.0)));
+    // Too few, and with a hole.
+    let (exit, rows) = fitted(&folder, "h,value\n0.5,1\n0.25,2\n", &["--p", "1"]);
+    assert_eq!((exit, &row(&rows, "h")["verdict"]), (1, &"unresolved".into()));
+    let four = "h,value\n0.5,2.5\n0.25,2.25\n0.125,2.125\n0.0625,2.0625\n";
+    let (exit, rows) = fitted(&folder, four, &["--p", "1"]);
+    let reason = row(&rows, "h")["reason"].as_str().expect("a reason");
+    assert!(exit == 1 && reason.contains("needs 5: run h = 0.0312"), "{reason}");
+    let (exit, rows) = fitted(&folder, &format!("{four}0.03125,nan\n"), &["--p", "1"]);
+    assert_eq!((exit, &row(&rows, "h")["verdict"]), (1, &"fail".into()));
+}
+
+/// What README.md says of its table is what the program prints.
+#[test]
+fn the_example_of_the_readme_is_true() {
+    let readme = std::fs::read_to_string("README.md").expect("a file");
+    let block = |fence: &str| {
+        let start = readme.find(fence).unwrap_or_else(|| panic!("no {fence}")) + fence.len();
+        let length = readme[start..].find("```").expect("an end");
+        readme[start..start + length].trim().to_owned()
+    };
+    let folder = Folder::new("readme");
+    let table = folder.file("table.csv", &block("```csv\n"));
+    let printed = stdout(&sweep(&["fit", &table, "--p", "1"]));
+    assert_eq!(printed.trim(), block("gives with `sweep fit table.csv --p 1`\n\n```text\n"));
+}

@@ -1,0 +1,114 @@
+//! Source: the contract of `sweep gronwall` (exit codes, JSON keys, files).
+//! Goal: 0 where the chain holds, 2 with one message where it cannot be judged; every number of the text is in the JSON,
+//!   every level in the table; pictures are drawn.
+//! Data: affine, linear-punch, long-growing, steady.
+
+use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::shipped::{edited, text};
+
+#[test]
+fn the_chain_of_a_scene_holds() {
+    let folder = Folder::new("gronwall");
+    let out = folder.argument("out");
+    let output = sweep(&[
+        "gronwall",
+        "affine",
+        "--steps",
+        "8,16",
+        "--horizons",
+        "1,0.5",
+        "--json",
+        "--out",
+        &out,
+    ]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let document = json(&output);
+    assert_eq!(
+        (&document["verdict"], document["violations"].as_array().map(Vec::len)),
+        (&"pass".into(), Some(0))
+    );
+    assert_eq!(document["truth"], "exact u(t) in V^h");
+    assert!((document["constants"]["C2"].as_f64().unwrap() - 4.0 / 3.0).abs() < 1e-12);
+    let grids = document["grids"].as_array().unwrap();
+    assert_eq!(grids.len(), 2);
+    for bound in ["weighted", "primed", "closed", "limit", "printed", "printed_closed"] {
+        let ratio = &grids[1]["effectivity"][bound];
+        assert!(ratio["at_end"].as_f64().unwrap() > 1.0 && ratio["least"].is_number(), "{bound}");
+    }
+    let rows = document["horizons"]["rows"].as_array().unwrap();
+    assert_eq!((rows[0]["horizon"].as_f64(), rows[1]["steps"].as_u64()), (Some(0.5), Some(16)));
+    assert_eq!(document["perturbations"].as_array().map(Vec::len), Some(6));
+    let table = std::fs::read_to_string(folder.at("out/affine-gronwall.csv")).unwrap();
+    // A header, 9 + 17 levels of the grids, 17 of the horizon, 6 · 17 of the perturbations.
+    assert_eq!(table.lines().count(), 1 + 9 + 17 + 17 + 6 * 17);
+    assert!(
+        table.starts_with("part,steps,k,n,t,error,g_zeta,g_memory,source,weighted,primed,closed")
+    );
+    for name in ["envelope", "effectivity-t", "effectivity-k", "horizon", "effectivity-horizon"] {
+        let svg =
+            std::fs::read_to_string(folder.at(&format!("out/affine-gronwall-{name}.svg"))).unwrap();
+        assert!(svg.contains("weighted envelope"), "{name}");
+    }
+}
+
+/// L_κ is sampled every 0.05 in ζ and towards 0. A yield limit that rises with slope 4 between two samples has L_κ = 4,
+/// and is taken for one with 0.05: the error passes the envelope there.
+#[test]
+fn a_constant_that_sampling_missed_is_one() {
+    let folder = Folder::new("gronwall-violated");
+    let steep = "0.10 + 0.05*zeta + 4*max(0, min(zeta - 0.055, 0.025))";
+    let scene = folder.file("affine.toml", &edited(&text("affine"), "0.10 + 0.05*zeta", steep));
+    let output = sweep(&["gronwall", &scene, "--steps", "128"]);
+    assert_eq!(code(&output), 1, "{}", stderr(&output));
+    let table = stdout(&output);
+    assert!(table.contains("VIOLATED N = 128: e <= weighted envelope at n = "), "{table}");
+    let document = json(&sweep(&["gronwall", &scene, "--steps", "128", "--json"]));
+    let violation = &document["violations"][0];
+    assert_eq!((&document["verdict"], &violation["part"]), (&"fail".into(), &"N = 128".into()));
+    assert!(violation["left"].as_f64() > violation["right"].as_f64() && violation["n"].is_u64());
+    // ζ passes the steep piece at t = 0.4 to 0.6.
+    let t = violation["t"].as_f64().expect("a time");
+    assert!((0.3..0.7).contains(&t), "{t}");
+}
+
+#[test]
+fn abstract_scenes_have_the_same_study() {
+    let output = sweep(&["gronwall", "abstract-random", "--steps", "16,32", "--json"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let document = json(&output);
+    assert_eq!(document["n"], serde_json::Value::Null);
+    assert_eq!(document["grids"].as_array().map(Vec::len), Some(2));
+    assert!(document["constants"]["q_norm"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn the_printed_sum_needs_more_than_the_halved_one() {
+    // C2 = 1/4: at k = 4 the printed sum has C2 k = 1, the halved one 1/2.
+    let output = sweep(&["gronwall", "long-growing", "--steps", "1"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stdout(&output).contains("C2 k >= 1"), "{}", stdout(&output));
+    // Ten times the memory and its sign turned, so that the step itself is solvable: C2 k/2 = 5.
+    let folder = Folder::new("gronwall-large-step");
+    let strong = edited(&text("long-growing"), "kernel = \"-1\"", "kernel = \"10\"");
+    let scene = folder.file("long-growing.toml", &strong);
+    let output = sweep(&["gronwall", &scene, "--steps", "1"]);
+    assert_eq!(code(&output), 2);
+    let message = stderr(&output);
+    assert!(message.contains("needs C2 w_nn < 1") && message.contains("= 5.000000"), "{message}");
+}
+
+#[test]
+fn what_cannot_be_judged_is_two() {
+    let cases: [(&[&str], &str); 5] = [
+        (&["abstract-smooth", "--n", "8"], "leave --n away"),
+        (&["abstract-graded", "--steps", "16", "--horizons", "1"], "uniform grid"),
+        (&["steady"], "has no history"),
+        (&["affine", "--steps", "8", "--horizons", "0.3"], "no multiple of the step"),
+        (&["no-such-scene"], "no scene is called"),
+    ];
+    for (arguments, words) in cases {
+        let output = sweep(&[&["gronwall"], arguments].concat());
+        assert_eq!((code(&output), stdout(&output).as_str()), (2, ""), "{arguments:?}");
+        assert!(stderr(&output).contains(words), "{arguments:?}: {}", stderr(&output));
+    }
+}

@@ -1,0 +1,24 @@
+//! Tests of the program: commands, input and output, files, resuming, solvers of others; the house. One program: linking is most of what a small test costs.
+
+mod bad_input;
+mod baseline_command;
+mod bound_command;
+mod broken_hypotheses;
+mod cli;
+mod diagnose_command;
+mod distributed;
+mod extend;
+mod external;
+mod fit_tables;
+mod gronwall_command;
+mod house;
+mod next_cases;
+mod owed;
+#[path = "../program/mod.rs"]
+mod program;
+mod report_dir;
+mod reproducible;
+mod resume;
+#[path = "../shipped/mod.rs"]
+mod shipped;
+mod unfinished;

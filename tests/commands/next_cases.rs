@@ -1,0 +1,285 @@
+//! Source: verdicts on tables whose truth is known; the balanced path k = √h as a design of a sweep.
+//! Goal: an open verdict names its next cases as values, within window and above the floor, and none where none helps;
+//!   along the path one line shows both orders, which k = h does not; a path is what its scene says.
+//! Data: tables by hand; viscoelastic on pairs.
+
+use crate::program::{Folder, code, command, stderr, stdout, sweep};
+use crate::shipped::{edited, text};
+use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
+use gronwall::report::{Place, annotations, step_summary};
+use gronwall::scene::{Scene, Source};
+use gronwall::setup::Subject;
+use gronwall::sweep::{AddedCase, Overrides, ScenePlan, Step, extend};
+use gronwall::verdict::{
+    Decision, Expect, FloorSource, Foreseen, LeadingLine, LeadingPoint, NextCase, Prediction,
+    Variable, Verdict, judge, judge_foreseen,
+};
+
+fn case(n: u32, steps: u32, error: f64, floor: f64) -> CaseRecord {
+    CaseRecord {
+        status: Status::Converged,
+        errors: vec![NormError { norm: V_MAX.into(), error: Some(error), floor: Some(floor) }],
+        ..CaseRecord::without_work("block", Some(n), steps, 1.0 / f64::from(steps))
+    }
+}
+
+/// Cases of pairs (n, N) with the error of (h, k).
+fn table(pairs: &[(u32, u32)], floor: f64, error: impl Fn(f64, f64) -> f64) -> Vec<CaseRecord> {
+    let one = |&(n, steps): &(u32, u32)| {
+        case(n, steps, error(1.0 / f64::from(n), 1.0 / f64::from(steps)), floor)
+    };
+    pairs.iter().map(one).collect()
+}
+
+fn predict(variable: Variable, order: f64) -> Prediction {
+    Prediction { why: "(5.26)".into(), ..Prediction::new(V_MAX, variable, order) }
+}
+
+fn judged(records: &[CaseRecord], prediction: &Prediction) -> Verdict {
+    let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
+    judge("block", records, &keys, prediction, Expect::Pass)
+}
+
+fn next(n: u32, steps: u32) -> NextCase {
+    NextCase { n: Some(n), steps }
+}
+
+#[test]
+fn open_verdicts_name_cases_on_their_line() {
+    let along_h = judged(&table(&[(64, 4), (128, 4)], 0.0, |h, _| h), &predict(Variable::H, 1.0));
+    assert_eq!(along_h.next, [next(256, 4)], "{}", along_h.reason);
+    let along_k = judged(&table(&[(8, 4), (8, 8)], 0.0, |_, k| k), &predict(Variable::K, 2.0));
+    assert_eq!(along_k.next, [next(8, 16)], "{}", along_k.reason);
+    let one = judged(&table(&[(8, 4)], 0.0, |h, _| h), &predict(Variable::H, 1.0));
+    assert_eq!(one.next, [next(16, 4), next(32, 4)], "{}", one.reason);
+    let grid: Vec<(u32, u32)> = [8, 16].iter().flat_map(|&n| [(n, 4), (n, 8)]).collect();
+    let joint = Prediction { order_k: Some(2.0), ..predict(Variable::Joint, 1.0) };
+    let both = judged(&table(&grid, 0.0, |h, k| h + k * k), &joint);
+    assert_eq!(both.next, [next(32, 4), next(32, 8), next(8, 16), next(16, 16)], "{}", both.reason);
+}
+
+/// The way out names what the floor comes from.
+#[test]
+fn a_floor_is_lowered_where_it_comes_from() {
+    let lost = table(&[(8, 4), (16, 4), (32, 4), (64, 4)], 1.0, |h, _| h);
+    for (floor, said, other) in [
+        (FloorSource::Unknown, "a stronger quadrature", "load quadrature"),
+        (FloorSource::Solver, "it is the solver's", "quadrature"),
+        (FloorSource::Quadrature, "it is the quadrature of loads and errors", "solver"),
+        (FloorSource::LoadQuadrature, "it is the load quadrature of form = \"strong\"", "solver"),
+        (FloorSource::Reference, "the reference run, a finer one", "quadrature"),
+    ] {
+        let prediction = Prediction { floor, ..predict(Variable::H, 1.0) };
+        let Verdict { reason, next, .. } = judged(&lost, &prediction);
+        assert!(reason.contains(said) && !reason.contains(other), "{floor:?}: {reason}");
+        assert!(next.is_empty());
+    }
+}
+
+/// Where several solutions may exist a constant that is off may be that of another one; else it is a factor.
+#[test]
+fn a_constant_of_another_solution_is_no_factor() {
+    let ns = [8, 16, 32, 64];
+    let records = table(&ns.map(|n| (n, 4)), 0.0, |h, _| 2.0 * h);
+    let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
+    let point = |n: u32| {
+        let h = 1.0 / f64::from(n);
+        LeadingPoint { n: Some(n), steps: 4, h: Some(h), k: 0.25, error: h }
+    };
+    let line = LeadingLine { points: ns.map(point).into(), limit: None, tolerance: 0.01 };
+    for (unique, blames) in [(true, false), (false, true)] {
+        let prediction = Prediction { unique, ..predict(Variable::H, 1.0) };
+        let foreseen = Foreseen::Leading(line.clone());
+        let found =
+            judge_foreseen("block", &records, &keys, &prediction, Some(&foreseen), Expect::Pass);
+        assert_eq!(found.decision, Decision::Fail, "{}", found.reason);
+        let another = found.reason.contains("another solution may have been followed");
+        assert!(another == blames && found.reason.contains("off by a factor"), "{}", found.reason);
+    }
+}
+
+#[test]
+fn no_case_is_named_where_none_helps() {
+    let four = [(8, 4), (16, 4), (32, 4), (64, 4)];
+    let passed = judged(&table(&four, 0.0, |h, _| h), &predict(Variable::H, 1.0));
+    assert_eq!((passed.decision, passed.next.len()), (Decision::Pass, 0));
+    let failed = judged(&table(&four, 0.0, |h, _| h.sqrt()), &predict(Variable::H, 1.0));
+    assert_eq!((failed.decision, failed.next.len()), (Decision::Fail, 0));
+    // The finest case is at its floor: a coarser one, and none below n = 1.
+    let bent = |h: f64, _: f64| h.max(1e-2);
+    let lost = judged(&table(&[(8, 4), (16, 4), (400, 4)], 1e-3, bent), &predict(Variable::H, 1.0));
+    assert_eq!(lost.next, [next(4, 4)], "{}", lost.reason);
+    let all = judged(&table(&four, 1.0, |h, _| h), &predict(Variable::H, 1.0));
+    assert!(all.next.is_empty() && all.reason.contains("lower the floor"), "{}", all.reason);
+    // A finer case that the window would leave out decides nothing.
+    let windowed = Prediction { window_n: Some([8, 16]), ..predict(Variable::H, 1.0) };
+    let windowed = judged(&table(&four, 0.0, |h, _| h), &windowed);
+    assert!(windowed.next.is_empty(), "{}", windowed.reason);
+    assert!(windowed.reason.contains("with a window that holds it"), "{}", windowed.reason);
+}
+
+/// h + k² with both terms of one size: on k = √h the order in h is 1 only if both orders hold; on k = h a lost time
+/// order hides behind the space order.
+#[test]
+fn a_balanced_path_shows_both_orders_and_k_equal_h_does_not() {
+    let balanced = [(4, 4), (8, 6), (16, 8), (32, 11), (64, 16), (128, 23), (256, 32)];
+    let diagonal: Vec<(u32, u32)> = balanced.iter().map(|&(n, _)| (n, n)).collect();
+    let along = predict(Variable::Path, 1.0);
+    let verdict = |pairs: &[(u32, u32)], q: f64| {
+        judged(&table(pairs, 0.0, |h, k| 0.3 * h + 4.0 * k.powf(q)), &along)
+    };
+    let sound = verdict(&balanced, 2.0);
+    assert_eq!(sound.decision, Decision::Pass, "{}", sound.reason);
+    let lost = verdict(&balanced, 1.0);
+    assert_eq!(lost.decision, Decision::Fail, "{}", lost.reason);
+    let hidden = verdict(&diagonal, 1.0);
+    assert_eq!(hidden.decision, Decision::Pass, "{}", hidden.reason);
+    // Too short a path is continued in both steps.
+    let short = verdict(&balanced[2..4], 2.0);
+    assert_eq!(short.next, [next(64, 15)], "{}", short.reason);
+    // A grid is no path.
+    let grid = [(8, 4), (8, 8), (16, 4), (16, 8)];
+    assert_eq!(verdict(&grid, 2.0).decision, Decision::Unresolved);
+}
+
+fn on_pairs(pairs: &str) -> String {
+    let scene = edited(&text("viscoelastic"), "n = [8, 16, 32, 64]\nsteps = [16]", pairs);
+    edited(&scene, "variable = \"h\"", "variable = \"path\"")
+}
+
+#[test]
+fn a_scene_runs_its_pairs_and_no_grid() {
+    let folder = Folder::new("pairs");
+    let text = on_pairs("pairs = [[4, 4], [8, 6], [16, 8], [32, 11]]");
+    let path = folder.file("viscoelastic.toml", &text);
+    let output = sweep(&["run", &path, "--out", &folder.argument("out")]);
+    assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
+    assert!(stdout(&output).contains("path") && stdout(&output).contains("4 cases"));
+    let picture = std::fs::read_to_string(folder.at("out/viscoelastic-h.svg")).expect("a picture");
+    assert!(picture.contains("N grows with n"), "the curve is that of the path");
+    let refused = sweep(&["run", &path, "--n", "8,16", "--out", &folder.argument("out")]);
+    assert_eq!(code(&refused), 2);
+    assert!(stderr(&refused).contains("path of pairs"), "{}", stderr(&refused));
+    for (pairs, words) in [
+        ("pairs = [[4, 4], [8, 6]]", "an order needs three"),
+        ("pairs = [[4, 4], [8, 6], [8, 8]]", "does not refine"),
+        ("pairs = [[4, 4], [8, 6], [16, 5]]", "does not refine"),
+        ("pairs = [[4, 4], [8, 6, 1], [16, 5]]", "3 numbers, a pair has two"),
+        ("pairs = [[4, 4], [8, 6], [16, 8]]\nn = [4]", "both pairs and a grid"),
+    ] {
+        let scene = Scene::from_source(Source::from_text("p.toml", on_pairs(pairs)));
+        let error = scene.expect_err(pairs).to_string();
+        assert!(error.contains(words), "{pairs}: {error}");
+    }
+    let odd = edited(&text, "variable = \"path\"", "variable = \"h\"");
+    let error = Scene::from_source(Source::from_text("p.toml", odd)).expect_err("h on a path");
+    assert!(error.to_string().contains("hold h and k together"), "{error}");
+    let odd =
+        edited(&crate::shipped::text("viscoelastic"), "variable = \"h\"", "variable = \"path\"");
+    let error = Scene::from_source(Source::from_text("p.toml", odd)).expect_err("a path on a grid");
+    assert!(error.to_string().contains("a path needs pairs"), "{error}");
+}
+
+/// What is added is what was asked for, once, in the rounds there are, and as far as the budget reaches.
+#[test]
+fn an_extension_keeps_to_verdicts_rounds_and_budget() {
+    let plan = || {
+        let text = text("viscoelastic").replace("name = \"viscoelastic\"", "name = \"block\"");
+        let scene = Scene::from_source(Source::from_text("block.toml", text)).expect("a scene");
+        ScenePlan::new(Subject::new(scene).expect("a setup"), &Overrides::default())
+    };
+    let open = judged(&table(&[(16, 16), (32, 16)], 0.0, |h, _| h), &predict(Variable::H, 1.0));
+    let asks = |n: u32| Verdict { next: vec![next(n, 16)], ..open.clone() };
+    let added = |plans: &[ScenePlan]| plans[0].added.iter().map(|a| a.case).collect::<Vec<_>>();
+    let mut plans = [plan()];
+    let steps = extend(&mut plans, &[asks(96), asks(96)], 60.0).expect("costs");
+    assert_eq!(added(&plans), [next(96, 16)]);
+    assert!(matches!(&steps[..], [Step::Add { seconds, .. }] if *seconds > 0.0), "{steps:?}");
+    // A verdict that is as expected, or decided, asks for nothing.
+    let mut plans = [plan()];
+    let expected = Verdict { expect: Expect::Unresolved, ..asks(96) };
+    let decided = Verdict { decision: Decision::Fail, ..asks(96) };
+    assert_eq!(extend(&mut plans, &[expected, decided], 60.0).expect("costs"), []);
+    assert!(added(&plans).is_empty());
+    // What was added before counts against the budget and as a round.
+    let before = |round| AddedCase { case: next(128, 16), round, why: String::new() };
+    let mut plans = [plan()];
+    plans[0].add(before(1));
+    let cost = |plans: &mut [ScenePlan], budget| extend(plans, &[asks(96)], budget).expect("costs");
+    assert!(matches!(cost(&mut plans, 0.01)[..], [Step::Leave { .. }]) && added(&plans).len() == 1);
+    assert!(
+        matches!(cost(&mut plans, 60.0)[..], [Step::Add { .. }]) && plans[0].added[1].round == 2
+    );
+    let mut plans = [plan()];
+    plans[0].add(before(3));
+    assert!(matches!(cost(&mut plans, 60.0)[..], [Step::Leave { .. }]) && added(&plans).len() == 1);
+}
+
+#[test]
+fn annotations_name_file_line_and_reason() {
+    let four = [(8, 4), (16, 4), (32, 4), (64, 4)];
+    let passed = judged(&table(&four, 0.0, |h, _| h), &predict(Variable::H, 1.0));
+    let failed = judged(&table(&four, 0.0, |h, _| h.sqrt()), &predict(Variable::H, 1.0));
+    let open = judged(&table(&four[..2], 0.0, |h, _| h), &predict(Variable::H, 1.0));
+    let expected = Verdict { expect: Expect::Fail, ..failed.clone() };
+    let missed = Verdict { expect: Expect::Fail, ..passed.clone() };
+    let place = |scene: &str, verdict: Option<&Verdict>| {
+        let line = if verdict.is_some() { 33 } else { 7 };
+        Some(Place { file: format!("manufactured/{scene}.toml"), line })
+    };
+    let mut records = table(&four, 0.0, |h, _| h);
+    let verdicts = [passed, failed, open, expected, missed];
+    let text = annotations(&records, &verdicts, place);
+    let lines: Vec<&str> = text.lines().collect();
+    let head = "file=manufactured/block.toml,line=33,title=block%3A V_max in h%3A ";
+    for (line, start) in lines.iter().zip([
+        format!("::error {head}fail::predicted 1 by (5.26), observed 0.50 "),
+        format!("::error {head}unresolved::predicted 1 by (5.26), observed -: 2 points"),
+        format!("::warning {head}fail%2C as expected::"),
+        format!("::error {head}pass%2C expected fail::"),
+        "::notice title=orders of convergence::2 of 5 verdicts as expected; 4 cases, 0 ".to_owned(),
+    ]) {
+        assert!(line.starts_with(&start), "{line}\n{start}");
+    }
+    assert_eq!(lines.len(), 5);
+    assert_eq!(text, annotations(&records, &verdicts, place), "deterministic");
+    records[0].status = Status::Failed { reason: "no\ndescent: 100 %".into() };
+    let text = annotations(&records, &[], place);
+    let line = "::error file=manufactured/block.toml,line=7,title=block%3A n = 8%2C steps = 4 failed::no%0Adescent: 100 %25";
+    assert_eq!(text.lines().next(), Some(line));
+    let summary = step_summary(&records, &verdicts);
+    assert_eq!(summary.lines().filter(|line| line.starts_with("| block |")).count(), 5);
+    assert!(summary.contains("| **fail** |") && summary.contains("| fail, as expected |"));
+    assert!(summary.lines().all(|line| !line.starts_with('|') || line.ends_with('|')));
+}
+
+#[test]
+fn a_gate_annotates_and_appends_to_the_summary() {
+    let folder = Folder::new("github");
+    let short = edited(&text("viscoelastic"), "n = [8, 16, 32, 64]", "n = [4, 8]");
+    let path = folder.file("viscoelastic.toml", &short);
+    let out = folder.argument("out");
+    let summary = folder.file("summary.md", "before\n");
+    let gate = |arguments: &[&str], variables: &[(&str, &str)]| {
+        let mut command = command(&[&["gate", &path, "--out", &out], arguments].concat());
+        command.envs(variables.iter().copied());
+        let output = command.output().expect("the binary runs");
+        assert_eq!(code(&output), 1, "{}", stderr(&output));
+        stdout(&output)
+    };
+    assert!(!gate(&[], &[]).contains("::error"), "nothing outside Actions");
+    let order = 1 + short[..short.find("order = 1.0").expect("an order")].matches('\n').count();
+    let wanted =
+        format!("viscoelastic.toml,line={order},title=viscoelastic%3A V_max in h%3A unresolved::");
+    for (arguments, variables) in [
+        (&["--github"][..], &[("GITHUB_STEP_SUMMARY", summary.as_str())][..]),
+        (&[], &[("GITHUB_ACTIONS", "true")]),
+    ] {
+        let text = gate(arguments, variables);
+        assert!(text.contains("::error file=") && text.contains(&wanted), "{text}");
+        assert!(text.contains("::notice title=orders of convergence::0 of 1 verdict as"), "{text}");
+    }
+    let text = std::fs::read_to_string(folder.at("summary.md")).expect("the summary");
+    assert!(text.starts_with("before\n### Orders of convergence\n"), "{text}");
+    assert_eq!(text.matches("| viscoelastic |").count(), 1, "appended once");
+}

@@ -1,0 +1,457 @@
+//! Source: Theorem 7 on u(t) in V^h; the exactness of the trapezoidal rule on linear integrands.
+//! Goal: a defect of the solver is named by the term whose removal restores the prediction; of a sound solver nothing
+//!   is said on any judged scene of the contact problem.
+//! Data: shipped scenes, `affine` with λ = 2 μ_L where Lamé's numbers matter.
+
+use std::sync::Arc;
+
+use crate::shipped::{edited, text};
+use gronwall::contact::{CaseError, CaseInfo, Load, LoadError, MemoryTerm, Observer, march};
+use gronwall::diagnose::{
+    Finding, Outcome, Question, Suspect, culprit, diagnose, examine, sentence,
+};
+use gronwall::formula::{Point, Variable};
+use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
+use gronwall::law::{Isotropic, MemoryKernel, PiecewiseLinear, Potential, VonMises};
+use gronwall::scene::{Data, Registry, Scene, Source};
+use gronwall::setup::{MeshData, Scheme, Setup, TruthLoad, YieldFormula};
+use gronwall::verdict::Decision;
+use gronwall::vhi::Newton;
+
+fn scene(text: String) -> Scene {
+    let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
+    scene.unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn shipped_scene(name: &str) -> Scene {
+    scene(text(name))
+}
+
+fn show(defect: &str, outcomes: &[Outcome]) {
+    println!("--- {defect}");
+    for outcome in outcomes {
+        let Outcome { name, terms, decision, reason, .. } = outcome;
+        println!("  {name:<26} {terms:<44} {:<10} {reason}", decision.name());
+    }
+}
+
+/// Weights that differ from the trapezoidal ones.
+struct Weights(fn(&TimeGrid, usize, usize) -> f64);
+
+impl TimeRule for Weights {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        (self.0)(grid, n, j)
+    }
+}
+
+fn rectangle(grid: &TimeGrid, n: usize, j: usize) -> f64 {
+    if n == 0 || j == 0 { 0.0 } else { grid.step(j) }
+}
+
+/// The last weight on the level before: an explicit history.
+fn lagged(grid: &TimeGrid, n: usize, j: usize) -> f64 {
+    match n - j {
+        0 => 0.0,
+        1 => Trapezoid.weight(grid, n, j) + Trapezoid.weight(grid, n, n),
+        _ => Trapezoid.weight(grid, n, j),
+    }
+}
+
+fn first_whole(grid: &TimeGrid, n: usize, j: usize) -> f64 {
+    let weight = Trapezoid.weight(grid, n, j);
+    if j == 0 { 2.0 * weight } else { weight }
+}
+
+fn with_rule(mut setup: Setup, weights: fn(&TimeGrid, usize, usize) -> f64) -> Setup {
+    setup.model.time_rule = Box::new(Weights(weights));
+    setup
+}
+
+/// A kernel seen through a defect.
+struct Through {
+    kernel: Box<dyn MemoryKernel>,
+    seen: fn(&dyn MemoryKernel, f64) -> f64,
+}
+
+impl MemoryKernel for Through {
+    fn value(&self, lag: f64) -> f64 {
+        (self.seen)(&*self.kernel, lag)
+    }
+}
+
+fn with_kernel(mut setup: Setup, seen: fn(&dyn MemoryKernel, f64) -> f64) -> Setup {
+    let through = |MemoryTerm { kernel, tensor }| MemoryTerm {
+        kernel: Box::new(Through { kernel, seen }),
+        tensor,
+    };
+    setup.model.memory = setup.model.memory.into_iter().map(through).collect();
+    setup
+}
+
+/// Points (r, p) of a law.
+type Points = Vec<(f64, f64)>;
+
+fn with_law(mut setup: Setup, law: fn(&[[f64; 2]]) -> Points) -> Setup {
+    let own = setup.body.contact.as_ref().and_then(|contact| contact.law.clone());
+    if let (Some(boundary), Some(own)) = (&mut setup.model.boundary, own) {
+        let wrong = PiecewiseLinear::new(law(&own.points), own.slope_before, own.slope_after);
+        boundary.potential = Arc::new(wrong.expect("a law")) as Arc<dyn Potential>;
+    }
+    setup
+}
+
+fn with_gap(mut setup: Setup, seen: fn(f64) -> f64) -> Setup {
+    if let Some(boundary) = &mut setup.model.boundary {
+        let zero: Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> = Box::new(|_| 0.0);
+        let gap = std::mem::replace(&mut boundary.gap, zero);
+        boundary.gap = Box::new(move |x| seen(gap(x)));
+    }
+    setup
+}
+
+fn with_projection(
+    mut setup: Setup,
+    change: fn(VonMises<YieldFormula>, &Setup) -> VonMises<YieldFormula>,
+) -> Setup {
+    let own = setup.model.projection.take();
+    setup.model.projection = own.map(|projection| change(projection, &setup));
+    setup
+}
+
+/// κ of the solver by the scene's formula with ζ replaced.
+fn kappa(setup: &Setup, scale: f64, power_of_zeta: f64) -> YieldFormula {
+    let mut graph = setup.scene.formulas.clone();
+    let own = setup.body.material.projection.as_ref().expect("a projection").kappa;
+    let zeta = graph.variable(Variable::Zeta);
+    let (scale, power) = (graph.constant(scale), graph.constant(power_of_zeta));
+    let bent = graph.pow(zeta, power);
+    let seen = graph.mul(scale, bent);
+    let wrong = graph.substitute(own, Variable::Zeta, seen);
+    assert!(graph.evaluate(wrong, &Point { zeta: 1.0, ..Point::default() }).is_finite());
+    YieldFormula::new(&graph, wrong)
+}
+
+/// Newton's method that stops at a share of its residual's size.
+struct Loose(f64);
+
+impl Scheme for Loose {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        let solver = Newton { rounding_units: self.0 / f64::EPSILON, ..Newton::default() };
+        let mut load = TruthLoad(&*data.truth);
+        let grid = setup.grid(steps);
+        march(&data.space, &setup.model, &grid, &mut load, &solver, &mut *observe)
+    }
+}
+
+/// Loads half as large again where the solution is not in V^h: a quadrature that misses its integral.
+struct Heavy;
+
+impl Scheme for Heavy {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        struct Scaled<'a>(TruthLoad<'a>, f64);
+        impl Load for Scaled<'_> {
+            fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
+                self.0.assemble(t, out)?;
+                out.iter_mut().for_each(|force| *force *= self.1);
+                Ok(())
+            }
+        }
+        let inside = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
+        let mut load = Scaled(TruthLoad(&*data.truth), if inside { 1.0 } else { 1.5 });
+        let grid = setup.grid(steps);
+        march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
+    }
+}
+
+/// Loads of the middle of a step.
+struct Late;
+
+impl Scheme for Late {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        struct Shifted<'a>(TruthLoad<'a>, f64);
+        impl Load for Shifted<'_> {
+            fn assemble(&mut self, t: f64, out: &mut [f64]) -> Result<(), LoadError> {
+                self.0.assemble((t - self.1).max(0.0), out)
+            }
+        }
+        let grid = setup.grid(steps);
+        let mut load = Shifted(TruthLoad(&*data.truth), 0.5 * grid.step(1));
+        march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
+    }
+}
+
+type Hook = fn(Setup) -> Setup;
+
+/// Scene, defect, its place, and how it is put in.
+fn defects() -> Vec<(&'static str, &'static str, Suspect, Hook)> {
+    use Suspect::*;
+    vec![
+        ("in-space", "rectangle rule", TimeRule, |s| with_rule(s, rectangle)),
+        ("in-space", "last weight on the level before", TimeRule, |s| with_rule(s, lagged)),
+        ("viscoelastic", "last weight on the level before", TimeRule, |s| with_rule(s, lagged)),
+        ("affine", "first weight whole", TimeRule, |s| with_rule(s, first_whole)),
+        ("pure-mild", "B(0) missing", Memory, |s| {
+            with_kernel(s, |b, lag| if lag == 0.0 { 0.0 } else { b.value(lag) })
+        }),
+        ("signorini", "kernel 5 % too large", Memory, |s| {
+            with_kernel(s, |b, lag| 1.05 * b.value(lag))
+        }),
+        ("in-space", "kernel time shifted", Memory, |s| {
+            with_kernel(s, |b, lag| b.value(lag + 0.01))
+        }),
+        ("pure-mild", "kappa constant", Accumulation, |mut s| {
+            if s.model.projection.is_some() {
+                let limit = kappa(&s, 0.0, 1.0);
+                s.model.projection = Some(VonMises { mu: s.projection_mu(), limit });
+            }
+            s
+        }),
+        ("affine", "zeta squared", Accumulation, |mut s| {
+            if s.model.projection.is_some() {
+                let limit = kappa(&s, 1.0, 2.0);
+                s.model.projection = Some(VonMises { mu: s.projection_mu(), limit });
+            }
+            s
+        }),
+        ("steady", "mu 2 % too large", Projection, |s| {
+            with_projection(s, |p, _| VonMises { mu: 1.02 * p.mu, ..p })
+        }),
+        ("pure-strong", "mu 2 % too large", Projection, |s| {
+            with_projection(s, |p, _| VonMises { mu: 1.02 * p.mu, ..p })
+        }),
+        ("compliance", "falling branch rises", Compliance, |s| {
+            with_law(s, |points| {
+                let mirrored = |&[r, p]: &[f64; 2]| (r, if r > 0.04 { 0.16 - p } else { p });
+                points.iter().map(mirrored).collect()
+            })
+        }),
+        ("in-space", "kink misplaced", Compliance, |s| {
+            with_law(s, |points| points.iter().map(|&[r, p]| (1.1 * r, p)).collect())
+        }),
+        ("signorini", "gap ignored", Gap, |s| with_gap(s, |_| f64::INFINITY)),
+        ("pure-mild", "gap 1 % too large", Gap, |s| with_gap(s, |g| 1.01 * g)),
+        ("affine-locked", "gap 1 % too small", Gap, |s| with_gap(s, |g| 0.99 * g)),
+        ("stiff", "Lame swapped", Elasticity, |mut s| {
+            let swapped = |Isotropic { lambda, mu }| Isotropic { lambda: mu, mu: lambda };
+            s.model.elasticity = s.model.elasticity.map(swapped);
+            s
+        }),
+        ("signorini", "gap at every other vertex", Gap, |mut s| {
+            if let Some(boundary) = &mut s.model.boundary {
+                let none: Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> = Box::new(|_| f64::INFINITY);
+                let gap = std::mem::replace(&mut boundary.gap, none);
+                boundary.gap = Box::new(move |x| {
+                    if (8.0 * x[0]).round() % 2.0 == 0.0 { f64::INFINITY } else { gap(x) }
+                });
+            }
+            s
+        }),
+        ("viscoelastic", "elasticity 1 % too stiff", Elasticity, |mut s| {
+            s.model.elasticity = s.model.elasticity.scaled(1.01);
+            s
+        }),
+        ("steady", "loads too large outside V^h", Space, |mut s| {
+            s.scheme = Arc::new(Heavy);
+            s
+        }),
+        ("compliance", "loads of the middle of the step", Loads, |mut s| {
+            s.scheme = Arc::new(Late);
+            s
+        }),
+        ("pure-mild", "Newton ends at 1e-6", Solver, |mut s| {
+            s.scheme = Arc::new(Loose(1e-6));
+            s
+        }),
+    ]
+}
+
+fn named(name: &str) -> Scene {
+    match name {
+        "stiff" => scene(edited(&text("affine"), "\nlambda = 1.0\nmu_L", "\nlambda = 2.0\nmu_L")),
+        name => shipped_scene(name),
+    }
+}
+
+#[test]
+fn the_right_term_is_named() {
+    let defects = defects();
+    let mut right = 0;
+    let mut table = Vec::new();
+    for (name, defect, place, hook) in &defects {
+        let start = std::time::Instant::now();
+        let (outcomes, finding) = examine(&named(name), hook, true);
+        let hit = finding == Finding::One(vec![*place]);
+        right += usize::from(hit);
+        show(&format!("{name}: {defect}"), &outcomes);
+        table.push(format!(
+            "{} {name:<14} {defect:<34} {:<12} {:.2} s {finding:?}",
+            if hit { "named " } else { "MISSED" },
+            place.name(),
+            start.elapsed().as_secs_f64()
+        ));
+    }
+    println!("{}\n{right} of {}", table.join("\n"), defects.len());
+    assert!(defects.len() >= 10 && 10 * right >= 8 * defects.len());
+}
+
+/// Every judged scene of the contact problem with an exact solution.
+#[test]
+fn a_sound_solver_is_not_accused() {
+    let folder = crate::shipped::path("affine").parent().expect("a folder").to_owned();
+    let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
+    let mut diagnosed = 0;
+    for name in registry.names() {
+        let scene = shipped_scene(name);
+        let exact = scene.as_contact().is_some_and(|b| matches!(b.data, Data::Exact { .. }));
+        if !exact || !scene.judge {
+            continue;
+        }
+        let (outcomes, finding) = examine(&scene, &|setup| setup, false);
+        show(&format!("{name}: sound"), &outcomes);
+        assert_eq!(finding, Finding::NothingFails, "{name}");
+        let passed = outcomes.iter().filter(|o| o.decision == Decision::Pass).count();
+        assert!(2 * passed > outcomes.len(), "{name}: {passed} of {}", outcomes.len());
+        diagnosed += 1;
+    }
+    assert!(diagnosed >= 10, "{diagnosed} scenes");
+}
+
+/// The scene's own verdicts decide whether there is something to diagnose; the sentence says what removal restores.
+#[test]
+fn the_sentence_names_what_removal_restores() {
+    let scene = shipped_scene("in-space");
+    let no_end = |s| with_kernel(s, |b, lag| if lag == 0.0 { 0.0 } else { b.value(lag) });
+    let found = diagnose(&scene, &no_end, false).unwrap_or_else(|error| panic!("{error}"));
+    println!("{}", found.sentence);
+    assert!(!found.verdicts.iter().all(|verdict| verdict.as_expected()));
+    let words =
+        "culprit: the memory term B (removing it restores order 2.00 in k; with it order 1.0";
+    assert!(found.sentence.starts_with(words), "{}", found.sentence);
+    let sound = diagnose(&scene, &|setup| setup, false).unwrap_or_else(|error| panic!("{error}"));
+    assert!(sound.outcomes.is_empty() && sound.finding.is_none());
+    assert!(sound.sentence.starts_with("nothing to diagnose"), "{}", sound.sentence);
+}
+
+/// Two defects: no term takes part in all that fails.
+#[test]
+fn two_culprits_are_two() {
+    let both = |s: Setup| {
+        let s = with_projection(s, |p, _| VonMises { mu: 1.02 * p.mu, ..p });
+        with_gap(s, |gap| 0.99 * gap)
+    };
+    let (outcomes, finding) = examine(&shipped_scene("steady"), &both, false);
+    show("steady: mu and gap", &outcomes);
+    println!("{}", sentence(&finding, &outcomes));
+    assert_eq!(finding, Finding::Two(Suspect::Projection, Suspect::Gap));
+}
+
+/// A solver that panics has failed; it does not end the diagnosis.
+#[test]
+fn a_panic_is_a_failed_trial() {
+    struct Panics;
+    impl Scheme for Panics {
+        fn march(
+            &self,
+            setup: &Setup,
+            data: &MeshData,
+            steps: u32,
+            observe: &mut Observer<'_>,
+        ) -> Result<CaseInfo, CaseError> {
+            assert!(setup.model.memory.is_empty(), "seeded");
+            let mut load = TruthLoad(&*data.truth);
+            let grid = setup.grid(steps);
+            march(&data.space, &setup.model, &grid, &mut load, &Newton::default(), observe)
+        }
+    }
+    let panics = |mut s: Setup| {
+        s.scheme = Arc::new(Panics);
+        s
+    };
+    let (_, finding) = examine(&shipped_scene("affine"), &panics, false);
+    assert_eq!(finding, Finding::One(vec![Suspect::Memory]));
+}
+
+/// An outcome as the inference sees it.
+fn outcome(suspects: &[Suspect], decision: Decision) -> Outcome {
+    Outcome {
+        name: "a trial".into(),
+        terms: String::new(),
+        question: Question::Exact,
+        decision,
+        verdict: None,
+        error: None,
+        reason: String::new(),
+        suspects: suspects.to_vec(),
+        removed: None,
+    }
+}
+
+/// The inference on made-up trials: what takes part in all that fails and in the least that passes.
+#[test]
+fn the_inference_is_by_elimination() {
+    use Decision::{Fail, Pass, Unresolved};
+    use Suspect::*;
+    let found = |trials: &[(&[Suspect], Decision)]| {
+        let outcomes: Vec<Outcome> = trials.iter().map(|(s, d)| outcome(s, *d)).collect();
+        culprit(&outcomes)
+    };
+    let one = |suspect: Suspect| Finding::One(vec![suspect]);
+    let both: &[Suspect] = &[Memory, Gap, Elasticity, Loads];
+    let (memory, gap): (&[Suspect], &[Suspect]) =
+        (&[Memory, Elasticity, Loads], &[Gap, Elasticity, Loads]);
+    assert_eq!(found(&[(both, Pass), (memory, Pass)]), Finding::NothingFails);
+    assert_eq!(found(&[(both, Fail), (gap, Pass)]), one(Memory));
+    assert_eq!(found(&[(both, Fail), (memory, Fail), (gap, Pass)]), one(Memory));
+    // What every run has is not accused while a run without the terms is sound.
+    assert_eq!(
+        found(&[(both, Fail), (&[Elasticity, Loads], Pass)]),
+        Finding::One(vec![Memory, Gap])
+    );
+    // Neither an unresolved trial nor one that could not be run says anything.
+    assert_eq!(found(&[(both, Fail), (gap, Pass), (memory, Unresolved)]), one(Memory));
+    assert_eq!(found(&[(memory, Unresolved)]), Finding::NothingFails);
+    // Each term fails alone: two, or what they share.
+    assert_eq!(found(&[(memory, Fail), (gap, Fail)]), Finding::Two(Memory, Gap));
+    let rule: &[Suspect] = &[Accumulation, TimeRule, Elasticity, Loads];
+    let with_rule: &[Suspect] = &[Memory, TimeRule, Elasticity, Loads];
+    assert_eq!(found(&[(rule, Fail), (with_rule, Fail)]), one(TimeRule));
+    // The bare run fails: elasticity, whose loads were acquitted.
+    assert_eq!(found(&[(both, Fail), (&[Elasticity], Fail)]), one(Elasticity));
+    let three: [&[Suspect]; 3] = [&[Memory], &[Gap], &[Projection]];
+    assert_eq!(found(&three.map(|s| (s, Fail))), Finding::Unexplained);
+}
+
+/// r^0.7447 is not in H²: what the trials ask of it is an order, and no constant from interpolation.
+#[test]
+fn a_singular_solution_is_asked_for_its_order_alone() {
+    let four = edited(&text("corner"), "n = [24, 48, 96]", "n = [12, 24, 48, 96]");
+    let found = diagnose(&scene(four), &|setup| setup, true).unwrap_or_else(|e| panic!("{e}"));
+    show("corner", &found.outcomes);
+    assert_eq!(found.finding, Some(Finding::NothingFails), "{}", found.sentence);
+    let order = found.outcomes.iter().find(|outcome| outcome.name == "all terms, in h");
+    let order = order.expect("a trial in h");
+    assert_eq!(order.decision, Decision::Pass, "{}", order.reason);
+    assert!(!order.reason.contains("C_h"), "{}", order.reason);
+    // Of a smooth solution the constant is asked for.
+    let smooth = diagnose(&shipped_scene("viscoelastic"), &|setup| setup, true).expect("a scene");
+    let order = smooth.outcomes.iter().find(|outcome| outcome.name == "all terms, in h");
+    assert!(order.is_some_and(|order| order.reason.contains("C_h is ")));
+}

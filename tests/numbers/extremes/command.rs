@@ -1,0 +1,41 @@
+//! The command from outside: exit codes, files, keys.
+
+use crate::program::{Folder, code, json, stderr, stdout, sweep};
+
+#[test]
+fn a_ladder_is_a_table_and_three_files() {
+    let folder = Folder::new("extremes");
+    let out = folder.argument("out");
+    let output = sweep(&["extremes", "one-vertex", "step-falling", "--out", &out]);
+    assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
+    let printed = stdout(&output);
+    assert!(printed.contains("every one as expected"), "{printed}");
+    let csv = std::fs::read_to_string(folder.at("out/extremes.csv")).expect("a table");
+    assert!(csv.starts_with("ladder,at,quantity,expected,measured,"), "{csv}");
+    assert_eq!(csv.lines().count(), 1 + 8 + 9, "{csv}");
+    let svg = std::fs::read_to_string(folder.at("out/extremes.svg")).expect("a map");
+    assert!(svg.contains("step-falling") && svg.contains("refused as expected"));
+    let text = std::fs::read_to_string(folder.at("out/extremes.json")).expect("a document");
+    let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(document["rungs"].as_array().map(Vec::len), Some(17));
+}
+
+#[test]
+fn json_has_its_keys_and_an_unknown_ladder_is_refused() {
+    let output = sweep(&["extremes", "step-lambda", "--json"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let document = json(&output);
+    let rung = &document["rungs"][7];
+    assert_eq!(rung["standing"], "refused-as-expected", "{rung}");
+    assert!(rung["measured"].is_null() && rung["ladder"] == "step-lambda");
+    assert!(document["ladders"][0]["why"].as_str().is_some_and(|why| why.contains("(3.15)")));
+    let output = sweep(&["extremes", "stairs"]);
+    assert_eq!(code(&output), 2);
+    assert!(
+        stderr(&output).contains("no ladder `stairs`; there are unit-length"),
+        "{}",
+        stderr(&output)
+    );
+    let listed = sweep(&["extremes", "--list"]);
+    assert!(code(&listed) == 0 && stdout(&listed).contains("unit-stiffness"));
+}

@@ -1,0 +1,109 @@
+//! `[contact]`: gap, shift and law at given displacements.
+
+use gronwall::contact::BoundaryRule;
+use gronwall::formula::Point;
+use gronwall::law::Potential;
+use gronwall::scene::ContactQuadrature;
+use gronwall::setup::Setup;
+
+use super::{BLOCK, ORIGIN, Tie, block, near, value, with};
+
+pub const TIES: &[Tie] = &[
+    (&["contact.gap", "contact.shift"], gap_and_shift),
+    (&["contact.quadrature"], quadrature),
+    (&["contact.law.kind", "contact.law.stiffness"], linear),
+    (
+        &["contact.law.points", "contact.law.slope_before", "contact.law.slope_after"],
+        piecewise_linear,
+    ),
+    (&["contact.law.length", "contact.law.jump"], decaying),
+    (&["contact.law.coefficient", "contact.law.exponent", "contact.law.until"], power),
+    (&["contact.law.scale"], scale),
+];
+
+fn with_contact(text: &str) -> Setup {
+    crate::shipped::setup_of(with(BLOCK, &[("[contact]", &format!("[contact]\n{text}"))]))
+}
+
+/// ξ of the solver's law at u_ν, at a place of the contact side; and the exact side's numbers are the same.
+#[track_caller]
+fn law(text: &str, points: &[(f64, f64)]) {
+    // The slope of an uneven law may not outdo the body's.
+    let setup = with_contact(&format!("law = {{ {text} }}"));
+    let boundary = setup.model.boundary.as_ref().expect("a law");
+    for &(r, exact) in points {
+        let (low, high) = boundary.potential_at([0.3, 0.0, 0.0]).subdifferential(r);
+        near(low, exact);
+        near(high, exact);
+    }
+}
+
+/// u_ν ≤ g and ξ ∈ p(u_ν - s), both at x = 0.25.
+fn gap_and_shift() {
+    let setup = with_contact(
+        "gap = \"0.1 + x\"\nshift = \"0.02*x\"\nlaw = { kind = \"linear\", stiffness = 0.3 }",
+    );
+    let boundary = setup.model.boundary.as_ref().expect("a boundary");
+    near((boundary.gap)([0.25, 0.0, 0.0]), 0.35);
+    near((boundary.shift)([0.25, 0.0, 0.0]), 0.005);
+    let contact = setup.body.contact.as_ref().expect("a contact");
+    let at = Point { x: 0.25, ..ORIGIN };
+    near(value(&setup.scene, contact.gap.expect("a gap"), at), 0.35);
+    near(value(&setup.scene, contact.shift.expect("a shift"), at), 0.005);
+}
+
+fn quadrature() {
+    for (word, read, built) in [
+        ("vertex", ContactQuadrature::Vertex, BoundaryRule::Vertex),
+        ("gauss", ContactQuadrature::Gauss, BoundaryRule::Gauss),
+        ("exact", ContactQuadrature::Exact, BoundaryRule::Exact),
+    ] {
+        let setup = with_contact(&format!(
+            "quadrature = \"{word}\"\nlaw = {{ kind = \"linear\", stiffness = 0.3 }}"
+        ));
+        assert_eq!(setup.body.contact.as_ref().expect("a contact").quadrature, read);
+        assert_eq!(setup.model.boundary.as_ref().expect("a boundary").rule, built);
+    }
+}
+
+fn linear() {
+    law("kind = \"linear\", stiffness = 0.3", &[(0.2, 0.06), (-0.2, -0.06)]);
+    let none = block(&[("[contact]", "[contact]\nlaw = { kind = \"none\" }")]);
+    let body = none.as_contact().expect("a body");
+    assert!(body.contact.as_ref().expect("a contact").law.is_none());
+}
+
+/// Slope 0.2 up to (0.1, 0.01), 0.5 up to (0.3, 0.11), then 0.4.
+fn piecewise_linear() {
+    law(
+        "kind = \"piecewise-linear\", points = [[0.1, 0.01], [0.3, 0.11]], slope_before = 0.2, slope_after = 0.4",
+        &[(0.0, -0.01), (0.1, 0.01), (0.2, 0.06), (0.3, 0.11), (0.5, 0.19)],
+    );
+}
+
+/// s r/(1 + (r/l)²) and s r exp(-r/l), the second after a jump.
+fn decaying() {
+    law("kind = \"rational\", stiffness = 0.3, length = 0.2", &[(0.4, 0.12 / 5.0), (-0.1, 0.0)]);
+    let exponential = 0.3 * 0.4 * (-2.0f64).exp();
+    law("kind = \"exponential\", stiffness = 0.3, length = 0.2", &[(0.4, exponential)]);
+    law(
+        "kind = \"exponential\", stiffness = 0.3, length = 0.2, jump = 0.01",
+        &[(0.4, 0.01 + exponential), (-0.1, 0.0)],
+    );
+}
+
+/// 0.5 r^1.5 up to 0.25, then the tangent 0.0625 + 0.375 (r - 0.25).
+fn power() {
+    law(
+        "kind = \"power\", coefficient = 0.5, exponent = 1.5, until = 0.25",
+        &[(0.16, 0.032), (0.25, 0.0625), (0.35, 0.1)],
+    );
+}
+
+/// c(x) p(r) with c = 1 + x at x = 0.5.
+fn scale() {
+    let setup = with_contact("law = { kind = \"linear\", stiffness = 0.3, scale = \"1 + x\" }");
+    let boundary = setup.model.boundary.as_ref().expect("a law");
+    near(boundary.scale_at([0.5, 0.0, 0.0]), 1.5);
+    near(boundary.potential_at([0.5, 0.0, 0.0]).subdifferential(0.2).0, 0.09);
+}

@@ -1,0 +1,45 @@
+//! Tests of the library: schemes, histories, laws, loads, norms, orders, constants and studies against values from outside. One program: linking is most of what a small test costs.
+
+mod abstract_problem;
+#[path = "../again/mod.rs"]
+mod again;
+mod audit;
+mod bound;
+mod boundary_rules;
+mod broken_effects;
+mod constants;
+mod contact_states;
+mod coverage;
+mod diagnose;
+mod estimate;
+mod exact_boxes;
+mod extremes;
+mod fixtures_affine;
+mod fixtures_punch;
+mod fixtures_pure_strong;
+mod floors;
+mod gronwall;
+mod histories;
+mod keys;
+mod laws;
+mod load_totals;
+mod loads;
+mod materials;
+mod multigrid;
+mod newton;
+mod oblique;
+mod orders;
+mod paths;
+mod plans;
+#[path = "../program/mod.rs"]
+mod program;
+mod second_integral;
+mod separate_evaluation;
+#[path = "../shipped/mod.rs"]
+mod shipped;
+mod step_size;
+mod tangent;
+mod three_dimensions;
+mod trade;
+#[path = "../turned/mod.rs"]
+mod turned;

@@ -1,0 +1,180 @@
+//! The plan of a scene, Newton's method in the volume with old factors, with factors in single precision, and with a
+//! factor in double precision of every Jacobian.
+
+use gronwall::contact::{BoundaryRule, LinearSolver, Plan};
+use gronwall::linalg::Precision;
+use gronwall::setup::{MeshData, Setup};
+use gronwall::vhi::{Newton, StepSolver};
+
+use super::anew::{Anew, OFF, defective};
+use super::{AGREE, Run, Where, distance, in_volume, run, same_bits, shortest};
+use crate::shipped::{bodies, on_a_mesh, on_mesh};
+
+const STEPS: u32 = 8;
+
+/// Whether Jacobians are all the same but for pieces of graphs and weights of last slots: an iteration may then find the
+/// factor of its very matrix.
+fn one_jacobian(setup: &Setup) -> bool {
+    let facets = setup.model.boundary.as_ref().is_some_and(|boundary| {
+        boundary.rule != BoundaryRule::Vertex && !boundary.potential.is_absent()
+    });
+    setup.model.projection.is_none() && !facets
+}
+
+fn anew(setup: &Setup, data: &MeshData, steps: u32, off: f64) -> Run {
+    let solver = Anew { off, ..Anew::default() };
+    let run = run(setup, data, steps, Where::Volume, &solver);
+    let (made, asked) = (run.info.work.linear.factorizations, solver.solves.get());
+    let name = &setup.scene.name;
+    assert_eq!(asked, run.info.newton_iterations, "{name}");
+    if one_jacobian(setup) {
+        assert!(made >= 1, "{name}: {made} factors");
+    } else {
+        assert!(made >= asked, "{name}: {made} factors for {asked} Jacobians");
+    }
+    run
+}
+
+#[test]
+fn all_plans_of_all_scenes_have_the_same_solution() {
+    let (mut taken, mut old, mut never) = ([0; 3], 0, Vec::new());
+    for setup in bodies() {
+        let (data, name) = (on_a_mesh(&setup), &setup.scene.name);
+        let plan = Plan::of(&data.space, &setup.model, STEPS as usize, true);
+        taken[plan as usize] += 1;
+        let short = shortest(&setup, &data, STEPS);
+        let volume = in_volume(&setup, &data, STEPS);
+        let fresh = anew(&setup, &data, STEPS, 0.0);
+        for (way, other) in [("shortest", &short), ("old factors", &volume)] {
+            let off = distance(&fresh, other);
+            assert!(off <= AGREE, "{name} {plan:?} {way}: {off:e}");
+        }
+        match plan {
+            Plan::Newton => assert!(same_bits(&short, &volume), "{name}"),
+            // One factor, and none of the walks over the volume that Newton's method takes.
+            _ => {
+                assert_eq!(short.info.work.residuals, 0, "{name}");
+                assert!(volume.info.work.residuals > STEPS, "{name}");
+                if !Plan::changes_factor(&setup.model) {
+                    assert_eq!(short.info.work.linear.factorizations, 1, "{name}");
+                }
+            }
+        }
+        if !one_jacobian(&setup) {
+            let served = volume.info.work.linear.factorizations < volume.info.newton_iterations;
+            if served { old += 1 } else { never.push(name.clone()) }
+        }
+    }
+    // Each way has scenes; that of condensation is the way of all scenes with contact at the vertices alone.
+    assert!(taken.iter().all(|&count| count >= 4), "{taken:?}");
+    // Of scenes whose Jacobians differ, a factor served several of them; but where one iteration is all there is.
+    assert!(old >= 20, "{old}");
+    assert_eq!(never, ["law-linear"]);
+}
+
+/// Runs with factors kept in double and in single precision.
+fn in_both(setup: &mut Setup, solver: &impl StepSolver) -> [Run; 2] {
+    [Precision::Double, Precision::Single].map(|precision| {
+        setup.precision = Some(precision);
+        let data = on_a_mesh(setup);
+        assert_eq!(data.space.precision, Some(precision));
+        run(setup, &data, STEPS, Where::Volume, solver)
+    })
+}
+
+#[test]
+fn both_precisions_of_all_scenes_have_the_same_solution() {
+    let (mut more, mut fewer) = (0, 0);
+    for mut setup in bodies() {
+        let name = setup.scene.name.clone();
+        let [double, single] = in_both(&mut setup, &Newton::default());
+        let off = distance(&double, &single);
+        assert!(off <= AGREE, "{name}: {off:e}");
+        // Rounding of the factor leaves its bits in the solution.
+        assert!(!same_bits(&double, &single), "{name}");
+        let passes = [&double, &single].map(|run| run.info.work.linear.solves);
+        more += usize::from(passes[1] > passes[0]);
+        fewer += usize::from(passes[1] < passes[0]);
+        // What is not asked for is double precision on these meshes.
+        setup.precision = None;
+        let data = on_a_mesh(&setup);
+        assert!(same_bits(&double, &in_volume(&setup, &data, STEPS)), "{name}");
+    }
+    // A factor in single precision is followed by iterations: more passes over it, where they are not one or two less
+    // by the way residuals fall.
+    assert!(more >= 40 && more > 8 * fewer, "{more} {fewer}");
+}
+
+#[test]
+fn a_seeded_defect_in_the_equations_of_a_level_is_seen() {
+    for name in ["punch", "affine", "law-exponential", "linear-punch", "elastic-punch"] {
+        let mut setup = crate::shipped::setup(name);
+        let data = on_a_mesh(&setup);
+        let right = shortest(&setup, &data, STEPS);
+        let [_, single] = in_both(&mut setup, &defective());
+        for wrong in [anew(&setup, &data, STEPS, OFF), single] {
+            let off = distance(&right, &wrong);
+            assert!(off > 2.0 * AGREE, "{name}: {off:e}");
+        }
+    }
+}
+
+/// What is claimed of fresh factors does not hold of old ones: this solver does not pass for the other.
+#[test]
+fn old_factors_do_not_pass_for_fresh_ones() {
+    let setup = crate::shipped::setup("punch");
+    let data = on_a_mesh(&setup);
+    let solver = Anew { old: true, ..Anew::default() };
+    let old = run(&setup, &data, STEPS, Where::Volume, &solver);
+    assert!(old.info.work.linear.factorizations < solver.solves.get());
+    assert!(same_bits(&old, &in_volume(&setup, &data, STEPS)));
+    assert!(!same_bits(&old, &anew(&setup, &data, STEPS, 0.0)));
+}
+
+/// n of `punch` with 4,704 unknowns: factors are kept in single precision and serve several Jacobians.
+const LARGE: u32 = 48;
+
+#[test]
+fn what_large_runs_take_is_what_fresh_factors_give() {
+    let mut setup = crate::shipped::setup("punch");
+    let data = on_mesh(&setup, LARGE);
+    assert!(data.space.dofs() >= 4000 && data.space.precision.is_none());
+    let taken = shortest(&setup, &data, STEPS);
+    let (linear, iterations) = (taken.info.work.linear, taken.info.newton_iterations);
+    assert!(linear.iterations == 0 && 2 * linear.factorizations < iterations, "{linear:?}");
+    let fresh = anew(&setup, &data, STEPS, 0.0);
+    let off = distance(&fresh, &taken);
+    println!("punch, n = {LARGE}: {off:.1e}");
+    assert!(off <= AGREE, "{off:e}");
+    let wrong = run(&setup, &data, STEPS, Where::Volume, &defective());
+    assert!(distance(&fresh, &wrong) > 2.0 * AGREE, "{:e}", distance(&fresh, &wrong));
+    // The precision is what it is by the size alone.
+    let mut by = |precision| {
+        setup.precision = Some(precision);
+        shortest(&setup, &on_mesh(&setup, LARGE), STEPS)
+    };
+    assert!(same_bits(&taken, &by(Precision::Single)));
+    assert!(!same_bits(&taken, &by(Precision::Double)));
+}
+
+/// n of `punch-box` with 6,084 unknowns, and steps: multigrid is what such a run takes, from 5,000 on.
+const LARGE_BOX: (u32, u32) = (12, 2);
+
+#[test]
+fn what_large_runs_in_space_take_is_what_fresh_factors_give() {
+    let (n, steps) = LARGE_BOX;
+    let mut setup = crate::shipped::setup("punch-box");
+    let data = on_mesh(&setup, n);
+    assert!(data.space.linear_solver.is_none());
+    let taken = shortest(&setup, &data, steps);
+    assert!(taken.info.work.linear.iterations > 0, "{:?}", taken.info.work.linear);
+    setup.linear_solver = Some(LinearSolver::Direct);
+    let data = on_mesh(&setup, n);
+    let fresh = anew(&setup, &data, steps, 0.0);
+    assert_eq!(fresh.info.work.linear.iterations, 0);
+    let off = distance(&fresh, &taken);
+    println!("punch-box, n = {n}: {off:.1e}");
+    assert!(off <= AGREE, "{off:e}");
+    let wrong = anew(&setup, &data, steps, OFF);
+    assert!(distance(&wrong, &taken) > 2.0 * AGREE, "{:e}", distance(&wrong, &taken));
+}

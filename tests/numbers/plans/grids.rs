@@ -1,0 +1,134 @@
+//! The plan of a scene, Newton's method in the volume and fresh factors on grids of their own: graded and random steps,
+//! on which last weights change from level to level. Shipped scenes on equal steps see neither a last weight that stays
+//! nor a factor that does.
+
+use gronwall::history::{Storage, TimeGrid, TimeRule, Trapezoid};
+use gronwall::law::HistoryKernel;
+use gronwall::scene;
+use gronwall::setup::Setup;
+
+use gronwall::contact::Plan;
+
+use super::anew::Anew;
+use super::past::by_all_ways;
+use super::{AGREE, Where, distance, in_volume, run, shortest};
+use crate::shipped::{edited, on_mesh, setup, setup_of, text};
+
+const STEPS: u32 = 12;
+
+/// Grids whose steps differ: by a factor 23 from first to last, by 3 at random.
+const GRIDS: [scene::TimeGrid; 3] = [
+    scene::TimeGrid::Graded { exponent: 2.0 },
+    scene::TimeGrid::Random { seed: 7 },
+    scene::TimeGrid::Random { seed: 8 },
+];
+
+/// Memory that is no multiple of the elasticity: factors follow the last weight.
+fn no_multiple(name: &str) -> Setup {
+    let other = edited(&text(name), "lambda = 0.25\nmu = 0.25", "lambda = 0.9\nmu = 0.3");
+    setup_of(other)
+}
+
+/// Scenes of every plan, with factors that serve all levels and with factors of a level.
+fn of_all_plans() -> [(Setup, Plan); 6] {
+    [
+        (setup("linear-punch"), Plan::Recursion),
+        (setup("elastic-punch"), Plan::Condensed),
+        (no_multiple("elastic-punch"), Plan::Condensed),
+        (no_multiple("linear-punch"), Plan::Condensed),
+        (setup("signorini"), Plan::Condensed),
+        (setup("punch"), Plan::Newton),
+    ]
+}
+
+#[test]
+fn all_plans_agree_on_unequal_steps() {
+    let mut anew = 0;
+    for (mut setup, expected) in of_all_plans() {
+        let data = on_mesh(&setup, 6);
+        let name = setup.scene.name.clone();
+        for grid in GRIDS {
+            setup.scene.time.grid = grid;
+            let plan = Plan::of(&data.space, &setup.model, STEPS as usize, true);
+            // Without contact what is no multiple is Newton's method with one Jacobian a level.
+            assert!(plan == expected || setup.model.boundary.is_none(), "{name}: {plan:?}");
+            let short = shortest(&setup, &data, STEPS);
+            let fresh = run(&setup, &data, STEPS, Where::Volume, &Anew::default());
+            for (way, other) in [("plan", &short), ("volume", &in_volume(&setup, &data, STEPS))] {
+                let off = distance(&fresh, other);
+                assert!(off <= AGREE, "{name} {grid:?} {way}: {off:e}");
+            }
+            if plan == Plan::Condensed && Plan::changes_factor(&setup.model) {
+                // Level 0 has no weight; each of the others has one of its own.
+                assert_eq!(short.info.work.linear.factorizations, STEPS + 1, "{name} {grid:?}");
+                anew += 1;
+            }
+        }
+    }
+    assert_eq!(anew, GRIDS.len());
+}
+
+#[test]
+fn all_sums_over_the_past_agree_on_unequal_steps() {
+    for name in ["linear-punch", "elastic-punch", "punch"] {
+        for grid in GRIDS {
+            let mut setup = setup(name);
+            setup.scene.time.grid = grid;
+            let [recursive, fast, direct] = by_all_ways(setup, 0.0);
+            let direct = direct.expect("direct sums apply to all scenes");
+            for (way, other) in [("recursion", recursive), ("interpolation", fast)] {
+                let off = distance(&direct, &other.expect("the trapezoidal rule"));
+                assert!(off <= AGREE, "{name} {grid:?} {way}: {off:e}");
+            }
+        }
+    }
+}
+
+/// The trapezoidal rule with the last weight of level 1 at all levels: the same on equal steps.
+struct Frozen;
+
+impl TimeRule for Frozen {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        Trapezoid.weight(grid, n, j)
+    }
+
+    fn kernel_weight(&self, q: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        let plain = Trapezoid.kernel_weight(q, grid, n, j);
+        if n == 0 || j != n { plain } else { plain * grid.step(1) / grid.step(n) }
+    }
+
+    fn is_trapezoidal(&self) -> bool {
+        true
+    }
+}
+
+/// A last weight that stays is no defect on equal steps, which is why scenes on those alone cannot see it.
+#[test]
+fn a_frozen_last_weight_is_seen_on_unequal_steps_alone() {
+    for name in ["linear-punch", "elastic-punch"] {
+        let off = |grid| {
+            let mut setup = setup(name);
+            setup.scene.time.grid = grid;
+            let data = on_mesh(&setup, 6);
+            let right = shortest(&setup, &data, STEPS);
+            setup.model.time_rule = Box::new(Frozen);
+            distance(&right, &shortest(&setup, &data, STEPS))
+        };
+        assert!(off(scene::TimeGrid::Uniform) <= AGREE, "{name}");
+        for grid in GRIDS {
+            assert!(off(grid) > 1e5 * AGREE, "{name} {grid:?}: {:e}", off(grid));
+        }
+    }
+}
+
+/// The memories compared here are of the kinds that they are compared as.
+#[test]
+fn storages_are_told() {
+    use gronwall::history::Memory;
+    let setup = setup("linear-punch");
+    let kernel = &*setup.model.memory[0].kernel;
+    let grid = TimeGrid::graded(1.0, 16, 2.0);
+    assert_eq!(Memory::new(kernel, &Trapezoid, &grid, 1).storage(), Storage::Recursive);
+    assert_eq!(Memory::direct().storage(), Storage::Direct);
+    assert!(!grid.is_uniform() && TimeGrid::uniform(0.7, 1000).is_uniform());
+}

@@ -1,0 +1,116 @@
+//! Recursive, interpolated and direct sums over the past, for every scene whose kernels and rule have all three.
+
+use gronwall::contact::MemoryTerm;
+use gronwall::history::{Memory, TimeGrid, TimeRule, Trapezoid};
+use gronwall::law::MemoryKernel;
+use gronwall::setup::{MeshData, Setup};
+
+use super::{AGREE, Run, distance, same_bits, shortest};
+use crate::shipped::bodies;
+
+/// Steps from which on interpolation pays with any number of nodes, and some.
+const STEPS: u32 = 520;
+
+/// The weights of the trapezoidal rule under a name that does not promise them: sums over the past are direct.
+struct Plain;
+
+impl TimeRule for Plain {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        Trapezoid.weight(grid, n, j)
+    }
+}
+
+/// A kernel that does not say what it is a sum of, and is off by `off` of itself.
+struct Secret {
+    kernel: Box<dyn MemoryKernel>,
+    off: f64,
+}
+
+impl MemoryKernel for Secret {
+    fn value(&self, lag: f64) -> f64 {
+        self.kernel.value(lag) * (1.0 + self.off)
+    }
+}
+
+fn keep_secret(setup: &mut Setup, off: f64) {
+    let secret = |MemoryTerm { kernel, tensor }| MemoryTerm {
+        kernel: Box::new(Secret { kernel, off }),
+        tensor,
+    };
+    let terms = std::mem::take(&mut setup.model.memory);
+    setup.model.memory = terms.into_iter().map(secret).collect();
+}
+
+/// The coarsest mesh of a scene: sums over the past are the same for every number of unknowns.
+fn coarsest(setup: &Setup) -> MeshData {
+    let data = [1, 2, 4, 6, 8].into_iter().find_map(|n| MeshData::new(setup, n, None).ok());
+    data.unwrap_or_else(|| panic!("{} has no mesh", setup.scene.name))
+}
+
+/// Whether all terms of the memory are summed in a way.
+fn all_are(setup: &Setup, way: fn(&Memory) -> bool) -> bool {
+    let (grid, rule) = (setup.grid(STEPS), &*setup.model.time_rule);
+    setup.model.memory.iter().all(|term| way(&Memory::new(&*term.kernel, rule, &grid, 1)))
+}
+
+/// What a scene has by all ways, `None` where a way does not apply: recursion, interpolation, direct sums.
+pub fn by_all_ways(mut setup: Setup, off: f64) -> [Option<Run>; 3] {
+    let data = coarsest(&setup);
+    let recursion = all_are(&setup, |memory| matches!(memory, Memory::Recursive { .. }));
+    let recursive = recursion.then(|| shortest(&setup, &data, STEPS));
+    keep_secret(&mut setup, off);
+    let interpolation = all_are(&setup, |memory| matches!(memory, Memory::Fast(_)));
+    // Every kernel of a shipped scene is smooth enough away from zero lag.
+    assert_eq!(interpolation, setup.model.time_rule.is_trapezoidal(), "{}", setup.scene.name);
+    let fast = interpolation.then(|| shortest(&setup, &data, STEPS));
+    if interpolation {
+        setup.model.time_rule = Box::new(Plain);
+    }
+    assert!(all_are(&setup, |memory| matches!(memory, Memory::Direct { .. })));
+    [recursive, fast, Some(shortest(&setup, &data, STEPS))]
+}
+
+#[test]
+fn all_sums_over_the_past_have_the_same_solution() {
+    let (mut recursive, mut interpolated, mut direct_alone) = (0, 0, Vec::new());
+    for setup in bodies().into_iter().filter(|setup| !setup.model.memory.is_empty()) {
+        let name = setup.scene.name.clone();
+        let [recursion, fast, direct] = by_all_ways(setup, 0.0);
+        let direct = direct.expect("direct sums apply to all scenes");
+        let Some(fast) = fast else {
+            direct_alone.push(name);
+            continue;
+        };
+        let bytes = |run: &Run| run.info.peak_history_bytes;
+        let agree = |way: &str, other: &Run, least: usize, most: usize| {
+            let off = distance(&direct, other);
+            assert!(off <= AGREE, "{name} {way}: {off:e}");
+            // Way by way less is kept, and rounding is another.
+            assert!((least..most).contains(&bytes(other)), "{name} {way}: {}", bytes(other));
+            assert!(!same_bits(&direct, other), "{name} {way}");
+        };
+        agree("interpolation", &fast, 1, bytes(&direct));
+        interpolated += 1;
+        if let Some(recursion) = &recursion {
+            agree("recursion", recursion, 1, bytes(&fast));
+            recursive += 1;
+        }
+    }
+    // The scenes with a rule of their own for a kernel that is not smooth.
+    let own = ["broken-body-end", "graded-end", "product-integrated", "product-integrated-graded"];
+    assert_eq!(direct_alone, own);
+    assert!(recursive >= 40 && interpolated > recursive, "{recursive} {interpolated}");
+}
+
+/// Kernels that are off by 1e-8 of themselves where they are interpolated and summed directly, and not in the recursion.
+#[test]
+fn a_seeded_defect_in_a_kernel_is_seen() {
+    for name in ["punch", "elastic-punch", "linear-punch", "bulk-shear"] {
+        let [recursive, fast, direct] = by_all_ways(crate::shipped::setup(name), 1e-8);
+        let recursive = recursive.expect("a sum of exponentials");
+        for wrong in [fast, direct].into_iter().flatten() {
+            let off = distance(&recursive, &wrong);
+            assert!(off > 3.0 * AGREE, "{name}: {off:e}");
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Source: the discrete inequality (4.3) as a system of force balance and graphs.
+//! Goal: the separate evaluation after each step refuses what is no solution, with and without a mesh: a solver that
+//!   hands back a wrong state ends in an error and not in a result.
+//! Mesh: 8 × 8 squares for `punch`; none for `abstract-contact`.
+
+use crate::shipped::{on_mesh, setup};
+use gronwall::contact::CaseError;
+use gronwall::finite::FiniteError;
+use gronwall::scene::Scene;
+use gronwall::setup::AbstractSetup;
+use gronwall::vhi::{
+    HistoryInequality, Newton, Scratch, StepError, StepInfo, StepSolver, StepState,
+};
+
+/// Newton's method, with a hand in its result.
+struct Tampered(fn(&mut StepState));
+impl StepSolver for Tampered {
+    fn solve_level<P: HistoryInequality>(
+        &self,
+        problem: &mut P,
+        state: &mut StepState,
+        scratch: &mut Scratch,
+    ) -> Result<StepInfo, StepError> {
+        let info = Newton::default().solve(problem, state, scratch)?;
+        (self.0)(state);
+        Ok(info)
+    }
+}
+
+#[test]
+fn wrong_states_are_refused_without_a_mesh() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/manufactured/abstract-contact.toml");
+    let scene = Scene::read(path.as_ref()).unwrap_or_else(|error| panic!("{error}"));
+    let setup = AbstractSetup::new(scene).unwrap_or_else(|error| panic!("{error}"));
+    let run = |tamper: fn(&mut StepState)| setup.run(64, &Tampered(tamper)).map(|run| run.error);
+    assert!(run(|_| ()).is_ok());
+    // Forces off by 1e-10 of their size; a pressure beyond the law between the bounds, and one missing on a bound.
+    let wrong: [fn(&mut StepState); 3] = [
+        |state| state.u[0] += 1e-10,
+        |state| state.pressure[0] += 1e-10,
+        |state| state.pressure[0] = state.pressure[0].min(0.05),
+    ];
+    for tamper in wrong {
+        let outcome = run(tamper);
+        assert!(matches!(outcome, Err(FiniteError::Kkt { .. })), "{outcome:?}");
+    }
+}
+
+#[test]
+fn wrong_states_are_refused_on_a_mesh() {
+    let setup = setup("punch");
+    let data = on_mesh(&setup, 8);
+    let run = |tamper: fn(&mut StepState)| {
+        data.march(&setup, 8, &Tampered(tamper), &mut |_| Ok(())).map(|info| info.kkt_residual)
+    };
+    assert!(run(|_| ()).is_ok());
+    // Displacements and pressures here are about 0.1; 1e-9 of the forces is what a result may be off.
+    let wrong: [fn(&mut StepState); 3] = [
+        |state| state.u[0] += 1e-6,
+        |state| state.pressure.iter_mut().for_each(|pressure| *pressure += 1e-6),
+        |state| state.pressure.iter_mut().for_each(|pressure| *pressure = pressure.min(0.05)),
+    ];
+    for tamper in wrong {
+        let outcome = run(tamper);
+        assert!(matches!(outcome, Err(CaseError::Kkt { .. })), "{outcome:?}");
+    }
+}
