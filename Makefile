@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants clean-reports pdf page reference beyond studies report latex
+.PHONY: scenes help run test test-long lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants clean-reports pdf page reference beyond studies report latex
 
 CARGO ?= cargo
 PYTHON ?= python3
@@ -14,6 +14,9 @@ run: ## the main job: all scenes at gate size, verdict table, report in reports/
 
 test: ## unit, integration and documentation tests
 	$(CARGO) test --release --workspace
+
+test-long: ## tests of minutes that widen quick ones of `make test`: all scenes, more seeds
+	$(CARGO) test --release --test numbers --test commands --test false_alarms long_ -- --ignored
 
 lint: ## formatting, clippy and rustdoc, every warning an error
 	$(CARGO) fmt --all --check
@@ -107,9 +110,10 @@ sabotage-check: ## the same, and a failure if a gate catches something else than
 	$(CARGO) test --release --test sabotage -- --ignored --test-threads 1
 
 # One recipe, so that -j cannot reorder it and a failure stops what follows.
-ci: ## what has to be green before a merge: lint, test, gate, other solvers and engines, sabotage, each benchmark once
+ci: ## what has to be green before a merge: lint, tests, gate, other solvers and engines, sabotage, each benchmark once
 	$(MAKE) lint
 	$(MAKE) test
+	$(MAKE) test-long
 	$(MAKE) gate
 	$(MAKE) verify-examples
 	$(MAKE) beyond

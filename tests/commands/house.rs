@@ -231,6 +231,30 @@ fn sources() -> Vec<Source> {
     found
 }
 
+/// Crates of a dependency tree with the features that they are built with.
+fn features(of: &[&str]) -> std::collections::BTreeSet<String> {
+    let tree = std::process::Command::new(env!("CARGO"))
+        .args(["tree", "--offline", "--prefix", "none", "--format", "{p} {f}", "--edges"])
+        .args(of)
+        .output()
+        .expect("cargo tree");
+    assert!(tree.status.success(), "{}", String::from_utf8_lossy(&tree.stderr));
+    let lines = String::from_utf8(tree.stdout).expect("text");
+    lines.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
+}
+
+/// A crate with one feature more is another build, and so is all that stands on it: minutes for each of the two commands.
+#[test]
+fn the_two_commands_share_one_build_of_their_dependencies() {
+    let program = features(&["normal", "--package", "gronwall"]);
+    let tests = features(&["normal,dev", "--workspace"]);
+    assert!(program.iter().any(|line| line.starts_with("nalgebra ")), "{program:?}");
+    let apart: Vec<&String> = program.difference(&tests).collect();
+    assert!(apart.is_empty(), "the tests build these with other features: {apart:#?}");
+    let alone = features(&["normal", "--package", "gronwall-algebra"]);
+    assert!(alone.difference(&tests).next().is_some(), "a crate alone asks for fewer features");
+}
+
 #[test]
 fn crates_know_what_the_table_says() {
     let folders: Vec<PathBuf> = files(&root().join("crates"), "toml");

@@ -291,7 +291,8 @@ fn named(name: &str) -> Scene {
 }
 
 #[test]
-fn the_right_term_is_named() {
+#[ignore = "seconds for each scene: make test-long"]
+fn long_the_right_term_is_named() {
     let defects = defects();
     let mut right = 0;
     let mut table = Vec::new();
@@ -312,16 +313,15 @@ fn the_right_term_is_named() {
     assert!(defects.len() >= 10 && 10 * right >= 8 * defects.len());
 }
 
-/// Every judged scene of the contact problem with an exact solution.
-#[test]
-fn a_sound_solver_is_not_accused() {
+/// The judged scenes of the contact problem that have an exact solution and are among these.
+fn nothing_is_said(among: &dyn Fn(&str) -> bool, at_least: usize) {
     let folder = crate::shipped::path("affine").parent().expect("a folder").to_owned();
     let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
     let mut diagnosed = 0;
     for name in registry.names() {
         let scene = shipped_scene(name);
         let exact = scene.as_contact().is_some_and(|b| matches!(b.data, Data::Exact { .. }));
-        if !exact || !scene.judge {
+        if !exact || !scene.judge || !among(name) {
             continue;
         }
         let (outcomes, finding) = examine(&scene, &|setup| setup, false);
@@ -331,7 +331,18 @@ fn a_sound_solver_is_not_accused() {
         assert!(2 * passed > outcomes.len(), "{name}: {passed} of {}", outcomes.len());
         diagnosed += 1;
     }
-    assert!(diagnosed >= 10, "{diagnosed} scenes");
+    assert!(diagnosed >= at_least, "{diagnosed} scenes");
+}
+
+#[test]
+fn a_sound_solver_is_not_accused() {
+    nothing_is_said(&|name| ["affine", "signorini", "steady"].contains(&name), 3);
+}
+
+#[test]
+#[ignore = "a minute: make test-long"]
+fn long_a_sound_solver_is_not_accused_on_any_scene() {
+    nothing_is_said(&|_| true, 10);
 }
 
 /// The scene's own verdicts decide whether there is something to diagnose; the sentence says what removal restores.

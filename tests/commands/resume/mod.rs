@@ -119,9 +119,8 @@ fn interrupt_after(
 }
 
 /// Seeded numbers: the moments are chance, and the same in each run of the test but for the machine's speed.
-#[test]
-fn fifty_kills_at_random_moments_lose_nothing() {
-    let folder = Folder::new("fifty");
+fn kills_at_random_moments_lose_nothing(number: u32) {
+    let folder = Folder::new(&format!("killed-{number}"));
     let scenes = scenes(&folder);
     let whole = folder.argument("whole");
     let start = Instant::now();
@@ -129,13 +128,13 @@ fn fifty_kills_at_random_moments_lose_nothing() {
     let takes = start.elapsed();
     let expected = timeless(&folder.at("whole/cases.csv"));
     let (mut kills, mut sweeps, mut seed) = (0, 0, 20);
-    while kills < 50 {
+    while kills < number {
         // Sweeps into one directory after another; each is killed until it comes to its end.
         let out = folder.argument(&format!("sweep-{sweeps}"));
         let table = folder.at(&format!("sweep-{sweeps}/cases.csv"));
         let mut resuming = arguments(&scenes, &out);
         resuming.push("--resume");
-        while kills < 50 {
+        while kills < number {
             let mut child = command(&resuming)
                 .stdout(Stdio::null())
                 .stderr(Stdio::null())
@@ -153,8 +152,19 @@ fn fifty_kills_at_random_moments_lose_nothing() {
         assert_eq!(timeless(&table), expected, "after {kills} kills");
         sweeps += 1;
         // A sweep takes half of its time between kills: one in three, at least, comes to its end early.
-        assert!(sweeps < 500, "{kills} kills in {sweeps} sweeps");
+        assert!(sweeps < 10 * number, "{kills} kills in {sweeps} sweeps");
     }
+}
+
+#[test]
+fn ten_kills_at_random_moments_lose_nothing() {
+    kills_at_random_moments_lose_nothing(10);
+}
+
+#[test]
+#[ignore = "half a minute: make test-long"]
+fn long_fifty_kills_at_random_moments_lose_nothing() {
+    kills_at_random_moments_lose_nothing(50);
 }
 
 #[cfg(unix)]

@@ -25,7 +25,8 @@ fn by(setup: &mut Setup, data: &MeshData, solver: LinearSolver, newton: &impl St
 }
 
 #[test]
-fn factors_and_multigrid_have_the_same_solution_on_all_scenes() {
+#[ignore = "seconds for each scene: make test-long"]
+fn long_factors_and_multigrid_have_the_same_solution_on_all_scenes() {
     let (mut taken, mut without) = ([0; 3], Vec::new());
     for mut setup in bodies() {
         let name = setup.scene.name.clone();
