@@ -4,11 +4,8 @@ use std::time::Instant;
 
 use nalgebra::DVector;
 
-use super::constants::predicted_constants;
-use super::list::terms;
 use super::{CliError, print_json, print_text};
 use exact::{Finding, Status};
-use run::sweep::ScenePlan;
 use scene::Scene;
 use scene::setup::{AbstractSetup, abstract_regularity};
 use vhi::StepSolver;
@@ -45,49 +42,6 @@ pub fn no_mesh(scene: &Scene, n: Option<u32>) -> Result<(), CliError> {
     let Some(n) = n else { return Ok(()) };
     let message = format!("an abstract problem has no mesh, so no n = {n}");
     Err(scene.error("scene.kind", message, "leave --n away").into())
-}
-
-/// The plan of an abstract scene.
-pub fn explain(plan: &ScenePlan, json: bool) -> Result<u8, CliError> {
-    let scene = plan.scene();
-    let algorithm = "semismooth Newton with active set, dense LU";
-    let history = "direct sum, O(n) at step n";
-    let cases: Vec<_> = plan
-        .cases
-        .iter()
-        .map(|case| {
-            serde_json::json!({
-                "n": null,
-                "steps": case.steps,
-                "dofs": scene.dimension,
-                "history_bytes": (case.steps as usize + 1) * scene.dimension * size_of::<f64>(),
-                "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
-            })
-        })
-        .collect();
-    let constants = predicted_constants(plan);
-    if json {
-        print_json(&serde_json::json!({
-            "scene": scene.name,
-            "terms": terms(scene),
-            "truth": "exact solution",
-            "algorithm": algorithm,
-            "history": history,
-            "cases": cases,
-            "constants": constants.iter().map(|(_, json)| json).collect::<Vec<_>>(),
-        }))?;
-        return Ok(0);
-    }
-    print_text(&format!("{}: {}", scene.name, scene.question));
-    print_text(&format!("terms      {}", terms(scene).join(", ")));
-    print_text(&format!("algorithm  {algorithm}"));
-    print_text(&format!("history    {history}"));
-    for case in &cases {
-        let (steps, bytes) = (&case["steps"], &case["history_bytes"]);
-        print_text(&format!("case       N = {steps}: {bytes} bytes of history"));
-    }
-    constants.iter().for_each(|(line, _)| print_text(line));
-    Ok(0)
 }
 
 /// One case: u and its history at t = T, the largest error over the steps.

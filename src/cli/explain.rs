@@ -7,9 +7,9 @@ use clap::Args;
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::machine::Allowance;
-use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_text};
+use super::{CliError, Scenes, meshes_fit, print_json, print_text};
 use fem::contact::{LinearSolver, Plan};
-use run::sweep::{Cost, Overrides, PlanCost, ScenePlan, predict};
+use run::sweep::{Cost, Overrides, PlanCost, ScenePlan};
 use scene::setup::{Setup, Subject};
 use scene::{Data, Memory};
 use studies::theory::corner::{Corner, corners};
@@ -35,32 +35,28 @@ impl Explain {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let limit = self.allowance.limit();
         let plan = ScenePlan::new(scenes.subject(&self.scene, &limit)?, &Overrides::default());
-        let Subject::Contact(setup) = &plan.subject else {
-            return abstract_problem::explain(&plan, self.json);
+        let asked = match &plan.subject {
+            Subject::Contact(setup) => {
+                meshes_fit(setup, &limit)?;
+                Asked::of_body(setup)
+            }
+            Subject::Abstract(_) => Asked::of_finite(),
         };
-        meshes_fit(setup, &limit)?;
-        let constants = predicted_constants(&plan);
-        let (history, regions) = (history(setup), regions(setup));
-        // What the formulas of an exact solution do at the corners is their own matter.
-        let corners = match &setup.body.data {
-            Data::Loads { .. } => corners(&setup.body),
-            Data::Exact { .. } => Vec::new(),
-        };
-        let costs = predict(setup, &plan)?;
-        let of_plan = |cost: &Cost| algorithm(setup, cost.plan);
-        let algorithm = of_meshes(&plan, &costs, of_plan);
+        let (constants, costs) = (predicted_constants(&plan), plan.costs()?);
+        let algorithm = of_meshes(&plan, &costs, |cost| algorithm(&plan.subject, cost.plan));
         let cases: Vec<_> = plan
             .cases
             .iter()
             .zip(&costs.cases)
             .map(|(case, cost)| {
+                let vectors = history_vectors(&plan.subject, case.steps);
                 serde_json::json!({
                     "n": case.n,
                     "steps": case.steps,
                     "dofs": cost.dofs,
                     "plan": cost.plan.name(),
                     "linear_solver": cost.linear_solver.name(),
-                    "history_bytes": setup.history_vectors(case.steps) * cost.dofs * 8,
+                    "history_bytes": vectors * cost.dofs * size_of::<f64>(),
                     "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
                     "seconds_predicted": cost.seconds,
                     "memory_bytes_predicted": cost.memory_bytes.round() as u64,
@@ -77,11 +73,13 @@ impl Explain {
                 "memory_bytes_predicted": cost.memory_bytes.round() as u64,
             })
         });
+        let Asked { regions, corners, history } = &asked;
+        let scene = plan.scene();
         if self.json {
             print_json(&serde_json::json!({
-                "scene": setup.scene.name,
-                "terms": terms(&setup.scene),
-                "truth": truth(&setup.scene),
+                "scene": scene.name,
+                "terms": terms(scene),
+                "truth": truth(scene),
                 "regions": regions.iter().map(|(json, _)| json).collect::<Vec<_>>(),
                 "algorithm": algorithm,
                 "history": history,
@@ -92,12 +90,12 @@ impl Explain {
             }))?;
             return Ok(0);
         }
-        print_text(&format!("{}: {}", setup.scene.name, setup.scene.question));
-        print_text(&format!("terms      {}", terms(&setup.scene).join(", ")));
-        print_text(&format!("truth      {}", truth(&setup.scene)));
+        print_text(&format!("{}: {}", scene.name, scene.question));
+        print_text(&format!("terms      {}", terms(scene).join(", ")));
+        print_text(&format!("truth      {}", truth(scene)));
         regions.iter().for_each(|(_, line)| print_text(&format!("region     {line}")));
         print_text(&format!("algorithm  {algorithm}"));
-        let linear = of_meshes(&plan, &costs, |cost| in_words(cost.linear_solver));
+        let linear = of_meshes(&plan, &costs, |cost| linear(&plan.subject, cost.linear_solver));
         print_text(&format!("linear     {linear}"));
         print_text(&format!("history    {history}"));
         if let (Some(reference), Some(cost)) = (&reference, &costs.reference) {
@@ -105,9 +103,9 @@ impl Explain {
             print_text(&format!("reference  {run}: {}", predicted(cost)));
         }
         for (case, cost) in cases.iter().zip(&costs.cases) {
+            let n = case["n"].as_u64().map_or_else(String::new, |n| format!("n = {n}, "));
             print_text(&format!(
-                "case       n = {}, N = {}: {} unknowns, {} bytes of history; {}",
-                case["n"],
+                "case       {n}N = {}: {} unknowns, {} bytes of history; {}",
                 case["steps"],
                 cost.dofs,
                 case["history_bytes"],
@@ -115,20 +113,43 @@ impl Explain {
             ));
         }
         constants.iter().for_each(|(line, _)| print_text(line));
-        for corner in &corners {
+        for corner in corners {
             print_text(&format!("corner     {}", corner.in_words()));
         }
-        if let Some(order) = least_order(&corners) {
+        if let Some(order) = least_order(corners) {
             print_text(&format!(
                 "order in h at least {order:.4} by the corners, and (5.26) promises 1 for u in H2 alone; loads that do not excite the strongest term do better"
             ));
         }
         let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
         print_text(&format!(
-            "in all     about {} of CPU time, good to a factor of about 3",
+            "in all     about {} of CPU time, to the order of magnitude",
             duration(sum)
         ));
         Ok(0)
+    }
+}
+
+/// What a scene asks for beside its cases.
+struct Asked {
+    regions: Vec<(serde_json::Value, String)>,
+    corners: Vec<Corner>,
+    history: String,
+}
+
+impl Asked {
+    fn of_body(setup: &Setup) -> Self {
+        // What the formulas of an exact solution do at the corners is their own matter.
+        let corners = match &setup.body.data {
+            Data::Loads { .. } => corners(&setup.body),
+            Data::Exact { .. } => Vec::new(),
+        };
+        Self { regions: regions(setup), corners, history: history(setup) }
+    }
+
+    fn of_finite() -> Self {
+        let history = "direct sum, O(n) at step n".into();
+        Self { regions: Vec::new(), corners: Vec::new(), history }
     }
 }
 
@@ -171,10 +192,19 @@ fn of_meshes(plan: &ScenePlan, costs: &PlanCost, words: impl Fn(&Cost) -> &'stat
     each.collect::<Vec<_>>().join("; ")
 }
 
-fn in_words(solver: LinearSolver) -> &'static str {
-    match solver {
-        LinearSolver::Direct => "Cholesky factors",
-        LinearSolver::Multigrid => "conjugate gradients with multigrid",
+fn linear(subject: &Subject, solver: LinearSolver) -> &'static str {
+    match (subject, solver) {
+        (Subject::Abstract(_), _) => "dense LU",
+        (_, LinearSolver::Direct) => "Cholesky factors",
+        (_, LinearSolver::Multigrid) => "conjugate gradients with multigrid",
+    }
+}
+
+/// Vectors of unknowns that a history keeps.
+fn history_vectors(subject: &Subject, steps: u32) -> usize {
+    match subject {
+        Subject::Contact(setup) => setup.history_vectors(steps),
+        Subject::Abstract(_) => steps as usize + 1,
     }
 }
 
@@ -182,7 +212,10 @@ fn duration(seconds: f64) -> String {
     if seconds < 1.0 { format!("{:.1} ms", 1e3 * seconds) } else { format!("{seconds:.1} s") }
 }
 
-fn algorithm(setup: &Setup, plan: Plan) -> &'static str {
+fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
+    let Subject::Contact(setup) = subject else {
+        return "semismooth Newton with active set, dense LU";
+    };
     let model = &setup.model;
     match plan {
         Plan::Recursion => {

@@ -10,11 +10,7 @@ use comfy_table::{LineStyle, Table};
 use super::chosen::Grid;
 use super::machine::Allowance;
 use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, subject, write_json};
-use run::sweep::{
-    CasePlan, Cost, FloorRow, ScenePlan, abstract_floors, admit_plan, contact_floors,
-    direct_history, floors_beside,
-};
-use scene::setup::{Setup, Subject};
+use run::sweep::{CasePlan, Cost, FloorRow, ScenePlan, admit_plan, floors_beside};
 
 /// `sweep floors`.
 #[derive(Args)]
@@ -47,18 +43,15 @@ impl FloorsCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
         self.grid.check(&scene)?;
-        let direct = match subject(scene.clone(), &self.allowance.limit())? {
-            Subject::Contact(setup) => direct_history(*setup),
-            Subject::Abstract(_) => None,
-        };
-        let mut plan = ScenePlan::new(Subject::new(scene)?, &self.grid.overrides());
+        let limit = self.allowance.limit();
+        let mut plan = ScenePlan::new(subject(scene, &limit)?, &self.grid.overrides());
         if plan.cases.is_empty() {
             return Err(no_case(plan.scene(), "run"));
         }
         self.choose(&mut plan.cases);
         let beside = |cases: &[(&CasePlan, &Cost)]| floors_beside(plan.scene().dimension, cases);
-        admit_plan(&plan, 1, &self.allowance.limit(), beside)?;
-        let measured = measure(&plan, direct.as_ref())?;
+        admit_plan(&plan, 1, &limit, beside)?;
+        let measured = measure(&plan)?;
         let document = document(&plan.scene().name, &measured);
         if let Some(out) = &self.out {
             create_dir(out)?;
@@ -83,22 +76,12 @@ impl FloorsCommand {
     }
 }
 
-fn measure(plan: &ScenePlan, direct: Option<&Setup>) -> Result<Vec<Measured>, CliError> {
-    plan.cases
-        .iter()
-        .map(|case| {
-            let rows = match (&plan.subject, case.n) {
-                (Subject::Contact(setup), Some(n)) => {
-                    contact_floors(setup, direct, n, case.steps, &case.norms)?
-                }
-                (Subject::Abstract(setup), _) => {
-                    abstract_floors(setup, case.steps).map_err(CliError::other)?
-                }
-                (Subject::Contact(_), None) => Vec::new(),
-            };
-            Ok(Measured { n: case.n, steps: case.steps, rows })
-        })
-        .collect()
+fn measure(plan: &ScenePlan) -> Result<Vec<Measured>, CliError> {
+    let one = |case: &CasePlan| {
+        let rows = plan.floors(case).map_err(CliError::other)?;
+        Ok(Measured { n: case.n, steps: case.steps, rows })
+    };
+    plan.cases.iter().map(one).collect()
 }
 
 fn document(scene: &str, measured: &[Measured]) -> serde_json::Value {

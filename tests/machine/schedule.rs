@@ -8,7 +8,7 @@ use gronwall::contact::{CaseError, CaseInfo, Observer};
 use gronwall::record::CaseRecord;
 use gronwall::setup::{MeshData, NewtonMarch, Scheme, Setup, Subject};
 use gronwall::sweep::{
-    Machine, MemoryLimit, OutputDirectory, Overrides, Progress, ScenePlan, predict, run_sweep,
+    Machine, MemoryLimit, OutputDirectory, Overrides, Progress, ScenePlan, run_sweep,
 };
 
 use crate::program::Folder;
@@ -69,8 +69,7 @@ fn plan(name: &str, scheme: Arc<dyn Scheme>, n: u32, steps: &[u32]) -> ScenePlan
 
 /// Predicted bytes and seconds of the cases of a plan.
 fn predicted(plan: &ScenePlan) -> Vec<(f64, f64)> {
-    let Subject::Contact(setup) = &plan.subject else { panic!("no body") };
-    let costs = predict(setup, plan).unwrap_or_else(|error| panic!("{error}"));
+    let costs = plan.costs().unwrap_or_else(|error| panic!("{error}"));
     costs.cases.iter().map(|cost| (cost.memory_bytes, cost.seconds)).collect()
 }
 

@@ -86,7 +86,7 @@ impl Answered {
             CliError::about(format!("the answer, n = {}, N = {}", choice.n, choice.steps), error)
         })?;
         let space = setup.space(choice.n)?;
-        let bytes = run_cost(setup, &space, choice.n, choice.steps).memory_bytes;
+        let bytes = run_cost(setup, &space, choice.steps).memory_bytes;
         let beyond = |name: &str, value: u32, list: &[u32]| {
             let most = list.iter().copied().max().filter(|&most| value > most)?;
             Some(format!(

@@ -1,10 +1,8 @@
 //! Cases put together to jobs: long enough that the start of a process does not dominate, no longer than asked.
 
-use std::collections::HashSet;
+use std::collections::BTreeMap;
 
-use crate::sweep::{Demand, Demands};
-use scene::Time;
-use scene::setup::time_grid;
+use crate::sweep::PlanCost;
 
 /// A reference run is repeated in every job that has cases of its scene. A job goes on to this many times its seconds,
 /// so that what is repeated stays below a tenth of the work.
@@ -14,15 +12,11 @@ const REFERENCE_RUNS: f64 = 10.0;
 const MOST_BYTES: f64 = 1_073_741_824.0;
 
 /// The cases of a scene with what they take alone.
-pub struct SceneDemands {
-    /// n of each case; none in an abstract scene.
-    pub meshes: Vec<Option<u32>>,
-    /// Number of steps of each case.
-    pub steps: Vec<u32>,
-    /// The grids in time.
-    pub time: Time,
+pub struct SceneCosts {
+    /// n of each case, none in an abstract scene, and its number of steps.
+    pub cases: Vec<(Option<u32>, u32)>,
     /// What they take, in the same order.
-    pub demands: Demands,
+    pub costs: PlanCost,
 }
 
 /// The cases that one process runs, one after the other.
@@ -38,35 +32,32 @@ pub struct Job {
 
 /// Jobs of about `seconds` predicted CPU seconds each, the longest first. Cases of a mesh stay together as far as that
 /// goes, and a longer case is a job of its own. Equal input gives equal jobs.
-pub fn bundle(scenes: &[SceneDemands], seconds: f64) -> Vec<Job> {
+pub fn bundle(scenes: &[SceneCosts], seconds: f64) -> Vec<Job> {
+    let of = |&(s, c): &(usize, usize)| &scenes[s].costs.cases[c];
     let mut jobs: Vec<Job> = Vec::new();
     let mut open = Open::default();
     for (s, scene) in scenes.iter().enumerate() {
-        let reference = scene.demands.reference_seconds;
+        let reference = scene.costs.reference_seconds();
         let target = seconds.max(REFERENCE_RUNS * reference);
-        let mut order: Vec<usize> = (0..scene.demands.cases.len()).collect();
-        order.sort_by_key(|&c| std::cmp::Reverse((scene.meshes[c], scene.steps[c])));
-        let all: f64 = order.iter().map(|&c| scene.demands.cases[c].need.seconds).sum();
+        let mut order: Vec<usize> = (0..scene.cases.len()).collect();
+        order.sort_by_key(|&c| std::cmp::Reverse(scene.cases[c]));
+        let all: f64 = order.iter().map(|&c| scene.costs.cases[c].seconds).sum();
         if reference > 0.0 && open.job.seconds + reference + all > seconds {
-            jobs.extend(open.close());
+            jobs.push(std::mem::take(&mut open).job);
         }
         for c in order {
-            let with = open.with(scenes, s, c);
-            let full = with.seconds > target || with.bytes > MOST_BYTES;
-            let added = match full && !open.job.cases.is_empty() {
-                true => {
-                    jobs.extend(open.close());
-                    open.with(scenes, s, c)
-                }
-                false => with,
-            };
-            open.add(added, s, c, scene.meshes[c]);
+            let mut with = open.with(scene, s, c);
+            if (with.seconds > target || with.bytes > MOST_BYTES) && !open.job.cases.is_empty() {
+                jobs.push(std::mem::take(&mut open).job);
+                with = open.with(scene, s, c);
+            }
+            open.add(with, scene, s, c);
         }
     }
-    jobs.extend(open.close());
+    jobs.push(open.job);
+    jobs.retain(|job| !job.cases.is_empty());
     for job in &mut jobs {
-        let alone = |&(s, c): &(usize, usize)| scenes[s].demands.cases[c].need.seconds;
-        job.cases.sort_by(|a, b| alone(b).total_cmp(&alone(a)));
+        job.cases.sort_by(|a, b| of(b).seconds.total_cmp(&of(a).seconds));
     }
     jobs.sort_by(|a, b| b.seconds.total_cmp(&a.seconds));
     jobs
@@ -76,12 +67,9 @@ pub fn bundle(scenes: &[SceneDemands], seconds: f64) -> Vec<Job> {
 #[derive(Default)]
 struct Open {
     job: Job,
-    /// Scene and mesh of its last case, and the times that are known there.
-    mesh: Option<(usize, Option<u32>)>,
-    times: HashSet<u64>,
-    /// Bytes of the largest case beside what it keeps, and what all keep.
+    /// Bytes of the largest case beside what it keeps, and what each mesh keeps.
     largest: f64,
-    kept: f64,
+    kept: BTreeMap<(usize, Option<u32>), f64>,
 }
 
 /// What a job comes to with one case more.
@@ -90,67 +78,49 @@ struct Added {
     bytes: f64,
     largest: f64,
     kept: f64,
-    times: Vec<u64>,
 }
 
 impl Open {
-    fn with(&self, scenes: &[SceneDemands], s: usize, c: usize) -> Added {
-        let SceneDemands { meshes, steps, time, demands } = &scenes[s];
-        let Demand { need, truth_seconds, kept_once } = demands.cases[c];
-        let same_scene = self.mesh.is_some_and(|(scene, _)| scene == s);
-        let same_mesh = self.mesh == Some((s, meshes[c]));
-        let grid = time_grid(time, steps[c]);
-        let times: Vec<u64> = (0..=grid.steps()).map(|n| grid.time(n).to_bits()).collect();
-        let known = |time: &&u64| same_mesh && self.times.contains(time);
-        let fresh = 1.0 - times.iter().filter(known).count() as f64 / times.len() as f64;
-        let once = if same_mesh { 0.0 } else { kept_once };
-        let largest = self.largest.max(need.bytes - need.kept);
-        let kept = self.kept + once + fresh * (need.kept - kept_once);
-        let reference = if same_scene { 0.0 } else { demands.reference_seconds };
+    fn with(&self, scene: &SceneCosts, s: usize, c: usize) -> Added {
+        let cost = &scene.costs.cases[c];
+        let new = self.job.cases.last().is_none_or(|(last, _)| *last != s);
+        let reference = if new { scene.costs.reference_seconds() } else { 0.0 };
+        let known = self.kept.get(&(s, scene.cases[c].0)).copied().unwrap_or_default();
+        let largest = self.largest.max(cost.memory_bytes - cost.kept_bytes);
+        let kept = known.max(cost.kept_bytes);
         Added {
-            seconds: self.job.seconds + reference + need.seconds - (1.0 - fresh) * truth_seconds,
-            bytes: largest + kept,
+            seconds: self.job.seconds + reference + cost.seconds,
+            bytes: largest + self.kept.values().sum::<f64>() - known + kept,
             largest,
             kept,
-            times,
         }
     }
 
-    fn add(&mut self, added: Added, s: usize, c: usize, mesh: Option<u32>) {
-        if self.mesh != Some((s, mesh)) {
-            self.times.clear();
-        }
-        self.times.extend(added.times);
-        self.mesh = Some((s, mesh));
-        (self.largest, self.kept) = (added.largest, added.kept);
+    fn add(&mut self, added: Added, scene: &SceneCosts, s: usize, c: usize) {
         (self.job.seconds, self.job.bytes) = (added.seconds, added.bytes);
+        self.largest = added.largest;
+        self.kept.insert((s, scene.cases[c].0), added.kept);
         self.job.cases.push((s, c));
-    }
-
-    /// The job, if it has a case; another one begins.
-    fn close(&mut self) -> Option<Job> {
-        let job = std::mem::take(self).job;
-        (!job.cases.is_empty()).then_some(job)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::Need;
-    use scene::{TimeGrid, TimeRule};
+    use crate::sweep::Cost;
+    use fem::contact::{LinearSolver, Plan};
 
-    fn scene(reference_seconds: f64, cases: &[(u32, u32, f64)]) -> SceneDemands {
-        let demand = |&(_, _, seconds): &(u32, u32, f64)| Demand {
-            need: Need { seconds, bytes: 100.0, kept: 10.0 },
-            truth_seconds: 0.0,
-            kept_once: 10.0,
-        };
-        SceneDemands {
-            meshes: cases.iter().map(|(n, _, _)| Some(*n)).collect(),
-            steps: cases.iter().map(|(_, steps, _)| *steps).collect(),
-            demands: Demands { reference_seconds, cases: cases.iter().map(demand).collect() },
-            time: Time { horizon: 1.0, grid: TimeGrid::Uniform, rule: TimeRule::Trapezoid },
+    fn cost(seconds: f64, memory_bytes: f64, kept_bytes: f64) -> Cost {
+        let (plan, linear_solver) = (Plan::Newton, LinearSolver::Direct);
+        Cost { dofs: 0, plan, linear_solver, seconds, memory_bytes, kept_bytes }
+    }
+
+    fn scene(reference_seconds: f64, cases: &[(u32, u32, f64)]) -> SceneCosts {
+        let one = |&(_, _, seconds): &(u32, u32, f64)| cost(seconds, 100.0, 10.0);
+        let reference = (reference_seconds > 0.0).then(|| cost(reference_seconds, 0.0, 0.0));
+        SceneCosts {
+            cases: cases.iter().map(|&(n, steps, _)| (Some(n), steps)).collect(),
+            costs: PlanCost { reference, cases: cases.iter().map(one).collect() },
         }
     }
 
@@ -197,28 +167,18 @@ mod tests {
         assert_eq!(sizes(&bundle(&short, 40.0)), [3, 1]);
     }
 
-    /// Times of 1, 2 and 4 steps: 2, then 1 and 2 more. Longest first: 5, and no more.
     #[test]
-    fn what_cases_on_a_mesh_share_counts_once() {
-        let mut own = scene(0.0, &[(8, 1, 1.0), (8, 2, 1.0), (8, 4, 1.0), (8, 3, 1.0)]);
-        for demand in &mut own.demands.cases {
-            *demand = Demand {
-                need: Need { seconds: 3.0, bytes: 1e8, kept: 6e7 },
-                truth_seconds: 2.0,
-                kept_once: 1e7,
-            };
-        }
-        let alone = bundle(std::slice::from_ref(&own), 0.0);
-        assert!(alone.iter().all(|job| (job.seconds, job.bytes) == (3.0, 1e8)), "{alone:?}");
+    fn what_cases_on_a_mesh_keep_counts_once() {
+        let mut own = scene(0.0, &[(8, 1, 1.0), (8, 2, 1.0), (8, 4, 1.0), (16, 4, 1.0)]);
+        let kept = [1e7, 2e7, 4e7, 8e7];
+        own.costs.cases.iter_mut().zip(kept).for_each(|(cost, kept)| {
+            (cost.memory_bytes, cost.kept_bytes) = (1e6 + kept, kept);
+        });
         let jobs = bundle(std::slice::from_ref(&own), 100.0);
-        // N = 3 adds 1/3 and 2/3 to the five times of N = 4, half of its own; 1 and 2 add none.
-        let (shared, kept) = (3.0 + (3.0 - 1.0) + 1.0 + 1.0, 1e7 + 5e7 * 1.5);
-        assert_eq!(jobs.len(), 1);
-        assert!((jobs[0].seconds - shared).abs() < 1e-12, "{jobs:?}");
-        assert!((jobs[0].bytes - (4e7 + kept)).abs() < 1e-3, "{jobs:?}");
+        assert_eq!((jobs.len(), jobs[0].bytes), (1, 1e6 + 4e7 + 8e7));
         // Where more would be kept than a job may take, another one begins.
-        own.demands.cases.iter_mut().for_each(|demand| demand.need.kept = 0.7e9);
-        own.demands.cases.iter_mut().for_each(|demand| demand.need.bytes = 0.8e9);
+        own.costs.cases[3].kept_bytes = 1.05e9;
+        own.costs.cases[3].memory_bytes = 1.06e9;
         assert_eq!(sizes(&bundle(&[own], 100.0)), [3, 1]);
     }
 }

@@ -9,11 +9,9 @@ mod part;
 mod parts;
 mod plan;
 mod planning;
-mod request;
 mod slurm;
 mod sorted;
 
-pub use bundle::{Job, SceneDemands, bundle};
 pub use merge::{MergeError, Merged, merge};
 pub use missing::{Missing, WayOn};
 pub use part::{PartError, PartRun, failed_in_words, run_part};

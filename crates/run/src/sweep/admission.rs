@@ -1,12 +1,13 @@
 //! What commands beside a sweep take of the memory, before any of their runs begins.
 
-use super::cost::{Cost, PROGRAM, PlanCost, predict, run_cost};
+use super::cost::{Cost, PROGRAM, PlanCost, kept_by_mesh, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
-use super::needs::{admit_run, constants_bytes};
+use super::needs::constants_bytes;
 use super::plan::{CasePlan, ScenePlan};
+use super::problem::{Problem, problem};
 use fem::contact::Discretization;
 use scene::Scene;
-use scene::setup::{Setup, Subject};
+use scene::setup::Setup;
 
 /// A command would take more memory than there may be.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -41,13 +42,14 @@ impl Runs<'_> {
         let mut grid = self.grid.clone();
         grid.sort_unstable();
         grid.dedup();
-        early(setup, &grid, limit)?;
+        let name = &setup.scene.name;
+        early(setup, name, grid.iter().map(|&(n, steps)| (Some(n), steps)).collect(), limit)?;
         let mut dearest: Option<((u32, u32), f64)> = None;
         for of_mesh in grid.chunk_by(|a, b| a.0 == b.0) {
             // What is wrong with a mesh is said by the run that makes it.
             let Ok(space) = setup.space(of_mesh[0].0) else { continue };
             for &(n, steps) in of_mesh {
-                let run = run_cost(setup, &space, n, steps).memory_bytes;
+                let run = run_cost(setup, &space, steps).memory_bytes;
                 let bytes = run + (self.beside)(&space, steps);
                 // What is no number is above all.
                 let above = |known: f64| !known.is_nan() && (bytes.is_nan() || bytes > known);
@@ -59,7 +61,7 @@ impl Runs<'_> {
         let Some(((n, steps), bytes)) = dearest else { return Ok(()) };
         limit
             .admit(bytes, false)
-            .map_err(|source| Refused { what: in_words(setup, n, steps), source })
+            .map_err(|source| Refused { what: in_words(name, Some(n), steps), source })
     }
 }
 
@@ -74,21 +76,19 @@ pub fn admit_plan(
     limit: &MemoryLimit,
     beside: impl Fn(&[(&CasePlan, &Cost)]) -> f64,
 ) -> Result<(), Refused> {
-    // An abstract problem keeps a few numbers a level.
-    let Subject::Contact(setup) = &plan.subject else { return Ok(()) };
-    let reference = plan.reference.map(|own| (own.n as u32, own.steps as u32));
-    let runs: Vec<(u32, u32)> = plan.runs().into_iter().chain(reference).collect();
-    early(setup, &runs, limit)?;
+    let name = &plan.scene().name;
+    let reference = plan.reference.map(|own| (Some(own.n as u32), own.steps as u32));
+    let runs = plan.runs().into_iter().map(|(n, steps)| (Some(n), steps));
+    early(problem(&plan.subject), name, runs.chain(reference).collect(), limit)?;
     // What is wrong with a mesh is said by the case that makes it.
-    let Ok(PlanCost { cases, .. }) = predict(setup, plan) else { return Ok(()) };
+    let Ok(PlanCost { cases, .. }) = plan.costs() else { return Ok(()) };
     let cases: Vec<(&CasePlan, &Cost)> = plan.cases.iter().zip(&cases).collect();
     let bytes = PROGRAM + together(&cases, jobs) + beside(&cases);
     let dearest = cases.iter().max_by(|a, b| a.1.memory_bytes.total_cmp(&b.1.memory_bytes));
     let Some((case, _)) = dearest else { return Ok(()) };
-    limit.admit(bytes, false).map_err(|source| Refused {
-        what: in_words(setup, case.n.unwrap_or_default(), case.steps),
-        source,
-    })
+    limit
+        .admit(bytes, false)
+        .map_err(|source| Refused { what: in_words(name, case.n, case.steps), source })
 }
 
 /// Bytes of the dearest `jobs` cases, and of what all meshes keep.
@@ -96,11 +96,7 @@ fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
     let mut working: Vec<f64> =
         cases.iter().map(|(_, cost)| cost.memory_bytes - PROGRAM - cost.kept_bytes).collect();
     working.sort_by(|a, b| b.total_cmp(a));
-    let mut kept = std::collections::BTreeMap::<u32, f64>::new();
-    for (case, cost) in cases {
-        let own = kept.entry(case.n.unwrap_or_default()).or_default();
-        *own = own.max(cost.kept_bytes);
-    }
+    let kept = kept_by_mesh(cases.iter().map(|(case, cost)| (case.n, cost.kept_bytes)));
     working.iter().take(jobs).sum::<f64>() + kept.values().sum::<f64>()
 }
 
@@ -122,17 +118,25 @@ pub fn admit_constants(scene: &Scene, any: bool, limit: &MemoryLimit) -> Result<
 }
 
 /// By a coarse mesh of each, the finest first.
-fn early(setup: &Setup, runs: &[(u32, u32)], limit: &MemoryLimit) -> Result<(), Refused> {
-    let mut runs = runs.to_vec();
+fn early(
+    problem: &dyn Problem,
+    scene: &str,
+    mut runs: Vec<(Option<u32>, u32)>,
+    limit: &MemoryLimit,
+) -> Result<(), Refused> {
     runs.sort_unstable_by(|a, b| b.cmp(a));
-    runs.iter().try_for_each(|&(n, steps)| {
-        admit_run(setup, None, (n, steps), limit)
-            .map_err(|source| Refused { what: in_words(setup, n, steps), source })
+    runs.into_iter().try_for_each(|(n, steps)| {
+        limit
+            .admit(problem.least_bytes(n, steps), true)
+            .map_err(|source| Refused { what: in_words(scene, n, steps), source })
     })
 }
 
-fn in_words(setup: &Setup, n: u32, steps: u32) -> String {
-    format!("{} n = {n}, N = {steps}", setup.scene.name)
+fn in_words(scene: &str, n: Option<u32>, steps: u32) -> String {
+    match n {
+        Some(n) => format!("{scene} n = {n}, N = {steps}"),
+        None => format!("{scene} N = {steps}"),
+    }
 }
 
 #[cfg(test)]
@@ -140,6 +144,7 @@ mod tests {
     use super::*;
     use crate::sweep::Overrides;
     use scene::Scene;
+    use scene::setup::Subject;
 
     fn plan(n: &[u32], steps: &[u32]) -> ScenePlan {
         let path = format!("{}/../../manufactured/signorini.toml", env!("CARGO_MANIFEST_DIR"));
@@ -206,7 +211,7 @@ mod tests {
         };
         let costs = |n: u32, steps: u32| {
             let plan = plan(&[n], &[steps]);
-            let cost = predict(setup(&plan), &plan).expect("a prediction").cases[0];
+            let cost = plan.costs().expect("a prediction").cases[0];
             (cost.memory_bytes, cost.kept_bytes)
         };
         let ((small, small_kept), (large, large_kept)) = (costs(8, 4), costs(16, 4));

@@ -2,10 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::cost::predict_abstract;
-use super::{ScenePlan, predict};
+use super::ScenePlan;
 use judge::verdict::{Decision, NextCase, Verdict};
-use scene::setup::{SetupError, Subject};
+use scene::setup::SetupError;
 
 /// Rounds of extension in one directory: each refines once, and an order that three refinements do
 /// not settle wants another scene.
@@ -131,13 +130,8 @@ fn added_seconds(plan: &ScenePlan) -> Result<f64, SetupError> {
 
 /// Predicted CPU seconds of one case of a plan; a reference run, which no record keeps, is run again.
 fn case_seconds(plan: &ScenePlan, case: &NextCase) -> Result<f64, SetupError> {
-    let setup = match &plan.subject {
-        Subject::Contact(setup) => setup,
-        Subject::Abstract(setup) => return Ok(predict_abstract(setup, case.steps)),
-    };
-    let costs = predict(setup, plan)?;
+    let costs = plan.costs()?;
     let own = plan.cases.iter().zip(&costs.cases);
     let own = own.filter(|(own, _)| own.n == case.n && own.steps == case.steps);
-    let reference = costs.reference.map_or(0.0, |cost| cost.seconds);
-    Ok(reference + own.map(|(_, cost)| cost.seconds).sum::<f64>())
+    Ok(costs.reference_seconds() + own.map(|(_, cost)| cost.seconds).sum::<f64>())
 }

@@ -74,6 +74,26 @@ pub fn direct_history(setup: Setup) -> Option<Setup> {
     (trapezoidal && recursive).then(|| setup.with_history(None))
 }
 
+/// Why no floor was measured.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub enum FloorError {
+    /// A run of a body.
+    Setup(#[from] SetupError),
+    /// A run of an abstract problem.
+    Finite(#[from] FiniteError),
+}
+
+/// The floors of a case of a body, the scene with the direct sum being set up where it has a recursion.
+pub(super) fn contact_floors_of_case(
+    setup: &Setup,
+    case: &CasePlan,
+) -> Result<Vec<FloorRow>, FloorError> {
+    let Some(n) = case.n else { return Ok(Vec::new()) };
+    let direct = direct_history(Setup::new(setup.scene.clone())?);
+    Ok(contact_floors(setup, direct.as_ref(), n, case.steps, &case.norms)?)
+}
+
 /// Every part of the floor of the case (n, steps) of `setup`; `direct` is the scene of
 /// [`direct_history`], `norms` what the sweep measures there. Costs four to six marches, more where
 /// a reference has to be run again.

@@ -14,24 +14,26 @@ mod output;
 mod plan;
 mod planned;
 mod portrait;
+mod problem;
 mod provenance;
 mod reference_error;
 mod resume;
 mod run;
 mod schedule;
+mod shared;
 
 pub use abstract_case::run_abstract_case;
 pub use admission::{Beside, Refused, Runs, admit_constants, admit_plan};
 pub use case::{as_floors, floor_in, run_contact_case};
 pub use circumstances::{Build, Circumstances};
-pub use cost::{Cost, Kind, PlanCost, RunCost, predict, run_cost, run_seconds};
+pub use cost::{Cost, PlanCost, RunCost, run_cost};
 pub use extend::{AddedCase, ROUNDS, Step, extend, words};
 pub use floors::{
-    FloorPart, FloorRow, abstract_floors, contact_floors, direct_history, floors_beside,
+    FloorError, FloorPart, FloorRow, abstract_floors, contact_floors, direct_history, floors_beside,
 };
 pub use judging::{foresee, foresee_plan, judge_scene};
 pub use memory_limit::{MemoryLimit, TooLarge};
-pub use needs::{Demand, Demands, Need, admit_run, demands};
+pub use needs::admit_run;
 pub use output::{OutputDirectory, OutputError};
 pub use plan::{CasePlan, Overrides, ScenePlan, lowest_common_multiple, without_panic};
 pub use planned::{Block, blocks, is_complete, missing_cases, planned};

@@ -2,7 +2,10 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use super::cost::PlanCost;
 use super::extend::AddedCase;
+use super::floors::{FloorError, FloorRow};
+use super::problem::problem;
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::NextCase;
 use scene::setup::{SetupError, StepRemark, Subject, check_step_sizes};
@@ -123,6 +126,22 @@ impl ScenePlan {
             runs.into_iter().flatten().collect::<Vec<_>>()
         };
         self.cases.iter().flat_map(of).collect()
+    }
+
+    /// What the cases and the reference run are predicted to cost; meshes are made and analysed, nothing is solved.
+    ///
+    /// # Errors
+    /// [`SetupError::Mesh`].
+    pub fn costs(&self) -> Result<PlanCost, SetupError> {
+        problem(&self.subject).costs(&self.cases, self.reference, self.kept_steps())
+    }
+
+    /// Every part of the floor of a case, measured: four to six marches, more where a reference has to be run again.
+    ///
+    /// # Errors
+    /// A run that fails.
+    pub fn floors(&self, case: &CasePlan) -> Result<Vec<FloorRow>, FloorError> {
+        problem(&self.subject).floors(case)
     }
 
     /// How often reference levels are kept so that all cases find theirs.

@@ -1,23 +1,21 @@
 //! Runs the cases of many scenes on a few threads, longest first and within memory, and records each as it ends.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 use super::Build;
 use super::memory_limit::{MemoryLimit, TooLarge};
-use super::needs::{Need, needs};
-use super::plan::{CasePlan, ScenePlan, without_panic};
-use super::schedule::{Kept, Schedule, Task};
-use super::{
-    OutputDirectory, Provenance, ResumeError, Resumed, resume, run_abstract_case, run_contact_case,
-};
+use super::needs::needs;
+use super::plan::{CasePlan, ScenePlan};
+use super::problem::problem;
+use super::schedule::{Schedule, Task};
+use super::shared::Shared;
+use super::{Cost, OutputDirectory, Provenance, ResumeError, Resumed, resume};
 use rayon::prelude::*;
 
-use fem::norms::ReferenceRun;
 use files::counted;
 use judge::record::{CaseRecord, Journal, RecordError};
 use report::{ReportError, remove_earlier};
-use scene::setup::{MeshData, Setup, Subject, reference_run};
 
 /// Why a sweep ended without records.
 #[derive(Debug, thiserror::Error)]
@@ -87,16 +85,6 @@ enum Job {
     Case(usize, usize),
 }
 
-/// Made when it is first asked for, and let go when the last one that needs it has ended.
-type Slot<T> = Mutex<Arc<OnceLock<Result<T, String>>>>;
-
-/// What the jobs of one scene share.
-struct Shared<'a> {
-    plan: &'a ScenePlan,
-    reference: Slot<Arc<ReferenceRun>>,
-    meshes: Vec<(u32, Slot<MeshData>)>,
-}
-
 /// Runs `plans` on `machine`; with `keep`, complete cases in `out` are not run again.
 /// Returns all records, sorted by scene, n and steps.
 ///
@@ -151,9 +139,9 @@ pub fn run_more(
             scope.spawn(|_| {
                 // What cannot be recorded need not be computed.
                 while let Some(start) = schedule.begin(|| sweep.failed()) {
-                    start.dropped.into_iter().for_each(|kept| sweep.let_go(kept));
+                    start.dropped.into_iter().for_each(|(s, n)| shared[s].let_go(n));
                     sweep.execute(&work[start.task]);
-                    schedule.end(start.task).into_iter().for_each(|kept| sweep.let_go(kept));
+                    schedule.end(start.task).into_iter().for_each(|(s, n)| shared[s].let_go(n));
                 }
             });
         }
@@ -226,14 +214,14 @@ impl Sweep<'_> {
             let reference = needs.reference.and_then(Result::ok).filter(|_| !cases.is_empty());
             let mut shares = Vec::new();
             let after = reference.map(|need| {
-                shares.push(((s, None), need.kept));
+                shares.push(((s, None), need.kept_bytes));
                 let longest = cases.iter().map(|(_, case)| case.seconds).fold(0.0, f64::max);
                 work.push(Job::Reference(s));
                 tasks.push(Task { shares: shares.clone(), ..task(need, need.seconds + longest) });
                 tasks.len() - 1
             });
             for (c, need) in cases {
-                let own = plan.cases[c].n.map(|n| ((s, Some(n)), need.kept));
+                let own = plan.cases[c].n.map(|n| ((s, Some(n)), need.kept_bytes));
                 let shares = shares.iter().copied().chain(own).collect();
                 work.push(Job::Case(s, c));
                 tasks.push(Task { after, shares, ..task(need, need.seconds) });
@@ -256,26 +244,12 @@ impl Sweep<'_> {
         self.keep(record);
     }
 
-    /// Lets go of what the cases on a mesh, or all cases of a scene, have shared.
-    fn let_go(&self, (scene, n): Kept) {
-        let shared = &self.shared[scene];
-        match n {
-            None => empty(&shared.reference),
-            Some(n) => {
-                shared.meshes.iter().filter(|(own, _)| *own == n).for_each(|(_, slot)| empty(slot))
-            }
-        }
-    }
-
     fn execute(&self, job: &Job) {
         match *job {
             Job::Reference(s) => {
                 let what = format!("{} reference", self.shared[s].plan.scene().name);
                 self.progress.started(&what);
-                if let Subject::Contact(setup) = &self.shared[s].plan.subject {
-                    // Its failure is that of each case.
-                    let _ = self.shared[s].reference(setup);
-                }
+                problem(&self.shared[s].plan.subject).refer(&self.shared[s]);
                 self.progress.finished(&what, None);
             }
             Job::Case(s, c) => {
@@ -283,7 +257,7 @@ impl Sweep<'_> {
                 let case = &shared.plan.cases[c];
                 let what = in_words(shared.plan, case);
                 self.progress.started(&what);
-                let record = shared.case(case);
+                let record = shared.record(case);
                 self.progress.finished(&what, Some(&record));
                 self.keep(record);
             }
@@ -309,8 +283,8 @@ impl Sweep<'_> {
 }
 
 /// A task by what it is predicted to take.
-fn task(need: Need, rank: f64) -> Task {
-    Task { rank, bytes: need.bytes, ..Task::default() }
+fn task(need: Cost, rank: f64) -> Task {
+    Task { rank, bytes: need.memory_bytes, ..Task::default() }
 }
 
 /// A case in words.
@@ -319,65 +293,6 @@ fn in_words(plan: &ScenePlan, case: &CasePlan) -> String {
     match case.n {
         Some(n) => format!("{name} n={n} N={}", case.steps),
         None => format!("{name} N={}", case.steps),
-    }
-}
-
-/// What is in a slot now, made or not.
-fn content<T>(slot: &Slot<T>) -> Arc<OnceLock<Result<T, String>>> {
-    slot.lock().unwrap_or_else(PoisonError::into_inner).clone()
-}
-
-fn empty<T>(slot: &Slot<T>) {
-    *slot.lock().unwrap_or_else(PoisonError::into_inner) = Arc::default();
-}
-
-impl<'a> Shared<'a> {
-    fn new(plan: &'a ScenePlan) -> Self {
-        let mut ns: Vec<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
-        ns.sort_unstable();
-        ns.dedup();
-        let meshes = ns.into_iter().map(|n| (n, Slot::default())).collect();
-        Self { plan, reference: Slot::default(), meshes }
-    }
-
-    fn reference(&self, setup: &Setup) -> Result<Arc<ReferenceRun>, String> {
-        let run = || {
-            let Some(reference) = self.plan.reference else {
-                return Err("the scene has neither an exact solution nor a reference".into());
-            };
-            let (n, steps) = (reference.n as u32, reference.steps as u32);
-            let every = (steps / self.plan.kept_steps()).max(1);
-            without_panic(|| {
-                reference_run(setup, n, steps, every)
-                    .map(Arc::new)
-                    .map_err(|error| error.to_string())
-            })
-        };
-        content(&self.reference).get_or_init(run).clone()
-    }
-
-    /// The record of a case on the mesh n.
-    fn on_mesh(&self, setup: &Setup, n: u32, case: &CasePlan) -> Result<CaseRecord, String> {
-        let Some((_, slot)) = self.meshes.iter().find(|(own, _)| *own == n) else {
-            return Err(format!("no mesh n = {n} in the plan"));
-        };
-        let cell = content(slot);
-        let data = cell.get_or_init(|| {
-            let reference = match setup.exact {
-                Some(_) => None,
-                None => Some(self.reference(setup)?),
-            };
-            MeshData::new(setup, n, reference).map_err(|error| error.to_string())
-        });
-        data.as_ref().map(|data| run_contact_case(setup, data, case)).map_err(Clone::clone)
-    }
-
-    fn case(&self, case: &CasePlan) -> CaseRecord {
-        self.plan.record(case, || match (&self.plan.subject, case.n) {
-            (Subject::Contact(setup), Some(n)) => self.on_mesh(setup, n, case),
-            (Subject::Contact(_), None) => Err("a body needs a mesh: no n".into()),
-            (Subject::Abstract(setup), _) => Ok(run_abstract_case(setup, case)),
-        })
     }
 }
 

@@ -2,7 +2,7 @@
 //! orders and exponents have something to rest on, and no more than the budget bears.
 
 use super::Variant;
-use run::sweep::{CasePlan, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, predict};
+use run::sweep::{CasePlan, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan};
 use scene::setup::{SetupError, Subject, check_step_sizes};
 
 /// Levels of each direction that orders need.
@@ -39,8 +39,7 @@ pub fn own_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2]
     loop {
         let overrides = Overrides { n: Some(ns.clone()), steps: Some(numbers.clone()) };
         let plan = ScenePlan::new(Subject::new(scene.clone())?, &overrides);
-        let cost = predict(&plain.setup, &plan)?;
-        let seconds: f64 = cost.cases.iter().map(|case| case.seconds).sum();
+        let seconds: f64 = plan.costs()?.cases.iter().map(|case| case.seconds).sum();
         if seconds * f64::from(runs) <= budget {
             break;
         }

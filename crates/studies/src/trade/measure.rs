@@ -101,7 +101,7 @@ impl Bench {
         }
         let data = last.ok_or("no run")?;
         let (info, error) = self.error(variant, &data, n, steps).map_err(|e| words(&e))?;
-        let cost = run_cost(self.setup(), &data.space, n, steps);
+        let cost = run_cost(self.setup(), &data.space, steps);
         // The prediction is that of the scene as written; the history is counted.
         let bytes = cost.memory_bytes + info.peak_history_bytes as f64 - cost.history_bytes;
         Ok(Outcome {

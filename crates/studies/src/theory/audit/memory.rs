@@ -17,7 +17,7 @@ pub fn audit_runs<'a>(setup: &'a Setup, ns: &[u32], steps: &[u32], jobs: usize) 
     let others = steps.len().min(jobs).saturating_sub(1) as f64;
     let beside = move |space: &Discretization, steps: u32| {
         // The others march and audit as well, with fewer steps or as many.
-        let march = run_cost(setup, space, space.mesh.n, steps).march_bytes;
+        let march = run_cost(setup, space, steps).march_bytes;
         others * march + (1.0 + others) * auditor(setup, space, steps)
     };
     Runs { setup, grid, beside: Box::new(beside) }

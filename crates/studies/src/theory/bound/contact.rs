@@ -49,7 +49,7 @@ pub fn study_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
     // Of earlier levels a run keeps its history alone; a factor of its own has no loads.
     let beside = move |space: &Discretization, steps: u32| match own.contains(&space.mesh.n) {
         true => 0.0,
-        false => -run_cost(setup, space, space.mesh.n, steps).load_bytes,
+        false => -run_cost(setup, space, steps).load_bytes,
     };
     Runs { setup, grid, beside: Box::new(beside) }
 }

@@ -295,7 +295,7 @@ impl<'a> Search<'a> {
         }
         let bytes = if answer.n <= SPAN * n {
             let space = setup.space(answer.n)?;
-            run_cost(setup, &space, answer.n, answer.steps).memory_bytes
+            run_cost(setup, &space, answer.steps).memory_bytes
         } else {
             self.far_bytes(answer)?
         };
@@ -311,8 +311,8 @@ impl<'a> Search<'a> {
             let _ = self.finer.set(meshes);
         }
         let Some([half, whole]) = self.finer.get() else { return Ok(f64::NAN) };
-        let half = run_cost(setup, half, SPAN * n / 2, answer.steps);
-        let whole = run_cost(setup, whole, SPAN * n, answer.steps);
+        let half = run_cost(setup, half, answer.steps);
+        let whole = run_cost(setup, whole, answer.steps);
         let [b, own] = [half, whole].map(|cost| cost.march_bytes + cost.load_bytes);
         let finer = f64::from(answer.n) / f64::from(SPAN * n);
         Ok(whole.memory_bytes + own * (finer.powf((own / b).log2()) - 1.0))

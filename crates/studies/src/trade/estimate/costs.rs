@@ -2,7 +2,7 @@
 
 use super::{Companions, RunTime};
 use crate::trade::{Composition, CostSample};
-use run::sweep::run_seconds;
+use run::sweep::run_cost;
 use scene::setup::{Setup, SetupError};
 
 /// A run has a time of its own from here on, in CPU seconds: page faults and a cold cache are about a millisecond, a
@@ -56,7 +56,7 @@ fn counted(setup: &Setup, times: &[RunTime]) -> Result<Vec<RunTime>, SetupError>
     for n in meshes {
         let space = setup.space(n)?;
         for &steps in &numbers {
-            found.push(RunTime { n, steps, seconds: run_seconds(setup, &space, n, steps) });
+            found.push(RunTime { n, steps, seconds: run_cost(setup, &space, steps).seconds });
         }
     }
     Ok(found)

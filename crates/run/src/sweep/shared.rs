@@ -1,0 +1,91 @@
+//! What the cases of one scene share: its reference run, and a mesh with its truth for each n.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use super::plan::{CasePlan, ScenePlan, without_panic};
+use super::problem::problem;
+use fem::norms::ReferenceRun;
+use judge::record::CaseRecord;
+use scene::setup::{MeshData, Setup, reference_run};
+
+/// Made when it is first asked for, and let go when the last one that needs it has ended.
+type Slot<T> = Mutex<Arc<OnceLock<Result<T, String>>>>;
+
+/// What the cases of one scene share.
+pub(crate) struct Shared<'a> {
+    pub(super) plan: &'a ScenePlan,
+    reference: Slot<Arc<ReferenceRun>>,
+    meshes: Vec<(u32, Slot<MeshData>)>,
+}
+
+impl<'a> Shared<'a> {
+    pub(super) fn new(plan: &'a ScenePlan) -> Self {
+        let mut ns: Vec<u32> = plan.cases.iter().filter_map(|case| case.n).collect();
+        ns.sort_unstable();
+        ns.dedup();
+        let meshes = ns.into_iter().map(|n| (n, Slot::default())).collect();
+        Self { plan, reference: Slot::default(), meshes }
+    }
+
+    /// The record of a case, whatever becomes of it.
+    pub(super) fn record(&self, case: &CasePlan) -> CaseRecord {
+        self.plan.record(case, || problem(&self.plan.subject).run(case, self))
+    }
+
+    /// The reference run of a body with given loads.
+    pub(super) fn reference(&self, setup: &Setup) -> Result<Arc<ReferenceRun>, String> {
+        let run = || {
+            let Some(reference) = self.plan.reference else {
+                return Err("the scene has neither an exact solution nor a reference".into());
+            };
+            let (n, steps) = (reference.n as u32, reference.steps as u32);
+            let every = (steps / self.plan.kept_steps()).max(1);
+            without_panic(|| {
+                reference_run(setup, n, steps, every)
+                    .map(Arc::new)
+                    .map_err(|error| error.to_string())
+            })
+        };
+        content(&self.reference).get_or_init(run).clone()
+    }
+
+    /// What `run` makes of the mesh n with its truth.
+    pub(super) fn on_mesh<T>(
+        &self,
+        setup: &Setup,
+        n: u32,
+        run: impl FnOnce(&MeshData) -> T,
+    ) -> Result<T, String> {
+        let Some((_, slot)) = self.meshes.iter().find(|(own, _)| *own == n) else {
+            return Err(format!("no mesh n = {n} in the plan"));
+        };
+        let cell = content(slot);
+        let data = cell.get_or_init(|| {
+            let reference = match setup.exact {
+                Some(_) => None,
+                None => Some(self.reference(setup)?),
+            };
+            MeshData::new(setup, n, reference).map_err(|error| error.to_string())
+        });
+        data.as_ref().map(run).map_err(Clone::clone)
+    }
+
+    /// Lets go of the mesh n, or of the reference run.
+    pub(super) fn let_go(&self, n: Option<u32>) {
+        match n {
+            None => empty(&self.reference),
+            Some(n) => {
+                self.meshes.iter().filter(|(own, _)| *own == n).for_each(|(_, slot)| empty(slot))
+            }
+        }
+    }
+}
+
+/// What is in a slot now, made or not.
+fn content<T>(slot: &Slot<T>) -> Arc<OnceLock<Result<T, String>>> {
+    slot.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
+fn empty<T>(slot: &Slot<T>) {
+    *slot.lock().unwrap_or_else(PoisonError::into_inner) = Arc::default();
+}
