@@ -96,7 +96,7 @@ fn together(cases: &[(&CasePlan, &Cost)], jobs: usize) -> f64 {
     let mut working: Vec<f64> =
         cases.iter().map(|(_, cost)| cost.memory_bytes - PROGRAM - cost.kept_bytes).collect();
     working.sort_by(|a, b| b.total_cmp(a));
-    let kept = kept_by_mesh(cases.iter().map(|(case, cost)| (case.n, cost.kept_bytes)));
+    let kept = kept_by_mesh(cases.iter().map(|(case, cost)| (case.n, *cost)));
     working.iter().take(jobs).sum::<f64>() + kept.values().sum::<f64>()
 }
 

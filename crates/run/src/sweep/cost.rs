@@ -4,7 +4,7 @@
 
 mod truth;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use truth::{TruthCost, load_bytes, truth};
 
@@ -52,17 +52,20 @@ pub struct Cost {
     pub memory_bytes: f64,
     /// What stays of them at its end for the other cases on the mesh; of a reference run, for the cases of its scene.
     pub kept_bytes: f64,
+    /// What the longer cases of a sweep leave on the mesh beyond that: the truth at times that are not those of this case.
+    pub left_bytes: f64,
 }
 
 impl Cost {
     /// Of a case whose mesh cannot be made, which says so when it is run.
-    pub(super) const UNKNOWN: Self = Self {
+    pub(crate) const UNKNOWN: Self = Self {
         dofs: 0,
         plan: Plan::Newton,
         linear_solver: LinearSolver::Direct,
         seconds: 0.0,
         memory_bytes: 0.0,
         kept_bytes: 0.0,
+        left_bytes: 0.0,
     };
 }
 
@@ -81,19 +84,19 @@ impl PlanCost {
     }
 }
 
-/// Bytes that each mesh keeps for its cases: as much as the case that keeps most, for times of fewer steps are times of
-/// more. Grids without common times keep up to twice that.
-pub(super) fn kept_by_mesh<K: Ord>(cases: impl Iterator<Item = (K, f64)>) -> BTreeMap<K, f64> {
+/// Bytes that each mesh keeps for its cases when the last of them runs.
+pub(super) fn kept_by_mesh<'a, K: Ord>(
+    cases: impl Iterator<Item = (K, &'a Cost)>,
+) -> BTreeMap<K, f64> {
     let mut kept = BTreeMap::new();
-    for (mesh, bytes) in cases {
+    for (mesh, cost) in cases {
         let known: &mut f64 = kept.entry(mesh).or_default();
-        *known = known.max(bytes);
+        *known = known.max(cost.kept_bytes + cost.left_bytes);
     }
     kept
 }
 
-/// Predicts cases of a body, each as if there were no others; one mesh at a time is made and analysed, nothing is solved.
-/// Of the reference run every `kept_steps`-th part of the horizon is kept.
+/// Predicts cases of a body; one mesh at a time is made and analysed, nothing is solved. Of the reference run every `kept_steps`-th part of the horizon is kept.
 pub(super) fn contact_costs(
     setup: &Setup,
     cases: &[CasePlan],
@@ -112,8 +115,22 @@ pub(super) fn contact_costs(
             cost.memory_bytes += reference.map_or(0.0, |run| run.memory_bytes - PROGRAM);
             costs[c] = cost;
         }
+        leave(setup, truth.a_time, of_mesh, cases, &mut costs);
     }
     Ok(PlanCost { cases: costs, reference })
+}
+
+/// What cases on a mesh find there of longer ones, which begin first: `a_time` bytes for each time of those alone. A case
+/// with errors in time alone keeps more, about as much as it leaves.
+fn leave(setup: &Setup, a_time: f64, of_mesh: &[usize], cases: &[CasePlan], costs: &mut [Cost]) {
+    let mut longest_first = of_mesh.to_vec();
+    longest_first.sort_by(|&a, &b| costs[b].seconds.total_cmp(&costs[a].seconds));
+    let mut known = BTreeSet::new();
+    for c in longest_first {
+        let grid = setup.grid(cases[c].steps);
+        known.extend(grid.times().iter().map(|time| time.to_bits()));
+        costs[c].left_bytes = a_time * (known.len() - grid.times().len()) as f64;
+    }
 }
 
 fn case_cost(setup: &Setup, space: &Discretization, truth: &TruthCost, case: &CasePlan) -> Cost {
@@ -193,6 +210,7 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
             + factorizations * factorization,
         memory_bytes: linear_bytes + 52.0 * pattern + vectors + history_bytes(setup, dofs, steps),
         kept_bytes: if one_factor { 8.0 * (factor + pattern) } else { 0.0 },
+        left_bytes: 0.0,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the cases of a sweep ask of the machine, and which of them ask for more than there is.
 
-use super::cost::{Cost, PlanCost, eigenvalue_bytes, kept_by_mesh, run_cost};
+use super::cost::{Cost, PlanCost, eigenvalue_bytes, run_cost};
 use super::memory_limit::{MemoryLimit, TooLarge};
 use super::plan::{CasePlan, ScenePlan, without_panic};
 use super::problem::problem;
@@ -48,14 +48,13 @@ pub(super) fn needs(plan: &ScenePlan, cases: &[CasePlan], limit: &MemoryLimit) -
         cases: vec![Cost::UNKNOWN; open.len()],
         reference: plan.reference.map(|_| Cost::UNKNOWN),
     });
-    let kept = kept_by_mesh(open.iter().zip(&costs).map(|(case, cost)| (case.n, cost.kept_bytes)));
-    // Alone a case finds nothing on its mesh; in its turn, what others have left.
-    let need = |(case, cost): (&CasePlan, &Cost)| {
-        let kept_bytes = kept.get(&case.n).copied().unwrap_or_default();
-        let memory_bytes = cost.memory_bytes - cost.kept_bytes + kept_bytes;
+    // Alone a case finds nothing on its mesh; in its turn, what longer ones have left.
+    let need = |cost: &Cost| {
+        let memory_bytes = cost.memory_bytes + cost.left_bytes;
+        let kept_bytes = cost.kept_bytes + cost.left_bytes;
         limit.admit(cost.memory_bytes, false).map(|()| Cost { memory_bytes, kept_bytes, ..*cost })
     };
-    let mut open = open.iter().zip(&costs).map(need);
+    let mut open = costs.iter().map(need);
     let cases = refused.into_iter().map(|refused| match refused {
         Some(reason) => Err(reason),
         None => open.next().unwrap_or(Ok(Cost::UNKNOWN)),

@@ -181,13 +181,13 @@ pub fn without_panic<T>(run: impl FnOnce() -> Result<T, String>) -> Result<T, St
     })
 }
 
-/// The fewest steps of a grid that has the times of both.
+/// The fewest steps of a grid that has the times of both; the largest number there is where those are more.
 pub fn lowest_common_multiple(a: u32, b: u32) -> u32 {
     let (mut x, mut y) = (a, b);
     while y > 0 {
         (x, y) = (y, x % y);
     }
-    a / x.max(1) * b
+    (a / x.max(1)).saturating_mul(b)
 }
 
 /// The norms of a case on mesh n: all that cost next to nothing, and those of the scene's list or

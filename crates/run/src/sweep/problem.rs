@@ -99,6 +99,7 @@ impl Problem for AbstractSetup {
                 // All states are kept; a kernel value for each pair of times is computed.
                 memory_bytes: PROGRAM + 8.0 * 4.0 * levels * dofs as f64,
                 kept_bytes: 0.0,
+                left_bytes: 0.0,
             }
         };
         Ok(PlanCost { cases: cases.iter().map(cost).collect(), reference: None })
