@@ -2,5 +2,8 @@
 
 pub mod distributed;
 pub mod external;
+mod front;
 pub mod leading_error;
 pub mod sweep;
+
+pub use front::{FrontError, Sweep, Swept};

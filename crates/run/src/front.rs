@@ -1,0 +1,165 @@
+//! A sweep in one call: what a program needs that is not about files, threads or plans.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use crate::sweep::{
+    Machine, OutputDirectory, OutputError, Overrides, ScenePlan, SweepError, foresee, judge_scene,
+    run_sweep,
+};
+use judge::record::CaseRecord;
+use judge::verdict::Verdict;
+use scene::setup::{Scheme, Setup, SetupError, Subject};
+use scene::{Scene, SceneError, Source};
+
+/// Why a sweep has no verdicts.
+#[derive(Debug, thiserror::Error)]
+pub enum FrontError {
+    /// The text is no scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The scene violates a hypothesis, or cannot be set up.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The directory of the records cannot be had.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The records could not be written.
+    #[error(transparent)]
+    Sweep(#[from] SweepError),
+    /// A scene in ℝ^m has no mesh that another solver could march on.
+    #[error("{name}: a problem in R^m is solved by the library alone; leave out `solver`")]
+    NoBody {
+        /// The scene.
+        name: String,
+    },
+}
+
+/// A scene on its grids, measured and judged.
+///
+/// ```no_run
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let swept = run::Sweep::read("manufactured/viscoelastic.toml")?.jobs(2).run()?;
+/// assert!(swept.as_expected());
+/// # Ok(())
+/// # }
+/// ```
+pub struct Sweep {
+    scene: Scene,
+    overrides: Overrides,
+    jobs: usize,
+    solver: Option<Arc<dyn Scheme>>,
+    out: Option<PathBuf>,
+}
+
+/// What a sweep found.
+#[derive(Debug)]
+pub struct Swept {
+    /// One record per case, sorted by scene, n and steps.
+    pub records: Vec<CaseRecord>,
+    /// One verdict per prediction of the scene.
+    pub verdicts: Vec<Verdict>,
+}
+
+impl Swept {
+    /// Whether every verdict is the one that the scene expects; not where there is none.
+    pub fn as_expected(&self) -> bool {
+        !self.verdicts.is_empty() && self.verdicts.iter().all(Verdict::as_expected)
+    }
+}
+
+impl Sweep {
+    /// A scene that has been read.
+    pub fn of(scene: Scene) -> Self {
+        Self { scene, overrides: Overrides::default(), jobs: 1, solver: None, out: None }
+    }
+
+    /// The scene of a file.
+    ///
+    /// # Errors
+    /// [`FrontError::Scene`], with line, value and the way out.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, FrontError> {
+        Ok(Self::of(Scene::read(path.as_ref())?))
+    }
+
+    /// The scene of a text in TOML; `name` stands for the file in messages.
+    ///
+    /// # Errors
+    /// As [`Sweep::read`].
+    pub fn parse(name: &str, text: &str) -> Result<Self, FrontError> {
+        Ok(Self::of(Scene::from_source(Source::from_text(name, text))?))
+    }
+
+    /// Cells per unit length in place of the scene's `n`.
+    pub fn n(mut self, n: &[u32]) -> Self {
+        self.overrides.n = Some(n.to_vec());
+        self
+    }
+
+    /// Numbers of time steps in place of the scene's `steps`.
+    pub fn steps(mut self, steps: &[u32]) -> Self {
+        self.overrides.steps = Some(steps.to_vec());
+        self
+    }
+
+    /// Cases at a time; the records do not depend on it.
+    pub fn jobs(mut self, jobs: usize) -> Self {
+        self.jobs = jobs;
+        self
+    }
+
+    /// Another solver of Problem 14 in place of the library's own.
+    pub fn solver(mut self, solver: impl Scheme + 'static) -> Self {
+        self.solver = Some(Arc::new(solver));
+        self
+    }
+
+    /// Keeps `cases.csv` in this directory, a row as each case ends; without it the records are in the answer alone.
+    pub fn out(mut self, directory: impl Into<PathBuf>) -> Self {
+        self.out = Some(directory.into());
+        self
+    }
+
+    /// Runs every case, then judges.
+    ///
+    /// # Errors
+    /// [`FrontError`]. A case that fails is a record with its reason, and its verdict is none that passes.
+    pub fn run(self) -> Result<Swept, FrontError> {
+        let subject = match (self.solver, self.scene.as_contact().is_some()) {
+            (None, _) => Subject::new(self.scene)?,
+            (Some(scheme), true) => {
+                Subject::Contact(Box::new(Setup { scheme, ..Setup::new(self.scene)? }))
+            }
+            (Some(_), false) => return Err(FrontError::NoBody { name: self.scene.name }),
+        };
+        let plan = [ScenePlan::new(subject, &self.overrides)];
+        let scratch = self.out.is_none().then(Scratch::new);
+        let path = self.out.as_deref().or(scratch.as_ref().map(|scratch| &*scratch.0));
+        let out = OutputDirectory::take(path.unwrap_or(Path::new(".")))?;
+        let records = run_sweep(&plan, &out, &Machine::with_jobs(self.jobs), false, &())?;
+        let [plan] = &plan;
+        let foreseen = foresee(&plan.subject, &records);
+        let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
+        Ok(Swept { records, verdicts })
+    }
+}
+
+/// A directory of this process that goes with this value.
+struct Scratch(PathBuf);
+
+impl Scratch {
+    fn new() -> Self {
+        static COUNT: AtomicU32 = AtomicU32::new(0);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let name = format!("gronwall-sweep-{}-{count}", std::process::id());
+        Self(std::env::temp_dir().join(name))
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        // It may never have been made.
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
