@@ -28,7 +28,10 @@ pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
 use files::counted;
 pub use hull::{Correction, OrderInterval, order_interval};
 pub use identifiable::NotIdentifiable;
-pub use inference::{Claim, ClaimError, FEWEST, Level, Posterior, Ruling, TOLERANCE, infer};
+pub use inference::{
+    Claim, ClaimError, FEWEST, GridPosterior, Level, Posterior, Ruling, TOLERANCE, infer,
+    infer_grid,
+};
 pub use interval::Interval;
 pub use joint::{Estimate, JointFit, JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};
 pub use least_squares::{LinearFit, linear_fit, student_quantile};

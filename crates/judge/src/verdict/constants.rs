@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::judge::correction;
 use super::selection::Serving;
 use super::{Constant, Decision, Prediction, Variable};
-use crate::fit::{Direction, Sample, constant_under};
+use crate::fit::{Direction, FEWEST, Sample, constant_under, local_slopes};
 
 /// The error that a sound scheme has on a case, to leading order.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -65,6 +65,8 @@ pub(super) struct Comparison {
     pub(super) constant: Constant,
     pub(super) decision: Decision,
     pub(super) sentence: String,
+    /// Where the three finest cases all have the error that the exact solution predicts: the order of that one.
+    pub(super) leading_order: Option<f64>,
 }
 
 /// Compares error over step^order with the same of the leading error, case by case; the finest case decides. The steps
@@ -107,7 +109,11 @@ pub(super) fn compare_constant(
     let previous = pairs.len().checked_sub(2).map(|at| pairs[at].1);
     let (decision, sentence) =
         decide(ratio, previous, line.tolerance, direction, prediction.unique);
-    Some(Comparison { constant, decision, sentence })
+    let within = |(_, ratio): &(Sample, f64)| (ratio - 1.0).abs() <= line.tolerance;
+    let finest = &pairs[pairs.len().saturating_sub(FEWEST)..];
+    let agree = finest.len() == FEWEST && finest.iter().all(within);
+    let leading_order = local_slopes(&samples).last().copied().filter(|_| agree);
+    Some(Comparison { constant, decision, sentence, leading_order })
 }
 
 /// Pass if the ratio is within the tolerance of one; unresolved if it is still drifting so fast that it may come there,

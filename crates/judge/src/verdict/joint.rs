@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::compare::{Aim, compare};
-use super::judge::{Finding, HIGHER_ORDER, clearly_above, pair};
+use super::judge::{Finding, HIGHER_ORDER, claim, pair};
 use super::next::{NextCase, next_case};
 use super::selection::Selection;
 use super::{Constant, Decision, Prediction};
-use crate::fit::{Direction, JointFit, fit_constants, joint_fits};
+use crate::fit::{
+    Direction, GridPosterior, JointFit, Ruling, fit_constants, infer_grid, joint_fits,
+};
 
 /// Passes if both orders pass, fails if one fails.
 pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Finding {
@@ -22,30 +23,32 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
             return Finding::without_order(Decision::Unresolved, error.to_string()).with_next(next);
         }
     };
-    let Prediction { order, at_least, exact, .. } = *prediction;
-    let best = fits.best;
-    let space = compare(best.order_h.interval, Aim { order, at_least, exact });
-    let time = compare(best.order_k.interval, Aim { order: order_k, at_least, exact });
-    let decision = space.0.and(time.0);
-    let of = |direction, found, interval, order| Part {
-        direction,
-        found,
-        too_high: clearly_above(interval, order),
+    let posterior = match infer_grid(&selection.points()) {
+        Ok(posterior) => posterior,
+        Err(error) => {
+            let next = in_both(selection, prediction);
+            return Finding::without_order(Decision::Unresolved, error.to_string()).with_next(next);
+        }
     };
-    let parts = [
-        of(Direction::Space, space, best.order_h.interval, order),
-        of(Direction::Time, time, best.order_k.interval, order_k),
-    ];
+    let GridPosterior { order_h, order_k: in_time } = posterior;
+    let order = prediction.order;
+    let parts = [(Direction::Space, &order_h, order), (Direction::Time, &in_time, order_k)].map(
+        |(direction, found, order)| Part {
+            direction,
+            ruling: found.decide(&claim(prediction, order)),
+        },
+    );
+    let decision = parts[0].ruling.decision.and(parts[1].ruling.decision);
     let next = parts.iter().flat_map(|part| part.next(selection, prediction)).collect();
     let [in_h, in_k] = parts.each_ref().map(|part| part.sentence(selection, prediction));
-    let reason = format!("{in_h}; {in_k}; residual {}", residuals(&best, fits.other.as_ref()));
+    let best = fits.best;
     Finding {
-        orders: Some((best.order_h.value, best.order_h.interval)),
-        orders_k: Some((best.order_k.value, best.order_k.interval)),
-        parts: None,
+        orders: Some((order_h.order, order_h.interval)),
+        orders_k: Some((in_time.order, in_time.interval)),
+        probability: Some(parts[0].ruling.probability.min(parts[1].ruling.probability)),
         constants: constants(selection, &best, (order, order_k)),
         decision,
-        reason,
+        reason: format!("in h: {in_h}; in k: {in_k}"),
         next: if decision == Decision::Unresolved { next } else { Vec::new() },
     }
 }
@@ -59,16 +62,14 @@ fn in_both(selection: &Selection, prediction: &Prediction) -> Vec<NextCase> {
 /// What was found of the order in one direction.
 struct Part {
     direction: Direction,
-    found: (Decision, String),
-    /// The order is settled above the prediction.
-    too_high: bool,
+    ruling: Ruling,
 }
 
 impl Part {
     /// The cases that would help.
     fn next(&self, selection: &Selection, prediction: &Prediction) -> Vec<NextCase> {
-        match self.found.0 {
-            Decision::Unresolved if !self.too_high => {
+        match self.ruling.decision {
+            Decision::Unresolved if !self.ruling.too_high => {
                 next_case(selection, self.direction, prediction).cases
             }
             _ => Vec::new(),
@@ -76,26 +77,16 @@ impl Part {
     }
 
     fn sentence(&self, selection: &Selection, prediction: &Prediction) -> String {
-        let name = match self.direction {
-            Direction::Space => "h",
-            Direction::Time => "k",
-        };
-        let text = &self.found.1;
-        match self.found.0 {
-            Decision::Unresolved if self.too_high => format!("in {name}: {text}: {HIGHER_ORDER}"),
-            Decision::Unresolved => {
+        let Ruling { decision, reason, too_high, .. } = &self.ruling;
+        match (decision, too_high) {
+            (Decision::Unresolved, true) => format!("{reason}: {HIGHER_ORDER}"),
+            (Decision::Unresolved, false) => {
                 let next = next_case(selection, self.direction, prediction).text;
-                format!("in {name}: {text}: {next}")
+                format!("{reason}: {next}")
             }
-            _ => format!("in {name}: {text}"),
+            _ => reason.clone(),
         }
     }
-}
-
-/// The residuals of both models, the better one first.
-fn residuals(best: &JointFit, other: Option<&JointFit>) -> String {
-    let text = |fit: &JointFit| format!("{:.1e} ({})", fit.residual_norm, fit.model.name());
-    [Some(best), other].into_iter().flatten().map(text).collect::<Vec<_>>().join(", ")
 }
 
 fn constants(

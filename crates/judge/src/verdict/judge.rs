@@ -2,15 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::compare::{Aim, CLEAR_MISS, WIDEST_HALF_WIDTH, compare};
 use super::constants::{Comparison, Foreseen, LeadingLine, compare_constant};
 use super::joint::judge_grid;
-use super::next::{NextCase, next_case};
+use super::next::{Next, NextCase, next_case};
 use super::selection::{Cases, Selection};
-use super::{Constant, Decision, Expect, IntervalParts, Prediction, Variable, Verdict};
+use super::{Constant, Decision, Expect, Prediction, Variable, Verdict};
 use crate::fit::{
-    Correction, Direction, Interval, LARGEST_OTHER_SHARE, OrderInterval, Point, Sample,
-    constant_under, joint_fits, order_interval, samples,
+    Claim, Correction, Direction, Interval, LARGEST_OTHER_SHARE, Level, Point, Posterior, Ruling,
+    Sample, TOLERANCE, constant_under, infer, joint_fits, samples,
 };
 use crate::record::{CaseRecord, Key};
 
@@ -18,7 +17,8 @@ use crate::record::{CaseRecord, Key};
 pub(super) struct Finding {
     pub(super) orders: Option<(f64, Interval)>,
     pub(super) orders_k: Option<(f64, Interval)>,
-    pub(super) parts: Option<IntervalParts>,
+    /// Probability that the prediction holds.
+    pub(super) probability: Option<f64>,
     pub(super) constants: BTreeMap<&'static str, Constant>,
     pub(super) decision: Decision,
     pub(super) reason: String,
@@ -30,7 +30,7 @@ impl Finding {
     pub(super) fn without_order(decision: Decision, reason: String) -> Self {
         let constants = BTreeMap::new();
         let next = Vec::new();
-        Self { orders: None, orders_k: None, parts: None, constants, decision, reason, next }
+        Self { orders: None, orders_k: None, probability: None, constants, decision, reason, next }
     }
 
     /// With the cases that would help.
@@ -88,7 +88,7 @@ pub fn judge_foreseen(
         observed_k: finding.orders_k.map(|(order, _)| order),
         interval: ends(finding.orders),
         interval_k: ends(finding.orders_k),
-        interval_parts: finding.parts,
+        probability: finding.probability,
         points_used: selection.points_used(),
         points_left_out: selection.points_left_out(),
         constants: finding.constants,
@@ -116,11 +116,34 @@ fn compare_with(
     let name = constant_name(direction);
     let Some(&fitted) = finding.constants.get(name) else { return };
     let compared = compare_constant(fitted, &selection.used, line, prediction, direction);
-    let Some(Comparison { constant, decision, sentence }) = compared else { return };
+    let Some(Comparison { constant, decision, sentence, leading_order }) = compared else { return };
     finding.constants.insert(name, constant);
     finding.reason = format!("{}; {sentence}", finding.reason);
-    finding.decision = finding.decision.and(decision);
+    let order_alone = finding.decision;
+    finding.decision = order_alone.and(decision);
+    let Some(leading) = leading_order else { return };
+    let inside = finding.orders.is_some_and(|(_, interval)| interval.contains(prediction.order));
+    let claimed = (leading - prediction.order).abs() <= AGREES;
+    match order_alone {
+        // Errors that follow the leading error of a sound scheme have its order, whatever their slopes show alone.
+        Decision::Unresolved if claimed && inside => {
+            finding.reason +=
+                " on each of the finest cases, and so is the order of the predicted errors";
+            (finding.decision, finding.next) = (Decision::Pass, Vec::new());
+        }
+        Decision::Pass => {}
+        _ if (leading - prediction.order).abs() > TOLERANCE => {
+            finding.reason += &format!(
+                " on each of the finest cases, and the predicted errors have the order {leading:.2}: the prediction {} is wrong, not the program",
+                prediction.order
+            );
+        }
+        _ => {}
+    }
 }
+
+/// The order of predicted errors on finite steps is that of the theory within this.
+const AGREES: f64 = 0.05;
 
 /// Gaps that are named before the rest is counted.
 const NAMED_GAPS: usize = 3;
@@ -140,54 +163,67 @@ fn judge_line(
     direction: Direction,
 ) -> Finding {
     let next = next_case(selection, direction, prediction);
-    let fitted = samples(&selection.points(), direction).and_then(|samples| {
-        order_interval(&samples, correction(prediction, direction)).map(|found| (samples, found))
-    });
-    let (samples, found) = match fitted {
-        Ok(fitted) => fitted,
+    let level = |point: &Point| Level {
+        size: direction.step(point),
+        error: point.error,
+        floor: point.floor,
+        sigma: None,
+    };
+    let levels: Vec<Level> = selection.points().iter().map(level).collect();
+    let read = infer(&levels, None, 0.0)
+        .and_then(|posterior| Ok((posterior, samples(&selection.points(), direction)?)));
+    let (posterior, samples) = match read {
+        Ok(read) => read,
         Err(error) => {
             let reason = format!("{error}: {}", next.text);
             return Finding::without_order(Decision::Unresolved, reason).with_next(next.cases);
         }
     };
-    let (decision, mut reason) = decide(&found, prediction, &next.text);
+    let ruling = posterior.decide(&claim(prediction, prediction.order));
+    let helped = ruling.decision == Decision::Unresolved && !ruling.too_high;
+    let next = match posterior.floor_from {
+        Some(_) if helped => flattening(prediction),
+        _ => next,
+    };
+    let mut reason = in_words(&ruling, &posterior, &next.text);
     if let Some(note) = other_term(&cases.points(&prediction.norm), selection, direction) {
         reason = format!("{reason}; {note}");
     }
     Finding {
-        orders: Some((found.law.order, found.interval)),
+        orders: Some((posterior.order, posterior.interval)),
         orders_k: None,
-        parts: Some(IntervalParts {
-            student: pair(found.student),
-            windows: pair(found.windows),
-            drift: pair(found.drift),
-            curvature: found.curvature.map(pair),
-        }),
+        probability: Some(ruling.probability),
         constants: constants(&samples, prediction, direction),
-        decision,
+        decision: ruling.decision,
         reason,
-        next: match decision {
-            Decision::Unresolved if !clearly_above(found.interval, prediction.order) => next.cases,
-            _ => Vec::new(),
-        },
+        next: if helped { next.cases } else { Vec::new() },
     }
 }
 
-/// The decision on one order; where it is open, with the part of the interval that keeps it
-/// open and the next cases to run.
-fn decide(found: &OrderInterval, prediction: &Prediction, next: &str) -> (Decision, String) {
-    let Prediction { order, at_least, exact, .. } = *prediction;
-    let (decision, sentence) = compare(found.interval, Aim { order, at_least, exact });
-    if decision != Decision::Unresolved {
-        return (decision, sentence);
+/// What a prediction claims of one of its orders.
+pub(super) fn claim(prediction: &Prediction, order: f64) -> Claim {
+    let Prediction { at_least, exact, .. } = *prediction;
+    Claim { order, at_least, exact, tolerance: TOLERANCE, log: 0.0 }
+}
+
+/// Finer cases lie deeper in a floor.
+fn flattening(prediction: &Prediction) -> Next {
+    Next { cases: Vec::new(), text: prediction.floor.remedy().to_owned() }
+}
+
+/// The ruling, the levels that carry it, and where it is open the next cases to run.
+fn in_words(ruling: &Ruling, posterior: &Posterior, next: &str) -> String {
+    let left_out = match posterior.coarse_left_out {
+        0 => String::new(),
+        1 => ", without the coarsest level".to_owned(),
+        more => format!(", without the {more} coarsest levels"),
+    };
+    let reason = format!("{}{left_out}", ruling.reason);
+    match (ruling.decision, ruling.too_high) {
+        (Decision::Unresolved, true) => format!("{reason}: {HIGHER_ORDER}"),
+        (Decision::Unresolved, false) => format!("{reason}: {next}"),
+        _ => reason,
     }
-    if clearly_above(found.interval, order) {
-        // No mesh makes a settled order smaller.
-        return (decision, format!("{sentence}: {HIGHER_ORDER}"));
-    }
-    let wide = found.interval.half_width() > WIDEST_HALF_WIDTH;
-    let part = if wide { format!(", from {}", found.widest_part()) } else { String::new() };
-    (decision, format!("{sentence}{part}: {next}"))
 }
 
 /// The trapezoidal rule on smooth data has even terms only, k² (1 + D k²): where order 2 is
@@ -202,11 +238,6 @@ pub(super) fn correction(prediction: &Prediction, direction: Direction) -> Corre
 
 /// What to do about an order that is settled above the prediction.
 pub(super) const HIGHER_ORDER: &str = "finer cases would not lower it; state the higher order with its theorem, at_least = true where the theory gives a bound, or choose a solution that excites the term";
-
-/// An order too high that is known as well as an order has to be.
-pub(super) fn clearly_above(interval: Interval, order: f64) -> bool {
-    interval.lo - order > CLEAR_MISS && interval.half_width() <= WIDEST_HALF_WIDTH
-}
 
 fn constant_name(direction: Direction) -> &'static str {
     match direction {

@@ -253,19 +253,6 @@ impl Constant {
     }
 }
 
-/// The parts of an interval, see [`crate::fit::OrderInterval`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct IntervalParts {
-    /// (a) Student interval of the logarithmic fit.
-    pub student: [f64; 2],
-    /// (b) Spread over windows.
-    pub windows: [f64; 2],
-    /// (c) Last local slope and its last change.
-    pub drift: [f64; 2],
-    /// (d) Student interval with the next term of the expansion.
-    pub curvature: Option<[f64; 2]>,
-}
-
 /// One prediction judged; serialised it is an entry of `verdict.json`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Verdict {
@@ -294,9 +281,9 @@ pub struct Verdict {
     /// Interval of the order in k, if joint.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_k: Option<[f64; 2]>,
-    /// What the interval is the hull of.
+    /// Probability that the prediction holds within its tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub interval_parts: Option<IntervalParts>,
+    pub probability: Option<f64>,
     /// The points that served.
     pub points_used: Vec<PointUsed>,
     /// The points that did not.

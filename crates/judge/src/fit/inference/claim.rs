@@ -136,7 +136,7 @@ impl Posterior {
             !few || (self.slopes[1] - self.slopes[0]).abs() <= AGREEMENT * claim.order.abs();
         let too_low = mixture.below(claim.order - CLEAR_MISS);
         let too_high = 1.0 - mixture.below(claim.order + CLEAR_MISS);
-        if too_low > REFUTED && !(few && self.rises_to(claim.order)) {
+        if too_low > REFUTED && !(self.slopes.len() == 2 && self.rises_to(claim.order)) {
             Answer::TooLow
         } else if probability(mixture, claim) > needed && too_low < 0.5 && (agree || claim.at_least)
         {

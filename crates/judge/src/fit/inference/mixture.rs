@@ -52,6 +52,11 @@ impl Mixture {
         Self { weight, parts: parts.map(|[w, m, d]| [w / weight, m / w, d / w]).collect() }
     }
 
+    /// Of shares, means and deviations; shares sum to one.
+    pub(super) fn from_parts(parts: Vec<[f64; 3]>) -> Self {
+        Self { weight: parts.iter().map(|[share, ..]| share).sum(), parts }
+    }
+
     /// All of two.
     pub(super) fn union(&self, other: &Self) -> Self {
         let weight = self.weight + other.weight;

@@ -8,6 +8,7 @@
 
 mod claim;
 mod evidence;
+mod grid;
 mod mixture;
 mod next_term;
 
@@ -20,6 +21,7 @@ use next_term::{Family, NODES};
 mod simulation;
 
 pub use claim::{Claim, ClaimError, Ruling, TOLERANCE};
+pub use grid::{GridPosterior, infer_grid};
 
 /// An order needs so many levels.
 pub const FEWEST: usize = 3;
@@ -72,7 +74,7 @@ pub struct Posterior {
     pub coarse_left_out: usize,
     /// Where a floor begins that no one has told: the largest step that it bends, if a floor is likelier than not.
     pub floor_from: Option<f64>,
-    /// Slopes of log e between neighbouring levels, from coarse to fine.
+    /// Slopes of log e between neighbouring levels, from coarse to fine; none of a grid.
     pub slopes: Vec<f64>,
     /// All readings; those without a floor; those with one.
     all: Mixture,
