@@ -49,6 +49,7 @@
 #![doc = include_str!("../docs/LIBRARY.md")]
 
 pub mod cli;
+pub mod shipped;
 
 pub use algebra::{linalg, tensor};
 pub use exact as manufactured;

@@ -34,7 +34,7 @@ fn errors(scheme: &dyn Scheme, setup: &Setup, data: &MeshData, steps: u32) -> Ve
 }
 
 /// The own solution of a case as the files that a solver would write.
-fn answer(setup: &Setup, data: &MeshData, steps: u32, dir: &Path) {
+pub fn answer(setup: &Setup, data: &MeshData, steps: u32, dir: &Path) {
     let nodes = &data.space.nodes;
     let (d, vertices) = (nodes.dimension, nodes.of_vertex.len());
     let (mut u, mut pressure) = (Vec::new(), Vec::new());
