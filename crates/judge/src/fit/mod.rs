@@ -9,6 +9,7 @@ mod eca_hoekstra;
 mod grid_fit;
 mod hull;
 mod identifiable;
+mod inference;
 mod interval;
 mod joint;
 mod least_squares;
@@ -27,6 +28,7 @@ pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
 use files::counted;
 pub use hull::{Correction, OrderInterval, order_interval};
 pub use identifiable::NotIdentifiable;
+pub use inference::{Claim, ClaimError, FEWEST, Level, Posterior, Ruling, TOLERANCE, infer};
 pub use interval::Interval;
 pub use joint::{Estimate, JointFit, JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};
 pub use least_squares::{LinearFit, linear_fit, student_quantile};
@@ -95,6 +97,14 @@ pub enum FitError {
     RepeatedStep {
         /// The step.
         step: f64,
+    },
+    /// A step or an error that is no positive number.
+    #[error("the error {error:e} at the step {step:e}: both have to be positive numbers")]
+    NoError {
+        /// The step.
+        step: f64,
+        /// The error.
+        error: f64,
     },
     /// The least-squares problem has no unique solution.
     #[error("the fit of {} is singular", counted(*points, "point"))]

@@ -1,0 +1,249 @@
+//! The order of a table by inference: every reading of its levels is weighed by its evidence.
+//!
+//! Model: log e = c + p log h + g(h) + noise, where g is a next term of unknown size and power ([`next_term`]). Coarse
+//! levels leave one by one where the rest explains itself better without them. A level that leaves costs as much as one
+//! that is explained with a density of 1/3 per unit of log e. Fine levels leave only where the slopes break
+//! downwards, as into a floor. Every reading gives a normal distribution of p in closed form ([`evidence`]); the
+//! posterior is their mixture. Nothing is random: equal tables have equal answers.
+
+mod claim;
+mod evidence;
+mod mixture;
+mod next_term;
+
+use super::{FitError, Interval};
+use evidence::Gram;
+use mixture::{Mixture, Part};
+use next_term::{Family, NODES};
+
+#[cfg(test)]
+mod simulation;
+
+pub use claim::{Claim, ClaimError, Ruling, TOLERANCE};
+
+/// An order needs so many levels.
+pub const FEWEST: usize = 3;
+/// Noise of log e, with its weights, where it is not known.
+const NOISE: [(f64, f64); 6] =
+    [(0.0005, 0.25), (0.001, 0.25), (0.003, 0.25), (0.01, 0.2), (0.03, 0.04), (0.1, 0.01)];
+/// The least noise that is believed.
+const LEAST_NOISE: f64 = 0.0005;
+/// Prior of leaving out so many coarse levels; halved for each further one.
+const COARSE: [f64; 6] = [0.6, 0.2, 0.1, 0.05, 0.03, 0.02];
+/// Prior of leaving out so many fine levels.
+const FINE: [f64; 4] = [1.0, 0.03, 0.015, 0.008];
+/// Density per unit of log e of a level that is left out.
+const LEFT: f64 = 1.0 / 3.0;
+/// A reading with a floor needs more levels than orders have parameters.
+const FLOOR_LEVELS: usize = 4;
+/// Readings whose evidence is smaller by more than exp(-16) are dropped.
+const LEAST: f64 = 16.0;
+/// Readings of long tables: the coarsest levels beyond so many leave without being asked.
+const LONGEST: usize = 12;
+
+/// One level of a table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Level {
+    /// h or k.
+    pub size: f64,
+    /// Error.
+    pub error: f64,
+    /// What of it is no discretisation error, at most; 0 where nothing is known.
+    pub floor: f64,
+    /// Relative standard deviation of the error, where it is known.
+    pub sigma: Option<f64>,
+}
+
+impl Level {
+    /// A level of which step and error are known.
+    pub fn new(size: f64, error: f64) -> Self {
+        Self { size, error, floor: 0.0, sigma: None }
+    }
+}
+
+/// What a table says of its order.
+#[derive(Debug, Clone)]
+pub struct Posterior {
+    /// Median.
+    pub order: f64,
+    /// 95 % interval, of equal tails.
+    pub interval: Interval,
+    /// Coarse levels that carry less than half of the evidence, from the coarsest on.
+    pub coarse_left_out: usize,
+    /// Where a floor begins that no one has told: the largest step that it bends, if a floor is likelier than not.
+    pub floor_from: Option<f64>,
+    /// Slopes of log e between neighbouring levels, from coarse to fine.
+    pub slopes: Vec<f64>,
+    /// All readings; those without a floor; those with one.
+    all: Mixture,
+    sound: Mixture,
+    floored: Mixture,
+    /// Probability of a floor.
+    floor: f64,
+}
+
+/// Weighs all readings of a table; its levels in any order, each once, with positive errors. `noise` is the relative
+/// standard deviation of the errors where it is known; `log` is the power M of a factor |log h|^M.
+///
+/// # Errors
+/// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::NoError`] for what is no positive
+/// number.
+pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior, FitError> {
+    let table = Table::new(levels, noise, log)?;
+    let parts = table.parts();
+    let [sound, floored] = [false, true].map(|own| Mixture::of(&parts, |part| part.floored == own));
+    let all = sound.union(&floored);
+    let floor = floored.weight / all.weight;
+    let mut beyond = vec![0.0; levels.len()];
+    for part in &parts {
+        beyond[..=part.coarse].iter_mut().for_each(|sum| *sum += part.weight / all.weight);
+    }
+    let coarse_left_out = beyond[1..].iter().take_while(|share| **share > 0.5).count();
+    Ok(Posterior {
+        order: all.quantile(0.5),
+        interval: Interval { lo: all.quantile(0.025), hi: all.quantile(0.975) },
+        coarse_left_out,
+        floor_from: (floor > 0.5).then(|| table.break_down()),
+        slopes: table.slopes(),
+        all,
+        sound,
+        floored,
+        floor,
+    })
+}
+
+impl Posterior {
+    /// Probability that the order is at most p.
+    pub fn below(&self, p: f64) -> f64 {
+        self.all.below(p)
+    }
+
+    /// Probability that the order is within `tolerance` of p.
+    pub fn within(&self, p: f64, tolerance: f64) -> f64 {
+        self.all.below(p + tolerance) - self.all.below(p - tolerance)
+    }
+}
+
+/// Logarithms of a table, from the coarsest level to the finest.
+struct Table {
+    sizes: Vec<f64>,
+    /// log h and log e.
+    x: Vec<f64>,
+    y: Vec<f64>,
+    /// Scales of the noise.
+    scales: Vec<f64>,
+    /// Noises with their weights, times these scales.
+    noise: Vec<(f64, f64)>,
+}
+
+impl Table {
+    fn new(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Self, FitError> {
+        let mut levels = levels.to_vec();
+        levels.sort_by(|a, b| b.size.total_cmp(&a.size));
+        if levels.len() < FEWEST {
+            return Err(FitError::TooFew { found: levels.len(), needed: FEWEST });
+        }
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        if let Some(level) = levels.iter().find(|l| !positive(l.size) || !positive(l.error)) {
+            return Err(FitError::NoError { step: level.size, error: level.error });
+        }
+        let same = |pair: &&[Level]| super::same_level(pair[0].size, pair[1].size);
+        if let Some(pair) = levels.windows(2).find(same) {
+            return Err(FitError::RepeatedStep { step: pair[1].size });
+        }
+        let levels = &levels[levels.len().saturating_sub(LONGEST)..];
+        let factor = |size: f64| if log == 0.0 { 0.0 } else { log * size.ln().abs().ln() };
+        // One noise for all levels: unknown, as given, or of each level as it says.
+        let given = |level: &Level| level.sigma.or(noise).map(|sigma| sigma.max(LEAST_NOISE));
+        let known: Option<Vec<f64>> = levels.iter().map(given).collect();
+        Ok(Self {
+            sizes: levels.iter().map(|level| level.size).collect(),
+            x: levels.iter().map(|level| level.size.ln()).collect(),
+            y: levels.iter().map(|level| level.error.ln() - factor(level.size)).collect(),
+            noise: if known.is_some() { vec![(1.0, 1.0)] } else { NOISE.to_vec() },
+            scales: known.unwrap_or_else(|| vec![1.0; levels.len()]),
+        })
+    }
+
+    fn slopes(&self) -> Vec<f64> {
+        let slope = |i: usize| (self.y[i] - self.y[i - 1]) / (self.x[i] - self.x[i - 1]);
+        (1..self.x.len()).map(slope).collect()
+    }
+
+    /// Whether the slopes break downwards where the finest `fine` levels begin.
+    fn breaks(&self, fine: usize) -> bool {
+        let slopes = self.slopes();
+        let first_left = slopes.len() - fine;
+        let (before, after) = (slopes[first_left - 1], slopes[first_left]);
+        after < before - 0.25 * (0.8 * before).max(0.4)
+    }
+
+    /// The step after which the slopes fall most: where a floor begins.
+    fn break_down(&self) -> f64 {
+        let slopes = self.slopes();
+        let falls = slopes.windows(2).map(|pair| pair[1] - pair[0]).enumerate();
+        let steepest = falls.min_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(at, _)| at);
+        self.sizes[steepest + 1]
+    }
+
+    /// All readings, their weights relative to the likeliest.
+    fn parts(&self) -> Vec<Part> {
+        let levels = self.x.len();
+        let mut parts = Vec::new();
+        for (fine, prior) in FINE.iter().enumerate() {
+            if fine + FEWEST > levels || (fine > 0 && !self.breaks(fine)) {
+                continue;
+            }
+            for coarse in 0..=levels - fine - FEWEST {
+                let last = COARSE.len() - 1;
+                let halved = 0.5f64.powi(coarse.saturating_sub(last) as i32);
+                let left_out = (coarse + fine) as f64 * LEFT.ln();
+                let log_prior = (prior * COARSE[coarse.min(last)] * halved).ln() + left_out;
+                self.read(coarse, fine, log_prior, &mut parts);
+            }
+        }
+        let largest = parts.iter().map(|part| part.weight).fold(f64::NEG_INFINITY, f64::max);
+        // What is dropped has together less than a thousandth of the likeliest reading.
+        parts.retain(|part| part.weight > largest - LEAST);
+        parts.iter_mut().for_each(|part| part.weight = (part.weight - largest).exp());
+        parts
+    }
+
+    /// The readings of the levels that stay; their weights as logarithms.
+    fn read(&self, coarse: usize, fine: usize, log_prior: f64, parts: &mut Vec<Part>) {
+        let kept = coarse..self.x.len() - fine;
+        let (coarsest, finest) = (self.sizes[kept.start], self.sizes[kept.end - 1]);
+        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+        let centre = [mean(&self.x[kept.clone()]), mean(&self.y[kept.clone()])];
+        // Neighbouring nodes have one power: powers of the steps are taken once for all of them.
+        let mut terms: Vec<[f64; 2]> = Vec::new();
+        let mut power = None;
+        for node in NODES.iter() {
+            let floored = node.family == Family::Floor;
+            if floored && (kept.len() < FLOOR_LEVELS || fine > 0) {
+                continue;
+            }
+            if power != Some((node.family, node.power)) {
+                power = Some((node.family, node.power));
+                let sizes = self.sizes[kept.clone()].iter();
+                terms = sizes.map(|h| node.powers(h / coarsest, h / finest)).collect();
+            }
+            let mut gram = Gram::default();
+            for (i, term) in kept.clone().zip(&terms) {
+                let [g, smoothing, after] = node.terms(*term);
+                let row = [self.x[i] - centre[0], self.y[i] - g - centre[1], smoothing, after];
+                gram.add(row, self.scales[i]);
+            }
+            for (noise, share) in &self.noise {
+                let found = gram.component(*noise, node.order());
+                parts.push(Part {
+                    weight: log_prior + node.log_prior + share.ln() + found.log_evidence,
+                    mean: found.mean,
+                    deviation: found.deviation,
+                    floored: floored || fine > 0,
+                    coarse,
+                });
+            }
+        }
+    }
+}

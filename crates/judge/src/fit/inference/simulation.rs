@@ -1,0 +1,197 @@
+//! Tables of known order against the judge: how often it passes, fails and leaves open, beside two rules in use.
+//!
+//! The classes hold what the model knows (one next term, noise) and what it does not (two terms, other knees, a wild
+//! coarsest level). Their seeds are not those by which priors were chosen.
+
+use super::{Claim, Level, infer};
+use crate::fit::student_quantile;
+use crate::verdict::Decision;
+
+/// xorshift64*, uniform and normal numbers.
+struct Random(u64);
+
+impl Random {
+    fn new(seed: u64) -> Self {
+        let mut random = Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+        (0..8).for_each(|_| _ = random.uniform());
+        random
+    }
+
+    fn uniform(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    fn between(&mut self, lo: f64, hi: f64) -> f64 {
+        lo + (hi - lo) * self.uniform()
+    }
+
+    fn one_of(&mut self, values: &[f64]) -> f64 {
+        values[(self.uniform() * values.len() as f64) as usize % values.len()]
+    }
+
+    fn normal(&mut self) -> f64 {
+        let (a, b) = (self.uniform().max(1e-300), self.uniform());
+        (-2.0 * a.ln()).sqrt() * (std::f64::consts::TAU * b).cos()
+    }
+}
+
+/// A class of tables of order p: errors at steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Class {
+    /// No next term, no noise.
+    Exact,
+    /// One next term and up to 1 % of noise.
+    Smooth,
+    /// Coarse meshes that do not resolve: the order is lost at the first two or three levels of eight.
+    Plateau,
+    /// The first levels converge faster.
+    Superconvergent,
+    /// Ratios of 1.3 to 2.5, constants that oscillate by 1 %.
+    Irregular,
+    /// Two next terms of either sign.
+    TwoTerms,
+    /// The coarsest level has nothing to do with the rest.
+    Wild,
+    /// 3 % of noise.
+    Noisy,
+    /// A floor below the finest levels.
+    Floor,
+}
+
+fn table(class: Class, p: f64, levels: usize, random: &mut Random) -> Vec<Level> {
+    let ratio = |random: &mut Random| match class {
+        Class::Irregular => random.between(1.3, 2.5),
+        _ => 2.0,
+    };
+    let mut sizes = vec![1.0];
+    for _ in 1..levels {
+        let last = sizes[sizes.len() - 1];
+        sizes.push(last / ratio(random));
+    }
+    let finest = sizes[levels - 1];
+    let sign = |random: &mut Random| if random.uniform() < 0.5 { -1.0 } else { 1.0 };
+    let (power, size) = (random.one_of(&[1.0, 1.0, 2.0]), random.between(0.0, 0.4));
+    let (term, other) = (sign(random) * size, sign(random) * random.between(0.0, 0.2));
+    let noise = match class {
+        Class::Smooth => random.one_of(&[0.0, 0.001, 0.003, 0.01]),
+        Class::Noisy => 0.03,
+        _ => 0.0,
+    };
+    let knee = random.between(0.1, 0.4);
+    let phase = random.between(0.0, 6.0);
+    let factor = |i: usize, h: f64, random: &mut Random| match class {
+        Class::Exact => 1.0,
+        Class::Smooth | Class::Noisy => {
+            (1.0 + term * h.powf(power)) * (noise * random.normal()).exp()
+        }
+        Class::Plateau => 1.0 / (1.0 + (h / knee).powf(p)),
+        Class::Superconvergent => 1.0 + (h / knee).powi(2),
+        Class::Irregular => 1.0 + 0.01 * (7.0 * i as f64 + phase).sin(),
+        Class::TwoTerms => 1.0 + term * h + other * h * h,
+        Class::Wild if i == 0 => 10f64.powf(phase / 3.0 - 1.0),
+        Class::Wild => 1.0,
+        Class::Floor => 1.0 + 0.8 * (finest / h).powf(p),
+    };
+    let error = |(i, &h): (usize, &f64)| Level::new(h, 3.0 * h.powf(p) * factor(i, h, random));
+    sizes.iter().enumerate().map(error).collect()
+}
+
+/// The last slope within 0.1.
+fn last_pair(table: &[Level], order: f64) -> Decision {
+    let [.., a, b] = table else { return Decision::Unresolved };
+    let slope = (a.error / b.error).ln() / (a.size / b.size).ln();
+    if (slope - order).abs() <= 0.1 { Decision::Pass } else { Decision::Fail }
+}
+
+/// Student's interval of a straight line holds the order and is narrower than 0.15 to either side.
+fn student(table: &[Level], order: f64) -> Decision {
+    let n = table.len() as f64;
+    let mean = |f: fn(&Level) -> f64| table.iter().map(f).sum::<f64>() / n;
+    let (x, y) = (mean(|l| l.size.ln()), mean(|l| l.error.ln()));
+    let spread: f64 = table.iter().map(|l| (l.size.ln() - x).powi(2)).sum();
+    let slope = table.iter().map(|l| (l.size.ln() - x) * (l.error.ln() - y)).sum::<f64>() / spread;
+    let left: f64 =
+        table.iter().map(|l| (l.error.ln() - y - slope * (l.size.ln() - x)).powi(2)).sum();
+    let reach = student_quantile(table.len() - 2).expect("degrees of freedom")
+        * (left / (n - 2.0) / spread).sqrt();
+    match () {
+        () if order > slope + reach + 0.05 => Decision::Fail,
+        () if (order - slope).abs() <= reach + 0.01 && reach <= 0.15 => Decision::Pass,
+        () => Decision::Unresolved,
+    }
+}
+
+fn judge(table: &[Level], order: f64) -> Decision {
+    let posterior = infer(table, None, 0.0).expect("a posterior");
+    posterior.decide(&Claim::new(order).expect("a claim")).decision
+}
+
+/// Shares of pass and fail over tables of a class, for a claim that is off by `offset`.
+fn shares(
+    rule: fn(&[Level], f64) -> Decision,
+    (class, levels, offset): (Class, usize, f64),
+    seeds: std::ops::Range<u64>,
+) -> [f64; 2] {
+    let count = seeds.clone().count() as f64;
+    let mut found = [0.0; 2];
+    for seed in seeds {
+        let mut random = Random::new(seed);
+        let p = random.one_of(&[1.0, 1.5, 2.0, 3.0]);
+        match rule(&table(class, p, levels, &mut random), p + offset) {
+            Decision::Pass => found[0] += 1.0 / count,
+            Decision::Fail => found[1] += 1.0 / count,
+            Decision::Unresolved => {}
+        }
+    }
+    found
+}
+
+const CLASSES: [Class; 9] = [
+    Class::Exact,
+    Class::Smooth,
+    Class::Plateau,
+    Class::Superconvergent,
+    Class::Irregular,
+    Class::TwoTerms,
+    Class::Wild,
+    Class::Noisy,
+    Class::Floor,
+];
+
+#[test]
+#[ignore = "prints the whole table: a minute"]
+fn long_table_of_the_simulation() {
+    for (name, rule) in [
+        ("inference", judge as fn(&[Level], f64) -> Decision),
+        ("last pair", last_pair),
+        ("Student", student),
+    ] {
+        println!("{name}: pass/fail in percent, at the truth, ±1/4, ±1/2, +0.10");
+        for class in CLASSES {
+            for levels in 3..=8 {
+                let of = |offset: f64| {
+                    let [pass, fail] = shares(rule, (class, levels, offset), 5_000..5_100);
+                    format!("{:3.0}/{:<3.0}", 100.0 * pass, 100.0 * fail)
+                };
+                let cells = [0.0, 0.25, -0.25, 0.5, -0.5, 0.10].map(of).join("  ");
+                println!("{:16} {levels}  {cells}", format!("{class:?}"));
+            }
+        }
+    }
+}
+
+#[test]
+#[ignore = "timing"]
+fn long_time_a_table() {
+    for levels in 3..=8 {
+        let mut random = Random::new(1);
+        let tables: Vec<_> =
+            (0..500).map(|_| table(Class::Smooth, 1.0, levels, &mut random)).collect();
+        let start = std::time::Instant::now();
+        tables.iter().for_each(|table| _ = judge(table, 1.0));
+        println!("{levels}: {:.3} ms", start.elapsed().as_secs_f64() * 1e3 / 500.0);
+    }
+}
