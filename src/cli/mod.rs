@@ -35,6 +35,7 @@ mod trade;
 mod verify;
 
 use ::run::sweep::Build;
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::Write;
 use std::path::PathBuf;
@@ -171,9 +172,14 @@ impl CliError {
     }
 }
 
-/// Parses the arguments and runs the command.
+/// Parses the arguments of the process and runs the command.
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    ExitCode::from(run_with(std::env::args_os()))
+}
+
+/// Runs a command line, the name of the program first; its exit code.
+pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match Arguments::try_parse_from(words) {
         Ok(arguments) => arguments,
         Err(said) => return finished(said_instead(&said)),
     };
@@ -212,12 +218,12 @@ pub fn main() -> ExitCode {
 }
 
 /// The end of the program: no code says of results that they are there which are not.
-fn finished(outcome: Result<u8, CliError>) -> ExitCode {
+fn finished(outcome: Result<u8, CliError>) -> u8 {
     match outcome.and_then(delivered) {
-        Ok(code) => ExitCode::from(code),
+        Ok(code) => code,
         Err(error) => {
             print_error(error.to_string().trim_end());
-            ExitCode::from(COULD_NOT_JUDGE)
+            COULD_NOT_JUDGE
         }
     }
 }

@@ -225,6 +225,19 @@ fn a_solver_without_an_answer_is_a_failed_case_with_the_reason() {
 }
 
 #[test]
+fn a_traceback_is_shown_once_and_as_it_was_written() {
+    let folder = Folder::new("external-traceback");
+    let lines = ["Traceback (most recent call last):", "  File \"solve.py\", line 3", "KeyError: 'gap'"];
+    let print: String = lines.map(|line| format!("echo '{}' >&2\n", line.replace('\'', "'\\''"))).concat();
+    let path = folder.file("raises.sh", &format!("{print}exit 1\n"));
+    let output = verify(&folder, &format!("sh {path}"), &[]);
+    let said = stdout(&output);
+    assert!(said.contains(&format!("{}\n", lines.join("\n"))), "{said}");
+    assert_eq!(said.matches(lines[1].trim()).count(), 1, "{said}");
+    assert!(said.contains("exit status: 1: KeyError: 'gap'"), "{said}");
+}
+
+#[test]
 fn an_answer_of_before_does_not_pass_for_one_of_now() {
     let folder = Folder::new("external-stale");
     let zero = encode(&[3, 25, 2], &[0.0; 150]);
