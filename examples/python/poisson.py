@@ -14,15 +14,20 @@ def gradient(x):
     return np.stack(parts)
 
 
-def errors(mesh, element, *, load=exact, assembly=None, quadrature=8):
+def errors(mesh, element, *, load=exact, interpolated=None, quadrature=8):
     """L2 norms of the error and of its gradient.
 
-    `assembly` is the order of the rule for the load, scikit-fem's own without; `quadrature` that of the error, finer.
+    The load may be interpolated in an element of its own; `quadrature` is the order of the rule of the error, finer than
+    that of the assembly.
     """
     basis = Basis(mesh, element)
-    force = LinearForm(lambda v, w: len(w.x) * np.pi**2 * load(np.asarray(w.x)) * v)
-    right = basis if assembly is None else Basis(mesh, element, intorder=assembly)
-    u = solve(*condense(laplace.assemble(basis), force.assemble(right), D=basis.get_dofs()))
+    if interpolated is None:
+        values = load(np.asarray(basis.global_coordinates()))
+    else:
+        nodal = basis.with_element(interpolated)
+        values = nodal.interpolate(load(nodal.doflocs))
+    force = LinearForm(lambda v, w: len(w.x) * np.pi**2 * w.load * v).assemble(basis, load=values)
+    u = solve(*condense(laplace.assemble(basis), force, D=basis.get_dofs()))
     fine = Basis(mesh, element, intorder=quadrature)
     found, x = fine.interpolate(u), np.asarray(fine.global_coordinates())
     norm = lambda square: float(np.sqrt(np.sum(square * fine.dx)))

@@ -30,8 +30,8 @@ MISTAKES = {
     "load too large": (MeshTri, ElementTriP1, {"load": lambda x: 1.002 * exact(x)}, {"L2": 2, "H1": 1}, fitted),
     # The load is too small by 0.05 %.
     "load too small": (MeshQuad, ElementQuad1, {"load": lambda x: 0.9995 * exact(x)}, {"L2": 2, "H1": 1}, fitted),
-    # One point a cell for the load of quadratic elements: the order in L2 is 2 and not 3.
-    "load by one point": (MeshTri, ElementTriP2, {"assembly": 1}, {"L2": 3, "H1": 2}, fitted_together),
+    # The load of quadratic elements is interpolated in linear ones: the order in L2 is 2 and not 3.
+    "load interpolated": (MeshTri, ElementTriP2, {"interpolated": ElementTriP1()}, {"L2": 3, "H1": 2}, fitted_together),
     # The error at the points of the assembly, where gradients of biquadratic elements are better by an order. The gate has
     # the order that was seen there, 3.
     "error at good points": (MeshQuad, ElementQuad2, {"quadrature": 3}, {"L2": 3, "H1": 2}, fitted),

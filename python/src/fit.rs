@@ -1,6 +1,6 @@
 //! The judge for one table.
 
-use gronwall::fit::{Claim, FEWEST, FitError, Level, TOLERANCE, infer};
+use gronwall::fit::{Claim, Exclusion, FitError, Level, Point, TOLERANCE, infer, screen};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -29,7 +29,13 @@ pub fn fit<'py>(
         floor: floors[i],
         sigma: sigmas[i],
     };
-    let levels: Vec<Level> = (0..sizes.len()).map(level).collect();
+    // Errors near their floors leave, as in a sweep; what is no error is refused below.
+    let carries = |level: &Level| {
+        let Level { size, error, floor, .. } = *level;
+        let below = |exclusion| matches!(exclusion, Exclusion::BelowFloor { .. });
+        !screen(&Point { h: size, k: f64::NAN, error, floor }).is_err_and(below)
+    };
+    let levels: Vec<Level> = (0..sizes.len()).map(level).filter(carries).collect();
     let claim = |order| {
         let tolerance = tolerance.unwrap_or(TOLERANCE);
         Claim { order, at_least, exact, tolerance, log }.checked().map_err(refused)
@@ -40,7 +46,7 @@ pub fn fit<'py>(
         Ok(posterior) => posterior,
         // Too few levels are an answer of the table, and what is wrong with a number is one of its author.
         Err(error @ FitError::TooFew { .. }) => {
-            found.set_item("reason", format!("{error}: {} levels", FEWEST))?;
+            found.set_item("reason", error.to_string())?;
             found.set_item("decision", claim.map(|_| "unresolved"))?;
             return Ok(found);
         }
