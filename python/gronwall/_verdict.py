@@ -137,6 +137,10 @@ class Verdict:
             words = "fitted" if self.predicted is None else "predicted"
             line = [scale * step**order for step in self.h]
             ax.loglog(self.h, line, "--", color="#57606a", label=f"{words} {order:.3g}")
+        # Each level is named, or every second one of many; names of decades would run into each other.
+        named = self.h[:: 1 + len(self.h) // 7]
+        ax.set_xticks(named, [f"{step:.3g}" for step in named])
+        ax.tick_params(axis="x", which="minor", labelbottom=False)
         ax.set_xlabel(self.variable)
         ax.set_ylabel("error")
         ax.set_title(": ".join(part for part in (self.name, self.decision) if part))
