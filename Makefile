@@ -20,6 +20,7 @@ test-long: ## tests of minutes that widen quick ones of `make test`: all scenes,
 
 lint: ## formatting, clippy and rustdoc, every warning an error
 	$(CARGO) fmt --all --check
+	$(CARGO) fmt --manifest-path python/Cargo.toml --check
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS=-Dwarnings $(CARGO) doc --workspace --no-deps
 

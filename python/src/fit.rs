@@ -23,12 +23,8 @@ pub fn fit<'py>(
     tolerance: Option<f64>,
     log: f64,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let level = |i: usize| Level {
-        size: sizes[i],
-        error: errors[i],
-        floor: floors[i],
-        sigma: sigmas[i],
-    };
+    let level =
+        |i: usize| Level { size: sizes[i], error: errors[i], floor: floors[i], sigma: sigmas[i] };
     // Errors near their floors leave, as in a sweep; what is no error is refused below.
     let carries = |level: &Level| {
         let Level { size, error, floor, .. } = *level;

@@ -140,9 +140,8 @@ fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bound<
     doubles("contact_numbers", &[rows, 4], &mut contact.iter().flat_map(|row| row.numbers))?;
     indices("contact_clamped", &[rows], &mut contact.iter().map(|row| u32::from(row.clamped)))?;
     doubles("times", &[given.times.len()], &mut given.times.iter().copied())?;
-    let array = |name: &str, array: &Array| {
-        doubles(name, &array.shape, &mut array.numbers.iter().copied())
-    };
+    let array =
+        |name: &str, array: &Array| doubles(name, &array.shape, &mut array.numbers.iter().copied());
     given.kernels.iter().try_for_each(|kernels| array("kernels", kernels))?;
     array("loads", &given.loads)?;
     case.set_item("json", given.document.to_string())?;

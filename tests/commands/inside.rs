@@ -108,7 +108,10 @@ fn the_three_lines_of_the_page_run_in_an_empty_folder() {
         answer(&setup, &on_mesh(&setup, n), 16, &dir);
     }
     folder.file("solve.sh", "cp answers/$(basename $1)/displacement.npy $1\n");
-    folder.file("errors.csv", "h,error\n0.125,0.125\n0.0625,0.0625\n0.03125,0.03125\n0.015625,0.015625\n");
+    folder.file(
+        "errors.csv",
+        "h,error\n0.125,0.125\n0.0625,0.0625\n0.03125,0.03125\n0.015625,0.015625\n",
+    );
     let [verify, fit] = &three_lines()[..] else { panic!("two commands") };
     assert_eq!((&*verify[0], &*fit[0]), ("sweep", "sweep"));
     let verify = verify.join(" ");

@@ -29,7 +29,9 @@ pub enum FrontError {
     #[error(transparent)]
     Sweep(#[from] SweepError),
     /// A solver would be judged by its own finer run.
-    #[error("{name}: the scene has no exact solution to judge another solver by; `sweep list` names those that have")]
+    #[error(
+        "{name}: the scene has no exact solution to judge another solver by; `sweep list` names those that have"
+    )]
     NoTruth {
         /// The scene.
         name: String,
@@ -87,7 +89,15 @@ impl Sweep {
     /// A scene that has been read.
     pub fn of(scene: Scene) -> Self {
         let overrides = Overrides::default();
-        Self { scene, overrides, jobs: 1, solver: None, pressures: true, constants: true, out: None }
+        Self {
+            scene,
+            overrides,
+            jobs: 1,
+            solver: None,
+            pressures: true,
+            constants: true,
+            out: None,
+        }
     }
 
     /// The scene of a file.

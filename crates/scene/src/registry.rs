@@ -69,9 +69,10 @@ impl Registry {
     pub fn load(&self, scene: &str) -> Result<Scene, SceneError> {
         let path = self.find(scene)?;
         let loaded = match self.text(&path) {
-            Some(text) => {
-                Scene::from_source(Source { beside: self.inside, ..Source::from_text(&path, text) })?
-            }
+            Some(text) => Scene::from_source(Source {
+                beside: self.inside,
+                ..Source::from_text(&path, text)
+            })?,
             None => Scene::read(&path)?,
         };
         let expected = stem(&path);

@@ -227,8 +227,10 @@ fn a_solver_without_an_answer_is_a_failed_case_with_the_reason() {
 #[test]
 fn a_traceback_is_shown_once_and_as_it_was_written() {
     let folder = Folder::new("external-traceback");
-    let lines = ["Traceback (most recent call last):", "  File \"solve.py\", line 3", "KeyError: 'gap'"];
-    let print: String = lines.map(|line| format!("echo '{}' >&2\n", line.replace('\'', "'\\''"))).concat();
+    let lines =
+        ["Traceback (most recent call last):", "  File \"solve.py\", line 3", "KeyError: 'gap'"];
+    let print: String =
+        lines.map(|line| format!("echo '{}' >&2\n", line.replace('\'', "'\\''"))).concat();
     let path = folder.file("raises.sh", &format!("{print}exit 1\n"));
     let output = verify(&folder, &format!("sh {path}"), &[]);
     let said = stdout(&output);

@@ -81,7 +81,8 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
         file(name, &rows.map_err(|error| outside(&dir.join(name), error))?)
     };
     file("README.md", FORMAT.as_bytes())?;
-    let text = serde_json::to_string_pretty(&given.document).map_err(|error| outside(dir, error))?;
+    let text =
+        serde_json::to_string_pretty(&given.document).map_err(|error| outside(dir, error))?;
     file("case.json", text.as_bytes())?;
     file("mesh.msh", fem::mesh::write_gmsh(&space.mesh).as_bytes())?;
     table("vertices.csv", vertices(space))?;
