@@ -15,6 +15,7 @@ use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::swept::Swept;
 use super::{CliError, Scenes, no_case, print_json, print_text, subject};
+use files::shortened;
 use judge::record::CaseRecord;
 use judge::verdict::{Failure, failures, render_table};
 use report::write_junit;
@@ -25,8 +26,9 @@ use run::sweep::{
 use scene::Norm;
 use scene::setup::{MeshData, Setup, Subject};
 
-/// Last lines of the log of a failed case that are shown: a long traceback.
+/// Last lines of the log of a failed case that are shown, a long traceback, and bytes of each.
 const LINES_SHOWN: usize = 60;
+const WIDTH: usize = 400;
 
 /// `sweep verify`.
 #[derive(Args)]
@@ -136,7 +138,8 @@ impl Verify {
             (!lines.is_empty()).then_some((log, lines))
         };
         if let Some((path, lines)) = failed.iter().find_map(log) {
-            let shown = &lines[lines.len().saturating_sub(LINES_SHOWN)..];
+            let shown = lines[lines.len().saturating_sub(LINES_SHOWN)..].iter();
+            let shown: Vec<_> = shown.map(|line| shortened(line, WIDTH)).collect();
             print_text(&format!("{}:", path.display()));
             print_text(&shown.join("\n"));
         }
