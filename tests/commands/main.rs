@@ -13,6 +13,7 @@ mod external;
 mod fit_tables;
 mod gronwall_command;
 mod house;
+mod inside;
 mod next_cases;
 mod owed;
 #[path = "../program/mod.rs"]

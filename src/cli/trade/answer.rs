@@ -201,8 +201,7 @@ fn peak_of_a_process(scenes: &Scenes, scene: &str, choice: Answer) -> Option<f64
     let program = std::env::current_exe().ok()?;
     let numbers = [choice.n, choice.steps].map(|value| value.to_string());
     let output = std::process::Command::new(program)
-        .arg("--scenes")
-        .arg(&scenes.folder)
+        .args(scenes.folder.iter().flat_map(|folder| ["--scenes".as_ref(), folder.as_os_str()]))
         .args(["solve", scene, "--n", &numbers[0], "--steps", &numbers[1], "--json"])
         .output()
         .ok()?;
