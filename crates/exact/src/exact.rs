@@ -1,6 +1,7 @@
 //! An exact solution: formulas for u, λ, ξ, and what follows from them.
 
 use super::AccumulatedStrain;
+use super::accumulated::Domain;
 use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
 use super::lanes::Number;
@@ -158,9 +159,9 @@ impl Exact {
         let interior = Program::compile(graph, &outputs, data.horizon);
         let forces = Program::compile(graph, &body_force, data.horizon);
         let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
-        let polytope = data.polytope.as_ref().map(|polytope| &polytope.coarse);
-        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, &data.size, needs_zeta)
-            .over(polytope);
+        let polytope = data.polytope.as_ref().map(|polytope| Domain::Coarse(&polytope.coarse));
+        let domain = polytope.unwrap_or(Domain::Box(&data.size));
+        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, domain, needs_zeta);
         // σ is linear in ε without the projection.
         let is_linear = data.kappa.is_none();
         let separation = is_linear.then(|| Separation::of(&data, &strain)).flatten();

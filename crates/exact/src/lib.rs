@@ -46,6 +46,7 @@ mod separation;
 mod side_points;
 mod sign_changes;
 mod simplex_points;
+mod strips;
 mod symbolic;
 mod truth;
 mod uniform;

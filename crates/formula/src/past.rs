@@ -19,8 +19,9 @@ use super::resolution::{Mark, Resolution, last};
 use super::sampler::{Sampler, Surroundings};
 use super::weights::{STRIDE, Weights};
 
-/// Lanes integrated at once.
+/// Lanes integrated at once, whose integrands stay in cache, and lanes whose breaks are sought together.
 const CHUNK: usize = 128;
+const BATCH: usize = 4096;
 
 /// Integrals up to every panel edge reached so far, and scratch memory.
 #[derive(Clone, Debug)]
@@ -137,32 +138,46 @@ impl Past {
 
     /// Fills in the values at edges up to that of panel `last`.
     fn extend(&mut self, plan: &HistoryPlan, below: &mut [Past], all: Surroundings, last: usize) {
+        let members = plan.members.len();
         while self.edges.len() <= last {
-            let panel = self.edges.len() - 1;
-            let (from, to) = (plan.edge(panel), plan.edge(panel + 1));
-            let lane = |tuple| Lane { tuple: tuple as u32, from, to };
-            let lanes: Vec<Lane> = (0..self.tuples).map(lane).collect();
-            let mut next = vec![0.0; lanes.len() * plan.members.len()];
-            let mut lacking = next.clone();
-            let mut sums = Sums { values: &mut next, lacking: &mut lacking };
-            self.integrate(plan, below, all, &lanes, &mut sums, Some(panel));
-            let decay = self.weights.decay(plan, to - from);
-            let add = |next: &mut [f64], before: &[f64]| {
-                let factors = plan.members.iter().map(|m| decay[m.kernel]).cycle();
-                for ((next, before), factor) in next.iter_mut().zip(before).zip(factors) {
-                    *next += factor * before;
-                }
+            // Panels side by side: the search for breaks takes its rounds for all of them at once.
+            let first = self.edges.len() - 1;
+            let count = (BATCH / self.tuples.max(1)).clamp(1, last - first);
+            let of_panel = |panel: usize| {
+                let (from, to) = (plan.edge(panel), plan.edge(panel + 1));
+                (0..self.tuples as u32).map(move |tuple| Lane { tuple, from, to })
             };
-            add(&mut next, &self.edges[panel]);
-            add(&mut lacking, &self.remainders[panel]);
-            self.edges.push(next);
-            lacking.truncate(if lacking.iter().all(|&part| part == 0.0) { 0 } else { usize::MAX });
-            self.remainders.push(lacking);
+            let lanes: Vec<Lane> = (first..first + count).flat_map(of_panel).collect();
+            let mut values = vec![0.0; lanes.len() * members];
+            let mut lacking = values.clone();
+            let mut sums = Sums { values: &mut values, lacking: &mut lacking };
+            self.integrate(plan, below, all, &lanes, &mut sums, Some(first));
+            for index in 0..count {
+                let own = members * self.tuples * index..members * self.tuples * (index + 1);
+                self.add_edge(plan, values[own.clone()].to_vec(), lacking[own].to_vec());
+            }
         }
     }
 
-    /// Adds to `sums` the integrals of all members over the lanes; those of a
-    /// whole panel are remembered for general kernels.
+    /// Adds an edge by the integrals over the panel before it, and what these may lack.
+    fn add_edge(&mut self, plan: &HistoryPlan, mut next: Vec<f64>, mut lacking: Vec<f64>) {
+        let panel = self.edges.len() - 1;
+        let decay = self.weights.decay(plan, plan.edge(panel + 1) - plan.edge(panel));
+        let add = |next: &mut [f64], before: &[f64]| {
+            let factors = plan.members.iter().map(|m| decay[m.kernel]).cycle();
+            for ((next, before), factor) in next.iter_mut().zip(before).zip(factors) {
+                *next += factor * before;
+            }
+        };
+        add(&mut next, &self.edges[panel]);
+        add(&mut lacking, &self.remainders[panel]);
+        self.edges.push(next);
+        lacking.truncate(if lacking.iter().all(|&part| part == 0.0) { 0 } else { usize::MAX });
+        self.remainders.push(lacking);
+    }
+
+    /// Adds to `sums` the integrals of all members over the lanes. Those of whole panels, from panel `whole` on, are
+    /// remembered for general kernels.
     fn integrate(
         &mut self,
         plan: &HistoryPlan,
@@ -174,38 +189,62 @@ impl Past {
     ) {
         let members = plan.members.len();
         let whole = whole.filter(|_| plan.is_general());
-        for (index, lanes) in lanes.chunks(CHUNK).enumerate() {
-            let own = members * CHUNK * index..members * (CHUNK * index + lanes.len());
-            let values = &mut sums.values[own.clone()];
-            let mut own = Sums { values, lacking: &mut sums.lacking[own] };
+        for (index, lanes) in lanes.chunks(BATCH).enumerate() {
+            let first = BATCH * index;
             self.breaks.find(plan, below, all, lanes);
-            let mut pieces = std::mem::take(&mut self.breaks.pieces);
-            for depth in 0.. {
-                self.sample(plan, below, all, lanes, &pieces);
-                let values = &self.sampler.values;
-                self.resolution.mark(plan, lanes.len(), &pieces, values, depth);
-                self.halves.clear();
-                for (k, piece) in pieces.iter().enumerate() {
-                    match self.resolution.marks[k] {
-                        Mark::Halved => self.halves.extend(piece.halves()),
-                        mark => {
-                            let left = mark == Mark::Left;
-                            self.add_piece(plan, lanes, (k, piece), left, &mut own);
-                            if whole.is_some() {
-                                self.memory.keep(plan, (k, piece), left, &self.sampler.values);
-                            }
+            let pieces = std::mem::take(&mut self.breaks.pieces);
+            let mut rest = &pieces[..];
+            for (index, lanes) in lanes.chunks(CHUNK).enumerate() {
+                let (before, first) = (CHUNK * index, first + CHUNK * index);
+                let end = (before + lanes.len()) as u32;
+                let (own, others) = rest.split_at(rest.partition_point(|piece| piece.lane < end));
+                rest = others;
+                let lane = |piece: &Piece| Piece { lane: piece.lane - before as u32, ..*piece };
+                let own: Vec<Piece> = own.iter().map(lane).collect();
+                let range = members * first..members * (first + lanes.len());
+                let values = &mut sums.values[range.clone()];
+                let mut sums = Sums { values, lacking: &mut sums.lacking[range] };
+                self.integrate_pieces(plan, below, all, (lanes, own), &mut sums, whole.is_some());
+                if let Some(panel) = whole {
+                    let panel = |lane: usize| panel + (first + lane) / self.tuples;
+                    self.memory.put_away(plan, panel, lanes.len());
+                }
+            }
+            self.breaks.pieces = pieces;
+        }
+    }
+
+    /// Adds the integrals over the pieces of some lanes, halved where they are not resolved; `keeps` them in memory.
+    fn integrate_pieces(
+        &mut self,
+        plan: &HistoryPlan,
+        below: &mut [Past],
+        all: Surroundings,
+        (lanes, mut pieces): (&[Lane], Vec<Piece>),
+        sums: &mut Sums<'_>,
+        keeps: bool,
+    ) {
+        for depth in 0.. {
+            self.sample(plan, below, all, lanes, &pieces);
+            let values = &self.sampler.values;
+            self.resolution.mark(plan, lanes.len(), &pieces, values, depth);
+            self.halves.clear();
+            for (k, piece) in pieces.iter().enumerate() {
+                match self.resolution.marks[k] {
+                    Mark::Halved => self.halves.extend(piece.halves()),
+                    mark => {
+                        let left = mark == Mark::Left;
+                        self.add_piece(plan, lanes, (k, piece), left, sums);
+                        if keeps {
+                            self.memory.keep(plan, (k, piece), left, &self.sampler.values);
                         }
                     }
                 }
-                if self.halves.is_empty() {
-                    break;
-                }
-                std::mem::swap(&mut pieces, &mut self.halves);
             }
-            if let Some(panel) = whole {
-                self.memory.put_away(plan, panel, lanes.len());
+            if self.halves.is_empty() {
+                break;
             }
-            self.breaks.pieces = pieces;
+            std::mem::swap(&mut pieces, &mut self.halves);
         }
     }
 
