@@ -11,6 +11,10 @@
 //! What the quadrature leaves unresolved is estimated, and carried along with
 //! the values.
 
+use std::sync::Arc;
+
+use super::abscissae::Abscissae;
+use super::bound::Bound;
 use super::breaks::{Breaks, Lane, Piece};
 use super::history::{HistoryPlan, Kernel};
 use super::memory::Memory;
@@ -28,6 +32,8 @@ const BATCH: usize = 4096;
 pub(super) struct Past {
     group: usize,
     tuples: usize,
+    /// Of very many tuples, where integrals are interpolated.
+    abscissae: Option<Abscissae>,
     /// For each edge the values of all members at all tuples.
     edges: Vec<Vec<f64>>,
     /// What these may lack; empty where it is nothing.
@@ -51,11 +57,17 @@ struct Sums<'a> {
 }
 
 impl Past {
-    pub(super) fn new(plan: &HistoryPlan, group: usize, tuples: usize) -> Self {
+    pub(super) fn new(
+        plan: &HistoryPlan,
+        group: usize,
+        tuples: usize,
+        abscissae: Option<Abscissae>,
+    ) -> Self {
         let nested = plan.nested();
         Self {
             group,
             tuples,
+            abscissae,
             edges: vec![vec![0.0; tuples * plan.members.len()]],
             remainders: vec![Vec::new()],
             memory: Memory::default(),
@@ -104,7 +116,11 @@ impl Past {
         lacking.clear();
         lacking.resize(out.len(), 0.0);
         let mut sums = Sums { values: out, lacking: &mut lacking };
-        self.integrate(plan, below, all, &lanes, &mut sums, None);
+        // Tuples are asked for in order, so that as many as there are are all.
+        let same = lanes.len() == self.tuples && times.iter().all(|t| *t == times[0]);
+        if !(same && self.interpolate(plan, below, all, &lanes, &mut sums)) {
+            self.integrate(plan, below, all, &lanes, &mut sums, None);
+        }
         let parts = out.chunks_mut(members.max(1)).zip(lacking.chunks_mut(members.max(1)));
         for ((lane, time), (values, lacking)) in lanes.iter().zip(times).zip(parts) {
             if time.is_finite() {
@@ -151,12 +167,69 @@ impl Past {
             let mut values = vec![0.0; lanes.len() * members];
             let mut lacking = values.clone();
             let mut sums = Sums { values: &mut values, lacking: &mut lacking };
-            self.integrate(plan, below, all, &lanes, &mut sums, Some(first));
+            if !(count == 1 && self.interpolate(plan, below, all, &lanes, &mut sums)) {
+                self.integrate(plan, below, all, &lanes, &mut sums, Some(first));
+            }
+            if count == 1 {
+                self.add_edge(plan, values, lacking);
+                continue;
+            }
             for index in 0..count {
                 let own = members * self.tuples * index..members * self.tuples * (index + 1);
                 self.add_edge(plan, values[own.clone()].to_vec(), lacking[own].to_vec());
             }
         }
+    }
+
+    /// Adds to `sums` the integrals over one interval, which is that of all lanes, one a tuple; false where they are no
+    /// smooth functions of few enough pieces, or not many.
+    fn interpolate(
+        &mut self,
+        plan: &HistoryPlan,
+        below: &mut [Past],
+        all: Surroundings,
+        lanes: &[Lane],
+        sums: &mut Sums<'_>,
+    ) -> bool {
+        let Some(abscissae) = &self.abscissae else { return false };
+        let Lane { from, to, .. } = lanes[0];
+        let members = plan.members.len();
+        let found = abscissae.interpolated(members, |places| {
+            let points: Vec<[f64; 3]> = places.iter().map(|&x| abscissae.point(x)).collect();
+            Bound::one_by_one(Arc::clone(all.plan), &points).integrals(
+                self.group,
+                [from, to],
+                all.zeta,
+            )
+        });
+        let Some((values, left)) = found else { return false };
+        sums.values.copy_from_slice(&values);
+        let lanes: Vec<Lane> = left.iter().map(|&tuple| Lane { tuple, from, to }).collect();
+        let mut own = vec![0.0; members * left.len()];
+        let mut lacking = own.clone();
+        let mut of_left = Sums { values: &mut own, lacking: &mut lacking };
+        self.integrate(plan, below, all, &lanes, &mut of_left, None);
+        for (&tuple, own) in left.iter().zip(own.chunks(members)) {
+            sums.values[members * tuple as usize..][..members].copy_from_slice(own);
+        }
+        true
+    }
+
+    /// The integrals over one interval at all tuples.
+    pub(super) fn over(
+        &mut self,
+        below: &mut [Past],
+        all: Surroundings,
+        [from, to]: [f64; 2],
+    ) -> Vec<f64> {
+        let plan = &all.plan.histories[self.group];
+        let lanes: Vec<Lane> =
+            (0..self.tuples as u32).map(|tuple| Lane { tuple, from, to }).collect();
+        let mut values = vec![0.0; lanes.len() * plan.members.len()];
+        let mut lacking = values.clone();
+        let mut sums = Sums { values: &mut values, lacking: &mut lacking };
+        self.integrate(plan, below, all, &lanes, &mut sums, None);
+        values
     }
 
     /// Adds an edge by the integrals over the panel before it, and what these may lack.
