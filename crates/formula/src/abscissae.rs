@@ -57,14 +57,14 @@ impl Abscissae {
         point
     }
 
-    /// So many integrals at all tuples, and the tuples that are left out; `sample` gives them at some places. None where
+    /// Fills in so many integrals at all tuples, but those that it returns; `sample` gives them at some places. None where
     /// they are not smooth enough.
-    pub(super) fn interpolated(
+    pub(super) fn interpolate(
         &self,
         members: usize,
         mut sample: impl FnMut(&[f64]) -> Vec<f64>,
-    ) -> Option<(Vec<f64>, Vec<u32>)> {
-        let mut values = vec![0.0; self.x.len() * members];
+        values: &mut [f64],
+    ) -> Option<Vec<u32>> {
         let (mut sizes, mut left) = (vec![0.0f64; members], Vec::new());
         let (mut pieces, mut nodes) = (self.pieces(), 0);
         while !pieces.is_empty() {
@@ -85,14 +85,14 @@ impl Abscissae {
                 let columns: Vec<[f64; ORDER]> = (0..members).map(column).collect();
                 // NaN is not smooth.
                 if columns.iter().zip(&sizes).all(|(own, size)| last(own) <= SHARE * size) {
-                    self.fill(piece, &columns, &mut values);
+                    self.fill(piece, &columns, values);
                 } else {
                     self.halve(piece, &mut halves, &mut left);
                 }
             }
             pieces = halves;
         }
-        Some((values, left))
+        Some(left)
     }
 
     /// Equal pieces of the axis.
@@ -133,5 +133,44 @@ impl Abscissae {
             let own = &mut values[columns.len() * tuple as usize..][..columns.len()];
             own.iter_mut().zip(columns).for_each(|(own, column)| *own = dot(&weights, column));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn abscissae(x: Vec<f64>) -> Abscissae {
+        let mut order: Vec<u32> = (0..x.len() as u32).collect();
+        order.sort_unstable_by(|&a, &b| x[a as usize].total_cmp(&x[b as usize]));
+        Abscissae { axis: 0, x, order }
+    }
+
+    /// Two functions, one with a kink: what is not filled in is near it; few nodes are taken.
+    #[test]
+    fn smooth_pieces_are_filled_in_and_few_are_left() {
+        let x: Vec<f64> = (0..8000).map(|k| (0.618_033_988_749_894_9 * k as f64).fract()).collect();
+        let own = abscissae(x.clone());
+        let f = |x: f64| [(3.0 * x).sin(), (x - 0.37).abs()];
+        let (mut values, mut nodes) = (vec![f64::NAN; 2 * x.len()], 0);
+        let sample = |places: &[f64]| -> Vec<f64> {
+            nodes += places.len();
+            places.iter().flat_map(|&x| f(x)).collect()
+        };
+        let left = own.interpolate(2, sample, &mut values).expect("two smooth pieces");
+        assert!(left.len() <= 2 * FEW && nodes < 1000, "{} {nodes}", left.len());
+        assert!(left.iter().all(|&tuple| (x[tuple as usize] - 0.37).abs() < 0.01));
+        for (tuple, found) in values.chunks(2).enumerate() {
+            if left.contains(&(tuple as u32)) {
+                continue;
+            }
+            for (a, b) in found.iter().zip(f(x[tuple])) {
+                assert!((a - b).abs() < 2.0 * SHARE, "{}: {a} {b}", x[tuple]);
+            }
+        }
+        // Noise of ten shares is smooth nowhere.
+        let noise = |x: f64| 1.0 + 10.0 * SHARE * (1e6 * x).sin();
+        let noisy = |places: &[f64]| places.iter().map(|&x| noise(x)).collect();
+        assert!(own.interpolate(1, noisy, &mut values[..x.len()]).is_none());
     }
 }

@@ -164,8 +164,8 @@ impl Past {
                 (0..self.tuples as u32).map(move |tuple| Lane { tuple, from, to })
             };
             let lanes: Vec<Lane> = (first..first + count).flat_map(of_panel).collect();
-            let mut values = vec![0.0; lanes.len() * members];
-            let mut lacking = values.clone();
+            // Pages of zeros that nothing is added to are none.
+            let [mut values, mut lacking] = [(); 2].map(|()| vec![0.0; lanes.len() * members]);
             let mut sums = Sums { values: &mut values, lacking: &mut lacking };
             if !(count == 1 && self.interpolate(plan, below, all, &lanes, &mut sums)) {
                 self.integrate(plan, below, all, &lanes, &mut sums, Some(first));
@@ -194,16 +194,15 @@ impl Past {
         let Some(abscissae) = &self.abscissae else { return false };
         let Lane { from, to, .. } = lanes[0];
         let members = plan.members.len();
-        let found = abscissae.interpolated(members, |places| {
+        let sample = |places: &[f64]| {
             let points: Vec<[f64; 3]> = places.iter().map(|&x| abscissae.point(x)).collect();
-            Bound::one_by_one(Arc::clone(all.plan), &points).integrals(
-                self.group,
-                [from, to],
-                all.zeta,
-            )
-        });
-        let Some((values, left)) = found else { return false };
-        sums.values.copy_from_slice(&values);
+            let mut bound = Bound::one_by_one(Arc::clone(all.plan), &points);
+            bound.integrals(self.group, [from, to], all.zeta)
+        };
+        let Some(left) = abscissae.interpolate(members, sample, sums.values) else {
+            sums.values.fill(0.0);
+            return false;
+        };
         let lanes: Vec<Lane> = left.iter().map(|&tuple| Lane { tuple, from, to }).collect();
         let mut own = vec![0.0; members * left.len()];
         let mut lacking = own.clone();

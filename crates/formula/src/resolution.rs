@@ -111,7 +111,10 @@ pub(super) fn is_unresolved(values: &[f64], share: f64) -> bool {
     let larger = |most: f64, value: &f64| if value.abs() > most { value.abs() } else { most };
     let last = last(values);
     // Most are resolved by far: any value is large enough.
-    !(last <= share * values[0].abs()) && last > share * values.iter().fold(0.0, larger)
+    if last <= share * values[0].abs() {
+        return false;
+    }
+    last > share * values.iter().fold(0.0, larger)
 }
 
 /// The sum of the sizes of the last two coefficients: about what the polynomial through the values lacks of a power with
