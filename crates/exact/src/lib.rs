@@ -13,7 +13,6 @@
 //!   against values from outside.
 
 mod accumulated;
-mod bands;
 mod bound_products;
 mod check;
 pub mod constitutive;
