@@ -31,8 +31,8 @@ pub fn march<P: Projection>(
     let rule = model.time_rule.as_ref();
     let at_start = |source| failed(0, 0.0, source);
     let solver = LinearSolver::of(space, model, grid.steps());
-    let mut volume =
-        Volume::new(space, model, solver, Unknowns::Displacements).map_err(at_start)?;
+    let volume = Volume::new(space, model, solver, Unknowns::Displacements, grid.is_uniform());
+    let mut volume = volume.map_err(at_start)?;
     volume.set(&[]).map_err(at_start)?;
     let mut solutions = load.basis().unwrap_or_default().to_vec();
     for vector in &mut solutions {
@@ -91,8 +91,7 @@ pub fn march<P: Projection>(
             multiplier: &nothing,
         };
         let parts = load.basis().unwrap_or_default();
-        let mut residual =
-            combination.kkt_residual(space, [&coefficients, &past], &factors, parts);
+        let mut residual = combination.kkt_residual(space, [&coefficients, &past], &factors, parts);
         // The last level is balanced by the load itself; one that is no number is said first.
         if n == grid.steps() || !residual.is_finite() {
             let start = Instant::now();

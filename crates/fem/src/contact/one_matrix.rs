@@ -7,7 +7,8 @@
 //! With ℬ₀ = β𝒜, or without memory, K is 𝒜, and v_n = (1 + βW)u_n + β past_n solves K v_n = F_n - C_n with the contact
 //! forces C_n, whatever the last slot's weight W is: no pass asks for the past, and what it is on Γ3 is enough for the
 //! problems there, so that passes are made for several levels together. Else K = 𝒜 + Σ W_i ℬ_i, a new one where a W_i
-//! changes: once on a uniform grid; the past is a force, and each level needs the displacements of those before it.
+//! changes: once on a uniform grid; the past is a force, and each level needs the displacements of those before it. On
+//! other grids an old K serves, and what it lacks at u_n is a force that passes are repeated for.
 
 mod expansion;
 mod pending;
@@ -24,7 +25,11 @@ use super::{Discretization, LinearSolver, Load, Model, Unknowns};
 use algebra::linalg::{FactorError, axpy};
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Convolution, Projection};
-use vhi::{FailedStep, Newton, StepError};
+use vhi::{Extrapolation, FailedStep, Newton, StepError, StepState};
+
+/// Passes for one level with an old matrix, beyond the first, before it has one of its own: each leaves some 1e-3 of what
+/// the one before it left.
+const MOST_REPEATED: u32 = 8;
 
 /// Solves all levels and shows each to `observe`.
 ///
@@ -74,9 +79,14 @@ struct OneMatrix<'a, P> {
     /// Levels whose passes are made together, the first `solved` of them solved on Γ3.
     pending: Vec<Pending>,
     solved: usize,
+    /// The right side of one level.
+    right: Vec<f64>,
     /// In the order of the factor, of each pending level: L₁₁⁻¹ of the right side, with v_n on Γ3 behind it where it is
     /// known; v_n throughout after the backward pass.
     swept: Vec<f64>,
+    /// Where an old matrix may serve: displacements of the last levels, and what a pass takes for those of its own.
+    trend: Extrapolation,
+    guess: StepState,
     accumulated: Accumulated,
     /// Unknowns and histories padded to all nodes; the same as displacements.
     u: Vec<f64>,
@@ -103,7 +113,7 @@ impl<'a, P: Projection> OneMatrix<'a, P> {
             Some(_) => (LinearSolver::Direct, Unknowns::ContactLast),
             None => (LinearSolver::of(space, model, grid.steps()), Unknowns::Displacements),
         };
-        let volume = Volume::new(space, model, solver, unknowns)?;
+        let volume = Volume::new(space, model, solver, unknowns, grid.is_uniform())?;
         let boundary = model.boundary.as_ref();
         let side = boundary.map(|_| Side::new(space, model, grid, &volume));
         let (dofs, nodes, points) = (space.dofs(), space.nodes.len(), space.trace.points.len());
@@ -115,6 +125,7 @@ impl<'a, P: Projection> OneMatrix<'a, P> {
         }
         let framed = side.is_some() && !space.frames.is_empty();
         let (width, terms) = (volume.width(), model.memory.len());
+        let guessed = if volume.serves() { dofs } else { 0 };
         Ok(Self {
             cut: dofs - side.as_ref().map_or(0, Side::size),
             memory,
@@ -122,7 +133,10 @@ impl<'a, P: Projection> OneMatrix<'a, P> {
             factors: Vec::new(),
             pending: vec![Pending::new(dofs, terms); width],
             solved: 0,
+            right: vec![0.0; dofs],
             swept: vec![0.0; dofs * width],
+            trend: Extrapolation::default(),
+            guess: StepState { u: vec![0.0; guessed], pressure: Vec::new() },
             accumulated: Accumulated::default(),
             u: vec![0.0; nodes],
             history: vec![vec![0.0; nodes]; terms],
@@ -156,18 +170,95 @@ impl<'a, P: Projection> OneMatrix<'a, P> {
             ready += usize::from(late.is_ok());
         }
         if ready > 0 {
-            let (n, t) = (first, self.grid.time(first));
-            let failed = |source| FailedStep { n, t, source: refused(source) };
-            self.prepare(&*load).map_err(failed)?;
-            self.eliminate(ready, &*load);
-        }
-        for at in 0..ready {
-            let (n, t) = (first + at, self.grid.time(first + at));
-            let step = self.condensed(at, newton);
-            step.map_err(|source| FailedStep { n, t, source })?;
-            self.solved += 1;
+            self.passes(first, ready, &*load, newton)?;
         }
         late
+    }
+
+    /// Passes for the levels that are ready; for one again, as long as its matrix is an old one and leaves something.
+    fn passes(
+        &mut self,
+        first: usize,
+        ready: usize,
+        load: &dyn Load,
+        newton: &Newton,
+    ) -> Result<(), CaseError> {
+        let (n, t) = (first, self.grid.time(first));
+        let failed = |source| FailedStep { n, t, source: refused(source) };
+        let anew = self.volume.set(&self.pending[0].slot).map_err(failed)?;
+        self.prepare(anew, load);
+        // With a multiple the past waits for the displacements.
+        if self.volume.beta.is_none() {
+            self.recall();
+        }
+        if self.volume.is_behind() {
+            self.trend.start(t, &mut self.guess);
+        }
+        for repeated in 0.. {
+            self.pass(first, ready, load, newton, repeated > 0)?;
+            let behind = self.volume.is_behind();
+            if !self.volume.serves() {
+                break;
+            }
+            let solved = self.replace_guess();
+            if !behind || solved {
+                self.volume.count(repeated + 1);
+                break;
+            }
+            if repeated == MOST_REPEATED {
+                self.volume.renew(&self.pending[0].slot).map_err(failed)?;
+                self.prepare(true, load);
+                self.add_up(0, load);
+            }
+        }
+        if self.volume.serves() {
+            self.trend.keep(t, &self.guess);
+        }
+        if let Some(side) = self.side.as_mut().filter(|_| self.volume.is_behind()) {
+            side.keep(self.grid, t);
+        }
+        Ok(())
+    }
+
+    /// One pass; levels before a failure are solved in any case.
+    fn pass(
+        &mut self,
+        first: usize,
+        ready: usize,
+        load: &dyn Load,
+        newton: &Newton,
+        again: bool,
+    ) -> Result<(), CaseError> {
+        self.eliminate(ready, load, again);
+        self.solved = 0;
+        let mut outcome = Ok(());
+        while self.solved < ready && outcome.is_ok() {
+            let (at, n) = (self.solved, first + self.solved);
+            let step = self.condensed(at, newton, again);
+            outcome = step.map_err(|source| FailedStep { n, t: self.pending[at].t, source });
+            self.solved += usize::from(outcome.is_ok());
+        }
+        let (width, n, t) = (self.pending.len(), first, self.pending[0].t);
+        let volume = self.volume.backward(self.cut, width, &mut self.swept, self.solved);
+        if let Err(source) = volume {
+            self.solved = 0;
+            return Err(FailedStep { n, t, source: refused(source) }.into());
+        }
+        Ok(outcome?)
+    }
+
+    /// Takes the displacements of a pass for the next one; whether they solve the level.
+    fn replace_guess(&mut self) -> bool {
+        for (&value, &dof) in self.swept.iter().zip(&self.volume.order) {
+            self.u[dof as usize] = value;
+        }
+        let (dofs, force) = (self.space.dofs(), &self.pending[0].force);
+        let (u, left) = (&self.u[..dofs], &mut self.nodal[..dofs]);
+        let solved =
+            self.volume.is_behind() && self.volume.is_solved(u, &self.guess.u, force, left);
+        axpy(1.0, left, &mut self.right);
+        self.guess.u.copy_from_slice(u);
+        solved
     }
 
     /// Load and weights of level n.
@@ -195,14 +286,9 @@ impl<'a, P: Projection> OneMatrix<'a, P> {
         }
     }
 
-    /// The matrix of the first pending level, which is that of all.
-    fn prepare(&mut self, load: &dyn Load) -> Result<(), FactorError> {
-        let Some(side) = &mut self.side else {
-            return self.volume.set(&self.pending[0].slot).map(drop);
-        };
-        if !self.volume.set(&self.pending[0].slot)? {
-            return Ok(());
-        }
+    /// What is made of a new matrix on Γ3.
+    fn prepare(&mut self, anew: bool, load: &dyn Load) {
+        let Some(side) = self.side.as_mut().filter(|_| anew) else { return };
         side.level.set_schur(&self.volume.last_triangle(self.cut));
         if let Some(basis) = load.basis().filter(|_| self.volume.beta.is_some()) {
             let (volume, frames, cut) = (&mut self.volume, &self.space.frames, self.cut);
@@ -217,43 +303,52 @@ impl<'a, P: Projection> OneMatrix<'a, P> {
             self.basis = Some(basis.iter().map(sweep).collect());
             self.factors = vec![0.0; basis.len()];
         }
-        Ok(())
     }
 
-    /// The right sides with the volume eliminated.
-    fn eliminate(&mut self, ready: usize, load: &dyn Load) {
-        let (width, dofs) = (self.pending.len(), self.space.dofs());
+    /// The right sides with the volume eliminated; `again` after what the last pass left was added to one.
+    fn eliminate(&mut self, ready: usize, load: &dyn Load, again: bool) {
+        let width = self.pending.len();
         for at in 0..ready {
-            // With a multiple the past waits for the displacements.
-            if self.volume.beta.is_none() {
-                self.recall();
+            if !again {
+                self.add_up(at, load);
             }
-            let right = &mut self.nodal[..dofs];
             let rows = self.swept.iter_mut().skip(at).step_by(width);
-            if let Some(basis) = &self.basis {
-                load.factors(self.pending[at].t, &mut self.factors);
-                right.fill(0.0);
-                for (vector, factor) in basis.iter().zip(&self.factors) {
-                    axpy(*factor, vector, right);
+            match &self.basis {
+                Some(_) => rows.zip(&self.right).for_each(|(value, own)| *value = *own),
+                None => {
+                    let own = |&dof: &u32| self.right[dof as usize];
+                    rows.zip(self.volume.order.iter().map(own)).for_each(|(row, own)| *row = own);
                 }
-                rows.zip(right).for_each(|(value, own)| *value = *own);
-                continue;
             }
-            right.copy_from_slice(&self.pending[at].force);
-            if self.side.is_some() {
-                self.space.frames.force_on_unknowns(right);
-            }
-            self.volume.subtract_memory(&self.history, right);
-            let order = self.volume.order.iter();
-            rows.zip(order).for_each(|(value, &dof)| *value = right[dof as usize]);
         }
         if self.basis.is_none() {
             self.volume.forward(self.cut, width, &mut self.swept);
         }
     }
 
+    /// The right side of a pending level, eliminated where the load has a basis.
+    fn add_up(&mut self, at: usize, load: &dyn Load) {
+        let right = &mut self.right;
+        if let Some(basis) = &self.basis {
+            load.factors(self.pending[at].t, &mut self.factors);
+            right.fill(0.0);
+            for (vector, factor) in basis.iter().zip(&self.factors) {
+                axpy(*factor, vector, right);
+            }
+            return;
+        }
+        right.copy_from_slice(&self.pending[at].force);
+        if self.side.is_some() {
+            self.space.frames.force_on_unknowns(right);
+        }
+        self.volume.subtract_memory(&self.history, right);
+        if self.volume.is_behind() {
+            self.volume.subtract_behind(&self.guess.u, right);
+        }
+    }
+
     /// Γ3 of a pending level; a level without contact is its passes.
-    fn condensed(&mut self, at: usize, newton: &Newton) -> Result<(), StepError> {
+    fn condensed(&mut self, at: usize, newton: &Newton, again: bool) -> Result<(), StepError> {
         let start = Instant::now();
         let (width, pending) = (self.pending.len(), &mut self.pending[at]);
         if pending.scale.is_nan() || pending.scale <= 0.0 {
@@ -263,9 +358,15 @@ impl<'a, P: Projection> OneMatrix<'a, P> {
             self.info.newton_iterations += 1;
             return Ok(());
         };
+        if !again {
+            side.start(pending.t);
+        }
         // Without unknowns on Γ3 nothing is behind the cut.
         let rows = self.swept.get_mut(self.cut * width + at..).unwrap_or_default();
         let info = side.solve(self.model, self.grid, newton, pending, (rows, width))?;
+        if !self.volume.is_behind() {
+            side.keep(self.grid, pending.t);
+        }
         self.info.newton_iterations += info.iterations;
         self.info.damped_iterations += info.damped;
         self.info.active_set_changes += info.active_set_changes;

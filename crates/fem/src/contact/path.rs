@@ -159,9 +159,7 @@ pub(super) fn foreseen<P: Projection>(
     paths.insert(match plan {
         Plan::Recursion => by_grid(equal, [Path::Recursion, Path::RecursionGraded]),
         Plan::Condensed | Plan::Linear if anew => by_grid(equal, [Path::Anew, Path::AnewGraded]),
-        Plan::Condensed | Plan::Linear => {
-            by_grid(equal, [Path::Condensed, Path::CondensedGraded])
-        }
+        Plan::Condensed | Plan::Linear => by_grid(equal, [Path::Condensed, Path::CondensedGraded]),
         Plan::Newton => by_grid(equal, [Path::Newton, Path::NewtonGraded]),
     });
     paths.insert(match plan {

@@ -65,6 +65,10 @@ impl Plan {
         if !Self::changes_factor(model) {
             return Some(1);
         }
+        // An old matrix serves on other grids, as long as it pays.
+        if !grid.is_uniform() {
+            return None;
+        }
         let weight = |n: usize, term: &MemoryTerm| {
             model.time_rule.kernel_weight(&Convolution(&*term.kernel), grid, n, n)
         };

@@ -57,6 +57,19 @@ impl<'a> Side<'a> {
         self.memory.as_ref().map_or(0, Memory::bytes)
     }
 
+    /// Takes the start values of a level.
+    pub(super) fn start(&mut self, t: f64) {
+        self.extrapolation.start(t, &mut self.state);
+    }
+
+    /// Keeps the level that was solved last.
+    pub(super) fn keep(&mut self, grid: &TimeGrid, t: f64) {
+        self.extrapolation.keep(t, &self.state);
+        if let Some(memory) = &mut self.memory {
+            memory.commit(grid, &self.state.u);
+        }
+    }
+
     /// Solves `pending`, whose condensed right side is every `width`-th of `rows`, and leaves v_n there.
     pub(super) fn solve<P: Projection>(
         &mut self,
@@ -66,7 +79,7 @@ impl<'a> Side<'a> {
         pending: &mut Pending,
         (rows, width): (&mut [f64], usize),
     ) -> Result<StepInfo, StepError> {
-        let (level, beta, t) = (&mut self.level, self.beta, pending.t);
+        let (level, beta) = (&mut self.level, self.beta);
         level.scale = pending.scale;
         let right = rows.iter().step_by(width);
         level.load.iter_mut().zip(right).for_each(|(load, row)| *load = *row);
@@ -74,12 +87,7 @@ impl<'a> Side<'a> {
             memory.past(&*term.kernel, model.time_rule.as_ref(), grid, &mut self.past);
             level.add_to_load(-beta, self.past.iter().copied());
         }
-        self.extrapolation.start(t, &mut self.state);
         let info = newton.solve(level, &mut self.state, &mut self.scratch)?;
-        self.extrapolation.keep(t, &self.state);
-        if let Some(memory) = &mut self.memory {
-            memory.commit(grid, &self.state.u);
-        }
         let known = self.state.u.iter().zip(&self.past);
         for (row, (u, past)) in rows.iter_mut().step_by(width).zip(known) {
             *row = pending.scale * u + beta * past;

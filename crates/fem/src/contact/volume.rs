@@ -25,13 +25,20 @@ pub(super) struct Volume<'a> {
     pub elastic: Arc<Vec<f64>>,
     by_memory: Vec<Vec<f64>>,
     matrix: Vec<f64>,
-    /// Weights that K was made of; `None` before the first.
+    /// Weights that K was made of, `None` before the first; those of the level less them, all zero but where an old
+    /// factor serves.
     slot: Option<Vec<f64>>,
+    behind: Vec<f64>,
+    /// Whether it may, the passes it has cost beyond what one of the level before costs, and what a factorization costs.
+    serves: bool,
+    extra: u32,
+    worth: u32,
     way: Way<'a>,
     /// Of the unknowns in right sides of a pass.
     pub order: Vec<u32>,
-    /// Products with a ℬ_i.
+    /// Products with a ℬ_i, and what they are products with.
     product: Vec<f64>,
+    change: Vec<f64>,
     work: Work,
 }
 
@@ -44,9 +51,16 @@ enum Way<'a> {
         front: Front<f64>,
         sides: Front<Side>,
     },
-    Multigrid { sequence: Box<MultigridSequence<'a>>, room: [Vec<f64>; 4] },
+    Multigrid {
+        sequence: Box<MultigridSequence<'a>>,
+        room: [Vec<f64>; 4],
+    },
 }
 
+/// Passes that a level takes with the factor of the level before it, on grids of usual lengths.
+const LEAST: u32 = 2;
+/// A factorization that costs no more passes is made for every level: from some n = 32 on in the plane it costs more.
+const DEAR: u32 = 3;
 /// Residual of one solve by multigrid over its right side: further digits come from solving for what is left.
 const FORCING: f64 = 1e-8;
 /// A correction that leaves more than this of the residual has met rounding.
@@ -67,6 +81,7 @@ impl<'a> Volume<'a> {
         model: &Model<P>,
         solver: LinearSolver,
         unknowns: Unknowns,
+        equal_steps: bool,
     ) -> Result<Self, FactorError> {
         let (beta, mut work) = (model.memory_multiple(), Work::default());
         let analysis = match unknowns {
@@ -103,6 +118,7 @@ impl<'a> Volume<'a> {
                 sides: Front::default(),
             },
         };
+        let worth = analysis.passes_of_a_factor();
         let order = match &way {
             Way::Factor { analysis, .. } => analysis.order().to_vec(),
             Way::Multigrid { .. } => (0..dofs as u32).collect(),
@@ -115,6 +131,11 @@ impl<'a> Volume<'a> {
             matrix: if by_memory.is_empty() { Vec::new() } else { elastic.to_vec() },
             product: vec![0.0; if by_memory.is_empty() { 0 } else { dofs }],
             slot: None,
+            behind: Vec::new(),
+            serves: levels.is_none() && beta.is_none() && !equal_steps && worth > DEAR,
+            extra: 0,
+            worth,
+            change: Vec::new(),
             beta,
             elastic,
             by_memory,
@@ -129,15 +150,31 @@ impl<'a> Volume<'a> {
         if together { SIDES } else { 1 }
     }
 
-    /// Makes K of these weights; whether it is another one.
+    /// Takes weights of a level; whether K is made anew of them. Where each level has its own, an old factor serves until
+    /// its extra passes have cost a new one: at most twice the least cost, whatever comes.
     ///
     /// # Errors
     /// K is not positive definite.
     pub(super) fn set(&mut self, slot: &[f64]) -> Result<bool, FactorError> {
-        let known = self.slot.as_ref();
-        if known.is_some_and(|known| self.beta.is_some() || known == slot) {
-            return Ok(false);
+        if let Some(known) = &self.slot {
+            let known = known.iter().zip(slot);
+            self.behind.clear();
+            self.behind.extend(known.map(|(known, own)| own - known));
+            let same = self.beta.is_some() || !self.is_behind();
+            if same || (self.serves && self.extra < self.worth) {
+                return Ok(false);
+            }
         }
+        self.renew(slot)
+    }
+
+    /// Makes K of these weights, whatever serves.
+    ///
+    /// # Errors
+    /// As [`Self::set`].
+    pub(super) fn renew(&mut self, slot: &[f64]) -> Result<bool, FactorError> {
+        self.behind.clear();
+        self.extra = 0;
         let start = Instant::now();
         if !self.by_memory.is_empty() {
             self.matrix.copy_from_slice(&self.elastic);
@@ -166,6 +203,52 @@ impl<'a> Volume<'a> {
             none => *none = Some(slot.to_vec()),
         }
         Ok(true)
+    }
+
+    /// Whether an old K may serve.
+    pub(super) fn serves(&self) -> bool {
+        self.serves
+    }
+
+    /// Whether K is that of other weights: what a pass takes for u then belongs to the right side.
+    pub(super) fn is_behind(&self) -> bool {
+        self.beta.is_none() && self.behind.iter().any(|own| *own != 0.0)
+    }
+
+    /// Subtracts the forces that K lacks at `u`.
+    pub(super) fn subtract_behind(&mut self, u: &[f64], forces: &mut [f64]) {
+        for (matrix, own) in self.by_memory.iter().zip(&self.behind) {
+            self.space.pattern.multiply(matrix, u, &mut self.product);
+            axpy(-own, &self.product, forces);
+        }
+    }
+
+    /// Counts passes that a level took.
+    pub(super) fn count(&mut self, passes: u32) {
+        self.extra += passes.saturating_sub(LEAST);
+    }
+
+    /// Whether `u` solves a level with the load `force`, of a pass that took `taken` for it; in `left` what it
+    /// leaves of the right side.
+    pub(super) fn is_solved(
+        &mut self,
+        u: &[f64],
+        taken: &[f64],
+        force: &[f64],
+        left: &mut [f64],
+    ) -> bool {
+        let mut change = std::mem::take(&mut self.change);
+        change.clear();
+        change.extend(u.iter().zip(taken).map(|(u, taken)| u - taken));
+        left.fill(0.0);
+        self.subtract_behind(&change, left);
+        self.change = change;
+        norm(left) <= accepted_residual(self.forces(u) + norm(force))
+    }
+
+    /// What forces of the diagonal of 𝒜 are at u.
+    fn forces(&self, u: &[f64]) -> f64 {
+        size_of_forces(self.space, &self.elastic, u)
     }
 
     /// The factor of the Schur complement on the unknowns from `cut` on, see [`Analysis::last_triangle`].
@@ -260,9 +343,7 @@ impl<'a> Volume<'a> {
         space.pattern.multiply(&self.elastic, &v, &mut product);
         axpy(-1.0, &product, &mut force);
         self.subtract_memory(history, &mut force);
-        let diagonal = |i: usize| self.elastic[space.pattern.diagonal(i)] * v[i];
-        let forces: Vec<f64> = (0..dofs).map(diagonal).collect();
-        let tolerance = accepted_residual(norm(&forces) + size);
+        let tolerance = accepted_residual(self.forces(&v) + size);
         let accepted = Accepted { residual: norm(&force), tolerance };
         match &mut self.way {
             Way::Factor { analysis, factor, front, .. } => {
@@ -287,6 +368,14 @@ impl<'a> Volume<'a> {
     }
 }
 
+/// ‖diag(K)u‖.
+fn size_of_forces(space: &Discretization, matrix: &[f64], u: &[f64]) -> f64 {
+    let force = |(dof, u): (usize, &f64)| matrix[space.pattern.diagonal(dof)] * u;
+    root_of_squares(|scale| {
+        u.iter().enumerate().map(force).map(|f| (scale * f) * (scale * f)).sum()
+    })
+}
+
 /// A solve by multigrid as far as rounding lets it come.
 fn solve_by(
     space: &Discretization,
@@ -300,10 +389,7 @@ fn solve_by(
     x.fill(0.0);
     let mut last = f64::INFINITY;
     loop {
-        let force = |(dof, x): (usize, &f64)| matrix[space.pattern.diagonal(dof)] * x;
-        let forces = root_of_squares(|scale| {
-            x.iter().enumerate().map(force).map(|f| (scale * f) * (scale * f)).sum()
-        });
+        let forces = size_of_forces(space, matrix, x);
         let left = norm(residual);
         // The tolerance of Newton's method; or as far as rounding lets a solve come.
         let small = accepted_residual(forces + size);

@@ -1,29 +1,21 @@
-//! From Γ3 into the volume: displacements, histories and what an observer sees of levels that are solved on Γ3.
+//! What passes leave: displacements, histories and what an observer sees of levels that are solved.
 
 use std::time::Instant;
 
-use super::{OneMatrix, Pending, refused};
+use super::{OneMatrix, Pending};
 use crate::contact::kkt::kkt_residual_in;
 use crate::contact::march::{CaseError, Observer, StepView, split_pressures};
 use crate::contact::side::Side;
 use crate::contact::strain_norm;
 use algebra::linalg::{axpy, norm};
-use vhi::{FailedStep, StepInequality};
+use vhi::StepInequality;
 use vhi::history::Memory;
 use vhi::law::Projection;
 
 impl<P: Projection> OneMatrix<'_, P> {
-    /// Expands the levels that are solved, commits and shows them in their order.
+    /// Commits the levels that are solved and shows them, in their order.
     pub(super) fn expand(&mut self, observe: &mut Observer<'_>) -> Result<(), CaseError> {
-        let levels = std::mem::take(&mut self.solved);
-        if levels == 0 {
-            return Ok(());
-        }
-        let Pending { n, t, .. } = self.pending[0];
-        let solved =
-            self.volume.backward(self.cut, self.pending.len(), &mut self.swept, levels);
-        solved.map_err(|source| FailedStep { n, t, source: refused(source) })?;
-        for at in 0..levels {
+        for at in 0..std::mem::take(&mut self.solved) {
             let start = Instant::now();
             self.shown = at;
             self.commit();
