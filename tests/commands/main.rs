@@ -8,6 +8,7 @@ mod cli;
 mod diagnose_command;
 mod distributed;
 mod equations;
+mod explained;
 mod extend;
 mod external;
 mod fit_tables;
