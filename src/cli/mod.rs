@@ -29,6 +29,7 @@ mod report;
 mod run;
 mod shell;
 mod solve;
+mod study;
 mod swept;
 mod target;
 mod trade;
