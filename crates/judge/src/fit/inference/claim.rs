@@ -130,10 +130,13 @@ impl Posterior {
     }
 
     fn answer_of(&self, mixture: &Mixture, claim: &Claim) -> Answer {
+        // A grid has no slopes of its own, and as little to say of each order.
         let few = self.slopes.len() < FEWEST;
         let needed = if few { CONFIRMED_BY_THREE } else { CONFIRMED };
-        let agree =
-            !few || (self.slopes[1] - self.slopes[0]).abs() <= AGREEMENT * claim.order.abs();
+        let agree = match self.slopes[..] {
+            [first, last] => (last - first).abs() <= AGREEMENT * claim.order.abs(),
+            _ => true,
+        };
         let too_low = mixture.below(claim.order - CLEAR_MISS);
         let too_high = 1.0 - mixture.below(claim.order + CLEAR_MISS);
         if too_low > REFUTED && !(self.slopes.len() == 2 && self.rises_to(claim.order)) {
