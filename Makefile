@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test test-long lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants clean-reports pdf page reference beyond studies report latex
+.PHONY: scenes help run test test-long lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants python clean-reports pdf page reference beyond studies report latex
 
 CARGO ?= cargo
 PYTHON ?= python3
@@ -20,6 +20,7 @@ test-long: ## tests of minutes that widen quick ones of `make test`: all scenes,
 
 lint: ## formatting, clippy and rustdoc, every warning an error
 	$(CARGO) fmt --all --check
+	$(CARGO) fmt --manifest-path python/Cargo.toml --check
 	$(CARGO) clippy --workspace --all-targets -- -D warnings
 	RUSTDOCFLAGS=-Dwarnings $(CARGO) doc --workspace --no-deps
 
@@ -38,6 +39,21 @@ verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate
 	$(COMPARE)/bin/pip install --quiet scikit-fem==12.0.2 scipy numpy
 	$(CARGO) build --release --bin sweep
 	tests/verify_examples.sh target/release/sweep $(COMPARE)/bin/python
+
+# Packages that build and test it are in target/; the wheel is installed into an environment that has nothing else.
+WHEELS := target/wheels
+BUILDER := target/maturin
+CLEAN := target/python
+python: ## the Python package: a wheel in target/wheels, its tests and examples in a clean environment
+	test -x $(BUILDER)/bin/maturin || { $(PYTHON) -m venv $(BUILDER) && $(BUILDER)/bin/pip install --quiet maturin==1.16.0; }
+	rm -rf $(WHEELS) $(CLEAN)
+	CARGO_TARGET_DIR=$(CURDIR)/target $(BUILDER)/bin/maturin build --release --locked --manifest-path python/Cargo.toml --out $(WHEELS)
+	$(PYTHON) -m venv $(CLEAN)
+	$(CLEAN)/bin/pip install --quiet $(WHEELS)/gronwall-*.whl
+	cd target && python/bin/python -c 'import gronwall; print(gronwall.fit([1/8, 1/16, 1/32], [0.1, 0.0251, 0.00629], order=2))'
+	$(CLEAN)/bin/pip install --quiet pytest==9.2.0 numpy pandas matplotlib scikit-fem==12.0.2
+	$(CLEAN)/bin/python -m pytest --quiet -p no:cacheprovider python/tests
+	$(CLEAN)/bin/python -m pytest --quiet -p no:cacheprovider examples/python --gronwall-report $(CURDIR)/target/python-report
 
 SNAKEMAKE := target/snakemake
 beyond: ## a sweep by Snakemake, killed midway and resumed, and by Slurm's arrays: bit for bit that of one process
@@ -110,12 +126,13 @@ sabotage-check: ## the same, and a failure if a gate catches something else than
 	$(CARGO) test --release --test sabotage -- --ignored --test-threads 1
 
 # One recipe, so that -j cannot reorder it and a failure stops what follows.
-ci: ## what has to be green before a merge: lint, tests, gate, other solvers and engines, sabotage, each benchmark once
+ci: ## what has to be green before a merge: lint, tests, gate, other solvers and engines, the Python package, sabotage, each benchmark once
 	$(MAKE) lint
 	$(MAKE) test
 	$(MAKE) test-long
 	$(MAKE) gate
 	$(MAKE) verify-examples
+	$(MAKE) python
 	$(MAKE) beyond
 	$(MAKE) sabotage-check
 	$(MAKE) bench BENCH=--test

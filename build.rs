@@ -1,4 +1,5 @@
-//! What a report says of its origin and the compiler alone knows: commit, compiler, target.
+//! What a report says of its origin and the compiler alone knows: commit, compiler, target; and the table of the scenes
+//! that the program comes with.
 //!
 //! The commit is read from `.git` without the git program, or in a published crate from what cargo keeps of it, and is
 //! "unknown" elsewhere. Cargo runs this again
@@ -20,6 +21,7 @@ fn main() {
         }
         false => "development build".into(),
     };
+    shipped(Path::new("manufactured")).expect("the scenes of the package");
     let told = |name: &str| env::var(name).unwrap_or_else(|_| "unknown".into());
     println!("cargo::rustc-env=GRONWALL_COMMIT={commit}");
     println!("cargo::rustc-env=GRONWALL_TARGET={}", told("TARGET"));
@@ -28,6 +30,27 @@ fn main() {
         "cargo::rustc-env=GRONWALL_COMPILER={}",
         compiler().unwrap_or_else(|| "unknown".into())
     );
+}
+
+/// Writes the files of a folder as `&[(NAME, TEXT), …]`, sorted by name: scenes and the meshes that they name.
+fn shipped(folder: &Path) -> std::io::Result<()> {
+    println!("cargo::rerun-if-changed={}", folder.display());
+    let mut names = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        if name.ends_with(".toml") || name.ends_with(".msh") {
+            names.push(name);
+        }
+    }
+    names.sort();
+    let root = "env!(\"CARGO_MANIFEST_DIR\")";
+    let row = |name: &String| {
+        let path = format!("/{}/{name}", folder.display());
+        format!("({name:?}, include_str!(concat!({root}, {path:?}))),\n")
+    };
+    let table = format!("&[\n{}]", names.iter().map(row).collect::<String>());
+    let out = env::var_os("OUT_DIR").map(PathBuf::from).unwrap_or_default();
+    fs::write(out.join("shipped.rs"), table)
 }
 
 /// `rustc 1.95.0 (59807616e 2026-04-14)`.

@@ -49,12 +49,13 @@
 #![doc = include_str!("../docs/LIBRARY.md")]
 
 pub mod cli;
+pub mod shipped;
 
 pub use algebra::{linalg, tensor};
 pub use exact as manufactured;
 pub use fem::{contact, mesh, norms, space};
 pub use judge::{fit, record, verdict};
-pub use run::{distributed, external, leading_error, sweep};
+pub use run::{Sweep, Swept, distributed, external, leading_error, sweep};
 pub use scene::setup;
 pub use studies::{diagnose, extremes, solution, theory, trade};
 pub use vhi::{finite, history, law};

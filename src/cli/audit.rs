@@ -1,28 +1,21 @@
 //! `sweep audit`: the proofs of Theorems 10 and 11 line by line, on real runs.
 
-mod ledger;
-
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::{Allowance, processors};
-use super::{
-    CliError, Scenes, create_dir, no_case, print_json, print_text, write_file, write_json,
-};
+use super::study::deliver;
+use super::{CliError, Scenes, create_dir, no_case, write_file};
 use fem::contact::BoundaryRule;
 use run::sweep::admit_constants;
 use scene::setup::Setup;
-use studies::theory::audit::{Relation, SceneAudit, Standing, Summary, audit_runs};
+use studies::theory::audit::{SceneAudit, audit_runs};
+use studies::theory::ledger::{LedgerError, document, ledger};
 
 /// Meshes of a scene's own list up to this n are audited unless --n names others: a level costs some
 /// 60 evaluations of the exact solution a cell.
 const FINEST: u32 = 64;
-
-/// Width of the table in characters.
-const WIDTH: u16 = 110;
 
 /// `sweep audit`.
 #[derive(Args)]
@@ -59,6 +52,12 @@ pub struct Audit {
     out: Option<PathBuf>,
 }
 
+impl From<LedgerError> for CliError {
+    fn from(error: LedgerError) -> Self {
+        Self::Other(error.to_string())
+    }
+}
+
 /// A boundary rule by its word.
 #[derive(Clone, Copy, ValueEnum)]
 enum Rule {
@@ -70,7 +69,7 @@ enum Rule {
 impl Audit {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let Some(scene) = self.scene.as_ref().filter(|_| !self.ledger) else {
-            return ledger::execute(scenes, self.json, self.out.as_deref());
+            return self.ledger(scenes);
         };
         let scene = scenes.scene(scene)?;
         admit_constants(&scene, true, &self.allowance.limit())?;
@@ -79,17 +78,23 @@ impl Audit {
         self.choose_rule(&mut setup)?;
         audit_runs(&setup, &ns, &steps, processors()).admit(&self.allowance.limit())?;
         let audit = SceneAudit::new(&setup, &ns, &steps).map_err(CliError::other)?;
-        let mut document = audit.json();
-        document["fingerprint"] = setup.scene.source.hash.clone().into();
         if let Some(dir) = &self.out {
-            write(dir, &audit, &document)?;
+            create_dir(dir)?;
+            let rows = audit.csv().map_err(CliError::other)?;
+            write_file(&dir.join(format!("{}-audit.csv", audit.scene)), rows)?;
         }
-        if self.json {
-            print_json(&document)?;
-        } else {
-            print(&audit);
-        }
+        let checklist = audit.checklist();
+        let document = checklist.document(audit.svg()?);
+        deliver(&checklist, &document, self.out.as_deref(), self.json)?;
         Ok(u8::from(!audit.holds()))
+    }
+
+    /// What runs say of the claims of the paper.
+    fn ledger(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let found =
+            ledger(|name| -> Result<Setup, CliError> { Ok(Setup::new(scenes.scene(name)?)?) })?;
+        deliver(&found, &document(&found), self.out.as_deref(), self.json)?;
+        Ok(u8::from(!found.iter().all(|entry| entry.confirmed)))
     }
 
     fn grids(&self, setup: &Setup) -> Result<(Vec<u32>, Vec<u32>), CliError> {
@@ -125,101 +130,4 @@ impl Audit {
         }
         Ok(())
     }
-}
-
-fn write(dir: &Path, audit: &SceneAudit, document: &serde_json::Value) -> Result<(), CliError> {
-    create_dir(dir)?;
-    let at = |ending: &str| dir.join(format!("{}-audit.{ending}", audit.scene));
-    write_file(&at("csv"), audit.csv().map_err(CliError::other)?)?;
-    write_json(&at("json"), document)?;
-    if let Some(svg) = audit.svg()? {
-        write_file(&at("svg"), svg)?;
-    }
-    Ok(())
-}
-
-fn print(audit: &SceneAudit) {
-    let c = &audit.constants;
-    print_text(&format!(
-        "{}: {}, boundary rule {}, {} runs",
-        audit.scene,
-        audit.theorem(),
-        audit.rule_name(),
-        audit.cases.len()
-    ));
-    print_text(&format!(
-        "m_A = {}, L_A = {}, alpha_phi = {}, beta_phi = {}, alpha_j = {:.4}, c_j^2 = {:.4} ({}), c0 = {:.4}, c1 = {:.4}, |R||q| = {:.4}, m0 = {:.4}",
-        c.m_a,
-        c.l_a,
-        c.alpha_phi,
-        c.beta_phi,
-        c.alpha_j,
-        c.c_j_squared,
-        audit.c_j_source(),
-        c.c0,
-        c.c1,
-        c.history,
-        c.m0()
-    ));
-    let summaries = audit.summaries();
-    print_text(&table(&summaries));
-    for summary in &summaries {
-        print_text(&format!("{:<14} {}", summary.statement.name, summary.statement.says));
-    }
-    let violations = audit.violations();
-    for violation in &violations {
-        print_text(&format!("violated: {violation}"));
-    }
-    let undefined = audit.undefined();
-    for line in &undefined {
-        print_text(&format!("not defined: {line}"));
-    }
-    let held = summaries.iter().filter(|summary| summary.standing == Standing::Holds).count();
-    let without = match undefined.len() {
-        0 => String::new(),
-        number => format!("; {number} without a defined constant"),
-    };
-    print_text(&format!("{held} of {} lines hold in all runs{without}", summaries.len()));
-}
-
-fn table(summaries: &[Summary]) -> String {
-    let mut table = Table::new();
-    table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
-    table.set_width(WIDTH).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-    table.set_header(["line", "left", "", "right", "ratio", "powers of h", "powers of k", "holds"]);
-    for summary in summaries {
-        let sign = if summary.relation == Relation::Equal { "=" } else { "≤" };
-        table.add_row([
-            summary.statement.name.to_owned(),
-            format!("{:.3e}", summary.left),
-            sign.to_owned(),
-            right(summary),
-            summary.ratio.map_or("-".to_owned(), ratio),
-            powers(summary.power_h),
-            powers(summary.power_k),
-            match summary.standing {
-                Standing::Holds => "holds",
-                Standing::Violated => "VIOLATED",
-                Standing::Undefined => "NOT DEFINED",
-            }
-            .to_owned(),
-        ]);
-    }
-    table.trim_fmt()
-}
-
-fn right(summary: &Summary) -> String {
-    match summary.standing {
-        Standing::Undefined => "-".to_owned(),
-        _ => format!("{:.3e}", summary.right),
-    }
-}
-
-fn ratio(ratio: f64) -> String {
-    if (1e-3..1e3).contains(&ratio.abs()) { format!("{ratio:.4}") } else { format!("{ratio:.1e}") }
-}
-
-fn powers(powers: [Option<f64>; 2]) -> String {
-    let [left, right] = powers.map(|power| power.map_or("-".to_owned(), |p| format!("{p:.2}")));
-    format!("{left}, {right}")
 }

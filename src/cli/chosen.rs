@@ -87,7 +87,7 @@ impl Chosen {
 
     /// Why there is no plan at all.
     pub(super) fn none(scenes: &Scenes, purpose: &str) -> CliError {
-        let folder = scenes.folder.display();
-        CliError::Other(format!("no scene to {purpose} in {folder}: name one, or add --all"))
+        let place = scenes.place();
+        CliError::Other(format!("no scene to {purpose} {place}: name one, or add --all"))
     }
 }

@@ -19,7 +19,7 @@ use vhi::law::INTERPOLATED_TO;
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, plan, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, condensed or newton, linear_solver: direct or multigrid, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
+    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, plan, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, linear, condensed or newton, linear_solver: direct or multigrid, factorizations and solves: of the march, null where the run decides, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -56,6 +56,8 @@ impl Explain {
                     "dofs": cost.dofs,
                     "plan": cost.plan.name(),
                     "linear_solver": cost.linear_solver.name(),
+                    "factorizations": cost.work.map(|[factorizations, _]| factorizations),
+                    "solves": cost.work.map(|[_, solves]| solves),
                     "history_bytes": vectors * cost.dofs * size_of::<f64>(),
                     "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
                     "seconds_predicted": cost.seconds,
@@ -218,12 +220,17 @@ fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
     };
     let model = &setup.model;
     match plan {
-        Plan::Recursion => {
-            "linear, memory a multiple of the elasticity or absent: one factorization; loads that separate in time are solved once, and a level is a recursion on their coefficients"
+        Plan::Recursion if setup.load_parts().is_some() => {
+            "linear, memory a multiple of the elasticity or absent: one factorization; the load separates in time, its parts are solved once, and a level is a recursion on their coefficients"
         }
-        Plan::Newton if model.is_linear() => "linear: one factorization, one solve a step",
+        Plan::Recursion => {
+            "linear, memory a multiple of the elasticity or absent: one factorization, one solve a level, eight levels together"
+        }
+        Plan::Linear => {
+            "linear: one factorization for each weight of the last slot (two on equal steps), one solve a level"
+        }
         Plan::Condensed if Plan::changes_factor(model) => {
-            "contact condensed onto Gamma3: one factorization a step size, semismooth Newton with active set on the unknowns of Gamma3, one solve a step in the volume"
+            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps), semismooth Newton with active set on the unknowns of Gamma3, one solve a level in the volume"
         }
         Plan::Condensed => {
             "contact condensed onto Gamma3: one factorization, semismooth Newton with active set on the unknowns of Gamma3, one solve a step in the volume"

@@ -7,9 +7,10 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::Allowance;
-use super::{CliError, create_dir, print_json, print_text, write_file, write_json};
+use super::study::deliver;
+use super::{CliError, create_dir, print_text};
 use files::counted;
-use studies::extremes::{COLUMNS, Ladder, Row, UnderTest, admit, catalogue, judge, map};
+use studies::extremes::{COLUMNS, Climbed, Ladder, UnderTest, admit, catalogue, judge};
 
 /// Width of the table in characters.
 const WIDTH: u16 = 132;
@@ -66,18 +67,9 @@ impl Extremes {
                 rows.push(row);
             }
         }
-        let document = document(&ladders, &rows);
-        if let Some(dir) = &self.out {
-            write_json(&dir.join("extremes.json"), &document)?;
-            write_file(&dir.join("extremes.svg"), map(&ladders, &rows)?)?;
-        }
-        if self.json {
-            print_json(&document)?;
-        } else {
-            print_text(&table(&rows));
-            print_text(&summary(&rows));
-        }
-        Ok(u8::from(rows.iter().any(|row| !row.standing.as_expected())))
+        let climbed = Climbed { ladders, rungs: rows };
+        deliver(&climbed, &climbed.document()?, self.out.as_deref(), self.json)?;
+        Ok(u8::from(!climbed.holds()))
     }
 
     /// The ladders named, or all.
@@ -104,77 +96,14 @@ fn csv_file(dir: &Path) -> Result<csv::Writer<std::fs::File>, CliError> {
     Ok(writer)
 }
 
-fn plain_table() -> Table {
+fn listed(ladders: &[Ladder]) -> String {
     let mut table = Table::new();
     table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
     table.set_width(WIDTH).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-    table
-}
-
-fn listed(ladders: &[Ladder]) -> String {
-    let mut table = plain_table();
     table.set_header(["ladder", "parameter", "rungs", "measured", "expected because"]);
     table.add_rows(ladders.iter().map(|ladder| {
         let rungs = ladder.rungs.len().to_string();
         [ladder.name, ladder.parameter, &rungs, ladder.quantity, ladder.why].map(str::to_owned)
     }));
     table.trim_fmt()
-}
-
-fn table(rows: &[Row]) -> String {
-    let mut table = plain_table();
-    table.set_header([
-        "ladder",
-        "at",
-        "expected",
-        "measured",
-        "digits lost",
-        "iterations",
-        "KKT",
-        "",
-        "note",
-    ]);
-    table.add_rows(rows.iter().map(|row| {
-        let short = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1e}"));
-        [
-            row.ladder.to_owned(),
-            row.at.clone(),
-            row.expected.clone(),
-            short(row.measured),
-            row.digits_lost.map_or("-".to_owned(), |digits| format!("{digits:.1}")),
-            row.iterations.map_or("-".to_owned(), |mean| format!("{mean:.1}")),
-            short(row.kkt),
-            row.standing.words().to_owned(),
-            row.note.clone(),
-        ]
-    }));
-    table.trim_fmt()
-}
-
-fn summary(rows: &[Row]) -> String {
-    let wrong: Vec<String> = rows
-        .iter()
-        .filter(|row| !row.standing.as_expected())
-        .map(|row| format!("{} at {}: {}", row.ladder, row.at, row.note))
-        .collect();
-    let rungs = counted(rows.len(), "rung");
-    match wrong.is_empty() {
-        true => format!("{rungs}, every one as expected"),
-        false => format!("{rungs}, {} not as expected:\n{}", wrong.len(), wrong.join("\n")),
-    }
-}
-
-fn document(ladders: &[Ladder], rows: &[Row]) -> serde_json::Value {
-    let ladder = |ladder: &Ladder| {
-        serde_json::json!({
-            "name": ladder.name,
-            "parameter": ladder.parameter,
-            "quantity": ladder.quantity,
-            "why": ladder.why,
-        })
-    };
-    serde_json::json!({
-        "ladders": ladders.iter().map(ladder).collect::<Vec<_>>(),
-        "rungs": rows,
-    })
 }

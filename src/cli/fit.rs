@@ -1,27 +1,41 @@
 //! `sweep fit`: orders and verdict for anybody's table.
 
+mod claims;
+mod eoc;
 mod grid;
 mod line;
 mod path;
-mod table;
+mod picture;
 mod values;
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use self::table::{Group, Quantity};
+use self::claims::Claims;
+use self::eoc::{Style, plain};
+use super::output::write_user_file;
 use super::{CliError, print_json, print_text};
-use judge::fit::{Direction, joint_fits, path};
-use judge::verdict::Decision;
+use files::read_at_most;
+use judge::fit::{Direction, Point, joint_fits, path};
+use judge::table::{Group, Quantity, Reading, Tables, read};
+use judge::verdict::{Aim, Decision};
 
 /// `sweep fit`.
 #[derive(Args)]
 #[command(
-    after_help = "Columns: h, k (one of them may be missing), error or value, and optionally floor, \
-norm, scene, status; others are ignored. Rows with the same scene and norm are one table: `cases.csv` of \
-a sweep is such a file. A column value in place of error is a functional without an exact value: the \
-extrapolated value, its order, the grid convergence index and the Eça-Hoekstra uncertainty are printed.\n\n\
+    after_help = "The table: columns that comma, semicolon, tab, blanks or | separate, a LaTeX tabular, or lines of \
+`name = value`; # and % begin comments, and a header may be one. Sizes: h, dx or hmax; k, dt or tau; n or N and \
+steps, which are 1/h and 1/k; cells or dofs with --dimension; level, where h = 2^-level. Errors: error, or norms side by side (L2, H1, \
+Linf, energy, error_u, ...), each of them judged. A column value in place of error is a functional without an exact value: the \
+extrapolated value, its order, the grid convergence index and the Eça-Hoekstra uncertainty are printed. Optional: \
+floor, norm, scene, status. Rates and counters (rate, eoc, order, cycle, ...) are skipped. Rows with the same scene and norm are \
+one table, and several rows of one level are runs, of which the mean of the logarithms counts; `cases.csv` of a sweep is such a file.\n\n\
+Examples:\n  \
+sweep fit errors.csv --p 2                              is it second order?\n  \
+program | sweep fit - --dimension 2 --p L2=2,H1=1       a printed table, h from its cells\n  \
+sweep fit errors.csv --latex --svg errors.svg           the table and the picture for a paper\n\n\
 JSON keys with --json: one object a table and direction, with scene, norm, variable (h, k, joint, path), \
 predicted, observed, interval, verdict, reason, and
   h, k of errors: local_slopes, constant, constant_interval, points_used, points_left_out
@@ -33,17 +47,35 @@ Exit codes: 0 without --p and --q, or if all verdicts pass; 1 if one fails or is
 cannot be read."
 )]
 pub struct Fit {
-    /// Table with columns h, k, error (one of h, k may be missing) and optionally floor
+    /// Table of errors or values, - for standard input
     file: PathBuf,
-    /// Predicted order in h
+    /// Predicted order in h: one number for all norms, or NORM=P,...
+    #[arg(long, allow_hyphen_values = true)]
+    p: Option<Claims>,
+    /// Predicted order in k: one number for all norms, or NORM=Q,...
+    #[arg(long, allow_hyphen_values = true)]
+    q: Option<Claims>,
+    /// The orders are lower bounds
     #[arg(long)]
-    p: Option<f64>,
-    /// Predicted order in k
-    #[arg(long)]
-    q: Option<f64>,
+    at_least: bool,
+    /// A higher order fails as well
+    #[arg(long, conflicts_with = "at_least")]
+    exact: bool,
+    /// Dimension of the mesh, where its size is a number of cells or unknowns: h = cells^(-1/D)
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=3))]
+    dimension: Option<u32>,
     /// Print JSON
     #[arg(long)]
     json: bool,
+    /// Print the table with its orders in Markdown
+    #[arg(long, conflicts_with = "json")]
+    markdown: bool,
+    /// Print the table with its orders in LaTeX
+    #[arg(long, conflicts_with_all = ["json", "markdown"])]
+    latex: bool,
+    /// Draw the errors into this file, with triangles of the predicted orders
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
 }
 
 /// What is said of one table in one direction.
@@ -59,18 +91,86 @@ struct Part {
 struct Predicted {
     p: Option<f64>,
     q: Option<f64>,
+    at_least: bool,
+    exact: bool,
+}
+
+impl Predicted {
+    fn order(self, direction: Direction) -> Option<f64> {
+        match direction {
+            Direction::Space => self.p,
+            Direction::Time => self.q,
+        }
+    }
+
+    fn aim(self, order: f64) -> Aim {
+        Aim { order, at_least: self.at_least, exact: self.exact }
+    }
 }
 
 impl Fit {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let Fitted { texts, objects, all_pass } = fitted(&self.file, [self.p, self.q])?;
-        if self.json {
-            print_json(&objects.into())?;
-        } else {
-            texts.iter().for_each(|text| print_text(text));
+        let tables = self.tables()?;
+        for claims in [&self.p, &self.q].into_iter().flatten() {
+            let known =
+                |norm: &str| tables.groups.iter().any(|own| own.norm.as_deref() == Some(norm));
+            if let Some(norm) = claims.norms().find(|norm| !known(norm)) {
+                return Err(CliError::about(self.name(), format!("no norm `{norm}` to judge")));
+            }
         }
-        Ok(u8::from(!all_pass))
+        let predicted = |norm: Option<&str>| Predicted {
+            p: self.p.as_ref().and_then(|claims| claims.of(norm)),
+            q: self.q.as_ref().and_then(|claims| claims.of(norm)),
+            at_least: self.at_least,
+            exact: self.exact,
+        };
+        let found = judged(&self.name(), &tables, predicted)?;
+        if let Some(file) = &self.svg {
+            let drawn = picture::svg(&tables.groups, predicted)?;
+            write_user_file(file, drawn)?;
+        }
+        match (self.json, self.markdown, self.latex) {
+            (true, ..) => print_json(&found.objects.into())?,
+            (_, true, _) => {
+                eoc::tables(&tables.groups, Style::Markdown).iter().for_each(|t| print_text(t))
+            }
+            (.., true) => {
+                eoc::tables(&tables.groups, Style::Latex).iter().for_each(|t| print_text(t))
+            }
+            _ => found.texts.iter().for_each(|text| print_text(text)),
+        }
+        Ok(u8::from(!found.all_pass))
     }
+
+    fn name(&self) -> String {
+        match self.file.as_os_str() == "-" {
+            true => "standard input".into(),
+            false => self.file.display().to_string(),
+        }
+    }
+
+    fn tables(&self) -> Result<Tables, CliError> {
+        let reading = Reading { dimension: self.dimension };
+        if self.file.as_os_str() != "-" {
+            return tables(&self.file, &reading);
+        }
+        let mut bytes = Vec::new();
+        let said = std::io::stdin().take(LARGEST + 1).read_to_end(&mut bytes);
+        said.map_err(|error| CliError::about(self.name(), error))?;
+        if bytes.len() as u64 > LARGEST {
+            return Err(CliError::about(self.name(), format!("more than {} MiB", LARGEST >> 20)));
+        }
+        read(&bytes, &reading).map_err(|error| CliError::other(format!("{}:{error}", self.name())))
+    }
+}
+
+/// The longest table that is read, in bytes (256 MiB): a million rows of a sweep.
+const LARGEST: u64 = 256 << 20;
+
+fn tables(file: &Path, reading: &Reading) -> Result<Tables, CliError> {
+    let bytes =
+        read_at_most(file, LARGEST).map_err(|error| CliError::about(file.display(), error))?;
+    read(&bytes, reading).map_err(|error| CliError::other(format!("{}:{error}", file.display())))
 }
 
 /// What `sweep fit` says of a file.
@@ -89,10 +189,19 @@ pub struct Fitted {
 /// # Errors
 /// A file that is no table, or has nothing to fit.
 pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError> {
-    let predicted = Predicted { p, q };
+    let tables = tables(file, &Reading::default())?;
+    let name = file.display().to_string();
+    judged(&name, &tables, |_| Predicted { p, q, at_least: false, exact: false })
+}
+
+fn judged(
+    name: &str,
+    tables: &Tables,
+    predicted: impl Fn(Option<&str>) -> Predicted,
+) -> Result<Fitted, CliError> {
     let mut found = Fitted { texts: Vec::new(), objects: Vec::new(), all_pass: true };
-    for group in &table::read(file)? {
-        let parts = parts(group, predicted);
+    for group in &tables.groups {
+        let parts = parts(group, predicted(group.norm.as_deref()));
         let passes = |part: &Part| part.decision.is_none_or(|d| d == Decision::Pass);
         found.all_pass &= parts.iter().all(passes);
         found.texts.extend(group.heading().filter(|_| !parts.is_empty()));
@@ -105,18 +214,26 @@ pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError>
     }
     if found.objects.is_empty() {
         let hint = "neither h nor k takes two values: nothing to fit";
-        return Err(CliError::about(file.display(), hint));
+        return Err(CliError::about(name, hint));
+    }
+    if !tables.unknown.is_empty() {
+        found.texts.push(format!("not understood and not read: {}", tables.unknown.join(", ")));
     }
     Ok(found)
+}
+
+/// The points of a line of a table.
+fn line_points(group: &Group, direction: Direction) -> Vec<Point> {
+    group.line(direction).into_iter().map(|(point, _)| point).collect()
 }
 
 /// All that one table says.
 fn parts(group: &Group, predicted: Predicted) -> Vec<Part> {
     let points = group.points();
     if group.quantity == Quantity::Value {
-        return [(Direction::Space, predicted.p), (Direction::Time, predicted.q)]
+        return [Direction::Space, Direction::Time]
             .into_iter()
-            .filter_map(|(direction, order)| values::part(group, direction, order))
+            .filter_map(|direction| values::part(group, direction, predicted))
             .collect();
     }
     if let Some(found) = path(&points) {
@@ -124,9 +241,9 @@ fn parts(group: &Group, predicted: Predicted) -> Vec<Part> {
     }
     let both = group.refined(Direction::Space) && group.refined(Direction::Time);
     let joint = both.then(|| joint_fits(&points, false));
-    let lines = [(Direction::Space, predicted.p), (Direction::Time, predicted.q)]
+    let lines = [Direction::Space, Direction::Time]
         .into_iter()
-        .filter_map(|(direction, order)| line::part(group, direction, order, joint.as_ref()));
+        .filter_map(|direction| line::part(group, direction, predicted, joint.as_ref()));
     let lines: Vec<Part> = lines.collect();
     let grid = joint.map(|joint| grid::part(group, &joint, predicted));
     lines.into_iter().chain(grid).collect()
@@ -151,8 +268,10 @@ fn verdict_text(predicted: Option<String>, verdict: Option<&(Decision, String)>)
 /// The step of one more level, in the ratio of the last two.
 fn next_step(name: &str, steps: &[f64]) -> String {
     match steps {
-        [.., previous, last] => format!("run {name} = {:.4}", last * last / previous),
-        [only] => format!("run {name} = {:.4} and {name} = {:.4}", only / 2.0, only / 4.0),
+        [.., previous, last] => format!("run {name} = {}", plain(last * last / previous)),
+        [only] => {
+            format!("run {name} = {} and {name} = {}", plain(only / 2.0), plain(only / 4.0))
+        }
         [] => format!("run three values of {name}"),
     }
 }

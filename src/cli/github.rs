@@ -52,7 +52,8 @@ fn place(plans: &[ScenePlan], name: &str, verdict: Option<&Verdict>) -> Option<P
         None => "scene.name".to_owned(),
     };
     let before = &scene.source.text[..scene.spans.value(&key).start];
-    let path = &scene.source.path;
+    // One inside the program can be shown nowhere.
+    let path = Some(&scene.source.path).filter(|path| path.exists())?;
     let here = std::env::current_dir().ok();
     let path = here.and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path);
     let file = path.display().to_string().replace('\\', "/");

@@ -13,7 +13,7 @@ use scene::{Body, Data, Scene};
 /// `sweep list`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: name, question, terms, truth, predicts, long, judge."
+    after_help = "JSON keys with --json: name, question, terms, truth, predicts, long, judge, file (null where the scene is inside the program)."
 )]
 pub struct List {
     /// Print JSON
@@ -54,6 +54,7 @@ impl List {
                 if orders.is_empty() { "nothing judged".into() } else { orders.join("; ") };
             print_text(&format!("{:<16} {orders}", ""));
         }
+        print_text(&format!("{} {}", counted(all.len(), "scene"), scenes.place()));
         Ok(0)
     }
 }
@@ -93,6 +94,7 @@ fn row(scene: &Scene) -> serde_json::Value {
         "predicts": predictions(scene),
         "long": scene.long,
         "judge": scene.judge,
+        "file": scene.source.path.exists().then(|| scene.source.path.display().to_string()),
     })
 }
 

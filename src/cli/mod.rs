@@ -29,12 +29,14 @@ mod report;
 mod run;
 mod shell;
 mod solve;
+mod study;
 mod swept;
 mod target;
 mod trade;
 mod verify;
 
 use ::run::sweep::Build;
+use std::ffi::OsString;
 use std::fmt::Display;
 use std::io::Write;
 use std::path::PathBuf;
@@ -63,7 +65,7 @@ const BUILD: Build = Build {
 const COULD_NOT_JUDGE: u8 = 2;
 
 /// Verifies and benchmarks error estimates of history-dependent variational-hemivariational
-/// inequalities. Without a command: runs the scenes under manufactured/ at gate size, prints the
+/// inequalities. Without a command: runs the scenes that it comes with at gate size, prints the
 /// verdicts and writes reports/latest/.
 #[derive(Parser)]
 #[command(
@@ -72,7 +74,7 @@ const COULD_NOT_JUDGE: u8 = 2;
     after_help = "Examples:\n  sweep                                      the main job; then open reports/latest/index.html\n  sweep list                                 what there is\n  sweep run pure-mild affine --out reports/two\n  sweep explain punch                        what a scene requires, and what it costs\n  sweep solve punch --n 16 --steps 16 --pictures reports/punch\n  sweep fit table.csv --p 1                  orders of anybody's errors\n\nExit codes: 0 all verdicts as expected, 1 one is not, 2 it could not judge. Colour is used on a terminal alone, and not with NO_COLOR."
 )]
 struct Arguments {
-    /// Folder of the scenes [default: manufactured]
+    /// Folder of the scenes [default: manufactured, where that folder is; else those inside the program]
     #[arg(long = "scenes", id = "folder", value_name = "FOLDER", global = true)]
     scenes: Option<PathBuf>,
     /// No progress, notes or warnings on stderr; errors are still said
@@ -171,9 +173,14 @@ impl CliError {
     }
 }
 
-/// Parses the arguments and runs the command.
+/// Parses the arguments of the process and runs the command.
 pub fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    ExitCode::from(run_with(std::env::args_os()))
+}
+
+/// Runs a command line, the name of the program first; its exit code.
+pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments = match Arguments::try_parse_from(words) {
         Ok(arguments) => arguments,
         Err(said) => return finished(said_instead(&said)),
     };
@@ -212,12 +219,12 @@ pub fn main() -> ExitCode {
 }
 
 /// The end of the program: no code says of results that they are there which are not.
-fn finished(outcome: Result<u8, CliError>) -> ExitCode {
+fn finished(outcome: Result<u8, CliError>) -> u8 {
     match outcome.and_then(delivered) {
-        Ok(code) => ExitCode::from(code),
+        Ok(code) => code,
         Err(error) => {
             print_error(error.to_string().trim_end());
-            ExitCode::from(COULD_NOT_JUDGE)
+            COULD_NOT_JUDGE
         }
     }
 }
@@ -235,15 +242,28 @@ fn said_instead(said: &clap::Error) -> Result<u8, CliError> {
 
 /// Where scenes come from.
 struct Scenes {
-    folder: PathBuf,
+    /// None: inside the program.
+    folder: Option<PathBuf>,
     /// The command line names the folder.
     named: bool,
 }
 
+/// The folder of scenes that is taken where it is: developers edit it.
+const FOLDER: &str = "manufactured";
+
 impl Scenes {
     fn new(folder: Option<PathBuf>) -> Self {
         let named = folder.is_some();
-        Self { folder: folder.unwrap_or_else(|| PathBuf::from("manufactured")), named }
+        let here = || Some(PathBuf::from(FOLDER)).filter(|folder| folder.is_dir());
+        Self { folder: folder.or_else(here), named }
+    }
+
+    /// Where they are, as a user reads it.
+    fn place(&self) -> String {
+        match &self.folder {
+            Some(folder) => format!("in {}", folder.display()),
+            None => "inside this program".to_owned(),
+        }
     }
 
     /// A scene by name or path, ready to compute.
@@ -260,7 +280,10 @@ impl Scenes {
     }
 
     fn registry(&self) -> Result<Registry, CliError> {
-        Ok(Registry::open(&self.folder)?)
+        match &self.folder {
+            Some(folder) => Ok(Registry::open(folder)?),
+            None => Ok(crate::shipped::scenes()),
+        }
     }
 
     /// The named scenes, or all of the folder.

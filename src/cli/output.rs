@@ -76,7 +76,6 @@ pub fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> 
 }
 
 /// Writes where the user says, through links and into pipes.
-#[cfg(feature = "pdf")]
 pub fn write_user_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     write_named(path, bytes.as_ref()).map_err(|error| CliError::about(path.display(), error))
 }

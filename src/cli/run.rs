@@ -80,7 +80,8 @@ pub(super) struct What {
     #[arg(long, value_name = "SECONDS", default_value_t = BUDGET, requires = "extend", value_parser = seconds)]
     budget: f64,
     /// Compare errors and work with this baseline [default: reports/baseline.json for scenes of the
-    /// default folder, where the file exists; `sweep baseline` writes it]
+    /// default folder or of the program itself, where the file exists; else the program's own for its own scenes;
+    /// `sweep baseline` writes it]
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
 }
@@ -217,7 +218,8 @@ impl What {
         Ok(Swept { plans, records, verdicts, provenance, comparison, references, _out: out })
     }
 
-    /// The baseline of this run. That of the default folder knows nothing of scenes elsewhere.
+    /// The baseline of this run. That of the default folder knows nothing of scenes elsewhere; scenes inside the program
+    /// have theirs there, unless one has been recorded here.
     fn read_baseline(&self, scenes: &Scenes) -> Result<Option<Baseline>, CliError> {
         let elsewhere =
             scenes.named || self.chosen.scenes.iter().any(|name| name.ends_with(".toml"));
@@ -229,6 +231,9 @@ impl What {
         let read = Baseline::read(&path).map_err(CliError::other)?;
         match (&self.baseline, read) {
             (Some(_), None) => Err(CliError::about(path.display(), "no such file")),
+            (None, None) if scenes.folder.is_none() => {
+                crate::shipped::baseline().map(Some).map_err(CliError::other)
+            }
             (_, read) => Ok(read),
         }
     }
@@ -247,7 +252,7 @@ impl What {
     /// The command that goes on with this sweep.
     fn resuming(&self, scenes: &Scenes) -> String {
         let paths = [
-            ("--scenes", Some(scenes.folder.display().to_string())),
+            ("--scenes", scenes.folder.as_ref().map(|folder| folder.display().to_string())),
             ("--out", Some(self.out.display().to_string())),
             ("--baseline", self.baseline.as_ref().map(|path| path.display().to_string())),
         ];

@@ -1,23 +1,21 @@
 //! `sweep trade`: speed against accuracy over the knobs of a scene, and the cheapest way to an error.
 
 mod answer;
-mod words;
 
 use std::path::PathBuf;
 
 use clap::Args;
-use serde_json::{Value, json};
+use serde::Serialize;
 
 use super::machine::Allowance;
-use super::{
-    CliError, Scenes, create_dir, print_json, print_text, subject, target, write_file, write_json,
-};
+use super::study::write;
+use super::{CliError, Scenes, create_dir, print_json, print_text, subject, target};
+use answer::Confirmed;
 use run::sweep::{Overrides, ScenePlan};
 use scene::setup::Setup;
 use scene::{Norm, Scene};
 use studies::trade::{
-    Bench, Extrapolated, Knob, Plan, Resource, Study, Table, Variant, admit_trade, in_space,
-    in_time, own_grid,
+    Answered, Bench, Knob, Plan, Study, Table, Trial, Variant, admit_trade, own_grid,
 };
 
 /// `sweep trade`.
@@ -60,6 +58,17 @@ pub struct TradeCommand {
     out: PathBuf,
 }
 
+/// A trade with what was asked of it.
+#[derive(Serialize)]
+struct Found<'a> {
+    #[serde(flatten)]
+    study: &'a Study,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    answer: Option<Answered>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    confirmed: Option<Confirmed>,
+}
+
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
@@ -71,49 +80,40 @@ impl TradeCommand {
         self.admit(&scene, [&plan.n, &plan.steps])?;
         let mut bench = Bench::new(plain, norm, self.repeats)?;
         create_dir(&self.out)?;
-        let mut table = Table::create(&self.at(&scene, "csv"), &scene.name, norm.name())
-            .map_err(CliError::other)?;
-        let mut heard = |trial: &studies::trade::Trial| super::progress::note(&words::row(trial));
+        let mut table =
+            Table::create(&self.at(&scene), &scene.name, norm.name()).map_err(CliError::other)?;
+        let mut heard = |trial: &Trial| super::progress::note(&row(trial));
         let study =
             Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(CliError::other)?;
-        let extrapolations: Vec<Extrapolated> =
-            [in_time(&study), in_space(&bench, &study)].into_iter().flatten().collect();
-        let mut document = words::document(&study, &extrapolations);
-        document["fingerprint"] = json!(scene.source.hash);
-        if !self.json {
-            words::print(&study, &extrapolations);
-        }
+        let mut document = study.document()?;
+        let mut found = Found { study: &study, answer: None, confirmed: None };
         // What was measured is on disk before a target can be refused.
-        write_json(&self.at(&scene, "json"), &document)?;
-        for (resource, ending) in
-            [(Resource::Time, "trade.svg"), (Resource::Memory, "trade-memory.svg")]
-        {
-            if let Some(svg) = study.svg(resource)? {
-                write_file(&self.out.join(format!("{}-{ending}", scene.name)), svg)?;
-            }
-        }
-        if let Some(target) = target {
-            let found =
-                answer::Answered::new(&bench, &study, &plan, target, &self.allowance.limit())?;
-            document["answer"] = found.json();
+        write(&found, &document, Some(&self.out))?;
+        let say = |text: &str| {
             if !self.json {
-                print_text(&found.words(&study));
+                print_text(text);
             }
+        };
+        say(&document.text());
+        if let Some(target) = target {
+            let target = target.of(study.size);
+            let answer = Answered::new(&bench, &study, &plan, target, &self.allowance.limit())?;
+            document.words(answer.words(&study));
+            say(&format!("\n{}", answer.words(&study)));
             if self.confirm {
-                self.admit(&scene, [&[found.choice.n], &[found.choice.steps]])?;
-                let confirmed = found.confirm(&mut bench, scenes, &self.scene)?;
-                document["confirmed"] = confirmed.json(&found);
-                if !self.json {
-                    print_text(&confirmed.words(&found));
-                }
+                self.admit(&scene, [&[answer.choice.n], &[answer.choice.steps]])?;
+                let real = Confirmed::run(&answer, &mut bench, scenes, &self.scene)?;
+                document.words(real.words());
+                say(&real.words());
+                found.confirmed = Some(real);
             }
-            write_json(&self.at(&scene, "json"), &document)?;
+            found.answer = Some(answer);
+            write(&found, &document, Some(&self.out))?;
         }
         if self.json {
-            print_json(&document)?;
-        } else {
-            print_text(&format!("table: {}", self.at(&scene, "csv").display()));
+            print_json(&serde_json::to_value(&found).map_err(CliError::other)?)?;
         }
+        say(&format!("table: {}", self.at(&scene).display()));
         Ok(0)
     }
 
@@ -124,8 +124,8 @@ impl TradeCommand {
         Ok(admit_trade(&plan, &self.allowance.limit())?)
     }
 
-    fn at(&self, scene: &Scene, ending: &str) -> PathBuf {
-        self.out.join(format!("{}-trade.{ending}", scene.name))
+    fn at(&self, scene: &Scene) -> PathBuf {
+        self.out.join(format!("{}-trade.csv", scene.name))
     }
 
     /// The scene as written, if errors can be measured in it.
@@ -186,7 +186,11 @@ fn check_truth(setup: &Setup) -> Result<(), CliError> {
     Err(setup.scene.error("scene.name", message, hint).into())
 }
 
-/// JSON has no infinity: it becomes null.
-fn finite(value: f64) -> Value {
-    if value.is_finite() { json!(value) } else { Value::Null }
+/// A finished run on stderr.
+fn row(trial: &Trial) -> String {
+    let place = format!("{} n={} N={}", trial.knob, trial.n, trial.steps);
+    match &trial.outcome {
+        Ok(run) => format!("{place} error {:.4e} in {:.4} s", run.error, run.seconds),
+        Err(reason) => format!("{place} failed: {reason}"),
+    }
 }

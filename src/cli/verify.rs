@@ -15,15 +15,20 @@ use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::swept::Swept;
 use super::{CliError, Scenes, no_case, print_json, print_text, subject};
+use files::shortened;
 use judge::record::CaseRecord;
 use judge::verdict::{Failure, failures, render_table};
 use report::write_junit;
-use run::external::{ExternalSolver, Way, case_dir, write_case};
+use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, write_case};
 use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
 };
 use scene::Norm;
 use scene::setup::{MeshData, Setup, Subject};
+
+/// Last lines of the log of a failed case that are shown, a long traceback, and bytes of each.
+const LINES_SHOWN: usize = 60;
+const WIDTH: usize = 400;
 
 /// `sweep verify`.
 #[derive(Args)]
@@ -106,10 +111,7 @@ impl Verify {
             print_json(&document)?;
         } else {
             judged.print();
-            for Failure { n, steps, reason, .. } in failures(&judged.records) {
-                let n = n.map_or(String::new(), |n| format!("n = {n}, "));
-                print_text(&format!("{n}N = {steps}: {reason}"));
-            }
+            self.print_failures(&judged);
             print_text(&format!("report: {}", self.out.join("index.html").display()));
             if let (Some(own), Some(rows)) = (&beside, &compared) {
                 print_text(&format!("own solver:\n{}", render_table(&own.verdicts)));
@@ -120,6 +122,27 @@ impl Verify {
             annotate(&judged.plans, &judged.records, &judged.verdicts)?;
         }
         Ok(judged.exit_code())
+    }
+
+    /// Failed cases that no verdict names, and what the solver printed in the first one, as it was written.
+    fn print_failures(&self, judged: &Swept) {
+        let failed = failures(&judged.records);
+        let named = |reason: &str| judged.verdicts.iter().any(|v| v.reason.contains(reason));
+        for Failure { n, steps, reason, .. } in failed.iter().filter(|f| !named(&f.reason)) {
+            let n = n.map_or(String::new(), |n| format!("n = {n}, "));
+            print_text(&format!("{n}N = {steps}: {reason}"));
+        }
+        let log = |Failure { scene, n, steps, .. }: &Failure| {
+            let log = case_dir(&self.out.join("cases"), scene, (*n)?, *steps).join(LOG);
+            let lines = last_lines(&log);
+            (!lines.is_empty()).then_some((log, lines))
+        };
+        if let Some((path, lines)) = failed.iter().find_map(log) {
+            let shown = lines[lines.len().saturating_sub(LINES_SHOWN)..].iter();
+            let shown: Vec<_> = shown.map(|line| shortened(line, WIDTH)).collect();
+            print_text(&format!("{}:", path.display()));
+            print_text(&shown.join("\n"));
+        }
     }
 
     /// The cases, with the norms that displacements (and pressures, where they come) tell.
@@ -154,7 +177,7 @@ impl Verify {
     }
 
     fn tells(&self, norm: Norm) -> bool {
-        self.pressure || !matches!(norm, Norm::PressureL2Max | Norm::PressureMax(_))
+        self.pressure || !norm.wants_pressure()
     }
 
     fn solver(&self, folder: PathBuf) -> Result<ExternalSolver, CliError> {

@@ -259,9 +259,14 @@ fn tables_that_cannot_be_fitted() {
         ("no-error.csv", "h,k\n0.1,0.2\n", "no column `error`"),
         ("no-steps.csv", "error\n0.1\n", "no column `h`"),
         ("no-rows.csv", "h,error\n", "no rows"),
-        ("no-number.csv", "h,error\n0.1,0.2\n0.05,much\n", "line 3: `much` is not a number"),
+        (
+            "no-number.csv",
+            "h,error\n0.1,0.2\n0.05,much\n",
+            "no-number.csv:3: `much` is not a number",
+        ),
         ("one-h.csv", "h,error\n0.1,0.2\n0.1,0.3\n", "nothing to fit"),
-        ("torn.csv", "h,error\n0.1,0.2\n0.05\n", "line 3"),
+        ("torn.csv", "h,error\n0.1,0.2\n0.05\n", "torn.csv:3: 1 field"),
+        ("commas.txt", "h error\n0,5 1\n", "commas.txt:2: `0,5` has a decimal comma"),
     ];
     for (name, table, phrase) in cases {
         let path = folder.file(name, table);

@@ -332,7 +332,12 @@ fn help(arguments: &[&str]) -> String {
 #[test]
 fn the_help_says_what_the_main_job_is() {
     let main = help(&["--help"]);
-    assert!(main.contains("[default: manufactured]"), "{main}");
+    assert!(
+        main.contains(
+            "[default: manufactured, where that folder is; else those inside the program]"
+        ),
+        "{main}"
+    );
     assert!(main.contains("Without a command") && main.contains("reports/latest"), "{main}");
     let run = help(&["run", "--help"]);
     assert!(

@@ -130,14 +130,10 @@ fn fixtures() -> Vec<Table> {
             rows.swap(0, 4);
             rows.swap(1, 3);
         }),
-        Table {
-            // A record is known by n and N, and the later counts; a file has two rows of one h.
-            as_records: Pass,
-            words: "",
-            ..edited(in_space("repeated", &DOUBLING, 1.0, Unresolved, "", |h| h), |rows| {
-                rows.push((64, 4, Some(1.0 / 64.0)));
-            })
-        },
+        // A record is known by n and N, and the later counts; of a file two rows of one h are runs.
+        edited(in_space("repeated", &DOUBLING, 1.0, Pass, "", |h| h), |rows| {
+            rows.push((64, 4, Some(1.0 / 64.0)));
+        }),
     ]
 }
 
@@ -495,4 +491,38 @@ fn the_example_of_the_readme_is_true() {
     let table = folder.file("table.csv", &block("```csv\n"));
     let printed = stdout(&sweep(&["fit", &table, "--p", "1"]));
     assert_eq!(printed.trim(), block("gives with `sweep fit table.csv --p 1`\n\n```text\n"));
+}
+
+/// A printed table of several norms, each with a claim of its own, and what is wrong with a claim.
+#[test]
+fn printed_tables_are_judged_a_norm_at_a_time() {
+    let folder = Folder::new("printed");
+    let printed = folder.file(
+        "deal.txt",
+        "n cells         H1                   L2\n0   16 1.0 - - 0.1 - -\n1   64 0.5 2.0 1.0 0.025 4.0 2.0\n2  256 0.25 2.0 1.0 0.00625 4.0 2.0\n",
+    );
+    let fit = |aim: &[&str]| sweep(&[&["fit", &printed, "--dimension", "2"], aim].concat());
+    assert_eq!(code(&fit(&["--p", "H1=1,L2=2"])), 0);
+    assert_eq!(code(&fit(&["--p", "H1=1,L2=3"])), 1);
+    // More than is claimed: unresolved, enough for a lower bound, too much for an exact order.
+    let verdict = |aim: &[&str]| json(&fit(&[&["--json"], aim].concat()))[1]["verdict"].clone();
+    assert_eq!(verdict(&["--p", "1"]), "unresolved");
+    assert_eq!(verdict(&["--p", "1", "--at-least"]), "pass");
+    assert_eq!(verdict(&["--p", "1", "--exact"]), "fail");
+    assert!(stdout(&fit(&["--latex"])).contains("h & H1 & EOC & L2 & EOC"));
+    let picture = folder.argument("errors.svg");
+    assert_eq!(code(&fit(&["--p", "H1=1", "--svg", &picture])), 0);
+    let drawn = std::fs::read_to_string(&picture).expect("a picture");
+    assert!(drawn.starts_with("<svg") || drawn.starts_with("<?xml"), "{}", &drawn[..40]);
+    for (aim, words) in [
+        (["--p", "nan"], "no finite order"),
+        (["--q", "inf"], "no finite order"),
+        (["--p", "H2=1"], "no norm `H2`"),
+    ] {
+        let output = fit(&aim);
+        assert_eq!((code(&output), stderr(&output).contains(words)), (2, true), "{aim:?}");
+    }
+    let output = sweep(&["fit", &printed]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("deal.txt:1: ") && stderr(&output).contains("--dimension"));
 }

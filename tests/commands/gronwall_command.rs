@@ -61,7 +61,7 @@ fn a_constant_that_sampling_missed_is_one() {
     let output = sweep(&["gronwall", &scene, "--steps", "128"]);
     assert_eq!(code(&output), 1, "{}", stderr(&output));
     let table = stdout(&output);
-    assert!(table.contains("VIOLATED N = 128: e <= weighted envelope at n = "), "{table}");
+    assert!(table.contains("Does not hold: N = 128: e <= weighted envelope at n = "), "{table}");
     let document = json(&sweep(&["gronwall", &scene, "--steps", "128", "--json"]));
     let violation = &document["violations"][0];
     assert_eq!((&document["verdict"], &violation["part"]), (&"fail".into(), &"N = 128".into()));

@@ -18,7 +18,7 @@ const HOUSE: [(&str, &[&str], &[&str]); 11] = [
     ("fem", &["algebra", "vhi"], &["mesh", "space", "contact", "norms"]),
     // σ, ζ and histories are evaluated apart from the solver: no law, no history, no inequality.
     ("exact", &["fem", "formula"], &[]),
-    ("judge", &["files"], &["record", "fit", "verdict"]),
+    ("judge", &["files"], &["record", "fit", "table", "verdict"]),
     ("report", &["files", "judge"], &[]),
     ("scene", &["algebra", "exact", "fem", "files", "formula", "vhi"], &["setup"]),
     (

@@ -8,11 +8,13 @@ mod cli;
 mod diagnose_command;
 mod distributed;
 mod equations;
+mod explained;
 mod extend;
 mod external;
 mod fit_tables;
 mod gronwall_command;
 mod house;
+mod inside;
 mod next_cases;
 mod owed;
 #[path = "../program/mod.rs"]

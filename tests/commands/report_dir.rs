@@ -183,10 +183,10 @@ fn studies_of_the_directory_are_chapters() {
     assert_eq!(code(&report()), 0);
     let pages = ["index.html", "report.md", "tables.tex", "report.json"].map(read);
     for (words, times) in [
-        ("contraction factor of Λ for a last step", 3),
-        ("bound over error at t = T", 3),
-        ("the lines of the proof", 3),
-        ("CPU seconds and predicted memory", 3),
+        ("Contraction factor of Λ for a last step", 3),
+        ("Bound over error at t = T", 3),
+        ("The lines of the proof", 3),
+        ("Error, CPU seconds, spread", 3),
         ("Step sizes: bounds on k", 3),
         ("Rungs: what was expected", 3),
     ] {
@@ -201,19 +201,18 @@ fn studies_of_the_directory_are_chapters() {
         "the same twice"
     );
 
-    // A violation that a study recorded is on the page in words.
-    let sound = read("affine-bound.json");
-    let violation =
-        r#""violations": [{ "k": 0.5, "what": "|DLambda| <= (3.15)", "left": 2.0, "right": 1.0 }]"#;
-    folder.file("out/affine-bound.json", &edited(&sound, "\"violations\": []", violation));
+    // That a study found something wrong is on the first page.
+    let name = "affine-bound.document.json";
+    let (file, sound) = (format!("out/{name}"), read(name));
+    folder.file(&file, &edited(&sound, "\"holds\": true", "\"holds\": false"));
     assert_eq!(code(&report()), 0, "the exit code is that of the verdicts");
     assert!(read("index.html").contains("(3.4), affine: not everything holds."));
-    folder.file("out/affine-bound.json", &sound[..sound.len() / 2]);
+    folder.file(&file, &sound[..sound.len() / 2]);
     let output = report();
     assert_eq!((code(&output), stdout(&output).as_str()), (2, ""));
     let line = sound[..sound.len() / 2].lines().count();
     let said = stderr(&output);
-    assert!(said.contains(&format!("affine-bound.json:{line}: ")), "{said}");
+    assert!(said.contains(&format!("{name}:{line}: ")), "{said}");
     assert!(said.contains("sweep bound SCENE --out DIR"), "{said}");
 }
 

@@ -231,13 +231,20 @@ const CASES: [Case; 22] = [
     Case {
         what: "multigrid, two terms, linear",
         scene: "linear-punch",
+        plan: Plan::Linear,
         n: 24,
         change: two_terms_by_multigrid,
         ..PLAIN
     },
     Case { what: "in space", scene: "punch-box", n: 4, ..PLAIN },
     Case { what: "two terms of memory", change: two_terms, ..PLAIN },
-    Case { what: "two terms, linear", scene: "linear-punch", change: two_terms, ..PLAIN },
+    Case {
+        what: "two terms, linear",
+        scene: "linear-punch",
+        plan: Plan::Linear,
+        change: two_terms,
+        ..PLAIN
+    },
     Case {
         what: "no multiple",
         scene: "elastic-punch",
@@ -252,7 +259,7 @@ const CASES: [Case; 22] = [
         change: two_terms,
         ..PLAIN
     },
-    Case { what: "a curved law on edges", scene: "law-rational", ..PLAIN },
+    Case { what: "a curved law on edges", scene: "law-rational", plan: Plan::Condensed, ..PLAIN },
     Case { what: "a graded grid", scene: "affine-graded", ..PLAIN },
     Case {
         what: "no multiple on a graded grid",
@@ -261,7 +268,13 @@ const CASES: [Case; 22] = [
         ..PLAIN
     },
     Case { what: "a full tensor on a graded grid", scene: "affine-graded", change: full, ..PLAIN },
-    Case { what: "a full tensor, linear", scene: "linear-punch", change: full, ..PLAIN },
+    Case {
+        what: "a full tensor, linear",
+        scene: "linear-punch",
+        plan: Plan::Linear,
+        change: full,
+        ..PLAIN
+    },
 ];
 
 /// Allocations of the library in a factorization of `space`.

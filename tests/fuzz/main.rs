@@ -170,6 +170,10 @@ fn no_table_breaks_the_fits() {
         "h,k,error\n0.125,0.01,0.11\n0.0625,0.01,0.052\n0.03125,0.01,0.0255\n0.015625,0.01,0.0126\n".into(),
         "h,k,error,floor\n0.25,0.5,0.4,1e-9\n0.25,0.25,0.3,1e-9\n0.125,0.5,0.25,0\n0.125,0.25,0.2,0\n0.0625,0.5,0.2,0\n0.0625,0.25,0.1,0\n".into(),
         "norm,h,value\nforce,0.1,1.04\nforce,0.05,1.01\nforce,0.025,1.0025\nforce,0.0125,1.0006\n".into(),
+        "n cells         H1                   L2\n   16 1.0 - - 0.1 - -\n   64 0.5 2.0 1.0 0.025 4.0 2.0\n".into(),
+        "| level | L2 | rate |\n|---|---|---|\n| 1 | 0.1 | - |\n| 2 | 0.025 | 2.0 |\n| 3 | 0.00625 | 2.0 |\n".into(),
+        "\\begin{tabular}{rr}\n$h$ & $L_2$ \\\\\n1/2 & $1.0\\times 10^{-1}$ \\\\\n1/4 & 2.5D-2 \\\\\n\\end{tabular}\n".into(),
+        "h = 0.5, L2 = 0.1\nh = 0.25, L2 = 0.025, rate = 2.0\nh = 0.125, L2 = 0.00625\n".into(),
         "k,error,status\n0.5,1,converged\n0.25,0.25,converged\n0.125,,failed\n0.0625,0.016,converged\n".into(),
     ];
     fuzz("fit", &corpus, 5_000, |text| {

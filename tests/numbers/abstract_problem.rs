@@ -273,7 +273,7 @@ fn a_single_unknown_attains_the_sharpened_bound() {
     )
     .unwrap_or_else(|error| panic!("{error}"));
     let bound = Bound::of_abstract(&setup, 4).unwrap_or_else(|error| panic!("{error}"));
-    assert!(bound.holds() && bound.attained(), "{:?}", bound.violations);
+    assert!(bound.holds() && bound.attained, "{:?}", bound.violations);
     let rung = &bound.study.rungs[3];
     assert!((rung.norm - 0.5 * rung.k * 0.6 / 2.0).abs() < 1e-12, "{rung:?}");
 }

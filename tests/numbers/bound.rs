@@ -104,7 +104,7 @@ fn punch_keeps_the_order_of_things() {
     assert!(low > bound.limits.solvable_limit() && high - low < 1e-6 * high, "{loss:?}");
     assert!(bound.study.thresholds.radius.expect("a threshold").lower() <= high);
     // (3.4) is a sufficient condition; how far from necessary is the use of this command.
-    assert!(bound.ratio().expect("a threshold") > 10.0);
+    assert!(bound.ratio.expect("a threshold") > 10.0);
 }
 
 /// The open last level of punch with step size k, where contact, yield and ζ are active.

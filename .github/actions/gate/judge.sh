@@ -4,7 +4,7 @@
 # SWEEP    the program
 # COMMAND  its arguments, as on a command line: quotes hold words together
 # REPORT   directory for what it writes
-# SCENES   folder of scenes; empty: those in SOURCE, the repository of the program
+# SCENES   folder of scenes; empty: those inside the program, or of manufactured/ where that is here
 set -euo pipefail
 
 : "${SWEEP:?the program}" "${COMMAND:?its arguments}" "${REPORT:?a directory}"
@@ -12,7 +12,7 @@ set -euo pipefail
 words=()
 while IFS= read -r -d '' word; do words+=("$word"); done < <(xargs printf '%s\0' <<<"$COMMAND")
 
-scenes=${SCENES:-${SOURCE:+$SOURCE/manufactured}}
+scenes=${SCENES:-}
 mkdir -p "$REPORT"
 case ${words[0]} in
 fit) exec "$SWEEP" "${words[@]}" ;;

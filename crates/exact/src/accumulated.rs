@@ -4,6 +4,8 @@
 //! lines. The integral over Ω is cut where a guard changes sign along x, the integral over time
 //! where a guard changes sign at an end of Ω. Pieces take Gauss-Legendre rules.
 //!
+//! A polygon is cut in the same way, its chords at their ends; on a polyhedron no cell follows a guard.
+//!
 //! Where ε = Σ_m a_m(t) S_m(x) no guard moves, and ‖ε‖² = Σ a_m a_l ∫ S_m:S_l. No guard names a time at which ε vanishes
 //! everywhere: the kink of ‖ε‖ there costs about 1e-9 of its slope.
 
@@ -13,6 +15,7 @@ use super::running_integral::RunningIntegral;
 use super::separation::TimeFactors;
 use super::sign_changes::sign_changes;
 use super::simplex_points::SimplexPoints;
+use super::strips::Strips;
 use fem::mesh::CoarseMesh;
 use fem::space::quadrature::gauss_legendre;
 use formula::{Bound, Graph, Node, Program, Variable};
@@ -29,7 +32,8 @@ const TIME_WATCHES: usize = 8;
 pub struct AccumulatedStrain {
     /// [ε], upper components; `None` where nothing depends on ζ.
     integrand: Option<Integrand>,
-    integral: RunningIntegral,
+    integral: OnceLock<RunningIntegral>,
+    horizon: f64,
 }
 
 /// Where products of parts leave no more than this share of their size, the strain is taken at points. What is lost above
@@ -45,79 +49,98 @@ struct Integrand {
     bound: Mutex<Option<(Vec<[f64; 3]>, Bound)>>,
     guards: Program,
     guard_count: usize,
-    /// Cuts of (0, height): uniform ones, and where a guard that depends on y alone changes sign.
+    /// Cuts of the height: uniform ones of a rectangle or box, and where a guard that depends on y alone changes sign.
     cuts_in_y: Vec<f64>,
+    /// Ends of the width, and in how many pieces it is cut wherever guards are.
+    along_x: ([f64; 2], usize),
+    /// Cuts of the width where a guard changes sign at time 0.
+    cuts_at_start: OnceLock<Vec<f64>>,
     /// Weight of each strain component in ‖ε‖².
     weights: Vec<f64>,
     size: Vec<f64>,
     /// Whether ε varies along z; a strain that does not is looked at in one plane.
     along_z: bool,
-    /// Points with weights of a domain that is no rectangle or box, and the corners where guards are watched.
-    polytope: Option<(SimplexPoints, Vec<[f64; 3]>)>,
+    /// A domain that is no rectangle or box.
+    polytope: Option<Region>,
+}
+
+/// A polygon or polyhedron.
+struct Region {
+    shape: Shape,
+    /// Those by a finer rule; none where every guard is cut.
+    finer: Option<Shape>,
+    /// The corners where guards are watched.
+    corners: Vec<[f64; 3]>,
+}
+
+enum Shape {
+    Strips(Strips),
+    Points(SimplexPoints),
+}
+
+impl Shape {
+    fn of(coarse: &CoarseMesh, finer: bool) -> Self {
+        match coarse {
+            CoarseMesh::Plane(coarse) => Self::Strips(Strips::new(coarse, finer)),
+            CoarseMesh::Space(_) if finer => Self::Points(SimplexPoints::finer(coarse)),
+            CoarseMesh::Space(_) => Self::Points(SimplexPoints::fine(coarse)),
+        }
+    }
+}
+
+/// Where ε is integrated.
+#[derive(Clone, Copy)]
+pub(super) enum Domain<'a> {
+    /// A rectangle or box from the origin, by its lengths.
+    Box(&'a [f64]),
+    /// A polygon or polyhedron.
+    Coarse(&'a CoarseMesh),
+    /// The same by a finer rule: what the rule leaves out shows in the difference.
+    Finer(&'a CoarseMesh),
+}
+
+impl Domain<'_> {
+    /// Ends along x and y; of a polyhedron they are not used.
+    fn ends(self) -> [[f64; 2]; 2] {
+        match self {
+            Self::Box(size) => [[0.0, size[0]], [0.0, size[1]]],
+            Self::Coarse(CoarseMesh::Plane(coarse)) | Self::Finer(CoarseMesh::Plane(coarse)) => {
+                let [low, high] = coarse.bounds();
+                [0, 1].map(|axis| [low[axis], high[axis]])
+            }
+            Self::Coarse(_) | Self::Finer(_) => [[0.0, 1.0]; 2],
+        }
+    }
+
+    fn dimension(self) -> usize {
+        match self {
+            Self::Box(size) => size.len(),
+            Self::Coarse(coarse) | Self::Finer(coarse) => coarse.dimension(),
+        }
+    }
 }
 
 impl AccumulatedStrain {
     /// ζ of the strain formulas; `needed` is false where no term uses it (then ζ reads NaN).
-    pub fn new(
+    pub(super) fn new(
         graph: &mut Graph,
         strain: &[Node],
         horizon: f64,
-        size: &[f64],
+        domain: Domain<'_>,
         needed: bool,
     ) -> Self {
-        let integrand = needed.then(|| {
-            let all = graph.guards(strain);
-            let cuts_in_y = cuts_in_y(graph, &all, horizon, size[1], rule(size.len())[1]);
-            let guards: Vec<Node> = all
-                .into_iter()
-                .filter(|&guard| {
-                    graph.depends_on(guard, Variable::X) || graph.depends_on(guard, Variable::T)
-                })
-                .collect();
-            Integrand {
-                strain: Program::compile(graph, strain, horizon),
-                parts: TimeFactors::of(graph, strain, horizon).map(|(factors, shapes)| {
-                    (factors, Program::compile_once(graph, &shapes.concat(), horizon))
-                }),
-                gram: OnceLock::new(),
-                bound: Mutex::new(None),
-                cuts_in_y,
-                guard_count: guards.len(),
-                guards: Program::compile(graph, &guards, horizon),
-                weights: super::symbolic::components(size.len())
-                    .into_iter()
-                    .map(|(i, j)| if i == j { 1.0 } else { 2.0 })
-                    .collect(),
-                size: size.to_vec(),
-                along_z: strain.iter().any(|&e| graph.depends_on(e, Variable::Z)),
-                polytope: None,
-            }
-        });
-        Self { integrand, integral: RunningIntegral::new(horizon) }
-    }
-
-    /// The same over coarse simplices in place of the rectangle or box; none leaves it.
-    pub(super) fn over(mut self, polytope: Option<&CoarseMesh>) -> Self {
-        if let (Some(integrand), Some(coarse)) = (&mut self.integrand, polytope) {
-            integrand.polytope = Some((SimplexPoints::fine(coarse), coarse.vertices()));
-        }
-        self
-    }
-
-    /// The same by a finer rule: what the rule leaves out shows in the difference.
-    pub(super) fn over_finer(mut self, coarse: &CoarseMesh) -> Self {
-        self = self.over(Some(coarse));
-        if let Some((points, _)) = self.integrand.as_mut().and_then(|own| own.polytope.as_mut()) {
-            *points = SimplexPoints::finer(coarse);
-        }
-        self
+        let integrand = needed.then(|| Integrand::new(graph, strain, horizon, domain));
+        Self { integrand, integral: OnceLock::new(), horizon }
     }
 
     /// ζ(t); NaN if it was declared as not needed.
     pub fn at(&self, t: f64) -> f64 {
         let Some(integrand) = &self.integrand else { return f64::NAN };
+        let integral = self.integral.get_or_init(|| {
+            RunningIntegral::new(self.horizon).resolved_to(integrand.left_out(self.horizon))
+        });
         let value: Result<f64, std::convert::Infallible> =
-            self.integral.at(t, |from, to| integrand.events(from, to), |s| Ok(integrand.norm(s)));
+            integral.at(t, |from, to| integrand.events(from, to), |s| Ok(integrand.norm(s)));
         match value {
             Ok(value) => value,
             Err(never) => match never {},
@@ -131,11 +154,73 @@ impl AccumulatedStrain {
 }
 
 impl Integrand {
+    fn new(graph: &mut Graph, strain: &[Node], horizon: f64, domain: Domain<'_>) -> Self {
+        let [along_x, along_y] = domain.ends();
+        let (parts, size) = match domain {
+            Domain::Box(size) => (rule(size.len())[1], size.to_vec()),
+            // Strips have pieces of their own.
+            Domain::Coarse(_) | Domain::Finer(_) => (1, Vec::new()),
+        };
+        let all = graph.guards(strain);
+        let cuts_in_y = cuts_in_y(graph, &all, horizon, along_y, parts);
+        let polytope = match domain {
+            Domain::Box(_) => None,
+            Domain::Coarse(coarse) => {
+                let slanted = |&guard: &Node| is_uncut(graph, guard, coarse.dimension());
+                Some(Region {
+                    shape: Shape::of(coarse, false),
+                    finer: all.iter().any(slanted).then(|| Shape::of(coarse, true)),
+                    corners: coarse.vertices(),
+                })
+            }
+            Domain::Finer(coarse) => {
+                let (shape, corners) = (Shape::of(coarse, true), coarse.vertices());
+                Some(Region { shape, finer: None, corners })
+            }
+        };
+        let moving = |guard: &Node| {
+            graph.depends_on(*guard, Variable::X) || graph.depends_on(*guard, Variable::T)
+        };
+        let guards: Vec<Node> = all.into_iter().filter(moving).collect();
+        Self {
+            strain: Program::compile(graph, strain, horizon),
+            parts: TimeFactors::of(graph, strain, horizon).map(|(factors, shapes)| {
+                (factors, Program::compile_once(graph, &shapes.concat(), horizon))
+            }),
+            gram: OnceLock::new(),
+            bound: Mutex::new(None),
+            cuts_in_y,
+            along_x: (along_x, parts),
+            cuts_at_start: OnceLock::new(),
+            guard_count: guards.len(),
+            guards: Program::compile(graph, &guards, horizon),
+            weights: super::symbolic::components(domain.dimension())
+                .into_iter()
+                .map(|(i, j)| if i == j { 1.0 } else { 2.0 })
+                .collect(),
+            size,
+            along_z: strain.iter().any(|&e| graph.depends_on(e, Variable::Z)),
+            polytope,
+        }
+    }
+
+    /// The share of ‖ε‖ that the rule leaves out where a guard is not cut: at three times, by a finer rule. What is below
+    /// it is not looked for in time.
+    fn left_out(&self, horizon: f64) -> f64 {
+        let finer = self.polytope.as_ref().and_then(|polytope| polytope.finer.as_ref());
+        let share = |finer: &Shape, t: f64| {
+            let own = self.norm(t);
+            (self.norm_over(Some(finer), t) - own).abs() / own.max(f64::MIN_POSITIVE)
+        };
+        let at = |finer| [1.0, 2.0, 3.0].map(|third| share(finer, horizon * third / 3.0));
+        finer.map_or([0.0; 3], at).into_iter().fold(0.0, f64::max)
+    }
+
     /// Times in (from, to) at which a guard changes sign at an end of the domain.
     fn events(&self, from: f64, to: f64) -> Vec<f64> {
         let ends = match &self.polytope {
             None => vec![[0.0, 0.0, 0.0], [self.size[0], 0.0, 0.0]],
-            Some((_, corners)) => corners.clone(),
+            Some(polytope) => polytope.corners.clone(),
         };
         let mut events = sign_changes(from, to, TIME_WATCHES, |times| {
             let mut bound = self.guards.bind(&ends);
@@ -157,11 +242,14 @@ impl Integrand {
 
     /// ‖ε(u(t))‖_ℋ.
     fn norm(&self, t: f64) -> f64 {
-        let square = self.square_of_parts(t).unwrap_or_else(|| {
-            self.at_points(t, |points, weights| {
-                let strain = self.strain_at(points, t);
-                self.product(&strain, &strain, weights)
-            })
+        let shape = self.polytope.as_ref().map(|polytope| &polytope.shape);
+        self.square_of_parts(t).map_or_else(|| self.norm_over(shape, t), f64::sqrt)
+    }
+
+    fn norm_over(&self, shape: Option<&Shape>, t: f64) -> f64 {
+        let square = self.at_points(shape, t, |points, weights| {
+            let strain = self.strain_at(points, t);
+            self.product(&strain, &strain, weights)
         });
         square.sqrt()
     }
@@ -186,7 +274,8 @@ impl Integrand {
 
     /// ∫ S_m:S_l of the parts of ε, row by row.
     fn gram(&self, parts: usize, shapes: &Program) -> Vec<f64> {
-        self.at_points(0.0, |points, weights| {
+        let shape = self.polytope.as_ref().map(|polytope| &polytope.shape);
+        self.at_points(shape, 0.0, |points, weights| {
             let components = self.weights.len();
             let mut values = vec![Vec::new(); parts * components];
             shapes.bind(points).evaluate(0.0, 0.0, &mut values);
@@ -204,17 +293,27 @@ impl Integrand {
         e.iter().zip(f).zip(&self.weights).map(component).sum()
     }
 
-    /// What `visit` makes of points with weights, for fields at time t.
-    fn at_points<R>(&self, t: f64, visit: impl FnOnce(&[[f64; 3]], &[f64]) -> R) -> R {
-        if let Some((polytope, _)) = &self.polytope {
-            return visit(&polytope.points, &polytope.weights);
+    /// What `visit` makes of points with weights of a shape, or of the rectangle or box, for fields at time t.
+    fn at_points<R>(
+        &self,
+        shape: Option<&Shape>,
+        t: f64,
+        visit: impl FnOnce(&[[f64; 3]], &[f64]) -> R,
+    ) -> R {
+        match shape {
+            Some(Shape::Points(own)) => return visit(&own.points, &own.weights),
+            Some(Shape::Strips(strips)) => {
+                let (points, weights) = strips.points(&self.cuts_in_x(t), &self.cuts_in_y);
+                return visit(&points, &weights);
+            }
+            None => {}
         }
         let [count, parts] = rule(self.size.len());
         let xs = pieces(&self.cuts_in_x(t), count);
         let ys = pieces(&self.cuts_in_y, count);
         let zs = match self.size.get(2) {
             None => vec![(0.0, 1.0)],
-            Some(&depth) if self.along_z => pieces(&uniform_cuts(depth, parts), count),
+            Some(&depth) if self.along_z => pieces(&uniform_cuts([0.0, depth], parts), count),
             Some(&depth) => vec![(0.5 * depth, depth)],
         };
         let total = xs.len() * ys.len() * zs.len();
@@ -242,32 +341,39 @@ impl Integrand {
         out
     }
 
-    /// Cuts of (0, a) where a guard changes sign at time t, or did at time 0: the relaxation
+    /// Cuts of the width where a guard changes sign at time t, or did at time 0: the relaxation
     /// integrals keep a kink where a zone began.
     fn cuts_in_x(&self, t: f64) -> Vec<f64> {
-        let width = self.size[0];
-        let mut cuts = uniform_cuts(width, rule(self.size.len())[1]);
-        for time in [t, 0.0] {
-            cuts.extend(sign_changes(0.0, width, WATCHES, |places| {
+        let ([from, to], parts) = self.along_x;
+        let at = |time: f64| {
+            sign_changes(from, to, WATCHES, |places| {
                 let points: Vec<[f64; 3]> = places.iter().map(|&x| [x, 0.0, 0.0]).collect();
                 let mut values = vec![Vec::new(); self.guard_count];
                 self.guards.bind(&points).evaluate(time, 0.0, &mut values);
                 values
-            }));
-        }
-        cuts.sort_by(f64::total_cmp);
-        cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * width);
-        cuts
+            })
+        };
+        let mut cuts = uniform_cuts([from, to], parts);
+        cuts.extend(at(t));
+        cuts.extend(self.cuts_at_start.get_or_init(|| at(0.0)));
+        sorted(cuts, to - from)
     }
 }
 
-/// Cuts of (0, height), uniform ones and where a guard that depends on y alone changes sign; `parts` is the number of
+/// Whether a guard changes sign along lines that the cuts do not follow: those along y at each time, or at all times
+/// those along x; on a polyhedron no others either.
+fn is_uncut(graph: &Graph, guard: Node, dimension: usize) -> bool {
+    let [x, y, t] = [Variable::X, Variable::Y, Variable::T].map(|v| graph.depends_on(guard, v));
+    if dimension == 2 { y && (x || t) } else { x || y || graph.depends_on(guard, Variable::Z) }
+}
+
+/// Cuts of the height, uniform ones and where a guard that depends on y alone changes sign; `parts` is the number of
 /// uniform pieces.
 fn cuts_in_y(
     graph: &mut Graph,
     guards: &[Node],
     horizon: f64,
-    height: f64,
+    [from, to]: [f64; 2],
     parts: usize,
 ) -> Vec<f64> {
     let alone = |guard: &Node| {
@@ -276,20 +382,25 @@ fn cuts_in_y(
     };
     let fixed: Vec<Node> = guards.iter().copied().filter(alone).collect();
     let program = Program::compile(graph, &fixed, horizon);
-    let mut cuts = uniform_cuts(height, parts);
-    cuts.extend(sign_changes(0.0, height, WATCHES, |places| {
+    let mut cuts = uniform_cuts([from, to], parts);
+    cuts.extend(sign_changes(from, to, WATCHES, |places| {
         let points: Vec<[f64; 3]> = places.iter().map(|&y| [0.0, y, 0.0]).collect();
         let mut values = vec![Vec::new(); fixed.len()];
         program.bind(&points).evaluate(0.0, 0.0, &mut values);
         values
     }));
+    sorted(cuts, to - from)
+}
+
+/// Cuts in order, those that differ by rounding once.
+fn sorted(mut cuts: Vec<f64>, length: f64) -> Vec<f64> {
     cuts.sort_by(f64::total_cmp);
-    cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * height);
+    cuts.dedup_by(|a, b| (*a - *b).abs() <= 1e-13 * length);
     cuts
 }
 
-fn uniform_cuts(length: f64, parts: usize) -> Vec<f64> {
-    (0..=parts).map(|i| length * i as f64 / parts as f64).collect()
+fn uniform_cuts([from, to]: [f64; 2], parts: usize) -> Vec<f64> {
+    (0..=parts).map(|i| from + (to - from) * i as f64 / parts as f64).collect()
 }
 
 /// [`PLANE`] or [`SPACE`].
@@ -318,7 +429,7 @@ mod tests {
         let scope = Scope::new(&[Variable::X, Variable::Y, Variable::T]);
         let strain: Vec<Node> =
             strain.iter().map(|text| graph.parse(text, &scope).expect("a formula")).collect();
-        let zeta = AccumulatedStrain::new(&mut graph, &strain, 1.0, &[1.0, 1.0], true);
+        let zeta = AccumulatedStrain::new(&mut graph, &strain, 1.0, Domain::Box(&[1.0, 1.0]), true);
         zeta.integrand.expect("an integrand")
     }
 

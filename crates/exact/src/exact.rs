@@ -1,6 +1,7 @@
 //! An exact solution: formulas for u, λ, ξ, and what follows from them.
 
 use super::AccumulatedStrain;
+use super::accumulated::Domain;
 use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
 use super::lanes::Number;
@@ -158,9 +159,9 @@ impl Exact {
         let interior = Program::compile(graph, &outputs, data.horizon);
         let forces = Program::compile(graph, &body_force, data.horizon);
         let needs_zeta = data.kappa.is_some_and(|kappa| graph.depends_on(kappa, Variable::Zeta));
-        let polytope = data.polytope.as_ref().map(|polytope| &polytope.coarse);
-        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, &data.size, needs_zeta)
-            .over(polytope);
+        let polytope = data.polytope.as_ref().map(|polytope| Domain::Coarse(&polytope.coarse));
+        let domain = polytope.unwrap_or(Domain::Box(&data.size));
+        let zeta = AccumulatedStrain::new(graph, &strain, data.horizon, domain, needs_zeta);
         // σ is linear in ε without the projection.
         let is_linear = data.kappa.is_none();
         let separation = is_linear.then(|| Separation::of(&data, &strain)).flatten();
@@ -230,15 +231,13 @@ impl Exact {
             && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
     }
 
-    /// The rows of a mesh, of one material each, where the fields are products along them; `regions` are those of its
+    /// The rows of a mesh of one material, where the fields are products along them; `regions` are those of its
     /// cells.
     pub fn rows(&self, mesh: &Mesh, regions: &[usize]) -> Option<Rows> {
         let separated =
             self.separation.as_ref().and_then(|separation| separation.products.as_ref());
         self.products.as_ref().or(separated)?;
-        let rows = Rows::of(mesh)?;
-        let mut of_rows = regions.chunks_exact(rows.length());
-        of_rows.all(|row| row.iter().all(|region| *region == row[0])).then_some(rows)
+        regions.iter().all(|region| *region == regions[0]).then(|| Rows::of(mesh))?
     }
 
     /// The region of each of some facets of a mesh, that of its centroid.

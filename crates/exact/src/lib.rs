@@ -13,7 +13,6 @@
 //!   against values from outside.
 
 mod accumulated;
-mod bands;
 mod bound_products;
 mod check;
 pub mod constitutive;
@@ -46,6 +45,7 @@ mod separation;
 mod side_points;
 mod sign_changes;
 mod simplex_points;
+mod strips;
 mod symbolic;
 mod truth;
 mod uniform;

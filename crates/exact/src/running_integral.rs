@@ -27,6 +27,8 @@ const MOST: usize = 256;
 /// A running integral, grown panel by panel.
 pub struct RunningIntegral {
     horizon: f64,
+    /// What a piece may leave unresolved, as a share.
+    share: f64,
     panels: Mutex<Vec<Vec<Piece>>>,
 }
 
@@ -41,7 +43,12 @@ struct Piece {
 impl RunningIntegral {
     /// An integral over [0, horizon], nothing computed yet.
     pub fn new(horizon: f64) -> Self {
-        Self { horizon, panels: Mutex::new(Vec::new()) }
+        Self { horizon, share: RESOLVED, panels: Mutex::new(Vec::new()) }
+    }
+
+    /// The same for a function whose values are right to a share of it alone, if that is larger.
+    pub fn resolved_to(self, share: f64) -> Self {
+        Self { share: share.max(RESOLVED), ..self }
     }
 
     /// ∫_0^t f; `events` lists the cuts inside an interval, sorted. Times beyond the horizon are
@@ -68,7 +75,8 @@ impl RunningIntegral {
             let mut cuts = vec![from];
             cuts.extend(events(from, to));
             cuts.push(to);
-            let mut panel = Panel { before, width: to - from, ..Panel::default() };
+            let mut panel =
+                Panel { before, width: to - from, share: self.share, ..Panel::default() };
             for pair in cuts.windows(2).filter(|pair| pair[1] - pair[0] > 1e-13 * width) {
                 resolve([pair[0], pair[1]], 0, &mut panel, &mut f)?;
             }
@@ -86,6 +94,8 @@ struct Panel {
     /// The integral up to the next piece.
     before: f64,
     width: f64,
+    /// [`RunningIntegral::share`].
+    share: f64,
     /// The largest coefficient met.
     size: f64,
     /// Pieces halved beyond [`HALVINGS`].
@@ -105,7 +115,8 @@ fn resolve<E>(
     let middle = 0.5 * (from + to);
     let may_go_on = halvings < HALVINGS || (halvings < DEEPEST && panel.halved < MOST);
     let negligible = (to - from) * piece.tail() <= NEGLIGIBLE * panel.width * panel.size;
-    if piece.is_resolved() || negligible || !may_go_on || middle <= from || middle >= to {
+    if piece.is_resolved(panel.share) || negligible || !may_go_on || middle <= from || middle >= to
+    {
         panel.before = piece.at(to);
         panel.pieces.push(piece);
         return Ok(());
@@ -117,8 +128,8 @@ fn resolve<E>(
 
 impl Piece {
     /// NaN counts as resolved: no halving would help it.
-    fn is_resolved(&self) -> bool {
-        self.tail() <= RESOLVED * self.size()
+    fn is_resolved(&self, share: f64) -> bool {
+        self.tail() <= share * self.size()
     }
 
     /// The largest coefficient; a NaN is none.

@@ -1,14 +1,10 @@
 //! Quadrature over a domain of coarse simplices.
 
 use fem::mesh::{CoarseMesh, Family, Mesh};
-use fem::space::quadrature::{Rule, tetrahedron_product, triangle_product};
+use fem::space::quadrature::{Rule, tetrahedron_product};
 
-/// Gauss points a direction, and parts of an edge that leave at least so many triangles in all: some
-/// 14 points along a third of the domain, as on the rectangle.
-const POINTS: usize = 14;
-const TRIANGLES: usize = 16;
-/// In space the points a direction at most and least, the tetrahedra at least, and the points in all that are aimed at:
-/// 8 points along half of the domain as in a box, fewer in each of many tetrahedra.
+/// The points a direction at most and least, the tetrahedra at least, and the points in all that are aimed at: 8 points
+/// along half of the domain as in a box, fewer in each of many tetrahedra.
 const IN_SPACE: [usize; 2] = [3, 8];
 const TETRAHEDRA: usize = 48;
 const WORK: f64 = 3e4;
@@ -22,23 +18,15 @@ pub(super) struct SimplexPoints {
 }
 
 impl SimplexPoints {
-    /// Points that resolve smooth fields to rounding. A field with kinks is integrated to the square
+    /// Points in a polyhedron that resolve smooth fields to rounding. A field with kinks is integrated to the square
     /// of the size of these simplices only; `check` says so.
     pub fn fine(coarse: &CoarseMesh) -> Self {
-        match coarse {
-            CoarseMesh::Plane(_) => Self::of(&parts(coarse, TRIANGLES), &triangle_product(POINTS)),
-            CoarseMesh::Space(_) => Self::in_space(coarse, 0),
-        }
+        Self::in_space(coarse, 0)
     }
 
-    /// The same by a finer rule: on triangles of half the size, in space with two more points a direction.
+    /// The same by a finer rule: two more points a direction.
     pub fn finer(coarse: &CoarseMesh) -> Self {
-        match coarse {
-            CoarseMesh::Plane(_) => {
-                Self::of(&parts(coarse, 4 * TRIANGLES), &triangle_product(POINTS))
-            }
-            CoarseMesh::Space(_) => Self::in_space(coarse, 2),
-        }
+        Self::in_space(coarse, 2)
     }
 
     fn in_space(coarse: &CoarseMesh, more: usize) -> Self {

@@ -4,6 +4,7 @@ use std::convert::Infallible;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::abscissae::Abscissae;
 use super::block::{BLOCK, Registers};
 use super::past::Past;
 use super::program::{Plan, StageTape};
@@ -14,8 +15,9 @@ use super::tape::{Register, Source};
 /// A program bound to points: holds fixed values, the past of hereditary
 /// integrals, and scratch memory.
 ///
-/// Values at (t, zeta) do not depend on what was evaluated before, nor on the
-/// other points, to the last bit.
+/// Values at (t, zeta) do not depend on what was evaluated before, to the last
+/// bit, nor on the other points; but that integrals at thousands of values of
+/// a coordinate are interpolated between some of them, to 1e-13.
 #[derive(Clone, Debug)]
 pub struct Bound {
     plan: Arc<Plan>,
@@ -54,6 +56,22 @@ enum Output {
 
 impl Bound {
     pub(super) fn new(plan: Arc<Plan>, points: &[[f64; 3]]) -> Self {
+        Self::of(plan, points, true)
+    }
+
+    /// The same, integrals of all points taken one by one.
+    pub(super) fn one_by_one(plan: Arc<Plan>, points: &[[f64; 3]]) -> Self {
+        Self::of(plan, points, false)
+    }
+
+    /// The integrals of a group over an interval at all points, which differ along its only axis.
+    pub(super) fn integrals(&mut self, group: usize, interval: [f64; 2], zeta: f64) -> Vec<f64> {
+        let Self { plan, stages, slots, pasts, .. } = self;
+        let (below, rest) = pasts.split_at_mut(group);
+        rest[0].over(below, Surroundings { plan, stages, slots, zeta }, interval)
+    }
+
+    fn of(plan: Arc<Plan>, points: &[[f64; 3]], interpolates: bool) -> Self {
         let (masks, pairs) = plan.stages();
         let stages = Stages::new(points, &masks, &pairs);
         // Nothing reads slots of the last stage but outputs.
@@ -82,7 +100,11 @@ impl Bound {
             .histories
             .iter()
             .enumerate()
-            .map(|(group, history)| Past::new(history, group, stages.count(history.mask)))
+            .map(|(group, history)| {
+                let may = interpolates && !plan.adds_remainders;
+                let abscissae = may.then(|| Abscissae::of(history, &stages, points)).flatten();
+                Past::new(history, group, stages.count(history.mask), abscissae)
+            })
             .collect();
         let mut bound = Self {
             plan: Arc::clone(&plan),
@@ -175,7 +197,7 @@ impl Bound {
     }
 
     /// Puts the hereditary integrals at time t into their slots.
-    fn recall(&mut self, plan: &Plan, t: f64, zeta: f64) {
+    fn recall(&mut self, plan: &Arc<Plan>, t: f64, zeta: f64) {
         let now = [t.to_bits(), zeta.to_bits()];
         if self.recalled_at == Some(now) || plan.recalled.is_empty() || self.points == 0 {
             return;

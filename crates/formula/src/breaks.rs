@@ -10,6 +10,8 @@ use super::history::HistoryPlan;
 use super::past::Past;
 use super::sampler::{Sampler, Surroundings};
 
+/// Lanes that are watched at once: their guards stay in cache.
+const WATCHED: usize = 128;
 /// Breaks closer than this, relative to the times, are one.
 const APART: f64 = 1e-14;
 
@@ -87,7 +89,10 @@ impl Breaks {
     ) {
         self.cuts.clear();
         if !plan.watch.results.is_empty() {
-            self.watch(plan, below, all, lanes);
+            self.brackets.clear();
+            for (index, some) in lanes.chunks(WATCHED).enumerate() {
+                self.watch(plan, below, all, some, WATCHED * index);
+            }
             while !self.brackets.is_empty() {
                 self.narrow(plan, below, all, lanes);
             }
@@ -110,8 +115,15 @@ impl Breaks {
         }
     }
 
-    /// Opens a bracket wherever a guard changes sign between watches.
-    fn watch(&mut self, plan: &HistoryPlan, below: &mut [Past], all: Surroundings, lanes: &[Lane]) {
+    /// Opens a bracket wherever a guard changes sign between watches, in lanes of which `before` others are the first.
+    fn watch(
+        &mut self,
+        plan: &HistoryPlan,
+        below: &mut [Past],
+        all: Surroundings,
+        lanes: &[Lane],
+        before: usize,
+    ) {
         self.sampler.clear();
         self.watches.clear();
         for lane in lanes {
@@ -124,7 +136,6 @@ impl Breaks {
             self.watches.push(watches);
         }
         self.sampler.run(&plan.watch, plan.mask, below, all);
-        self.brackets.clear();
         for (guard, values) in self.sampler.values.iter().enumerate() {
             let mut first = 0;
             for (lane, &watches) in self.watches.iter().enumerate() {
@@ -137,7 +148,7 @@ impl Breaks {
                 for k in 0..watches {
                     let [low, high] = [k, k + 1].map(|k| End::new(times[k], values[k]));
                     if low.sign != high.sign {
-                        self.brackets.push(Bracket::new(lane, guard, [low, high], apart));
+                        self.brackets.push(Bracket::new(before + lane, guard, [low, high], apart));
                     }
                 }
             }

@@ -5,6 +5,7 @@
 //! graph in which equal subexpressions are one node.  A [`Program`] is a set of
 //! nodes prepared for evaluation; a [`Bound`] is a program with its points.
 
+mod abscissae;
 mod block;
 mod bound;
 mod bracket;

@@ -61,15 +61,21 @@ impl Memory {
         }
     }
 
-    /// Puts what was kept into a panel: the pieces of so many more tuples, one a lane.
-    pub(super) fn put_away(&mut self, plan: &HistoryPlan, index: usize, lanes: usize) {
+    /// Puts what was kept into panels: the pieces of so many lanes, each of the next tuple of the panel of its lane.
+    pub(super) fn put_away(
+        &mut self,
+        plan: &HistoryPlan,
+        panel: impl Fn(usize) -> usize,
+        lanes: usize,
+    ) {
         let length = plan.remembered().count() * ORDER;
-        self.panels.resize_with(self.panels.len().max(index + 1), Panel::default);
-        let panel = &mut self.panels[index];
         let mut order: Vec<usize> = (0..self.kept.len()).collect();
         order.sort_by_key(|&k| self.kept[k].0.lane);
         let mut next = order.into_iter().peekable();
         for lane in 0..lanes {
+            let index = panel(lane);
+            self.panels.resize_with(self.panels.len().max(index + 1), Panel::default);
+            let panel = &mut self.panels[index];
             panel.starts.push(panel.pieces.len());
             while let Some(k) = next.next_if(|&k| self.kept[k].0.lane as usize == lane) {
                 let (piece, left) = self.kept[k];

@@ -11,6 +11,10 @@
 //! What the quadrature leaves unresolved is estimated, and carried along with
 //! the values.
 
+use std::sync::Arc;
+
+use super::abscissae::Abscissae;
+use super::bound::Bound;
 use super::breaks::{Breaks, Lane, Piece};
 use super::history::{HistoryPlan, Kernel};
 use super::memory::Memory;
@@ -19,14 +23,17 @@ use super::resolution::{Mark, Resolution, last};
 use super::sampler::{Sampler, Surroundings};
 use super::weights::{STRIDE, Weights};
 
-/// Lanes integrated at once.
+/// Lanes integrated at once, whose integrands stay in cache, and lanes whose breaks are sought together.
 const CHUNK: usize = 128;
+const BATCH: usize = 4096;
 
 /// Integrals up to every panel edge reached so far, and scratch memory.
 #[derive(Clone, Debug)]
 pub(super) struct Past {
     group: usize,
     tuples: usize,
+    /// Of very many tuples, where integrals are interpolated.
+    abscissae: Option<Abscissae>,
     /// For each edge the values of all members at all tuples.
     edges: Vec<Vec<f64>>,
     /// What these may lack; empty where it is nothing.
@@ -50,11 +57,17 @@ struct Sums<'a> {
 }
 
 impl Past {
-    pub(super) fn new(plan: &HistoryPlan, group: usize, tuples: usize) -> Self {
+    pub(super) fn new(
+        plan: &HistoryPlan,
+        group: usize,
+        tuples: usize,
+        abscissae: Option<Abscissae>,
+    ) -> Self {
         let nested = plan.nested();
         Self {
             group,
             tuples,
+            abscissae,
             edges: vec![vec![0.0; tuples * plan.members.len()]],
             remainders: vec![Vec::new()],
             memory: Memory::default(),
@@ -103,7 +116,11 @@ impl Past {
         lacking.clear();
         lacking.resize(out.len(), 0.0);
         let mut sums = Sums { values: out, lacking: &mut lacking };
-        self.integrate(plan, below, all, &lanes, &mut sums, None);
+        // Tuples are asked for in order, so that as many as there are are all.
+        let same = lanes.len() == self.tuples && times.iter().all(|t| *t == times[0]);
+        if !(same && self.interpolate(plan, below, all, &lanes, &mut sums)) {
+            self.integrate(plan, below, all, &lanes, &mut sums, None);
+        }
         let parts = out.chunks_mut(members.max(1)).zip(lacking.chunks_mut(members.max(1)));
         for ((lane, time), (values, lacking)) in lanes.iter().zip(times).zip(parts) {
             if time.is_finite() {
@@ -137,32 +154,102 @@ impl Past {
 
     /// Fills in the values at edges up to that of panel `last`.
     fn extend(&mut self, plan: &HistoryPlan, below: &mut [Past], all: Surroundings, last: usize) {
+        let members = plan.members.len();
         while self.edges.len() <= last {
-            let panel = self.edges.len() - 1;
-            let (from, to) = (plan.edge(panel), plan.edge(panel + 1));
-            let lane = |tuple| Lane { tuple: tuple as u32, from, to };
-            let lanes: Vec<Lane> = (0..self.tuples).map(lane).collect();
-            let mut next = vec![0.0; lanes.len() * plan.members.len()];
-            let mut lacking = next.clone();
-            let mut sums = Sums { values: &mut next, lacking: &mut lacking };
-            self.integrate(plan, below, all, &lanes, &mut sums, Some(panel));
-            let decay = self.weights.decay(plan, to - from);
-            let add = |next: &mut [f64], before: &[f64]| {
-                let factors = plan.members.iter().map(|m| decay[m.kernel]).cycle();
-                for ((next, before), factor) in next.iter_mut().zip(before).zip(factors) {
-                    *next += factor * before;
-                }
+            // Panels side by side: the search for breaks takes its rounds for all of them at once.
+            let first = self.edges.len() - 1;
+            let count = (BATCH / self.tuples.max(1)).clamp(1, last - first);
+            let of_panel = |panel: usize| {
+                let (from, to) = (plan.edge(panel), plan.edge(panel + 1));
+                (0..self.tuples as u32).map(move |tuple| Lane { tuple, from, to })
             };
-            add(&mut next, &self.edges[panel]);
-            add(&mut lacking, &self.remainders[panel]);
-            self.edges.push(next);
-            lacking.truncate(if lacking.iter().all(|&part| part == 0.0) { 0 } else { usize::MAX });
-            self.remainders.push(lacking);
+            let lanes: Vec<Lane> = (first..first + count).flat_map(of_panel).collect();
+            // Pages of zeros that nothing is added to are none.
+            let [mut values, mut lacking] = [(); 2].map(|()| vec![0.0; lanes.len() * members]);
+            let mut sums = Sums { values: &mut values, lacking: &mut lacking };
+            if !(count == 1 && self.interpolate(plan, below, all, &lanes, &mut sums)) {
+                self.integrate(plan, below, all, &lanes, &mut sums, Some(first));
+            }
+            if count == 1 {
+                self.add_edge(plan, values, lacking);
+                continue;
+            }
+            for index in 0..count {
+                let own = members * self.tuples * index..members * self.tuples * (index + 1);
+                self.add_edge(plan, values[own.clone()].to_vec(), lacking[own].to_vec());
+            }
         }
     }
 
-    /// Adds to `sums` the integrals of all members over the lanes; those of a
-    /// whole panel are remembered for general kernels.
+    /// Adds to `sums` the integrals over one interval, which is that of all lanes, one a tuple; false where they are no
+    /// smooth functions of few enough pieces, or not many.
+    fn interpolate(
+        &mut self,
+        plan: &HistoryPlan,
+        below: &mut [Past],
+        all: Surroundings,
+        lanes: &[Lane],
+        sums: &mut Sums<'_>,
+    ) -> bool {
+        let Some(abscissae) = &self.abscissae else { return false };
+        let Lane { from, to, .. } = lanes[0];
+        let members = plan.members.len();
+        let sample = |places: &[f64]| {
+            let points: Vec<[f64; 3]> = places.iter().map(|&x| abscissae.point(x)).collect();
+            let mut bound = Bound::one_by_one(Arc::clone(all.plan), &points);
+            bound.integrals(self.group, [from, to], all.zeta)
+        };
+        let Some(left) = abscissae.interpolate(members, sample, sums.values) else {
+            sums.values.fill(0.0);
+            return false;
+        };
+        let lanes: Vec<Lane> = left.iter().map(|&tuple| Lane { tuple, from, to }).collect();
+        let mut own = vec![0.0; members * left.len()];
+        let mut lacking = own.clone();
+        let mut of_left = Sums { values: &mut own, lacking: &mut lacking };
+        self.integrate(plan, below, all, &lanes, &mut of_left, None);
+        for (&tuple, own) in left.iter().zip(own.chunks(members)) {
+            sums.values[members * tuple as usize..][..members].copy_from_slice(own);
+        }
+        true
+    }
+
+    /// The integrals over one interval at all tuples.
+    pub(super) fn over(
+        &mut self,
+        below: &mut [Past],
+        all: Surroundings,
+        [from, to]: [f64; 2],
+    ) -> Vec<f64> {
+        let plan = &all.plan.histories[self.group];
+        let lanes: Vec<Lane> =
+            (0..self.tuples as u32).map(|tuple| Lane { tuple, from, to }).collect();
+        let mut values = vec![0.0; lanes.len() * plan.members.len()];
+        let mut lacking = values.clone();
+        let mut sums = Sums { values: &mut values, lacking: &mut lacking };
+        self.integrate(plan, below, all, &lanes, &mut sums, None);
+        values
+    }
+
+    /// Adds an edge by the integrals over the panel before it, and what these may lack.
+    fn add_edge(&mut self, plan: &HistoryPlan, mut next: Vec<f64>, mut lacking: Vec<f64>) {
+        let panel = self.edges.len() - 1;
+        let decay = self.weights.decay(plan, plan.edge(panel + 1) - plan.edge(panel));
+        let add = |next: &mut [f64], before: &[f64]| {
+            let factors = plan.members.iter().map(|m| decay[m.kernel]).cycle();
+            for ((next, before), factor) in next.iter_mut().zip(before).zip(factors) {
+                *next += factor * before;
+            }
+        };
+        add(&mut next, &self.edges[panel]);
+        add(&mut lacking, &self.remainders[panel]);
+        self.edges.push(next);
+        lacking.truncate(if lacking.iter().all(|&part| part == 0.0) { 0 } else { usize::MAX });
+        self.remainders.push(lacking);
+    }
+
+    /// Adds to `sums` the integrals of all members over the lanes. Those of whole panels, from panel `whole` on, are
+    /// remembered for general kernels.
     fn integrate(
         &mut self,
         plan: &HistoryPlan,
@@ -174,38 +261,62 @@ impl Past {
     ) {
         let members = plan.members.len();
         let whole = whole.filter(|_| plan.is_general());
-        for (index, lanes) in lanes.chunks(CHUNK).enumerate() {
-            let own = members * CHUNK * index..members * (CHUNK * index + lanes.len());
-            let values = &mut sums.values[own.clone()];
-            let mut own = Sums { values, lacking: &mut sums.lacking[own] };
+        for (index, lanes) in lanes.chunks(BATCH).enumerate() {
+            let first = BATCH * index;
             self.breaks.find(plan, below, all, lanes);
-            let mut pieces = std::mem::take(&mut self.breaks.pieces);
-            for depth in 0.. {
-                self.sample(plan, below, all, lanes, &pieces);
-                let values = &self.sampler.values;
-                self.resolution.mark(plan, lanes.len(), &pieces, values, depth);
-                self.halves.clear();
-                for (k, piece) in pieces.iter().enumerate() {
-                    match self.resolution.marks[k] {
-                        Mark::Halved => self.halves.extend(piece.halves()),
-                        mark => {
-                            let left = mark == Mark::Left;
-                            self.add_piece(plan, lanes, (k, piece), left, &mut own);
-                            if whole.is_some() {
-                                self.memory.keep(plan, (k, piece), left, &self.sampler.values);
-                            }
+            let pieces = std::mem::take(&mut self.breaks.pieces);
+            let mut rest = &pieces[..];
+            for (index, lanes) in lanes.chunks(CHUNK).enumerate() {
+                let (before, first) = (CHUNK * index, first + CHUNK * index);
+                let end = (before + lanes.len()) as u32;
+                let (own, others) = rest.split_at(rest.partition_point(|piece| piece.lane < end));
+                rest = others;
+                let lane = |piece: &Piece| Piece { lane: piece.lane - before as u32, ..*piece };
+                let own: Vec<Piece> = own.iter().map(lane).collect();
+                let range = members * first..members * (first + lanes.len());
+                let values = &mut sums.values[range.clone()];
+                let mut sums = Sums { values, lacking: &mut sums.lacking[range] };
+                self.integrate_pieces(plan, below, all, (lanes, own), &mut sums, whole.is_some());
+                if let Some(panel) = whole {
+                    let panel = |lane: usize| panel + (first + lane) / self.tuples;
+                    self.memory.put_away(plan, panel, lanes.len());
+                }
+            }
+            self.breaks.pieces = pieces;
+        }
+    }
+
+    /// Adds the integrals over the pieces of some lanes, halved where they are not resolved; `keeps` them in memory.
+    fn integrate_pieces(
+        &mut self,
+        plan: &HistoryPlan,
+        below: &mut [Past],
+        all: Surroundings,
+        (lanes, mut pieces): (&[Lane], Vec<Piece>),
+        sums: &mut Sums<'_>,
+        keeps: bool,
+    ) {
+        for depth in 0.. {
+            self.sample(plan, below, all, lanes, &pieces);
+            let values = &self.sampler.values;
+            self.resolution.mark(plan, lanes.len(), &pieces, values, depth);
+            self.halves.clear();
+            for (k, piece) in pieces.iter().enumerate() {
+                match self.resolution.marks[k] {
+                    Mark::Halved => self.halves.extend(piece.halves()),
+                    mark => {
+                        let left = mark == Mark::Left;
+                        self.add_piece(plan, lanes, (k, piece), left, sums);
+                        if keeps {
+                            self.memory.keep(plan, (k, piece), left, &self.sampler.values);
                         }
                     }
                 }
-                if self.halves.is_empty() {
-                    break;
-                }
-                std::mem::swap(&mut pieces, &mut self.halves);
             }
-            if let Some(panel) = whole {
-                self.memory.put_away(plan, panel, lanes.len());
+            if self.halves.is_empty() {
+                break;
             }
-            self.breaks.pieces = pieces;
+            std::mem::swap(&mut pieces, &mut self.halves);
         }
     }
 

@@ -109,7 +109,12 @@ impl Resolution {
 /// they do not.
 pub(super) fn is_unresolved(values: &[f64], share: f64) -> bool {
     let larger = |most: f64, value: &f64| if value.abs() > most { value.abs() } else { most };
-    last(values) > share * values.iter().fold(0.0, larger)
+    let last = last(values);
+    // Most are resolved by far: any value is large enough.
+    if last <= share * values[0].abs() {
+        return false;
+    }
+    last > share * values.iter().fold(0.0, larger)
 }
 
 /// The sum of the sizes of the last two coefficients: about what the polynomial through the values lacks of a power with

@@ -1,5 +1,7 @@
 //! Tapes of integrands, run at lanes that each have a tuple and a time.
 
+use std::sync::Arc;
+
 use super::block::{BLOCK, Registers};
 use super::past::Past;
 use super::program::Plan;
@@ -9,7 +11,7 @@ use super::tape::{Source, Tape};
 /// What integrals may read: all of it fixed while they run.
 #[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
-    pub(super) plan: &'a Plan,
+    pub(super) plan: &'a Arc<Plan>,
     pub(super) stages: &'a Stages,
     pub(super) slots: &'a [Vec<f64>],
     pub(super) zeta: f64,

@@ -2,4 +2,5 @@
 
 pub mod fit;
 pub mod record;
+pub mod table;
 pub mod verdict;

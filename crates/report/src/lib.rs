@@ -15,16 +15,16 @@ mod junit;
 mod legend;
 mod map;
 mod marks;
-mod number;
 mod palette;
+mod pictures;
 mod plane;
 mod ruler;
 mod sheet;
 mod sketch;
 mod slope;
 mod space_time;
-mod studies;
 mod surface;
+mod ticks;
 mod written;
 
 use std::collections::BTreeMap;
@@ -36,7 +36,10 @@ pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
-pub use document::{Document, Equation, Terms, equations};
+pub use document::{
+    Chapter, Document, Equation, Run, StudyDocument, Terms, Tone, digits, equations, held, number,
+    precise, sides,
+};
 pub use github::{Place, annotations, step_summary};
 pub use junit::write_junit;
 pub use map::{Cell, Map, Shade};
@@ -48,8 +51,7 @@ pub use space_time::{Panel, SpaceTime, Zone};
 pub use surface::surface_svg;
 pub use written::remove_earlier;
 
-use self::studies::{Studies, is_study};
-use document::{Block, DATA, Report, TEMPLATE, data, document, markdown, page, tables};
+use document::{DATA, Report, TEMPLATE, data, document, markdown, page, tables};
 use files::make_directory;
 use judge::fit::Direction;
 use judge::record::{CaseRecord, RecordError, write_sorted};
@@ -179,7 +181,20 @@ pub fn write_all(
     baseline: Option<&Comparison>,
 ) -> Result<Document, ReportError> {
     make_directory(dir).map_err(|source| ReportError::Io { path: dir.to_owned(), source })?;
-    let document = composed(dir, scenes, records, verdicts, provenance)?;
+    let stems = stems(scenes)?;
+    let drawn =
+        scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
+    let pictures: Vec<Vec<Picture>> = drawn.collect::<Result<_, _>>()?;
+    let document = document(Report {
+        scenes,
+        stems: &stems,
+        pictures: &pictures,
+        studies: StudyDocument::read_all(dir)?,
+        of_cases: pictures::of_cases(dir)?,
+        records,
+        verdicts,
+        provenance,
+    });
     write_sorted(&dir.join("cases.csv"), records)?;
     write_json(&dir.join("verdict.json"), provenance, verdicts, records, baseline)?;
     let pages = [
@@ -189,37 +204,11 @@ pub fn write_all(
         ("report.typ", TEMPLATE.to_owned()),
         (DATA, data(&document, None)),
     ];
-    let own = pictures_of(&document).filter(|(file, _)| !is_study(file));
+    let own = pictures.iter().flatten().map(|(file, _, svg)| (file.clone(), svg.as_str()));
     let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
     let files: Vec<(String, &str)> = own.chain(pages).collect();
     write_listed(dir, &files)?;
     Ok(document)
-}
-
-/// The document of a directory.
-fn composed(
-    dir: &Path,
-    scenes: &[SceneSummary],
-    records: &[CaseRecord],
-    verdicts: &[Verdict],
-    provenance: &serde_json::Value,
-) -> Result<Document, ReportError> {
-    let stems = stems(scenes)?;
-    let drawn =
-        scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
-    let pictures = drawn.collect::<Result<_, _>>()?;
-    let studies = Studies::read(dir)?;
-    let stems = &stems;
-    Ok(document(Report { scenes, stems, pictures, studies, records, verdicts, provenance }))
-}
-
-/// Names and texts of the pictures of a document.
-fn pictures_of(document: &Document) -> impl Iterator<Item = (String, &str)> {
-    let blocks = document.sections.iter().flat_map(|section| &section.blocks);
-    blocks.filter_map(|block| match block {
-        Block::Figure(figure) => Some((figure.file.clone(), figure.svg.as_str())),
-        _ => None,
-    })
 }
 
 /// A picture with its file name and its caption.

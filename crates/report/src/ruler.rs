@@ -1,6 +1,6 @@
 //! One axis: where a value stands on it, and its ticks.
 
-use super::number::{decimal, power, step_label, with_decimals};
+use super::ticks::{decimal, power, step_label, with_decimals};
 
 /// How an axis is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

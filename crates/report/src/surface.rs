@@ -2,8 +2,8 @@
 
 use super::chart::{Axis, Chart, Datum, Key, Part, Series};
 use super::curve::norms;
-use super::number::step_label;
 use super::ruler::Scale;
+use super::ticks::step_label;
 use super::{ReportError, SceneSummary};
 use judge::fit::{JointFit, Point, joint_fits, screen};
 use judge::record::{CaseRecord, norm_label};

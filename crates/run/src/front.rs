@@ -11,7 +11,7 @@ use crate::sweep::{
 use judge::record::CaseRecord;
 use judge::verdict::Verdict;
 use scene::setup::{Scheme, Setup, SetupError, Subject};
-use scene::{Scene, SceneError, Source};
+use scene::{Norm, Scene, SceneError, Source};
 
 /// Why a sweep has no verdicts.
 #[derive(Debug, thiserror::Error)]
@@ -28,6 +28,20 @@ pub enum FrontError {
     /// The records could not be written.
     #[error(transparent)]
     Sweep(#[from] SweepError),
+    /// A solver would be judged by its own finer run.
+    #[error(
+        "{name}: the scene has no exact solution to judge another solver by; `sweep list` names those that have"
+    )]
+    NoTruth {
+        /// The scene.
+        name: String,
+    },
+    /// The grid is none for the scene, or has no case.
+    #[error("{name}: no case to run; give n and steps")]
+    NoCase {
+        /// The scene.
+        name: String,
+    },
     /// A scene in ℝ^m has no mesh that another solver could march on.
     #[error("{name}: a problem in R^m is solved by the library alone; leave out `solver`")]
     NoBody {
@@ -50,6 +64,8 @@ pub struct Sweep {
     overrides: Overrides,
     jobs: usize,
     solver: Option<Arc<dyn Scheme>>,
+    pressures: bool,
+    constants: bool,
     out: Option<PathBuf>,
 }
 
@@ -72,7 +88,16 @@ impl Swept {
 impl Sweep {
     /// A scene that has been read.
     pub fn of(scene: Scene) -> Self {
-        Self { scene, overrides: Overrides::default(), jobs: 1, solver: None, out: None }
+        let overrides = Overrides::default();
+        Self {
+            scene,
+            overrides,
+            jobs: 1,
+            solver: None,
+            pressures: true,
+            constants: true,
+            out: None,
+        }
     }
 
     /// The scene of a file.
@@ -115,6 +140,18 @@ impl Sweep {
         self
     }
 
+    /// The solver gives displacements alone: what pressures tell is neither measured nor judged.
+    pub fn without_pressures(mut self) -> Self {
+        self.pressures = false;
+        self
+    }
+
+    /// Judges orders alone and not their constants: for other elements or time rules.
+    pub fn orders_only(mut self) -> Self {
+        self.constants = false;
+        self
+    }
+
     /// Keeps `cases.csv` in this directory, a row as each case ends; without it the records are in the answer alone.
     pub fn out(mut self, directory: impl Into<PathBuf>) -> Self {
         self.out = Some(directory.into());
@@ -125,21 +162,34 @@ impl Sweep {
     ///
     /// # Errors
     /// [`FrontError`]. A case that fails is a record with its reason, and its verdict is none that passes.
-    pub fn run(self) -> Result<Swept, FrontError> {
+    pub fn run(mut self) -> Result<Swept, FrontError> {
+        let tells = |norm: Norm| self.pressures || !norm.wants_pressure();
+        self.scene.predicts.retain(|prediction| tells(prediction.norm));
+        let listed = |list: &Option<Vec<u32>>| list.clone().unwrap_or_default();
+        self.scene.check_grid(&listed(&self.overrides.n), &listed(&self.overrides.steps))?;
+        let name = self.scene.name.clone();
+        let (other, constants) = (self.solver.is_some(), self.constants);
         let subject = match (self.solver, self.scene.as_contact().is_some()) {
             (None, _) => Subject::new(self.scene)?,
             (Some(scheme), true) => {
                 Subject::Contact(Box::new(Setup { scheme, ..Setup::new(self.scene)? }))
             }
-            (Some(_), false) => return Err(FrontError::NoBody { name: self.scene.name }),
+            (Some(_), false) => return Err(FrontError::NoBody { name }),
         };
-        let plan = [ScenePlan::new(subject, &self.overrides)];
+        if other && !subject.has_exact() {
+            return Err(FrontError::NoTruth { name });
+        }
+        let mut plan = [ScenePlan::new(subject, &self.overrides)];
+        plan[0].cases.iter_mut().for_each(|case| case.norms.retain(|&norm| tells(norm)));
+        if plan[0].cases.is_empty() {
+            return Err(FrontError::NoCase { name });
+        }
         let scratch = self.out.is_none().then(Scratch::new);
         let path = self.out.as_deref().or(scratch.as_ref().map(|scratch| &*scratch.0));
         let out = OutputDirectory::take(path.unwrap_or(Path::new(".")))?;
         let records = run_sweep(&plan, &out, &Machine::with_jobs(self.jobs), false, &())?;
         let [plan] = &plan;
-        let foreseen = foresee(&plan.subject, &records);
+        let foreseen = if constants { foresee(&plan.subject, &records) } else { Vec::new() };
         let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
         Ok(Swept { records, verdicts })
     }

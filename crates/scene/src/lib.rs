@@ -55,7 +55,7 @@ pub use projection::Projection;
 pub use region_place::Place;
 pub use registry::Registry;
 pub use scale::Scale;
-pub use source::Source;
+pub use source::{Inside, Source};
 pub use spans::Spans;
 pub use sweep::{Reference, Sweep};
 pub use time::{Time, TimeGrid, TimeRule};

@@ -26,6 +26,11 @@ pub enum Norm {
 }
 
 impl Norm {
+    /// Whether displacements alone do not tell it.
+    pub fn wants_pressure(self) -> bool {
+        matches!(self, Norm::PressureL2Max | Norm::PressureMax(_))
+    }
+
     /// Every norm.
     pub const ALL: [Norm; 19] = [
         Norm::VMax,

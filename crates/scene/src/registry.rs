@@ -1,20 +1,26 @@
-//! The scenes of a folder, found by name; any other scene, by its path.
+//! The scenes of a folder or those inside a program, found by name; any other scene, by its path.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use super::diagnostic::SceneError;
 use super::nearest::by_distance;
+use super::source::{Inside, Source};
 use super::validated::Scene;
 
 /// How many folders deep scenes are looked for.
 const DEEPEST: usize = 8;
 
-/// The scene files under a folder, by name.
+/// What messages name as the folder of files that are inside the program.
+const INSIDE: &str = "<sweep>";
+
+/// Scene files by name.
 #[derive(Debug, Clone)]
 pub struct Registry {
     folder: PathBuf,
     files: BTreeMap<String, PathBuf>,
+    /// Texts in place of files; none for a folder.
+    inside: Inside,
 }
 
 impl Registry {
@@ -23,9 +29,18 @@ impl Registry {
     /// # Errors
     /// The folder cannot be read, or two files have one name.
     pub fn open(folder: &Path) -> Result<Registry, SceneError> {
-        let mut registry = Registry { folder: folder.to_path_buf(), files: BTreeMap::new() };
-        registry.enter(folder, DEEPEST)?;
+        let (folder, files) = (folder.to_path_buf(), BTreeMap::new());
+        let mut registry = Registry { folder, files, inside: &[] };
+        registry.enter(&registry.folder.clone(), DEEPEST)?;
         Ok(registry)
+    }
+
+    /// The scenes among texts inside the program; meshes that they name are looked for there.
+    pub fn inside(texts: Inside) -> Registry {
+        let folder = PathBuf::from(INSIDE);
+        let scenes = texts.iter().filter(|(name, _)| name.ends_with(".toml"));
+        let files = scenes.map(|(name, _)| (stem(Path::new(name)), folder.join(name))).collect();
+        Registry { folder, files, inside: texts }
     }
 
     /// The names, sorted.
@@ -53,7 +68,13 @@ impl Registry {
     /// The scene is unknown or at fault, or a file of the folder holds a scene of another name.
     pub fn load(&self, scene: &str) -> Result<Scene, SceneError> {
         let path = self.find(scene)?;
-        let loaded = Scene::read(&path)?;
+        let loaded = match self.text(&path) {
+            Some(text) => Scene::from_source(Source {
+                beside: self.inside,
+                ..Source::from_text(&path, text)
+            })?,
+            None => Scene::read(&path)?,
+        };
         let expected = stem(&path);
         if self.files.contains_key(scene) && loaded.name != expected {
             let message =
@@ -65,6 +86,13 @@ impl Registry {
             ));
         }
         Ok(loaded)
+    }
+
+    /// The text of a file that is inside the program.
+    fn text(&self, path: &Path) -> Option<&'static str> {
+        let below = path.strip_prefix(&self.folder).ok()?;
+        let (_, text) = self.inside.iter().find(|(name, _)| Path::new(name) == below)?;
+        Some(text)
     }
 
     fn unknown(&self, name: &str) -> SceneError {

@@ -18,14 +18,19 @@ pub struct Source {
     pub hash: String,
     /// The text of the mesh file that the scene names.
     pub mesh: Option<String>,
+    /// Where a mesh file is looked for first: what stands beside a text that is inside the program.
+    pub(crate) beside: Inside,
 }
+
+/// Files inside the program: names and texts.
+pub type Inside = &'static [(&'static str, &'static str)];
 
 impl Source {
     /// Text that did not come from a file; `path` is the name that messages show.
     pub fn from_text(path: impl Into<PathBuf>, text: impl Into<String>) -> Source {
         let text = text.into();
         let hash = hash(&[&text]);
-        Source { path: path.into(), text, hash, mesh: None }
+        Source { path: path.into(), text, hash, mesh: None, beside: &[] }
     }
 
     /// The same with the text of its mesh file.

@@ -2,12 +2,12 @@
 
 use serde_json::{Value, json};
 
-use super::table::Group;
 use super::{Part, Predicted, gap_verdict, verdict_text};
 use judge::fit::{
     Estimate, JointFit, JointFits, NotIdentifiable, fit_constants, joint_fits, student_quantile,
 };
-use judge::verdict::{Aim, Decision, compare};
+use judge::table::Group;
+use judge::verdict::{Decision, compare};
 
 /// The joint fits of both models, without and with a floor term.
 pub(super) fn part(
@@ -18,7 +18,7 @@ pub(super) fn part(
     let orders = predicted.p.zip(predicted.q);
     let verdict = orders.map(|orders| {
         gap_verdict(group).unwrap_or_else(|| match joint {
-            Ok(fits) => decide(&fits.best, orders),
+            Ok(fits) => decide(&fits.best, orders, predicted),
             Err(refused) => (Decision::Unresolved, refused.to_string()),
         })
     });
@@ -43,10 +43,8 @@ pub(super) fn part(
 }
 
 /// Passes if both orders pass, fails if one fails.
-fn decide(best: &JointFit, (p, q): (f64, f64)) -> (Decision, String) {
-    let one = |found: Estimate, order: f64| {
-        compare(found.interval, Aim { order, at_least: false, exact: false })
-    };
+fn decide(best: &JointFit, (p, q): (f64, f64), predicted: Predicted) -> (Decision, String) {
+    let one = |found: Estimate, order: f64| compare(found.interval, predicted.aim(order));
     let (space, time) = (one(best.order_h, p), one(best.order_k, q));
     (space.0.and(time.0), format!("in h: {}; in k: {}", space.1, time.1))
 }

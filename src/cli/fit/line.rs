@@ -2,13 +2,15 @@
 
 use serde_json::json;
 
-use super::table::Group;
-use super::{Part, gap_verdict, next_step, orders_text, step_name, verdict_text};
+use super::{
+    Part, Predicted, gap_verdict, line_points, next_step, orders_text, step_name, verdict_text,
+};
 use files::counted;
 use judge::fit::{
     Correction, Direction, FitError, Interval, JointFits, LARGEST_OTHER_SHARE, NotIdentifiable,
     OrderInterval, Point, Sample, constant_under, local_slopes, order_interval, samples, screen,
 };
+use judge::table::Group;
 use judge::verdict::{Aim, Decision, compare};
 
 /// Nobody knows the scheme behind a table: the next term is taken to be the next power, which
@@ -25,19 +27,20 @@ struct Fitted {
 pub(super) fn part(
     group: &Group,
     direction: Direction,
-    predicted: Option<f64>,
+    claims: Predicted,
     joint: Option<&Result<JointFits, NotIdentifiable>>,
 ) -> Option<Part> {
+    let predicted = claims.order(direction);
     if !group.refined(direction) && predicted.is_none() {
         return None;
     }
-    let line = group.line(direction);
+    let line = line_points(group, direction);
     let fitted = samples(&line, direction)
         .and_then(|samples| Ok(Fitted { order: order_interval(&samples, CORRECTION)?, samples }));
     let verdict = predicted.map(|order| {
         gap_verdict(group)
-            .or_else(|| bent(&line, direction, order, joint))
-            .unwrap_or_else(|| decide(&fitted, &line, direction, order))
+            .or_else(|| bent(&line, direction, claims.aim(order), joint))
+            .unwrap_or_else(|| decide(&fitted, &line, direction, claims.aim(order)))
     });
     Some(Part {
         text: text(&fitted, &line, direction, predicted, verdict.as_ref()),
@@ -50,15 +53,15 @@ fn decide(
     fitted: &Result<Fitted, FitError>,
     line: &[Point],
     direction: Direction,
-    order: f64,
+    aim: Aim,
 ) -> (Decision, String) {
     let name = step_name(direction);
     let steps = |samples: &[Sample]| samples.iter().map(|s| s.step).collect::<Vec<f64>>();
     match fitted {
         Ok(fitted) => {
-            let aim = Aim { order, at_least: false, exact: false };
             let (decision, reason) = compare(fitted.order.interval, aim);
-            let wide = decision == Decision::Unresolved && fitted.order.interval.contains(order);
+            let wide =
+                decision == Decision::Unresolved && fitted.order.interval.contains(aim.order);
             let next = next_step(name, &steps(&fitted.samples));
             let part = fitted.order.widest_part();
             let hint = if wide { format!(", from {part}: {next}") } else { String::new() };
@@ -80,7 +83,7 @@ fn decide(
 fn bent(
     line: &[Point],
     direction: Direction,
-    order: f64,
+    aim: Aim,
     joint: Option<&Result<JointFits, NotIdentifiable>>,
 ) -> Option<(Decision, String)> {
     let best = match joint? {
@@ -97,7 +100,6 @@ fn bent(
     let used = line.iter().filter(|point| screen(point).is_ok());
     let share = used.map(|point| best.weights(point.h, point.k)[other]).fold(0.0, f64::max);
     (share > LARGEST_OTHER_SHARE).then(|| {
-        let aim = Aim { order, at_least: false, exact: false };
         let (decision, reason) = compare(own.interval, aim);
         let percent = 100.0 * share;
         let grid =

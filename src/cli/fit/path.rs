@@ -2,13 +2,13 @@
 
 use serde_json::json;
 
-use super::table::Group;
 use super::{Part, Predicted, gap_verdict, next_step, orders_text, verdict_text};
 use judge::fit::{
     Correction, Direction, Interval, OrderInterval, Path, Sample, local_slopes, order_interval,
     samples,
 };
-use judge::verdict::{Aim, Decision, compare};
+use judge::table::Group;
+use judge::verdict::{Decision, compare};
 
 /// The order in h along the path, which is min(p, s q), and what it says of p and q.
 pub(super) fn part(group: &Group, path: Path, predicted: Predicted) -> Part {
@@ -79,7 +79,7 @@ fn decide(
     predicted: Predicted,
     order: f64,
 ) -> (Decision, String) {
-    let (decision, reason) = compare(found.interval, Aim { order, at_least: false, exact: false });
+    let (decision, reason) = compare(found.interval, predicted.aim(order));
     let s = path.exponent;
     match (decision, predicted.p, predicted.q) {
         (Decision::Pass, Some(p), Some(q)) => match path.tests(p, q) {

@@ -2,13 +2,13 @@
 
 use serde_json::{Value, json};
 
-use super::table::Group;
-use super::{Part, gap_verdict, next_step, step_name, verdict_text};
+use super::{Part, Predicted, gap_verdict, line_points, next_step, step_name, verdict_text};
 use files::counted;
 use judge::fit::{
     Direction, EcaHoekstra, Expansion, FitError, Triple, ValueOrder, ValueSample, eca_hoekstra,
     path, value_order, value_samples,
 };
+use judge::table::Group;
 use judge::verdict::{Aim, Decision, compare};
 
 /// All that the values say, in direction of refinement.
@@ -20,18 +20,19 @@ struct Findings {
 }
 
 /// The extrapolated value in one direction; none if it is neither refined nor predicted.
-pub(super) fn part(group: &Group, direction: Direction, predicted: Option<f64>) -> Option<Part> {
+pub(super) fn part(group: &Group, direction: Direction, claims: Predicted) -> Option<Part> {
+    let predicted = claims.order(direction);
     if !group.refined(direction) && predicted.is_none() {
         return None;
     }
     // Along a path the value depends on one step alone.
     let along = path(&group.points()).is_some();
-    let line = if along { group.points() } else { group.line(direction) };
+    let line = if along { group.points() } else { line_points(group, direction) };
     let findings = value_samples(&line, direction).map(findings);
     let name = step_name(direction);
     let verdict = predicted.map(|order| {
         gap_verdict(group).unwrap_or_else(|| match &findings {
-            Ok(findings) => decide(findings, name, order),
+            Ok(findings) => decide(findings, name, claims.aim(order)),
             Err(error) => (Decision::Unresolved, error.to_string()),
         })
     });
@@ -55,7 +56,7 @@ fn findings(samples: Vec<ValueSample>) -> Findings {
     }
 }
 
-fn decide(findings: &Findings, name: &str, order: f64) -> (Decision, String) {
+fn decide(findings: &Findings, name: &str, aim: Aim) -> (Decision, String) {
     let steps: Vec<f64> = findings.samples.iter().map(|sample| sample.step).collect();
     let next = next_step(name, &steps);
     match (findings.last_three, &findings.order) {
@@ -73,9 +74,8 @@ fn decide(findings: &Findings, name: &str, order: f64) -> (Decision, String) {
             (Decision::Unresolved, "the last two values are equal: run coarser ones".into())
         }
         (Some(Triple::Converging { .. }), Some(found)) => {
-            let aim = Aim { order, at_least: false, exact: false };
             let (decision, reason) = compare(found.interval, aim);
-            let wide = decision == Decision::Unresolved && found.interval.contains(order);
+            let wide = decision == Decision::Unresolved && found.interval.contains(aim.order);
             (decision, if wide { format!("{reason}: {next}") } else { reason })
         }
         (Some(Triple::Converging { .. }), None) if findings.samples.len() < 5 => {

@@ -34,7 +34,7 @@ fn errors(scheme: &dyn Scheme, setup: &Setup, data: &MeshData, steps: u32) -> Ve
 }
 
 /// The own solution of a case as the files that a solver would write.
-fn answer(setup: &Setup, data: &MeshData, steps: u32, dir: &Path) {
+pub fn answer(setup: &Setup, data: &MeshData, steps: u32, dir: &Path) {
     let nodes = &data.space.nodes;
     let (d, vertices) = (nodes.dimension, nodes.of_vertex.len());
     let (mut u, mut pressure) = (Vec::new(), Vec::new());
@@ -222,6 +222,22 @@ fn a_solver_without_an_answer_is_a_failed_case_with_the_reason() {
     let output = verify(&Folder::new("external-quote"), "sh 'x", &[]);
     assert_eq!(code(&output), 2);
     assert!(stderr(&output).contains("a quote without end"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_traceback_is_shown_once_and_as_it_was_written() {
+    let folder = Folder::new("external-traceback");
+    let lines =
+        ["Traceback (most recent call last):", "  File \"solve.py\", line 3", "KeyError: 'gap'"];
+    let print: String =
+        lines.map(|line| format!("echo '{}' >&2\n", line.replace('\'', "'\\''"))).concat();
+    let path = folder.file("raises.sh", &format!("{print}exit 1\n"));
+    let output = verify(&folder, &format!("sh {path}"), &[]);
+    let said = stdout(&output);
+    assert!(said.contains(&format!("{}\n", lines.join("\n"))), "{said}");
+    assert_eq!(said.matches(lines[1].trim()).count(), 1, "{said}");
+    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("exit status: 1: KeyError: 'gap'"), "{said}");
 }
 
 #[test]

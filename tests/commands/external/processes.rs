@@ -98,7 +98,7 @@ fn what_ends_the_program_ends_its_solvers() {
 }
 
 #[test]
-fn a_log_is_kept_short_and_shown_by_its_last_lines() {
+fn a_log_is_kept_short_and_shown_by_its_end() {
     let folder = Folder::new("external-log");
     let log = folder.at("out/cases/signorini/n4-N2/solver.log");
     let length = || std::fs::metadata(&log).expect("a log").len();

@@ -37,7 +37,7 @@ fn anew(setup: &Setup, data: &MeshData, steps: u32, off: f64) -> Run {
 
 #[test]
 fn all_plans_of_all_scenes_have_the_same_solution() {
-    let (mut taken, mut old, mut never) = ([0; 3], 0, Vec::new());
+    let (mut taken, mut old, mut never) = ([0; 4], 0, Vec::new());
     for setup in bodies() {
         let (data, name) = (on_a_mesh(&setup), &setup.scene.name);
         let plan = Plan::of(&data.space, &setup.model, STEPS as usize, true);

@@ -27,7 +27,7 @@ fn by(setup: &mut Setup, data: &MeshData, solver: LinearSolver, newton: &impl St
 #[test]
 #[ignore = "seconds for each scene: make test-long"]
 fn long_factors_and_multigrid_have_the_same_solution_on_all_scenes() {
-    let (mut taken, mut without) = ([0; 3], Vec::new());
+    let (mut taken, mut without) = ([0; 4], Vec::new());
     for mut setup in bodies() {
         let name = setup.scene.name.clone();
         let Some(data) = with_levels(&setup) else {

@@ -140,6 +140,14 @@ impl Analysis {
         self.symbolic.len_val()
     }
 
+    /// Passes over a factor, with a product each, that one factorization costs, from the work of either: 0.05
+    /// multiplications an entry of the factor is what the two took on meshes of n = 64 and 128 (6 and 9 iterations of
+    /// GMRES).
+    pub fn passes_of_a_factor(&self) -> u32 {
+        let entries = (self.factor_entries() as f64).max(1.0);
+        (2.0 + 0.05 * self.multiplications() / entries) as u32
+    }
+
     /// Multiplications of one factorization: Σ over columns of the square of their length.
     pub fn multiplications(&self) -> f64 {
         let columns = |begin: usize, end: usize, below: usize| -> f64 {

@@ -54,13 +54,6 @@ const LEAST: u32 = 2;
 /// Iterations after which a factor is given up at once.
 const LIMIT: usize = 24;
 
-/// Iterations of GMRES that one factorization costs, from the work of either: 0.05 multiplications an entry of
-/// the factor is what the two took on meshes of n = 64 and 128 (6 and 9 iterations).
-fn worth(analysis: &Analysis) -> u32 {
-    let entries = (analysis.factor_entries() as f64).max(1.0);
-    (2.0 + 0.05 * analysis.multiplications() / entries) as u32
-}
-
 /// A factor, in the precision it is kept in. Single precision holds that of K/`scale`, so that no
 /// unit of force leaves its range; `narrow` is room for the numbers of the matrix.
 enum Stored {
@@ -105,7 +98,7 @@ impl<'a> SequenceSolver<'a> {
             precision: None,
             exact: false,
             extra: 0,
-            worth: worth(analysis),
+            worth: analysis.passes_of_a_factor(),
             correction: None,
             krylov: Krylov::default(),
             saved: Vec::new(),

@@ -3,6 +3,7 @@
 
 use super::smoothness::{FINE, STRIDES, judge, largest, rounding, worst};
 use super::{Finding, Status, regularity, times};
+use crate::accumulated::Domain;
 use crate::constitutive::{Tensor, stress};
 use crate::exact::Polytope;
 use crate::linear::gradient_of;
@@ -172,10 +173,8 @@ pub(super) fn zeta(exact: &Exact, polytope: &Polytope) -> Option<Finding> {
         return None;
     }
     let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
-    let size = &exact.data.size;
-    let finer = AccumulatedStrain::new(&mut graph, &exact.strain, horizon, size, true)
-        .over_finer(&polytope.coarse)
-        .at(horizon);
+    let finer = Domain::Finer(&polytope.coarse);
+    let finer = AccumulatedStrain::new(&mut graph, &exact.strain, horizon, finer, true).at(horizon);
     let share = ((known - finer) / finer.abs().max(f64::MIN_POSITIVE)).abs();
     let status = if share <= ZETA { Status::Verified } else { Status::Weak };
     let text = format!("zeta(T) = {known:.6} agrees to {share:.1e} with a finer rule");

@@ -4,9 +4,8 @@
 use std::cell::Cell;
 
 use super::pieces::{EdgeShift, Pieces, Room, points};
-use super::{Boundary, BoundaryRule, Discretization};
+use super::{Boundary, BoundaryRule, Discretization, TracePoint};
 use crate::space::quadrature::{Rule, edge, triangle_degree_4};
-use algebra::linalg::BlockPattern;
 
 /// The compliance term over the facets of Γ3.
 pub struct FacetCompliance<'a> {
@@ -30,7 +29,7 @@ enum PointRule {
 struct Facet {
     measure: f64,
     corners: Vec<[f64; 3]>,
-    /// (unknown, sign, is free) of the trace points.
+    /// (place, sign, is free) of the trace points.
     members: Vec<(usize, f64, bool)>,
 }
 
@@ -44,12 +43,18 @@ struct FacetPoint {
 }
 
 impl<'a> FacetCompliance<'a> {
-    /// The rule of `boundary` on all facets of Γ3; `None` for the vertex rule or without law.
-    pub fn new(space: &Discretization, boundary: &'a Boundary) -> Option<Self> {
+    /// The rule of `boundary` on all facets of Γ3, where u_ν stands in a vector as `place` says; `None` for the vertex
+    /// rule or without law.
+    pub fn new(
+        space: &Discretization,
+        boundary: &'a Boundary,
+        place: impl Fn(&TracePoint) -> usize,
+    ) -> Option<Self> {
         if boundary.potential.is_absent() {
             return None;
         }
-        let facets: Vec<Facet> = (0..space.trace.measure.len()).map(|f| facet(space, f)).collect();
+        let facets = (0..space.trace.measure.len()).map(|f| facet(space, f, &place));
+        let facets: Vec<Facet> = facets.collect();
         let rule = match boundary.rule {
             BoundaryRule::Vertex => return None,
             BoundaryRule::Gauss => {
@@ -97,9 +102,9 @@ impl<'a> FacetCompliance<'a> {
         alpha * largest
     }
 
-    /// Adds the force of the compliance term at the unknowns `nodal`, padded to all nodes.
-    pub fn add_force(&self, nodal: &[f64], out: &mut [f64]) {
-        self.each_point(nodal, |facet, point| {
+    /// Adds the force of the compliance term at the vector `u`, which has a zero in the place of what is clamped.
+    pub fn add_force(&self, u: &[f64], out: &mut [f64]) {
+        self.each_point(u, |facet, point| {
             let pressure = point.scale * self.boundary.potential.value_and_slope(point.argument).0;
             for ((component, sign, unknown), shape) in facet.members.iter().zip(&point.shape) {
                 if *unknown {
@@ -109,30 +114,25 @@ impl<'a> FacetCompliance<'a> {
         });
     }
 
-    /// Adds its derivative to lower-triangle `values`.
-    pub fn add_tangent(&self, nodal: &[f64], pattern: &BlockPattern, values: &mut [f64]) {
-        self.each_point(nodal, |facet, point| {
+    /// Hands the parts of its derivative to `add`, by two places of which the order does not matter.
+    pub fn each_tangent(&self, u: &[f64], mut add: impl FnMut([usize; 2], f64)) {
+        self.each_point(u, |facet, point| {
             let slope = point.scale * self.boundary.potential.value_and_slope(point.argument).1;
             for (a, &(i, sign_i, unknown_i)) in facet.members.iter().enumerate() {
                 for (b, &(j, sign_j, unknown_j)) in facet.members.iter().enumerate().take(a + 1) {
-                    if !(unknown_i && unknown_j) {
-                        continue;
-                    }
-                    if let Some(position) = pattern.position(i, j) {
-                        values[position] += point.weight
-                            * slope
-                            * (sign_i * point.shape[a])
-                            * (sign_j * point.shape[b]);
+                    if unknown_i && unknown_j {
+                        let [s, t] = [sign_i * point.shape[a], sign_j * point.shape[b]];
+                        add([i, j], point.weight * slope * s * t);
                     }
                 }
             }
         });
     }
 
-    fn each_point(&self, nodal: &[f64], mut visit: impl FnMut(&Facet, &FacetPoint)) {
+    fn each_point(&self, u: &[f64], mut visit: impl FnMut(&Facet, &FacetPoint)) {
         let mut room = self.room.take();
         for (f, facet) in self.facets.iter().enumerate() {
-            let normal = |&(component, sign, _): &(usize, f64, bool)| sign * nodal[component];
+            let normal = |&(component, sign, _): &(usize, f64, bool)| sign * u[component];
             match &self.rule {
                 PointRule::Gauss { rule, shift, scale } => {
                     let count = rule.weights.len();
@@ -181,12 +181,12 @@ impl Facet {
     }
 }
 
-fn facet(space: &Discretization, f: usize) -> Facet {
-    let points = space.trace.facet(f).iter().map(|&i| space.trace.points[i as usize]);
+fn facet(space: &Discretization, f: usize, place: impl Fn(&TracePoint) -> usize) -> Facet {
+    let points = space.trace.facet(f).iter().map(|&i| &space.trace.points[i as usize]);
     Facet {
         measure: space.trace.measure[f],
         corners: points.clone().map(|p| space.mesh.point(&[p.vertex], &[1.0])).collect(),
-        members: points.map(|p| (p.unknown as usize, p.sign, !p.clamped)).collect(),
+        members: points.map(|p| (place(p), p.sign, !p.clamped)).collect(),
     }
 }
 

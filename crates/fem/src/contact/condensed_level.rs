@@ -2,15 +2,19 @@
 //!
 //! With the volume eliminated the unknowns are those that carry u_ν:
 //!
-//!   s S u + Σ_i w_i c_i s_i e_i = f,   c_i ∈ G_i(s_i u_i),
+//!   s S u + p(u) + Σ_i w_i c_i s_i e_i = f,   c_i ∈ G_i(s_i u_i),
 //!
-//! S the Schur complement of the stiffness on them, s a factor of it, f the condensed load.
+//! S the Schur complement of the stiffness on them, s a factor of it, f the condensed load; p is the compliance where it
+//! is integrated on facets, and the graphs hold the bound alone.
 
+use super::compliance::FacetCompliance;
+use super::{Discretization, Model};
 use algebra::linalg::{DenseCholesky, FactorError, axpy, norm, root_of_squares};
-use vhi::{BoundaryGraph, StepInequality};
+use vhi::law::Projection;
+use vhi::{BoundaryGraph, StepInequality, StepState};
 
 /// The condensed level.
-pub struct CondensedLevel {
+pub struct CondensedLevel<'a> {
     /// The graphs; their dofs count the unknowns of Γ3.
     graph: BoundaryGraph,
     /// The unknowns of Γ3 in the volume.
@@ -26,18 +30,30 @@ pub struct CondensedLevel {
     factorized: Option<f64>,
     slopes: Vec<f64>,
     pinned: Vec<bool>,
-    /// Prescribed increments.
+    /// Its diagonal.
+    diagonal: Vec<f64>,
+    /// Prescribed increments, and what p makes of them on the right side.
     increments: Vec<f64>,
+    lifted: Vec<f64>,
+    /// p, of the unknowns with a zero behind them.
+    compliance: Option<FacetCompliance<'a>>,
+    unknowns: Vec<f64>,
 }
 
-impl CondensedLevel {
-    /// The level with the graphs of the volume on the unknowns `dofs` of Γ3, in their order.
-    pub fn new(mut graph: BoundaryGraph, dofs: Vec<u32>) -> Self {
-        for at in &mut graph.coordinates {
-            let own = dofs.iter().position(|&dof| dof == at.dof);
-            at.dof = own.expect("every graph sits on an unknown of its side") as u32;
-        }
+impl<'a> CondensedLevel<'a> {
+    /// The level with the graphs of the volume on the unknowns of Γ3.
+    pub fn new<P: Projection>(
+        space: &Discretization,
+        model: &'a Model<P>,
+        mut graph: BoundaryGraph,
+    ) -> Self {
+        let dofs = space.trace.unknowns();
         let size = dofs.len();
+        let place = |unknown: u32| dofs.iter().position(|&dof| dof == unknown).unwrap_or(size);
+        graph.coordinates.iter_mut().for_each(|at| at.dof = place(at.dof) as u32);
+        let compliance = model.boundary.as_ref().and_then(|boundary| {
+            FacetCompliance::new(space, boundary, |point| place(point.unknown))
+        });
         Self {
             graph,
             dofs,
@@ -48,7 +64,11 @@ impl CondensedLevel {
             factorized: None,
             slopes: Vec::new(),
             pinned: Vec::new(),
+            diagonal: vec![0.0; size],
             increments: vec![0.0; size],
+            lifted: vec![0.0; size],
+            compliance,
+            unknowns: vec![0.0; size + 1],
         }
     }
 
@@ -78,13 +98,39 @@ impl CondensedLevel {
         }
     }
 
+    /// Subtracts the forces of contact from those of the volume.
+    pub fn subtract_contact(&mut self, state: &StepState, force: &mut [f64]) {
+        for (at, pressure) in self.graph.coordinates.iter().zip(&state.pressure) {
+            force[self.dofs[at.dof as usize] as usize] -= at.sign * at.weight * pressure;
+        }
+        if let Some(compliance) = &self.compliance {
+            let mut own = vec![0.0; self.dofs.len()];
+            self.unknowns[..own.len()].copy_from_slice(&state.u);
+            compliance.add_force(&self.unknowns, &mut own);
+            self.dofs.iter().zip(own).for_each(|(&dof, own)| force[dof as usize] -= own);
+        }
+    }
+
     fn factorize(&mut self) -> Result<(), FactorError> {
         let size = self.dofs.len();
         let (schur, scale) = (&self.schur, self.scale);
         let (graph, slopes, pinned) = (&self.graph, &self.slopes, &self.pinned);
+        let (compliance, unknowns) = (&self.compliance, &self.unknowns);
+        let (increments, lifted) = (&self.increments, &mut self.lifted);
+        let diagonal = &mut self.diagonal;
+        lifted.fill(0.0);
         let outcome = self.tangent.factorize(|values| {
             for (value, s) in values.iter_mut().zip(schur) {
                 *value = scale * s;
+            }
+            if let Some(compliance) = compliance {
+                compliance.each_tangent(unknowns, |[i, j], value| {
+                    values[size * i.min(j) + i.max(j)] += value;
+                    if i != j {
+                        lifted[i] += value * increments[j];
+                        lifted[j] += value * increments[i];
+                    }
+                });
             }
             for ((at, slope), pinned) in graph.coordinates.iter().zip(slopes).zip(pinned) {
                 let i = at.dof as usize;
@@ -95,6 +141,7 @@ impl CondensedLevel {
                     (i + 1..size).for_each(|j| values[size * i + j] = 0.0);
                 }
             }
+            diagonal.iter_mut().enumerate().for_each(|(i, own)| *own = values[size * i + i]);
         });
         outcome.map_err(|error| match error {
             FactorError::NotPositiveDefinite { dof } => {
@@ -105,13 +152,18 @@ impl CondensedLevel {
     }
 }
 
-impl StepInequality for CondensedLevel {
+impl StepInequality for CondensedLevel<'_> {
     fn dofs(&self) -> usize {
         self.dofs.len()
     }
 
     fn graph(&self) -> &BoundaryGraph {
         &self.graph
+    }
+
+    fn descent(&self, i: usize) -> f64 {
+        let facets = self.compliance.as_ref().map_or(0.0, FacetCompliance::descent);
+        self.graph.descent(i).max(facets)
     }
 
     fn residual(&mut self, u: &[f64], out: &mut [f64]) {
@@ -122,6 +174,10 @@ impl StepInequality for CondensedLevel {
         for (column, u) in columns.zip(u) {
             axpy(self.scale * u, column, out);
         }
+        if let Some(compliance) = &self.compliance {
+            self.unknowns[..u.len()].copy_from_slice(u);
+            compliance.add_force(&self.unknowns, out);
+        }
     }
 
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
@@ -131,6 +187,7 @@ impl StepInequality for CondensedLevel {
         }
         let pins = prescribed.iter().map(Option::is_some);
         let same = self.factorized == Some(self.scale)
+            && self.compliance.is_none()
             && self.slopes == slopes
             && self.pinned.iter().copied().eq(pins.clone());
         if same {
@@ -151,10 +208,11 @@ impl StepInequality for CondensedLevel {
         for (j, increment) in self.increments.iter().enumerate().filter(|(_, d)| **d != 0.0) {
             axpy(-self.scale * increment, &self.schur[size * j..size * (j + 1)], rhs);
         }
-        let coordinates = self.graph.coordinates.iter().zip(&self.slopes);
-        for ((at, slope), _) in coordinates.zip(&self.pinned).filter(|(_, pinned)| **pinned) {
+        axpy(-1.0, &self.lifted, rhs);
+        let coordinates = self.graph.coordinates.iter().zip(&self.pinned);
+        for (at, _) in coordinates.filter(|(_, pinned)| **pinned) {
             let i = at.dof as usize;
-            rhs[i] = (self.scale * self.schur[size * i + i] + slope) * self.increments[i];
+            rhs[i] = self.diagonal[i] * self.increments[i];
         }
         self.tangent.solve(rhs);
         Ok(())

@@ -5,7 +5,7 @@ use super::kkt::kkt_residual_in;
 use super::path::{self, Path, Paths};
 use super::plan::Plan;
 use super::work::Work;
-use super::{Discretization, Evolution, Floors, Load, LoadError, Model, condensed, linear};
+use super::{Discretization, Evolution, Floors, Load, LoadError, Model, linear, one_matrix};
 use vhi::history::TimeGrid;
 use vhi::law::{Potential, Projection};
 use vhi::{BoundaryGraph, FailedStep, Piece, StepInequality, StepSolver, StepState, Stepper};
@@ -189,12 +189,13 @@ fn march_by<P: Projection, S: StepSolver>(
         }
         observe(view)
     };
+    let separates = load.basis().is_some();
     let mut info = match (plan, solver.newton()) {
-        (Plan::Recursion, _) => linear::march(space, model, grid, load, &mut see),
-        (Plan::Condensed, Some(newton)) => {
-            condensed::march(space, model, grid, load, newton, &mut see)
+        (Plan::Newton, _) | (_, None) => {
+            March::new(space, model, grid, load, solver).run(grid, &mut see)
         }
-        _ => March::new(space, model, grid, load, solver).run(grid, &mut see),
+        (Plan::Recursion, _) if separates => linear::march(space, model, grid, load, &mut see),
+        (_, Some(newton)) => one_matrix::march(space, model, grid, load, newton, &mut see),
     }?;
     if info.damped_iterations > 0 {
         paths.insert(Path::Damped);

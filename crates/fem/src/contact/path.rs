@@ -41,10 +41,10 @@ paths! {
     Newton = "newton, equal steps",
     /// The same on other grids.
     NewtonGraded = "newton, unequal steps",
-    /// Condensed by factors that follow the last slot's weight, equal steps: memory is no multiple of 𝒜.
-    CondensedAnew = "condensed with factors anew, equal steps",
-    /// The same on other grids: a factor a level.
-    CondensedAnewGraded = "condensed with factors anew, unequal steps",
+    /// [`Plan::Linear`], or [`Plan::Condensed`] with such a memory: matrices follow the last slot's weight; equal steps.
+    Anew = "factors anew, equal steps",
+    /// The same on other grids: a matrix a level.
+    AnewGraded = "factors anew, unequal steps",
     /// [`Storage::Recursive`] on equal steps.
     Recursive = "recursive memory, equal steps",
     /// The same on other grids.
@@ -158,8 +158,8 @@ pub(super) fn foreseen<P: Projection>(
     let anew = Plan::changes_factor(model);
     paths.insert(match plan {
         Plan::Recursion => by_grid(equal, [Path::Recursion, Path::RecursionGraded]),
-        Plan::Condensed if anew => by_grid(equal, [Path::CondensedAnew, Path::CondensedAnewGraded]),
-        Plan::Condensed => by_grid(equal, [Path::Condensed, Path::CondensedGraded]),
+        Plan::Condensed | Plan::Linear if anew => by_grid(equal, [Path::Anew, Path::AnewGraded]),
+        Plan::Condensed | Plan::Linear => by_grid(equal, [Path::Condensed, Path::CondensedGraded]),
         Plan::Newton => by_grid(equal, [Path::Newton, Path::NewtonGraded]),
     });
     paths.insert(match plan {

@@ -13,7 +13,7 @@ use super::compliance::FacetCompliance;
 use super::last_slot::{LastSlot, TangentOf};
 use super::linear::strain_norm_from;
 use super::work::Work;
-use super::{Discretization, LinearSolver, Model};
+use super::{Discretization, LinearSolver, Model, TracePoint};
 use crate::space::strain_of;
 use algebra::linalg::{FactorError, RankOne, TangentSolver, norm, root_of_squares};
 use algebra::tensor::contract;
@@ -63,8 +63,9 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         let terms = model.memory.iter();
         let memory = terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect();
         let graph = boundary_graph(space, model, &elastic);
-        let compliance =
-            model.boundary.as_ref().and_then(|boundary| FacetCompliance::new(space, boundary));
+        let unknown = |point: &TracePoint| point.unknown as usize;
+        let compliance = model.boundary.as_ref();
+        let compliance = compliance.and_then(|own| FacetCompliance::new(space, own, unknown));
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
         let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
         let needs_strains = model.projection.limit().is_some();
@@ -367,7 +368,12 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
             _ => self.projected_tangent::<3, 6>(&mut tangent, room),
         };
         if let Some(compliance) = &self.compliance {
-            compliance.add_tangent(&self.unknowns, &self.space.pattern, &mut tangent);
+            let pattern = &self.space.pattern;
+            compliance.each_tangent(&self.unknowns, |[i, j], value| {
+                if let Some(position) = pattern.position(i, j) {
+                    tangent[position] += value;
+                }
+            });
         }
         for (slope, at) in slopes.iter().zip(&self.graph.coordinates) {
             tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;

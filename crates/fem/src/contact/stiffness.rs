@@ -39,10 +39,11 @@ impl StiffnessFactor {
         work: &mut Work,
     ) -> Result<Self, FactorError> {
         let start = Instant::now();
-        let (analysis, values) = match unknowns {
-            Unknowns::Displacements => (&space.analysis, space.stiffness(tensor)),
-            Unknowns::ContactLast => (space.condensing()?, space.stiffness_of_unknowns(tensor)),
+        let analysis = match unknowns {
+            Unknowns::Displacements => &space.analysis,
+            Unknowns::ContactLast => space.condensing()?,
         };
+        let values = space.stiffness_of(unknowns, tensor);
         work.seconds_assemble += start.elapsed().as_secs_f64();
         let start = Instant::now();
         let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
@@ -74,6 +75,14 @@ pub(super) struct StiffnessFactors {
 const HELD: usize = 2;
 
 impl Discretization {
+    /// Lower-triangle values of the stiffness matrix of `tensor`.
+    pub(super) fn stiffness_of(&self, unknowns: Unknowns, tensor: &TensorField) -> Vec<f64> {
+        match unknowns {
+            Unknowns::Displacements => self.stiffness(tensor),
+            Unknowns::ContactLast => self.stiffness_of_unknowns(tensor),
+        }
+    }
+
     /// The stiffness matrix of `tensor` with its factor, which this mesh holds from then on. What it takes is added to
     /// `work`, the factorization also where it was made before: what a run needs does not depend on what ran before it.
     ///

@@ -118,8 +118,15 @@ impl Baseline {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(source) => return Err(BaselineError::Io { path: path.to_owned(), source }),
         };
-        serde_json::from_slice(&bytes)
-            .map(Some)
+        Self::parse(path, &bytes).map(Some)
+    }
+
+    /// The baseline of a text; `path` stands for it in messages.
+    ///
+    /// # Errors
+    /// [`BaselineError::Json`].
+    pub fn parse(path: &Path, text: &[u8]) -> Result<Self, BaselineError> {
+        serde_json::from_slice(text)
             .map_err(|source| BaselineError::Json { path: path.to_owned(), source })
     }
 

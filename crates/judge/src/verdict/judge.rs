@@ -122,11 +122,9 @@ fn compare_with(
     let order_alone = finding.decision;
     finding.decision = order_alone.and(decision);
     let Some(leading) = leading_order else { return };
-    let inside = finding.orders.is_some_and(|(_, interval)| interval.contains(prediction.order));
-    let claimed = (leading - prediction.order).abs() <= AGREES;
     match order_alone {
         // Errors that follow the leading error of a sound scheme have its order, whatever their slopes show alone.
-        Decision::Unresolved if claimed && inside => {
+        Decision::Unresolved if (leading - prediction.order).abs() <= TOLERANCE => {
             finding.reason +=
                 " on each of the finest cases, and so is the order of the predicted errors";
             (finding.decision, finding.next) = (Decision::Pass, Vec::new());
@@ -141,9 +139,6 @@ fn compare_with(
         _ => {}
     }
 }
-
-/// The order of predicted errors on finite steps is that of the theory within this.
-const AGREES: f64 = 0.05;
 
 /// Gaps that are named before the rest is counted.
 const NAMED_GAPS: usize = 3;

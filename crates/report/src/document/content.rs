@@ -1,10 +1,10 @@
 //! The sections of a report, from its records and verdicts.
 
+use super::StudyDocument;
 use super::chapter::{chapters, failures};
 use super::evidence::{cases, points};
 use super::{Block, Document, Figure, Run, Section, Table, Tone};
-use crate::SceneSummary;
-use crate::studies::Studies;
+use crate::{Picture, SceneSummary};
 use files::{counted, quoted};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, NOTHING_JUDGED, Verdict, cell_texts, exit_code};
@@ -15,9 +15,11 @@ pub(crate) struct Report<'a> {
     /// A file name a scene, without ending.
     pub(crate) stems: &'a [String],
     /// File name, caption and SVG of the pictures of each scene.
-    pub(crate) pictures: Vec<Vec<(String, String, String)>>,
+    pub(crate) pictures: &'a [Vec<Picture>],
     /// What other commands left in the directory.
-    pub(crate) studies: Studies,
+    pub(crate) studies: Vec<StudyDocument>,
+    /// Pictures of single cases that are there.
+    pub(crate) of_cases: Vec<Picture>,
     pub(crate) records: &'a [CaseRecord],
     pub(crate) verdicts: &'a [Verdict],
     pub(crate) provenance: &'a serde_json::Value,
@@ -43,11 +45,10 @@ impl Numbers {
 }
 
 /// The document of a report.
-pub(crate) fn document(mut report: Report<'_>) -> Document {
-    let mut studies = std::mem::take(&mut report.studies);
+pub(crate) fn document(report: Report<'_>) -> Document {
     let mut numbers = Numbers::default();
     let outcome = outcome(report.records, report.verdicts);
-    let mut sections = vec![summary(&report, &outcome, &failures(&studies), &mut numbers)];
+    let mut sections = vec![summary(&report, &outcome, &failures(&report.studies), &mut numbers)];
     if !report.scenes.is_empty() {
         sections.push(introduction());
     }
@@ -55,9 +56,9 @@ pub(crate) fn document(mut report: Report<'_>) -> Document {
     for ((scene, stem), pictures) in report.scenes.iter().zip(report.stems).zip(pictures) {
         sections.push(of_scene(scene, stem, pictures, &report, &mut numbers));
     }
-    sections.extend(chapters(&report, &mut studies, &mut numbers));
-    if !studies.pictures.is_empty() {
-        sections.push(further(studies.pictures, &mut numbers));
+    sections.extend(chapters(&report, &mut numbers));
+    if !report.of_cases.is_empty() {
+        sections.push(further(report.of_cases.clone(), &mut numbers));
     }
     sections.push(reproduction(&report, &mut numbers));
     let entry = |key: &str| report.provenance.get(key).and_then(serde_json::Value::as_str);
@@ -175,7 +176,7 @@ fn introduction() -> Section {
 fn of_scene(
     scene: &SceneSummary,
     stem: &str,
-    pictures: Vec<(String, String, String)>,
+    pictures: Vec<Picture>,
     report: &Report<'_>,
     numbers: &mut Numbers,
 ) -> Section {
@@ -232,7 +233,7 @@ fn of_scene(
     section
 }
 
-fn further(pictures: Vec<(String, String, String)>, numbers: &mut Numbers) -> Section {
+fn further(pictures: Vec<Picture>, numbers: &mut Numbers) -> Section {
     let mut section = Section::new(1, "studies", "Further pictures in this directory");
     section.text(vec![Run::plain("Written here by the command that each caption names.")]);
     for (file, caption, svg) in pictures {

@@ -1,16 +1,16 @@
 //! The equations that a scene solves: as plain text, and for Typst.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// A formula with its number in the paper.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Equation {
     /// In characters.
     pub plain: String,
     /// In Typst's notation of formulas.
     pub typst: String,
     /// Number in the paper; empty for what has none.
-    pub number: &'static str,
+    pub number: String,
 }
 
 /// The terms that a scene has.
@@ -31,12 +31,8 @@ pub struct Terms {
 }
 
 impl Equation {
-    pub(super) fn new(
-        plain: impl Into<String>,
-        typst: impl Into<String>,
-        number: &'static str,
-    ) -> Self {
-        Self { plain: plain.into(), typst: typst.into(), number }
+    pub(super) fn new(plain: impl Into<String>, typst: impl Into<String>, number: &str) -> Self {
+        Self { plain: plain.into(), typst: typst.into(), number: number.into() }
     }
 }
 

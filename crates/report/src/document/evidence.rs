@@ -14,7 +14,7 @@ pub(super) fn scientific(value: f64) -> String {
 
 /// A step: as a fraction where it is one.
 fn step(value: f64) -> String {
-    if value.is_finite() { crate::number::step_label(value) } else { "–".into() }
+    if value.is_finite() { crate::ticks::step_label(value) } else { "–".into() }
 }
 
 /// The points of a verdict from coarse to fine, with the order between neighbours that served.

@@ -62,7 +62,7 @@ fn block(block: &Block) -> String {
 
 fn formula(equation: &Equation) -> String {
     let set = raised(&escaped(&equation.plain));
-    format!("<p><span>{set}</span> <span>{}</span></p>\n", escaped(equation.number))
+    format!("<p><span>{set}</span> <span>{}</span></p>\n", escaped(&equation.number))
 }
 
 /// `a_b`, `a_{bc}` and `a^{bc}` with what is meant to be low or high.

@@ -9,19 +9,24 @@ mod evidence;
 mod html;
 mod latex;
 mod markdown;
+mod number;
 #[cfg(feature = "pdf")]
 mod pdf;
+mod study;
+mod terminal;
 mod typst;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 pub(super) use content::{Report, document};
 pub use equation::{Equation, Terms, equations};
 pub(super) use html::page;
 pub(super) use latex::tables;
 pub(super) use markdown::markdown;
+pub use number::{digits, held, number, precise, sides};
 #[cfg(feature = "pdf")]
 pub use pdf::pdf;
+pub use study::{Chapter, StudyDocument};
 pub(super) use typst::{DATA, TEMPLATE, data};
 
 /// A report.
@@ -46,7 +51,7 @@ pub(super) struct Section {
 }
 
 /// A part of a section.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", tag = "kind", content = "of")]
 pub(super) enum Block {
     Text(Vec<Run>),
@@ -58,8 +63,8 @@ pub(super) enum Block {
 }
 
 /// Words of one kind.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(super) struct Run {
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Run {
     pub(super) text: String,
     pub(super) tone: Tone,
     /// The section or file that they lead to.
@@ -68,11 +73,14 @@ pub(super) struct Run {
 }
 
 /// How words stand out; none of these says anything that the words do not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Tone {
+pub enum Tone {
+    /// Not at all.
     Plain,
+    /// By weight.
     Strong,
+    /// What is typed.
     Code,
     /// As expected.
     Pass,
@@ -80,8 +88,8 @@ pub(super) enum Tone {
     Miss,
 }
 
-/// A numbered table.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A table with its number in the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Table {
     pub(super) number: usize,
     pub(super) caption: String,
@@ -91,8 +99,8 @@ pub(super) struct Table {
     pub(super) rows: Vec<Vec<Run>>,
 }
 
-/// A numbered picture.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+/// A picture with its number in the report.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Figure {
     pub(super) number: usize,
     /// Its name in the directory of the report.
@@ -103,11 +111,13 @@ pub(super) struct Figure {
 }
 
 impl Run {
-    pub(super) fn of(text: impl Into<String>, tone: Tone) -> Self {
+    /// Words that stand out by `tone`.
+    pub fn of(text: impl Into<String>, tone: Tone) -> Self {
         Self { text: text.into(), tone, target: None }
     }
 
-    pub(super) fn plain(text: impl Into<String>) -> Self {
+    /// Words that do not stand out.
+    pub fn plain(text: impl Into<String>) -> Self {
         Self::of(text, Tone::Plain)
     }
 
@@ -117,6 +127,25 @@ impl Run {
 
     pub(super) fn to(self, target: impl Into<String>) -> Self {
         Self { target: Some(target.into()), ..self }
+    }
+}
+
+impl Table {
+    /// Heads of columns whose numbers end at the right begin with `>`.
+    fn new(caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) -> Self {
+        Self {
+            number: 0,
+            caption: caption.into(),
+            head: heads.iter().map(|head| head.trim_start_matches('>').to_owned()).collect(),
+            numeric: heads.iter().map(|head| head.starts_with('>')).collect(),
+            rows,
+        }
+    }
+
+    /// Whether every row has the columns of the head.
+    fn is_whole(&self) -> bool {
+        let columns = self.head.len();
+        self.numeric.len() == columns && self.rows.iter().all(|row| row.len() == columns)
     }
 }
 

@@ -135,7 +135,7 @@ pub fn id(key: &Key) -> String {
 impl PlannedScene {
     /// The scene with the file that it stands in, as it is now.
     pub fn new(scene: &Scene) -> Self {
-        let Source { path, text, hash, mesh } = &scene.source;
+        let Source { path, text, hash, mesh, .. } = &scene.source;
         Self {
             name: scene.name.clone(),
             hash: hash.clone(),

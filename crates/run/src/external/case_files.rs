@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
-use super::npy::encode;
+use super::npy::{Array, encode};
 use fem::contact::{CaseError, Discretization};
 use files::replace_file;
 use scene::setup::{MeshData, Setup};
@@ -16,12 +16,62 @@ const FORMAT: &str = include_str!("format.md");
 /// Kernels of all pairs of levels are written up to this N on grids that are not uniform.
 const MOST_PAIRS: usize = 4096;
 
+/// A row of the table of Γ3.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactRow {
+    /// Vertex.
+    pub vertex: u32,
+    /// Unit normal.
+    pub normal: [f64; 3],
+    /// The integral of its hat function, gap (∞: none), shift and factor of the law.
+    pub numbers: [f64; 4],
+    /// The displacement is zero there.
+    pub clamped: bool,
+}
+
+/// What a case gives to its solver beside the mesh.
+#[derive(Debug, Clone)]
+pub struct Given {
+    /// `case.json`.
+    pub document: Value,
+    /// t_0 … t_N.
+    pub times: Vec<f64>,
+    /// b_i at the lags of the grid; none without memory.
+    pub kernels: Option<Array>,
+    /// Loads of every level, (N + 1) × vertices × d.
+    pub loads: Array,
+    /// Γ3.
+    pub contact: Vec<ContactRow>,
+}
+
+impl Given {
+    /// The case on a mesh and N steps.
+    ///
+    /// # Errors
+    /// A load that is not finite, a grid too long for its kernels.
+    pub fn new(setup: &Setup, data: &MeshData, steps: u32) -> Result<Self, CaseError> {
+        let grid = setup.grid(steps);
+        Ok(Self {
+            document: case(setup, data, &grid),
+            kernels: (!setup.model.memory.is_empty()).then(|| kernels(setup, &grid)).transpose()?,
+            loads: loads(data, &grid)?,
+            contact: contact(setup, &data.space),
+            times: grid.times().to_vec(),
+        })
+    }
+
+    /// Whether a vertex of the mesh is clamped.
+    pub fn clamped(space: &Discretization, vertex: usize) -> bool {
+        space.nodes.of_vertex[vertex] as usize >= space.nodes.free
+    }
+}
+
 /// Writes the files of a case into `dir`, which is created.
 ///
 /// # Errors
 /// A load that is not finite, a file that cannot be written, a grid too long for its kernels.
 pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Result<(), CaseError> {
-    let (space, grid) = (&*data.space, setup.grid(steps));
+    let (space, given) = (&*data.space, Given::new(setup, data, steps)?);
     std::fs::create_dir_all(dir).map_err(|error| outside(dir, error))?;
     let file = |name: &str, bytes: &[u8]| {
         let path = dir.join(name);
@@ -31,19 +81,18 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
         file(name, &rows.map_err(|error| outside(&dir.join(name), error))?)
     };
     file("README.md", FORMAT.as_bytes())?;
-    let document = case(setup, data, &grid);
-    let text = serde_json::to_string_pretty(&document).map_err(|error| outside(dir, error))?;
+    let text =
+        serde_json::to_string_pretty(&given.document).map_err(|error| outside(dir, error))?;
     file("case.json", text.as_bytes())?;
     file("mesh.msh", fem::mesh::write_gmsh(&space.mesh).as_bytes())?;
     table("vertices.csv", vertices(space))?;
     table("cells.csv", cells(space))?;
     table("facets.csv", facets(space))?;
-    table("contact.csv", contact(setup, space))?;
-    file("times.npy", &encode(&[grid.steps() + 1], grid.times()))?;
-    if !setup.model.memory.is_empty() {
-        file("kernels.npy", &kernels(setup, &grid)?)?;
-    }
-    file("loads.npy", &loads(data, &grid)?)
+    table("contact.csv", contact_table(&given.contact, space.mesh.dimension))?;
+    file("times.npy", &encode(&[given.times.len()], &given.times))?;
+    let array = |name: &str, array: &Array| file(name, &encode(&array.shape, &array.numbers));
+    given.kernels.iter().try_for_each(|kernels| array("kernels.npy", kernels))?;
+    array("loads.npy", &given.loads)
 }
 
 fn outside(path: &Path, error: impl std::fmt::Display) -> CaseError {
@@ -138,7 +187,7 @@ fn vertices(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     let names = COORDINATES[..d].iter().map(|&name| name.to_owned());
     let mut rows = Rows::new(between("vertex", names, &["clamped"]))?;
     for v in 0..mesh.vertices() {
-        let clamped = space.nodes.of_vertex[v] as usize >= space.nodes.free;
+        let clamped = Given::clamped(space, v);
         let at = mesh.vertex(v as u32).iter().map(f64::to_string);
         rows.add(between(&v.to_string(), at, &[flag(clamped)]))?;
     }
@@ -166,23 +215,34 @@ fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
     rows.bytes()
 }
 
-fn contact(setup: &Setup, space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let d = space.mesh.dimension;
-    let names = COORDINATES[..d].iter().map(|name| format!("n{name}"));
-    let names = std::iter::once("vertex".to_owned()).chain(names);
-    let mut rows =
-        Rows::new(between("row", names, &["weight", "gap", "shift", "scale", "clamped"]))?;
-    for (i, point) in space.trace.points.iter().enumerate() {
+fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
+    let row = |point: &fem::contact::TracePoint| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
         let [gap, shift, scale] = match &setup.model.boundary {
             Some(boundary) => [(boundary.gap)(x), (boundary.shift)(x), boundary.scale_at(x)],
             None => [f64::INFINITY, 0.0, 1.0],
         };
-        let numbers = point.normal[..d].iter().copied().chain([point.weight, gap, shift, scale]);
-        let inner = std::iter::once(point.vertex.to_string()).chain(numbers.map(|x| x.to_string()));
-        rows.add(between(&i.to_string(), inner, &[flag(point.clamped)]))?;
+        ContactRow {
+            vertex: point.vertex,
+            normal: point.normal,
+            numbers: [point.weight, gap, shift, scale],
+            clamped: point.clamped,
+        }
+    };
+    space.trace.points.iter().map(row).collect()
+}
+
+fn contact_table(rows: &[ContactRow], d: usize) -> Result<Vec<u8>, csv::Error> {
+    let names = COORDINATES[..d].iter().map(|name| format!("n{name}"));
+    let names = std::iter::once("vertex".to_owned()).chain(names);
+    let mut table =
+        Rows::new(between("row", names, &["weight", "gap", "shift", "scale", "clamped"]))?;
+    for (i, row) in rows.iter().enumerate() {
+        let numbers = row.normal[..d].iter().chain(&row.numbers).map(f64::to_string);
+        let inner = std::iter::once(row.vertex.to_string()).chain(numbers);
+        table.add(between(&i.to_string(), inner, &[flag(row.clamped)]))?;
     }
-    rows.bytes()
+    table.bytes()
 }
 
 /// Whether lags of the grid are its times.
@@ -190,12 +250,12 @@ fn is_uniform(setup: &Setup) -> bool {
     setup.scene.time.grid == scene::TimeGrid::Uniform
 }
 
-fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Vec<u8>, CaseError> {
+fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Array, CaseError> {
     let (terms, levels) = (&setup.model.memory, grid.steps() + 1);
     if is_uniform(setup) {
         let values =
             terms.iter().flat_map(|term| grid.times().iter().map(|&t| term.kernel.value(t)));
-        return Ok(encode(&[terms.len(), levels], &values.collect::<Vec<f64>>()));
+        return Ok(Array { shape: vec![terms.len(), levels], numbers: values.collect() });
     }
     if grid.steps() > MOST_PAIRS {
         return Err(CaseError::Outside(format!(
@@ -210,10 +270,10 @@ fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Vec<u8>, CaseError> {
             values.extend((0..levels).map(lag));
         }
     }
-    Ok(encode(&[terms.len(), levels, levels], &values))
+    Ok(Array { shape: vec![terms.len(), levels, levels], numbers: values })
 }
 
-fn loads(data: &MeshData, grid: &TimeGrid) -> Result<Vec<u8>, CaseError> {
+fn loads(data: &MeshData, grid: &TimeGrid) -> Result<Array, CaseError> {
     let (nodes, d) = (&data.space.nodes, data.space.mesh.dimension);
     let mut values = Vec::with_capacity((grid.steps() + 1) * nodes.len());
     for &t in grid.times() {
@@ -223,7 +283,7 @@ fn loads(data: &MeshData, grid: &TimeGrid) -> Result<Vec<u8>, CaseError> {
             values.extend((at..at + d).map(|dof| load.get(dof).copied().unwrap_or(0.0)));
         }
     }
-    Ok(encode(&[grid.steps() + 1, nodes.of_vertex.len(), d], &values))
+    Ok(Array { shape: vec![grid.steps() + 1, nodes.of_vertex.len(), d], numbers: values })
 }
 
 /// Where the files of a case stand below `folder`.

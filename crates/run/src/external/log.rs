@@ -12,8 +12,7 @@ pub const LOG: &str = "solver.log";
 const MOST: u64 = 16 << 20;
 /// That end, and what is looked at for last lines.
 const END: u64 = 1 << 16;
-/// Last lines of the log that a failure shows, and characters of each.
-const LINES_SHOWN: usize = 5;
+/// Characters of the last line, which stands in the reason of a failed case.
 const WIDTH: usize = 400;
 
 /// The log of a solver that runs.
@@ -58,19 +57,23 @@ impl Log {
         self.file.write_all(&end)
     }
 
-    /// The last lines with something in them, long ones cut; empty where there are none.
-    pub fn last_lines(&self) -> String {
-        let Ok((bytes, cut)) = end_of(&self.path) else { return String::new() };
-        let text = String::from_utf8_lossy(&bytes);
-        let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
-        if let Some(first) = lines.first_mut().filter(|_| cut) {
-            *first = format!("… {first}");
-        }
-        lines.retain(|line| !line.trim().is_empty());
-        let shown = &lines[lines.len().saturating_sub(LINES_SHOWN)..];
-        let shown: Vec<_> = shown.iter().map(|line| shortened(line, WIDTH)).collect();
-        if shown.is_empty() { String::new() } else { format!(": {}", shown.join(" | ")) }
+    /// `: ` and the last line with something in it, cut if it is long; empty where there is none.
+    pub fn last_line(&self) -> String {
+        let lines = last_lines(&self.path);
+        let last = lines.iter().rfind(|line| !line.trim().is_empty());
+        last.map_or(String::new(), |line| format!(": {}", shortened(line.trim(), WIDTH)))
     }
+}
+
+/// The end of what a solver printed, as it stands in its log; nothing where there is none.
+pub fn last_lines(log: &Path) -> Vec<String> {
+    let Ok((bytes, cut)) = end_of(log) else { return Vec::new() };
+    let mut lines: Vec<String> =
+        String::from_utf8_lossy(&bytes).lines().map(str::to_owned).collect();
+    if let Some(first) = lines.first_mut().filter(|_| cut) {
+        *first = format!("… {first}");
+    }
+    lines
 }
 
 /// The last bytes of a file, and whether there are others before them.

@@ -5,6 +5,7 @@ mod answer;
 mod bounded;
 mod case_files;
 mod group;
+mod in_process;
 mod log;
 mod npy;
 mod places;
@@ -19,9 +20,10 @@ pub use self::answer::{
     AnswerError, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted, read_displacements,
 };
 use self::answer::{read_pressures, read_until};
-pub use self::case_files::{case_dir, write_case};
+pub use self::case_files::{ContactRow, Given, case_dir, write_case};
 pub use self::group::end_solvers;
-pub use self::log::LOG;
+pub use self::in_process::{Answer, InProcess, Solve};
+pub use self::log::{LOG, last_lines};
 pub use self::npy::{Array, NpyError, decode, encode};
 pub use self::process::ProcessError;
 use self::series::numbered;

@@ -27,7 +27,7 @@ pub enum ProcessError {
 /// Runs `words` with `dir` as its last argument and its working directory unchanged. Whatever it has started ends with it.
 ///
 /// # Errors
-/// [`ProcessError`]; the end of what it printed is in the message.
+/// [`ProcessError`]; the last line that it printed is in the message.
 pub fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), ProcessError> {
     let (program, arguments) = words.split_first().ok_or_else(|| ProcessError::Start {
         program: String::new(),
@@ -50,7 +50,7 @@ pub fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), ProcessE
         None => Err(ProcessError::TooLong(limit.as_secs())),
         Some(status) if status.success() => Ok(()),
         Some(status) => {
-            Err(ProcessError::Failed { status: status.to_string(), said: log.last_lines() })
+            Err(ProcessError::Failed { status: status.to_string(), said: log.last_line() })
         }
     }
 }

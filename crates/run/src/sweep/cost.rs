@@ -11,7 +11,7 @@ use truth::{TruthCost, load_bytes, truth};
 use super::plan::{CasePlan, TIME_REFERENCE};
 use fem::contact::{Discretization, LinearSolver, Plan};
 use scene::setup::{Setup, SetupError};
-use scene::{Norm, Reference, TimeGrid};
+use scene::{Norm, Reference};
 
 /// Newton iterations a level, where a level is solved in the volume.
 const ITERATIONS: f64 = 5.0;
@@ -45,6 +45,8 @@ pub struct Cost {
     pub plan: Plan,
     /// The solver of the linear systems.
     pub linear_solver: LinearSolver,
+    /// Factorizations and solves of the march; `None` where the run decides.
+    pub work: Option<[u32; 2]>,
     /// CPU seconds in a process that runs this case alone, without its reference run.
     pub seconds: f64,
     /// Peak memory of a process that runs this case alone, with its reference run if it has one. In a sweep the cases
@@ -62,6 +64,7 @@ impl Cost {
         dofs: 0,
         plan: Plan::Newton,
         linear_solver: LinearSolver::Direct,
+        work: None,
         seconds: 0.0,
         memory_bytes: 0.0,
         kept_bytes: 0.0,
@@ -171,17 +174,14 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let model = &setup.model;
     let linear_solver = LinearSolver::of(space, model, steps as usize);
     let plan = Plan::of(space, model, steps as usize, true);
-    let newton = plan == Plan::Newton && !model.is_linear();
-    let condensed = plan == Plan::Condensed;
-    let changes = condensed && Plan::changes_factor(model);
+    let newton = plan == Plan::Newton;
     let levels = f64::from(steps) + 1.0;
-    let factorizations = match (newton, changes) {
-        (true, _) => levels,
-        // The weight of the last slot is zero at first, then that of the step.
-        (_, true) if matches!(setup.scene.time.grid, TimeGrid::Uniform) => levels.min(2.0),
-        (_, true) => levels,
-        _ => 1.0,
-    };
+    let matrices = plan.matrices(model, &setup.grid(steps));
+    let parts = setup.load_parts().filter(|_| plan == Plan::Recursion);
+    let solves = parts.map_or(steps + 1, |parts| parts as u32);
+    let factorizations = matrices.map_or(levels, f64::from);
+    let changes = Plan::changes_factor(model);
+    let work = matrices.filter(|_| linear_solver == LinearSolver::Direct);
     let iterations = if newton { ITERATIONS } else { 1.0 };
     let (cells, dofs) = (space.mesh.cell_count() as f64, space.dofs());
     let pattern = space.pattern.entries() as f64;
@@ -196,16 +196,17 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
         LinearSolver::Multigrid => (MULTIGRID * pattern, 0.0, MULTIGRID_BYTES * pattern),
     };
     let shape = if space.mesh.dimension == 2 { 1.0 } else { TETRAHEDRON };
-    // Five matrices with their index; some thirty vectors, and three for each of the eight levels that are expanded
-    // together where condensation has one factor.
-    let together = condensed && !changes;
-    let vectors = if together { 240.0 + 192.0 } else { 240.0 } * dofs as f64;
-    // A stiffness matrix with its factor, which serves all runs on a mesh.
-    let one_factor = together || (plan == Plan::Recursion && linear_solver == LinearSolver::Direct);
+    // One matrix serves all levels, and eight of them have their passes together.
+    let one_factor =
+        work.is_some() && matches!(plan, Plan::Recursion | Plan::Condensed) && !changes;
+    // Five matrices with their index; some thirty vectors, and two for each level of a pass.
+    let together = one_factor && parts.is_none();
+    let vectors = if together { 240.0 + 128.0 } else { 240.0 } * dofs as f64;
     Cost {
         dofs,
         plan,
         linear_solver,
+        work: work.map(|matrices| [matrices, solves]),
         seconds: levels * iterations * (shape * CELL * cells + solve)
             + factorizations * factorization,
         memory_bytes: linear_bytes + 52.0 * pattern + vectors + history_bytes(setup, dofs, steps),

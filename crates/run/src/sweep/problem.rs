@@ -95,6 +95,7 @@ impl Problem for AbstractSetup {
                 dofs,
                 plan: Plan::Newton,
                 linear_solver: LinearSolver::Direct,
+                work: None,
                 seconds: LEVEL[0] * levels + LEVEL[1] * levels * levels * kernels,
                 // All states are kept; a kernel value for each pair of times is computed.
                 memory_bytes: PROGRAM + 8.0 * 4.0 * levels * dofs as f64,

@@ -27,7 +27,8 @@ pub(crate) fn with_mesh(
         return Ok(source);
     }
     let path = path_of(&source, file);
-    match text(&path) {
+    let inside = source.beside.iter().find(|(name, _)| name == file);
+    match inside.map_or_else(|| text(&path), |(_, text)| Ok((*text).to_owned())) {
         Ok(mesh) => Ok(source.with_mesh(mesh)),
         Err(reason) => {
             let message = format!("cannot read the mesh {}: {reason}", path.display());

@@ -1,6 +1,6 @@
 //! Loads given as formulas f0, f2, and the reference run that stands for their solution.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::Side;
@@ -82,6 +82,17 @@ impl GivenLoad {
             let shape = term(&mut self.graph, shape, self.horizon);
             shape.add_to(0.0, space, &self.rules, &mut self.basis[index]);
         }
+    }
+
+    /// How many F_i the load of these formulas has on any mesh; `None` where one does not separate.
+    pub fn parts(graph: &Graph, formulas: impl Iterator<Item = Node>) -> Option<usize> {
+        let (mut graph, mut factors) = (graph.clone(), HashSet::new());
+        for formula in formulas {
+            if graph.value_of_constant(formula) != Some(0.0) {
+                factors.extend(graph.separate(formula)?.into_iter().map(|(factor, _)| factor));
+            }
+        }
+        Some(factors.len())
     }
 
     /// The values a_i(t).

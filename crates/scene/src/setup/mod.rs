@@ -178,6 +178,13 @@ impl Setup {
         self
     }
 
+    /// Vectors F_i of the load Σ a_i(t) F_i; `None` where it does not separate, or is that of an exact solution.
+    pub fn load_parts(&self) -> Option<usize> {
+        let Data::Loads { body, traction } = &self.body.data else { return None };
+        let sides = traction.iter().flat_map(|(_, formulas)| formulas);
+        GivenLoad::parts(&self.scene.formulas, body.iter().chain(sides).copied())
+    }
+
     /// Vectors of unknowns held for the history after N steps; of interpolated kernels with as many nodes as
     /// smooth ones need.
     pub fn history_vectors(&self, steps: u32) -> usize {

@@ -4,6 +4,7 @@
 
 mod answer;
 mod degenerate;
+mod document;
 mod history;
 mod invariance;
 mod judge;
@@ -20,11 +21,12 @@ mod units;
 use vhi::Newton;
 
 pub use answer::{Answer, NoAnswer, Prepare, march, set_up, solve};
+pub use document::Climbed;
 pub use history::by_recursion;
 pub use judge::{Row, Standing, judge, standing};
 pub use memory::admit;
 pub use rung::{Expected, Ladder, Largest, Measured, Run, Rung};
-pub use table::{COLUMNS, map};
+pub use table::COLUMNS;
 pub use units::{Unitless, Units};
 
 /// The parts under test.

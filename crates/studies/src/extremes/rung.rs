@@ -87,6 +87,7 @@ impl Rung {
 }
 
 /// All values of one parameter.
+#[derive(serde::Serialize)]
 pub struct Ladder {
     /// Its name on the command line.
     pub name: &'static str,
@@ -97,6 +98,7 @@ pub struct Ladder {
     /// Why the expectation is what it is.
     pub why: &'static str,
     /// From the first value to the last.
+    #[serde(skip)]
     pub rungs: Vec<Rung>,
 }
 

@@ -44,7 +44,7 @@ impl Row {
 ///
 /// # Errors
 /// [`ReportError::Drawing`].
-pub fn map(ladders: &[Ladder], rows: &[Row]) -> Result<String, ReportError> {
+pub(super) fn map(ladders: &[Ladder], rows: &[Row]) -> Result<String, ReportError> {
     let of_ladder = |ladder: &Ladder| -> Vec<Cell> {
         let own = rows.iter().filter(|row| row.ladder == ladder.name);
         own.map(|row| {

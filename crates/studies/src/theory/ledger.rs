@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::theory::audit::{AuditError, SceneAudit, Summary};
 use fem::contact::BoundaryRule;
+use report::{Chapter, Run, StudyDocument, Tone, number};
 use scene::setup::{Setup, SetupError};
 
 /// What an entry finds of a proved power or constant.
@@ -18,6 +19,16 @@ pub enum Finding {
     Sharp,
     /// The observed quantity is better than proved.
     Slack,
+}
+
+impl Finding {
+    /// One word.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sharp => "sharp",
+            Self::Slack => "slack",
+        }
+    }
 }
 
 /// An entry.
@@ -252,6 +263,42 @@ impl Question {
             (_, Finding::Slack) => observed >= self.proved + BETTER,
         }
     }
+}
+
+/// The ledger as a document.
+pub fn document(entries: &[Entry]) -> StudyDocument {
+    let mut own = StudyDocument::new(Chapter::Ledger, "What runs say of the claims");
+    own.words("Proved is the power, or the constant, that the proof gives; observed is what the smallest scene that shows it has; used is the largest share of the bound.");
+    let wrong = entries.iter().filter(|entry| !entry.confirmed);
+    let failures: Vec<String> = wrong.map(|entry| entry.claim.to_owned()).collect();
+    let all = format!("{} claims, every one confirmed.", entries.len());
+    own.verdict(!entries.is_empty() && failures.is_empty(), &all, failures);
+    let row = |(index, entry): (usize, &Entry)| {
+        let claimed = entry.claimed.name();
+        let used = entry.used.map_or_else(|| "–".into(), |used| format!("{:.2} %", 100.0 * used));
+        let found = match entry.confirmed {
+            true => Run::of(claimed, Tone::Pass),
+            false => Run::of(format!("{claimed}: not confirmed"), Tone::Miss),
+        };
+        vec![
+            Run::plain((index + 1).to_string()),
+            Run::plain(entry.claim),
+            Run::plain(entry.hypotheses),
+            Run::plain(entry.quantity),
+            number(entry.proved),
+            number(entry.observed),
+            Run::plain(used),
+            found,
+        ]
+    };
+    own.table(
+        "Claims on the proofs, each with what a run observes.",
+        &["", "claim", "hypotheses", "quantity", ">proved", ">observed", ">used", "is"],
+        entries.iter().enumerate().map(row).collect(),
+    );
+    own.words("Each is shown by one command, in the same order:");
+    own.code(entries.iter().map(|entry| entry.command.as_str()).collect::<Vec<_>>().join("\n"));
+    own
 }
 
 #[cfg(test)]

@@ -13,11 +13,14 @@ use judge::fit::linear_fit;
 const PARTS: usize = 5;
 
 /// t = Σ c_i f_i(h, k) with c_i ≥ 0.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[serde(transparent)]
 pub struct Composition {
     /// Seconds a unit of each part: constant, a cell, a cell and level, an operation, an operation and level.
     pub parts: [f64; PARTS],
+    #[serde(skip)]
     dimension: usize,
+    #[serde(skip)]
     horizon: f64,
 }
 

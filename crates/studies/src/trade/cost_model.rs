@@ -1,7 +1,9 @@
 //! What a run costs as a function of both steps: t = t₀ + c h^-a k^-b, fitted to measured CPU times.
 
 use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
 
+use super::as_json::exponent;
 use judge::fit::{Estimate, Interval, LinearFit, linear_fit, same_level};
 
 /// A measured run.
@@ -16,7 +18,7 @@ pub struct CostSample {
 }
 
 /// t = t₀ + c h^-a k^-b.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CostModel {
     /// t₀, seconds; 0 unless the runs refute that.
     pub base: f64,
@@ -24,8 +26,10 @@ pub struct CostModel {
     pub constant: f64,
     /// a with its interval: the hull of the Student interval and of a' ± 2 |a' - a| with a' from the runs
     /// without the coarsest h, and without the coarsest k. What a power law leaves over is bias, as in `fit`.
+    #[serde(serialize_with = "exponent")]
     pub space: Estimate,
     /// b, likewise.
+    #[serde(serialize_with = "exponent")]
     pub time: Estimate,
     /// Largest |log t - log t(h, k)| of the runs.
     pub residual: f64,

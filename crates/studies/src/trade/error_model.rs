@@ -1,25 +1,29 @@
 //! The error of a scene as a function of both steps, from the runs of a trade.
 
+use super::as_json::{self, ends};
 use judge::fit::{
     Correction, Direction, Interval, Model, Point, Sample, joint_fits, local_slopes,
     order_interval, same_level, samples,
 };
+use serde::Serialize;
 
 /// C s^p of one step s.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Term {
     /// C.
     pub constant: f64,
     /// p.
     pub order: f64,
     /// Interval of p.
+    #[serde(serialize_with = "ends")]
     pub interval: Interval,
 }
 
 /// E^m = (C_h h^p)^m + (C_k k^q)^m.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ErrorModel {
     /// m = 1 or 2.
+    #[serde(serialize_with = "as_json::model")]
     pub model: Model,
     /// The term of h; none where the error does not depend on it.
     pub space: Option<Term>,

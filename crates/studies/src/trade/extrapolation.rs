@@ -1,13 +1,15 @@
 //! What Richardson's extrapolation is worth: errors with and without it, and the orders of both.
 
+use super::as_json::some_ends;
 use super::measure::Bench;
 use super::{Knob, Study, Trial};
 use fem::contact::strain_norm;
 use judge::fit::{Correction, Interval, Sample, local_slopes, order_interval};
 use scene::Data;
+use serde::Serialize;
 
 /// Errors by step, with and without extrapolation.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Extrapolated {
     /// What is extrapolated.
     pub what: String,
@@ -16,7 +18,17 @@ pub struct Extrapolated {
     /// Step, error, error with the extrapolation from twice the step.
     pub rows: Vec<(f64, f64, Option<f64>)>,
     /// Orders of both: the last local one, and the interval from three points on.
-    pub orders: [Option<(f64, Option<Interval>)>; 2],
+    pub orders: [Option<LastOrder>; 2],
+}
+
+/// The order between the two finest rows, and what all of them say of it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LastOrder {
+    /// Its value.
+    pub last: f64,
+    /// The interval of all rows, where there are enough.
+    #[serde(serialize_with = "some_ends")]
+    pub interval: Option<Interval>,
 }
 
 impl Extrapolated {
@@ -30,11 +42,12 @@ impl Extrapolated {
     }
 }
 
-fn order(samples: &[Sample], step: &str) -> Option<(f64, Option<Interval>)> {
+fn order(samples: &[Sample], step: &str) -> Option<LastOrder> {
     let positive: Vec<Sample> = samples.iter().copied().filter(|s| s.error > 0.0).collect();
     let correction = if step == "k" { Correction::Quadratic } else { Correction::Linear };
     let last = *local_slopes(&positive).last()?;
-    Some((last, order_interval(&positive, correction).ok().map(|found| found.interval)))
+    let interval = order_interval(&positive, correction).ok().map(|found| found.interval);
+    Some(LastOrder { last, interval })
 }
 
 /// (4 u_k - u_2k)/3 on the finest mesh, in the V norm.
@@ -91,9 +104,9 @@ mod tests {
         let found = Extrapolated::new("u".into(), "k", rows.to_vec());
         let [plain, better] = found.orders.map(|order| order.expect("an order"));
         // Roundings of logarithms.
-        assert!((plain.0 - 2.0).abs() < 1e-12 && (better.0 - 4.0).abs() < 1e-12);
-        assert!(better.1.expect("an interval").contains(4.0));
-        assert!(!better.1.expect("an interval").contains(2.0));
+        assert!((plain.last - 2.0).abs() < 1e-12 && (better.last - 4.0).abs() < 1e-12);
+        assert!(better.interval.expect("an interval").contains(4.0));
+        assert!(!better.interval.expect("an interval").contains(2.0));
         let one = Extrapolated::new("u".into(), "k", rows[..1].to_vec());
         assert_eq!(one.orders, [None, None]);
     }

@@ -75,7 +75,7 @@ impl Bench {
     ) -> Trial {
         let h = self.setup().body.domain.h(n);
         let k = self.setup().grid(steps).largest_step();
-        Trial { knob, n, steps, h, k, dofs, outcome }
+        Trial { knob, n, steps, h, k, dofs, outcome, front: false, front_memory: false }
     }
 
     fn outcome(&mut self, variant: &Variant, n: u32, steps: u32) -> Result<Outcome, String> {

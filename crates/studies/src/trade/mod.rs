@@ -1,9 +1,12 @@
 //! Speed against accuracy, measured: runs over the knobs that a scene offers, models of error and cost, the cheapest
 //! way to an error, and what each knob buys; and the error of a single run from coarser ones.
 
+mod answer;
+mod as_json;
 mod candidates;
 mod composition;
 mod cost_model;
+mod document;
 mod error_model;
 pub mod estimate;
 mod extrapolation;
@@ -18,11 +21,11 @@ mod study;
 mod target;
 mod trial;
 
+pub use answer::{AnswerError, Answered};
 pub use candidates::{Candidates, MOST};
 pub use composition::Composition;
 pub use cost_model::{CostModel, CostSample, NoCost};
 pub use error_model::{ErrorModel, Term};
-pub use extrapolation::{Extrapolated, in_space, in_time};
 pub use grid::{admit_trade, own_grid};
 pub use knob::{Knob, Variant, knobs};
 pub use measure::{Bench, NORMS};

@@ -8,7 +8,7 @@
 use super::{CostModel, ErrorModel, Term};
 
 /// The cheapest h and k for an error.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Optimum {
     /// Mesh size; none where the error does not depend on it.
     pub h: Option<f64>,
@@ -17,7 +17,7 @@ pub struct Optimum {
 }
 
 /// The path k = c h^s of the optima of all errors.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Coupling {
     /// s = p/q.
     pub exponent: f64,

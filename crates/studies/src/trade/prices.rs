@@ -3,7 +3,7 @@
 use super::Trial;
 
 /// What a knob does to time and error.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Price {
     /// The knob, or the coarser step.
     pub what: String,
@@ -20,7 +20,10 @@ pub struct Price {
     /// Memory with the knob over memory without.
     pub bytes: f64,
     /// Why there is no price: the run failed.
+    #[serde(skip)]
     pub failure: Option<String>,
+    /// All of it in one sentence.
+    pub words: String,
 }
 
 impl Price {
@@ -37,8 +40,9 @@ impl Price {
             error: f64::NAN,
             bytes: f64::NAN,
             failure: None,
+            words: String::new(),
         };
-        Some(match &turned.outcome {
+        let found = match &turned.outcome {
             Err(reason) => Self { failure: Some(reason.clone()), ..none },
             Ok(other) => Self {
                 speed: own.seconds / other.seconds,
@@ -47,7 +51,8 @@ impl Price {
                 bytes: other.bytes / own.bytes,
                 ..none
             },
-        })
+        };
+        Some(Self { words: found.sentence(), ..found })
     }
 
     /// Whether the repeats tell the two times apart.
@@ -56,7 +61,7 @@ impl Price {
     }
 
     /// The price in words.
-    pub fn words(&self) -> String {
+    fn sentence(&self) -> String {
         let place = format!("n = {}, N = {}", self.n, self.steps);
         if let Some(reason) = &self.failure {
             return format!("{}: fails ({place}): {reason}", self.what);
@@ -101,19 +106,19 @@ mod tests {
         };
         assert!(
             price(0.5001, 1.0)
-                .words()
+                .words
                 .starts_with("loads of degree 1: buys 3.10x time for +0.020 % error")
         );
-        assert!(price(0.25, 6.2).words().contains("costs 2.00x time for -50 % error"));
-        assert!(price(0.5 + 1e-8, 1.0).words().contains("for 0 % error"));
+        assert!(price(0.25, 6.2).words.contains("costs 2.00x time for -50 % error"));
+        assert!(price(0.5 + 1e-8, 1.0).words.contains("for 0 % error"));
         // A run beats another only where all of its repeats do.
         let mut noisy = trial("loads of degree 1", [64, 16], 0.5, 3.0);
         noisy.outcome.as_mut().expect("a run").slowest = 3.2;
         let same = Price::of("x".into(), &plain, &noisy).expect("a price");
-        assert!(!same.shows() && same.words().contains("no difference in time"));
+        assert!(!same.shows() && same.words.contains("no difference in time"));
         let failed = Trial { outcome: Err("KKT".into()), ..noisy };
         let none = Price::of("tolerance 1e-8".into(), &plain, &failed).expect("a price");
-        assert!(none.words().contains("fails") && !none.shows());
+        assert!(none.words.contains("fails") && !none.shows());
         assert!(Price::of("x".into(), &failed, &plain).is_none());
     }
 

@@ -1,12 +1,15 @@
 //! The trade of a scene: a grid of runs, each knob at three of them, and what the numbers say.
 
+use super::as_json::{self, or_reason};
+use super::extrapolation::{Extrapolated, in_space, in_time};
 use super::measure::Bench;
 use super::optimum::{Coupling, along_path, coupling};
-use super::trial::{Table, TableError};
+use super::trial::{Table, TableError, mark_fronts};
 use super::{Composition, CostModel, CostSample, ErrorModel, Knob, Price, Trial, Variant, knobs};
 use judge::fit::{Point, Sample};
 use scene::setup::{SetupError, Subject, check_step_sizes};
 use scene::{Data, Norm};
+use serde::Serialize;
 
 /// What a trade runs.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,21 +42,36 @@ pub enum TradeError {
 /// Hears of each run.
 pub type Heard<'a> = dyn FnMut(&Trial) + 'a;
 
+/// A power s of k = c h^s, with the exponents by which cost grows as the error falls on such a path.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Path {
+    /// s.
+    pub exponent: f64,
+    /// Of the models.
+    pub modelled: Option<f64>,
+    /// Between the coarsest and the finest run of the grid on the path.
+    pub measured: Option<f64>,
+}
+
 /// A finished trade.
+#[derive(Serialize)]
 pub struct Study {
     /// The scene's name.
     pub scene: String,
+    /// Of its text.
+    pub fingerprint: String,
     /// The norm of the errors.
+    #[serde(serialize_with = "as_json::norm")]
     pub norm: Norm,
-    /// T.
-    pub horizon: f64,
     /// Largest ‖ε(u)‖ of the truth.
     pub size: f64,
     /// All rows in the order in which they were run.
     pub trials: Vec<Trial>,
     /// The error of the scene as written, or why it was not fitted.
+    #[serde(rename = "error_model", serialize_with = "or_reason")]
     pub error: Result<ErrorModel, String>,
     /// What it costs, likewise.
+    #[serde(rename = "cost_model", serialize_with = "or_reason")]
     pub cost: Result<CostModel, String>,
     /// The cost as a sum of parts, for predictions.
     pub composition: Option<Composition>,
@@ -61,9 +79,11 @@ pub struct Study {
     pub coupling: Option<Coupling>,
     /// The price list.
     pub prices: Vec<Price>,
-    /// Powers s of k = c h^s, each with the exponent by which cost grows as the error falls: of the models, and
-    /// between the coarsest and the finest run of the grid on such a path.
-    pub paths: Vec<(f64, Option<f64>, Option<f64>)>,
+    /// What couplings of k to h cost.
+    pub paths: Vec<Path>,
+    /// What Richardson's extrapolation is worth, in time and in space.
+    #[serde(rename = "extrapolation")]
+    pub extrapolated: Vec<Extrapolated>,
 }
 
 impl Study {
@@ -121,7 +141,8 @@ impl Study {
         Ok(Self::of(bench, trials, plan))
     }
 
-    fn of(bench: &Bench, trials: Vec<Trial>, plan: &Plan) -> Self {
+    fn of(bench: &Bench, mut trials: Vec<Trial>, plan: &Plan) -> Self {
+        mark_fronts(&mut trials);
         let setup = &bench.plain.setup;
         let on_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
         let (error, cost) = models(&trials, &differences(bench, plan), on_mesh);
@@ -133,18 +154,19 @@ impl Study {
         let coupling = both.and_then(|(error, cost)| coupling(error, cost));
         let best = coupling.map(|path| path.exponent);
         let exponents = [Some(0.5), Some(1.0), Some(2.0), best].into_iter().flatten();
-        let mut paths: Vec<(f64, Option<f64>, Option<f64>)> = exponents
-            .map(|s| {
-                let model = both.and_then(|(error, cost)| along_path(error, cost, s));
-                (s, model, measured_along(&trials, s))
+        let mut paths: Vec<Path> = exponents
+            .map(|exponent| Path {
+                exponent,
+                modelled: both.and_then(|(error, cost)| along_path(error, cost, exponent)),
+                measured: measured_along(&trials, exponent),
             })
             .collect();
-        paths.sort_by(|a, b| a.0.total_cmp(&b.0));
-        paths.dedup_by(|a, b| a.0 == b.0);
-        Self {
+        paths.sort_by(|a, b| a.exponent.total_cmp(&b.exponent));
+        paths.dedup_by(|a, b| a.exponent == b.exponent);
+        let mut study = Self {
             scene: setup.scene.name.clone(),
+            fingerprint: setup.scene.source.hash.clone(),
             norm: bench.norm,
-            horizon: setup.scene.time.horizon,
             size: bench.size,
             prices: prices(&trials, on_mesh),
             trials,
@@ -153,7 +175,11 @@ impl Study {
             composition,
             coupling,
             paths,
-        }
+            extrapolated: Vec::new(),
+        };
+        let found = [in_time(&study), in_space(bench, &study)];
+        study.extrapolated = found.into_iter().flatten().collect();
+        study
     }
 
     /// The rows of the scene as written.

@@ -17,7 +17,7 @@ pub struct Choices<'a> {
 }
 
 /// An answer.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Answer {
     /// Cells a unit length.
     pub n: u32,
@@ -26,6 +26,7 @@ pub struct Answer {
     /// The error there.
     pub error: f64,
     /// CPU seconds there.
+    #[serde(rename = "cpu_seconds")]
     pub seconds: f64,
 }
 

@@ -3,10 +3,14 @@
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
+use super::as_json::ended;
+use super::pareto::{front, front_of_three};
 use files::remove_if_there;
 
 /// What one run cost and how wrong it is.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trial {
     /// Name of the knob, see [`super::Knob::name`].
     pub knob: String,
@@ -20,26 +24,34 @@ pub struct Trial {
     pub k: f64,
     /// Unknowns of a level.
     pub dofs: usize,
+    /// No other run is as good in time and error, and better in one.
+    pub front: bool,
+    /// Nor in time, error and memory.
+    pub front_memory: bool,
     /// The run, or why there is none.
+    #[serde(flatten, serialize_with = "ended")]
     pub outcome: Result<Outcome, String>,
 }
 
 /// A run that came to its end.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Outcome {
     /// Error in the norm of the trade.
     pub error: f64,
     /// What solver and rounding have of it.
     pub floor: f64,
     /// CPU seconds of the thread, the least of all repeats: mesh, analysis, loads and march.
+    #[serde(rename = "cpu_seconds")]
     pub seconds: f64,
     /// The most of them.
+    #[serde(rename = "cpu_slowest")]
     pub slowest: f64,
     /// How often it was run.
     pub repeats: u32,
     /// The part of it that went into loads.
     pub load_share: f64,
     /// Peak memory of a process that does this run alone, predicted.
+    #[serde(rename = "predicted_bytes")]
     pub bytes: f64,
     /// Bytes that the history took, counted.
     pub history_bytes: usize,
@@ -54,6 +66,19 @@ impl Trial {
     pub fn done(&self) -> Option<&Outcome> {
         self.outcome.as_ref().ok()
     }
+}
+
+/// Marks the runs that no other beats in error and time, and in error, time and memory.
+pub(super) fn mark_fronts(trials: &mut [Trial]) {
+    let place = |trial: &Trial| match trial.done() {
+        Some(run) => [run.seconds, run.bytes, run.error],
+        None => [f64::NAN; 3],
+    };
+    let places: Vec<[f64; 3]> = trials.iter().map(place).collect();
+    let flat: Vec<(f64, f64)> =
+        places.iter().map(|&[seconds, _, error]| (seconds, error)).collect();
+    front(&flat).into_iter().for_each(|i| trials[i].front = true);
+    front_of_three(&places).into_iter().for_each(|i| trials[i].front_memory = true);
 }
 
 /// Columns of the table.
@@ -186,6 +211,8 @@ pub(super) fn trial(knob: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) 
         h: 1.0 / f64::from(n),
         k: 1.0 / f64::from(steps),
         dofs: 0,
+        front: false,
+        front_memory: false,
         outcome: Ok(outcome),
     }
 }

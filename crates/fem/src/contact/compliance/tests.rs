@@ -44,9 +44,13 @@ fn nodal(space: &Discretization) -> Vec<f64> {
     u
 }
 
+fn compliance<'a>(space: &Discretization, boundary: &'a Boundary) -> FacetCompliance<'a> {
+    FacetCompliance::new(space, boundary, |point| point.unknown as usize).unwrap()
+}
+
 fn force(space: &Discretization, boundary: &Boundary, u: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; u.len()];
-    FacetCompliance::new(space, boundary).unwrap().add_force(u, &mut out);
+    compliance(space, boundary).add_force(u, &mut out);
     out
 }
 
@@ -156,7 +160,7 @@ fn a_factor_multiplies_the_law_at_every_point() {
         // x and 1 - x add up to one; both are there.
         let sum: Vec<f64> = affine.iter().zip(&whole).map(|(a, b)| a + b).collect();
         assert!(distance(&sum, &plain) < 1e-15 && distance(&affine, &whole) > 1e-4);
-        let descent = FacetCompliance::new(&space, &with(Some(|_| 2.0))).unwrap().descent();
+        let descent = compliance(&space, &with(Some(|_| 2.0))).descent();
         // Twice the steepest descent ½, a quotient of the points.
         assert!((descent - 1.0).abs() < 1e-14);
     }
@@ -231,9 +235,10 @@ fn the_tangent_is_the_derivative() {
     let step = 1e-6;
     for (name, shift) in SHIFTS {
         let boundary = boundary(Arc::new(law()), shift, BoundaryRule::Exact);
-        let compliance = FacetCompliance::new(&space, &boundary).unwrap();
         let mut tangent = vec![0.0; space.pattern.entries()];
-        compliance.add_tangent(&u, &space.pattern, &mut tangent);
+        compliance(&space, &boundary).each_tangent(&u, |[i, j], value| {
+            tangent[space.pattern.position(i, j).expect("neighbours on an edge")] += value;
+        });
         let mut d = vec![0.0; u.len()];
         for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| !p.clamped) {
             d[point.unknown as usize] = point.sign * (1.0 + 0.5 * (i as f64).sin());

@@ -130,16 +130,15 @@ impl Posterior {
     }
 
     fn answer_of(&self, mixture: &Mixture, claim: &Claim) -> Answer {
-        // A grid has no slopes of its own, and as little to say of each order.
-        let few = self.slopes.len() < FEWEST;
-        let needed = if few { CONFIRMED_BY_THREE } else { CONFIRMED };
+        // Three levels have two slopes, a grid none.
+        let needed = if self.slopes.len() < FEWEST { CONFIRMED_BY_THREE } else { CONFIRMED };
         let agree = match self.slopes[..] {
             [first, last] => (last - first).abs() <= AGREEMENT * claim.order.abs(),
             _ => true,
         };
         let too_low = mixture.below(claim.order - CLEAR_MISS);
         let too_high = 1.0 - mixture.below(claim.order + CLEAR_MISS);
-        if too_low > REFUTED && !(self.slopes.len() == 2 && self.rises_to(claim.order)) {
+        if too_low > REFUTED && !self.rises_to(claim.order) {
             Answer::TooLow
         } else if probability(mixture, claim) > needed && too_low < 0.5 && (agree || claim.at_least)
         {
@@ -154,7 +153,7 @@ impl Posterior {
     /// Whether the slopes of three levels rise fast enough to reach an order: where what is missing halves with every
     /// level, it is the last change; twice that may be on its way.
     fn rises_to(&self, order: f64) -> bool {
-        let [first, last] = [self.slopes[0], self.slopes[1]];
+        let [first, last] = self.slopes[..] else { return false };
         last > first && last + 2.0 * (last - first) >= order
     }
 

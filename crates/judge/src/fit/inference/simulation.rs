@@ -187,11 +187,14 @@ const COARSE_START: &[Class] = &[Class::Plateau, Class::Superconvergent];
 fn demands() -> Vec<Demand> {
     let of = |classes, levels, offset, pass, fail| Demand { classes, levels, offset, pass, fail };
     let mut demands = vec![
+        of(&[Class::Smooth], 3..=3, 0.0, [75.0, 100.0], [0.0, 0.5]),
         of(&[Class::Smooth], 4..=4, 0.0, [90.0, 100.0], [0.0, 0.5]),
         of(&[Class::Smooth], 5..=8, 0.0, [97.0, 100.0], [0.0, 0.5]),
         of(&[Class::Plateau], 8..=8, 0.0, [95.0, 100.0], [0.0, 4.0]),
         of(&[Class::Superconvergent], 8..=8, 0.0, [90.0, 100.0], [0.0, 4.0]),
         of(&[Class::Irregular], 5..=8, 0.0, [92.0, 100.0], [0.0, 0.5]),
+        of(&[Class::TwoTerms, Class::Wild], 5..=8, 0.0, [97.0, 100.0], [0.0, 0.5]),
+        of(&[Class::Noisy], 8..=8, 0.0, [90.0, 100.0], ANY),
         of(COARSE_START, 4..=8, 0.0, ANY, [0.0, 4.0]),
         of(&[Class::Exact, Class::Smooth], 3..=3, 0.5, ANY, [82.0, 100.0]),
         of(&[Class::Exact], 8..=8, 0.1, ANY, [97.0, 100.0]),
@@ -199,6 +202,7 @@ fn demands() -> Vec<Demand> {
     for (offset, most) in [(0.25, 0.5), (-0.25, 0.5), (0.5, 0.1), (-0.5, 0.1)] {
         demands.push(of(CLEAN, 4..=5, offset, [0.0, most], ANY));
         demands.push(of(CLEAN, 3..=3, offset, [0.0, most], ANY));
+        demands.push(of(&[Class::Superconvergent], 3..=4, offset, [0.0, most], ANY));
     }
     demands
 }

@@ -65,7 +65,8 @@ fn bias_passes_and_divergence_fails() {
         let prediction = Prediction { at_least: order == 1.0, ..predict(Variable::H, order) };
         let apart = verdict(&table(&DOUBLING, &[4], |h, _| h.powi(-2)), &prediction);
         assert_eq!(apart.decision, Decision::Fail, "{}", apart.reason);
-        assert!((apart.observed.unwrap() + 2.0).abs() < 1e-10);
+        // The prior of an order moves the median of exact errors by less than the least noise, 5e-4.
+        assert!((apart.observed.unwrap() + 2.0).abs() < 5e-3);
     }
 }
 
@@ -149,8 +150,8 @@ fn the_grid_gives_both_orders_and_the_path_gives_none() {
     assert_eq!(both.decision, Decision::Pass, "{}", both.reason);
     assert!((both.constants["C_k"].value - 4.0).abs() < 1e-6);
     assert_eq!((both.predicted_k, both.next.len()), (Some(2.0), 0));
-    assert!(both.reason.contains("in h: 1 lies in") && both.reason.contains("in k: 2 lies in"));
-    assert!(both.reason.contains("(sum), ") && both.reason.ends_with("(root-sum-square)"));
+    assert!(both.reason.contains("in h: within 0.15 of 1"), "{}", both.reason);
+    assert!(both.reason.contains("in k: within 0.15 of 2"), "{}", both.reason);
     let wrong = verdict(&grid, &Prediction { order_k: Some(3.0), ..joint.clone() });
     assert_eq!((wrong.decision, wrong.next.len()), (Decision::Fail, 0));
     let high = verdict(&grid, &Prediction { order: 0.5, ..joint.clone() });
@@ -186,15 +187,19 @@ fn intervals_are_wide_or_clear_and_say_why() {
     let scatter =
         |h: f64, _: f64| h * if ((1.0 / h).log2() as u32).is_multiple_of(2) { 1.2 } else { 0.8 };
     let wide = verdict(&table(&DOUBLING, &[4], scatter), &predict(Variable::H, 1.0));
-    assert_eq!(wide.decision, Decision::Unresolved);
-    assert!(wide.reason.contains("> 0.15, from "), "{}", wide.reason);
+    assert_eq!(wide.decision, Decision::Unresolved, "{}", wide.reason);
+    assert!(
+        wide.reason.contains("% only") && wide.reason.ends_with("run n = 512"),
+        "{}",
+        wide.reason
+    );
     assert_eq!(wide.next, [NextCase { n: Some(512), steps: 4 }]);
-    // Off by a hundredth and a half, and narrow: no part of the interval is at fault.
-    let off = verdict(&table(&DOUBLING, &[4], |h, _| h.powf(1.03)), &predict(Variable::H, 1.0));
-    assert_eq!(off.decision, Decision::Unresolved);
-    assert!(off.reason.contains("misses 1 by 0.030: run n = 512"), "{}", off.reason);
-    let [lo, hi] = off.interval.expect("an interval");
-    assert!((lo - 1.03).abs() < 1e-9 && (hi - 1.03).abs() < 1e-9);
+    // Six exact levels tell an order from one that is a tenth away.
+    let off = |order: f64| {
+        let records = table(&DOUBLING, &[4], |h, _| h.powf(order));
+        verdict(&records, &predict(Variable::H, 1.0)).decision
+    };
+    assert_eq!([0.9, 0.97, 1.03].map(off), [Decision::Fail, Decision::Pass, Decision::Pass]);
     let passed = verdict(&table(&DOUBLING, &[4], |h, _| h), &predict(Variable::H, 1.0));
     assert_eq!((passed.decision, passed.next.len()), (Decision::Pass, 0));
 }
@@ -205,6 +210,34 @@ fn even_terms_alone_are_expected_of_order_two_in_time() {
     assert_eq!(of(2.0, Direction::Time), Correction::Quadratic);
     assert_eq!(of(1.0, Direction::Time), Correction::Linear);
     assert_eq!(of(2.0, Direction::Space), Correction::Linear);
+}
+
+/// Slopes that people fail, and slopes that they pass; the orders beside them.
+#[test]
+fn tables_of_slopes_get_what_a_person_says() {
+    let judged = |slopes: &[f64], order: f64| {
+        let mut errors = vec![1.0];
+        slopes.iter().for_each(|slope| errors.push(errors[errors.len() - 1] * 0.5f64.powf(*slope)));
+        let levels: Vec<Level> =
+            (0..).zip(&errors).map(|(i, error)| Level::new(0.5f64.powi(i), *error)).collect();
+        let posterior = infer(&levels, None, 0.0).expect("an order");
+        posterior.decide(&Claim::new(order).expect("a claim")).decision
+    };
+    let falling = [1.07, 0.98, 0.92, 0.89, 0.88, 0.87, 0.864];
+    assert_eq!(judged(&falling, 1.0), Decision::Fail);
+    let below_two = [2.05, 1.95, 1.90, 1.88, 1.87, 1.86, 1.854];
+    assert_eq!(judged(&below_two, 2.0), Decision::Fail);
+    assert_ne!(judged(&[1.05, 1.00, 0.95, 0.90], 1.0), Decision::Pass);
+    // Coarse levels leave: a wild first slope before thirty sound ones, and a slow start.
+    let mut wild = vec![0.1];
+    wild.extend([1.0; 30]);
+    assert_eq!(judged(&wild, 1.0), Decision::Pass);
+    assert_eq!(judged(&[1.2, 1.7, 1.9, 1.97, 1.99, 2.0, 2.0], 2.0), Decision::Pass);
+    // A coarser mesh takes no pass away.
+    for slopes in [&[0.4, 1.0, 1.0, 1.0][..], &[1.6, 1.0, 1.0, 1.0]] {
+        assert_eq!(judged(&slopes[1..], 1.0), Decision::Pass);
+        assert_eq!(judged(slopes, 1.0), Decision::Pass, "{slopes:?}");
+    }
 }
 
 /// Errors 5 k² beside leading errors of 5 k² or 4 k².
@@ -223,6 +256,14 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     };
     let sound = judged(5.0, &prediction);
     assert_eq!(sound.decision, Decision::Pass, "{}", sound.reason);
+    // An order that is claimed wrongly, where constants agree: the prediction is the suspect.
+    let wrong = judged(5.0, &Prediction { exact: true, ..predict(Variable::K, 1.5) });
+    assert_eq!(wrong.decision, Decision::Fail);
+    assert!(
+        wrong.reason.contains("the prediction 1.5 is wrong, not the program"),
+        "{}",
+        wrong.reason
+    );
     let off = judged(4.0, &prediction);
     assert_eq!(off.decision, Decision::Fail);
     assert!(off.reason.contains("C_k is 1.2500 times the predicted one"), "{}", off.reason);
@@ -277,9 +318,9 @@ fn a_row_names_what_is_refined() {
         let [_, _, _, predicted, observed, decision, why] = cell_texts(verdict);
         [predicted, observed, decision, why]
     };
-    assert_eq!(cells(&one), ["1", "1.00 [1.00, 1.00]", "pass", "(5.26)"]);
+    assert_eq!(cells(&one), ["1", "1.00 [0.99, 1.00]", "pass", "(5.26)"]);
     let bound = Verdict { at_least: true, expect: Expect::Fail, ..one.clone() };
-    assert_eq!(cells(&bound)[..3], ["≥ 1", "1.00 [1.00, 1.00]", "pass, expected fail"]);
+    assert_eq!(cells(&bound)[..3], ["≥ 1", "1.00 [0.99, 1.00]", "pass, expected fail"]);
     let both = Verdict { predicted_k: Some(2.0), interval: None, ..one.clone() };
     assert_eq!(cells(&both)[..2], ["1, 2", "-"]);
     // What is no plain pass has its reason below the table, an expected failure as well.

@@ -3,62 +3,60 @@
 //! Each is written from numbers that follow from the data of a scene, from the verdicts, and from the studies that other
 //! commands wrote into the directory; a study that is not there is not mentioned but for the command that makes one.
 
-mod audit;
 mod broken;
-mod extremes;
-mod gronwall;
+mod opening;
 mod step_size;
 #[cfg(test)]
 mod tests;
-mod trade;
 
 use super::content::{Numbers, Report};
-use super::{Block, Equation, Figure, Run, Section, Table, Tone};
-use crate::Picture;
-use crate::studies::{Number, Studies};
+use super::{Block, Chapter, Figure, Run, Section, StudyDocument, Table, Tone};
 
-/// All chapters in their order; pictures that they show are taken out of the studies.
-pub(super) fn chapters(
-    report: &Report<'_>,
-    studies: &mut Studies,
-    numbers: &mut Numbers,
-) -> Vec<Section> {
+/// All chapters in their order.
+pub(super) fn chapters(report: &Report<'_>, numbers: &mut Numbers) -> Vec<Section> {
     let mut pen = Pen { report, numbers, sections: Vec::new() };
-    step_size::write(&mut pen, studies);
-    gronwall::write(&mut pen, studies);
-    audit::write(&mut pen, studies);
+    opening::bound(&mut pen);
+    step_size::write(&mut pen, &report.studies);
+    pen.studies(Chapter::Bound);
+    opening::gronwall(&mut pen);
+    pen.studies(Chapter::Gronwall);
+    opening::audit(&mut pen);
+    pen.studies(Chapter::Audit);
+    pen.studies(Chapter::Ledger);
     broken::write(&mut pen);
-    trade::write(&mut pen, studies);
-    extremes::write(&mut pen, studies);
+    opening::trade(&mut pen);
+    pen.studies(Chapter::Trade);
+    opening::extremes(&mut pen);
+    pen.studies(Chapter::Extremes);
     pen.sections
 }
 
 /// What the studies found that should not be: a sentence each, with the section that has the numbers.
-pub(super) fn failures(studies: &Studies) -> Vec<(String, String)> {
-    let bounds = studies.bounds.iter().filter(|bound| !step_size::holds(bound));
-    let bounds = bounds.map(|bound| ("(3.4)", "bound", &bound.scene));
-    let chains = studies.gronwall.iter().filter(|study| !gronwall::holds(study));
-    let chains = chains.map(|study| ("Gronwall's inequality", "gronwall", &study.scene));
-    let audits = studies.audits.iter().filter(|audit| !audit::holds(audit));
-    let audits = audits.map(|audit| ("the proof line by line", "audit", &audit.scene));
-    let of_scene = bounds.chain(chains).chain(audits).map(|(what, kind, scene)| {
-        (format!("{what}, {scene}: not everything holds"), format!("#{}", id(kind, scene)))
-    });
-    let ledger = studies.ledger.iter().any(|claim| !claim.confirmed);
-    let ledger = ledger.then(|| {
-        ("the theorem ledger: not every claim is confirmed".into(), "#chapter-ledger".into())
-    });
-    let extremes = studies.extremes.iter().filter(|study| !extremes::holds(study));
-    let extremes = extremes.map(|_| {
-        ("extremes: not every rung is as expected".to_owned(), "#chapter-extremes".to_owned())
-    });
-    of_scene.chain(ledger).chain(extremes).collect()
+pub(super) fn failures(studies: &[StudyDocument]) -> Vec<(String, String)> {
+    let wrong = studies.iter().filter(|study| !study.holds);
+    wrong.map(|study| (failure(study), format!("#{}", id(study)))).collect()
 }
 
-/// The section of a study of a scene.
-fn id(kind: &str, scene: &str) -> String {
+fn failure(study: &StudyDocument) -> String {
+    let what = match study.chapter {
+        Chapter::Bound => "(3.4)",
+        Chapter::Gronwall => "Gronwall's inequality",
+        Chapter::Audit => "the proof line by line",
+        Chapter::Ledger => return "the theorem ledger: not every claim is confirmed".into(),
+        Chapter::Trade => "trade",
+        Chapter::Extremes => return "extremes: not every rung is as expected".into(),
+    };
+    format!("{what}, {}: not everything holds", study.scene.as_deref().unwrap_or("no scene"))
+}
+
+/// The section of a study.
+fn id(study: &StudyDocument) -> String {
     let plain = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
-    format!("{kind}-{}", scene.chars().map(plain).collect::<String>())
+    let name = study.chapter.name();
+    match &study.scene {
+        Some(scene) => format!("{name}-{}", scene.chars().map(plain).collect::<String>()),
+        None => format!("study-{name}"),
+    }
 }
 
 /// A document in writing.
@@ -80,7 +78,7 @@ impl Pen<'_> {
 
     fn block(&mut self, block: Block) {
         if let Some(section) = self.sections.last_mut() {
-            section.blocks.push(block);
+            section.blocks.push(self.numbers.given(block));
         }
     }
 
@@ -92,29 +90,29 @@ impl Pen<'_> {
         self.text(vec![Run::plain(text)]);
     }
 
-    fn formulas(&mut self, formulas: Vec<Equation>) {
-        self.block(Block::Formulas(formulas));
-    }
-
     /// A table; heads that begin with `>` are those of numbers. Without rows there is none.
-    fn table(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
-        if rows.is_empty() {
-            return;
+    fn table(&mut self, caption: &str, heads: &[&str], rows: Vec<Vec<Run>>) {
+        if !rows.is_empty() {
+            self.block(Block::Table(Table::new(caption, heads, rows)));
         }
-        let table = Table {
-            number: self.numbers.table(),
-            caption: caption.into(),
-            head: heads.iter().map(|head| head.trim_start_matches('>').to_owned()).collect(),
-            numeric: heads.iter().map(|head| head.starts_with('>')).collect(),
-            rows,
-        };
-        self.block(Block::Table(table));
     }
 
-    fn figures(&mut self, pictures: Vec<Picture>) {
-        for (file, caption, svg) in pictures {
-            let number = self.numbers.figure();
-            self.block(Block::Figure(Figure { number, file, caption, svg }));
+    /// The studies of a chapter, a section each, or the command that makes one.
+    fn studies(&mut self, chapter: Chapter) {
+        let report = self.report;
+        let mut own = report.studies.iter().filter(|study| study.chapter == chapter).peekable();
+        if own.peek().is_none() {
+            let what = match chapter {
+                Chapter::Bound => "There is no measured contraction factor",
+                Chapter::Ledger => "There is no ledger of claims, sharp or slack,",
+                _ => "There is no such study",
+            };
+            self.absent(what, chapter.command());
+        }
+        for study in own {
+            self.section(&id(study), &study.title);
+            self.of_this_text(study);
+            study.blocks.iter().for_each(|block| self.block(block.clone()));
         }
     }
 
@@ -130,54 +128,24 @@ impl Pen<'_> {
     }
 
     /// A study of another text of a scene that is in the records is no evidence for them.
-    fn of_this_text(&mut self, scene: &str, fingerprint: &str) {
+    fn of_this_text(&mut self, study: &StudyDocument) {
+        let Some(scene) = &study.scene else { return };
         let known = self.report.provenance.get("scenes").and_then(|scenes| scenes.get(scene));
-        if known.and_then(serde_json::Value::as_str).is_some_and(|own| own != fingerprint) {
+        let known = known.and_then(serde_json::Value::as_str);
+        if known.is_some_and(|own| study.fingerprint.as_deref() != Some(own)) {
             let words = "This study was made with another text of the scene than the records.";
             self.text(vec![Run::of(words, Tone::Miss)]);
         }
     }
 }
 
-/// The verdict on a study: what holds in words, or each failure.
-fn outcome(pen: &mut Pen<'_>, holds: bool, all: &str, failures: Vec<String>) {
-    if holds {
-        pen.text(vec![Run::of(all, Tone::Pass)]);
-        return;
+impl Numbers {
+    /// A block with its number in the document.
+    fn given(&mut self, block: Block) -> Block {
+        match block {
+            Block::Table(table) => Block::Table(Table { number: self.table(), ..table }),
+            Block::Figure(figure) => Block::Figure(Figure { number: self.figure(), ..figure }),
+            other => other,
+        }
     }
-    let failures = if failures.is_empty() { vec!["nothing was compared".into()] } else { failures };
-    for failure in failures {
-        pen.text(vec![Run::of("Does not hold: ", Tone::Miss), Run::plain(failure)]);
-    }
-}
-
-/// holds, or not, in a cell.
-fn held(holds: bool) -> Run {
-    if holds { Run::of("holds", Tone::Pass) } else { Run::of("does not hold", Tone::Miss) }
-}
-
-/// Five significant digits, without zeros at the end.
-fn digits(value: f64) -> String {
-    if value == 0.0 {
-        return "0".into();
-    }
-    let exponent = value.abs().log10().floor();
-    if !(-3.0..5.0).contains(&exponent) {
-        return if value.is_finite() { format!("{value:.3e}") } else { "–".into() };
-    }
-    let text = format!("{value:.*}", (4.0 - exponent).max(0.0) as usize);
-    match text.contains('.') {
-        true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => text,
-    }
-}
-
-fn number(value: Number) -> Run {
-    Run::plain(value.map_or_else(|| "–".to_owned(), digits))
-}
-
-/// Two sides of what does not hold.
-fn sides(left: Number, right: Number) -> String {
-    let side = |value: Number| value.map_or_else(|| "no number".to_owned(), |v| format!("{v:.9e}"));
-    format!("{} against {}", side(left), side(right))
 }

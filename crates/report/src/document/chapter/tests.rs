@@ -1,114 +1,62 @@
-//! Chapters from studies with one seeded defect each: what does not hold is said in words, on the first page too.
+//! Chapters from documents of studies: each is in every rendering, what does not hold is said on the first page too.
 
-use serde_json::{Value, json};
+use std::fs;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::document::{Document, Report, document, markdown, page, tables};
-use crate::studies::Studies;
+use serde_json::json;
+
+use crate::document::{
+    Chapter, Document, Report, Run, StudyDocument, Tone, document, markdown, page, tables,
+};
 use crate::{ReportError, SceneSummary, StepLimits};
 use judge::record::{CaseRecord, Key, NormError, Status};
 use judge::verdict::{Expect, Prediction, Variable, Verdict, judge};
 
-fn bound() -> Value {
-    json!({
-        "scene": "s", "fingerprint": "now", "n": 8, "steps": 4,
-        "constants": [{ "name": "m_A", "value": 2.0, "uncertainty": null, "how": "proved", "safe": true, "note": "" }],
-        "samples": [{ "what": "alpha_j", "declared": 1.0, "needed": 0.9, "holds": true }],
-        "thresholds": {
-            "paper_norm": 0.375, "theorem": 0.75, "sharpened": 2.857, "solvable": null,
-            "norm_one": [7.9, null], "radius_one": [7.9, 8.0], "loss": [7.9, 8.0], "loss_reason": "Newton fails",
-        },
-        "ratio": 21.0, "worst": { "level": 3, "t": 0.75 },
-        "rungs": [{
-            "k": 0.5, "norm": 0.1, "radius": 0.09, "sharpened": 0.2, "theorem": 0.6, "paper_norm": 1.2,
-            "newton": 3, "fixed_point": "no convergence",
-        }],
-        "violations": [],
-    })
-}
+const ALL: [Chapter; 6] = [
+    Chapter::Bound,
+    Chapter::Gronwall,
+    Chapter::Audit,
+    Chapter::Ledger,
+    Chapter::Trade,
+    Chapter::Extremes,
+];
 
-fn gronwall() -> Value {
-    let ratio = json!({ "at_end": 2.5 });
-    json!({
-        "scene": "s", "fingerprint": "now", "n": 4, "truth": "exact u(t) in V^h", "constants": { "C1": 0.5 },
-        "grids": [{
-            "steps": 8, "C2_k": 0.1, "error_end": 1e-5, "truncation_end": 1e-6,
-            "effectivity": {
-                "weighted": ratio, "primed": ratio, "closed": ratio, "limit": ratio, "printed": null, "printed_closed": null,
-            },
-        }],
-        "horizons": {
-            "k": 0.125,
-            "rows": [{ "horizon": 4.0, "error": 1e-5, "weighted": 1e-4, "primed": 1e-3, "closed": 1e-2, "c2": 1.0, "growth": null }],
-        },
-        "perturbations": [{
-            "shape": "random", "size": 0.1, "load": 0.2, "difference": 0.05, "growth": 0.6, "least_effectivity": 1.2,
-        }],
-        "violations": [],
-    })
-}
-
-fn audit() -> Value {
-    json!({
-        "scene": "s", "fingerprint": "now", "theorem": "Theorem 10", "rule": "exact", "holds": true,
-        "lines": [{
-            "line": "(4.7)", "says": "m_A e^2 <= E_A", "relation": "<=", "left": 1e-3, "right": 2e-3, "ratio": 0.5,
-            "power_h": [2.0, 1.9], "power_k": [null, null], "holds": true,
-        }],
-        "cases": [{ "n": 8, "steps": 4 }, { "n": 16, "steps": 4 }],
-        "violations": [],
-    })
-}
-
-fn ledger() -> Value {
-    json!([{
-        "claim": "E_n is of order h^2", "hypotheses": "(5.25)", "quantity": "power of h", "proved": 2.0, "observed": 2.01,
-        "claimed": "sharp", "confirmed": true, "command": "sweep audit s --n 8,16 --steps 4",
-    }])
-}
-
-fn trade() -> Value {
-    json!({
-        "scene": "s", "fingerprint": "now", "norm": "V_max",
-        "trials": [{
-            "knob": "as written", "n": 8, "steps": 4, "front": true, "status": "converged", "error": 0.01,
-            "cpu_seconds": 0.02, "predicted_bytes": 2e7,
-        }],
-        "error_model": { "model": "sum", "space": { "constant": 0.3, "order": 1.0 }, "time": null },
-        "cost_model": { "reason": "too few runs" },
-        "coupling": null,
-        "prices": [{ "words": "loads by degree 2: 1.2 times as fast" }],
-        "answer": { "target": 0.01, "n": 8, "steps": 4, "knob": "as written", "error": 0.01, "cpu_seconds": 0.02 },
-    })
-}
-
-fn extremes() -> Value {
-    json!({
-        "ladders": [{ "name": "length", "parameter": "unit", "quantity": "difference", "why": "scaling" }],
-        "rungs": [{
-            "ladder": "length", "at": "1e100", "expected": "<= 1e-12", "measured": 1e-15, "digits_lost": 1.0,
-            "standing": "as-expected", "note": "",
-        }],
-    })
-}
-
-/// The studies of a directory with these files.
-fn read(files: &[(&str, String)]) -> Result<Studies, ReportError> {
-    static COUNT: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(0);
-    let own = COUNT.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-    let dir = std::env::temp_dir().join(format!("gronwall-chapters-{}-{own}", std::process::id()));
-    std::fs::create_dir_all(&dir).unwrap();
-    for (name, text) in files {
-        std::fs::write(dir.join(name), text).unwrap();
+/// A study of a chapter with a table, a picture and a verdict.
+fn study(chapter: Chapter, holds: bool) -> StudyDocument {
+    let name = chapter.name();
+    let mut own = StudyDocument::new(chapter, format!("Study {name}"));
+    if !matches!(chapter, Chapter::Ledger | Chapter::Extremes) {
+        own = own.of_scene("s", "now");
     }
-    let studies = Studies::read(&dir);
-    std::fs::remove_dir_all(&dir).unwrap();
-    studies
+    own.verdict(holds, &format!("All of {name} holds."), vec![format!("{name}: 2 against 1")]);
+    let rows = vec![vec![Run::plain("x"), Run::of("0.5", Tone::Code)], vec![Run::plain("y"); 2]];
+    own.table(format!("Numbers of {name}."), &["what", ">value"], rows);
+    own.table(format!("Other numbers of {name}."), &[">k"], vec![vec![Run::plain("0.25")]]);
+    own.figure(name, "what is drawn.", Some("<svg xmlns=\"\"></svg>".into()));
+    own
+}
+
+/// A directory of the test's own.
+fn directory() -> PathBuf {
+    static COUNT: AtomicUsize = AtomicUsize::new(0);
+    let own = COUNT.fetch_add(1, Ordering::Relaxed);
+    let dir = std::env::temp_dir().join(format!("gronwall-chapters-{}-{own}", std::process::id()));
+    fs::create_dir_all(&dir).unwrap();
+    dir
+}
+
+/// The studies as a report finds them where their commands wrote them.
+fn read(studies: &[StudyDocument]) -> Vec<StudyDocument> {
+    let dir = directory();
+    studies.iter().for_each(|study| study.write(&dir).unwrap());
+    let found = StudyDocument::read_all(&dir).unwrap();
+    fs::remove_dir_all(&dir).unwrap();
+    found
 }
 
 /// The document of a scene that breaks (5.25), with these studies beside it.
-fn composed(files: &[(&str, &Value)], change: impl Fn(&mut SceneSummary)) -> Document {
-    let files: Vec<(&str, String)> =
-        files.iter().map(|(name, value)| (*name, value.to_string())).collect();
+fn composed(studies: &[StudyDocument], change: impl Fn(&mut SceneSummary)) -> Document {
     let mut scene = SceneSummary {
         name: "s".into(),
         question: "What is left?".into(),
@@ -124,12 +72,12 @@ fn composed(files: &[(&str, &Value)], change: impl Fn(&mut SceneSummary)) -> Doc
     };
     change(&mut scene);
     let records: Vec<CaseRecord> = [8, 16, 32].map(case).into();
-    let scenes = [scene];
     document(Report {
-        scenes: &scenes,
+        scenes: &[scene],
         stems: &["s".to_owned()],
-        pictures: vec![Vec::new()],
-        studies: read(&files).unwrap(),
+        pictures: &[Vec::new()],
+        studies: read(studies),
+        of_cases: Vec::new(),
         records: &records,
         verdicts: &[verdict(&records)],
         provenance: &json!({ "scenes": { "s": "now" } }),
@@ -150,44 +98,28 @@ fn verdict(records: &[CaseRecord]) -> Verdict {
     judge("s", records, &keys, &prediction, Expect::Pass)
 }
 
-/// All studies, each with what is said of it if it is sound.
-fn sound() -> [(&'static str, Value); 6] {
-    [
-        ("s-bound.json", bound()),
-        ("s-gronwall.json", gronwall()),
-        ("s-audit.json", audit()),
-        ("ledger.json", ledger()),
-        ("s-trade.json", trade()),
-        ("extremes.json", extremes()),
-    ]
-}
-
 #[test]
-fn sound_studies_are_chapters_of_every_rendering() {
-    let sound = sound();
-    let files: Vec<(&str, &Value)> = sound.iter().map(|(name, value)| (*name, value)).collect();
-    let document = composed(&files, |_| {});
+fn studies_are_chapters_of_every_rendering() {
+    let mut studies = ALL.map(|chapter| study(chapter, true));
+    studies[0].threshold = Some("7.875".into());
+    let document = composed(&studies, |_| {});
     let (page, markdown, latex) = (page(&document), markdown(&document), tables(&document));
-    for words in
-        ["Does not hold", "does not hold", "not everything", "not confirmed", "DIR adds one"]
-    {
+    for words in ["Does not hold", "not everything", "not confirmed", "DIR adds one"] {
         assert!(!page.contains(words) && !markdown.contains(words), "{words}");
     }
-    for words in
-        ["within (3.4)", "(5.25)", "Theorem 10", "1 rung, every one", "every k", "as written"]
-    {
-        assert!(page.contains(words), "{words}");
+    assert!(page.contains("within (3.4)") && page.contains("(5.25)"));
+    assert!(page.contains("<a href=\"#bound-s\">7.875</a>"), "the table of all scenes has it");
+    for chapter in ALL {
+        let caption = format!("Other numbers of {}.", chapter.name());
+        assert!([&page, &markdown, &latex].iter().all(|text| text.contains(&caption)), "{caption}");
+        // A cell of code is for the page: what LaTeX sets are numbers.
+        assert!(!latex.contains(&format!("Numbers of {}.", chapter.name())));
+        assert!(page.contains(&format!("All of {} holds.", chapter.name())));
     }
-    for caption in [
-        "contraction factor",
-        "bound over error",
-        "lines of the proof",
-        "Claims",
-        "CPU seconds",
-        "Rungs:",
-    ] {
-        assert!([&page, &markdown, &latex].iter().all(|text| text.contains(caption)), "{caption}");
-    }
+    // Numbers of tables and pictures go on from one study to the next.
+    let numbers: Vec<usize> = document.tables().map(|table| table.number).collect();
+    assert_eq!(numbers, (1..=numbers.len()).collect::<Vec<_>>());
+    assert!(numbers.len() > 12 && page.contains("id=\"figure-6\""));
 }
 
 #[test]
@@ -206,78 +138,31 @@ fn what_is_not_there_names_its_command() {
     assert!(page.contains("no scene that breaks one"));
 }
 
-/// The word that a defect of a study must leave on the page, and whether it belongs on the first one.
-#[track_caller]
-fn shows(name: &str, study: &Value, words: &str, first: bool) {
-    let document = composed(&[(name, study)], |_| {});
-    let (page, markdown) = (page(&document), markdown(&document));
-    assert!(page.contains(words), "{words}: {page}");
-    let link = page.contains("<span class=\"miss\">") && page.contains("class=\"miss\"");
-    assert!(link && markdown.contains("**"), "{words} stands out");
-    let summary = &document.sections[0];
-    let said = serde_json::to_string(summary).unwrap();
-    assert_eq!(said.contains("not e") && said.contains("#"), first, "{words}: {said}");
-}
-
 #[test]
-fn what_does_not_hold_is_said() {
-    let mut defect = bound();
-    defect["violations"] =
-        json!([{ "k": 0.5, "what": "|DLambda| <= (3.15)", "left": 2.0, "right": 0.6 }]);
-    shows(
-        "s-bound.json",
-        &defect,
-        "|DLambda| &lt;= (3.15): 2.000000000e0 against 6.000000000e-1",
-        true,
-    );
-    let mut defect = bound();
-    defect["rungs"] = json!([]);
-    shows("s-bound.json", &defect, "nothing was compared", true);
-    let mut defect = bound();
-    defect["samples"][0]["holds"] = json!(false);
-    shows("s-bound.json", &defect, "alpha_j, declared and needed by a sample", true);
-
-    let mut defect = gronwall();
-    defect["violations"] = json!([{ "part": "N = 8", "link": "e <= weighted envelope", "n": 3, "t": 0.3, "left": 1.0, "right": null }]);
-    shows("s-gronwall.json", &defect, "e &lt;= weighted envelope at n = 3", true);
-    shows("s-gronwall.json", &defect, "against no number", true);
-    let mut defect = gronwall();
-    defect["grids"] = json!([]);
-    shows("s-gronwall.json", &defect, "nothing was compared", true);
-
-    let mut defect = audit();
-    defect["violations"] = json!(["(4.7) at level 2 of n = 8: it exceeds"]);
-    shows("s-audit.json", &defect, "(4.7) at level 2 of n = 8: it exceeds", true);
-    // A line that fails is believed, whatever the head of the file says.
-    let mut defect = audit();
-    defect["lines"][0]["holds"] = json!(false);
-    shows("s-audit.json", &defect, "0 of 1 lines hold", true);
-
-    let mut defect = ledger();
-    defect[0]["confirmed"] = json!(false);
-    shows("ledger.json", &defect, "sharp: not confirmed", true);
-
-    let mut defect = extremes();
-    defect["rungs"][0]["standing"] = json!("not-as-expected");
-    shows("extremes.json", &defect, "length at 1e100: not as expected", true);
-    let mut defect = extremes();
-    defect["rungs"] = json!([]);
-    shows("extremes.json", &defect, "nothing was compared", true);
-
-    let mut defect = trade();
-    defect["trials"][0] = json!({ "knob": "loads", "n": 8, "steps": 4, "front": false, "status": "failed", "reason": "KKT residual" });
-    shows("s-trade.json", &defect, "failed: KKT residual", false);
+fn what_does_not_hold_is_said_on_the_first_page_too() {
+    for chapter in ALL {
+        let document = composed(&[study(chapter, false)], |_| {});
+        let (page, markdown) = (page(&document), markdown(&document));
+        let words = format!("{}: 2 against 1", chapter.name());
+        assert!(page.contains(&words) && markdown.contains(&words), "{words}");
+        assert!(page.contains("<span class=\"miss\">Does not hold: </span>"));
+        let first = serde_json::to_string(&document.sections[0]).unwrap();
+        assert!(first.contains("not e") && first.contains(chapter.name()), "{first}");
+    }
+    // A study that compared nothing proves nothing.
+    let mut silent = StudyDocument::new(Chapter::Bound, "b").of_scene("s", "now");
+    silent.verdict(false, "all", Vec::new());
+    assert!(page(&composed(&[silent], |_| {})).contains("nothing was compared"));
 }
 
 #[test]
 fn another_text_of_the_scene_is_said() {
-    let files = sound();
-    for (name, study) in files.iter().filter(|(name, _)| name.starts_with("s-")) {
-        let mut stale = study.clone();
-        stale["fingerprint"] = json!("then");
-        let words = "another text of the scene than the records";
-        assert!(page(&composed(&[(name, &stale)], |_| {})).contains(words), "{name}");
-        assert!(!page(&composed(&[(name, study)], |_| {})).contains(words), "{name}");
+    let words = "another text of the scene than the records";
+    for chapter in [Chapter::Bound, Chapter::Gronwall, Chapter::Audit, Chapter::Trade] {
+        let now = study(chapter, true);
+        let stale = now.clone().of_scene("s", "then");
+        assert!(page(&composed(&[stale], |_| {})).contains(words), "{chapter:?}");
+        assert!(!page(&composed(&[now], |_| {})).contains(words), "{chapter:?}");
     }
 }
 
@@ -301,21 +186,61 @@ fn steps_beyond_the_bound_are_not_called_within_it() {
     assert!(at(&|scene| scene.step = None).contains("not computed"));
 }
 
+/// What a report says of a directory with this text in a file.
+fn refused(file: &str, text: &str) -> String {
+    let dir = directory();
+    fs::write(dir.join(file), text).unwrap();
+    let found = StudyDocument::read_all(&dir);
+    fs::remove_dir_all(&dir).unwrap();
+    let Err(error @ ReportError::Study { .. }) = found else { panic!("{file} was read") };
+    error.to_string()
+}
+
 #[test]
 fn a_torn_study_is_refused_with_its_line() {
-    for (name, study) in sound() {
-        let text = serde_json::to_string_pretty(&study).unwrap();
+    for chapter in ALL {
+        let study = study(chapter, true);
+        let text = format!("{:#}", json!(study));
         let lines: Vec<&str> = text.lines().collect();
-        let torn = lines[..lines.len() - 2].join("\n");
-        let Err(error) = read(&[(name, torn)]).map(|_| ()) else { panic!("{name} was read") };
-        let said = error.to_string();
-        assert!(said.contains(&format!("{name}:{}: ", lines.len() - 2)), "{said}");
+        let file = format!("{}.document.json", study.stem());
+        let said = refused(&file, &lines[..lines.len() - 2].join("\n"));
+        assert!(said.contains(&format!("{file}:{}: ", lines.len() - 2)), "{said}");
         assert!(said.contains("--out DIR`, or delete the file"), "{said}");
     }
-    // A document of something else, and one that lacks what decides.
-    assert!(read(&[("s-bound.json", "[1, 2]".into())]).is_err());
-    let mut silent = bound();
-    silent.as_object_mut().unwrap().remove("violations");
-    let error = read(&[("s-bound.json", silent.to_string())]).map(|_| ()).unwrap_err();
-    assert!(error.to_string().contains("missing field `violations`"), "{error}");
+    let sound = json!(study(Chapter::Bound, true));
+    let changed = |key: &str, value: serde_json::Value| {
+        let mut defect = sound.clone();
+        defect[key] = value;
+        refused("s-bound.document.json", &defect.to_string())
+    };
+    // A document of something else, one that lacks what decides, and a row that lacks a cell.
+    assert!(refused("s-bound.document.json", "[1, 2]").contains("s-bound.document.json:1: "));
+    assert!(changed("holds", json!(null)).contains("invalid type: null"));
+    assert!(changed("chapter", json!("audit")).contains("not what its name says"));
+    let mut short = sound["blocks"].clone();
+    short[1]["of"]["rows"][0] = json!([]);
+    assert!(changed("blocks", short).contains("rows of several lengths"));
+}
+
+#[test]
+fn a_picture_is_shown_only_if_it_is_one_of_the_directory() {
+    let dir = directory();
+    study(Chapter::Bound, true).write(&dir).unwrap();
+    let shown = || {
+        let found = StudyDocument::read_all(&dir).unwrap();
+        format!("{:?}", found[0].blocks).contains("<svg")
+    };
+    assert!(shown());
+    fs::write(dir.join("s-bound.svg"), "another program's").unwrap();
+    assert!(!shown());
+    // A name that leads out of the directory is not followed.
+    let inner = dir.join("inner");
+    fs::create_dir(&inner).unwrap();
+    fs::write(dir.join("s-bound.svg"), "<svg></svg>").unwrap();
+    let text = fs::read_to_string(dir.join("s-bound.document.json")).unwrap();
+    fs::write(inner.join("s-bound.document.json"), text.replace("s-bound.svg", "../s-bound.svg"))
+        .unwrap();
+    let found = StudyDocument::read_all(&inner).unwrap();
+    assert!(!format!("{:?}", found[0].blocks).contains("<svg"));
+    fs::remove_dir_all(&dir).unwrap();
 }

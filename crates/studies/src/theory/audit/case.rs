@@ -14,6 +14,7 @@ use exact::Truth;
 use fem::contact::{CaseError, Discretization, LoadError, StepView};
 use scene::Data;
 use scene::setup::{MeshData, Setup, SetupError};
+use serde::Serialize;
 use vhi::history::TimeGrid;
 
 /// Why a scene cannot be audited.
@@ -72,7 +73,8 @@ pub struct Violation {
 }
 
 /// A line over all levels of a run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
+#[serde(into = "LineOfRun")]
 pub struct Row {
     /// Which line.
     pub statement: Statement,
@@ -95,8 +97,27 @@ pub struct Row {
     pub undefined: bool,
 }
 
+/// [`Row`] as JSON.
+#[derive(Serialize)]
+struct LineOfRun {
+    line: &'static str,
+    left: f64,
+    right: f64,
+    ratio: Option<f64>,
+    accuracy: f64,
+    holds: bool,
+}
+
+impl From<Row> for LineOfRun {
+    fn from(row: Row) -> Self {
+        let holds = row.standing() == Standing::Holds;
+        let Row { statement, left, right, ratio, accuracy, .. } = row;
+        Self { line: statement.name, left, right, ratio, accuracy, holds }
+    }
+}
+
 /// An audited run.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct CaseAudit {
     /// Cells a unit length.
     pub n: u32,
@@ -107,6 +128,7 @@ pub struct CaseAudit {
     /// k.
     pub k: f64,
     /// The lines.
+    #[serde(rename = "lines")]
     pub rows: Vec<Row>,
 }
 
@@ -229,10 +251,7 @@ impl Row {
         }
         self.undefined |= line.standing() == Standing::Undefined;
         let Line { left, right, accuracy, .. } = *line;
-        let excess = |v: &Violation| match line.relation {
-            Relation::AtMost => v.left - v.right - v.accuracy,
-            Relation::Equal => (v.left - v.right).abs() - v.accuracy,
-        };
+        let excess = |v: &Violation| line.relation.excess(v.left, v.right) - v.accuracy;
         let here = Violation { level, left, right, accuracy };
         // A NaN is worst of all.
         let worse = |known: &Violation| {

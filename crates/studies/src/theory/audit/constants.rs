@@ -3,14 +3,17 @@
 use super::law::ClarkeLaw;
 use scene::Face;
 use scene::setup::{Setup, SetupError, constants};
+use serde::{Serialize, Serializer};
 use vhi::monotonicity;
 
 /// Constants of the proofs of Theorems 10 and 11 for one scene.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AuditConstants {
     /// m_A of (4.7) (a stress).
+    #[serde(rename = "m_A")]
     pub m_a: f64,
     /// L_A of (4.17).
+    #[serde(rename = "L_A")]
     pub l_a: f64,
     /// α_φ and β_φ of (4.14), (4.15).
     pub alpha_phi: f64,
@@ -21,6 +24,7 @@ pub struct AuditConstants {
     /// c_j², bounding ‖v_ν‖² by c_j²‖v‖_V² (a length).
     pub c_j_squared: f64,
     /// Whether that is proved; otherwise it is extrapolated from meshes, and no bound.
+    #[serde(rename = "c_j_source", serialize_with = "source")]
     pub c_j_proved: bool,
     /// c0 of (4.16): c̄0 √|Γ3|.
     pub c0: f64,
@@ -30,6 +34,15 @@ pub struct AuditConstants {
     pub c_phi: f64,
     /// ‖R‖‖q‖ of (4.19) as the Lipschitz constant of S: 1 for ζ (where it matters) plus ‖ℬ‖.
     pub history: f64,
+}
+
+/// Where c_j² comes from.
+pub(super) fn c_j_source(proved: bool) -> &'static str {
+    if proved { "proved upper bound" } else { "extrapolated from meshes, no upper bound" }
+}
+
+fn source<S: Serializer>(proved: &bool, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(c_j_source(*proved))
 }
 
 impl AuditConstants {

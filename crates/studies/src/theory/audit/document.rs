@@ -1,12 +1,13 @@
-//! An audit as JSON, CSV and a picture.
+//! An audit as JSON, as a table of all runs, and in words.
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use super::case::{CaseAudit, Row};
+use super::case::CaseAudit;
+use super::constants::{AuditConstants, c_j_source};
 use super::lines::{Relation, Standing};
 use super::scene::{SceneAudit, Summary};
 use fem::contact::BoundaryRule;
-use report::{Axis, Chart, Mark, Part, ReportError, Scale, Series};
+use report::{Chapter, Run, StudyDocument, Tone, held, number, precise};
 
 /// Columns of `SCENE-audit.csv`: a row a run and line.
 const COLUMNS: [&str; 16] = [
@@ -28,8 +29,29 @@ const COLUMNS: [&str; 16] = [
     "worst_excess",
 ];
 
-/// Ratios of these inequalities are drawn: the bounds of the proof.
-const DRAWN: [&str; 7] = ["(4.7)", "(4.14)", "(4.16)", "(4.17)", "(4.19)", "(4.20)", "(5.23)"];
+/// An audit as JSON.
+#[derive(Serialize)]
+pub struct Checklist<'a> {
+    scene: &'a str,
+    fingerprint: &'a str,
+    theorem: &'static str,
+    rule: &'static str,
+    holds: bool,
+    constants: Listed<'a>,
+    lines: Vec<Summary>,
+    cases: &'a [CaseAudit],
+    /// A sentence each.
+    violations: Vec<String>,
+    /// Lines without a defined constant.
+    undefined: Vec<String>,
+}
+
+#[derive(Serialize)]
+struct Listed<'a> {
+    #[serde(flatten)]
+    own: &'a AuditConstants,
+    m0: f64,
+}
 
 impl SceneAudit {
     /// The rule's word in scene files.
@@ -46,34 +68,20 @@ impl SceneAudit {
         if self.unconstrained { "Theorems 10 and 11 (K = X)" } else { "Theorem 10" }
     }
 
-    /// Where c_j² comes from.
-    pub fn c_j_source(&self) -> &'static str {
-        if self.constants.c_j_proved {
-            "proved upper bound"
-        } else {
-            "extrapolated from meshes, no upper bound"
+    /// What is said of the scene.
+    pub fn checklist(&self) -> Checklist<'_> {
+        Checklist {
+            scene: &self.scene,
+            fingerprint: &self.fingerprint,
+            theorem: self.theorem(),
+            rule: self.rule_name(),
+            holds: self.holds(),
+            constants: Listed { own: &self.constants, m0: self.constants.m0() },
+            lines: self.summaries(),
+            cases: &self.cases,
+            violations: self.violations(),
+            undefined: self.undefined(),
         }
-    }
-
-    /// The audit as JSON; numbers that are not finite are null.
-    pub fn json(&self) -> Value {
-        let c = &self.constants;
-        let summaries = self.summaries();
-        json!({
-            "scene": self.scene,
-            "theorem": self.theorem(),
-            "rule": self.rule_name(),
-            "holds": self.holds(),
-            "constants": {
-                "m_A": c.m_a, "L_A": c.l_a, "alpha_phi": c.alpha_phi, "beta_phi": c.beta_phi,
-                "alpha_j": c.alpha_j, "c_j_squared": c.c_j_squared, "c_j_source": self.c_j_source(),
-                "c0": c.c0, "c1": c.c1, "c_phi": c.c_phi, "history": c.history, "m0": c.m0(),
-            },
-            "lines": summaries.iter().map(summary).collect::<Vec<_>>(),
-            "cases": self.cases.iter().map(case).collect::<Vec<_>>(),
-            "violations": self.violations(),
-            "undefined": self.undefined(),
-        })
     }
 
     /// One sentence a violated line and run: line, level, grid, both sides.
@@ -95,7 +103,7 @@ impl SceneAudit {
                 case.k,
                 v.left,
                 v.right,
-                excess(row.relation, v.left, v.right),
+                row.relation.excess(v.left, v.right),
                 v.accuracy
             ))
         })
@@ -136,7 +144,7 @@ impl SceneAudit {
                     case.k.to_string(),
                     row.statement.name.to_owned(),
                     row.statement.says.to_owned(),
-                    relation(row.relation).to_owned(),
+                    row.relation.sign().to_owned(),
                     format!("{:e}", row.left),
                     match row.standing() {
                         Standing::Undefined => String::new(),
@@ -147,92 +155,97 @@ impl SceneAudit {
                     (row.standing() == Standing::Holds).to_string(),
                     worst.map_or(String::new(), |v| v.level.to_string()),
                     worst.map_or(String::new(), |v| {
-                        format!("{:e}", excess(row.relation, v.left, v.right))
+                        format!("{:e}", row.relation.excess(v.left, v.right))
                     }),
                 ])?;
             }
         }
         writer.into_inner().map_err(|error| error.into_error().into())
     }
+}
 
-    /// Ratios left/right of the bounds against h, at the smallest k; none with fewer than two meshes.
-    ///
-    /// # Errors
-    /// The drawing library's.
-    pub fn svg(&self) -> Result<Option<String>, ReportError> {
-        let steps = self.cases.iter().map(|case| case.steps).max().unwrap_or(0);
-        let line: Vec<&CaseAudit> = self.cases.iter().filter(|case| case.steps == steps).collect();
-        if line.len() < 2 {
-            return Ok(None);
+impl Checklist<'_> {
+    /// The audit as a document; `svg` draws its shares.
+    pub fn document(&self, svg: Option<String>) -> StudyDocument {
+        let title = format!("Checklist: {}", self.scene);
+        let mut own =
+            StudyDocument::new(Chapter::Audit, title).of_scene(self.scene, self.fingerprint);
+        let grid = |of: fn(&CaseAudit) -> u32| {
+            let mut all: Vec<u32> = self.cases.iter().map(of).collect();
+            all.sort_unstable();
+            all.dedup();
+            all.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
+        };
+        own.words(format!(
+            "{}; boundary rule {}; runs with n = {} and N = {}.",
+            self.theorem,
+            self.rule,
+            grid(|case| case.n),
+            grid(|case| case.steps)
+        ));
+        let held_lines = self.lines.iter().filter(|line| line.standing == Standing::Holds).count();
+        let all = format!("{held_lines} of {} lines hold in all runs.", self.lines.len());
+        let mut failures = self.violations.clone();
+        failures.extend(self.undefined.iter().cloned());
+        if !failures.is_empty() {
+            failures.push(all.clone());
         }
-        let question = format!(
-            "Share of each bound that is used, largest over the levels (N = {steps}, rule {})",
-            self.rule_name()
+        let holds = self.holds && held_lines == self.lines.len() && failures.is_empty();
+        own.verdict(holds, &all, failures);
+        own.table(
+            "The lines of the proof; largest left and right side of the finest run, the largest left/right of all runs (of an identity: the difference over the larger side), and the powers of h and k with which the sides fall.",
+            &[
+                "line", "says", ">left", "", ">right", ">ratio", "powers of h", "powers of k",
+                "so it",
+            ],
+            self.lines.iter().map(line).collect(),
         );
-        let x = Axis::new("mesh size h (length)", Scale::Log);
-        let y = Axis::new("left side / right side", Scale::Log);
-        let mut chart = Chart::new(&format!("{}: {}", self.scene, self.theorem()), &question, x, y);
-        for name in DRAWN {
-            let points: Vec<(f64, f64)> = line
-                .iter()
-                .filter_map(|case| {
-                    let row = case.rows.iter().find(|row| row.statement.name == name)?;
-                    Some((case.h, row.ratio.filter(|ratio| *ratio > 0.0)?))
-                })
-                .collect();
-            if points.len() > 1 {
-                let parts = vec![Part::Line(points.clone()), Part::Points(points)];
-                chart.series.push(Series::new(name, parts));
-            }
-        }
-        chart.horizontals = vec![Mark { at: 1.0, label: "the bound is attained".into() }];
-        chart.svg()
+        own.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
+        let shows = "shares of the bounds of the proofs against h (sweep audit).";
+        own.figure("audit", shows, svg);
+        own
     }
 }
 
-fn excess(of: Relation, left: f64, right: f64) -> f64 {
-    match of {
-        Relation::AtMost => left - right,
-        Relation::Equal => (left - right).abs(),
+impl Listed<'_> {
+    fn rows(&self) -> Vec<Vec<Run>> {
+        let c = self.own;
+        let c_j = format!("c_j², {}", c_j_source(c.c_j_proved));
+        let named = [
+            ("m_A", c.m_a),
+            ("L_A", c.l_a),
+            ("α_φ", c.alpha_phi),
+            ("β_φ", c.beta_phi),
+            ("α_j", c.alpha_j),
+            (&c_j, c.c_j_squared),
+            ("c0", c.c0),
+            ("c1", c.c1),
+            ("c_φ", c.c_phi),
+            ("‖R‖‖q‖", c.history),
+            ("m0", self.m0),
+        ];
+        named.map(|(name, value)| vec![Run::plain(name), precise(value, 7)]).into()
     }
 }
 
-fn relation(relation: Relation) -> &'static str {
-    match relation {
-        Relation::AtMost => "<=",
-        Relation::Equal => "=",
-    }
-}
-
-fn summary(summary: &Summary) -> Value {
-    json!({
-        "line": summary.statement.name,
-        "says": summary.statement.says,
-        "relation": relation(summary.relation),
-        "left": summary.left,
-        "right": summary.right,
-        "ratio": summary.ratio,
-        "power_h": summary.power_h,
-        "power_k": summary.power_k,
-        "holds": summary.standing == Standing::Holds,
-        "defined": summary.standing != Standing::Undefined,
-    })
-}
-
-fn case(case: &CaseAudit) -> Value {
-    json!({
-        "n": case.n, "steps": case.steps, "h": case.h, "k": case.k,
-        "lines": case.rows.iter().map(row).collect::<Vec<_>>(),
-    })
-}
-
-fn row(row: &Row) -> Value {
-    json!({
-        "line": row.statement.name,
-        "left": row.left,
-        "right": row.right,
-        "ratio": row.ratio,
-        "accuracy": row.accuracy,
-        "holds": row.standing() == Standing::Holds,
-    })
+fn line(line: &Summary) -> Vec<Run> {
+    let sign = if line.relation == Relation::Equal { "=" } else { "≤" };
+    let powers = |[left, right]: [Option<f64>; 2]| {
+        let text = |power: Option<f64>| power.map_or_else(|| "–".into(), |p| format!("{p:.2}"));
+        Run::plain(format!("{}, {}", text(left), text(right)))
+    };
+    vec![
+        Run::plain(line.statement.name),
+        Run::plain(line.statement.says),
+        number(line.left),
+        Run::plain(sign),
+        number(Some(line.right).filter(|_| line.standing != Standing::Undefined)),
+        number(line.ratio),
+        powers(line.power_h),
+        powers(line.power_k),
+        match line.standing {
+            Standing::Undefined => Run::of("is not defined", Tone::Miss),
+            standing => held(standing == Standing::Holds),
+        },
+    ]
 }

@@ -3,6 +3,7 @@
 use super::constants::AuditConstants;
 use super::integrals::Sum;
 use super::level::Level;
+use serde::Serialize;
 
 /// Rounding of a sum, relative to the sum of its absolute terms: up to 10⁶ terms round to 1e-13 of it
 /// at worst, and the solver's residual, 16 units of rounding of its forces, is of that size too.
@@ -15,16 +16,37 @@ const NATURAL: f64 = 1e-14;
 const QUADRATURE: f64 = 2.0;
 
 /// How the two sides are related.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum Relation {
     /// left ≤ right.
+    #[serde(rename = "<=")]
     AtMost,
     /// left = right.
+    #[serde(rename = "=")]
     Equal,
 }
 
+impl Relation {
+    /// Its sign in tables.
+    pub(super) fn sign(self) -> &'static str {
+        match self {
+            Self::AtMost => "<=",
+            Self::Equal => "=",
+        }
+    }
+
+    /// By how much two sides fail it.
+    pub(super) fn excess(self, left: f64, right: f64) -> f64 {
+        match self {
+            Self::AtMost => left - right,
+            Self::Equal => (left - right).abs(),
+        }
+    }
+}
+
 /// How a line stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(into = "Flags")]
 pub enum Standing {
     /// It holds to its accuracy.
     Holds,
@@ -34,10 +56,24 @@ pub enum Standing {
     Undefined,
 }
 
+/// [`Standing`] as JSON.
+#[derive(Serialize)]
+struct Flags {
+    holds: bool,
+    defined: bool,
+}
+
+impl From<Standing> for Flags {
+    fn from(standing: Standing) -> Self {
+        Self { holds: standing == Standing::Holds, defined: standing != Standing::Undefined }
+    }
+}
+
 /// A line of a proof.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 pub struct Statement {
     /// Its number in the paper, with a word where one number has several.
+    #[serde(rename = "line")]
     pub name: &'static str,
     /// What it says.
     pub says: &'static str,
@@ -66,10 +102,7 @@ impl Line {
         if self.relation == Relation::AtMost && self.right == f64::INFINITY {
             return Standing::Undefined;
         }
-        let excess = match self.relation {
-            Relation::AtMost => self.left - self.right,
-            Relation::Equal => (self.left - self.right).abs(),
-        };
+        let excess = self.relation.excess(self.left, self.right);
         if excess <= self.accuracy { Standing::Holds } else { Standing::Violated }
     }
 

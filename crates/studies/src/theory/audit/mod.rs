@@ -20,6 +20,7 @@ mod law;
 mod level;
 mod lines;
 mod memory;
+mod picture;
 mod pointwise;
 mod scene;
 mod sides;

@@ -3,18 +3,21 @@
 
 use rayon::prelude::*;
 
-use super::case::{AuditError, CaseAudit, Row, Violation, audit_case};
+use super::case::{AuditError, CaseAudit, Row, audit_case};
 use super::constants::AuditConstants;
 use super::lines::{Relation, Standing, Statement};
 use fem::contact::BoundaryRule;
 use judge::fit::{Sample, power_law};
 use scene::setup::{MeshData, Setup};
+use serde::Serialize;
 
 /// An audited scene.
 #[derive(Debug, Clone)]
 pub struct SceneAudit {
     /// Its name.
     pub scene: String,
+    /// Of its text.
+    pub fingerprint: String,
     /// The boundary rule of the runs.
     pub rule: BoundaryRule,
     /// Whether K = X, so that Theorem 11 applies too.
@@ -26,9 +29,10 @@ pub struct SceneAudit {
 }
 
 /// A line over all runs of a scene.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// Which line.
+    #[serde(flatten)]
     pub statement: Statement,
     /// How its sides are related.
     pub relation: Relation,
@@ -43,9 +47,8 @@ pub struct Summary {
     /// Powers of k, at the smallest h.
     pub power_k: [Option<f64>; 2],
     /// Over all runs.
+    #[serde(flatten)]
     pub standing: Standing,
-    /// The first run that violates it, and how: n, h, N, k.
-    pub violation: Option<(u32, f64, u32, f64, Violation)>,
 }
 
 impl SceneAudit {
@@ -70,6 +73,7 @@ impl SceneAudit {
         }
         Ok(Self {
             scene: setup.scene.name.clone(),
+            fingerprint: setup.scene.source.hash.clone(),
             rule: setup.rule(),
             unconstrained: is_unconstrained(setup),
             constants,
@@ -121,10 +125,7 @@ impl SceneAudit {
                 .collect();
             power_law(&samples).ok().map(|law| law.order)
         };
-        let violated = self
-            .cases
-            .iter()
-            .find_map(|case| Some((case.n, case.h, case.steps, case.k, own(case)?.violation?)));
+        let violated = |case: &CaseAudit| own(case).is_some_and(|row| row.violation.is_some());
         let undefined = |case: &CaseAudit| {
             case.rows.iter().any(|other| other.statement == row.statement && other.undefined)
         };
@@ -136,12 +137,11 @@ impl SceneAudit {
             ratio,
             power_h: [power(true, 0), power(true, 1)],
             power_k: [power(false, 0), power(false, 1)],
-            standing: match violated {
-                Some(_) => Standing::Violated,
-                None if self.cases.iter().any(undefined) => Standing::Undefined,
-                None => Standing::Holds,
+            standing: match () {
+                () if self.cases.iter().any(violated) => Standing::Violated,
+                () if self.cases.iter().any(undefined) => Standing::Undefined,
+                () => Standing::Holds,
             },
-            violation: violated,
         }
     }
 }

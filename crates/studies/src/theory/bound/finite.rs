@@ -4,7 +4,6 @@ use nalgebra::DVector;
 
 use super::Bound;
 use super::constants::{Constant, Provenance};
-use super::gate;
 use super::ladder::BoundError;
 use super::run::{self, AtWorst, Study};
 use super::sampled::Sampled;
@@ -39,20 +38,8 @@ impl Bound {
         let study =
             Study { levels, worst, meshes, starts, rungs, thresholds, not_followed, linear };
         let samples = samples(&setup.model, &setup.constants);
-        let mut violations = gate::violations(&limits, &study.rungs, &study.thresholds);
-        violations.extend(super::sample_violations(&samples));
-        violations.extend(super::start_violations(&limits, &study));
-        violations.extend(super::smallness_violation(&limits));
-        Ok(Self {
-            scene: setup.scene.name.clone(),
-            n: None,
-            steps,
-            constants: table(&setup.constants, &setup.model),
-            samples,
-            limits,
-            study,
-            violations,
-        })
+        let constants = table(&setup.constants, &setup.model);
+        Ok(Self::of(&setup.scene, (None, steps), constants, samples, limits, study, Vec::new()))
     }
 }
 

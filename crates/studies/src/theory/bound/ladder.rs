@@ -1,19 +1,29 @@
 //! Λ and Newton's method at one level over a ladder of step sizes.
 
 use super::factor::{contraction, finite_factor, random_finite_factor};
-use super::starts;
+use super::starts::{Starts, random_starts};
 use algebra::linalg::EigenError;
+use serde::{Serialize, Serializer};
 use vhi::{
     FixedPoint, FrozenDerivative, Newton, Scratch, StepBounds, StepError, StepSolver, StepState,
 };
 
-/// The outcome of a solver at one step size.
-#[derive(Debug, Clone, PartialEq)]
+/// The outcome of a solver at one step size: as JSON the number of iterations, or the reason.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
 pub enum Outcome {
     /// It found a solution in this many iterations.
     Solved(u32),
     /// It did not, and says why.
-    Failed(StepError),
+    Failed(#[serde(serialize_with = "in_words")] StepError),
+}
+
+fn in_words<S: Serializer>(error: &StepError, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(error)
+}
+
+fn distinct<S: Serializer>(starts: &Starts, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_u32(starts.distinct)
 }
 
 impl Outcome {
@@ -24,7 +34,7 @@ impl Outcome {
 }
 
 /// What was measured at one step size.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rung {
     /// k.
     pub k: f64,
@@ -46,12 +56,14 @@ pub struct Rung {
     /// The iteration η ← Λη from the run's own u_n.
     pub fixed_point: Outcome,
     /// Solutions that Newton's method finds from random starts.
-    pub starts: starts::Starts,
+    #[serde(rename = "distinct", serialize_with = "distinct")]
+    pub starts: Starts,
     /// Bounds of `norm`: sharpened, (3.15), and (3.15) with the norms of the paper.
     pub sharpened: f64,
     /// (3.15) with operator norms.
     pub theorem: f64,
     /// (3.15) with the norms of the paper.
+    #[serde(rename = "paper_norm")]
     pub paper: f64,
 }
 
@@ -129,7 +141,7 @@ impl<'a, L: FrozenDerivative> Ladder<'a, L> {
             at_solution: newton.solved(),
             newton,
             fixed_point: self.fixed_point(k),
-            starts: starts::random_starts(self.level, &self.followed, STARTS),
+            starts: random_starts(self.level, &self.followed, STARTS),
             sharpened: self.bounds.sharpened_factor(k),
             theorem: self.bounds.factor(k),
             paper: self.bounds.paper_factor(k),

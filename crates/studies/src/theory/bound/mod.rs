@@ -8,6 +8,7 @@
 pub mod branch;
 pub mod constants;
 pub mod contact;
+mod document;
 pub mod factor;
 mod finite;
 pub mod gate;
@@ -21,18 +22,23 @@ pub mod threshold;
 
 use constants::{Constant, TraceConstants};
 use gate::Violation;
-use ladder::BoundError;
+use ladder::{BoundError, Rung};
 use run::Study;
 use sampled::Sampled;
+use threshold::{Crossing, Thresholds};
 
+use scene::Scene;
 use scene::setup::Setup;
+use serde::Serialize;
 use vhi::StepBounds;
 
 /// Everything that `sweep bound` says of a scene.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Bound {
     /// Name of the scene.
     pub scene: String,
+    /// Of its text.
+    pub fingerprint: String,
     /// Cells a unit length; none without a mesh.
     pub n: Option<u32>,
     /// N of the run.
@@ -42,9 +48,18 @@ pub struct Bound {
     /// Declared constants against samples.
     pub samples: Vec<Sampled>,
     /// The bounds, with the constants of the mesh n.
+    #[serde(skip)]
     pub limits: StepBounds,
-    /// Factors and thresholds.
+    /// Factors.
+    #[serde(flatten)]
     pub study: Study,
+    /// Step sizes up to which something holds.
+    pub thresholds: Thresholds,
+    /// The measured threshold of Λ over (3.4) with the paper's norms: how many times too strict that is; none if Λ has no
+    /// threshold.
+    pub ratio: Option<f64>,
+    /// Whether the measured factor equals the sharpened bound at some step size.
+    pub attained: bool,
     /// Inequalities that do not hold.
     pub violations: Vec<Violation>,
 }
@@ -68,21 +83,43 @@ impl Bound {
         let small = setup.space(if fits { SAMPLE_MESH } else { n })?;
         let samples = sampled::sample(setup, &constants, &small)?;
         let study = contact::study(setup, &limits, n, steps)?;
+        let of_traces = trace_violations(traces.as_ref(), &constants);
+        let constants = constants::table(setup, &constants, traces.as_ref());
+        let grid = (Some(n), steps);
+        Ok(Self::of(&setup.scene, grid, constants, samples, limits, study, of_traces))
+    }
+
+    /// What follows from all that was found; `of_traces` are violations that only a mesh can have.
+    fn of(
+        scene: &Scene,
+        (n, steps): (Option<u32>, u32),
+        constants: Vec<Constant>,
+        samples: Vec<Sampled>,
+        limits: StepBounds,
+        study: Study,
+        of_traces: Vec<Violation>,
+    ) -> Self {
         let mut violations = gate::violations(&limits, &study.rungs, &study.thresholds);
-        violations.extend(trace_violations(traces.as_ref(), &constants));
+        violations.extend(of_traces);
         violations.extend(sample_violations(&samples));
         violations.extend(start_violations(&limits, &study));
         violations.extend(smallness_violation(&limits));
-        Ok(Self {
-            scene: setup.scene.name.clone(),
-            n: Some(n),
+        let attained = |r: &Rung| r.sharpened > 0.0 && r.norm >= (1.0 - ATTAINED) * r.sharpened;
+        let measured = study.thresholds.radius.map(Crossing::lower);
+        Self {
+            scene: scene.name.clone(),
+            fingerprint: scene.source.hash.clone(),
+            n,
             steps,
-            constants: constants::table(setup, &constants, traces.as_ref()),
+            constants,
             samples,
+            thresholds: Thresholds::new(&limits, &study),
+            ratio: measured.map(|k| k / limits.paper_limit()),
+            attained: study.rungs.iter().any(attained),
             limits,
             study,
             violations,
-        })
+        }
     }
 
     /// The grids in words.
@@ -94,21 +131,6 @@ impl Bound {
     /// Whether every inequality and every declared constant holds.
     pub fn holds(&self) -> bool {
         self.violations.is_empty()
-    }
-
-    /// The measured threshold of Λ over (3.4) with the paper's norms: how many times too strict that
-    /// is; none if Λ has no threshold.
-    pub fn ratio(&self) -> Option<f64> {
-        let measured = self.study.thresholds.radius?.lower();
-        Some(measured / self.limits.paper_limit())
-    }
-
-    /// Whether the measured factor equals the sharpened bound at some step size.
-    pub fn attained(&self) -> bool {
-        self.study
-            .rungs
-            .iter()
-            .any(|rung| rung.sharpened > 0.0 && rung.norm >= (1.0 - ATTAINED) * rung.sharpened)
     }
 }
 

@@ -27,7 +27,7 @@ pub struct AtLevel {
 }
 
 /// What the study found.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, serde::Serialize)]
 pub struct Study {
     /// Every level of the run.
     pub levels: Vec<AtLevel>,
@@ -40,10 +40,13 @@ pub struct Study {
     /// The ladder.
     pub rungs: Vec<Rung>,
     /// Where factors reach one and solvability ends.
+    #[serde(skip)]
     pub thresholds: Branch,
     /// Why there are neither rungs nor thresholds, where there are none.
+    #[serde(skip)]
     pub not_followed: Option<String>,
     /// Linear scenes: the exact loss.
+    #[serde(skip)]
     pub linear: Option<LinearLoss>,
 }
 

@@ -4,7 +4,7 @@ use algebra::linalg::signed_unit;
 use vhi::{FrozenDerivative, Newton, Scratch, StepState};
 
 /// Where the random starts ended.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Starts {
     /// At the known solution.
     pub same: u32,

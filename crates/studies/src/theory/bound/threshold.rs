@@ -1,7 +1,12 @@
 //! Where a quantity that grows with k reaches one, and where solvability ends.
 
-/// The k at which a factor reaches one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+use super::run::Study;
+use serde::Serialize;
+use vhi::StepBounds;
+
+/// The k at which a factor reaches one; as JSON the bracket, whose upper end is null where it is infinite.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(into = "[f64; 2]")]
 pub enum Crossing {
     /// It does within this bracket.
     Between(f64, f64),
@@ -9,6 +14,12 @@ pub enum Crossing {
     Beyond(f64),
     /// It is one or more already at this k, the smallest that was tried.
     Before(f64),
+}
+
+impl From<Crossing> for [f64; 2] {
+    fn from(crossing: Crossing) -> Self {
+        [crossing.lower(), crossing.upper()]
+    }
 }
 
 impl Crossing {
@@ -25,6 +36,56 @@ impl Crossing {
         match self {
             Self::Between(_, high) | Self::Before(high) => high,
             Self::Beyond(_) => f64::INFINITY,
+        }
+    }
+}
+
+/// Step sizes up to which something holds: null where it does for every k.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Thresholds {
+    /// (3.4) with the norm that the paper takes of ℬ.
+    pub paper_norm: f64,
+    /// (3.4) with the operator norm.
+    pub theorem: f64,
+    /// With the weight k/2 of the last slot, part by part.
+    pub sharpened: f64,
+    /// Below it each step is a strongly monotone problem.
+    pub solvable: f64,
+    /// Where ‖DΛ‖ reaches one.
+    pub norm_one: Option<Crossing>,
+    /// Where the spectral radius of DΛ does.
+    pub radius_one: Option<Crossing>,
+    /// Where the solution that is followed in k ends.
+    pub loss: Option<(f64, f64)>,
+    /// How it ends.
+    pub loss_reason: Option<String>,
+    /// The largest real eigenvalue of DΛ there.
+    pub loss_eigenvalue: Option<f64>,
+    /// Why no solution was followed, where none was.
+    pub not_followed: Option<String>,
+    /// Linear scenes: 𝒜 + (k/2)ℬ(0) singular on S^d.
+    pub loss_tensors: Option<f64>,
+    /// The same on V^h.
+    pub loss_mesh: Option<f64>,
+}
+
+impl Thresholds {
+    pub(super) fn new(limits: &StepBounds, study: &Study) -> Self {
+        let found = &study.thresholds;
+        let loss = found.loss.as_ref();
+        Self {
+            paper_norm: limits.paper_limit(),
+            theorem: limits.limit(),
+            sharpened: limits.sharpened_limit(),
+            solvable: limits.solvable_limit(),
+            norm_one: found.norm,
+            radius_one: found.radius,
+            loss: loss.map(|loss| loss.bracket),
+            loss_reason: loss.map(|loss| loss.reason.to_string()),
+            loss_eigenvalue: loss.map(|loss| loss.rightmost),
+            not_followed: study.not_followed.clone(),
+            loss_tensors: study.linear.map(|loss| loss.tensors),
+            loss_mesh: study.linear.map(|loss| loss.mesh),
         }
     }
 }

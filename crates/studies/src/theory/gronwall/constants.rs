@@ -1,6 +1,10 @@
 //! The constants of (3.21)-(3.24) for a contact scene: m0 from proved bounds only, β_φ, and the parts
 //! of the history with their norms.
 
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
 use super::GronwallError;
 use super::recurrence::{HistoryPart, KernelNorms};
 use scene::setup::{Setup, constants};
@@ -24,27 +28,35 @@ pub struct GronwallConstants {
 }
 
 /// The constants of (3.24) of any scene.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// m0.
     pub m0: f64,
     /// β_φ.
+    #[serde(rename = "beta_phi")]
     pub beta: f64,
     /// ‖R‖‖q‖, or the Lipschitz constant of S.
     pub lipschitz: f64,
+    /// β_φ/m0.
+    #[serde(rename = "C1")]
+    pub c1: f64,
+    /// C1 ‖S‖.
+    #[serde(rename = "C2")]
+    pub c2: f64,
     /// What they are made of, by name.
-    pub details: Vec<(&'static str, f64)>,
+    #[serde(flatten)]
+    pub details: BTreeMap<&'static str, f64>,
 }
 
 impl Summary {
-    /// C1 = β_φ/m0.
-    pub fn c1(&self) -> f64 {
-        self.beta / self.m0
-    }
-
-    /// C2 = β_φ ‖S‖/m0.
-    pub fn c2(&self) -> f64 {
-        self.c1() * self.lipschitz
+    pub(super) fn new(
+        m0: f64,
+        beta: f64,
+        lipschitz: f64,
+        details: BTreeMap<&'static str, f64>,
+    ) -> Self {
+        let c1 = beta / m0;
+        Self { m0, beta, lipschitz, c1, c2: c1 * lipschitz, details }
     }
 }
 
@@ -81,10 +93,11 @@ impl GronwallConstants {
 
     /// As every scene states them. ‖S‖ is that of the parts the scene has: 1 for ζ, plus sup ‖ℬ‖.
     pub fn summary(&self) -> Summary {
-        let mut details = vec![("yielding", self.yielding), ("memory_norm", self.memory)];
+        let mut details =
+            BTreeMap::from([("yielding", self.yielding), ("memory_norm", self.memory)]);
         details.extend(self.trace_bound.map(|bound| ("c_j_squared_bound", bound)));
         let lipschitz = f64::from(u8::from(self.has_zeta())) + self.memory;
-        Summary { m0: self.m0, beta: self.beta, lipschitz, details }
+        Summary::new(self.m0, self.beta, lipschitz, details)
     }
 
     /// True if ζ is a part of the history.

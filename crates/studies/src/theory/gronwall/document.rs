@@ -1,166 +1,129 @@
-//! A study as JSON and as a table of all levels.
+//! A study of Gronwall's inequality in words and tables.
 
-use serde_json::{Value, json};
-
-use super::estimate::{Envelopes, Estimate, maximum};
-use super::horizon::Horizons;
+use super::horizon::HorizonRow;
 use super::stability::Perturbation;
-use super::study::{StudiedGrid, Study};
+use super::study::{Effectivity, StudiedGrid, Study};
+use report::{Chapter, ReportError, Run, StudyDocument, digits, number, precise, sides};
+
+/// What each picture shows, by the rest of its file name.
+const PICTURES: [(&str, &str); 5] = [
+    ("gronwall-envelope", "measured error and the envelopes of (3.24) over t (sweep gronwall)."),
+    ("gronwall-effectivity-t", "bound over measured error, over t (sweep gronwall)."),
+    ("gronwall-effectivity-k", "bound over measured error, over k (sweep gronwall)."),
+    ("gronwall-horizon", "error and bounds over the horizon (sweep gronwall --horizons)."),
+    (
+        "gronwall-effectivity-horizon",
+        "bound over measured error, over the horizon (sweep gronwall --horizons).",
+    ),
+];
 
 impl Study {
-    /// The study without its curves, which the table of all levels holds.
-    pub fn json(&self) -> Value {
-        let violations: Vec<Value> = self
-            .violations()
-            .into_iter()
-            .map(|(part, violation)| {
-                let mut value = json!(violation);
-                value["part"] = part.into();
-                value
-            })
-            .collect();
-        json!({
-            "scene": self.scene,
-            "n": self.plan.n,
-            "truth": self.truth,
-            "constants": self.constants_json(),
-            "grids": self.grids.iter().map(grid).collect::<Vec<_>>(),
-            "horizons": self.horizons.as_ref().map(horizons),
-            "perturbations": self.perturbations.iter().map(perturbation).collect::<Vec<_>>(),
-            "violations": violations,
-            "verdict": if violations.is_empty() { "pass" } else { "fail" },
-        })
-    }
-
-    fn constants_json(&self) -> Value {
-        let c = &self.constants;
-        let mut value = json!({
-            "m0": c.m0,
-            "beta_phi": c.beta,
-            "lipschitz": c.lipschitz,
-            "C1": c.c1(),
-            "C2": c.c2(),
-        });
-        for (name, number) in &c.details {
-            value[*name] = json!(number);
-        }
-        value
-    }
-
-    /// Every level of every run: `SCENE-gronwall.csv`.
+    /// The study as a document.
     ///
     /// # Errors
-    /// The writer's.
-    pub fn csv(&self) -> Result<Vec<u8>, csv::Error> {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record([
-            "part",
-            "steps",
-            "k",
-            "n",
-            "t",
-            "error",
-            "g_zeta",
-            "g_memory",
-            "source",
-            "weighted",
-            "primed",
-            "closed",
-            "limit",
-            "printed",
-            "printed_closed",
-        ])?;
-        for own in &self.grids {
-            let run = &own.run;
-            let truncation = Some([run.truncation_zeta.as_slice(), &run.truncation_memory]);
-            rows(&mut writer, "time", &run.estimate, &own.envelopes, truncation)?;
-        }
+    /// The drawing library's.
+    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+        let title = format!("Envelopes: {}", self.scene);
+        let mut own =
+            StudyDocument::new(Chapter::Gronwall, title).of_scene(&self.scene, &self.fingerprint);
+        let mesh = self.n.map_or_else(String::new, |n| format!("n = {n}; "));
+        own.words(format!("{mesh}the truth is: {}.", self.truth));
+        let failures = self.violations.iter().map(|failed| {
+            let v = &failed.violation;
+            let sides = sides(v.left, v.right);
+            format!("{}: {} at n = {} (t = {}): {sides}", failed.part, v.link, v.n, v.t)
+        });
+        let all = "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run.";
+        let holds = self.violations.is_empty() && !self.grids.is_empty();
+        own.verdict(holds, all, failures.collect());
+        own.table("Constants of the inequality.", &["constant", ">value"], self.constants());
+        own.table(
+            "Bound over error at t = T for N steps; e and g at T.",
+            &[
+                ">N",
+                ">C₂k",
+                ">e_N",
+                ">g_N",
+                ">weighted",
+                ">primed",
+                ">closed",
+                ">k → 0",
+                ">printed",
+                ">(3.24)",
+            ],
+            self.grids.iter().map(grid).collect(),
+        );
         if let Some(horizons) = &self.horizons {
-            let run = &horizons.run;
-            let truncation = Some([run.truncation_zeta.as_slice(), &run.truncation_memory]);
-            rows(&mut writer, "horizon", &run.estimate, &horizons.envelopes, truncation)?;
+            own.table(
+                format!(
+                    "Long times at k = {}; maxima over [0, T]; the truth is: {}. Growth is d(log error)/dT, to compare with C₂.",
+                    digits(horizons.k, 5),
+                    horizons.truth
+                ),
+                &[
+                    ">T", ">error", ">weighted", ">primed", ">closed", ">(3.24)", ">growth", ">C₂",
+                ],
+                horizons.rows.iter().map(horizon).collect(),
+            );
         }
-        for own in &self.perturbations {
-            let part = format!("{}-{:e}", own.shape.name(), own.size);
-            rows(&mut writer, &part, &own.estimate, &own.envelopes, None)?;
+        own.table(
+            "Two loads f and f + δf at the largest N; growth is m0 max‖u − v‖/max‖δf‖, then the least bound over difference, and the largest primed bound over the largest difference.",
+            &[
+                "shape", ">size", ">max ‖δf‖", ">max ‖u − v‖", ">growth", ">least", ">primed",
+            ],
+            self.perturbations.iter().map(perturbed).collect(),
+        );
+        for (stem, svg) in self.pictures()? {
+            let shows = PICTURES.iter().find(|(own, _)| *own == stem);
+            own.figure(stem, shows.map_or("", |(_, shows)| shows), Some(svg));
         }
-        writer.into_inner().map_err(|error| error.into_error().into())
+        Ok(own)
+    }
+
+    fn constants(&self) -> Vec<Vec<Run>> {
+        let c = &self.constants;
+        let named = [
+            ("C₁", c.c1),
+            ("C₂", c.c2),
+            ("m0", c.m0),
+            ("β_φ", c.beta),
+            ("Lipschitz constant of S", c.lipschitz),
+        ];
+        let details = c.details.iter().map(|(name, value)| (*name, *value));
+        let row = |(name, value): (&str, f64)| vec![Run::plain(name), precise(value, 7)];
+        named.into_iter().chain(details).map(row).collect()
     }
 }
 
-fn rows(
-    writer: &mut csv::Writer<Vec<u8>>,
-    part: &str,
-    estimate: &Estimate,
-    envelopes: &Envelopes,
-    truncation: Option<[&[f64]; 2]>,
-) -> Result<(), csv::Error> {
-    let grid = &estimate.grid;
-    let number = |value: f64| format!("{value:e}");
-    for n in 0..=grid.steps() {
-        let printed = |values: &Option<Vec<f64>>| {
-            values.as_ref().map_or_else(String::new, |values| number(values[n]))
-        };
-        let own = |index: usize| truncation.map_or_else(String::new, |all| number(all[index][n]));
-        writer.write_record([
-            part.to_string(),
-            grid.steps().to_string(),
-            number(grid.largest_step()),
-            n.to_string(),
-            number(grid.time(n)),
-            number(estimate.error[n]),
-            own(0),
-            own(1),
-            number(estimate.source[n]),
-            number(envelopes.weighted[n]),
-            number(envelopes.primed[n]),
-            number(envelopes.closed[n]),
-            number(envelopes.limit[n]),
-            printed(&envelopes.printed),
-            printed(&envelopes.printed_closed),
-        ])?;
-    }
-    Ok(())
+fn grid(grid: &StudiedGrid) -> Vec<Run> {
+    let e = &grid.effectivity;
+    let at_end = |own: &Effectivity| precise(own.at_end, 7);
+    let printed =
+        |own: &Option<Effectivity>| own.as_ref().map_or_else(|| Run::plain("C₂k ≥ 1"), at_end);
+    vec![
+        Run::plain(grid.steps.to_string()),
+        precise(grid.c2_k, 6),
+        number(grid.error_end),
+        number(grid.truncation_end),
+        at_end(&e.weighted),
+        at_end(&e.primed),
+        at_end(&e.closed),
+        at_end(&e.limit),
+        printed(&e.printed),
+        printed(&e.printed_closed),
+    ]
 }
 
-fn grid(own: &StudiedGrid) -> Value {
-    let estimate = &own.run.estimate;
-    let envelopes = &own.envelopes;
-    let effectivity = |bound: &[f64]| json!(own.effectivity(bound));
-    json!({
-        "steps": own.run.steps,
-        "k": estimate.grid.largest_step(),
-        "C2_k": estimate.c2() * estimate.grid.largest_step(),
-        "error_end": estimate.error.last(),
-        "error_max": maximum(&estimate.error),
-        "truncation_end": own.run.truncation().last(),
-        "truncation_max": maximum(&own.run.truncation()),
-        "floor": estimate.floor,
-        "effectivity": {
-            "weighted": effectivity(&envelopes.weighted),
-            "primed": effectivity(&envelopes.primed),
-            "closed": effectivity(&envelopes.closed),
-            "limit": effectivity(&envelopes.limit),
-            "printed": envelopes.printed.as_deref().map(effectivity),
-            "printed_closed": envelopes.printed_closed.as_deref().map(effectivity),
-        },
-    })
+fn horizon(row: &HorizonRow) -> Vec<Run> {
+    let bounds = [row.error, row.weighted, row.primed, row.closed].map(number);
+    let printed = row.printed_closed.map_or_else(|| Run::plain("C₂k ≥ 1"), number);
+    let ends = [printed, number(row.growth), number(row.c2)];
+    [number(row.horizon)].into_iter().chain(bounds).chain(ends).collect()
 }
 
-fn horizons(own: &Horizons) -> Value {
-    json!({ "k": own.k, "truth": own.truth, "rows": own.rows })
-}
-
-fn perturbation(own: &Perturbation) -> Value {
-    json!({
-        "shape": own.shape.name(),
-        "size": own.size,
-        "steps": own.estimate.grid.steps(),
-        "load": own.load,
-        "difference": maximum(&own.estimate.error),
-        "growth": own.growth(),
-        "weighted": maximum(&own.envelopes.weighted),
-        "primed": maximum(&own.envelopes.primed),
-        "least_effectivity": own.least_effectivity(),
-    })
+fn perturbed(own: &Perturbation) -> Vec<Run> {
+    let cells = [own.load, own.difference, own.growth].map(number);
+    let ratios = [number(own.least_effectivity), number(own.primed / own.difference)];
+    let first = [Run::plain(own.shape.name()), number(own.size)];
+    first.into_iter().chain(cells).chain(ratios).collect()
 }

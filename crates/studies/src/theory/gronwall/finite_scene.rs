@@ -1,6 +1,8 @@
 //! An abstract problem in ℝ^m as a scene in time: no mesh, u(t) and (S u)(t) known, any kernel q(t, s),
 //! uniform, graded and random grids.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::GronwallError;
@@ -43,15 +45,15 @@ impl<'a> FiniteInTime<'a> {
         if lipschitz == 0.0 {
             return Err(GronwallError::NoHistory { scene: name() });
         }
-        let details = vec![
+        let details = BTreeMap::from([
             ("m_A", found.m_a),
             ("alpha_phi", found.alpha_phi),
             ("alpha_j", found.alpha_j),
             ("c_j_squared", found.c_j_squared),
             ("r_norm", found.r_norm),
             ("q_norm", found.q_norm),
-        ];
-        let constants = Summary { m0: found.m0, beta: found.beta_phi, lipschitz, details };
+        ]);
+        let constants = Summary::new(found.m0, found.beta_phi, lipschitz, details);
         let gram = SymmetricEigen::new(setup.model.inner_product.clone());
         if gram.eigenvalues.min() <= 0.0 {
             return Err(GronwallError::InnerProduct);

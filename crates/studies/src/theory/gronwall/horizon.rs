@@ -32,18 +32,22 @@ pub struct HorizonRow {
 }
 
 /// A run to the longest horizon, and its rows.
+#[derive(serde::Serialize)]
 pub struct Horizons {
     /// k.
     pub k: f64,
     /// Where the truth comes from.
     pub truth: String,
     /// The run to the longest horizon.
+    #[serde(skip)]
     pub run: TemporalRun,
     /// Its bounds.
+    #[serde(skip)]
     pub envelopes: Envelopes,
     /// One row a horizon, increasing.
     pub rows: Vec<HorizonRow>,
     /// Links that fail on some horizon.
+    #[serde(skip)]
     pub violations: Vec<Violation>,
 }
 

@@ -12,6 +12,7 @@ mod estimate;
 mod finite_scene;
 mod horizon;
 mod in_time;
+mod levels;
 mod measure;
 mod memory;
 mod pictures;

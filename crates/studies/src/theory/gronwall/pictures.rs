@@ -2,7 +2,7 @@
 
 use super::estimate::{Envelopes, Estimate, effectivities};
 use super::horizon::Horizons;
-use super::study::{StudiedGrid, Study};
+use super::study::{Effectivity, StudiedGrid, Study};
 use report::{Axis, Chart, Datum, Part, ReportError, Scale, Series};
 
 /// A picture by the stem of its file name.
@@ -37,7 +37,7 @@ impl Study {
     }
 
     fn mesh(&self) -> String {
-        self.plan.n.map_or_else(String::new, |n| format!(", n = {n}"))
+        self.n.map_or_else(String::new, |n| format!(", n = {n}"))
     }
 
     fn chart(&self, question: &str, x: Axis, y: Axis) -> Chart {
@@ -115,7 +115,7 @@ impl Study {
             let data = grids.iter().filter_map(|own| {
                 let (_, values) = bounds(&own.envelopes).into_iter().find(|b| b.0 == name)?;
                 let k = own.run.estimate.grid.largest_step();
-                Some((k, own.effectivity(values).at_end?))
+                Some((k, Effectivity::new(values, &own.run.estimate).at_end?))
             });
             chart.series.push(curve(name, data.collect()));
         }

@@ -11,10 +11,12 @@ use super::estimate::{Estimate, effectivities, maximum};
 use super::in_time::InTime;
 use super::{Envelopes, GronwallError, Violation};
 use algebra::linalg::signed_unit;
+use serde::Serialize;
 use vhi::history::TimeGrid;
 
 /// How δf depends on time.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Shape {
     /// δ sin(2πt/T + 1) f(t).
     Smooth,
@@ -37,31 +39,51 @@ impl Shape {
 pub const SIZES: [f64; 3] = [1e-1, 1e-2, 1e-3];
 
 /// What one perturbation did.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Perturbation {
     pub shape: Shape,
     /// δ.
     pub size: f64,
     /// max_n ‖δf_n‖_*.
     pub load: f64,
+    /// N.
+    pub steps: usize,
+    /// max_n ‖u_n - ũ_n‖.
+    pub difference: f64,
+    /// m0 max_n ‖u_n - ũ_n‖/max_n ‖δf_n‖_*: 1 at most without history.
+    pub growth: f64,
+    /// The largest values of two envelopes.
+    pub weighted: f64,
+    pub primed: f64,
+    /// The least ratio of the weighted envelope to the measured difference over n ≥ 1.
+    pub least_effectivity: Option<f64>,
     /// ‖u_n - ũ_n‖ and what bounds it.
+    #[serde(skip)]
     pub estimate: Estimate,
+    #[serde(skip)]
     pub envelopes: Envelopes,
+    #[serde(skip)]
     pub violations: Vec<Violation>,
 }
 
 impl Perturbation {
-    /// m0 max_n ‖u_n - ũ_n‖/max_n ‖δf_n‖_*: 1 at most without history.
-    pub fn growth(&self) -> f64 {
-        self.estimate.m0 * maximum(&self.estimate.error) / self.load
-    }
-
-    /// The least ratio of the weighted envelope to the measured difference over n ≥ 1.
-    pub fn least_effectivity(&self) -> Option<f64> {
-        effectivities(&self.envelopes.weighted, &self.estimate)
-            .into_iter()
-            .flatten()
-            .reduce(f64::min)
+    fn new((shape, size): (Shape, f64), estimate: Estimate, envelopes: Envelopes) -> Self {
+        let (load, difference) = (maximum(&estimate.source), maximum(&estimate.error));
+        let ratios = effectivities(&envelopes.weighted, &estimate);
+        Self {
+            shape,
+            size,
+            load,
+            steps: estimate.grid.steps(),
+            difference,
+            growth: estimate.m0 * difference / load,
+            weighted: maximum(&envelopes.weighted),
+            primed: maximum(&envelopes.primed),
+            least_effectivity: ratios.into_iter().flatten().reduce(f64::min),
+            violations: envelopes.violations(&estimate),
+            estimate,
+            envelopes,
+        }
     }
 }
 
@@ -92,15 +114,13 @@ pub fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Perturbation>
             let estimate = Estimate {
                 error: pairs.map(|(u, v)| scene.distance(u, v)).collect(),
                 weighted_source: source.clone(),
-                source: source.clone(),
+                source,
                 floor: floor + other,
                 ..blank.clone()
             };
             let envelopes =
                 estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
-            let violations = envelopes.violations(&estimate);
-            let load = maximum(&source);
-            found.push(Perturbation { shape, size, load, estimate, envelopes, violations });
+            found.push(Perturbation::new((shape, size), estimate, envelopes));
         }
     }
     Ok(found)

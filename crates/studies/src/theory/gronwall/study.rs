@@ -2,12 +2,13 @@
 
 use super::GronwallError;
 use super::constants::Summary;
-use super::estimate::{Envelopes, Violation, effectivities, maximum};
+use super::estimate::{Envelopes, Estimate, Violation, effectivities, maximum};
 use super::horizon::{Horizons, horizons};
 use super::in_time::prepare;
 use super::measure::TemporalRun;
 use super::stability::{Perturbation, perturbations};
 use scene::setup::Subject;
+use serde::Serialize;
 
 /// What is asked of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,28 +21,76 @@ pub struct Plan {
     pub horizons: Vec<f64>,
 }
 
-/// One grid with its bounds.
+/// One grid with its bounds; as JSON without its curves, which the table of all levels holds.
+#[derive(Serialize)]
 pub struct StudiedGrid {
+    /// N.
+    pub steps: u32,
+    /// Largest step.
+    pub k: f64,
+    /// C2 k.
+    #[serde(rename = "C2_k")]
+    pub c2_k: f64,
+    /// e_N, and max_n e_n.
+    pub error_end: f64,
+    pub error_max: f64,
+    /// g_N, and max_n g_n.
+    pub truncation_end: f64,
+    pub truncation_max: f64,
+    /// Of e_n.
+    pub floor: f64,
+    /// Bound over error of every envelope.
+    pub effectivity: Effectivities,
+    #[serde(skip)]
     pub run: TemporalRun,
+    #[serde(skip)]
     pub envelopes: Envelopes,
+    #[serde(skip)]
     pub violations: Vec<Violation>,
 }
 
 /// All that was found.
+#[derive(Serialize)]
 pub struct Study {
     pub scene: String,
-    pub question: String,
-    pub plan: Plan,
+    /// Of its text.
+    pub fingerprint: String,
+    /// Mesh cells a unit length; none for abstract scenes.
+    pub n: Option<u32>,
     pub constants: Summary,
     /// Where the truth of the error comes from.
     pub truth: String,
     pub grids: Vec<StudiedGrid>,
     pub horizons: Option<Horizons>,
     pub perturbations: Vec<Perturbation>,
+    /// Every link that fails.
+    pub violations: Vec<FailedLink>,
+    /// "pass" where none does, "fail" otherwise.
+    pub verdict: &'static str,
+}
+
+/// A link that fails, with the part of the study it belongs to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FailedLink {
+    pub part: String,
+    #[serde(flatten)]
+    pub violation: Violation,
+}
+
+/// bound/e of one grid, for every envelope.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Effectivities {
+    pub weighted: Effectivity,
+    pub primed: Effectivity,
+    pub closed: Effectivity,
+    pub limit: Effectivity,
+    /// Absent where C2 k ≥ 1.
+    pub printed: Option<Effectivity>,
+    pub printed_closed: Option<Effectivity>,
 }
 
 /// bound/e of one grid.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Effectivity {
     /// At t_N = T; absent if e_N is at its floor.
     pub at_end: Option<f64>,
@@ -51,14 +100,44 @@ pub struct Effectivity {
     pub least: Option<f64>,
 }
 
-impl StudiedGrid {
-    /// The effectivity of one of the bounds.
-    pub fn effectivity(&self, bound: &[f64]) -> Effectivity {
-        let ratios = effectivities(bound, &self.run.estimate);
-        Effectivity {
+impl Effectivity {
+    /// Of one of the bounds.
+    pub fn new(bound: &[f64], estimate: &Estimate) -> Self {
+        let ratios = effectivities(bound, estimate);
+        Self {
             at_end: ratios.last().copied().flatten(),
-            of_maxima: maximum(bound) / maximum(&self.run.estimate.error),
+            of_maxima: maximum(bound) / maximum(&estimate.error),
             least: ratios.into_iter().flatten().reduce(f64::min),
+        }
+    }
+}
+
+impl StudiedGrid {
+    fn new(run: TemporalRun, envelopes: Envelopes) -> Self {
+        let (estimate, truncation) = (&run.estimate, run.truncation());
+        let last = |values: &[f64]| values.last().copied().unwrap_or(f64::NAN);
+        let of = |bound: &[f64]| Effectivity::new(bound, estimate);
+        let k = estimate.grid.largest_step();
+        Self {
+            steps: run.steps,
+            k,
+            c2_k: estimate.c2() * k,
+            error_end: last(&estimate.error),
+            error_max: maximum(&estimate.error),
+            truncation_end: last(&truncation),
+            truncation_max: maximum(&truncation),
+            floor: estimate.floor,
+            effectivity: Effectivities {
+                weighted: of(&envelopes.weighted),
+                primed: of(&envelopes.primed),
+                closed: of(&envelopes.closed),
+                limit: of(&envelopes.limit),
+                printed: envelopes.printed.as_deref().map(of),
+                printed_closed: envelopes.printed_closed.as_deref().map(of),
+            },
+            violations: envelopes.violations(estimate),
+            run,
+            envelopes,
         }
     }
 }
@@ -76,8 +155,7 @@ impl Study {
             let run = in_time.measure(steps)?;
             let envelopes =
                 run.estimate.envelopes().map_err(|source| GronwallError::Step { steps, source })?;
-            let violations = envelopes.violations(&run.estimate);
-            grids.push(StudiedGrid { run, envelopes, violations });
+            grids.push(StudiedGrid::new(run, envelopes));
         }
         let finest = plan.steps.iter().copied().max().unwrap_or(1);
         let perturbations = perturbations(&*in_time, finest)?;
@@ -88,35 +166,36 @@ impl Study {
                 Some(horizons(subject, plan.n, k, &plan.horizons)?)
             }
         };
+        let violations = failed_links(&grids, horizons.as_ref(), &perturbations);
         Ok(Self {
             scene: scene.name.clone(),
-            question: scene.question.clone(),
+            fingerprint: scene.source.hash.clone(),
+            n: plan.n,
             constants: in_time.constants(),
             truth: in_time.truth(),
-            plan,
             grids,
             horizons,
             perturbations,
+            verdict: if violations.is_empty() { "pass" } else { "fail" },
+            violations,
         })
     }
+}
 
-    /// Every link that fails, with the part of the study it belongs to.
-    pub fn violations(&self) -> Vec<(String, Violation)> {
-        let grids = self
-            .grids
-            .iter()
-            .map(|own| (format!("N = {}", own.run.steps), own.violations.as_slice()));
-        let horizons = self
-            .horizons
-            .iter()
-            .map(|h| (format!("horizons, k = {}", h.k), h.violations.as_slice()));
-        let perturbations = self.perturbations.iter().map(|p| {
-            (format!("{} perturbation {:e}", p.shape.name(), p.size), p.violations.as_slice())
-        });
-        grids
-            .chain(horizons)
-            .chain(perturbations)
-            .flat_map(|(part, own)| own.iter().map(move |v| (part.clone(), v.clone())))
-            .collect()
-    }
+fn failed_links(
+    grids: &[StudiedGrid],
+    horizons: Option<&Horizons>,
+    perturbations: &[Perturbation],
+) -> Vec<FailedLink> {
+    let grids = grids.iter().map(|own| (format!("N = {}", own.steps), &own.violations));
+    let horizons = horizons.iter().map(|h| (format!("horizons, k = {}", h.k), &h.violations));
+    let perturbations = perturbations
+        .iter()
+        .map(|p| (format!("{} perturbation {:e}", p.shape.name(), p.size), &p.violations));
+    let parts = grids.chain(horizons).chain(perturbations);
+    parts
+        .flat_map(|(part, own)| {
+            own.iter().map(move |v| FailedLink { part: part.clone(), violation: v.clone() })
+        })
+        .collect()
 }

@@ -57,7 +57,7 @@ fn truncation_of_a_fading_memory_is_that_of_the_closed_form() {
     let (run, constants) = measured("affine", 4, 16);
     assert_eq!((constants.m0, constants.trace_bound), (1.5, Some(1.0)));
     assert!((constants.yielding - 0.05).abs() < 1e-15);
-    assert!((constants.summary().c2() - 4.0 / 3.0).abs() < 1e-12);
+    assert!((constants.summary().c2 - 4.0 / 3.0).abs() < 1e-12);
     let grid = &run.estimate.grid;
     for n in 0..=16 {
         let t = grid.time(n);

@@ -1,0 +1,131 @@
+//! Quadrature over a polygon in strips: Gauss points along x between its corners and cuts, and on the chords along y.
+//!
+//! All chords of a strip have their points at few abscissae, as on a rectangle: what depends on x alone, as memories of
+//! contact scenes do, is evaluated at these. Fields that are smooth between the cuts are integrated to rounding.
+
+use fem::mesh::Coarse;
+use fem::space::quadrature::gauss_legendre;
+
+/// Gauss points a piece; those of a piece narrower than this share of the polygon.
+const POINTS: usize = 14;
+const FEWER: usize = 7;
+const NARROW: f64 = 1.0 / 12.0;
+/// Pieces of the width and of the height of the polygon, at least.
+const PARTS: f64 = 3.0;
+/// Places closer than this share of the width are one.
+const APART: f64 = 1e-13;
+
+/// The sides of a polygon.
+pub(super) struct Strips {
+    sides: Vec<[[f64; 2]; 2]>,
+    /// Least and largest coordinates.
+    bounds: [[f64; 2]; 2],
+    parts: f64,
+}
+
+impl Strips {
+    /// Strips of a domain; `finer` takes pieces of half the size.
+    pub fn new(coarse: &Coarse, finer: bool) -> Self {
+        let sides = coarse.edges.iter().map(|edge| coarse.segment(edge).0).collect();
+        let parts = if finer { 2.0 * PARTS } else { PARTS };
+        Self { sides, bounds: coarse.bounds(), parts }
+    }
+
+    /// Points and weights, cut where x or y has one of some values.
+    pub fn points(&self, xs: &[f64], ys: &[f64]) -> (Vec<[f64; 3]>, Vec<f64>) {
+        let [low, high] = self.bounds;
+        let corners = self.sides.iter().flatten().map(|corner| corner[0]);
+        // A chord gets or loses a piece where a side crosses a cut.
+        let crossings = self
+            .sides
+            .iter()
+            .flat_map(|side| ys.iter().filter_map(|&y| crossing(side.map(|[x, y]| [y, x]), y)));
+        let edges: Vec<f64> = corners.chain(crossings).chain(xs.iter().copied()).collect();
+        let (mut points, mut weights) = (Vec::new(), Vec::new());
+        for (x, along) in self.pieces(edges, [low[0], high[0]]) {
+            let mut chords: Vec<f64> =
+                self.sides.iter().filter_map(|&side| crossing(side, x)).collect();
+            chords.sort_by(f64::total_cmp);
+            for chord in chords.chunks_exact(2) {
+                let inside = ys.iter().copied().filter(|&y| chord[0] < y && y < chord[1]);
+                let edges = chord.iter().copied().chain(inside).collect();
+                for (y, across) in self.pieces(edges, [low[1], high[1]]) {
+                    points.push([x, y, 0.0]);
+                    weights.push(along * across);
+                }
+            }
+        }
+        (points, weights)
+    }
+
+    /// Gauss points and weights between edges, in as many pieces as their share of the whole asks for.
+    fn pieces(&self, mut edges: Vec<f64>, [low, high]: [f64; 2]) -> Vec<(f64, f64)> {
+        let whole = high - low;
+        edges.retain(|&edge| (low..=high).contains(&edge));
+        edges.sort_by(f64::total_cmp);
+        edges.dedup_by(|a, b| (*a - *b).abs() <= APART * whole);
+        let mut out = Vec::new();
+        for pair in edges.windows(2) {
+            let length = pair[1] - pair[0];
+            // Rounding makes no piece of its own.
+            let count = (self.parts * length / whole - 1e-9).ceil().max(1.0) as usize;
+            let rule = gauss_legendre(if length < NARROW * whole { FEWER } else { POINTS });
+            let half = 0.5 * length / count as f64;
+            for piece in 0..count {
+                let middle = pair[0] + half * (2 * piece + 1) as f64;
+                out.extend(rule.iter().map(|(x, w)| (middle + half * x, half * w)));
+            }
+        }
+        out
+    }
+}
+
+/// y where a side is at x, inside of it.
+fn crossing([p, q]: [[f64; 2]; 2], x: f64) -> Option<f64> {
+    let inside = p[0].min(q[0]) < x && x < p[0].max(q[0]);
+    inside.then(|| p[1] + (q[1] - p[1]) * ((x - p[0]) / (q[0] - p[0])))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fem::mesh::{BoundaryEdge, triangulate};
+
+    /// An arrow that points down, whose chords come in pairs, against closed forms.
+    #[test]
+    fn chords_fill_a_polygon_that_is_not_convex() {
+        let arrow = [[0.0, 0.0], [2.0, 3.0], [0.0, 1.0], [-2.0, 3.0]];
+        let strips = strips(&arrow);
+        let (points, weights) = strips.points(&[0.3], &[1.7]);
+        let integral = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+            points.iter().zip(&weights).map(|(p, w)| w * f(p[0], p[1])).sum()
+        };
+        // Chords from 3x/2 to 1 + x, x from 0 to 2, and their mirror image.
+        assert!((integral(&|_, _| 1.0) - 2.0).abs() < 1e-13);
+        assert!((integral(&|x, _| x * x) - 2.0 * (8.0 / 3.0 - 2.0)).abs() < 1e-13);
+        let kink = |x: f64| (x - 0.3).max(0.0);
+        // ∫ (x - 0.3)(1 - x/2) from 0.3 to 2: of (s)(1.7 - s)/2 up to 1.7.
+        assert!((integral(&|x, _| kink(x)) - 1.7f64.powi(3) / 12.0).abs() < 1e-13);
+        // Above y = 1.7, on one side: from x = 0.7 to 2, ∫ (1 + x - max(1.7, 3x/2)).
+        let to = 1.7 / 1.5;
+        let above = 0.5 * (to - 0.7f64).powi(2) + 0.25 * (2.0 - to).powi(2);
+        let found = integral(&|_, y| f64::from(u8::from(y > 1.7)));
+        assert!((found - 2.0 * above).abs() < 1e-13, "{found}");
+    }
+
+    fn strips(corners: &[[f64; 2]]) -> Strips {
+        let count = corners.len() as u32;
+        let triangles = triangulate(corners).unwrap();
+        let coarse = Coarse {
+            vertices: corners.to_vec(),
+            region: vec![0; triangles.len()],
+            triangles,
+            regions: vec!["body".into()],
+            edges: (0..count)
+                .map(|i| BoundaryEdge { ends: [i, (i + 1) % count], side: i })
+                .collect(),
+            sides: (0..count).map(|i| i.to_string()).collect(),
+        };
+        Strips::new(&coarse, false)
+    }
+}

@@ -1,0 +1,410 @@
+//! K⁻¹ for K = 𝒜 + Σ W_i ℬ_i of the last slot's weights W_i, or for K = 𝒜 where the memory is a multiple of it: one
+//! matrix serves levels until the weights change, by its factor or by conjugate gradients with multigrid.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::floor::Accepted;
+use super::{Discretization, Floors, LinearSolver, Model, Unknowns, Work};
+use algebra::linalg::{
+    Analysis, Factor, FactorError, Front, MultigridSequence, SIDES, Side, Workspace, axpy, norm,
+    root_of_squares,
+};
+use vhi::Newton;
+use vhi::law::{Projection, TensorField};
+
+/// Matrix and solver. Right sides of a pass over a factor are in its order, entry after entry, `width` of each.
+pub(super) struct Volume<'a> {
+    space: &'a Discretization,
+    unknowns: Unknowns,
+    /// The largest eigenvalue of 𝒜.
+    stiffest: f64,
+    /// β of ℬ₀ = β𝒜, 0 without memory; `None` where memory is no multiple.
+    pub beta: Option<f64>,
+    /// Stiffness of 𝒜, and of each ℬ_i and of K where memory is no multiple.
+    pub elastic: Arc<Vec<f64>>,
+    by_memory: Vec<Vec<f64>>,
+    matrix: Vec<f64>,
+    /// Weights that K was made of, `None` before the first; those of the level less them, all zero but where an old
+    /// factor serves.
+    slot: Option<Vec<f64>>,
+    behind: Vec<f64>,
+    /// Whether it may, the passes it has cost beyond what one of the level before costs, and what a factorization costs.
+    serves: bool,
+    extra: u32,
+    worth: u32,
+    way: Way<'a>,
+    /// Of the unknowns in right sides of a pass.
+    pub order: Vec<u32>,
+    /// Products with a ℬ_i, and what they are products with.
+    product: Vec<f64>,
+    change: Vec<f64>,
+    work: Work,
+}
+
+enum Way<'a> {
+    /// Factors of K's own need a workspace; a factor that the mesh holds is shared.
+    Factor {
+        analysis: &'a Analysis,
+        factor: Arc<Factor>,
+        own: Option<Workspace>,
+        front: Front<f64>,
+        sides: Front<Side>,
+    },
+    Multigrid {
+        sequence: Box<MultigridSequence<'a>>,
+        room: [Vec<f64>; 4],
+    },
+}
+
+/// Passes that a level takes with the factor of the level before it, on grids of usual lengths.
+const LEAST: u32 = 2;
+/// A factorization that costs no more passes is made for every level: from some n = 32 on in the plane it costs more.
+const DEAR: u32 = 3;
+/// Residual of one solve by multigrid over its right side: further digits come from solving for what is left.
+const FORCING: f64 = 1e-8;
+/// A correction that leaves more than this of the residual has met rounding.
+const STANDSTILL: f64 = 0.5;
+
+/// The residual with which Newton's method in the volume would accept a level with forces of this size.
+fn accepted_residual(size: f64) -> f64 {
+    Newton::default().rounding_units * f64::EPSILON * size
+}
+
+impl<'a> Volume<'a> {
+    /// Before the first weights.
+    ///
+    /// # Errors
+    /// 𝒜 is not positive definite, or the order of unknowns cannot be analysed.
+    pub(super) fn new<P: Projection>(
+        space: &'a Discretization,
+        model: &Model<P>,
+        solver: LinearSolver,
+        unknowns: Unknowns,
+        equal_steps: bool,
+    ) -> Result<Self, FactorError> {
+        let (beta, mut work) = (model.memory_multiple(), Work::default());
+        let analysis = match unknowns {
+            Unknowns::Displacements => &space.analysis,
+            Unknowns::ContactLast => space.condensing()?,
+        };
+        let stiffness = |tensor: &TensorField| space.stiffness_of(unknowns, tensor);
+        let levels = solver.levels(space);
+        let kept = match (levels, beta) {
+            (None, Some(_)) => {
+                Some(space.stiffness_factor(&model.elasticity, unknowns, &mut work)?)
+            }
+            _ => None,
+        };
+        let start = Instant::now();
+        let others = model.memory.iter().filter(|_| beta.is_none());
+        let by_memory: Vec<Vec<f64>> = others.map(|term| stiffness(&term.tensor)).collect();
+        let elastic = match &kept {
+            Some(kept) => kept.values.clone(),
+            None => Arc::new(stiffness(&model.elasticity)),
+        };
+        work.seconds_assemble += start.elapsed().as_secs_f64();
+        let dofs = space.dofs();
+        let way = match levels {
+            Some(levels) => Way::Multigrid {
+                sequence: Box::new(MultigridSequence::new(levels, &space.pattern)),
+                room: [(); 4].map(|()| vec![0.0; dofs]),
+            },
+            None => Way::Factor {
+                analysis,
+                own: kept.is_none().then(|| analysis.workspace()),
+                factor: kept.map_or_else(|| Arc::new(analysis.factor()), |k| k.factor.clone()),
+                front: Front::default(),
+                sides: Front::default(),
+            },
+        };
+        let worth = analysis.passes_of_a_factor();
+        let order = match &way {
+            Way::Factor { analysis, .. } => analysis.order().to_vec(),
+            Way::Multigrid { .. } => (0..dofs as u32).collect(),
+        };
+        Ok(Self {
+            order,
+            space,
+            unknowns,
+            stiffest: model.elasticity.eigenvalues(space.mesh.dimension).1,
+            matrix: if by_memory.is_empty() { Vec::new() } else { elastic.to_vec() },
+            product: vec![0.0; if by_memory.is_empty() { 0 } else { dofs }],
+            slot: None,
+            behind: Vec::new(),
+            serves: levels.is_none() && beta.is_none() && !equal_steps && worth > DEAR,
+            extra: 0,
+            worth,
+            change: Vec::new(),
+            beta,
+            elastic,
+            by_memory,
+            way,
+            work,
+        })
+    }
+
+    /// Right sides of a pass: several where no level asks for the displacements of the one before it.
+    pub(super) fn width(&self) -> usize {
+        let together = self.beta.is_some() && matches!(self.way, Way::Factor { .. });
+        if together { SIDES } else { 1 }
+    }
+
+    /// Takes weights of a level; whether K is made anew of them. Where each level has its own, an old factor serves until
+    /// its extra passes have cost a new one: at most twice the least cost, whatever comes.
+    ///
+    /// # Errors
+    /// K is not positive definite.
+    pub(super) fn set(&mut self, slot: &[f64]) -> Result<bool, FactorError> {
+        if let Some(known) = &self.slot {
+            let known = known.iter().zip(slot);
+            self.behind.clear();
+            self.behind.extend(known.map(|(known, own)| own - known));
+            let same = self.beta.is_some() || !self.is_behind();
+            if same || (self.serves && self.extra < self.worth) {
+                return Ok(false);
+            }
+        }
+        self.renew(slot)
+    }
+
+    /// Makes K of these weights, whatever serves.
+    ///
+    /// # Errors
+    /// As [`Self::set`].
+    pub(super) fn renew(&mut self, slot: &[f64]) -> Result<bool, FactorError> {
+        self.behind.clear();
+        self.extra = 0;
+        let start = Instant::now();
+        if !self.by_memory.is_empty() {
+            self.matrix.copy_from_slice(&self.elastic);
+            for (matrix, own) in self.by_memory.iter().zip(slot) {
+                axpy(*own, matrix, &mut self.matrix);
+            }
+        }
+        let matrix = if self.by_memory.is_empty() { &self.elastic } else { &self.matrix };
+        match &mut self.way {
+            Way::Factor { analysis, factor, own: Some(workspace), .. } => {
+                // Nobody else has it: no copy is made.
+                let factor = Arc::make_mut(factor);
+                self.work.linear.factorizations += 1;
+                analysis.factorize(&self.space.pattern, matrix, factor, workspace)?;
+                self.work.linear.seconds_factor += start.elapsed().as_secs_f64();
+            }
+            Way::Factor { own: None, .. } => {}
+            Way::Multigrid { sequence, .. } => {
+                let mut values = sequence.take_values();
+                values.clone_from(matrix);
+                sequence.prepare(values, None, false)?;
+            }
+        }
+        match &mut self.slot {
+            Some(known) => known.copy_from_slice(slot),
+            none => *none = Some(slot.to_vec()),
+        }
+        Ok(true)
+    }
+
+    /// Whether an old K may serve.
+    pub(super) fn serves(&self) -> bool {
+        self.serves
+    }
+
+    /// Whether K is that of other weights: what a pass takes for u then belongs to the right side.
+    pub(super) fn is_behind(&self) -> bool {
+        self.beta.is_none() && self.behind.iter().any(|own| *own != 0.0)
+    }
+
+    /// Subtracts the forces that K lacks at `u`.
+    pub(super) fn subtract_behind(&mut self, u: &[f64], forces: &mut [f64]) {
+        for (matrix, own) in self.by_memory.iter().zip(&self.behind) {
+            self.space.pattern.multiply(matrix, u, &mut self.product);
+            axpy(-own, &self.product, forces);
+        }
+    }
+
+    /// Counts passes that a level took.
+    pub(super) fn count(&mut self, passes: u32) {
+        self.extra += passes.saturating_sub(LEAST);
+    }
+
+    /// Whether `u` solves a level with the load `force`, of a pass that took `taken` for it; in `left` what it
+    /// leaves of the right side.
+    pub(super) fn is_solved(
+        &mut self,
+        u: &[f64],
+        taken: &[f64],
+        force: &[f64],
+        left: &mut [f64],
+    ) -> bool {
+        let mut change = std::mem::take(&mut self.change);
+        change.clear();
+        change.extend(u.iter().zip(taken).map(|(u, taken)| u - taken));
+        left.fill(0.0);
+        self.subtract_behind(&change, left);
+        self.change = change;
+        norm(left) <= accepted_residual(self.forces(u) + norm(force))
+    }
+
+    /// What forces of the diagonal of 𝒜 are at u.
+    fn forces(&self, u: &[f64]) -> f64 {
+        size_of_forces(self.space, &self.elastic, u)
+    }
+
+    /// The factor of the Schur complement on the unknowns from `cut` on, see [`Analysis::last_triangle`].
+    pub(super) fn last_triangle(&self, cut: usize) -> Vec<f64> {
+        match &self.way {
+            Way::Factor { analysis, factor, .. } => analysis.last_triangle(factor, cut),
+            Way::Multigrid { .. } => Vec::new(),
+        }
+    }
+
+    /// The forward pass in the rows before `cut`; `width` right sides.
+    pub(super) fn forward(&mut self, cut: usize, width: usize, x: &mut [f64]) {
+        let start = Instant::now();
+        if let Way::Factor { analysis, factor, front, sides, .. } = &mut self.way {
+            match width {
+                SIDES => analysis.forward_block(factor, cut, x.as_chunks_mut().0, sides),
+                _ => analysis.forward(factor, cut, x, front),
+            }
+        }
+        self.work.linear.seconds_solve += start.elapsed().as_secs_f64();
+    }
+
+    /// The backward pass, by which `levels` of the right sides become solutions; all of the solve without a factor.
+    ///
+    /// # Errors
+    /// Those of the iteration.
+    pub(super) fn backward(
+        &mut self,
+        cut: usize,
+        width: usize,
+        x: &mut [f64],
+        levels: usize,
+    ) -> Result<(), FactorError> {
+        if matches!(self.way, Way::Multigrid { .. }) {
+            return self.solve(x);
+        }
+        let start = Instant::now();
+        if let Way::Factor { analysis, factor, front, sides, .. } = &mut self.way {
+            match width {
+                SIDES => analysis.backward_block(factor, cut, x.as_chunks_mut().0, sides),
+                _ => analysis.backward(factor, cut, x, front),
+            }
+        }
+        self.work.linear.solves += levels as u32;
+        self.work.linear.seconds_solve += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// K⁻¹x in place to rounding, over the unknowns.
+    ///
+    /// # Errors
+    /// Those of the iteration.
+    pub(super) fn solve(&mut self, x: &mut [f64]) -> Result<(), FactorError> {
+        let start = Instant::now();
+        let matrix = if self.by_memory.is_empty() { &self.elastic } else { &self.matrix };
+        match &mut self.way {
+            Way::Factor { analysis, factor, front, .. } => {
+                analysis.solve(factor, x, front);
+                self.work.linear.solves += 1;
+                self.work.linear.seconds_solve += start.elapsed().as_secs_f64();
+                Ok(())
+            }
+            Way::Multigrid { sequence, room } => solve_by(self.space, matrix, sequence, room, x),
+        }
+    }
+
+    /// Subtracts the forces of the memory, by its sums over the past or with the last slot; nothing where it is a
+    /// multiple.
+    pub(super) fn subtract_memory(&mut self, history: &[Vec<f64>], forces: &mut [f64]) {
+        for (matrix, history) in self.by_memory.iter().zip(history) {
+            self.space.pattern.multiply(matrix, &history[..forces.len()], &mut self.product);
+            axpy(-1.0, &self.product, forces);
+        }
+    }
+
+    /// Floors from the correction that one more solve would make of a level: `force` are its load and contact on the
+    /// unknowns, `size` their size, `u` and `history` unknowns, `nodal` displacements.
+    pub(super) fn floors(
+        &mut self,
+        mut force: Vec<f64>,
+        size: f64,
+        [u, nodal]: [&[f64]; 2],
+        history: &[Vec<f64>],
+    ) -> Floors {
+        let (space, dofs) = (self.space, self.space.dofs());
+        // K acts on u + β history; or 𝒜 on u, and each ℬ_i on its history, which holds u.
+        let mut v = u[..dofs].to_vec();
+        if let (Some(beta), Some(history)) = (self.beta, history.first()) {
+            axpy(beta, &history[..dofs], &mut v);
+        }
+        let mut product = vec![0.0; dofs];
+        space.pattern.multiply(&self.elastic, &v, &mut product);
+        axpy(-1.0, &product, &mut force);
+        self.subtract_memory(history, &mut force);
+        let tolerance = accepted_residual(self.forces(&v) + size);
+        let accepted = Accepted { residual: norm(&force), tolerance };
+        match &mut self.way {
+            Way::Factor { analysis, factor, front, .. } => {
+                analysis.solve(factor, &mut force, front);
+            }
+            // Without the last digits; not a number where it fails.
+            Way::Multigrid { sequence, .. } => sequence.solve_again(&mut force),
+        }
+        force.resize(space.nodes.len(), 0.0);
+        if self.unknowns == Unknowns::ContactLast {
+            space.frames.to_cartesian(&mut force);
+        }
+        Floors::new(space, &force, nodal, accepted, self.stiffest)
+    }
+
+    /// Counters and times.
+    pub(super) fn work(&self) -> Work {
+        match &self.way {
+            Way::Factor { .. } => self.work,
+            Way::Multigrid { sequence, .. } => Work { linear: sequence.work, ..self.work },
+        }
+    }
+}
+
+/// ‖diag(K)u‖.
+fn size_of_forces(space: &Discretization, matrix: &[f64], u: &[f64]) -> f64 {
+    let force = |(dof, u): (usize, &f64)| matrix[space.pattern.diagonal(dof)] * u;
+    root_of_squares(|scale| {
+        u.iter().enumerate().map(force).map(|f| (scale * f) * (scale * f)).sum()
+    })
+}
+
+/// A solve by multigrid as far as rounding lets it come.
+fn solve_by(
+    space: &Discretization,
+    matrix: &[f64],
+    sequence: &mut MultigridSequence<'_>,
+    [residual, image, correction, x]: &mut [Vec<f64>; 4],
+    rhs: &mut [f64],
+) -> Result<(), FactorError> {
+    let size = norm(rhs);
+    residual.copy_from_slice(rhs);
+    x.fill(0.0);
+    let mut last = f64::INFINITY;
+    loop {
+        let forces = size_of_forces(space, matrix, x);
+        let left = norm(residual);
+        // The tolerance of Newton's method; or as far as rounding lets a solve come.
+        let small = accepted_residual(forces + size);
+        if left <= small || left > STANDSTILL * last {
+            break;
+        }
+        last = left;
+        correction.copy_from_slice(residual);
+        sequence.solve(correction, (0.3 * small / left).max(FORCING))?;
+        axpy(1.0, correction, x);
+        space.pattern.multiply(matrix, x, image);
+        for ((own, b), f) in residual.iter_mut().zip(&*rhs).zip(&*image) {
+            *own = b - f;
+        }
+    }
+    rhs.copy_from_slice(x);
+    Ok(())
+}

@@ -1,0 +1,41 @@
+//! Pictures of single cases that `sweep solve --pictures` left in the directory of a report.
+
+use std::fs;
+use std::path::Path;
+
+use super::{Picture, ReportError};
+use files::read_text;
+
+/// What a file is called, and what it shows.
+const ENDINGS: [(&str, &str); 2] = [
+    ("-contact.svg", "contact state of Γ3 over time, exact and discrete"),
+    ("-body.svg", "deformed body at the last time level"),
+];
+
+/// The pictures in a directory, a kind after the other, each in the order of file names.
+///
+/// # Errors
+/// The file system's.
+pub(super) fn of_cases(dir: &Path) -> Result<Vec<Picture>, ReportError> {
+    let failed = |path: &Path, source| ReportError::Io { path: path.into(), source };
+    let mut names = Vec::new();
+    for entry in fs::read_dir(dir).map_err(|source| failed(dir, source))? {
+        let name = entry.map_err(|source| failed(dir, source))?.file_name();
+        names.extend(name.into_string().ok());
+    }
+    names.sort();
+    let mut found = Vec::new();
+    for (ending, shows) in ENDINGS {
+        for name in &names {
+            let Some(case) = name.strip_suffix(ending) else { continue };
+            let path = dir.join(name);
+            let svg = read_text(&path).map_err(|source| failed(&path, source))?;
+            // A file of another program that is called alike has no place on the page.
+            if svg.trim_start().starts_with("<svg") {
+                let case = if case.is_empty() { String::new() } else { format!("{case}: ") };
+                found.push((name.clone(), format!("{case}{shows} (sweep solve --pictures)."), svg));
+            }
+        }
+    }
+    Ok(found)
+}

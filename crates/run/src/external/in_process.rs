@@ -1,0 +1,56 @@
+//! A solver in this process as a [`Scheme`]: it gets a case as arrays and gives displacements of all levels back.
+
+use super::{Given, show};
+use fem::contact::{CaseError, CaseInfo, Observer};
+use scene::setup::{MeshData, Scheme, Setup};
+
+/// What a solver gives back.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answer {
+    /// (N + 1) × vertices × d, the last axis fastest.
+    pub displacement: Vec<f64>,
+    /// ξ + λ, (N + 1) × rows of Γ3; none where it is not given.
+    pub pressure: Option<Vec<f64>>,
+}
+
+/// A solver of one case, by whatever means.
+pub trait Solve: Send + Sync {
+    /// Solves it.
+    ///
+    /// # Errors
+    /// The reason, as it stands in the record of the failed case.
+    fn solve(&self, given: &Given, data: &MeshData) -> Result<Answer, String>;
+}
+
+/// A solver as a scheme: measured and judged as one in another program.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct InProcess<S>(pub S);
+
+impl<S: Solve> Scheme for InProcess<S> {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        let (space, grid) = (&*data.space, setup.grid(steps));
+        let given = Given::new(setup, data, steps)?;
+        let answer = self.0.solve(&given, data).map_err(CaseError::Outside)?;
+        let (levels, points) = (grid.steps() + 1, space.trace.points.len());
+        let pressure = answer.pressure.unwrap_or_else(|| vec![f64::NAN; levels * points]);
+        let lengths = [answer.displacement.len(), pressure.len()];
+        let wanted = [given.loads.numbers.len(), levels * points];
+        if lengths != wanted {
+            let message =
+                format!("{lengths:?} displacements and pressures where {wanted:?} are wanted");
+            return Err(CaseError::Outside(message));
+        }
+        if let Some(at) = answer.displacement.iter().position(|u| !u.is_finite()) {
+            let (row, u) = (answer.displacement.len() / levels, answer.displacement[at]);
+            let message = format!("{u} at level {}, row {}", at / row, at % row);
+            return Err(CaseError::Outside(message));
+        }
+        show(space, &setup.model, &grid, [&answer.displacement, &pressure], observe)
+    }
+}

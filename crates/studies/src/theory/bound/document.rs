@@ -1,0 +1,200 @@
+//! A step-size study in words and tables.
+
+use super::Bound;
+use super::constants::Constant;
+use super::ladder::{Outcome, Rung};
+use super::run::AtLevel;
+use super::sampled::Sampled;
+use super::threshold::Crossing;
+use report::{Chapter, ReportError, Run, StudyDocument, digits, held, number, precise, sides};
+
+impl Bound {
+    /// The study as a document.
+    ///
+    /// # Errors
+    /// The drawing library's.
+    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+        let title = format!("The bound measured: {}", self.scene);
+        let mut own =
+            StudyDocument::new(Chapter::Bound, title).of_scene(&self.scene, &self.fingerprint);
+        own.threshold = Some(match self.thresholds.not_followed {
+            Some(_) => "–".into(),
+            None => crossing(self.thresholds.radius_one),
+        });
+        let worst = &self.study.worst;
+        own.words(format!(
+            "A run with {}; at its level {} (t = {}), where the factor is largest, the last step is taken again with other k.",
+            self.grids(),
+            worst.level,
+            digits(worst.t, 5)
+        ));
+        let violated = self.violations.iter().map(|v| {
+            let at = v.k.map_or_else(String::new, |k| format!("k = {}: ", digits(k, 7)));
+            format!("{at}{}: {}", v.what, sides(v.left, v.right))
+        });
+        let all = "Every inequality between measured and proved factors holds, and every declared constant.";
+        own.verdict(self.holds(), all, violated.collect());
+        own.table("The bound in four numbers, k below each.", &["number", ">k"], self.numbers());
+        self.ladder(&mut own);
+        own.table(
+            "Constants, how each was obtained, and whether the true one is certainly on the safe side.",
+            &["constant", ">value", ">±", "how", "note"],
+            self.constants.iter().map(constant).collect(),
+        );
+        own.table(
+            "Declared constants, and what samples need of them.",
+            &["constant", ">declared", ">needed", ">samples", ""],
+            self.samples.iter().map(sampled).collect(),
+        );
+        own.figure(
+            "bound",
+            "contraction factor of Λ against k, with the bounds of (3.4) (sweep bound).",
+            self.svg()?,
+        );
+        Ok(own)
+    }
+
+    /// The last step taken with other k.
+    fn ladder(&self, own: &mut StudyDocument) {
+        let (study, k) = (&self.study, digits(self.study.worst.k, 6));
+        own.words(format!(
+            "{} random starts at k = {k}: {} at the same solution, {} elsewhere, {} nowhere.",
+            study.starts.same + study.starts.distinct + study.starts.failed,
+            study.starts.same,
+            study.starts.distinct,
+            study.starts.failed
+        ));
+        own.table(
+            "The contraction factor of Λ at that level, on this and other meshes.",
+            &[">n", ">k", ">‖DΛ‖", ">spectral radius", ">sharpened"],
+            study.meshes.iter().map(on_mesh).collect(),
+        );
+        if let Some(reason) = &study.not_followed {
+            own.words(format!(
+                "A last step of size k after the same past: not followed: {reason}."
+            ));
+        }
+        own.table(
+            "Contraction factor of Λ for a last step of size k after the same past, bounds, what solves the step, and other solutions from random starts.",
+            &[
+                ">k",
+                ">spectral radius",
+                ">‖DΛ‖",
+                ">finite",
+                ">random",
+                ">sharpened",
+                ">(3.15)",
+                ">paper's norm",
+                "Newton",
+                "Λ",
+                ">others",
+            ],
+            study.rungs.iter().map(rung).collect(),
+        );
+    }
+
+    fn numbers(&self) -> Vec<Vec<Run>> {
+        let found = &self.thresholds;
+        let row = |what: &str, value: String| vec![Run::plain(what), Run::plain(value)];
+        let limit = |k: f64| match k {
+            k if k.is_infinite() => "every k".into(),
+            k if k > 0.0 => digits(k, 9),
+            _ => format!("no k: m0 = {:.6}", self.limits.m0),
+        };
+        let mut rows = vec![
+            row("1: (3.4), the paper's norm of ℬ", limit(found.paper_norm)),
+            row("1: (3.4), operator norm", limit(found.theorem)),
+            row("2: sharpened, half weight, terms apart", limit(found.sharpened)),
+        ];
+        if found.not_followed.is_none() {
+            rows.push(row("3: ‖DΛ‖ = 1, measured", crossing(found.norm_one)));
+            rows.push(row("3: spectral radius of DΛ = 1, measured", crossing(found.radius_one)));
+        }
+        rows.push(row("4: one solution guaranteed, by monotonicity", limit(found.solvable)));
+        let singular = [("S^d", found.loss_tensors), ("the mesh", found.loss_mesh)];
+        rows.extend(singular.into_iter().filter_map(|(on, k)| {
+            Some(row(&format!("4: linear, 𝒜 + (k/2)ℬ(0) singular on {on}"), limit(k?)))
+        }));
+        let last = self.study.rungs.last().map_or(0.0, |rung| rung.k);
+        match (found.loss, &found.loss_reason) {
+            _ if found.not_followed.is_some() => {}
+            (Some((low, high)), reason) => {
+                let why = reason.as_deref().unwrap_or("not known");
+                let what = format!("4: the solution followed in k ends: {why}");
+                rows.push(row(&what, format!("{} ± {:.0e}", digits(high, 9), high - low)));
+            }
+            (None, _) => {
+                let what = "4: the solution followed in k does not end";
+                rows.push(row(what, format!("> {}", digits(last, 5))));
+            }
+        }
+        let precise = |value: Option<f64>| value.map(|value| digits(value, 6));
+        let more = [
+            ("largest real eigenvalue of DΛ there", precise(found.loss_eigenvalue)),
+            ("3 over 1, the paper's norm", precise(self.ratio)),
+            ("sharpened attained, to 1e-6", Some(if self.attained { "yes" } else { "no" }.into())),
+        ];
+        rows.extend(more.into_iter().filter_map(|(what, value)| Some(row(what, value?))));
+        rows
+    }
+}
+
+/// Where a factor reaches one.
+fn crossing(found: Option<Crossing>) -> String {
+    match found {
+        None => "every k".into(),
+        Some(Crossing::Between(low, high)) => {
+            let off = 0.5 * (high - low).max(1e-15 * high);
+            format!("{} ± {off:.0e}", digits(0.5 * (low + high), 9))
+        }
+        Some(Crossing::Beyond(k)) => format!("> {}", digits(k, 5)),
+        Some(Crossing::Before(k)) => format!("< {}", digits(k, 5)),
+    }
+}
+
+fn on_mesh(at: &AtLevel) -> Vec<Run> {
+    let mesh = at.mesh.map_or_else(|| "–".into(), |n| n.to_string());
+    let factors = [at.norm, at.radius, at.sharpened].map(|factor| precise(factor, 11));
+    [Run::plain(mesh), precise(at.k, 6)].into_iter().chain(factors).collect()
+}
+
+fn rung(rung: &Rung) -> Vec<Run> {
+    let solved = |outcome: &Outcome| match outcome {
+        Outcome::Solved(iterations) => Run::plain(format!("{iterations} it.")),
+        Outcome::Failed(_) => Run::plain("fails"),
+    };
+    vec![
+        precise(rung.k, 8),
+        precise(rung.radius, 8),
+        precise(rung.norm, 8),
+        precise(rung.finite_worst, 8),
+        precise(rung.finite_random, 8),
+        precise(rung.sharpened, 8),
+        precise(rung.theorem, 8),
+        precise(rung.paper, 8),
+        solved(&rung.newton),
+        solved(&rung.fixed_point),
+        Run::plain(rung.starts.distinct.to_string()),
+    ]
+}
+
+fn constant(own: &Constant) -> Vec<Run> {
+    let side = if own.safe { "safe side" } else { "no bound" };
+    vec![
+        Run::plain(&*own.name),
+        precise(own.value, 11),
+        Run::plain(own.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"))),
+        Run::plain(format!("{}, {side}", own.how.name())),
+        Run::plain(&*own.note),
+    ]
+}
+
+fn sampled(own: &Sampled) -> Vec<Run> {
+    vec![
+        Run::plain(&*own.what),
+        precise(own.declared, 9),
+        precise(own.needed, 9),
+        number(f64::from(own.samples)),
+        held(own.holds),
+    ]
+}

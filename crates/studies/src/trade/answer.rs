@@ -1,0 +1,195 @@
+//! The cheapest n, N and knob for an error, by the models of a trade.
+
+use serde::Serialize;
+
+use super::as_json;
+use super::document::megabytes;
+use super::{
+    Answer, Bench, Candidates, Choices, Knob, MOST, NoAnswer, Optimum, Plan, Price, Study,
+    cheapest, knobs, optimum,
+};
+use judge::fit::FLOORS_ABOVE;
+use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost};
+use scene::Norm;
+use scene::setup::{Setup, SetupError};
+
+/// A knob is taken where it saves this part of the time at least, and moves the error by less.
+const WORTH: f64 = 0.05;
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum AnswerError {
+    /// A model was not fitted.
+    #[error("no answer: the {what} have no model: {reason}")]
+    NoModel {
+        /// Errors or times.
+        what: &'static str,
+        /// Why.
+        reason: String,
+    },
+    /// There is no run.
+    #[error("no answer: nothing was run")]
+    NothingRun,
+    /// No run reaches the error.
+    #[error(transparent)]
+    NoAnswer(#[from] NoAnswer),
+    /// A mesh is at fault.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The answer does not fit into memory.
+    #[error("the answer, n = {n}, N = {steps}: {source}")]
+    Memory {
+        /// Cells a unit length.
+        n: u32,
+        /// Steps.
+        steps: u32,
+        /// By how much.
+        source: TooLarge,
+    },
+}
+
+/// The answer with what it rests on.
+#[derive(Debug, Clone, Serialize)]
+pub struct Answered {
+    /// The error that is wanted.
+    pub target: f64,
+    /// The run that has it.
+    #[serde(flatten)]
+    pub choice: Answer,
+    /// The knob to turn.
+    #[serde(serialize_with = "as_json::knob")]
+    pub knob: Knob,
+    /// Memory, as predicted.
+    pub bytes: f64,
+    h: f64,
+    k: f64,
+    optimum: Option<Optimum>,
+    /// Over how many levels h and k are extrapolated, where they are beyond the grid.
+    extrapolates: Option<String>,
+}
+
+impl Answered {
+    /// Of a study whose runs are in `bench`.
+    ///
+    /// # Errors
+    /// [`AnswerError`].
+    pub fn new(
+        bench: &Bench,
+        study: &Study,
+        plan: &Plan,
+        target: f64,
+        limit: &MemoryLimit,
+    ) -> Result<Self, AnswerError> {
+        let setup = &bench.plain.setup;
+        let without = |what: &'static str| {
+            move |reason: &String| AnswerError::NoModel { what, reason: reason.clone() }
+        };
+        let error = study.error.as_ref().map_err(without("errors"))?;
+        let cost = study.cost.as_ref().map_err(without("times"))?;
+        let floor = study.plain().filter_map(|trial| Some(trial.done()?.floor)).fold(0.0, f64::max);
+        if target <= FLOORS_ABOVE * floor {
+            return Err(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }.into());
+        }
+        let reference = setup.scene.sweep.as_ref().and_then(|sweep| sweep.reference);
+        let reference = reference.filter(|_| setup.exact.is_none());
+        // A run as fine as the reference has no error against it.
+        let most = reference.map_or(MOST, |r| [r.n as u32 / 2, r.steps as u32 / 2]);
+        let own = Candidates::new(setup, true)?;
+        let (h, k) = (|n: u32| own.h(n), |steps: u32| own.k(steps));
+        let (cells, steps) = (|n: u32| own.cells(n), |steps: u32| own.steps(steps));
+        let [Some(&n0), Some(&steps0)] = [plan.n.first(), plan.steps.first()] else {
+            return Err(AnswerError::NothingRun);
+        };
+        let choices =
+            Choices { least: [n0, steps0], most, h: &h, k: &k, cells: &cells, steps: &steps };
+        let sum = study.composition.as_ref();
+        let seconds = |h: f64, k: f64| {
+            sum.map_or_else(|| cost.seconds(h, k), |composition| composition.seconds(h, k))
+        };
+        let law = |h: f64, k: f64| error.error(h, k);
+        let mut choice = cheapest(&law, &seconds, target, &choices)?;
+        let (knob, factors) = best_knob(setup, study, choice);
+        let inner = target / factors[1].max(1.0);
+        if inner < target {
+            choice = cheapest(&law, &seconds, inner, &choices)?;
+        }
+        choice.seconds *= factors[0];
+        choice.error *= factors[1];
+        // The mesh of an answer is made to predict its memory, and may be one that no machine holds.
+        admit_run(setup, None, (choice.n, choice.steps), limit)
+            .map_err(|source| AnswerError::Memory { n: choice.n, steps: choice.steps, source })?;
+        let space = setup.space(choice.n)?;
+        let bytes = run_cost(setup, &space, choice.steps).memory_bytes;
+        let beyond = |name: &str, value: u32, list: &[u32]| {
+            let most = list.iter().copied().max().filter(|&most| value > most)?;
+            Some(format!(
+                "{name} is {:.1} times the largest that was run",
+                f64::from(value) / f64::from(most)
+            ))
+        };
+        let parts = [beyond("n", choice.n, &plan.n), beyond("N", choice.steps, &plan.steps)];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
+        Ok(Self {
+            target,
+            knob,
+            bytes,
+            h: h(choice.n),
+            k: k(choice.steps),
+            optimum: optimum(error, cost, inner),
+            extrapolates: (!parts.is_empty()).then(|| parts.join(", ")),
+            choice,
+        })
+    }
+
+    /// The answer in words.
+    pub fn words(&self, study: &Study) -> String {
+        let Answer { n, steps, error, seconds } = self.choice;
+        let relative = 100.0 * self.target / study.size;
+        let part = match study.norm {
+            Norm::VMax => format!(" ({relative:.3} % of the solution)"),
+            _ => String::new(),
+        };
+        let real = |value: Option<f64>| value.map_or("any".into(), |value| format!("{value:.4}"));
+        let best = self.optimum.map_or(String::new(), |optimum| {
+            format!("; real numbers would be h = {}, k = {}", real(optimum.h), real(optimum.k))
+        });
+        let warning = self
+            .extrapolates
+            .as_ref()
+            .map_or(String::new(), |text| format!("\n  beyond what was measured: {text}"));
+        format!(
+            "target {:.4e} in {}{part}: n = {n}, N = {steps}, {} (h = {:.5}, k = {:.5}{best})\n  predicted: error {error:.4e}, {seconds:.3} CPU s, {}{warning}",
+            self.target,
+            study.norm.name(),
+            self.knob.name(),
+            self.h,
+            self.k,
+            megabytes(self.bytes),
+        )
+    }
+}
+
+/// The knob that saves most time at next to no error, with its factors of time and error in the run nearest to the
+/// answer; it must save time wherever it was turned. Extrapolation in k is another scheme, and is left to the reader of the price list.
+fn best_knob(setup: &Setup, study: &Study, choice: Answer) -> (Knob, [f64; 2]) {
+    let factors = |knob: Knob| -> Option<[f64; 2]> {
+        let own: Vec<_> = study.prices.iter().filter(|price| price.what == knob.name()).collect();
+        let serves = |price: &&Price| {
+            price.shows() && 1.0 / price.speed <= 1.0 - WORTH && price.error.abs() <= WORTH
+        };
+        let all = !own.is_empty() && own.iter().all(serves);
+        all.then(|| {
+            let away = |price: &Price| {
+                let ratio = |a: u32, b: u32| (f64::from(a) / f64::from(b)).ln().abs();
+                ratio(price.n, choice.n) + ratio(price.steps, choice.steps)
+            };
+            let nearest = own.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
+            nearest.map_or([1.0; 2], |price| [1.0 / price.speed, 1.0 + price.error])
+        })
+    };
+    // Sums over a short past do not know the knobs of a long one.
+    let offered = knobs(setup).into_iter().filter(|knob| knob.matters(setup, choice.steps));
+    let turned = offered.filter_map(|knob| Some((knob, factors(knob)?)));
+    let best = turned.min_by(|a, b| a.1[0].total_cmp(&b.1[0]));
+    best.unwrap_or((Knob::AsWritten, [1.0; 2]))
+}

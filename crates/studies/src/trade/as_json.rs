@@ -1,0 +1,75 @@
+//! How values of other crates, and results, stand in the JSON of a trade.
+
+use judge::fit::{Estimate, Interval, Model};
+use scene::Norm;
+use serde::{Serialize, Serializer};
+
+use super::{Knob, Outcome};
+
+/// A model, or `{"reason": …}`.
+pub(super) fn or_reason<T: Serialize, S: Serializer>(
+    found: &Result<T, String>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Reason<'a> {
+        reason: &'a str,
+    }
+    match found {
+        Ok(model) => model.serialize(serializer),
+        Err(reason) => Reason { reason }.serialize(serializer),
+    }
+}
+
+/// A run with its status, or why there is none.
+pub(super) fn ended<S: Serializer>(
+    outcome: &Result<Outcome, String>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    #[serde(tag = "status", rename_all = "lowercase")]
+    enum Ended<'a> {
+        Converged(&'a Outcome),
+        Failed { reason: &'a str },
+    }
+    match outcome {
+        Ok(run) => Ended::Converged(run).serialize(serializer),
+        Err(reason) => Ended::Failed { reason }.serialize(serializer),
+    }
+}
+
+/// `[lo, hi]`.
+pub(super) fn ends<S: Serializer>(interval: &Interval, to: S) -> Result<S::Ok, S::Error> {
+    [interval.lo, interval.hi].serialize(to)
+}
+
+/// `[lo, hi]`, or null.
+pub(super) fn some_ends<S: Serializer>(
+    interval: &Option<Interval>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    interval.map(|i| [i.lo, i.hi]).serialize(serializer)
+}
+
+/// An exponent of the cost with its interval.
+pub(super) fn exponent<S: Serializer>(found: &Estimate, to: S) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    struct Exponent {
+        exponent: f64,
+        interval: [f64; 2],
+    }
+    let Estimate { value, interval } = *found;
+    Exponent { exponent: value, interval: [interval.lo, interval.hi] }.serialize(to)
+}
+
+pub(super) fn model<S: Serializer>(model: &Model, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(model.name())
+}
+
+pub(super) fn norm<S: Serializer>(norm: &Norm, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(norm.name())
+}
+
+pub(super) fn knob<S: Serializer>(knob: &Knob, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.serialize_str(&knob.name())
+}

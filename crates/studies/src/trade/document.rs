@@ -1,0 +1,172 @@
+//! A trade in words and tables.
+
+use super::extrapolation::{Extrapolated, LastOrder};
+use super::{Price, Resource, Study, Term, Trial};
+use judge::fit::Interval;
+use report::{Chapter, ReportError, Run, StudyDocument, Tone, digits};
+
+impl Study {
+    /// The trade as a document.
+    ///
+    /// # Errors
+    /// The drawing library's.
+    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+        let title = format!("Cost and error: {}", self.scene);
+        let mut own =
+            StudyDocument::new(Chapter::Trade, title).of_scene(&self.scene, &self.fingerprint);
+        own.words(format!(
+            "Errors in {}; the largest strain norm of the truth is {}.",
+            self.norm.name(),
+            digits(self.size, 5)
+        ));
+        own.table(
+            "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better; memory: none that takes less memory too.",
+            &[
+                "knob", ">n", ">N", ">error", ">CPU s", ">spread", ">in loads", ">memory", "front",
+                "status",
+            ],
+            self.trials.iter().map(trial).collect(),
+        );
+        self.models(&mut own);
+        let cost = |value: Option<f64>| {
+            Run::plain(value.map_or("unknown".into(), |value| format!("E^-{value:.2}")))
+        };
+        own.table(
+            "What an error E costs along k ~ h^s: by the models, and between the ends of the grid.",
+            &[">s", ">models", ">measured"],
+            self.paths
+                .iter()
+                .map(|path| {
+                    let s = Run::plain(format!("{:.2}", path.exponent));
+                    vec![s, cost(path.modelled), cost(path.measured)]
+                })
+                .collect(),
+        );
+        self.extrapolated.iter().for_each(|found| extrapolated(&mut own, found));
+        own.table(
+            "Price list, one knob at a time.",
+            &["what a knob costs and buys"],
+            self.prices.iter().map(|price: &Price| vec![Run::plain(&*price.words)]).collect(),
+        );
+        for (stem, shows, resource) in [
+            ("trade", "error against CPU seconds", Resource::Time),
+            ("trade-memory", "error against predicted memory", Resource::Memory),
+        ] {
+            let caption = format!("{shows}, with the Pareto front (sweep trade).");
+            own.figure(stem, &caption, self.svg(resource)?);
+        }
+        Ok(own)
+    }
+
+    fn models(&self, own: &mut StudyDocument) {
+        own.words(match &self.error {
+            Ok(error) => format!(
+                "Error: {} and {} as {} ({}; off by {:.1} % at most).",
+                term("h", &error.space),
+                term("k", &error.time),
+                error.model.name(),
+                error.source,
+                100.0 * error.residual.exp_m1()
+            ),
+            Err(reason) => format!("Error: no model; the reason: {reason}."),
+        });
+        own.words(match &self.cost {
+            Ok(cost) => format!(
+                "Cost: t = {:.2e} s + {:.2e} s h^-a k^-b, a = {:.2} in {}, b = {:.2} in {} (off by {:.0} % at most).",
+                cost.base,
+                cost.constant,
+                cost.space.value,
+                bracketed(cost.space.interval),
+                cost.time.value,
+                bracketed(cost.time.interval),
+                100.0 * cost.residual.exp_m1()
+            ),
+            Err(reason) => format!("Cost: no model; the reason: {reason}."),
+        });
+        if let Some(sum) = &self.composition {
+            let [constant, cell, level, factor, factors] = sum.parts;
+            own.words(format!(
+                "For predictions {constant:.1e} s + {cell:.1e} s a cell + {level:.1e} s a cell and level + {factor:.1e} s an operation of a factorization + {factors:.1e} s one and level (cells h^-d, operations h^-3(d-1))."
+            ));
+        }
+        if let Some(path) = &self.coupling {
+            own.words(format!(
+                "Cheapest coupling: k = {:.3} h^{:.3}, where space has {:.0} % of the error (of its square, for root-sum-square); an error E costs E^-{:.2}.",
+                path.factor,
+                path.exponent,
+                100.0 * path.space_share,
+                path.cost_exponent
+            ));
+        }
+    }
+}
+
+fn term(step: &str, term: &Option<Term>) -> String {
+    match term {
+        Some(term) => {
+            let interval = bracketed(term.interval);
+            format!("{:.4e} {step}^{:.3} {interval}", term.constant, term.order)
+        }
+        None => format!("no term of {step}"),
+    }
+}
+
+/// An interval in brackets; of two runs it is not known.
+fn bracketed(interval: Interval) -> String {
+    if interval.half_width().is_finite() {
+        format!("[{:.2}, {:.2}]", interval.lo, interval.hi)
+    } else {
+        "[interval unknown: too few levels]".into()
+    }
+}
+
+/// Bytes in MiB.
+pub(super) fn megabytes(bytes: f64) -> String {
+    format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
+}
+
+fn trial(trial: &Trial) -> Vec<Run> {
+    let [n, steps] = [trial.n, trial.steps].map(|count| count.to_string());
+    let mut cells: Vec<Run> = [trial.knob.clone(), n, steps].map(Run::plain).into();
+    match &trial.outcome {
+        Ok(run) => cells.extend(
+            [
+                format!("{:.4e}", run.error),
+                format!("{:.4}", run.seconds),
+                format!("+{:.0} %", 100.0 * (run.slowest / run.seconds - 1.0)),
+                format!("{:.0} %", 100.0 * run.load_share),
+                megabytes(run.bytes),
+                match (trial.front, trial.front_memory) {
+                    (true, _) => "on it".into(),
+                    (_, true) => "memory".into(),
+                    _ => String::new(),
+                },
+                "converged".into(),
+            ]
+            .map(Run::plain),
+        ),
+        Err(reason) => {
+            cells.extend((0..6).map(|_| Run::plain("–")));
+            cells.push(Run::of(format!("failed: {reason}"), Tone::Miss));
+        }
+    }
+    cells
+}
+
+fn extrapolated(own: &mut StudyDocument, found: &Extrapolated) {
+    let [plain, better] = found.orders.map(|order| match order {
+        Some(LastOrder { last, interval: Some(i) }) => format!("{last:.2} in {}", bracketed(i)),
+        Some(LastOrder { last, interval: None }) => format!("{last:.2}"),
+        None => "unknown".into(),
+    });
+    let row = |(step, plain, better): &(f64, f64, Option<f64>)| {
+        let better = better.map_or_else(|| "–".into(), |error| format!("{error:.3e}"));
+        [format!("{step:.6}"), format!("{plain:.3e}"), better].map(Run::plain).into()
+    };
+    let step = format!(">{}", found.step);
+    own.table(
+        format!("Extrapolated: {}; last order {plain}, extrapolated {better}.", found.what),
+        &[&step, ">error", ">extrapolated"],
+        found.rows.iter().map(row).collect(),
+    );
+}

@@ -1,0 +1,28 @@
+from collections.abc import Callable, Sequence
+from os import PathLike
+from typing import Any
+
+__version__: str
+
+def sweep(words: Sequence[str]) -> int: ...
+def scenes() -> list[tuple[str, str]]: ...
+def fit(
+    sizes: Sequence[float],
+    errors: Sequence[float],
+    floors: Sequence[float],
+    sigmas: Sequence[float | None],
+    order: float | None,
+    at_least: bool,
+    exact: bool,
+    tolerance: float | None,
+    log: float,
+) -> dict[str, Any]: ...
+def verify(
+    scene: str,
+    solve: Callable[[dict[str, Any]], Any],
+    n: Sequence[int] | None,
+    steps: Sequence[int] | None,
+    pressure: bool,
+    orders_only: bool,
+    out: PathLike[str] | str | None,
+) -> str: ...

@@ -1,0 +1,62 @@
+//! The judge for one table.
+
+use gronwall::fit::{Claim, Exclusion, FitError, Level, Point, TOLERANCE, infer, screen};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use super::refused;
+
+/// What the judge says of a table: order, interval, slopes, coarse levels left out, where a floor begins; with an order
+/// also decision, reason and, where a further level would help, its step.
+#[pyfunction]
+#[pyo3(signature = (sizes, errors, floors, sigmas, order, at_least, exact, tolerance, log))]
+#[allow(clippy::too_many_arguments)]
+pub fn fit<'py>(
+    py: Python<'py>,
+    sizes: Vec<f64>,
+    errors: Vec<f64>,
+    floors: Vec<f64>,
+    sigmas: Vec<Option<f64>>,
+    order: Option<f64>,
+    at_least: bool,
+    exact: bool,
+    tolerance: Option<f64>,
+    log: f64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let level =
+        |i: usize| Level { size: sizes[i], error: errors[i], floor: floors[i], sigma: sigmas[i] };
+    // Errors near their floors leave, as in a sweep; what is no error is refused below.
+    let carries = |level: &Level| {
+        let Level { size, error, floor, .. } = *level;
+        let below = |exclusion| matches!(exclusion, Exclusion::BelowFloor { .. });
+        !screen(&Point { h: size, k: f64::NAN, error, floor }).is_err_and(below)
+    };
+    let levels: Vec<Level> = (0..sizes.len()).map(level).filter(carries).collect();
+    let claim = |order| {
+        let tolerance = tolerance.unwrap_or(TOLERANCE);
+        Claim { order, at_least, exact, tolerance, log }.checked().map_err(refused)
+    };
+    let claim = order.map(claim).transpose()?;
+    let found = PyDict::new(py);
+    let posterior = match infer(&levels, None, log) {
+        Ok(posterior) => posterior,
+        // Too few levels are an answer of the table, and what is wrong with a number is one of its author.
+        Err(error @ FitError::TooFew { .. }) => {
+            found.set_item("reason", error.to_string())?;
+            found.set_item("decision", claim.map(|_| "unresolved"))?;
+            return Ok(found);
+        }
+        Err(error) => return Err(refused(error)),
+    };
+    found.set_item("order", posterior.order)?;
+    found.set_item("interval", (posterior.interval.lo, posterior.interval.hi))?;
+    found.set_item("slopes", posterior.slopes.clone())?;
+    found.set_item("left_out", posterior.coarse_left_out)?;
+    found.set_item("floor_from", posterior.floor_from)?;
+    if let Some(claim) = claim {
+        let ruling = posterior.decide(&claim);
+        found.set_item("decision", ruling.decision.name())?;
+        found.set_item("reason", ruling.reason)?;
+    }
+    Ok(found)
+}

@@ -1,0 +1,59 @@
+"""The plugin in runs of its own: three outcomes, summary, exit status, report."""
+
+import json
+
+import pytest
+
+pytest_plugins = ["pytester"]
+
+TESTS = """
+import gronwall
+
+def test_sound(order_study):
+    order_study(lambda h: {"L2": h**2}, {"L2": 2})
+
+def test_wrong(order_study):
+    order_study(lambda h: {"L2": h}, {"L2": 2})
+
+def test_short(order_study):
+    order_study.check([0.5, 0.25], [0.25, 0.0625], 2, name="two levels")
+
+def test_plain():
+    gronwall.assert_order([0.5, 0.25], [0.25, 0.0625], 2)
+
+def test_other():
+    assert True
+"""
+
+
+def test_three_outcomes(pytester):
+    pytester.makepyfile(TESTS)
+    run = pytester.runpytest("-p", "no:cacheprovider", "--gronwall-report", "report")
+    assert run.ret == pytest.ExitCode.TESTS_FAILED
+    assert run.parseoutcomes() == {"passed": 2, "failed": 1, "unresolved": 2}
+    run.stdout.fnmatch_lines(
+        [
+            "*orders of convergence*",
+            "pass *test_sound*L2: PASS, order 2.00*",
+            "fail *test_wrong*L2: FAIL, order 1.00*",
+            "unresolved *test_short*two levels: UNRESOLVED*run h = 0.125 as well*",
+            "unresolved *test_plain*",
+        ]
+    )
+    found = json.loads((pytester.path / "report" / "verdicts.json").read_text())
+    assert [row["decision"] for row in found] == ["pass", "fail", "unresolved"]
+    page = (pytester.path / "report" / "index.html").read_text()
+    assert "test_wrong" in page and page.count("<table>") == 3
+    assert (pytester.path / "report" / "tables.tex").read_text().count(r"\begin{tabular}") == 3
+
+
+def test_unresolved_alone_fails_the_run_unless_it_is_only_to_warn(pytester):
+    pytester.makepyfile(TESTS)
+    for options, status in [((), pytest.ExitCode.TESTS_FAILED), (("--gronwall-unresolved=warn",), pytest.ExitCode.OK)]:
+        run = pytester.runpytest("-k", "short", *options)
+        assert run.ret == status and run.parseoutcomes()["unresolved"] == 1
+
+
+def test_a_run_without_orders_has_no_summary(pytester):
+    pytester.makepyfile("def test_other():\n    assert True\n")
+    assert "orders of convergence" not in pytester.runpytest().stdout.str()

@@ -1,0 +1,44 @@
+"""Studies: levels until every order is decided, within a budget."""
+
+import pytest
+
+import gronwall
+
+
+def test_the_cheapest_levels_first_and_no_more_than_decide():
+    asked = []
+
+    @gronwall.study(order={"L2": 3, "H1": 2})
+    def solve(h):
+        asked.append(h)
+        return {"L2": h**3, "H1": 2 * h**2}
+
+    results = solve()
+    assert results.decision == "pass" and results.stopped == "decided"
+    assert asked == [0.5, 0.25, 0.125] and set(results) == {"L2", "H1"}
+    assert results.demand() is results and solve.__name__ == "solve"
+
+
+def test_a_failure_is_confirmed_by_one_level_more():
+    results = gronwall.study(order=2)(lambda h: h)()
+    assert results.decision == "fail" and len(results.h) == 4
+    with pytest.raises(AssertionError, match="FAIL"):
+        results.demand()
+
+
+def test_a_late_order_gets_more_levels():
+    # Order 1 on coarse levels, 2 on fine ones.
+    results = gronwall.study(order=2)(lambda h: h**3 / (h + 0.02))()
+    assert len(results.h) > 4
+
+
+def test_the_budget_ends_it_unresolved():
+    results = gronwall.study(order=2, budget=1e-9)(lambda h: h**2 * (1 + 5 * h**0.5))()
+    assert results.decision != "pass" and "budget" in results.stopped
+
+
+def test_names_have_to_be_there():
+    with pytest.raises(KeyError, match="no error is called H1"):
+        gronwall.study(order={"L2": 2, "H1": 1})(lambda h: {"L2": h})()
+    with pytest.raises(TypeError, match="dictionary"):
+        gronwall.study(order={"L2": 2})(lambda h: h)()

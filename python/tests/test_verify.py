@@ -1,0 +1,119 @@
+"""A solver in process under a scene: the case as arrays, records as those by files, what is refused."""
+
+import csv
+import subprocess
+import sys
+import textwrap
+
+import pytest
+
+import gronwall
+
+numpy = pytest.importorskip("numpy")
+
+GRID = {"n": [4, 8, 16], "steps": [4]}
+
+
+def exact(case):
+    """The displacements of viscoelastic, interpolated; any fixed field would do."""
+    x, y = case.points.T
+    t = case.times[:, None]
+    return numpy.stack([0.1 * (1 + t) * (1 - y) * x, 0.05 * t * (1 - y) * numpy.sin(x)], axis=-1)
+
+
+def test_scenes_have_questions():
+    assert "viscoelastic" in gronwall.scenes() and all(gronwall.scenes().values())
+
+
+def test_the_case_is_complete():
+    seen = []
+
+    def solve(case):
+        seen.append(case)
+        return numpy.zeros_like(case.loads)
+
+    gronwall.verify("signorini", solve, n=[4], steps=[3])
+    case = seen[0]
+    assert (case.scene, case.dimension, case.n, case.steps) == ("signorini", 2, 4, 3)
+    assert case.points.shape == (25, 2) and case.cells.shape == (32, 3) and case.loads.shape == (4, 25, 2)
+    corners = case.points[case.cells]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = numpy.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum() / 2
+    assert abs(area - 1) < 1e-14
+    assert abs(case.contact["weight"].sum() - 1) < 1e-14 and (case.contact["normal"] == [0, -1]).all()
+    assert (case.points[case.clamped, 1] == 1).all() and case.clamped.sum() == 5
+    assert not case.loads[:, case.clamped].any() and case.loads.any()
+    assert len(case.sides) == len(case.facets) == 16 and case.times[-1] == case.data["horizon"]
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        table = list(csv.DictReader(file))
+    # A row as each case ends there, sorted here; the checksum is of the seconds too.
+    table.sort(key=lambda row: (int(row["n"]), row["norm"]))
+    return [{key: row[key] for key in row if not key.startswith(("seconds", "checksum"))} for row in table]
+
+
+def test_records_in_process_are_those_by_files_bit_for_bit(tmp_path):
+    script = tmp_path / "solve.py"
+    script.write_text(
+        textwrap.dedent(
+            """
+            import csv, sys, numpy
+            folder = sys.argv[1]
+            with open(f"{folder}/vertices.csv") as file:
+                points = numpy.array([[float(row["x"]), float(row["y"])] for row in csv.DictReader(file)])
+            t = numpy.load(f"{folder}/times.npy")[:, None]
+            x, y = points.T
+            u = numpy.stack([0.1 * (1 + t) * (1 - y) * x, 0.05 * t * (1 - y) * numpy.sin(x)], axis=-1)
+            numpy.save(f"{folder}/displacement.npy", u)
+            """
+        )
+    )
+    verdicts = gronwall.verify("viscoelastic", exact, **GRID, out=tmp_path / "here")
+    command = [sys.executable, "-m", "gronwall", "verify", "viscoelastic", "--n", "4,8,16", "--steps", "4"]
+    command += ["--solver", f"{sys.executable} {script}", "--out", str(tmp_path / "files")]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    here, files = rows(tmp_path / "here/cases.csv"), rows(tmp_path / "files/cases.csv")
+    assert here == files and {row["status"] for row in here} == {"converged"}
+    # A field that is no solution has no order.
+    assert run.returncode == 1 and {verdict.decision for verdict in verdicts} == {"fail"}
+
+
+def test_what_the_solver_raises_comes_out_as_it_was_and_ends_the_sweep():
+    calls = []
+
+    def solve(case):
+        calls.append(case.n)
+        raise ZeroDivisionError("the mesh is odd")
+
+    with pytest.raises(ZeroDivisionError, match="the mesh is odd") as caught:
+        gronwall.verify("viscoelastic", solve, **GRID)
+    assert len(calls) == 1 and caught.traceback[-1].name == "solve"
+
+
+@pytest.mark.parametrize(
+    ("scene", "solve", "says"),
+    [
+        ("viscoelastic", lambda case: numpy.zeros((2, 2)), r"shape \(2, 2\) where \(5, \d+, 2\) is wanted"),
+        ("viscoelastic", lambda case: numpy.full(case.loads.shape, numpy.nan), "nan at"),
+        ("viscoelastik", exact, "viscoelastic"),
+        ("punch", exact, "no exact solution"),
+        ("abstract-smooth", exact, "R\\^m"),
+    ],
+)
+def test_what_cannot_be_judged_is_refused(scene, solve, says):
+    with pytest.raises(ValueError, match=says):
+        gronwall.verify(scene, solve, **GRID)
+
+
+def test_the_console_script_is_the_program(tmp_path):
+    def sweep(*words):
+        command = [sys.executable, "-m", "gronwall", *words]
+        return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+
+    listed = sweep("list")
+    assert listed.returncode == 0 and "scenes inside this program" in listed.stdout
+    assert sweep("--version").stdout.split() == ["sweep", gronwall.__version__]
+    bad = sweep("verify", "viscoelastik", "--solver", "true")
+    assert bad.returncode == 2 and "did you mean `viscoelastic`" in bad.stderr

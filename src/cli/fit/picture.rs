@@ -1,0 +1,38 @@
+//! The errors of a file on logarithmic axes.
+
+use judge::fit::{Direction, screen};
+use judge::table::{Group, Quantity};
+use report::{Axis, Chart, Datum, Part, Scale, Series, Slope};
+
+use super::{Predicted, line_points, step_name};
+use crate::cli::CliError;
+
+/// One series a table, in the first direction that the file refines, with triangles of the orders that are predicted.
+pub(super) fn svg(
+    groups: &[Group],
+    predicted: impl Fn(Option<&str>) -> Predicted,
+) -> Result<String, CliError> {
+    let errors: Vec<&Group> =
+        groups.iter().filter(|group| group.quantity == Quantity::Error).collect();
+    let directions = [Direction::Space, Direction::Time];
+    let refined = |own: &Direction| errors.iter().any(|group| group.refined(*own));
+    let nothing = || CliError::other("nothing to draw: no errors at two sizes");
+    let direction = directions.into_iter().find(refined).ok_or_else(nothing)?;
+    let x = Axis::new(step_name(direction), Scale::Steps);
+    let mut chart = Chart::new("Errors", "", x, Axis::new("error", Scale::Log));
+    for group in errors {
+        let mut points: Vec<Datum> = line_points(group, direction)
+            .iter()
+            .filter(|point| screen(point).is_ok())
+            .map(|point| (direction.step(point), point.error))
+            .collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let name = group.heading().unwrap_or_else(|| "error".into());
+        let order = predicted(group.norm.as_deref()).order(direction);
+        let slope =
+            order.map(|order| Slope { order, label: order.to_string(), along: points.clone() });
+        let parts = vec![Part::Line(points.clone()), Part::Points(points)];
+        chart.series.push(Series { slope, ..Series::new(name, parts) });
+    }
+    chart.svg().map_err(CliError::other)?.ok_or_else(nothing)
+}

@@ -1,0 +1,36 @@
+//! What a study leaves: its numbers as JSON, its document on the terminal and, with --out, in files.
+
+use std::path::Path;
+
+use super::{CliError, create_dir, print_json, print_text, write_json};
+use report::StudyDocument;
+use serde::Serialize;
+
+/// Prints a study, and writes SCENE-STUDY.json, its document and its pictures if there is a directory for them.
+pub(super) fn deliver(
+    study: &impl Serialize,
+    document: &StudyDocument,
+    out: Option<&Path>,
+    as_json: bool,
+) -> Result<(), CliError> {
+    write(study, document, out)?;
+    if as_json {
+        print_json(&serde_json::to_value(study).map_err(CliError::other)?)
+    } else {
+        print_text(&document.text());
+        Ok(())
+    }
+}
+
+/// Writes a study into a directory.
+pub(super) fn write(
+    study: &impl Serialize,
+    document: &StudyDocument,
+    out: Option<&Path>,
+) -> Result<(), CliError> {
+    let Some(dir) = out else { return Ok(()) };
+    create_dir(dir)?;
+    let value = serde_json::to_value(study).map_err(CliError::other)?;
+    write_json(&dir.join(format!("{}.json", document.stem())), &value)?;
+    Ok(document.write(dir)?)
+}
