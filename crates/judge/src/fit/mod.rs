@@ -109,6 +109,18 @@ pub enum FitError {
         /// The error.
         error: f64,
     },
+    /// A relative standard deviation that is not positive.
+    #[error("the relative standard deviation {sigma} is no positive number")]
+    NoDeviation {
+        /// The value found.
+        sigma: f64,
+    },
+    /// |log h| vanishes at a step of one and grows beyond.
+    #[error("a factor |log h| needs steps below 1, and one is {step}")]
+    NoLogarithm {
+        /// The step.
+        step: f64,
+    },
     /// The least-squares problem has no unique solution.
     #[error("the fit of {} is singular", counted(*points, "point"))]
     Singular {

@@ -89,7 +89,7 @@ pub struct Posterior {
 ///
 /// # Errors
 /// [`FitError::TooFew`] below three levels, [`FitError::RepeatedStep`], [`FitError::NoError`] for what is no positive
-/// number.
+/// number, [`FitError::NoDeviation`] for what is no deviation, [`FitError::NoLogarithm`] with a factor |log h|^M.
 pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior, FitError> {
     let table = Table::new(levels, noise, log)?;
     let parts = table.parts();
@@ -148,6 +148,13 @@ impl Table {
         let positive = |value: f64| value.is_finite() && value > 0.0;
         if let Some(level) = levels.iter().find(|l| !positive(l.size) || !positive(l.error)) {
             return Err(FitError::NoError { step: level.size, error: level.error });
+        }
+        let sigmas = levels.iter().filter_map(|level| level.sigma).chain(noise);
+        if let Some(sigma) = sigmas.into_iter().find(|sigma| !positive(*sigma)) {
+            return Err(FitError::NoDeviation { sigma });
+        }
+        if let Some(level) = levels.iter().find(|level| log != 0.0 && level.size >= 1.0) {
+            return Err(FitError::NoLogarithm { step: level.size });
         }
         let same = |pair: &&[Level]| super::same_level(pair[0].size, pair[1].size);
         if let Some(pair) = levels.windows(2).find(same) {
