@@ -86,7 +86,7 @@ fn the_printed_sum_needs_more_than_the_halved_one() {
     // C2 = 1/4: at k = 4 the printed sum has C2 k = 1, the halved one 1/2.
     let output = sweep(&["gronwall", "long-growing", "--steps", "1"]);
     assert_eq!(code(&output), 0, "{}", stderr(&output));
-    assert!(stdout(&output).contains("C2 k >= 1"), "{}", stdout(&output));
+    assert!(stdout(&output).contains("C₂k ≥ 1"), "{}", stdout(&output));
     // Ten times the memory and its sign turned, so that the step itself is solvable: C2 k/2 = 5.
     let folder = Folder::new("gronwall-large-step");
     let strong = edited(&text("long-growing"), "kernel = \"-1\"", "kernel = \"10\"");

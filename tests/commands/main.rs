@@ -24,4 +24,5 @@ mod reproducible;
 mod resume;
 #[path = "../shipped/mod.rs"]
 mod shipped;
+mod study_documents;
 mod unfinished;

@@ -1,0 +1,163 @@
+//! Source: every study is one type: its numbers as JSON, its words as a document.
+//! Goal: what a study found wrong is said in its document, and a document of nothing proves nothing; `--help` of a command
+//!   names every key of its JSON.
+//! Data: memory-minus-identity, compliance and affine on small grids; one seeded defect each.
+
+use std::collections::BTreeSet;
+
+use crate::program::{Folder, code, json, stderr, stdout, sweep};
+use crate::shipped::setup;
+use gronwall::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
+use gronwall::report::StudyDocument;
+use gronwall::setup::Subject;
+use gronwall::theory::audit::{SceneAudit, Violation};
+use gronwall::theory::bound::Bound;
+use gronwall::theory::gronwall::{Plan, Study};
+use gronwall::theory::ledger;
+
+/// The document is sound without the defect, and says `words` with it.
+#[track_caller]
+fn shows(sound: &StudyDocument, defect: &StudyDocument, words: &str) {
+    assert!(sound.holds && !sound.text().contains("Does not hold"), "{}", sound.text());
+    assert!(!defect.holds && defect.text().contains(words), "{words}: {}", defect.text());
+}
+
+#[test]
+fn a_bound_says_what_is_violated() {
+    let sound = Bound::new(&setup("memory-minus-identity"), 4, 4).expect("a study");
+    let document = |bound: &Bound| bound.document().expect("a document");
+    let mut defect = sound.clone();
+    defect.violations.push(gronwall::theory::bound::gate::Violation {
+        k: Some(0.5),
+        what: "|DLambda| <= (3.15)".into(),
+        left: 2.0,
+        right: 0.6,
+    });
+    let words = "k = 0.5: |DLambda| <= (3.15): 2.000000000e0 against 6.000000000e-1";
+    shows(&document(&sound), &document(&defect), words);
+    // The table of all scenes has where Λ stops contracting: k = 4, to the width of its bracket.
+    let threshold = document(&sound).threshold.expect("a threshold");
+    let k: f64 = threshold.split(' ').next().and_then(|k| k.parse().ok()).expect("a number");
+    assert!((k - 4.0).abs() < 2e-6, "{threshold}");
+}
+
+#[test]
+fn a_chain_says_which_link_fails() {
+    let subject = Subject::Contact(Box::new(setup("affine")));
+    let plan = Plan { n: Some(4), steps: vec![8], horizons: Vec::new() };
+    let mut study = Study::run(&subject, plan).expect("a study");
+    let sound = study.document().expect("a document");
+    let violation = gronwall::theory::gronwall::Violation {
+        link: "e <= weighted envelope",
+        n: 3,
+        t: 0.375,
+        left: 0.5,
+        right: f64::NAN,
+    };
+    study
+        .violations
+        .push(gronwall::theory::gronwall::FailedLink { part: "N = 8".into(), violation });
+    let words =
+        "N = 8: e <= weighted envelope at n = 3 (t = 0.375): 5.000000000e-1 against no number";
+    shows(&sound, &study.document().expect("a document"), words);
+    study.violations.clear();
+    study.grids.clear();
+    shows(&sound, &study.document().expect("a document"), "nothing was compared");
+}
+
+#[test]
+fn an_audit_says_which_line_fails() {
+    let mut audit = SceneAudit::new(&setup("compliance"), &[4], &[2]).expect("an audit");
+    let sound = audit.checklist().document(None);
+    let violation = Violation { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 };
+    audit.cases[0].rows[0].violation = Some(violation);
+    shows(&sound, &audit.checklist().document(None), "(4.7) at level 2 of n = 4, N = 2");
+    assert!(audit.checklist().document(None).text().contains("15 of 16 lines hold"));
+    audit.cases.clear();
+    shows(&sound, &audit.checklist().document(None), "nothing was compared");
+}
+
+#[test]
+fn a_claim_and_a_rung_that_fail_are_said() {
+    let entry = |confirmed| ledger::Entry {
+        claim: "E_n is of order h^2",
+        hypotheses: "(5.25)",
+        quantity: "power of h",
+        proved: 2.0,
+        observed: Some(2.01),
+        used: None,
+        claimed: ledger::Finding::Sharp,
+        confirmed,
+        scene: "s",
+        command: "sweep audit s".into(),
+    };
+    let document = |entries: &[ledger::Entry]| ledger::document(entries);
+    shows(&document(&[entry(true)]), &document(&[entry(false)]), "sharp: not confirmed");
+    shows(&document(&[entry(true)]), &document(&[]), "nothing was compared");
+    let ladders: Vec<_> =
+        catalogue(false).into_iter().filter(|own| own.name == "one-vertex").collect();
+    let rung = judge(&ladders[0], &ladders[0].rungs[0], &UnderTest::default());
+    let mut climbed = Climbed { ladders, rungs: vec![rung] };
+    let sound = climbed.document().expect("a document");
+    climbed.rungs[0].standing = Standing::NotAsExpected;
+    let words = format!("one-vertex at {}: not as expected", climbed.rungs[0].at);
+    shows(&sound, &climbed.document().expect("a document"), &words);
+    climbed.rungs.clear();
+    shows(&sound, &climbed.document().expect("a document"), "nothing was compared");
+}
+
+/// Every key of a value, at every depth.
+fn keys(value: &serde_json::Value, found: &mut BTreeSet<String>) {
+    match value {
+        serde_json::Value::Object(map) => map.iter().for_each(|(key, value)| {
+            found.insert(key.clone());
+            keys(value, found);
+        }),
+        serde_json::Value::Array(list) => list.iter().for_each(|value| keys(value, found)),
+        _ => {}
+    }
+}
+
+#[test]
+fn the_help_names_every_key() {
+    let folder = Folder::new("study-keys");
+    let out = folder.argument("out");
+    for arguments in [
+        &["bound", "memory-minus-identity", "--n", "4", "--steps", "4"][..],
+        &["gronwall", "affine", "--steps", "8,16", "--horizons", "1,2"],
+        &["audit", "compliance", "--n", "4", "--steps", "2"],
+        &[
+            "trade",
+            "compliance",
+            "--n",
+            "4,8,16",
+            "--steps",
+            "2,4,8",
+            "--repeats",
+            "1",
+            "--target",
+            "0.03",
+            "--out",
+            &out,
+        ],
+        &["extremes", "one-vertex"],
+        &["diagnose", "affine", "--always"],
+        &["floors", "affine", "--n", "4", "--steps", "4"],
+    ] {
+        let output = sweep(&[arguments, &["--json"]].concat());
+        assert_eq!(code(&output), 0, "{arguments:?}: {}", stderr(&output));
+        let mut value = json(&output);
+        // Verdicts are those of verdict.json, which another page documents.
+        if let Some(document) = value.as_object_mut() {
+            document.remove("verdicts");
+        }
+        let mut found = BTreeSet::new();
+        keys(&value, &mut found);
+        let help = stdout(&sweep(&[arguments[0], "--help"]));
+        let words: BTreeSet<&str> =
+            help.split(|c: char| !(c.is_alphanumeric() || c == '_')).collect();
+        let missing: Vec<&String> =
+            found.iter().filter(|key| !words.contains(key.as_str())).collect();
+        assert!(found.len() > 5 && missing.is_empty(), "{} --help lacks {missing:?}", arguments[0]);
+    }
+}
