@@ -146,10 +146,17 @@ fn csv_rows(text: &str, separator: u8) -> Result<Vec<Cells>, TableError> {
         .flexible(true)
         .has_headers(false)
         .from_reader(kept.as_bytes());
+    let lines: Vec<&str> = kept.lines().collect();
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|error| TableError::at(1, error.to_string()))?;
-        let line = record.position().map_or(0, csv::Position::line);
+        // The position of a record is where the one before ended: empty lines follow.
+        let mut line = record.position().map_or(1, csv::Position::line);
+        let empty =
+            |line: u64| lines.get(line as usize - 1).is_some_and(|text| text.trim().is_empty());
+        while empty(line) {
+            line += 1;
+        }
         let cells: Vec<String> = record.iter().map(str::to_owned).collect();
         if cells.len() > 1 || cells.iter().any(|cell| !cell.is_empty()) {
             rows.push(Cells { line, cells });

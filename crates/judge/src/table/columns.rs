@@ -181,6 +181,7 @@ impl Columns {
 /// The column of sizes in one direction: a length before a number along the side, and a count, which needs the
 /// dimension, before that number where the dimension is given: `n` is then a counter.
 fn size(header: &Cells, roles: &[Role], time: bool, dimension: Option<u32>) -> Option<Size> {
+    let counted = header.cells.iter().any(|name| is_cells(name));
     let found = header.cells.iter().enumerate().zip(roles).filter_map(|((at, name), role)| {
         let measure = match (role, time) {
             (Role::Space(measure), false) | (Role::Time(measure), true) => *measure,
@@ -191,6 +192,10 @@ fn size(header: &Cells, roles: &[Role], time: bool, dimension: Option<u32>) -> O
             Measure::Count if dimension.is_none() => return None,
             Measure::Count if is_cells(name) => 1,
             Measure::Count => 2,
+            // Beside cells `n` may be a counter, as in `n cells`: the dimension has to say.
+            Measure::Number if dimension.is_none() && normal(name) == "n" && counted => {
+                return None;
+            }
             Measure::Number => 3,
             Measure::Level => 4,
         };
