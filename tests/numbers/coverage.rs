@@ -2,8 +2,8 @@
 //! Source: simulation of 1,000 tables a cell, seeded. Data: e = C s^p (1 + D s^r)(1 + noise) with
 //!   p one of 1/2, 1, 3/2, 2, C log-uniform on [e⁻², e²], D uniform on [-4, 4], lognormal noise of
 //!   0, 1 and 2 %, on 4, 5 or 6 neighbouring levels of s = 1/8 … 1/256; for grids
-//!   E = (A^m + B^m)^(1/m) with A, B such tables in h and k. The tables in docs/FITTING.md are
-//!   what this file prints with `--nocapture`.
+//!   E = (A^m + B^m)^(1/m) with A, B such tables in h and k. `--nocapture` prints
+//!   the tables.
 
 use gronwall::fit::{
     Correction, Interval, Model, OrderInterval, Point, Sample, Triple, ValueSample, constant_under,

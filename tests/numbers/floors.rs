@@ -1,4 +1,4 @@
-//! Source: floors as docs/READING-A-VERDICT.md defines them: solver, history, quadrature, reference.
+//! Source: floors as docs/JUDGING.md defines them: solver, history, quadrature, reference.
 //! Goal: what the floor column estimates is at least what a tighter solver, the direct sum, the next rule and another
 //!   reference measure, in every norm of every judged scene; a solver, a recursion and an estimate that are wrong show.
 //! Mesh: the coarsest of each scene, at most 16 cells a unit length, and at most 8 steps.
