@@ -146,6 +146,13 @@ impl BlockPattern {
         self.rows[range.clone()].binary_search(&row).ok().map(|offset| range.start + offset)
     }
 
+    /// Adds to entry (i, j) of lower-triangle `values`, if the pattern has it.
+    pub fn add(&self, [i, j]: [usize; 2], value: f64, values: &mut [f64]) {
+        if let Some(position) = self.position(i, j) {
+            values[position] += value;
+        }
+    }
+
     /// All off-diagonal entries of the row and column of each of `dofs`: (other dof, position).
     pub fn couplings(&self, dofs: &[u32]) -> Vec<Vec<(u32, u32)>> {
         let mut index = vec![NONE; self.order()];

@@ -28,6 +28,7 @@ mod stiffness;
 mod trace;
 mod trace_constant;
 mod volume;
+mod way;
 mod work;
 
 pub use assembly::{stiffness_of, stress_force};

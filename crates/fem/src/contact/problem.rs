@@ -13,7 +13,7 @@ use super::compliance::FacetCompliance;
 use super::last_slot::{LastSlot, TangentOf};
 use super::linear::strain_norm_from;
 use super::work::Work;
-use super::{Discretization, LinearSolver, Model, TracePoint};
+use super::{Discretization, LinearSolver, Model};
 use crate::space::strain_of;
 use algebra::linalg::{FactorError, RankOne, TangentSolver, norm, root_of_squares};
 use algebra::tensor::contract;
@@ -63,12 +63,10 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         let terms = model.memory.iter();
         let memory = terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect();
         let graph = boundary_graph(space, model, &elastic);
-        let unknown = |point: &TracePoint| point.unknown as usize;
-        let compliance = model.boundary.as_ref();
-        let compliance = compliance.and_then(|own| FacetCompliance::new(space, own, unknown));
+        let facets = |own| FacetCompliance::new(space, own, |point| point.unknown as usize);
+        let compliance = model.boundary.as_ref().and_then(facets);
         let dofs: Vec<u32> = graph.coordinates.iter().map(|at| at.dof).collect();
         let couplings = if dofs.is_empty() { Vec::new() } else { space.pattern.couplings(&dofs) };
-        let needs_strains = model.projection.limit().is_some();
         let d = space.mesh.dimension;
         let elasticity = model
             .memory
@@ -87,7 +85,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             unknowns: vec![0.0; space.nodes.len()],
             cartesian: vec![0.0; if space.frames.is_empty() { 0 } else { space.nodes.len() }],
             nodal_force: vec![0.0; space.nodes.len()],
-            strains: if needs_strains {
+            strains: if model.projection.limit().is_some() {
                 vec![0.0; tensor * space.mesh.cell_count()]
             } else {
                 Vec::new()
@@ -369,11 +367,8 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
         };
         if let Some(compliance) = &self.compliance {
             let pattern = &self.space.pattern;
-            compliance.each_tangent(&self.unknowns, |[i, j], value| {
-                if let Some(position) = pattern.position(i, j) {
-                    tangent[position] += value;
-                }
-            });
+            let add = |at, value| pattern.add(at, value, &mut tangent);
+            compliance.each_tangent(&self.unknowns, add);
         }
         for (slope, at) in slopes.iter().zip(&self.graph.coordinates) {
             tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;

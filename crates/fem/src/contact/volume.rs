@@ -5,12 +5,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::floor::Accepted;
+use super::way::{Way, accepted_residual, size_of_forces};
 use super::{Discretization, Floors, LinearSolver, Model, Unknowns, Work};
-use algebra::linalg::{
-    Analysis, Factor, FactorError, Front, MultigridSequence, SIDES, Side, Workspace, axpy, norm,
-    root_of_squares,
-};
-use vhi::Newton;
+use algebra::linalg::{FactorError, Front, MultigridSequence, SIDES, axpy, norm};
 use vhi::law::{Projection, TensorField};
 
 /// Matrix and solver. Right sides of a pass over a factor are in its order, entry after entry, `width` of each.
@@ -42,35 +39,10 @@ pub(super) struct Volume<'a> {
     work: Work,
 }
 
-enum Way<'a> {
-    /// Factors of K's own need a workspace; a factor that the mesh holds is shared.
-    Factor {
-        analysis: &'a Analysis,
-        factor: Arc<Factor>,
-        own: Option<Workspace>,
-        front: Front<f64>,
-        sides: Front<Side>,
-    },
-    Multigrid {
-        sequence: Box<MultigridSequence<'a>>,
-        room: [Vec<f64>; 4],
-    },
-}
-
 /// Passes that a level takes with the factor of the level before it, on grids of usual lengths.
 const LEAST: u32 = 2;
 /// A factorization that costs no more passes is made for every level: from some n = 32 on in the plane it costs more.
 const DEAR: u32 = 3;
-/// Residual of one solve by multigrid over its right side: further digits come from solving for what is left.
-const FORCING: f64 = 1e-8;
-/// A correction that leaves more than this of the residual has met rounding.
-const STANDSTILL: f64 = 0.5;
-
-/// The residual with which Newton's method in the volume would accept a level with forces of this size.
-fn accepted_residual(size: f64) -> f64 {
-    Newton::default().rounding_units * f64::EPSILON * size
-}
-
 impl<'a> Volume<'a> {
     /// Before the first weights.
     ///
@@ -253,21 +225,13 @@ impl<'a> Volume<'a> {
 
     /// The factor of the Schur complement on the unknowns from `cut` on, see [`Analysis::last_triangle`].
     pub(super) fn last_triangle(&self, cut: usize) -> Vec<f64> {
-        match &self.way {
-            Way::Factor { analysis, factor, .. } => analysis.last_triangle(factor, cut),
-            Way::Multigrid { .. } => Vec::new(),
-        }
+        self.way.last_triangle(cut)
     }
 
     /// The forward pass in the rows before `cut`; `width` right sides.
     pub(super) fn forward(&mut self, cut: usize, width: usize, x: &mut [f64]) {
         let start = Instant::now();
-        if let Way::Factor { analysis, factor, front, sides, .. } = &mut self.way {
-            match width {
-                SIDES => analysis.forward_block(factor, cut, x.as_chunks_mut().0, sides),
-                _ => analysis.forward(factor, cut, x, front),
-            }
-        }
+        self.way.forward(cut, width, x);
         self.work.linear.seconds_solve += start.elapsed().as_secs_f64();
     }
 
@@ -286,12 +250,7 @@ impl<'a> Volume<'a> {
             return self.solve(x);
         }
         let start = Instant::now();
-        if let Way::Factor { analysis, factor, front, sides, .. } = &mut self.way {
-            match width {
-                SIDES => analysis.backward_block(factor, cut, x.as_chunks_mut().0, sides),
-                _ => analysis.backward(factor, cut, x, front),
-            }
-        }
+        self.way.backward(cut, width, x);
         self.work.linear.solves += levels as u32;
         self.work.linear.seconds_solve += start.elapsed().as_secs_f64();
         Ok(())
@@ -304,15 +263,12 @@ impl<'a> Volume<'a> {
     pub(super) fn solve(&mut self, x: &mut [f64]) -> Result<(), FactorError> {
         let start = Instant::now();
         let matrix = if self.by_memory.is_empty() { &self.elastic } else { &self.matrix };
-        match &mut self.way {
-            Way::Factor { analysis, factor, front, .. } => {
-                analysis.solve(factor, x, front);
-                self.work.linear.solves += 1;
-                self.work.linear.seconds_solve += start.elapsed().as_secs_f64();
-                Ok(())
-            }
-            Way::Multigrid { sequence, room } => solve_by(self.space, matrix, sequence, room, x),
+        self.way.solve(self.space, matrix, x)?;
+        if matches!(self.way, Way::Factor { .. }) {
+            self.work.linear.solves += 1;
+            self.work.linear.seconds_solve += start.elapsed().as_secs_f64();
         }
+        Ok(())
     }
 
     /// Subtracts the forces of the memory, by its sums over the past or with the last slot; nothing where it is a
@@ -345,13 +301,7 @@ impl<'a> Volume<'a> {
         self.subtract_memory(history, &mut force);
         let tolerance = accepted_residual(self.forces(&v) + size);
         let accepted = Accepted { residual: norm(&force), tolerance };
-        match &mut self.way {
-            Way::Factor { analysis, factor, front, .. } => {
-                analysis.solve(factor, &mut force, front);
-            }
-            // Without the last digits; not a number where it fails.
-            Way::Multigrid { sequence, .. } => sequence.solve_again(&mut force),
-        }
+        self.way.estimate(&mut force);
         force.resize(space.nodes.len(), 0.0);
         if self.unknowns == Unknowns::ContactLast {
             space.frames.to_cartesian(&mut force);
@@ -366,45 +316,4 @@ impl<'a> Volume<'a> {
             Way::Multigrid { sequence, .. } => Work { linear: sequence.work, ..self.work },
         }
     }
-}
-
-/// ‖diag(K)u‖.
-fn size_of_forces(space: &Discretization, matrix: &[f64], u: &[f64]) -> f64 {
-    let force = |(dof, u): (usize, &f64)| matrix[space.pattern.diagonal(dof)] * u;
-    root_of_squares(|scale| {
-        u.iter().enumerate().map(force).map(|f| (scale * f) * (scale * f)).sum()
-    })
-}
-
-/// A solve by multigrid as far as rounding lets it come.
-fn solve_by(
-    space: &Discretization,
-    matrix: &[f64],
-    sequence: &mut MultigridSequence<'_>,
-    [residual, image, correction, x]: &mut [Vec<f64>; 4],
-    rhs: &mut [f64],
-) -> Result<(), FactorError> {
-    let size = norm(rhs);
-    residual.copy_from_slice(rhs);
-    x.fill(0.0);
-    let mut last = f64::INFINITY;
-    loop {
-        let forces = size_of_forces(space, matrix, x);
-        let left = norm(residual);
-        // The tolerance of Newton's method; or as far as rounding lets a solve come.
-        let small = accepted_residual(forces + size);
-        if left <= small || left > STANDSTILL * last {
-            break;
-        }
-        last = left;
-        correction.copy_from_slice(residual);
-        sequence.solve(correction, (0.3 * small / left).max(FORCING))?;
-        axpy(1.0, correction, x);
-        space.pattern.multiply(matrix, x, image);
-        for ((own, b), f) in residual.iter_mut().zip(&*rhs).zip(&*image) {
-            *own = b - f;
-        }
-    }
-    rhs.copy_from_slice(x);
-    Ok(())
 }

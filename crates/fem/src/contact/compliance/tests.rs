@@ -236,9 +236,8 @@ fn the_tangent_is_the_derivative() {
     for (name, shift) in SHIFTS {
         let boundary = boundary(Arc::new(law()), shift, BoundaryRule::Exact);
         let mut tangent = vec![0.0; space.pattern.entries()];
-        compliance(&space, &boundary).each_tangent(&u, |[i, j], value| {
-            tangent[space.pattern.position(i, j).expect("neighbours on an edge")] += value;
-        });
+        let add = |at, value| space.pattern.add(at, value, &mut tangent);
+        compliance(&space, &boundary).each_tangent(&u, add);
         let mut d = vec![0.0; u.len()];
         for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| !p.clamped) {
             d[point.unknown as usize] = point.sign * (1.0 + 0.5 * (i as f64).sin());
