@@ -231,13 +231,15 @@ impl Exact {
             && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
     }
 
-    /// The rows of a mesh of one material, where the fields are products along them; `regions` are those of its
+    /// The rows of a mesh, of one material each, where the fields are products along them; `regions` are those of its
     /// cells.
     pub fn rows(&self, mesh: &Mesh, regions: &[usize]) -> Option<Rows> {
         let separated =
             self.separation.as_ref().and_then(|separation| separation.products.as_ref());
         self.products.as_ref().or(separated)?;
-        regions.iter().all(|region| *region == regions[0]).then(|| Rows::of(mesh))?
+        let rows = Rows::of(mesh)?;
+        let mut of_rows = regions.chunks_exact(rows.length());
+        of_rows.all(|row| row.iter().all(|region| *region == row[0])).then_some(rows)
     }
 
     /// The region of each of some facets of a mesh, that of its centroid.

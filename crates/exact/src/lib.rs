@@ -13,6 +13,7 @@
 //!   against values from outside.
 
 mod accumulated;
+mod bands;
 mod bound_products;
 mod check;
 pub mod constitutive;

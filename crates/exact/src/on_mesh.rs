@@ -8,13 +8,13 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use self::contact::ContactMoments;
+use super::bands::Bands;
 use super::contact_samples::StatePoints;
 use super::cut_cells::{self, RulesOfCells};
 use super::cuts::Cuts;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
 use super::nodal_force::force_of_means;
-use super::on_rows::OnRows;
 use super::part_moments::{PartMoments, combined, forget_zeros};
 use super::parts::Parts;
 use super::products::Products;
@@ -59,13 +59,13 @@ pub struct ExactOnMesh {
     /// Whether strain and law are the same everywhere; the fields then.
     is_uniform: bool,
     uniform: OnceLock<Uniform>,
-    /// The rows of the mesh where it has some, of one material; the fields at one time on them.
+    /// The rows of the mesh where it has some, of one material each; the fields at one time on them.
     rows: Option<Rows>,
     /// Those of moments along rows, in the two halves of a square.
     rules_of_halves: Option<[Rule; HALVES]>,
-    on_rows: OnceLock<Arc<OnRows>>,
+    bands: OnceLock<Arc<Bands>>,
     /// The same at the points of σ in the weak form, where they are others.
-    stress_on_rows: OnceLock<Arc<OnRows>>,
+    stress_bands: OnceLock<Arc<Bands>>,
     state_points: OnceLock<StatePoints>,
 }
 
@@ -136,8 +136,8 @@ impl ExactOnMesh {
             in_parts: true,
             is_uniform,
             uniform: OnceLock::new(),
-            on_rows: OnceLock::new(),
-            stress_on_rows: OnceLock::new(),
+            bands: OnceLock::new(),
+            stress_bands: OnceLock::new(),
             state_points: OnceLock::new(),
         }
     }
@@ -270,12 +270,12 @@ impl ExactOnMesh {
         &self,
         parts: &Parts<'a>,
         rule: &Rule,
-        known: &OnceLock<Arc<OnRows>>,
-    ) -> Option<(Arc<OnRows>, &'a Products)> {
+        known: &OnceLock<Arc<Bands>>,
+    ) -> Option<(Arc<Bands>, &'a Products)> {
         let (rows, products) = (self.rows.as_ref()?, parts.products?);
-        let new = || Arc::new(OnRows::new(products, rows, self.regions[0], rule));
-        let on_rows = if parts.again { known.get_or_init(new).clone() } else { new() };
-        Some((on_rows, products))
+        let new = || Arc::new(Bands::new(products, rows, &self.regions, rule));
+        let bands = if parts.again { known.get_or_init(new).clone() } else { new() };
+        Some((bands, products))
     }
 
     /// Moments in the cells of all parts.
@@ -283,7 +283,7 @@ impl ExactOnMesh {
         let points = &self.error_points;
         let uniform = self.uniform(parts).and_then(|uniform| uniform.moments::<D>(parts));
         let short = uniform.or_else(|| {
-            let (rows, products) = self.by_rows(parts, &points.rule, &self.on_rows)?;
+            let (rows, products) = self.by_rows(parts, &points.rule, &self.bands)?;
             rows.moments(parts, products)
         });
         short.map_or_else(|| parts.moments::<D>(points), Ok)
@@ -294,8 +294,8 @@ impl ExactOnMesh {
         let uniform = self.uniform(parts).and_then(|uniform| uniform.stress_means::<D>(parts));
         uniform.or_else(|| {
             let (rows, products) = match &self.stress_points {
-                Some(points) => self.by_rows(parts, &points.rule, &self.stress_on_rows)?,
-                None => self.by_rows(parts, &self.error_points.rule, &self.on_rows)?,
+                Some(points) => self.by_rows(parts, &points.rule, &self.stress_bands)?,
+                None => self.by_rows(parts, &self.error_points.rule, &self.bands)?,
             };
             rows.stress_means(parts, products)
         })

@@ -1,12 +1,13 @@
 //! Moments of fields Σ_m f_m(x, t) g_m(y) on a mesh in rows: integrals over cells are products of matrices, columns by
 //! places by rows, and the squares of what P1 functions cannot have are sums over columns times sums over rows.
 
+use std::sync::Arc;
+
 use super::bound_products::{AlongX, Field, Fields, TENSOR, Values, along_y};
 use super::part_moments::{PartFamily, PartMoments};
 use super::parts::Parts;
 use super::products::Products;
 use super::row_half::{Along, Half, Product, minus};
-use super::row_places::rules_of_halves;
 use super::rows::{CORNERS, HALVES, Rows};
 use fem::space::quadrature::Rule;
 
@@ -16,17 +17,21 @@ pub(super) struct OnRows {
     rows: usize,
     /// Of all its cells.
     region: usize,
-    along_x: AlongX,
+    along_x: Arc<AlongX>,
     halves: [Half; HALVES],
     /// Whether all g_m are finite in all rows.
     is_finite: bool,
 }
 
 impl OnRows {
-    /// Binds products to points in the halves of the squares of one region; fields are integrated to the degree of `rule`.
-    pub fn new(products: &Products, rows: &Rows, region: usize, rule: &Rule) -> Self {
-        let rules = &rules_of_halves(rows, rule);
-        let along_x = AlongX::new(products, rows, rules);
+    /// Binds products to the points of a rule of each half on rows of one region.
+    pub fn new(
+        products: &Products,
+        along_x: Arc<AlongX>,
+        rows: &Rows,
+        region: usize,
+        rules: &[Rule; HALVES],
+    ) -> Self {
         let g = along_y(products, rows, rules);
         let is_finite = g.iter().flatten().flatten().all(|value| value.is_finite());
         let half =

@@ -244,6 +244,23 @@ impl PartMoments {
         Some(Moments { strain, stress, displacement, ..Moments::default() })
     }
 
+    /// The moments on these cells and, after them, on others; products are those of both.
+    pub fn followed_by(mut self, other: Self) -> Self {
+        let families = [
+            (&mut self.strain, other.strain),
+            (&mut self.stress, other.stress),
+            (&mut self.displacement, other.displacement),
+        ];
+        for (family, other) in families {
+            let vectors = family.vectors.iter_mut().zip(other.vectors);
+            vectors.for_each(|(vector, other)| vector.extend(other));
+            let products = family.products.iter_mut().zip(other.products);
+            products.for_each(|(product, other)| *product += other);
+        }
+        self.lengths = [0, 1].map(|i| self.lengths[i] + other.lengths[i]);
+        self
+    }
+
     /// The means of σ of each part, in order of the cells.
     pub fn stress_means(&self) -> &[Vec<f64>] {
         &self.stress.vectors

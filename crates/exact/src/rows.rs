@@ -1,5 +1,7 @@
 //! Meshes of triangles in rows: squares cut alike, in columns and rows of any widths.
 
+use std::ops::Range;
+
 use fem::mesh::Mesh;
 
 /// Triangles of a square.
@@ -24,6 +26,17 @@ pub struct Rows {
 const SAME_AREA: f64 = 1e-9;
 
 impl Rows {
+    /// Cells of a row.
+    pub fn length(&self) -> usize {
+        HALVES * self.columns
+    }
+
+    /// Some of the rows alone.
+    pub fn some(&self, rows: Range<usize>) -> Self {
+        let y = self.y.each_ref().map(|y| y[rows.clone()].to_vec());
+        Self { columns: self.columns, rows: rows.len(), x: self.x.clone(), y }
+    }
+
     /// The rows of a mesh; none if it has none.
     pub fn of(mesh: &Mesh) -> Option<Self> {
         let cells = mesh.cell_count();
