@@ -14,9 +14,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use super::running_integral::RunningIntegral;
 use super::separation::TimeFactors;
 use super::sign_changes::sign_changes;
-use super::simplex_points::SimplexPoints;
-use super::strips::Strips;
-use fem::mesh::CoarseMesh;
+use super::zeta_domain::{Domain, Region, Shape};
 use fem::space::quadrature::gauss_legendre;
 use formula::{Bound, Graph, Node, Program, Variable};
 
@@ -64,62 +62,6 @@ struct Integrand {
     polytope: Option<Region>,
 }
 
-/// A polygon or polyhedron.
-struct Region {
-    shape: Shape,
-    /// Those by a finer rule; none where every guard is cut.
-    finer: Option<Shape>,
-    /// The corners where guards are watched.
-    corners: Vec<[f64; 3]>,
-}
-
-enum Shape {
-    Strips(Strips),
-    Points(SimplexPoints),
-}
-
-impl Shape {
-    fn of(coarse: &CoarseMesh, finer: bool) -> Self {
-        match coarse {
-            CoarseMesh::Plane(coarse) => Self::Strips(Strips::new(coarse, finer)),
-            CoarseMesh::Space(_) if finer => Self::Points(SimplexPoints::finer(coarse)),
-            CoarseMesh::Space(_) => Self::Points(SimplexPoints::fine(coarse)),
-        }
-    }
-}
-
-/// Where ε is integrated.
-#[derive(Clone, Copy)]
-pub(super) enum Domain<'a> {
-    /// A rectangle or box from the origin, by its lengths.
-    Box(&'a [f64]),
-    /// A polygon or polyhedron.
-    Coarse(&'a CoarseMesh),
-    /// The same by a finer rule: what the rule leaves out shows in the difference.
-    Finer(&'a CoarseMesh),
-}
-
-impl Domain<'_> {
-    /// Ends along x and y; of a polyhedron they are not used.
-    fn ends(self) -> [[f64; 2]; 2] {
-        match self {
-            Self::Box(size) => [[0.0, size[0]], [0.0, size[1]]],
-            Self::Coarse(CoarseMesh::Plane(coarse)) | Self::Finer(CoarseMesh::Plane(coarse)) => {
-                let [low, high] = coarse.bounds();
-                [0, 1].map(|axis| [low[axis], high[axis]])
-            }
-            Self::Coarse(_) | Self::Finer(_) => [[0.0, 1.0]; 2],
-        }
-    }
-
-    fn dimension(self) -> usize {
-        match self {
-            Self::Box(size) => size.len(),
-            Self::Coarse(coarse) | Self::Finer(coarse) => coarse.dimension(),
-        }
-    }
-}
-
 impl AccumulatedStrain {
     /// ζ of the strain formulas; `needed` is false where no term uses it (then ζ reads NaN).
     pub(super) fn new(
@@ -163,21 +105,7 @@ impl Integrand {
         };
         let all = graph.guards(strain);
         let cuts_in_y = cuts_in_y(graph, &all, horizon, along_y, parts);
-        let polytope = match domain {
-            Domain::Box(_) => None,
-            Domain::Coarse(coarse) => {
-                let slanted = |&guard: &Node| is_uncut(graph, guard, coarse.dimension());
-                Some(Region {
-                    shape: Shape::of(coarse, false),
-                    finer: all.iter().any(slanted).then(|| Shape::of(coarse, true)),
-                    corners: coarse.vertices(),
-                })
-            }
-            Domain::Finer(coarse) => {
-                let (shape, corners) = (Shape::of(coarse, true), coarse.vertices());
-                Some(Region { shape, finer: None, corners })
-            }
-        };
+        let polytope = Region::of(graph, &all, domain);
         let moving = |guard: &Node| {
             graph.depends_on(*guard, Variable::X) || graph.depends_on(*guard, Variable::T)
         };
@@ -358,13 +286,6 @@ impl Integrand {
         cuts.extend(self.cuts_at_start.get_or_init(|| at(0.0)));
         sorted(cuts, to - from)
     }
-}
-
-/// Whether a guard changes sign along lines that the cuts do not follow: those along y at each time, or at all times
-/// those along x; on a polyhedron no others either.
-fn is_uncut(graph: &Graph, guard: Node, dimension: usize) -> bool {
-    let [x, y, t] = [Variable::X, Variable::Y, Variable::T].map(|v| graph.depends_on(guard, v));
-    if dimension == 2 { y && (x || t) } else { x || y || graph.depends_on(guard, Variable::Z) }
 }
 
 /// Cuts of the height, uniform ones and where a guard that depends on y alone changes sign; `parts` is the number of

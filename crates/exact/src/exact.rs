@@ -1,10 +1,10 @@
 //! An exact solution: formulas for u, λ, ξ, and what follows from them.
 
 use super::AccumulatedStrain;
-use super::accumulated::Domain;
 use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
 use super::lanes::Number;
+use super::zeta_domain::Domain;
 use super::{Products, Rows, Separation, symbolic};
 use fem::mesh::{CoarseMesh, Mesh};
 use formula::{Graph, Node, Program, Variable};

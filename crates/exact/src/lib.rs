@@ -50,6 +50,7 @@ mod strips;
 mod symbolic;
 mod truth;
 mod uniform;
+mod zeta_domain;
 
 pub use accumulated::AccumulatedStrain;
 pub use check::{

@@ -53,7 +53,7 @@ impl Sampled {
 
     /// The points of some simplices. The first [`Self::together`] come first, one point of the rule after the other,
     /// each on all of them.
-    fn points(&self, mesh: &Mesh, simplices: Range<usize>) -> Vec<[f64; 3]> {
+    fn points(&self, mesh: &Mesh, simplices: Range<usize>, again: bool) -> Vec<[f64; 3]> {
         let own = &self.vertices[self.corners * simplices.start..self.corners * simplices.end];
         let mut points = Vec::with_capacity(simplices.len() * self.rule.points.len());
         for group in own.chunks(self.corners * self.together()) {
@@ -61,7 +61,9 @@ impl Sampled {
                 points.extend(group.chunks(self.corners).map(|simplex| mesh.point(simplex, b)));
             }
         }
-        (0..mesh.dimension).for_each(|axis| put_together(&mut points, axis));
+        // Fields that are evaluated once have no past.
+        let axes = if again { mesh.dimension } else { 0 };
+        (0..axes).for_each(|axis| put_together(&mut points, axis));
         points
     }
 
@@ -93,13 +95,14 @@ impl Sampled {
         };
         if again && count * total <= self.kept {
             let mut bound = self.bound.lock().unwrap_or_else(PoisonError::into_inner);
-            let bound = bound.get_or_insert_with(|| program.bind(&self.points(mesh, 0..total)));
+            let bound =
+                bound.get_or_insert_with(|| program.bind(&self.points(mesh, 0..total, true)));
             return shown(bound, 0);
         }
         let length = (self.block / count).max(1);
         for start in (0..total).step_by(length) {
             let simplices = start..(start + length).min(total);
-            shown(&mut program.bind(&self.points(mesh, simplices)), start)?;
+            shown(&mut program.bind(&self.points(mesh, simplices, again)), start)?;
         }
         Ok(())
     }

@@ -3,12 +3,12 @@
 
 use super::smoothness::{FINE, STRIDES, judge, largest, rounding, worst};
 use super::{Finding, Status, regularity, times};
-use crate::accumulated::Domain;
 use crate::constitutive::{Tensor, stress};
 use crate::exact::Polytope;
 use crate::linear::gradient_of;
 use crate::nodal_force::facet_measure;
 use crate::simplex_points::{SimplexPoints, parts, points_a_direction};
+use crate::zeta_domain::Domain;
 use crate::{AccumulatedStrain, Exact};
 use fem::mesh::{CoarseMesh, Mesh, Piece};
 use fem::space::quadrature::{Rule, edge, tetrahedron_product, triangle_product};
