@@ -211,7 +211,7 @@ fn list_explain_and_check_have_their_json() {
     let scenes = list.as_array().expect("scenes");
     assert!(scenes.len() >= 13);
     for scene in scenes {
-        keys(scene, &["name", "question", "terms", "truth", "predicts", "long", "judge"]);
+        keys(scene, &["name", "file", "question", "terms", "truth", "predicts", "long", "judge"]);
     }
     let plan = json(&sweep(&["explain", "affine", "--json"]));
     let own = ["scene", "terms", "truth", "algorithm", "history", "reference", "cases"];
@@ -223,7 +223,17 @@ fn list_explain_and_check_have_their_json() {
         keys(
             case,
             &[
-                &["n", "steps", "dofs", "plan", "linear_solver", "history_bytes", "norms"][..],
+                &[
+                    "n",
+                    "steps",
+                    "dofs",
+                    "factorizations",
+                    "solves",
+                    "plan",
+                    "linear_solver",
+                    "history_bytes",
+                    "norms",
+                ][..],
                 &predicted,
             ]
             .concat(),

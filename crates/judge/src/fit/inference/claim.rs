@@ -1,7 +1,7 @@
 //! A claimed order against what a table says of it.
 
 use super::{FEWEST, Mixture, Posterior};
-use crate::verdict::Decision;
+use crate::fit::Decision;
 
 /// How far an order may lie from the claim unless the claim says otherwise.
 pub const TOLERANCE: f64 = 0.15;
@@ -14,6 +14,8 @@ const REFUTED: f64 = 0.975;
 /// Probability of a hit that confirms; less with three levels, which have to agree instead.
 const CONFIRMED: f64 = 0.80;
 const CONFIRMED_BY_THREE: f64 = 0.70;
+/// Beyond this a hit counts though the order is likelier a little below the claim than not.
+const CERTAIN: f64 = 0.95;
 /// The two slopes of three levels may differ by this share of the order.
 const AGREEMENT: f64 = 0.15;
 /// Below this probability a floor is not considered; above the other, it is the likelier reading.
@@ -136,11 +138,14 @@ impl Posterior {
             [first, last] => (last - first).abs() <= AGREEMENT * claim.order.abs(),
             _ => true,
         };
+        let probability = probability(mixture, claim);
         let too_low = mixture.below(claim.order - CLEAR_MISS);
         let too_high = 1.0 - mixture.below(claim.order + CLEAR_MISS);
         if too_low > REFUTED && !self.rises_to(claim.order) {
             Answer::TooLow
-        } else if probability(mixture, claim) > needed && too_low < 0.5 && (agree || claim.at_least)
+        } else if probability > needed
+            && (too_low < 0.5 || probability > CERTAIN)
+            && (agree || claim.at_least)
         {
             Answer::Confirmed
         } else if too_high > REFUTED {

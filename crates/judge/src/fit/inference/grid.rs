@@ -222,7 +222,7 @@ fn log_sum(a: f64, b: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::fit::Claim;
-    use crate::verdict::Decision;
+    use crate::fit::Decision;
 
     fn grid(levels: u32, error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
         let step = |i: u32| 0.125 / f64::from(1 << i);

@@ -18,7 +18,7 @@ use mixture::{Mixture, Part};
 use next_term::{Family, NODES};
 
 #[cfg(test)]
-mod simulation;
+mod tests;
 
 pub use claim::{Claim, ClaimError, Ruling, TOLERANCE};
 pub use grid::{GridPosterior, infer_grid};

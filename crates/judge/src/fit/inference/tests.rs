@@ -4,8 +4,8 @@
 //! coarsest level). Their seeds are not those by which priors were chosen.
 
 use super::{Claim, Level, TOLERANCE, infer};
+use crate::fit::Decision;
 use crate::fit::{FitError, student_quantile};
-use crate::verdict::Decision;
 
 /// xorshift64*, uniform and normal numbers.
 struct Random(u64);
