@@ -79,7 +79,7 @@ impl AccumulatedStrain {
     pub fn at(&self, t: f64) -> f64 {
         let Some(integrand) = &self.integrand else { return f64::NAN };
         let integral = self.integral.get_or_init(|| {
-            RunningIntegral::new(self.horizon).to_share(integrand.left_out(self.horizon))
+            RunningIntegral::new(self.horizon).scaled_to(integrand.left_out(self.horizon))
         });
         let value: Result<f64, std::convert::Infallible> =
             integral.at(t, |from, to| integrand.events(from, to), |s| Ok(integrand.norm(s)));

@@ -47,7 +47,7 @@ impl RunningIntegral {
     }
 
     /// The same for a function whose values are right to a share of it alone, if that is larger.
-    pub fn to_share(self, share: f64) -> Self {
+    pub fn scaled_to(self, share: f64) -> Self {
         Self { share: share.max(RESOLVED), ..self }
     }
 
