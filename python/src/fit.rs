@@ -1,6 +1,6 @@
 //! The judge for one table.
 
-use gronwall::fit::{Claim, Exclusion, FitError, Level, Point, TOLERANCE, infer, screen};
+use gronwall::fit::{Claim, FitError, Level, TOLERANCE, infer};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -25,13 +25,7 @@ pub fn fit<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let level =
         |i: usize| Level { size: sizes[i], error: errors[i], floor: floors[i], sigma: sigmas[i] };
-    // Errors near their floors leave, as in a sweep; what is no error is refused below.
-    let carries = |level: &Level| {
-        let Level { size, error, floor, .. } = *level;
-        let below = |exclusion| matches!(exclusion, Exclusion::BelowFloor { .. });
-        !screen(&Point { h: size, k: f64::NAN, error, floor }).is_err_and(below)
-    };
-    let levels: Vec<Level> = (0..sizes.len()).map(level).filter(carries).collect();
+    let levels: Vec<Level> = (0..sizes.len()).map(level).collect();
     let claim = |order| {
         let tolerance = tolerance.unwrap_or(TOLERANCE);
         Claim { order, at_least, exact, tolerance, log }.checked().map_err(refused)

@@ -215,10 +215,12 @@ impl Found {
         let note = |slot: &mut Option<String>, what: String| {
             slot.get_or_insert_with(|| format!("{what} on {scene}"));
         };
-        for verdict in &outcome.verdicts {
+        // What the sound program leaves open by orders alone, no defect is caught by leaving open.
+        let is_open = |verdict: &Verdict| verdict.decision == Decision::Unresolved;
+        for (verdict, of_sound) in outcome.verdicts.iter().zip(&sound.verdicts) {
             if !verdict.complete {
                 note(&mut self.complete, verdict.reason.chars().take(80).collect());
-            } else if !verdict.as_expected() && !narrowly(verdict) {
+            } else if !verdict.as_expected() && !(is_open(verdict) && is_open(of_sound)) {
                 let order = verdict
                     .interval
                     .map_or(String::new(), |[lo, hi]| format!(" [{lo:.2}, {hi:.2}]"));
@@ -287,17 +289,6 @@ impl Found {
             Effect::Nothing
         }
     }
-}
-
-/// An interval narrower than the bias of its fit misses the prediction by less than this: no gate may rest on it.
-const NARROW: f64 = 0.005;
-
-/// Whether a verdict is open by such a miss alone.
-fn narrowly(verdict: &Verdict) -> bool {
-    let near = |[lo, hi]: [f64; 2]| {
-        lo <= verdict.predicted + NARROW && hi >= verdict.predicted - NARROW && hi - lo <= 0.3
-    };
-    verdict.decision == Decision::Unresolved && verdict.interval.is_some_and(near)
 }
 
 /// What a verdict says of its constant, if that is refuted.

@@ -14,8 +14,6 @@ const REFUTED: f64 = 0.975;
 /// Probability of a hit that confirms; less with three levels, which have to agree instead.
 const CONFIRMED: f64 = 0.80;
 const CONFIRMED_BY_THREE: f64 = 0.70;
-/// Beyond this a hit counts though the order is likelier a little below the claim than not.
-const CERTAIN: f64 = 0.95;
 /// The two slopes of three levels may differ by this share of the order.
 const AGREEMENT: f64 = 0.15;
 /// Below this probability a floor is not considered; above the other, it is the likelier reading.
@@ -143,10 +141,7 @@ impl Posterior {
         let too_high = 1.0 - mixture.below(claim.order + CLEAR_MISS);
         if too_low > REFUTED && !self.rises_to(claim.order) {
             Answer::TooLow
-        } else if probability > needed
-            && (too_low < 0.5 || probability > CERTAIN)
-            && (agree || claim.at_least)
-        {
+        } else if probability > needed && too_low < 0.5 && (agree || claim.at_least) {
             Answer::Confirmed
         } else if too_high > REFUTED {
             Answer::TooHigh
@@ -182,6 +177,10 @@ impl Posterior {
             Answer::Open => match self.floor_from {
                 Some(step) => format!(
                     "the errors flatten from step {step:.3e} on: with a floor there the table does not tell"
+                ),
+                None if probability > CONFIRMED => format!(
+                    "within {reach:.2} of {order} with probability {percent}, but likelier below {:.2} than above, or with slopes that differ",
+                    order - CLEAR_MISS
                 ),
                 None => format!("within {reach:.2} of {order} with probability {percent} only"),
             },

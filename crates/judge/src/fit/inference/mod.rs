@@ -12,7 +12,7 @@ mod grid;
 mod mixture;
 mod next_term;
 
-use super::{FitError, Interval};
+use super::{Exclusion, FitError, Interval, Point, screen};
 use evidence::Gram;
 use mixture::{Mixture, Part};
 use next_term::{Family, NODES};
@@ -61,6 +61,13 @@ impl Level {
     pub fn new(size: f64, error: f64) -> Self {
         Self { size, error, floor: 0.0, sigma: None }
     }
+
+    /// Errors near their floors say nothing of the order; what is no error or no floor is refused, not left out.
+    fn is_above_floor(&self) -> bool {
+        let Self { size, error, floor, .. } = *self;
+        let screened = screen(&Point { h: size, k: f64::NAN, error, floor });
+        !matches!(screened, Err(Exclusion::BelowFloor { .. }))
+    }
 }
 
 /// What a table says of its order.
@@ -84,7 +91,8 @@ pub struct Posterior {
     floor: f64,
 }
 
-/// Weighs all readings of a table; its levels in any order, each once, with positive errors. `noise` is the relative
+/// Weighs all readings of a table; its levels in any order, each once, with positive errors. Levels near their floors
+/// leave. `noise` is the relative
 /// standard deviation of the errors where it is known; `log` is the power M of a factor |log h|^M.
 ///
 /// # Errors
@@ -142,6 +150,7 @@ impl Table {
     fn new(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Self, FitError> {
         let mut levels = levels.to_vec();
         levels.sort_by(|a, b| b.size.total_cmp(&a.size));
+        levels.retain(Level::is_above_floor);
         if levels.len() < FEWEST {
             return Err(FitError::TooFew { found: levels.len(), needed: FEWEST });
         }

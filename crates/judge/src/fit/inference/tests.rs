@@ -226,6 +226,25 @@ fn unmet(rule: Rule, demands: Vec<Demand>) -> Vec<String> {
     unmet
 }
 
+/// Three of six levels of order 2 lie near a floor of 1e-3.
+#[test]
+fn levels_near_their_floors_leave() {
+    let level = |i: i32| {
+        let error = 0.25f64.powi(i);
+        Level { floor: 1e-3, ..Level::new(0.5f64.powi(i), error + 1e-3) }
+    };
+    // 4^-3 is 16 floors, and 20 are needed.
+    let told: Vec<Level> = (0..6).map(level).collect();
+    let found = infer(&told, None, 0.0).expect("an order");
+    assert_eq!(found.slopes.len(), 2, "{:?}", found.slopes);
+    let too_few = infer(&told[1..], None, 0.0).expect_err("two levels");
+    assert_eq!(too_few, FitError::TooFew { found: 2, needed: 3 });
+    // What is no error is not taken for one below its floor.
+    let mut broken = told.clone();
+    broken[5].error = f64::NAN;
+    assert!(matches!(infer(&broken, None, 0.0), Err(FitError::NoError { .. })));
+}
+
 #[test]
 fn the_judge_meets_its_demands() {
     assert_eq!(unmet(judge, demands()), Vec::<String>::new());
