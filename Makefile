@@ -126,7 +126,7 @@ sabotage-check: ## the same, and a failure if a gate catches something else than
 	$(CARGO) test --release --test sabotage -- --ignored --test-threads 1
 
 # One recipe, so that -j cannot reorder it and a failure stops what follows.
-ci: ## what has to be green before a merge: lint, tests, gate, other solvers and engines, the Python package, each benchmark once
+ci: ## what has to be green before a merge: lint, tests, gate, other solvers and engines, the Python package, sabotage, each benchmark once
 	$(MAKE) lint
 	$(MAKE) test
 	$(MAKE) test-long
@@ -134,6 +134,7 @@ ci: ## what has to be green before a merge: lint, tests, gate, other solvers and
 	$(MAKE) verify-examples
 	$(MAKE) python
 	$(MAKE) beyond
+	$(MAKE) sabotage-check
 	$(MAKE) bench BENCH=--test
 
 # A build of its own number: an interrupted run goes on where it stopped, a changed program starts anew.

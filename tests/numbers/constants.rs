@@ -210,7 +210,7 @@ fn seeded_factors_fail() {
 /// A scene may keep its constant out of the verdict, and says so.
 #[test]
 fn a_scene_may_opt_out() {
-    let scene = edited(&text("state-instant"), "order = 2.0\n", "order = 2.0\nconstant = false\n");
+    let scene = edited(&text("affine"), "order = 2.0\n", "order = 2.0\nconstant = false\n");
     let setup = setup_of(scene);
     let mut records = records(&setup, &[4], &[8, 16, 32, 64], Norm::VMax);
     records.iter_mut().for_each(|record| record.k *= 0.5);

@@ -14,6 +14,8 @@ const REFUTED: f64 = 0.975;
 /// Probability of a hit that confirms; less with three levels, which have to agree instead.
 const CONFIRMED: f64 = 0.80;
 const CONFIRMED_BY_THREE: f64 = 0.70;
+/// Beyond this a hit counts where the median lies within half the tolerance of the claim.
+const CERTAIN: f64 = 0.95;
 /// The two slopes of three levels may differ by this share of the order.
 const AGREEMENT: f64 = 0.15;
 /// Below this probability a floor is not considered; above the other, it is the likelier reading.
@@ -138,10 +140,14 @@ impl Posterior {
         };
         let probability = probability(mixture, claim);
         let too_low = mixture.below(claim.order - CLEAR_MISS);
+        let centred = mixture.below(claim.order - 0.5 * claim.reach()) < 0.5;
         let too_high = 1.0 - mixture.below(claim.order + CLEAR_MISS);
         if too_low > REFUTED && !self.rises_to(claim.order) {
             Answer::TooLow
-        } else if probability > needed && too_low < 0.5 && (agree || claim.at_least) {
+        } else if probability > needed
+            && (too_low < 0.5 || (probability > CERTAIN && centred))
+            && (agree || claim.at_least)
+        {
             Answer::Confirmed
         } else if too_high > REFUTED {
             Answer::TooHigh
