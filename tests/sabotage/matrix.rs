@@ -220,7 +220,7 @@ impl Found {
         for (verdict, of_sound) in outcome.verdicts.iter().zip(&sound.verdicts) {
             if !verdict.complete {
                 note(&mut self.complete, verdict.reason.chars().take(80).collect());
-            } else if !verdict.as_expected() && !(is_open(verdict) && is_open(of_sound)) {
+            } else if !(verdict.as_expected() || is_open(verdict) && is_open(of_sound)) {
                 let order = verdict
                     .interval
                     .map_or(String::new(), |[lo, hi]| format!(" [{lo:.2}, {hi:.2}]"));
