@@ -95,7 +95,7 @@ const LARGEST_ERROR: f64 = 0.1;
 fn in_words(expected: &Expected) -> String {
     match expected {
         Expected::AtMost(most) => format!("≤ {most:.1e}"),
-        Expected::Within([low, high]) => format!("in [{low}, {high}]"),
+        Expected::Within([low, high]) => format!("in [{low:.2}, {high:.2}]"),
         Expected::Refused(saying) => format!("refused: {saying}"),
     }
 }
