@@ -45,6 +45,13 @@ fn every_rung_is_as_expected() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
+/// The order 2 ± 0.15, in two digits as a reader writes it; sixteen are wider than a printed page.
+#[test]
+fn a_range_is_printed_in_two_digits() {
+    let row = row("through-zero", "1/3", &UnderTest::default());
+    assert_eq!(row.expected, "in [1.85, 2.15]");
+}
+
 #[test]
 fn ladders_have_names_of_their_own_and_rungs_too() {
     for long in [false, true] {
