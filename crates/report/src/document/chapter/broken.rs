@@ -53,7 +53,7 @@ pub(super) fn write(pen: &mut Pen<'_>) {
 }
 
 /// A hypothesis as scene files name it: a number of the paper, or a word.
-fn numbered(name: &str) -> String {
+pub(in crate::document) fn numbered(name: &str) -> String {
     match name.starts_with(|c: char| c.is_ascii_digit()) {
         true => format!("({name})"),
         false => name.replace('_', " "),
