@@ -10,7 +10,7 @@ use judge::verdict::{Decision, Verdict};
 use plotters::style::RGBColor;
 
 /// Width of a column and height of a row in units; half of them are pixels at the size for which it is made.
-const COLUMN: f64 = 826.0;
+const COLUMN: f64 = 850.0;
 const ROW: f64 = 27.0;
 const TEXT: f64 = 20.0;
 /// In a column: where norms end, the axis, where predictions begin.

@@ -44,12 +44,12 @@ impl Group {
     /// Its heading.
     pub(crate) fn title(self) -> &'static str {
         match self {
-            Self::Whole => "The paper's problem, every term",
-            Self::Contact => "Contact: laws, states, gaps",
+            Self::Whole => "Every term of the paper",
+            Self::Contact => "Laws, states, gaps",
             Self::Materials => "Materials and memory",
-            Self::Abstract => "The abstract inequality",
-            Self::Broken => "Hypotheses broken on purpose",
-            Self::External => "Solved by another program",
+            Self::Abstract => "Abstract inequality",
+            Self::Broken => "Broken on purpose",
+            Self::External => "Another solver",
         }
     }
 }

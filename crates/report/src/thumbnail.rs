@@ -15,7 +15,7 @@ use judge::verdict::{Variable, Verdict};
 const SIZE: (u32, u32) = (480, 404);
 const TEXT: f64 = 22.0;
 /// Left, top, right, bottom of the axes.
-const ROOM: (f64, f64, f64, f64) = (66.0, 20.0, 372.0, 340.0);
+const ROOM: (f64, f64, f64, f64) = (66.0, 20.0, 352.0, 340.0);
 /// Least distance of two labels at the ends of lines.
 const LABELS: f64 = 26.0;
 /// More curves than this are left to the large picture.
@@ -79,8 +79,19 @@ fn draw(
         y = other + LABELS;
     }
     taken.push(y);
-    let norm = curve.norm.trim_end_matches("_max").split('_').next().unwrap_or_default();
-    canvas.text(&format!("{norm} {order:.2}"), (end.0 + 16.0, y), Anchor::Left)
+    canvas.text(&format!("{} {order:.2}", symbol(curve.norm)), (end.0 + 16.0, y), Anchor::Left)
+}
+
+/// What is measured, as short as there is room.
+fn symbol(norm: &str) -> &str {
+    match norm.split('_').next() {
+        Some("V") => "V",
+        Some("L2") => "L²",
+        Some("stress") => "σ",
+        Some("trace") => "u_ν",
+        Some("pressure") => "ξ+λ",
+        _ => norm,
+    }
 }
 
 /// Two logarithmic axes.

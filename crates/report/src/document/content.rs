@@ -173,10 +173,12 @@ fn summary(
     let head = ["scene", "norm", "in", "predicted", "observed", "verdict", "by"];
     let rows = report.verdicts.iter().map(row).collect();
     let caption = "Predicted orders, observed orders with their intervals, and what they say.";
-    section.blocks.push(Block::Table(Table::new(caption, &head, rows)));
+    section.blocks.push(Block::Table(Table::new(caption, &head, rows).evidence()));
     let remarkable = |v: &&Verdict| !v.as_expected() || v.decision != Decision::Pass;
     for verdict in report.verdicts.iter().filter(remarkable) {
-        section.text(sentence(verdict));
+        let mut runs = vec![Run::of(format!("{}, ", verdict.scene), Tone::Strong)];
+        runs.extend(sentence(verdict));
+        section.text(runs);
     }
     section.text(vec![
         Run::plain("Every number: "),

@@ -49,13 +49,13 @@ pub(super) fn of_scene(report: &Report<'_>, at: usize, numbers: &mut Numbers) ->
     numbers.given_all(section)
 }
 
-/// A verdict in words.
+/// A verdict in words, below the name of its scene.
 pub(super) fn sentence(verdict: &Verdict) -> Vec<Run> {
-    let [scene, norm, variable, .., decision, _] = cell_texts(verdict);
+    let [_, norm, variable, .., decision, _] = cell_texts(verdict);
     vec![
-        Run::of(format!("{scene}, {norm} in {variable}: "), Tone::Strong),
+        Run::of(format!("{norm} in {variable}: "), Tone::Strong),
         Run::of(decision, tone(verdict)),
-        Run::plain(format!(". {}.", verdict.reason.trim_end_matches('.'))),
+        Run::plain(format!("; {}.", verdict.reason.trim_end_matches('.'))),
     ]
 }
 
