@@ -3,6 +3,7 @@
 //! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes. A picture
 //! is a [`Chart`], series over two axes with lines at values of either axis, or a [`Map`].
 
+mod bars;
 mod body;
 mod canvas;
 mod chart;
@@ -34,6 +35,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use bars::{Bar, Bars};
 pub use body::{Arrow, Cell as BodyCell, Deformed};
 pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;

@@ -63,6 +63,9 @@ impl Chapter {
     }
 }
 
+/// A longer table is for those who look something up; the files of the study have its numbers.
+const MOST_ROWS: usize = 40;
+
 /// Files with documents of studies end so.
 const ENDING: &str = ".document.json";
 
@@ -117,7 +120,9 @@ impl StudyDocument {
     /// A table, where it has rows. Heads of columns whose numbers end at the right begin with `>`.
     pub fn table(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
         if !rows.is_empty() {
-            self.blocks.push(Block::Table(Table::new(caption, heads, rows)));
+            let evidence = rows.len() > MOST_ROWS;
+            let table = Table { evidence, ..Table::new(caption, heads, rows) };
+            self.blocks.push(Block::Table(table));
         }
     }
 
