@@ -18,8 +18,8 @@ use gronwall::theory::ledger;
 /// The document is sound without the defect, and says `words` with it.
 #[track_caller]
 fn shows(sound: &StudyDocument, defect: &StudyDocument, words: &str) {
-    assert!(sound.holds && !sound.text().contains("Does not hold"), "{}", sound.text());
-    assert!(!defect.holds && defect.text().contains(words), "{words}: {}", defect.text());
+    assert!(sound.holds && !sound.text(132).contains("Does not hold"), "{}", sound.text(132));
+    assert!(!defect.holds && defect.text(132).contains(words), "{words}: {}", defect.text(132));
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn an_audit_says_which_line_fails() {
     let violation = AtLevel { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 };
     audit.cases[0].rows[0].violation = Some(violation);
     shows(&sound, &audit.checklist().document(None), "(4.7) at level 2 of n = 4, N = 2");
-    assert!(audit.checklist().document(None).text().contains("15 of 16 lines hold"));
+    assert!(audit.checklist().document(None).text(132).contains("15 of 16 lines hold"));
     audit.cases.clear();
     shows(&sound, &audit.checklist().document(None), "nothing was compared");
 }

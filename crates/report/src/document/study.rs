@@ -117,6 +117,11 @@ impl StudyDocument {
         self.blocks.push(Block::Text(vec![Run::plain(text)]));
     }
 
+    /// A paragraph before all others: the answer to what was asked.
+    pub fn answer(&mut self, text: impl Into<String>) {
+        self.blocks.insert(0, Block::Text(vec![Run::plain(text)]));
+    }
+
     /// A table, where it has rows. Heads of columns whose numbers end at the right begin with `>`.
     pub fn table(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
         if !rows.is_empty() {
@@ -153,9 +158,12 @@ impl StudyDocument {
         }
     }
 
-    /// The study on a terminal.
-    pub fn text(&self) -> String {
-        terminal::text(&self.title, &self.blocks)
+    /// Columns of its text where nothing else is known.
+    pub const WIDTH: u16 = 132;
+
+    /// The study on a terminal of so many columns.
+    pub fn text(&self, width: u16) -> String {
+        terminal::text(&self.title, &self.blocks, width)
     }
 
     /// Writes the document and its pictures into a directory.
