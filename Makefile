@@ -89,7 +89,7 @@ pdf: ## the report in reports/latest as report.pdf, with the studies that are th
 	test -f $(REPORT)/cases.csv || $(SWEEP)
 	$(CARGO) run --profile pdf --features pdf --bin sweep -- report $(REPORT) --pdf $(REPORT)/report.pdf
 
-page: ## the page of reports/latest in headless Chromium, if there is one; screenshots in target/page/
+page: ## the page of reports/latest in headless Chromium; screenshots in target/page/
 	tests/page.sh reports/latest target/page
 
 # pdflatex of this machine, or a small TeX from PyPI (x86-64 Linux), in a place of its own.
@@ -101,7 +101,7 @@ latex: ## the LaTeX tables of reports/latest compiled by pdflatex; target/latex/
 
 # Few scenes on small grids; the seconds of cases.csv differ from run to run, nothing else does.
 REFERENCE := reports/reference
-reference: ## reports/reference/ from three scenes
+reference: ## reports/reference/ from three scenes, and the forest plot of the main job
 	rm -rf target/reference $(REFERENCE)
 	$(SWEEP) run affine pure-mild steady --out target/reference
 	$(SWEEP) solve pure-strong --n 12 --steps 24 --pictures target/reference >/dev/null
@@ -111,6 +111,8 @@ reference: ## reports/reference/ from three scenes
 	$(SWEEP) report target/reference
 	mkdir -p $(REFERENCE)
 	cd target/reference && cp cases.csv verdict.json report.md tables.tex *.svg $(CURDIR)/$(REFERENCE)/
+	$(SWEEP) --quiet run --out target/reference-main >/dev/null
+	cp target/reference-main/forest.svg $(REFERENCE)/
 
 baseline: ## record errors and work of all scenes in reports/baseline.json; prints what changes
 	$(SWEEP) baseline

@@ -5,7 +5,7 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::{Allowance, processors};
-use super::{CliError, Scenes, print_json, print_text};
+use super::{CliError, Scenes, print_json, print_text, width};
 use files::counted;
 use judge::verdict::render_table;
 use studies::diagnose::{
@@ -64,7 +64,7 @@ impl DiagnoseCommand {
 fn trials(outcomes: &[Outcome]) -> String {
     let mut table = Table::new();
     table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
-    table.set_width(WIDTH).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table.set_width(width(WIDTH)).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
     table.set_header(["trial", "terms", "must show", "observed", "verdict"]);
     table.add_rows(outcomes.iter().map(|outcome| {
         let [name, terms] = [outcome.name.clone(), outcome.terms.clone()];

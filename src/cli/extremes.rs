@@ -8,7 +8,7 @@ use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::Allowance;
 use super::study::deliver;
-use super::{CliError, create_dir, print_text};
+use super::{CliError, create_dir, print_text, width};
 use files::counted;
 use studies::extremes::{COLUMNS, Climbed, Ladder, UnderTest, admit, catalogue, judge};
 
@@ -99,7 +99,7 @@ fn csv_file(dir: &Path) -> Result<csv::Writer<std::fs::File>, CliError> {
 fn listed(ladders: &[Ladder]) -> String {
     let mut table = Table::new();
     table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
-    table.set_width(WIDTH).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    table.set_width(width(WIDTH)).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
     table.set_header(["ladder", "parameter", "rungs", "measured", "expected because"]);
     table.add_rows(ladders.iter().map(|ladder| {
         let rungs = ladder.rungs.len().to_string();

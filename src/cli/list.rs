@@ -1,13 +1,12 @@
 //! `sweep list`: the scenes with their terms and predicted orders.
 
-mod picture;
-
 use std::path::PathBuf;
 
 use clap::Args;
 
 use super::{CliError, Scenes, create_dir, print_json, print_text, write_file};
 use files::counted;
+use run::sweep::scene_picture;
 use scene::{Body, Data, Scene};
 
 /// `sweep list`.
@@ -63,7 +62,7 @@ impl List {
 fn pictures(scenes: &[Scene], folder: &std::path::Path) -> Result<u8, CliError> {
     create_dir(folder)?;
     for scene in scenes {
-        write_file(&folder.join(format!("{}.svg", scene.name)), picture::picture(scene)?)?;
+        write_file(&folder.join(format!("{}.svg", scene.name)), scene_picture(scene)?)?;
     }
     print_text(&format!("{} in {}", counted(scenes.len(), "picture"), folder.display()));
     Ok(0)

@@ -18,6 +18,7 @@ mod fit;
 mod floors;
 mod github;
 mod gronwall;
+mod help;
 mod interrupt;
 mod list;
 mod machine;
@@ -47,7 +48,7 @@ pub use fit::{Fitted, fitted};
 use clap::{Parser, Subcommand};
 use output::{
     create_dir, delivered, megabytes, print_as_it_is, print_error, print_json, print_text,
-    print_verdicts, write_file, write_json,
+    print_verdicts, width, write_file, write_json,
 };
 
 use ::run::sweep::{MemoryLimit, admit_constants, admit_run};
@@ -180,7 +181,7 @@ pub fn main() -> ExitCode {
 
 /// Runs a command line, the name of the program first; its exit code.
 pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
-    let arguments = match Arguments::try_parse_from(words) {
+    let arguments = match help::parsed(words) {
         Ok(arguments) => arguments,
         Err(said) => return finished(said_instead(&said)),
     };
@@ -236,6 +237,9 @@ fn said_instead(said: &clap::Error) -> Result<u8, CliError> {
         && !said.use_stderr()
     {
         output::stopped(error);
+    }
+    if let Some(hint) = help::hint(said) {
+        print_error(&hint);
     }
     Ok(u8::try_from(said.exit_code()).unwrap_or(COULD_NOT_JUDGE))
 }

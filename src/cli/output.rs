@@ -60,6 +60,17 @@ pub fn print_error(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", harmless(line));
 }
 
+/// Columns for a table: those of the terminal, else those of COLUMNS, else as many as usual.
+pub fn width(usual: u16) -> u16 {
+    let terminal = || comfy_table::Table::new().width();
+    let given = || std::env::var("COLUMNS").ok()?.parse().ok();
+    terminal().or_else(given).map_or(usual, |columns: u16| columns.clamp(NARROWEST, WIDEST))
+}
+
+/// Narrower a table is no table, wider it is not read.
+const NARROWEST: u16 = 60;
+const WIDEST: u16 = 180;
+
 /// Bytes in MiB.
 pub fn megabytes(bytes: f64) -> String {
     format!("{:.0} MiB", bytes / (1024.0 * 1024.0))

@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal;
 use std::sync::{Mutex, OnceLock, PoisonError};
+use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -57,6 +58,26 @@ struct State {
     total: usize,
     done: usize,
     running: Vec<String>,
+    begun: Option<Instant>,
+    /// Of the predicted seconds.
+    share: f64,
+}
+
+/// Parts of the bar: shares of the predicted work, as a case may take a thousand times as long as another.
+const PARTS: u64 = 1000;
+
+impl State {
+    /// How many cases are done and, once something is known of the pace, how long the rest takes at it.
+    fn in_words(&self) -> String {
+        let cases = format!("{}/{} cases", self.done, self.total);
+        let left = self.begun.and_then(|begun| left(begun.elapsed().as_secs_f64(), self.share));
+        left.map_or(cases.clone(), |left| format!("{cases}, about {} s left", left.ceil()))
+    }
+}
+
+/// Seconds left where `share` of the predicted work took so many; unknown before any of it is done.
+fn left(seconds: f64, share: f64) -> Option<f64> {
+    (share > 0.0).then(|| seconds * (1.0 - share.min(1.0)) / share)
 }
 
 impl Display {
@@ -64,16 +85,16 @@ impl Display {
     pub fn new() -> Self {
         let terminal = std::io::stderr().is_terminal() && loudness() != Loudness::Quiet;
         let bar = terminal.then(|| {
-            let style = ProgressStyle::with_template(
-                "{bar:24} {pos}/{len} cases, {per_sec}, {eta} left  {msg}",
-            );
-            ProgressBar::new(0).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+            let style = ProgressStyle::with_template("{bar:24} {prefix}  {msg}");
+            ProgressBar::new(PARTS)
+                .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         Self { bar, state: Mutex::default() }
     }
 
     fn show_running(&self, state: &State) {
         if let Some(bar) = &self.bar {
+            bar.set_prefix(state.in_words());
             bar.set_message(state.running.join(" | "));
         }
     }
@@ -82,11 +103,12 @@ impl Display {
 impl Progress for Display {
     fn begin(&self, total: usize, done: usize) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        (state.total, state.done) = (total, done);
+        (state.total, state.done, state.begun, state.share) =
+            (total, done, Some(Instant::now()), 0.0);
         match &self.bar {
             Some(bar) => {
-                bar.set_length(total as u64);
-                bar.set_position(done as u64);
+                bar.set_position(0);
+                bar.set_prefix(state.in_words());
             }
             None if loudness() == Loudness::Quiet => {}
             None if done > 0 => {
@@ -120,7 +142,6 @@ impl Progress for Display {
             record.map_or(String::new(), |record| format!(" {:.2} s", record.seconds_total));
         match &self.bar {
             Some(bar) => {
-                bar.set_position(state.done as u64);
                 if let Some(reason) = failure {
                     bar.println(harmless(&format!("{what} failed: {reason}")).as_ref());
                 } else if loudness() == Loudness::Verbose {
@@ -137,5 +158,31 @@ impl Progress for Display {
             }
         }
         self.show_running(&state);
+    }
+
+    fn advanced(&self, share: f64) {
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        state.share = share;
+        if let Some(bar) = self.bar.as_ref().filter(|bar| !bar.is_finished()) {
+            bar.set_position((share * PARTS as f64) as u64);
+            bar.set_prefix(state.in_words());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rest_is_predicted_by_work_and_not_by_cases() {
+        // Ten of eleven cases are done, and a tenth of the work.
+        assert_eq!(left(2.0, 0.1), Some(18.0));
+        assert_eq!(left(2.0, 0.0), None);
+        assert_eq!(left(2.0, 1.0), Some(0.0));
+        assert_eq!(left(2.0, f64::NAN), None);
+        let (total, done, begun) = (12, 0, Some(Instant::now()));
+        let state = State { total, done, begun, ..State::default() };
+        assert_eq!(state.in_words(), "0/12 cases", "nothing is claimed before anything is known");
     }
 }

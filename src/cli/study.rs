@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{CliError, create_dir, print_json, print_text, write_json};
+use super::{CliError, create_dir, print_json, print_text, width, write_json};
 use report::StudyDocument;
 use serde::Serialize;
 
@@ -17,7 +17,7 @@ pub(super) fn deliver(
     if as_json {
         print_json(&serde_json::to_value(study).map_err(CliError::other)?)
     } else {
-        print_text(&document.text());
+        print_text(&document.text(width(StudyDocument::WIDTH)));
         Ok(())
     }
 }

@@ -9,8 +9,9 @@ use serde::Serialize;
 
 use super::machine::Allowance;
 use super::study::write;
-use super::{CliError, Scenes, create_dir, print_json, print_text, subject, target};
+use super::{CliError, Scenes, create_dir, print_json, print_text, subject, target, width};
 use answer::Confirmed;
+use report::StudyDocument;
 use run::sweep::{Overrides, ScenePlan};
 use scene::setup::Setup;
 use scene::{Norm, Scene};
@@ -94,20 +95,12 @@ impl TradeCommand {
                 print_text(text);
             }
         };
-        say(&document.text());
-        if let Some(target) = target {
-            let target = target.of(study.size);
-            let answer = Answered::new(&bench, &study, &plan, target, &self.allowance.limit())?;
-            document.words(answer.words(&study));
-            say(&format!("\n{}", answer.words(&study)));
-            if self.confirm {
-                self.admit(&scene, [&[answer.choice.n], &[answer.choice.steps]])?;
-                let real = Confirmed::run(&answer, &mut bench, scenes, &self.scene)?;
-                document.words(real.words());
-                say(&real.words());
-                found.confirmed = Some(real);
-            }
-            found.answer = Some(answer);
+        let asked = target.map(|target| {
+            self.answer(&mut bench, &plan, target.of(study.size), scenes, &study, &mut document)
+        });
+        say(&document.text(width(StudyDocument::WIDTH)));
+        if let Some((answer, confirmed)) = asked.transpose()? {
+            (found.answer, found.confirmed) = (Some(answer), confirmed);
             write(&found, &document, Some(&self.out))?;
         }
         if self.json {
@@ -115,6 +108,29 @@ impl TradeCommand {
         }
         say(&format!("table: {}", self.at(&scene).display()));
         Ok(0)
+    }
+
+    /// The best n and N for a target, run if it is to be confirmed; the document begins with them.
+    fn answer(
+        &self,
+        bench: &mut Bench,
+        plan: &Plan,
+        target: f64,
+        scenes: &Scenes,
+        study: &Study,
+        document: &mut StudyDocument,
+    ) -> Result<(Answered, Option<Confirmed>), CliError> {
+        let answer = Answered::new(bench, study, plan, target, &self.allowance.limit())?;
+        let words = answer.words(study);
+        document.answer(&*words);
+        if !self.confirm {
+            return Ok((answer, None));
+        }
+        // The words stand on their own if the run is refused.
+        self.admit(&scenes.scene(&self.scene)?, [&[answer.choice.n], &[answer.choice.steps]])?;
+        let real = Confirmed::run(&answer, bench, scenes, &self.scene)?;
+        document.words(real.words());
+        Ok((answer, Some(real)))
     }
 
     /// Refuses these meshes and numbers of steps if they do not fit into memory.

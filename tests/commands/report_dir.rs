@@ -128,10 +128,13 @@ fn pictures_of_scenes_that_left_go_and_foreign_files_stay() {
     folder.file("out/affine-h.svg.bak", "mine");
     run(&folder, "run", &["affine"], &AFFINE);
     let expected = [
+        "affine-errors.svg",
         "affine-h.svg.bak",
         "affine-k.svg",
+        "affine-scene.svg",
         "cases.csv",
         "files.json",
+        "forest.svg",
         "index.html",
         "provenance.json",
         "report.json",

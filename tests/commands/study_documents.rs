@@ -10,7 +10,7 @@ use crate::shipped::setup;
 use gronwall::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
 use gronwall::report::StudyDocument;
 use gronwall::setup::Subject;
-use gronwall::theory::audit::{SceneAudit, Violation};
+use gronwall::theory::audit::{AtLevel, SceneAudit};
 use gronwall::theory::bound::Bound;
 use gronwall::theory::gronwall::{Plan, Study};
 use gronwall::theory::ledger;
@@ -18,8 +18,8 @@ use gronwall::theory::ledger;
 /// The document is sound without the defect, and says `words` with it.
 #[track_caller]
 fn shows(sound: &StudyDocument, defect: &StudyDocument, words: &str) {
-    assert!(sound.holds && !sound.text().contains("Does not hold"), "{}", sound.text());
-    assert!(!defect.holds && defect.text().contains(words), "{words}: {}", defect.text());
+    assert!(sound.holds && !sound.text(132).contains("Does not hold"), "{}", sound.text(132));
+    assert!(!defect.holds && defect.text(132).contains(words), "{words}: {}", defect.text(132));
 }
 
 #[test]
@@ -69,10 +69,10 @@ fn a_chain_says_which_link_fails() {
 fn an_audit_says_which_line_fails() {
     let mut audit = SceneAudit::new(&setup("compliance"), &[4], &[2]).expect("an audit");
     let sound = audit.checklist().document(None);
-    let violation = Violation { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 };
+    let violation = AtLevel { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 };
     audit.cases[0].rows[0].violation = Some(violation);
     shows(&sound, &audit.checklist().document(None), "(4.7) at level 2 of n = 4, N = 2");
-    assert!(audit.checklist().document(None).text().contains("15 of 16 lines hold"));
+    assert!(audit.checklist().document(None).text(132).contains("15 of 16 lines hold"));
     audit.cases.clear();
     shows(&sound, &audit.checklist().document(None), "nothing was compared");
 }

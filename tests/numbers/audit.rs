@@ -29,7 +29,10 @@ use gronwall::contact::{BoundaryRule, MemoryTerm, Model, march};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{MemoryKernel, PiecewiseLinear, Projection, VonMises, YieldLimit};
 use gronwall::setup::{MeshData, Setup, TruthLoad};
-use gronwall::theory::audit::{AuditConstants, Auditor, Row, SceneAudit, Standing, audit_case};
+use gronwall::theory::audit::{
+    AtLevel, AuditConstants, Auditor, Line, Relation, Row, SceneAudit, Standing, Statement,
+    audit_case,
+};
 use gronwall::theory::ledger::{LedgerError, ledger};
 use gronwall::vhi::Newton;
 
@@ -343,12 +346,7 @@ fn one_run() -> SceneAudit {
 fn a_violation_is_spelt_out() {
     let mut audit = one_run();
     let row = &mut audit.cases[0].rows[0];
-    row.violation = Some(gronwall::theory::audit::Violation {
-        level: 2,
-        left: 2.0,
-        right: 1.0,
-        accuracy: 1e-12,
-    });
+    row.violation = Some(AtLevel { level: 2, left: 2.0, right: 1.0, accuracy: 1e-12 });
     assert!(!audit.holds());
     let said = &audit.violations()[0];
     for part in ["(4.7)", "level 2", "n = 4", "N = 2", "h = ", "k = ", "2.0", "1.0", "exceeds by"] {
@@ -358,6 +356,42 @@ fn a_violation_is_spelt_out() {
     let table = String::from_utf8(audit.csv().expect("a table")).expect("text");
     assert_eq!(table.lines().count(), 1 + 16);
     assert!(table.lines().nth(1).is_some_and(|line| line.contains(",false,2,")));
+}
+
+/// A tightness of 1 just holds, more fails; the table begins with what fails.
+#[test]
+fn what_is_tightest_stands_first() {
+    let of = |relation, left: f64, right: f64, accuracy| Line {
+        statement: Statement { name: "a", says: "b" },
+        relation,
+        left,
+        right,
+        accuracy,
+        rounding: 0.0,
+    };
+    for (line, tightness, standing) in [
+        (of(Relation::AtMost, 2.0, 4.0, 0.0), Some(0.5), Standing::Holds),
+        (of(Relation::AtMost, 4.0, 2.0, 0.0), Some(2.0), Standing::Violated),
+        (of(Relation::AtMost, 1e-20, 1e-21, 1e-12), None, Standing::Holds),
+        (of(Relation::Equal, 1.5, 1.0, 0.5), Some(1.0), Standing::Holds),
+        (of(Relation::Equal, 1.0, 2.5, 0.5), Some(3.0), Standing::Violated),
+        (of(Relation::Equal, 0.0, 0.0, 0.0), None, Standing::Holds),
+    ] {
+        assert_eq!((line.tightness(), line.standing()), (tightness, standing), "{line:?}");
+    }
+    assert!(of(Relation::Equal, f64::NAN, 0.0, 1.0).tightness().is_some_and(f64::is_nan));
+    let mut audit = one_run();
+    let last = audit.cases[0].rows.len() - 1;
+    let place = |audit: &SceneAudit| {
+        let text = audit.checklist().document(None).text(132);
+        let rows = text.find("\n line").expect("a table");
+        text[rows..].find("\n (4.20)").expect("a row")
+    };
+    let before = place(&audit);
+    assert_eq!(audit.cases[0].rows[last].statement.name, "(4.20)");
+    let failed = AtLevel { level: 1, left: 2.0, right: 1.0, accuracy: 0.0 };
+    audit.cases[0].rows[last].violation = Some(failed);
+    assert!(place(&audit) < before, "{before:?}");
 }
 
 /// The ledger is confirmed by its runs; a run with a violated line, or without a number, confirms nothing.

@@ -1,8 +1,8 @@
 //! A picture of series over two axes: what every picture of a report is made of.
 
 use super::ReportError;
-use super::canvas::{Canvas, Place};
-use super::frame::Frame;
+use super::canvas::{Anchor, Canvas, Place};
+use super::frame::{Frame, RIGHT};
 use super::legend::{Legend, Sample, Stroke};
 use super::marks::{draw_marks, mark_entries};
 use super::palette::{INK, colour};
@@ -94,6 +94,8 @@ pub struct Chart {
     pub verticals: Vec<Mark>,
     /// Lines at values of y.
     pub horizontals: Vec<Mark>,
+    /// Words beside points.
+    pub labels: Vec<(Datum, String)>,
     /// What signs mean.
     pub keys: Vec<Key>,
     /// Words at the end of the legend.
@@ -128,6 +130,11 @@ impl Series {
 /// Strokes and gaps of dashed lines, and of dotted ones: shorter than their gaps.
 const DASHES: (f64, f64) = (14.0, 10.0);
 const DOTS: (f64, f64) = (4.0, 9.0);
+
+/// From a point to the words beside it: above the line that goes on to the right.
+const LABEL: (f64, f64) = (10.0, -34.0);
+/// Width of a character, at most.
+const CHARACTER: f64 = 17.5;
 
 /// How often the axis is lengthened downwards by a decade to make room for the triangles.
 const LONGER: i32 = 3;
@@ -169,6 +176,7 @@ impl Chart {
             series: Vec::new(),
             verticals: Vec::new(),
             horizontals: Vec::new(),
+            labels: Vec::new(),
             keys: Vec::new(),
             note: String::new(),
         }
@@ -195,6 +203,15 @@ impl Chart {
         }
         for placed in &slopes {
             placed.draw(&canvas, self.inks()[placed.series].0)?;
+        }
+        for (point, words) in &self.labels {
+            let (x, y) = frame.place(*point);
+            let end = x + LABEL.0 + CHARACTER * words.chars().count() as f64;
+            let (x, anchor) = match end > RIGHT {
+                true => (RIGHT - LABEL.0, Anchor::Right),
+                false => (x + LABEL.0, Anchor::Left),
+            };
+            canvas.text(words, (x, y + LABEL.1), anchor)?;
         }
         self.draw_legend(&canvas, !slopes.is_empty())?;
         canvas.finish()?;

@@ -3,14 +3,17 @@
 //! Everything is rebuilt from records and verdicts alone, and equal input gives equal bytes. A picture
 //! is a [`Chart`], series over two axes with lines at values of either axis, or a [`Map`].
 
+mod bars;
 mod body;
 mod canvas;
 mod chart;
 mod convergence;
 mod curve;
 mod document;
+mod forest;
 mod frame;
 mod github;
+mod group;
 mod junit;
 mod legend;
 mod map;
@@ -24,6 +27,7 @@ mod sketch;
 mod slope;
 mod space_time;
 mod surface;
+mod thumbnail;
 mod ticks;
 mod written;
 
@@ -31,6 +35,7 @@ use std::collections::BTreeMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
+pub use bars::{Bar, Bars};
 pub use body::{Arrow, Cell as BodyCell, Deformed};
 pub use chart::{Axis, Chart, Datum, Key, Mark, Part, Series};
 pub use convergence::convergence_svg;
@@ -41,6 +46,7 @@ pub use document::{
     precise, sides,
 };
 pub use github::{Place, annotations, step_summary};
+pub use group::Group;
 pub use junit::write_junit;
 pub use map::{Cell, Map, Shade};
 pub use plane::plane_svg;
@@ -51,7 +57,7 @@ pub use space_time::{Panel, SpaceTime, Zone};
 pub use surface::surface_svg;
 pub use written::remove_earlier;
 
-use document::{DATA, Report, TEMPLATE, data, document, markdown, page, tables};
+use document::{DATA, Report, TEMPLATE, data, document, group, markdown, page, tables};
 use files::make_directory;
 use judge::fit::Direction;
 use judge::record::{CaseRecord, RecordError, write_sorted};
@@ -65,6 +71,10 @@ pub struct SceneSummary {
     pub name: String,
     /// The question it asks.
     pub question: String,
+    /// Where it stands in the report.
+    pub group: Group,
+    /// Its body with the parts of the boundary, as SVG.
+    pub picture: Option<String>,
     /// What a reader has to know beside it: a hypothesis that is broken, a verdict that is not given.
     pub remarks: Vec<String>,
     /// What is solved.
@@ -165,8 +175,8 @@ impl ReportError {
     }
 }
 
-/// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg` and `SCENE-map.svg`
-/// into `dir`, which is made if it is not there. Pages are index.html, report.md, tables.tex, and report.typ with report.json.
+/// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg`, `SCENE-map.svg`,
+/// `SCENE-scene.svg`, `SCENE-errors.svg` and `forest.svg` into `dir`, which is made if it is not there. Pages are index.html, report.md, tables.tex, and report.typ with report.json.
 /// Pages and pictures of an earlier report that this one has no use for are removed; files of others stay. Returns the
 /// document that the pages are renderings of.
 ///
@@ -185,10 +195,18 @@ pub fn write_all(
     let drawn =
         scenes.iter().zip(&stems).map(|(scene, stem)| figures(scene, stem, records, verdicts));
     let pictures: Vec<Vec<Picture>> = drawn.collect::<Result<_, _>>()?;
+    let cards: Vec<Vec<Picture>> = scenes
+        .iter()
+        .zip(&stems)
+        .map(|(scene, stem)| card(scene, stem, records, verdicts))
+        .collect::<Result<_, _>>()?;
+    let forest = forest(scenes, verdicts, provenance)?;
     let document = document(Report {
         scenes,
         stems: &stems,
         pictures: &pictures,
+        cards: &cards,
+        forest: forest.clone(),
         studies: StudyDocument::read_all(dir)?,
         of_cases: pictures::of_cases(dir)?,
         records,
@@ -204,7 +222,9 @@ pub fn write_all(
         ("report.typ", TEMPLATE.to_owned()),
         (DATA, data(&document, None)),
     ];
-    let own = pictures.iter().flatten().map(|(file, _, svg)| (file.clone(), svg.as_str()));
+    let forest = forest.iter().map(|(picture, _)| picture);
+    let own = pictures.iter().chain(&cards).flatten().chain(forest);
+    let own = own.map(|(file, _, svg)| (file.clone(), svg.as_str()));
     let pages = pages.iter().map(|(name, text)| ((*name).to_owned(), text.as_str()));
     let files: Vec<(String, &str)> = own.chain(pages).collect();
     write_listed(dir, &files)?;
@@ -213,6 +233,42 @@ pub fn write_all(
 
 /// A picture with its file name and its caption.
 type Picture = (String, String, String);
+
+/// The forest plot of all verdicts in two columns, and in three pieces.
+fn forest(
+    scenes: &[SceneSummary],
+    verdicts: &[Verdict],
+    provenance: &serde_json::Value,
+) -> Result<Option<(Picture, Vec<String>)>, ReportError> {
+    let lines = forest::lines(verdicts, |scene| group(scenes, provenance, scene));
+    let Some(svg) = forest::svg(&forest::columns(&lines, 2))? else { return Ok(None) };
+    let caption = "Observed minus predicted order, with its 95 % interval, of every norm judged in h or k. Grey: the tolerance of a prediction; \
+                   right: the order predicted; filled: pass; orange: not as expected.";
+    let pieces = forest::columns(&lines, 3);
+    let pieces = pieces.into_iter().map(|piece| forest::svg(&[piece]));
+    let pieces: Vec<Option<String>> = pieces.collect::<Result<_, _>>()?;
+    let picture = ("forest.svg".into(), caption.into(), svg);
+    Ok(Some((picture, pieces.into_iter().flatten().collect())))
+}
+
+/// The body of a scene and its errors, small, as far as there is something to draw.
+fn card(
+    scene: &SceneSummary,
+    stem: &str,
+    records: &[CaseRecord],
+    verdicts: &[Verdict],
+) -> Result<Vec<Picture>, ReportError> {
+    let errors = thumbnail::thumbnail_svg(scene, records, verdicts)?;
+    let drawn = [
+        ("scene", "the body with the parts of its boundary", scene.picture.clone()),
+        ("errors", "errors judged, with the observed order", errors),
+    ];
+    let picture = |(suffix, caption, svg): (&str, &str, Option<String>)| {
+        let names = (format!("{stem}-{suffix}.svg"), format!("{}: {caption}", scene.name));
+        svg.map(|svg| (names.0, names.1, svg))
+    };
+    Ok(drawn.into_iter().filter_map(picture).collect())
+}
 
 /// The pictures of a scene, as far as there is something to draw.
 fn figures(

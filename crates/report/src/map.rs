@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas};
+use super::canvas::{Anchor, Canvas, SIZE};
 use super::palette::INK;
 
 /// How a cell ended.
@@ -33,16 +33,17 @@ pub struct Map {
     pub legend: [String; 3],
 }
 
-const LEFT: f64 = 345.0;
+const LEFT: f64 = 265.0;
 const RIGHT: f64 = 1770.0;
-const TOP: f64 = 130.0;
-const BOTTOM: f64 = 1030.0;
-/// Height of the legend's line.
-const LEGEND: f64 = 1078.0;
-/// Rows are no higher than this.
-const HIGHEST: f64 = 60.0;
+const TOP: f64 = 116.0;
+/// Height of a row, and of text: words stand apart from those above and below.
+const ROW: f64 = 46.0;
+const TEXT: f64 = 25.0;
+/// From the last row to the middle of the legend, and to the end.
+const LEGEND: f64 = 46.0;
+const MARGIN: f64 = 84.0;
 /// Width of a character of plain text, at most.
-const CHARACTER: f64 = 18.5;
+const CHARACTER: f64 = 14.0;
 
 /// From light to dark, both light enough for dark words; grey and vermilion beside them.
 const NEAR: [f64; 3] = [226.0, 240.0, 250.0];
@@ -68,26 +69,32 @@ impl Map {
     /// [`ReportError::Drawing`].
     pub fn svg(&self) -> Result<String, ReportError> {
         let mut svg = String::new();
-        let canvas = Canvas::new(&mut svg)?;
+        let bottom = TOP + ROW * self.rows.len() as f64;
+        let size = (SIZE.0, (bottom + MARGIN) as u32);
+        let canvas = Canvas::of_size(&mut svg, size, TEXT)?;
         canvas.bold(&self.title, (30.0, 40.0))?;
         canvas.text(&self.subtitle, (30.0, 88.0), Anchor::Left)?;
         let columns = self.rows.iter().map(|(_, cells)| cells.len()).max().unwrap_or(0).max(1);
-        let height = ((BOTTOM - TOP) / self.rows.len().max(1) as f64).min(HIGHEST);
         let width = (RIGHT - LEFT) / columns as f64;
         for (r, (name, cells)) in self.rows.iter().enumerate() {
-            let top = TOP + r as f64 * height;
-            let middle = top + 0.5 * height;
+            let top = TOP + r as f64 * ROW;
+            let middle = top + 0.5 * ROW;
             canvas.text(name, (LEFT - 16.0, middle), Anchor::Right)?;
             for (c, (words, shade)) in cells.iter().enumerate() {
                 let left = LEFT + c as f64 * width;
-                cell(&canvas, [left, top, left + width - 4.0, top + height - 4.0], words, *shade)?;
+                cell(&canvas, [left, top, left + width - 4.0, top + ROW - 4.0], words, *shade)?;
             }
         }
         let shades = [Shade::Within(0.3), Shade::Outside, Shade::Wrong];
         let mut x = 30.0;
         for (words, shade) in self.legend.iter().zip(shades) {
-            cell(&canvas, [x, LEGEND - 16.0, x + 60.0, LEGEND + 16.0], "", shade)?;
-            canvas.text(words, (x + 76.0, LEGEND), Anchor::Left)?;
+            cell(
+                &canvas,
+                [x, bottom + LEGEND - 16.0, x + 60.0, bottom + LEGEND + 16.0],
+                "",
+                shade,
+            )?;
+            canvas.text(words, (x + 76.0, bottom + LEGEND), Anchor::Left)?;
             x += 110.0 + CHARACTER * words.chars().count() as f64;
         }
         canvas.finish()?;

@@ -50,6 +50,7 @@ pub use heading::{Expectation, Hypothesis};
 pub use law::Law;
 pub use material::{Material, Region};
 pub use memory::Memory;
+pub use nearest::nearest;
 pub use prediction::{Direction, Norm, Prediction};
 pub use projection::Projection;
 pub use region_place::Place;

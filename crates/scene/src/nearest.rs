@@ -1,10 +1,7 @@
 //! The known names nearest to a misspelt one.
 
 /// The nearest candidate, if it is near enough to be meant.
-pub(super) fn nearest<'a>(
-    name: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     by_distance(name, candidates).into_iter().next()
 }
 

@@ -1,13 +1,15 @@
 //! The sections of a report, from its records and verdicts.
 
 use super::StudyDocument;
+use super::answers;
 use super::chapter::{chapters, failures};
-use super::evidence::{cases, points};
+use super::scene::{of_scene, sentence};
 use super::{Block, Document, Figure, Run, Section, Table, Tone};
-use crate::{Picture, SceneSummary};
+use crate::{Group, Picture, SceneSummary};
 use files::{counted, quoted};
 use judge::record::{CaseRecord, Status};
 use judge::verdict::{Decision, NOTHING_JUDGED, Verdict, cell_texts, exit_code};
+use serde_json::Value;
 
 /// What a report is made of.
 pub(crate) struct Report<'a> {
@@ -16,13 +18,17 @@ pub(crate) struct Report<'a> {
     pub(crate) stems: &'a [String],
     /// File name, caption and SVG of the pictures of each scene.
     pub(crate) pictures: &'a [Vec<Picture>],
+    /// Body and errors of each scene, small.
+    pub(crate) cards: &'a [Vec<Picture>],
+    /// The forest plot, and its pieces.
+    pub(crate) forest: Option<(Picture, Vec<String>)>,
     /// What other commands left in the directory.
     pub(crate) studies: Vec<StudyDocument>,
     /// Pictures of single cases that are there.
     pub(crate) of_cases: Vec<Picture>,
     pub(crate) records: &'a [CaseRecord],
     pub(crate) verdicts: &'a [Verdict],
-    pub(crate) provenance: &'a serde_json::Value,
+    pub(crate) provenance: &'a Value,
 }
 
 /// Numbers of tables and figures, counted through the document.
@@ -33,14 +39,25 @@ pub(super) struct Numbers {
 }
 
 impl Numbers {
-    pub(super) fn table(&mut self) -> usize {
-        self.tables += 1;
-        self.tables
+    /// A block with its number in the document.
+    pub(super) fn given(&mut self, block: Block) -> Block {
+        match block {
+            Block::Table(table) => {
+                self.tables += 1;
+                Block::Table(Table { number: self.tables, ..table })
+            }
+            Block::Figure(figure) => {
+                self.figures += 1;
+                Block::Figure(Figure { number: self.figures, ..figure })
+            }
+            other => other,
+        }
     }
 
-    pub(super) fn figure(&mut self) -> usize {
-        self.figures += 1;
-        self.figures
+    /// A section with the numbers of its blocks.
+    pub(super) fn given_all(&mut self, section: Section) -> Section {
+        let blocks = section.blocks.into_iter().map(|block| self.given(block)).collect();
+        Section { blocks, ..section }
     }
 }
 
@@ -52,16 +69,21 @@ pub(crate) fn document(report: Report<'_>) -> Document {
     if !report.scenes.is_empty() {
         sections.push(introduction());
     }
-    let pictures = report.pictures.iter().cloned();
-    for ((scene, stem), pictures) in report.scenes.iter().zip(report.stems).zip(pictures) {
-        sections.push(of_scene(scene, stem, pictures, &report, &mut numbers));
+    for group in Group::ALL {
+        let own = |at: &usize| report.group(&report.scenes[*at].name) == group;
+        let own: Vec<usize> = (0..report.scenes.len()).filter(own).collect();
+        if !own.is_empty() {
+            let id = format!("group-{group:?}").to_lowercase();
+            sections.push(Section::new(2, &id, group.title()));
+        }
+        sections.extend(own.into_iter().map(|at| of_scene(&report, at, &mut numbers)));
     }
     sections.extend(chapters(&report, &mut numbers));
     if !report.of_cases.is_empty() {
         sections.push(further(report.of_cases.clone(), &mut numbers));
     }
     sections.push(reproduction(&report, &mut numbers));
-    let entry = |key: &str| report.provenance.get(key).and_then(serde_json::Value::as_str);
+    let entry = |key: &str| report.provenance.get(key).and_then(Value::as_str);
     let made_by = ["program", "version", "platform"].into_iter().filter_map(entry);
     Document {
         title: "Orders of convergence".into(),
@@ -89,6 +111,11 @@ pub(super) fn tone(verdict: &Verdict) -> Tone {
 }
 
 impl Report<'_> {
+    /// The group of a scene: that of its terms, unless another program solved it.
+    pub(crate) fn group(&self, scene: &str) -> Group {
+        group(self.scenes, self.provenance, scene)
+    }
+
     /// The name of a scene's section.
     pub(super) fn stem(&self, scene: &SceneSummary) -> &str {
         let at = self.scenes.iter().position(|own| own.name == scene.name);
@@ -96,8 +123,17 @@ impl Report<'_> {
     }
 }
 
+/// The group of a scene by its name.
+pub(crate) fn group(scenes: &[SceneSummary], provenance: &Value, scene: &str) -> Group {
+    let options = provenance.get("run").and_then(|run| run.get("options")).and_then(Value::as_str);
+    if options.is_some_and(|options| options.split(' ').next() == Some("verify")) {
+        return Group::External;
+    }
+    scenes.iter().find(|own| own.name == scene).map_or(Group::default(), |own| own.group)
+}
+
 /// The section of a scene by its name.
-fn id_of(report: &Report<'_>, name: &str) -> Option<String> {
+pub(super) fn id_of(report: &Report<'_>, name: &str) -> Option<String> {
     let at = report.scenes.iter().position(|scene| scene.name == name)?;
     Some(format!("#{}", report.stems[at]))
 }
@@ -116,6 +152,10 @@ fn summary(
     if report.verdicts.is_empty() {
         return section;
     }
+    answers::write(&mut section, report);
+    if let Some((picture, pieces)) = report.forest.clone() {
+        section.blocks.push(Block::Figure(Figure { pieces, ..Figure::new(picture) }));
+    }
     let row = |verdict: &Verdict| {
         let [scene, norm, variable, predicted, observed, decision, why] = cell_texts(verdict);
         let target = id_of(report, &verdict.scene);
@@ -131,17 +171,14 @@ fn summary(
         ]
     };
     let head = ["scene", "norm", "in", "predicted", "observed", "verdict", "by"];
-    section.blocks.push(Block::Table(Table {
-        number: numbers.table(),
-        caption: "Predicted orders, observed orders with their intervals, and what they say."
-            .into(),
-        head: head.map(Into::into).into(),
-        numeric: vec![false; head.len()],
-        rows: report.verdicts.iter().map(row).collect(),
-    }));
+    let rows = report.verdicts.iter().map(row).collect();
+    let caption = "Predicted orders, observed orders with their intervals, and what they say.";
+    section.blocks.push(Block::Table(Table::new(caption, &head, rows).evidence()));
     let remarkable = |v: &&Verdict| !v.as_expected() || v.decision != Decision::Pass;
     for verdict in report.verdicts.iter().filter(remarkable) {
-        section.text(sentence(verdict));
+        let mut runs = vec![Run::of(format!("{}, ", verdict.scene), Tone::Strong)];
+        runs.extend(sentence(verdict));
+        section.text(runs);
     }
     section.text(vec![
         Run::plain("Every number: "),
@@ -150,17 +187,7 @@ fn summary(
         Run::plain("verdict.json").to("verdict.json"),
         Run::plain("."),
     ]);
-    section
-}
-
-/// A verdict in words.
-fn sentence(verdict: &Verdict) -> Vec<Run> {
-    let [scene, norm, variable, .., decision, _] = cell_texts(verdict);
-    vec![
-        Run::of(format!("{scene}, {norm} in {variable}: "), Tone::Strong),
-        Run::of(decision, tone(verdict)),
-        Run::plain(format!(". {}.", verdict.reason.trim_end_matches('.'))),
-    ]
+    numbers.given_all(section)
 }
 
 fn introduction() -> Section {
@@ -173,74 +200,11 @@ fn introduction() -> Section {
     section
 }
 
-fn of_scene(
-    scene: &SceneSummary,
-    stem: &str,
-    pictures: Vec<Picture>,
-    report: &Report<'_>,
-    numbers: &mut Numbers,
-) -> Section {
-    let mut section = Section::new(2, stem, &scene.name);
-    section.text(vec![Run::plain(&*scene.question)]);
-    for remark in &scene.remarks {
-        section.text(vec![Run::plain(remark)]);
-    }
-    if !scene.equations.is_empty() {
-        section.blocks.push(Block::Formulas(scene.equations.clone()));
-    }
-    let own: Vec<&Verdict> = report.verdicts.iter().filter(|v| v.scene == scene.name).collect();
-    for verdict in &own {
-        section.text(sentence(verdict));
-    }
-    if !own.is_empty() {
-        let row = |verdict: &&Verdict| {
-            let [_, norm, variable, predicted, observed, decision, why] = cell_texts(verdict);
-            let plain = [norm, variable, predicted, why, observed].into_iter().map(Run::plain);
-            plain.chain([Run::of(decision, tone(verdict))]).collect()
-        };
-        let head = ["norm", "in", "predicted", "by", "observed", "verdict"];
-        section.blocks.push(Block::Table(Table {
-            number: numbers.table(),
-            caption: format!("{}: predicted and observed orders.", scene.name),
-            head: head.map(Into::into).into(),
-            numeric: vec![false; head.len()],
-            rows: own.iter().map(row).collect(),
-        }));
-    }
-    for verdict in &own {
-        section.blocks.push(Block::Table(points(verdict, report.records, numbers.table())));
-    }
-    for (file, caption, svg) in pictures {
-        let number = numbers.figure();
-        section.blocks.push(Block::Figure(Figure { number, file, caption, svg }));
-    }
-    if let Some(table) = cases(&scene.name, report.records, numbers.tables + 1) {
-        numbers.tables += 1;
-        section.blocks.push(Block::Table(table));
-    }
-    if !scene.data.is_empty() {
-        let row = |[part, key, value]: &[String; 3]| {
-            vec![Run::plain(part), Run::plain(key), Run::code(value)]
-        };
-        section.blocks.push(Block::Table(Table {
-            number: numbers.table(),
-            caption: format!("{}: data, as the scene file gives them.", scene.name),
-            head: ["part", "key", "value"].map(Into::into).into(),
-            numeric: vec![false; 3],
-            rows: scene.data.iter().map(row).collect(),
-        }));
-    }
-    section
-}
-
 fn further(pictures: Vec<Picture>, numbers: &mut Numbers) -> Section {
     let mut section = Section::new(1, "studies", "Further pictures in this directory");
     section.text(vec![Run::plain("Written here by the command that each caption names.")]);
-    for (file, caption, svg) in pictures {
-        let number = numbers.figure();
-        section.blocks.push(Block::Figure(Figure { number, file, caption, svg }));
-    }
-    section
+    section.blocks.extend(pictures.into_iter().map(Figure::new).map(Block::Figure));
+    numbers.given_all(section)
 }
 
 fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
@@ -259,7 +223,7 @@ fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
     section.text(vec![Run::plain(
         "Records are the same, bit for bit, for any number of threads, but for the columns of seconds.",
     )]);
-    let text = |value: &serde_json::Value| value.as_str().map_or(value.to_string(), str::to_owned);
+    let text = |value: &Value| value.as_str().map_or(value.to_string(), str::to_owned);
     let mut rows = Vec::new();
     for (key, value) in report.provenance.as_object().into_iter().flatten() {
         match value.as_object() {
@@ -270,13 +234,10 @@ fn reproduction(report: &Report<'_>, numbers: &mut Numbers) -> Section {
         }
     }
     if !rows.is_empty() {
-        section.blocks.push(Block::Table(Table {
-            number: numbers.table(),
-            caption: "Provenance: program, and the fingerprint of each scene's text.".into(),
-            head: ["what", "of", "value"].map(Into::into).into(),
-            numeric: vec![false; 3],
-            rows,
-        }));
+        let caption = "Provenance: program, and the fingerprint of each scene's text.";
+        section
+            .blocks
+            .push(Block::Table(Table::new(caption, &["what", "of", "value"], rows).evidence()));
     }
-    section
+    numbers.given_all(section)
 }

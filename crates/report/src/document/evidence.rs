@@ -18,7 +18,7 @@ fn step(value: f64) -> String {
 }
 
 /// The points of a verdict from coarse to fine, with the order between neighbours that served.
-pub(super) fn points(verdict: &Verdict, records: &[CaseRecord], number: usize) -> Table {
+pub(super) fn points(verdict: &Verdict, records: &[CaseRecord]) -> Table {
     let case = |h: f64, k: f64| {
         let here = |r: &&CaseRecord| {
             r.scene == verdict.scene
@@ -60,17 +60,13 @@ pub(super) fn points(verdict: &Verdict, records: &[CaseRecord], number: usize) -
         ]);
     }
     let (norm, variable) = (&verdict.norm, verdict.variable.name());
-    Table {
-        number,
-        caption: format!("{}: points of the verdict on {norm} in {variable}.", verdict.scene),
-        head: ["n", "N", "h", "k", "error", "local order", "floor", "use"].map(Into::into).into(),
-        numeric: vec![true, true, true, true, true, true, true, false],
-        rows,
-    }
+    let caption = format!("{}: points of the verdict on {norm} in {variable}.", verdict.scene);
+    let heads = [">n", ">N", ">h", ">k", ">error", ">local order", ">floor", "use"];
+    Table::new(caption, &heads, rows).evidence()
 }
 
 /// All cases of a scene with their sizes and errors.
-pub(super) fn cases(scene: &str, records: &[CaseRecord], number: usize) -> Option<Table> {
+pub(super) fn cases(scene: &str, records: &[CaseRecord]) -> Option<Table> {
     let own: Vec<&CaseRecord> = records.iter().filter(|r| r.scene == scene).collect();
     let mut norms: Vec<&str> = own.iter().flat_map(|record| record.norms()).collect();
     norms.sort_by_key(|norm| (norm_rank(norm), *norm));
@@ -110,7 +106,8 @@ pub(super) fn cases(scene: &str, records: &[CaseRecord], number: usize) -> Optio
     };
     let last = head.len() - 1;
     Some(Table {
-        number,
+        number: 0,
+        evidence: true,
         caption: format!(
             "{scene}: all cases; unknowns of a time level, Newton iterations over all levels, errors in the norms named.{more}"
         ),

@@ -1,6 +1,6 @@
 //! The document as a page that needs nothing but itself: no script to read it, one to sort its tables.
 
-use super::{Block, Document, Equation, Figure, Run, Section, Table, Tone};
+use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone};
 use crate::sheet;
 use files::harmless;
 
@@ -10,9 +10,12 @@ const STYLE: &str = include_str!("page.css");
 /// Heads become buttons that sort their table by their column; without it tables stand as written.
 const SCRIPT: &str = include_str!("sort.js");
 
+/// Tables with more rows are folded.
+const MOST_ROWS: usize = 12;
+
 /// The page.
 pub(crate) fn page(document: &Document) -> String {
-    let sections: String = document.sections.iter().map(section).collect();
+    let sections = sections(document);
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
@@ -26,23 +29,67 @@ pub(crate) fn page(document: &Document) -> String {
     )
 }
 
-/// Links to the chapters, and below them to the scenes.
+/// Links to the chapters.
 fn contents(document: &Document) -> String {
     let link = |s: &Section| format!("<a href=\"#{}\">{}</a>", escaped(&s.id), escaped(&s.title));
     let parts: Vec<String> = document.sections.iter().filter(|s| s.level == 1).map(link).collect();
-    let after = document.sections.iter().skip_while(|s| s.id != "scenes").skip(1);
-    let scenes: Vec<String> = after.take_while(|s| s.level == 2).map(link).collect();
-    format!("<nav><p>{}</p>\n<p class=\"scenes\">{}</p></nav>\n", parts.join(" "), scenes.join(" "))
+    format!("<nav aria-label=\"chapters\">{}</nav>\n", parts.join(" "))
+}
+
+/// All sections: cards of scenes side by side, other sections below a chapter folded.
+fn sections(document: &Document) -> String {
+    let (mut text, mut within) = (String::new(), false);
+    for own in &document.sections {
+        let is_card = own.card.is_some();
+        if is_card != within {
+            text += if is_card { "<div class=\"cards\">\n" } else { "</div>\n" };
+            within = is_card;
+        }
+        text += &match &own.card {
+            Some(of) => card(own, of),
+            None => section(own),
+        };
+    }
+    text + if within { "</div>\n" } else { "" }
 }
 
 fn section(section: &Section) -> String {
-    let level = section.level + 1;
+    let (id, title) = (escaped(&section.id), escaped(&section.title));
     let blocks: String = section.blocks.iter().map(block).collect();
+    match (section.level, section.blocks.is_empty()) {
+        (1, _) => format!("<section id=\"{id}\">\n<h2>{title}</h2>\n{blocks}</section>\n"),
+        (_, true) => format!("<h3 id=\"{id}\">{title}</h3>\n"),
+        _ => format!(
+            "<section id=\"{id}\">\n{}</section>\n",
+            folded(&format!("<h3>{title}</h3>"), &blocks)
+        ),
+    }
+}
+
+/// A scene: verdict and pictures, the rest folded.
+fn card(section: &Section, card: &Card) -> String {
+    let pictures: String =
+        card.pictures.iter().map(|figure| labelled(&figure.svg, &figure.caption)).collect();
+    let mut blocks = section.blocks.iter();
+    let question = match section.blocks.first() {
+        Some(Block::Text(runs)) => {
+            blocks.next();
+            joined(runs)
+        }
+        _ => String::new(),
+    };
+    let rest: String = blocks.map(block).collect();
     format!(
-        "<section id=\"{}\">\n<h{level}>{}</h{level}>\n{blocks}</section>\n",
+        "<article class=\"card\" id=\"{}\">\n<h4>{}</h4>\n<p>{}</p>\n<div class=\"pair\">{pictures}</div>\n{}</article>\n",
         escaped(&section.id),
-        escaped(&section.title)
+        escaped(&section.title),
+        joined(&card.verdict),
+        folded(&question, &rest),
     )
+}
+
+fn folded(summary: &str, text: &str) -> String {
+    format!("<details>\n<summary>{summary}</summary>\n{text}</details>\n")
 }
 
 fn block(block: &Block) -> String {
@@ -82,6 +129,7 @@ fn raised(text: &str) -> String {
 }
 
 fn of_table(table: &Table) -> String {
+    let number = table.number;
     let class = |column: usize| if table.numeric[column] { " class=\"number\"" } else { "" };
     let head: String = table
         .head
@@ -94,24 +142,36 @@ fn of_table(table: &Table) -> String {
         format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
     };
     let rows: String = table.rows.iter().map(row).collect();
-    format!(
-        "<figure id=\"table-{number}\">\n<figcaption id=\"caption-{number}\">Table {number}. {}</figcaption>\n\
-         <div class=\"scroll\" tabindex=\"0\"><table aria-labelledby=\"caption-{number}\">\n\
-         <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n</figure>\n",
+    let caption = format!("Table {number}. {}", escaped(&table.caption));
+    let rows = format!(
+        "<div class=\"scroll\" tabindex=\"0\"><table aria-label=\"{}\">\n\
+         <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n",
         escaped(&table.caption),
-        number = table.number,
-    )
+    );
+    let inside = match table.evidence || table.rows.len() > MOST_ROWS {
+        true => folded(&caption, &rows),
+        false => format!("<figcaption>{caption}</figcaption>\n{rows}"),
+    };
+    format!("<figure id=\"table-{number}\">\n{inside}</figure>\n")
 }
 
 fn of_figure(figure: &Figure) -> String {
-    // The page has the style sheet of all pictures once, and what a picture shows in words.
-    let svg = sheet::without(&figure.svg);
-    let label = escaped(&figure.caption);
-    let svg = svg.replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1);
     let (number, file) = (figure.number, escaped(&figure.file));
+    let whole = std::slice::from_ref(&figure.svg);
+    let pieces = if figure.pieces.is_empty() { whole } else { &figure.pieces };
+    let kind = if figure.pieces.is_empty() { "scroll" } else { "pieces" };
+    let pieces: String = pieces.iter().map(|svg| labelled(svg, &figure.caption)).collect();
     format!(
-        "<figure id=\"figure-{number}\">\n<div class=\"scroll\" tabindex=\"0\">{svg}</div>\n<figcaption>Figure {number}. {label} <a href=\"{file}\">{file}</a></figcaption>\n</figure>\n"
+        "<figure id=\"figure-{number}\">\n<div class=\"{kind}\" tabindex=\"0\">{pieces}</div>\n<figcaption>Figure {number}. {} <a href=\"{file}\">{file}</a></figcaption>\n</figure>\n",
+        escaped(&figure.caption)
     )
+}
+
+/// A picture with what it shows in words. The page has the style sheet of all pictures once; a size of its own would
+/// stand in the way of that of the page.
+fn labelled(svg: &str, caption: &str) -> String {
+    let label = escaped(caption);
+    sheet::without(svg).replacen("<svg ", &format!("<svg role=\"img\" aria-label=\"{label}\" "), 1)
 }
 
 fn joined(runs: &[Run]) -> String {

@@ -191,7 +191,7 @@ mod tests {
         let head = vec!["head".to_owned(); numeric.len()];
         let row = |cells: Vec<&str>| cells.into_iter().map(Run::plain).collect();
         let rows = rows.into_iter().map(row).collect();
-        Table { number: 1, caption: "a & b".into(), head, numeric, rows }
+        Table { number: 1, caption: "a & b".into(), head, numeric, rows, evidence: false }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! [`document`] builds it once from the records; a page, Markdown, LaTeX and Typst are renderings of it.
 
+mod answers;
 mod chapter;
 mod content;
 mod equation;
@@ -12,13 +13,15 @@ mod markdown;
 mod number;
 #[cfg(feature = "pdf")]
 mod pdf;
+mod scene;
 mod study;
 mod terminal;
 mod typst;
 
+use crate::Picture;
 use serde::{Deserialize, Serialize};
 
-pub(super) use content::{Report, document};
+pub(super) use content::{Report, document, group};
 pub use equation::{Equation, Terms, equations};
 pub(super) use html::page;
 pub(super) use latex::tables;
@@ -47,7 +50,19 @@ pub(super) struct Section {
     /// What links to it name.
     pub(super) id: String,
     pub(super) title: String,
+    /// What it says at a glance, where it is a scene's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) card: Option<Card>,
     pub(super) blocks: Vec<Block>,
+}
+
+/// A scene at a glance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(super) struct Card {
+    /// Its verdicts in a sentence.
+    pub(super) verdict: Vec<Run>,
+    /// Its body and its errors, without numbers.
+    pub(super) pictures: Vec<Figure>,
 }
 
 /// A part of a section.
@@ -97,6 +112,9 @@ pub(super) struct Table {
     /// Columns whose numbers end at the right.
     pub(super) numeric: Vec<bool>,
     pub(super) rows: Vec<Vec<Run>>,
+    /// What a verdict rests on: for those who look it up, and in the files of numbers as well.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub(super) evidence: bool,
 }
 
 /// A picture with its number in the report.
@@ -108,6 +126,15 @@ pub(super) struct Figure {
     pub(super) caption: String,
     #[serde(skip)]
     pub(super) svg: String,
+    /// The same in pieces, for a page that sets as many of them side by side as there is room for.
+    #[serde(skip)]
+    pub(super) pieces: Vec<String>,
+}
+
+impl Figure {
+    fn new((file, caption, svg): Picture) -> Self {
+        Self { number: 0, file, caption, svg, pieces: Vec::new() }
+    }
 }
 
 impl Run {
@@ -139,7 +166,12 @@ impl Table {
             head: heads.iter().map(|head| head.trim_start_matches('>').to_owned()).collect(),
             numeric: heads.iter().map(|head| head.starts_with('>')).collect(),
             rows,
+            evidence: false,
         }
+    }
+
+    fn evidence(self) -> Self {
+        Self { evidence: true, ..self }
     }
 
     /// Whether every row has the columns of the head.
@@ -151,7 +183,7 @@ impl Table {
 
 impl Section {
     fn new(level: usize, id: &str, title: &str) -> Self {
-        Self { level, id: id.into(), title: title.into(), blocks: Vec::new() }
+        Self { level, id: id.into(), title: title.into(), card: None, blocks: Vec::new() }
     }
 
     fn text(&mut self, runs: Vec<Run>) {

@@ -45,7 +45,7 @@ struct Sheets {
 }
 
 impl Sheets {
-    fn new(document: &Document, date: Option<&str>) -> Result<Self, ReportError> {
+    fn new<'a>(document: &'a Document, date: Option<&str>) -> Result<Self, ReportError> {
         let path = VirtualPath::new(MAIN)
             .map_err(|_| ReportError::Typesetting { what: format!("no path: {MAIN}") })?;
         let main = RootedPath::new(VirtualRoot::Project, path).intern();
@@ -54,11 +54,17 @@ impl Sheets {
         let fonts: Vec<Font> = all.flat_map(|face| Font::iter(Bytes::new(face))).collect();
         let mut files = BTreeMap::new();
         files.insert(DATA.to_owned(), Bytes::from_string(data(document, date)));
-        for block in document.sections.iter().flat_map(|section| &section.blocks) {
-            if let Block::Figure(figure) = block {
-                let svg = sheet::without(&figure.svg).replace("font-family=\"sans-serif\"", FACE);
-                files.insert(figure.file.clone(), Bytes::from_string(svg));
-            }
+        let of_block = |block: &'a Block| match block {
+            Block::Figure(figure) => Some(figure),
+            _ => None,
+        };
+        let figures = document.sections.iter().flat_map(|section| {
+            let of_card = section.card.iter().flat_map(|card| &card.pictures);
+            section.blocks.iter().filter_map(of_block).chain(of_card)
+        });
+        for figure in figures {
+            let svg = sheet::without(&figure.svg).replace("font-family=\"sans-serif\"", FACE);
+            files.insert(figure.file.clone(), Bytes::from_string(svg));
         }
         Ok(Self {
             library: LazyHash::new(Library::default()),

@@ -63,6 +63,9 @@ impl Chapter {
     }
 }
 
+/// A longer table is for those who look something up; the files of the study have its numbers.
+const MOST_ROWS: usize = 40;
+
 /// Files with documents of studies end so.
 const ENDING: &str = ".document.json";
 
@@ -114,10 +117,17 @@ impl StudyDocument {
         self.blocks.push(Block::Text(vec![Run::plain(text)]));
     }
 
+    /// A paragraph before all others: the answer to what was asked.
+    pub fn answer(&mut self, text: impl Into<String>) {
+        self.blocks.insert(0, Block::Text(vec![Run::plain(text)]));
+    }
+
     /// A table, where it has rows. Heads of columns whose numbers end at the right begin with `>`.
     pub fn table(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
         if !rows.is_empty() {
-            self.blocks.push(Block::Table(Table::new(caption, heads, rows)));
+            let evidence = rows.len() > MOST_ROWS;
+            let table = Table { evidence, ..Table::new(caption, heads, rows) };
+            self.blocks.push(Block::Table(table));
         }
     }
 
@@ -127,7 +137,7 @@ impl StudyDocument {
         let scene = self.scene.as_ref();
         let file = scene.map_or(format!("{rest}.svg"), |scene| format!("{scene}-{rest}.svg"));
         let caption = scene.map_or(caption.into(), |scene| format!("{scene}: {caption}"));
-        self.blocks.push(Block::Figure(Figure { number: 0, file, caption, svg }));
+        self.blocks.push(Block::Figure(Figure::new((file, caption, svg))));
     }
 
     /// Lines to be typed.
@@ -148,9 +158,12 @@ impl StudyDocument {
         }
     }
 
-    /// The study on a terminal.
-    pub fn text(&self) -> String {
-        terminal::text(&self.title, &self.blocks)
+    /// Columns of its text where nothing else is known.
+    pub const WIDTH: u16 = 132;
+
+    /// The study on a terminal of so many columns.
+    pub fn text(&self, width: u16) -> String {
+        terminal::text(&self.title, &self.blocks, width)
     }
 
     /// Writes the document and its pictures into a directory.

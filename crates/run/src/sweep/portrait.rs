@@ -1,6 +1,7 @@
 //! A scene as a report shows it: its equations, the data of its file, and what a reader has to know.
 
-use report::{SceneSummary, StepLimits, Terms, equations};
+use super::picture::scene_picture;
+use report::{Group, SceneSummary, StepLimits, Terms, equations};
 use scene::setup::{Subject, subject_bounds};
 use scene::{Body, Data, Expectation, Scene};
 
@@ -12,7 +13,10 @@ pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
     SceneSummary {
         name: scene.name.clone(),
         question: scene.question.clone(),
+        group: Group::of(terms(scene), !scene.violates.is_empty()),
         remarks: remarks(scene),
+        // A body that cannot be drawn goes without a picture: its numbers are none the worse.
+        picture: scene_picture(scene).ok(),
         equations: equations(terms(scene)),
         data: data(&scene.source.text),
         violates: scene.violates.iter().map(|hypothesis| hypothesis.name().to_owned()).collect(),

@@ -67,6 +67,8 @@ pub trait Progress: Sync {
     fn started(&self, what: &str);
     /// It ended.
     fn finished(&self, what: &str, record: Option<&CaseRecord>);
+    /// This share of the predicted seconds of all work is done.
+    fn advanced(&self, _share: f64) {}
 }
 
 /// Nobody listens.
@@ -133,6 +135,9 @@ pub fn run_more(
         .build()
         .map_err(|error| SweepError::Threads { jobs, reason: error.to_string() })?;
     let (work, tasks) = pool.install(|| sweep.work(&machine.memory));
+    let seconds: Vec<f64> = tasks.iter().map(|task| task.seconds).collect();
+    let all: f64 = seconds.iter().sum();
+    let done = Mutex::new(0.0);
     let schedule = Schedule::new(tasks, machine.memory.bytes());
     pool.scope(|scope| {
         for _ in 0..jobs {
@@ -141,6 +146,10 @@ pub fn run_more(
                 while let Some(start) = schedule.begin(|| sweep.failed()) {
                     start.dropped.into_iter().for_each(|(s, n)| shared[s].let_go(n));
                     sweep.execute(&work[start.task]);
+                    let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+                    *done += seconds[start.task];
+                    progress.advanced(*done / all);
+                    drop(done);
                     schedule.end(start.task).into_iter().for_each(|(s, n)| shared[s].let_go(n));
                 }
             });
@@ -284,7 +293,7 @@ impl Sweep<'_> {
 
 /// A task by what it is predicted to take.
 fn task(need: Cost, rank: f64) -> Task {
-    Task { rank, bytes: need.memory_bytes, ..Task::default() }
+    Task { rank, seconds: need.seconds, bytes: need.memory_bytes, ..Task::default() }
 }
 
 /// A case in words.

@@ -69,8 +69,11 @@ impl Study {
             chart.series.push(Series { grey: true, ..hollow });
             chart.keys.push(Key::Hollow("another knob turned".into()));
         }
-        let all: Vec<Datum> = self.trials.iter().filter_map(place).collect();
-        let best: Vec<Datum> = front(&all).into_iter().map(|i| all[i]).collect();
+        let run = |trial: &Trial| Some((place(trial)?, label_of(trial)));
+        let all: Vec<(Datum, String)> = self.trials.iter().filter_map(run).collect();
+        let places: Vec<Datum> = all.iter().map(|(place, _)| *place).collect();
+        chart.labels = without_ties(front(&places).into_iter().map(|i| all[i].clone()).collect());
+        let best: Vec<Datum> = chart.labels.iter().map(|(place, _)| *place).collect();
         let front = Series { grey: true, ..Series::new("Pareto front", vec![Part::Dashed(best)]) };
         chart.series.push(front);
         let failed = self.trials.iter().filter(|trial| trial.done().is_none()).count();
@@ -81,10 +84,47 @@ impl Study {
     }
 }
 
+/// Errors that differ by less are one: a knob that buys the sixth digit buys nothing.
+const TIE: f64 = 0.01;
+
+/// The front from cheap to dear without the points that buy no error beyond a tie.
+fn without_ties(front: Vec<(Datum, String)>) -> Vec<(Datum, String)> {
+    let mut kept: Vec<(Datum, String)> = Vec::new();
+    for (point, words) in front {
+        if kept.last().is_none_or(|(last, _)| point.1 < (1.0 - TIE) * last.1) {
+            kept.push((point, words));
+        }
+    }
+    kept
+}
+
+/// Grid and, where it is not as written, the knob.
+fn label_of(trial: &Trial) -> String {
+    let grid = format!("n = {}, N = {}", trial.n, trial.steps);
+    match trial.knob == Knob::AsWritten.name() {
+        true => grid,
+        false => format!("{grid}, {}", trial.knob),
+    }
+}
+
 /// Resource and error.
 fn place(trial: &Trial, resource: Resource) -> Option<Datum> {
     trial.done().map(|run| match resource {
         Resource::Time => (run.seconds, run.error),
         Resource::Memory => (1e-6 * run.bytes, run.error),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ties_do_not_stay_on_the_front() {
+        let point = |cost: f64, error: f64| ((cost, error), format!("{cost}"));
+        let front = vec![point(1.0, 1.0), point(2.0, 0.995), point(3.0, 0.5), point(4.0, 0.4999)];
+        let kept = without_ties(front);
+        assert_eq!(kept, [point(1.0, 1.0), point(3.0, 0.5)]);
+        assert!(without_ties(Vec::new()).is_empty());
+    }
 }

@@ -32,28 +32,26 @@ pub(super) fn write(pen: &mut Pen<'_>) {
                 let [_, norm, variable, predicted, observed, decision, _] = cell_texts(verdict);
                 let cells = [format!("{norm} in {variable}"), predicted, observed].map(Run::plain);
                 let decision = Run::of(decision, tone(verdict));
-                let question = Run::plain(&*scene.question);
-                first.iter().cloned().chain(cells).chain([decision, question]).collect()
+                first.iter().cloned().chain(cells).chain([decision]).collect()
             })
             .collect();
         match judged.is_empty() {
             false => rows.extend(judged),
             true => {
                 let cells = ["–", "–", "–", "not judged"].map(Run::plain);
-                let question = Run::plain(&*scene.question);
-                rows.push(first.into_iter().chain(cells).chain([question]).collect());
+                rows.push(first.into_iter().chain(cells).collect());
             }
         }
     }
     pen.table(
         "Scenes that break a hypothesis, by its number in the paper: the order that is derived for it, and the one observed.",
-        &["broken", "scene", "error", "predicted", "observed", "verdict", "question"],
+        &["broken", "scene", "error", "predicted", "observed", "verdict"],
         rows,
     );
 }
 
 /// A hypothesis as scene files name it: a number of the paper, or a word.
-fn numbered(name: &str) -> String {
+pub(in crate::document) fn numbered(name: &str) -> String {
     match name.starts_with(|c: char| c.is_ascii_digit()) {
         true => format!("({name})"),
         false => name.replace('_', " "),

@@ -9,8 +9,10 @@ mod step_size;
 #[cfg(test)]
 mod tests;
 
+pub(super) use broken::numbered;
+
 use super::content::{Numbers, Report};
-use super::{Block, Chapter, Figure, Run, Section, StudyDocument, Table, Tone};
+use super::{Block, Chapter, Run, Section, StudyDocument, Table, Tone};
 
 /// All chapters in their order.
 pub(super) fn chapters(report: &Report<'_>, numbers: &mut Numbers) -> Vec<Section> {
@@ -135,17 +137,6 @@ impl Pen<'_> {
         if known.is_some_and(|own| study.fingerprint.as_deref() != Some(own)) {
             let words = "This study was made with another text of the scene than the records.";
             self.text(vec![Run::of(words, Tone::Miss)]);
-        }
-    }
-}
-
-impl Numbers {
-    /// A block with its number in the document.
-    fn given(&mut self, block: Block) -> Block {
-        match block {
-            Block::Table(table) => Block::Table(Table { number: self.table(), ..table }),
-            Block::Figure(figure) => Block::Figure(Figure { number: self.figure(), ..figure }),
-            other => other,
         }
     }
 }

@@ -78,6 +78,8 @@ fn composed(studies: &[StudyDocument], change: impl Fn(&mut SceneSummary)) -> Do
         pictures: &[Vec::new()],
         studies: read(studies),
         of_cases: Vec::new(),
+        cards: &[Vec::new()],
+        forest: None,
         records: &records,
         verdicts: &[verdict(&records)],
         provenance: &json!({ "scenes": { "s": "now" } }),

@@ -59,9 +59,9 @@ pub enum AuditError {
     },
 }
 
-/// A level at which a line fails.
+/// A line at one level of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Violation {
+pub struct AtLevel {
     /// n.
     pub level: usize,
     /// Left side.
@@ -92,7 +92,9 @@ pub struct Row {
     /// Largest rounding.
     pub rounding: f64,
     /// The level at which it fails worst.
-    pub violation: Option<Violation>,
+    pub violation: Option<AtLevel>,
+    /// The level at which it is tightest, with its tightness; none where no level has one.
+    pub tightest: Option<(f64, AtLevel)>,
     /// Its bound is not defined at some level.
     pub undefined: bool,
 }
@@ -222,6 +224,7 @@ impl Row {
             accuracy: 0.0,
             rounding: 0.0,
             violation: None,
+            tightest: None,
             undefined: false,
         }
     }
@@ -251,10 +254,14 @@ impl Row {
         }
         self.undefined |= line.standing() == Standing::Undefined;
         let Line { left, right, accuracy, .. } = *line;
-        let excess = |v: &Violation| line.relation.excess(v.left, v.right) - v.accuracy;
-        let here = Violation { level, left, right, accuracy };
+        let excess = |v: &AtLevel| line.relation.excess(v.left, v.right) - v.accuracy;
+        let here = AtLevel { level, left, right, accuracy };
+        let tighter = |own: &f64| self.tightest.is_none_or(|(known, _)| is_tighter(*own, known));
+        if let Some(own) = line.tightness().filter(tighter) {
+            self.tightest = Some((own, here));
+        }
         // A NaN is worst of all.
-        let worse = |known: &Violation| {
+        let worse = |known: &AtLevel| {
             let (known, here) = (excess(known), excess(&here));
             !known.is_nan() && (here.is_nan() || here > known)
         };
@@ -262,6 +269,11 @@ impl Row {
             self.violation = Some(here);
         }
     }
+}
+
+/// Whether a tightness is worse than one that is known; a NaN is worst of all.
+pub(super) fn is_tighter(own: f64, known: f64) -> bool {
+    !known.is_nan() && (own.is_nan() || own > known)
 }
 
 /// The larger of two numbers; a NaN is not lost.

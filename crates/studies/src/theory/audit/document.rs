@@ -7,7 +7,7 @@ use super::constants::{AuditConstants, c_j_source};
 use super::lines::{Relation, Standing};
 use super::scene::{SceneAudit, Summary};
 use fem::contact::BoundaryRule;
-use report::{Chapter, Run, StudyDocument, Tone, held, number, precise};
+use report::{Chapter, Run, StudyDocument, Tone, digits, held, number, precise};
 
 /// Columns of `SCENE-audit.csv`: a row a run and line.
 const COLUMNS: [&str; 16] = [
@@ -193,18 +193,31 @@ impl Checklist<'_> {
         let holds = self.holds && held_lines == self.lines.len() && failures.is_empty();
         own.verdict(holds, &all, failures);
         own.table(
-            "The lines of the proof; largest left and right side of the finest run, the largest left/right of all runs (of an identity: the difference over the larger side), and the powers of h and k with which the sides fall.",
+            "The lines of the proof, the tightest first: both sides where they are tightest over all levels and runs; left − right, of an \
+             identity its magnitude; what rounding and quadrature allow; the tightness, left/right or, of an identity, difference over \
+             accuracy; the powers of h and k with which the sides fall.",
             &[
-                "line", "says", ">left", "", ">right", ">ratio", "powers of h", "powers of k",
-                "so it",
+                "line", "says", ">left", "", ">right", ">difference", ">accuracy", ">tightness",
+                "powers of h", "powers of k", "so it",
             ],
-            self.lines.iter().map(line).collect(),
+            by_tightness(&self.lines).into_iter().map(line).collect(),
         );
         own.table("Constants of the bounds.", &["constant", ">value"], self.constants.rows());
         let shows = "shares of the bounds of the proofs against h (sweep audit).";
         own.figure("audit", shows, svg);
         own
     }
+}
+
+/// The lines from what fails to what is furthest from it; those of one tightness in the order of the proof.
+pub(super) fn by_tightness(lines: &[Summary]) -> Vec<&Summary> {
+    let rank = |line: &Summary| match line.standing {
+        Standing::Holds => line.tightness.unwrap_or(f64::NEG_INFINITY),
+        Standing::Violated | Standing::Undefined => f64::INFINITY,
+    };
+    let mut sorted: Vec<&Summary> = lines.iter().collect();
+    sorted.sort_by(|a, b| rank(b).total_cmp(&rank(a)));
+    sorted
 }
 
 impl Listed<'_> {
@@ -230,17 +243,23 @@ impl Listed<'_> {
 
 fn line(line: &Summary) -> Vec<Run> {
     let sign = if line.relation == Relation::Equal { "=" } else { "≤" };
+    let short = |value: Option<f64>| Run::plain(value.map_or_else(|| "–".into(), |v| digits(v, 3)));
     let powers = |[left, right]: [Option<f64>; 2]| {
         let text = |power: Option<f64>| power.map_or_else(|| "–".into(), |p| format!("{p:.2}"));
         Run::plain(format!("{}, {}", text(left), text(right)))
     };
+    // Without a level at which the sides are seen, the largest of the finest run.
+    let (left, right) =
+        line.tightest.map_or((line.left, line.right), |(_, at)| (at.left, at.right));
     vec![
         Run::plain(line.statement.name),
         Run::plain(line.statement.says),
-        number(line.left),
+        number(left),
         Run::plain(sign),
-        number(Some(line.right).filter(|_| line.standing != Standing::Undefined)),
-        number(line.ratio),
+        number(Some(right).filter(|right| right.is_finite())),
+        short(line.difference),
+        short(line.accuracy),
+        short(line.tightness),
         powers(line.power_h),
         powers(line.power_k),
         match line.standing {

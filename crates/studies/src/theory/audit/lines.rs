@@ -106,6 +106,20 @@ impl Line {
         if excess <= self.accuracy { Standing::Holds } else { Standing::Violated }
     }
 
+    /// How near the line comes to failing, 1 where it just holds: left/right of an inequality, of an identity the
+    /// difference over the accuracy. `None` as of [`Line::ratio`] for an inequality; where nothing may differ and nothing
+    /// does.
+    pub fn tightness(&self) -> Option<f64> {
+        match self.relation {
+            Relation::AtMost => self.ratio(),
+            Relation::Equal => {
+                let share = self.relation.excess(self.left, self.right) / self.accuracy;
+                let silent = self.left == self.right && self.accuracy == 0.0;
+                (!silent).then_some(share)
+            }
+        }
+    }
+
     /// left/right; `None` where both sides are below the accuracy and the ratio would be noise, and where the bound is not
     /// defined.
     pub fn ratio(&self) -> Option<f64> {

@@ -27,7 +27,7 @@ mod sides;
 mod smooth;
 mod strips;
 
-pub use case::{AuditError, Auditor, CaseAudit, Row, Violation, audit_case};
+pub use case::{AtLevel, AuditError, Auditor, CaseAudit, Row, audit_case};
 pub use constants::AuditConstants;
 pub use lines::{Line, Relation, Standing, Statement};
 pub use memory::audit_runs;

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::case::{AuditError, CaseAudit, Row, audit_case};
+use super::case::{AtLevel, AuditError, CaseAudit, Row, audit_case, is_tighter};
 use super::constants::AuditConstants;
 use super::lines::{Relation, Standing, Statement};
 use fem::contact::BoundaryRule;
@@ -42,6 +42,15 @@ pub struct Summary {
     pub right: f64,
     /// The worst ratio of all runs, as in [`Row::ratio`].
     pub ratio: Option<f64>,
+    /// The level of all runs at which the line is tightest, with its tightness.
+    #[serde(skip)]
+    pub tightest: Option<(f64, AtLevel)>,
+    /// The tightness: left/right, of an identity the difference over the accuracy.
+    pub tightness: Option<f64>,
+    /// left - right there, of an identity its magnitude.
+    pub difference: Option<f64>,
+    /// By how much the line may fail there.
+    pub accuracy: Option<f64>,
     /// Powers of h with which left and right fall, at the smallest k; none below the accuracy.
     pub power_h: [Option<f64>; 2],
     /// Powers of k, at the smallest h.
@@ -129,7 +138,13 @@ impl SceneAudit {
         let undefined = |case: &CaseAudit| {
             case.rows.iter().any(|other| other.statement == row.statement && other.undefined)
         };
+        let known = self.cases.iter().filter_map(|case| own(case)?.tightest);
+        let tightest = known.reduce(|a, b| if is_tighter(b.0, a.0) { b } else { a });
         Summary {
+            tightest,
+            tightness: tightest.map(|(own, _)| own),
+            difference: tightest.map(|(_, at)| row.relation.excess(at.left, at.right)),
+            accuracy: tightest.map(|(_, at)| at.accuracy),
             statement: row.statement,
             relation: row.relation,
             left: row.left,

@@ -18,7 +18,11 @@ const MESHES: [u32; 6] = [1, 2, 3, 4, 6, 8];
 /// Cells beyond which a picture shows none: they would be smaller than a line is wide.
 const MOST_CELLS: f64 = 65_536.0;
 
-pub(super) fn picture(scene: &Scene) -> Result<String, ReportError> {
+/// The picture of a scene as SVG.
+///
+/// # Errors
+/// [`ReportError::Drawing`].
+pub fn scene_picture(scene: &Scene) -> Result<String, ReportError> {
     let sketch = match &scene.body {
         Body::Abstract(problem) => over_time(scene, &problem.u),
         Body::Contact(body) if body.domain.dimension() == 2 => plane(scene, body),

@@ -1,0 +1,262 @@
+//! The forest plot: every observed order with its interval, against its prediction, a row each.
+
+use super::ReportError;
+use super::canvas::{Anchor, Canvas, Place};
+use super::group::Group;
+use super::palette::{COLOURS, GRID, INK};
+use super::sheet::with_sheet;
+use judge::fit::TOLERANCE;
+use judge::verdict::{Decision, Verdict};
+use plotters::style::RGBColor;
+
+/// Width of a column and height of a row in units; half of them are pixels at the size for which it is made.
+const COLUMN: f64 = 850.0;
+const ROW: f64 = 27.0;
+const TEXT: f64 = 20.0;
+/// In a column: where norms end, the axis, where predictions begin.
+const NORM: f64 = 448.0;
+const AXIS: (f64, f64) = (466.0, 734.0);
+const PREDICTION: f64 = 752.0;
+/// Observed minus predicted order at the ends of the axis: what leaves it has an arrow at the end.
+const RANGE: (f64, f64) = (-0.5, 1.0);
+/// Where the axis is named.
+const TICKS: [(f64, &str); 4] = [(-0.5, "−½"), (0.0, "0"), (0.5, "+½"), (1.0, "+1")];
+/// Half of the height of a point.
+const POINT: f64 = 6.0;
+
+/// A line of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Line {
+    /// A group with how many of its verdicts are as expected; named again at the top of a column that continues it.
+    Heading {
+        title: &'static str,
+        held: String,
+    },
+    Row(Row),
+}
+
+/// One order.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Row {
+    scene: String,
+    norm: String,
+    /// The predicted order, as it is printed.
+    prediction: String,
+    /// Observed minus predicted: lower end, order, upper end; none where no order was found.
+    apart: Option<[f64; 3]>,
+    decision: Decision,
+    as_expected: bool,
+}
+
+/// The rows of these verdicts, each with its group, in the order of groups and then of verdicts.
+pub(super) fn lines(verdicts: &[Verdict], group: impl Fn(&str) -> Group) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for own in Group::ALL {
+        let of: Vec<&Verdict> = verdicts.iter().filter(|v| group(&v.scene) == own).collect();
+        if of.is_empty() {
+            continue;
+        }
+        let met = of.iter().filter(|verdict| verdict.as_expected()).count();
+        let held = format!("{met} of {}", of.len());
+        lines.push(Line::Heading { title: own.title(), held });
+        lines.extend(of.into_iter().flat_map(rows).map(Line::Row));
+    }
+    lines
+}
+
+/// A row, or one for h and one for k.
+fn rows(verdict: &Verdict) -> Vec<Row> {
+    let Verdict { scene, norm, variable, decision, .. } = verdict;
+    let row =
+        |variable: &str, predicted: f64, observed: Option<f64>, interval: Option<[f64; 2]>| {
+            let bound = if verdict.at_least { "≥ " } else { "" };
+            Row {
+                scene: scene.clone(),
+                norm: format!("{}, {variable}", norm.trim_end_matches("_max")),
+                prediction: format!("{bound}{}", (predicted * 1e3).round() / 1e3),
+                apart: observed
+                    .zip(interval)
+                    .map(|(order, [lo, hi])| [lo, order, hi].map(|order| order - predicted)),
+                decision: *decision,
+                as_expected: verdict.as_expected(),
+            }
+        };
+    let (observed, interval) = (verdict.observed, verdict.interval);
+    match verdict.predicted_k {
+        None => vec![row(variable.name(), verdict.predicted, observed, interval)],
+        Some(k) => vec![
+            row("h", verdict.predicted, observed, interval),
+            row("k", k, verdict.observed_k, verdict.interval_k),
+        ],
+    }
+}
+
+/// The lines in columns of equal length; a column that begins within a group names it again, none ends with a heading.
+pub(super) fn columns(lines: &[Line], count: usize) -> Vec<Vec<Line>> {
+    let length = (lines.len() + count).div_ceil(count.max(1));
+    let mut columns: Vec<Vec<Line>> = vec![Vec::new()];
+    let mut group = "";
+    for line in lines {
+        let column = columns.last_mut().map_or(0, |column| column.len());
+        let room = length.saturating_sub(column);
+        let starts = matches!(line, Line::Heading { .. });
+        if (room == 0 || room == 1 && starts) && columns.len() < count {
+            let again = Line::Heading { title: group, held: "continued".into() };
+            columns.push(if starts { Vec::new() } else { vec![again] });
+        }
+        if let Line::Heading { title, .. } = line {
+            group = title;
+        }
+        if let Some(column) = columns.last_mut() {
+            column.push(line.clone());
+        }
+    }
+    columns.retain(|column| !column.is_empty());
+    columns
+}
+
+/// Columns side by side; none without lines.
+///
+/// # Errors
+/// [`ReportError::Drawing`].
+pub(super) fn svg(columns: &[Vec<Line>]) -> Result<Option<String>, ReportError> {
+    let Some(longest) = columns.iter().map(Vec::len).max() else { return Ok(None) };
+    let size = (COLUMN * columns.len() as f64, ROW * (longest as f64 + 0.5));
+    let mut svg = String::new();
+    let canvas = Canvas::of_size(&mut svg, (size.0 as u32, size.1 as u32), TEXT)?;
+    for (i, column) in columns.iter().enumerate() {
+        draw_column(&canvas, COLUMN * i as f64, column)?;
+    }
+    canvas.finish()?;
+    Ok(Some(with_sheet(&svg)))
+}
+
+fn draw_column(canvas: &Canvas<'_>, left: f64, lines: &[Line]) -> Result<(), ReportError> {
+    let mut scene = "";
+    for (i, line) in lines.iter().enumerate() {
+        let y = ROW * (i as f64 + 0.75);
+        match line {
+            Line::Heading { title, held } => {
+                scene = "";
+                canvas.bold(title, (left + 4.0, y))?;
+                canvas.text(held, (left + NORM - 22.0, y), Anchor::Right)?;
+                for (at, label) in TICKS {
+                    canvas.text(label, (left + across(at), y), Anchor::Centre)?;
+                }
+            }
+            Line::Row(row) => {
+                let named = if row.scene == scene { "" } else { &row.scene };
+                scene = &row.scene;
+                draw_row(canvas, left, y, named, row)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn draw_row(
+    canvas: &Canvas<'_>,
+    left: f64,
+    y: f64,
+    named: &str,
+    row: &Row,
+) -> Result<(), ReportError> {
+    let (zero, ends) = (left + across(0.0), [y - 0.5 * ROW, y + 0.5 * ROW]);
+    let upright = ends.map(|y| (zero, y));
+    canvas.line(&upright, GRID, (across(TOLERANCE) - across(-TOLERANCE)) as u32)?;
+    canvas.line(&upright, INK, 1)?;
+    canvas.text(named, (left + 4.0, y), Anchor::Left)?;
+    canvas.text(&row.norm, (left + NORM, y), Anchor::Right)?;
+    canvas.text(&row.prediction, (left + PREDICTION, y), Anchor::Left)?;
+    let ink = if row.as_expected { COLOURS[0] } else { COLOURS[1] };
+    let Some([lo, order, hi]) = row.apart.filter(|ends| ends.iter().all(|end| end.is_finite()))
+    else {
+        return canvas.text("no order", (left + across(0.5), y), Anchor::Centre);
+    };
+    canvas.line(&[(left + across(lo), y), (left + across(hi), y)], ink, 3)?;
+    for (end, outwards) in [(lo, -1.0), (hi, 1.0)] {
+        if across(end) != unclipped(end) {
+            arrow(canvas, (left + across(end), y), outwards, ink)?;
+        }
+    }
+    let at = (left + across(order), y);
+    match row.decision {
+        Decision::Pass => canvas.fill(&square(at, POINT), ink, 1.0),
+        // A hollow point is told apart without colours.
+        Decision::Fail | Decision::Unresolved => {
+            canvas.fill(&square(at, POINT), super::sheet::PAPER, 1.0)?;
+            let corners = square(at, POINT);
+            canvas.line(&[&corners[..], &corners[..1]].concat(), ink, 2)
+        }
+    }
+}
+
+fn square((x, y): Place, half: f64) -> [Place; 4] {
+    [(x - half, y - half), (x + half, y - half), (x + half, y + half), (x - half, y + half)]
+}
+
+fn arrow(canvas: &Canvas<'_>, (x, y): Place, to: f64, ink: RGBColor) -> Result<(), ReportError> {
+    canvas.fill(&[(x + 10.0 * to, y), (x, y - 8.0), (x, y + 8.0)], ink, 1.0)
+}
+
+fn unclipped(apart: f64) -> f64 {
+    AXIS.0 + (apart - RANGE.0) / (RANGE.1 - RANGE.0) * (AXIS.1 - AXIS.0)
+}
+
+/// Where a difference stands, kept on the axis.
+fn across(apart: f64) -> f64 {
+    unclipped(apart.clamp(RANGE.0, RANGE.1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sheet::without;
+    use super::*;
+
+    fn row(scene: &str, apart: Option<[f64; 3]>, as_expected: bool) -> Line {
+        let (norm, prediction) = ("V, h".into(), "1".into());
+        let decision = if as_expected { Decision::Pass } else { Decision::Fail };
+        Line::Row(Row { scene: scene.into(), norm, prediction, apart, decision, as_expected })
+    }
+
+    fn heading(title: &'static str) -> Line {
+        Line::Heading { title, held: "9 of 9".into() }
+    }
+
+    #[test]
+    fn columns_hold_every_line_once_and_name_their_group() {
+        let rows = (0..9).map(|i| row(&format!("s{i}"), None, true));
+        let mut all = vec![heading("A")];
+        all.extend(rows);
+        all.insert(4, heading("B"));
+        for count in 1..6 {
+            let columns = columns(&all, count);
+            assert!(columns.len() <= count);
+            let kept = columns.iter().flatten().filter(|line| matches!(line, Line::Row(_)));
+            assert_eq!(kept.count(), 9);
+            for column in &columns {
+                assert!(
+                    matches!(column.first(), Some(Line::Heading { .. })),
+                    "{count}: {column:?}"
+                );
+                assert!(matches!(column.last(), Some(Line::Row(_))), "{count}: {column:?}");
+            }
+        }
+        assert!(svg(&columns(&[], 2)).unwrap().is_none());
+    }
+
+    /// What leaves the axis, what missed and what has no order differ from an order that is met.
+    #[test]
+    fn rows_say_what_they_found() {
+        let drawn = |line: Line| without(&svg(&[vec![line]]).unwrap().unwrap());
+        let met = drawn(row("s", Some([-0.1, 0.0, 0.1]), true));
+        let missed = drawn(row("s", Some([-0.1, 0.0, 0.1]), false));
+        assert!(met.contains("#0072B2") && !met.contains("#D55E00"));
+        assert!(missed.contains("#D55E00") && !missed.contains("#0072B2"));
+        assert!(drawn(row("s", None, false)).contains("no order"));
+        assert!(drawn(row("s", Some([f64::NAN, 0.0, 1.0]), true)).contains("no order"));
+        let polygons = |svg: &str| svg.matches("<polygon").count();
+        let beyond = drawn(row("s", Some([-3.0, 0.0, 4.0]), true));
+        assert_eq!(polygons(&beyond), polygons(&met) + 2, "an arrow at each end");
+    }
+}
