@@ -19,6 +19,8 @@ const WALKS: &[(&str, u32, u32)] = &[
     ("graded-end", 2, 16),
     ("long-interpolated", 1, 512),
     ("long-interpolated-graded", 1, 512),
+    ("left-rule", 2, 32),
+    ("left-rule-graded", 2, 32),
     ("product-integrated", 2, 16),
     ("product-integrated-graded", 2, 16),
     ("strong-scaled", 4, 8),

@@ -29,32 +29,59 @@ pub struct Time {
 pub enum TimeRule {
     /// The trapezoidal rule of the paper.
     Trapezoid,
-    /// The same with a corrected weight at s = t for kernels like (t - s)^exponent.
+    /// The value at the left end of each step, for all of it.
+    Left,
+    /// The trapezoidal rule with a corrected weight at s = t for kernels like (t - s)^exponent.
     CorrectedEnd { exponent: f64 },
     /// v interpolated linearly, the kernel integrated exactly.
     ProductIntegration,
 }
 
+impl TimeRule {
+    /// Its name, and its weights in units of the step.
+    pub fn in_words(self) -> String {
+        match self {
+            Self::Trapezoid => "trapezoidal, weights 1/2, 1, ..., 1, 1/2".into(),
+            Self::Left => {
+                "left endpoint, weights 1, ..., 1, 0: no step is too large for (3.4)".into()
+            }
+            Self::CorrectedEnd { exponent } => {
+                format!("trapezoidal with an end weight corrected for (t - s)^{exponent}")
+            }
+            Self::ProductIntegration => "product integration, the kernel integrated exactly".into(),
+        }
+    }
+}
+
 #[derive(Clone, Copy)]
 enum RuleKind {
     Trapezoid,
+    Left,
     CorrectedEnd,
     ProductIntegration,
 }
 
 impl TimeRule {
     fn validate(reading: &Reading, written: &written::Rule) -> Result<TimeRule, SceneError> {
+        let (key, written) = match written {
+            written::Rule::Word(kind) => {
+                ("time.rule", &written::RuleTable { kind: kind.clone(), exponent: None })
+            }
+            written::Rule::Table(table) => ("time.rule.kind", table),
+        };
         let known = [
             ("trapezoid", RuleKind::Trapezoid),
+            ("left", RuleKind::Left),
             ("corrected-end", RuleKind::CorrectedEnd),
             ("product-integration", RuleKind::ProductIntegration),
         ];
-        let kind = reading.choice("time.rule.kind", &written.kind, &known)?;
+        let kind = reading.choice(key, &written.kind, &known)?;
         if !matches!(kind, RuleKind::CorrectedEnd) {
             reading.surplus("time.rule.exponent", written.exponent.as_ref(), &written.kind)?;
         }
         Ok(match kind {
             RuleKind::Trapezoid => TimeRule::Trapezoid,
+            RuleKind::Left => TimeRule::Left,
             RuleKind::ProductIntegration => TimeRule::ProductIntegration,
             RuleKind::CorrectedEnd => {
                 let key = "time.rule.exponent";

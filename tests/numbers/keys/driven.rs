@@ -103,6 +103,9 @@ fn rules() {
         |text: &str| block(&[("horizon = 1.5", &format!("horizon = 1.5\n{text}"))]).time.rule;
     assert_eq!(rule(""), TimeRule::Trapezoid);
     assert_eq!(rule("rule = { kind = \"trapezoid\" }"), TimeRule::Trapezoid);
+    for left in ["rule = \"left\"", "rule = { kind = \"left\" }"] {
+        assert_eq!(rule(left), TimeRule::Left);
+    }
     assert_eq!(rule("rule = { kind = \"product-integration\" }"), TimeRule::ProductIntegration);
     let corrected = rule("rule = { kind = \"corrected-end\", exponent = 0.5 }");
     assert_eq!(corrected, TimeRule::CorrectedEnd { exponent: 0.5 });

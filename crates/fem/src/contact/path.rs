@@ -61,6 +61,10 @@ paths! {
     Trapezoid = "trapezoidal rule, equal steps",
     /// The same on other grids.
     TrapezoidGraded = "trapezoidal rule, unequal steps",
+    /// The left-endpoint rule on equal steps.
+    Left = "left-endpoint rule, equal steps",
+    /// The same on other grids.
+    LeftGraded = "left-endpoint rule, unequal steps",
     /// The corrected end weight on equal steps.
     CorrectedEnd = "corrected end, equal steps",
     /// The same on other grids.

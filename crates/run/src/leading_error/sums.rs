@@ -1,6 +1,6 @@
-//! Trapezoidal sums over the past of vectors, level by level.
+//! A rule's sums over the past of vectors, level by level.
 
-use super::time::weight;
+use super::time::Weights;
 use formula::{Bound, Graph, Node, Program, Variable};
 
 /// b of one term of the memory, as the sums need it.
@@ -61,9 +61,12 @@ pub(super) type Pair<T> = [T; 2];
 /// For b(t) = Σ a exp(-c t) each term is carried on: with P_n its sum,
 ///
 /// ```text
-/// P_{n+1} = exp(-c k_{n+1}) (P_n + a (k_n + k_{n+1})/2 v_n),   k_0 = 0
+/// P_{n+1} = exp(-c k_{n+1}) (P_n + a w_{n+1,n} v_n)
 /// ```
+///
+/// as long as the weight of v_n is the same in all later sums.
 pub(super) struct Sums<'a> {
+    weights: Weights,
     times: &'a [f64],
     /// The level n at which the sums are.
     level: usize,
@@ -87,7 +90,12 @@ struct Carried {
 
 impl<'a> Sums<'a> {
     /// Empty sums at t_0, of vectors of the given length.
-    pub(super) fn new(kernels: &[Kernel], times: &'a [f64], length: usize) -> Self {
+    pub(super) fn new(
+        weights: Weights,
+        kernels: &[Kernel],
+        times: &'a [f64],
+        length: usize,
+    ) -> Self {
         let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
         let zero = || [vec![0.0; length], vec![0.0; length]];
         let sum = |kernel: &Kernel| match kernel {
@@ -97,6 +105,7 @@ impl<'a> Sums<'a> {
             Kernel::Any(program) => Sum::Direct(Box::new(program.bind(&places)), vec![Vec::new()]),
         };
         let mut sums = Self {
+            weights,
             times,
             level: 0,
             kernels: kernels.iter().map(sum).collect(),
@@ -113,7 +122,7 @@ impl<'a> Sums<'a> {
             Sum::Carried(terms) => terms.iter().map(|term| term.a).sum(),
             Sum::Direct(_, values) => values[0][self.level],
         };
-        weight(self.times, self.level, self.level) * at_zero
+        self.weights.at(self.times, self.level, self.level) * at_zero
     }
 
     /// The sums over the levels before this one.
@@ -123,7 +132,8 @@ impl<'a> Sums<'a> {
             Sum::Carried(terms) => terms.iter().for_each(|term| add(1.0, &term.sums, &mut out)),
             Sum::Direct(_, values) => {
                 for (j, past) in self.past.iter().enumerate() {
-                    add(weight(self.times, self.level, j) * values[0][j], past, &mut out);
+                    let weight = self.weights.at(self.times, self.level, j);
+                    add(weight * values[0][j], past, &mut out);
                 }
             }
         }
@@ -134,7 +144,7 @@ impl<'a> Sums<'a> {
     pub(super) fn advance(&mut self, vectors: Pair<Vec<f64>>) {
         let n = self.level;
         let Some(next) = self.times.get(n + 1) else { return };
-        let (weight, step) = (weight(self.times, n + 1, n), next - self.times[n]);
+        let (weight, step) = (self.weights.at(self.times, n + 1, n), next - self.times[n]);
         for kernel in &mut self.kernels {
             let Sum::Carried(terms) = kernel else { continue };
             for Carried { a, c, sums } in terms {
@@ -198,23 +208,25 @@ mod tests {
             })
             .collect();
         let vectors = |t: f64| [vec![1.0 - t, (3.0 * t).sin()], vec![t * t, 2.0]];
-        let mut sums = Sums::new(&prepared, &times, 2);
-        for n in 0..times.len() {
-            for (i, (text, b, _)) in kernels.iter().enumerate() {
-                let own = weight(&times, n, n) * b(0.0);
-                assert!((sums.own(i) - own).abs() < 1e-15, "{text}: {own}");
-                let before = sums.before(i);
-                for (which, part) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                    let term = |j: usize| {
-                        let w = weight(&times, n, j) * b(times[n] - times[j]);
-                        w * vectors(times[j])[which][part]
-                    };
-                    let plain: f64 = (0..n).map(term).sum();
-                    // Sums of size one.
-                    assert!((before[which][part] - plain).abs() < 1e-14, "{text}: {plain}");
+        for rule in [Weights::Trapezoid, Weights::Left] {
+            let mut sums = Sums::new(rule, &prepared, &times, 2);
+            for n in 0..times.len() {
+                for (i, (text, b, _)) in kernels.iter().enumerate() {
+                    let own = rule.at(&times, n, n) * b(0.0);
+                    assert!((sums.own(i) - own).abs() < 1e-15, "{text}: {own}");
+                    let before = sums.before(i);
+                    for (which, part) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                        let term = |j: usize| {
+                            let w = rule.at(&times, n, j) * b(times[n] - times[j]);
+                            w * vectors(times[j])[which][part]
+                        };
+                        let plain: f64 = (0..n).map(term).sum();
+                        // Sums of size one.
+                        assert!((before[which][part] - plain).abs() < 1e-14, "{text}: {plain}");
+                    }
                 }
+                sums.advance(vectors(times[n]));
             }
-            sums.advance(vectors(times[n]));
         }
     }
 }

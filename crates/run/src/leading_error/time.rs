@@ -1,6 +1,7 @@
-//! Times and trapezoidal weights of a scene's grid.
+//! Times of a scene's grid, and the weights of its rule, written apart from those of the solver.
 
-use scene::{Time, TimeGrid};
+use super::NoConstant;
+use scene::{Time, TimeGrid, TimeRule};
 use vhi::history::TimeGrid as Steps;
 
 /// t_0, …, t_N. A random grid is defined by its generator, which is shared.
@@ -20,11 +21,37 @@ pub(super) fn largest_step(times: &[f64]) -> f64 {
     times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
 }
 
-/// The weight of t_j in Σ' up to t_n: half of each adjacent step.
-pub(super) fn weight(times: &[f64], n: usize, j: usize) -> f64 {
-    let before = if j > 0 { times[j] - times[j - 1] } else { 0.0 };
-    let after = if j < n { times[j + 1] - times[j] } else { 0.0 };
-    0.5 * (before + after)
+/// The weights of a rule.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Weights {
+    /// Half of each adjacent step.
+    Trapezoid,
+    /// The step after t_j.
+    Left,
+}
+
+impl Weights {
+    /// Those of a rule whose weights do not depend on the kernel.
+    ///
+    /// # Errors
+    /// [`NoConstant::Rule`].
+    pub(super) fn of(rule: TimeRule) -> Result<Self, NoConstant> {
+        match rule {
+            TimeRule::Trapezoid => Ok(Self::Trapezoid),
+            TimeRule::Left => Ok(Self::Left),
+            TimeRule::CorrectedEnd { .. } | TimeRule::ProductIntegration => Err(NoConstant::Rule),
+        }
+    }
+
+    /// The weight of t_j in the sum up to t_n.
+    pub(super) fn at(self, times: &[f64], n: usize, j: usize) -> f64 {
+        let before = if j > 0 { times[j] - times[j - 1] } else { 0.0 };
+        let after = if j < n { times[j + 1] - times[j] } else { 0.0 };
+        match self {
+            Self::Trapezoid => 0.5 * (before + after),
+            Self::Left => after,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -32,11 +59,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weights_integrate_linear_functions_on_any_grid() {
+    fn weights_integrate_what_the_rules_are_made_for_on_any_grid() {
         let times = [0.0, 0.1, 0.35, 0.5, 0.9];
         for n in 0..times.len() {
-            let sum: f64 = (0..=n).map(|j| weight(&times, n, j) * (1.0 + times[j])).sum();
-            assert!((sum - times[n] - 0.5 * times[n] * times[n]).abs() < 1e-15);
+            let sum = |rule: Weights, slope: f64| -> f64 {
+                (0..=n).map(|j| rule.at(&times, n, j) * (1.0 + slope * times[j])).sum()
+            };
+            let line = times[n] + 0.5 * times[n] * times[n];
+            assert!((sum(Weights::Trapezoid, 1.0) - line).abs() < 1e-15);
+            assert!((sum(Weights::Left, 0.0) - times[n]).abs() < 1e-15);
+            let missed: f64 = times[..=n].windows(2).map(|k| 0.5 * (k[1] - k[0]).powi(2)).sum();
+            assert!((sum(Weights::Left, 1.0) + missed - line).abs() < 1e-15);
         }
         assert!((largest_step(&times) - 0.4).abs() < 1e-15);
     }

@@ -13,6 +13,7 @@ pub(super) fn of_scene(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Paths
     if !setup.model.memory.is_empty() || setup.model.projection.is_some() {
         let pair = match setup.scene.time.rule {
             TimeRule::Trapezoid => [Path::Trapezoid, Path::TrapezoidGraded],
+            TimeRule::Left => [Path::Left, Path::LeftGraded],
             TimeRule::CorrectedEnd { .. } => [Path::CorrectedEnd, Path::CorrectedEndGraded],
             TimeRule::ProductIntegration => [Path::Product, Path::ProductGraded],
         };
