@@ -229,10 +229,10 @@ fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
             "linear, memory a multiple of the elasticity or absent: one factorization, one solve a level, eight levels together"
         }
         Plan::Linear => {
-            "linear: one factorization for each weight of the last slot (two on equal steps), one solve a level"
+            "linear: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), one solve a level"
         }
         Plan::Condensed if Plan::changes_factor(model) => {
-            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps), semismooth Newton with active set on the unknowns of Gamma3, one solve a level in the volume"
+            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), semismooth Newton with active set on the unknowns of Gamma3, one solve a level in the volume"
         }
         Plan::Condensed => {
             "contact condensed onto Gamma3: one factorization, semismooth Newton with active set on the unknowns of Gamma3, one solve a step in the volume"

@@ -21,6 +21,8 @@ const WALKS: &[(&str, u32, u32)] = &[
     ("long-interpolated-graded", 1, 512),
     ("left-rule", 2, 32),
     ("left-rule-graded", 2, 32),
+    ("gregory-three", 2, 16),
+    ("gregory-four", 2, 8),
     ("product-integrated", 2, 16),
     ("product-integrated-graded", 2, 16),
     ("strong-scaled", 4, 8),

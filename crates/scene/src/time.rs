@@ -31,6 +31,8 @@ pub enum TimeRule {
     Trapezoid,
     /// The value at the left end of each step, for all of it.
     Left,
+    /// The trapezoidal rule corrected by differences at both ends, on equal steps: order 3 or 4.
+    Gregory { order: u32 },
     /// The trapezoidal rule with a corrected weight at s = t for kernels like (t - s)^exponent.
     CorrectedEnd { exponent: f64 },
     /// v interpolated linearly, the kernel integrated exactly.
@@ -45,6 +47,12 @@ impl TimeRule {
             Self::Left => {
                 "left endpoint, weights 1, ..., 1, 0: no step is too large for (3.4)".into()
             }
+            Self::Gregory { order: 3 } => {
+                "Gregory of order 3, weights 5/12, 13/12, 1, ..., 1, 13/12, 5/12".into()
+            }
+            Self::Gregory { .. } => {
+                "Gregory of order 4, weights 3/8, 7/6, 23/24, 1, ..., 1, 23/24, 7/6, 3/8; trapezoidal at t_1".into()
+            }
             Self::CorrectedEnd { exponent } => {
                 format!("trapezoidal with an end weight corrected for (t - s)^{exponent}")
             }
@@ -57,6 +65,7 @@ impl TimeRule {
 enum RuleKind {
     Trapezoid,
     Left,
+    Gregory,
     CorrectedEnd,
     ProductIntegration,
 }
@@ -64,14 +73,16 @@ enum RuleKind {
 impl TimeRule {
     fn validate(reading: &Reading, written: &written::Rule) -> Result<TimeRule, SceneError> {
         let (key, written) = match written {
-            written::Rule::Word(kind) => {
-                ("time.rule", &written::RuleTable { kind: kind.clone(), exponent: None })
-            }
+            written::Rule::Word(kind) => (
+                "time.rule",
+                &written::RuleTable { kind: kind.clone(), exponent: None, order: None },
+            ),
             written::Rule::Table(table) => ("time.rule.kind", table),
         };
         let known = [
             ("trapezoid", RuleKind::Trapezoid),
             ("left", RuleKind::Left),
+            ("gregory", RuleKind::Gregory),
             ("corrected-end", RuleKind::CorrectedEnd),
             ("product-integration", RuleKind::ProductIntegration),
         ];
@@ -79,9 +90,24 @@ impl TimeRule {
         if !matches!(kind, RuleKind::CorrectedEnd) {
             reading.surplus("time.rule.exponent", written.exponent.as_ref(), &written.kind)?;
         }
+        if !matches!(kind, RuleKind::Gregory) {
+            reading.surplus("time.rule.order", written.order.as_ref(), &written.kind)?;
+        }
         Ok(match kind {
             RuleKind::Trapezoid => TimeRule::Trapezoid,
             RuleKind::Left => TimeRule::Left,
+            RuleKind::Gregory => match written.order {
+                None | Some(3) => TimeRule::Gregory { order: 3 },
+                Some(4) => TimeRule::Gregory { order: 4 },
+                Some(order) => {
+                    let message = format!("the rule of Gregory has no order {order} here");
+                    return Err(reading.error(
+                        "time.rule.order",
+                        message,
+                        "order = 3 or order = 4",
+                    ));
+                }
+            },
             RuleKind::ProductIntegration => TimeRule::ProductIntegration,
             RuleKind::CorrectedEnd => {
                 let key = "time.rule.exponent";
@@ -117,6 +143,11 @@ impl Time {
             Some(rule) => TimeRule::validate(reading, rule)?,
             None => TimeRule::Trapezoid,
         };
+        if matches!(rule, TimeRule::Gregory { .. }) && grid != TimeGrid::Uniform {
+            let message = "the rule of Gregory is for equal steps: its corrections are differences";
+            let hint = "leave the grid out, or take the rule \"trapezoid\"";
+            return Err(reading.error("time.rule", message, hint));
+        }
         Ok(Time { horizon, grid, rule })
     }
 }

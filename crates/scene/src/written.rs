@@ -129,6 +129,7 @@ pub enum Rule {
 pub struct RuleTable {
     pub kind: String,
     pub exponent: Option<f64>,
+    pub order: Option<i64>,
 }
 
 impl<'de> Deserialize<'de> for Rule {

@@ -8,7 +8,7 @@ use super::interpolation::InterpolationError;
 use super::law_slope::{Answer, answer};
 use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
-use super::sums::{Kernel, Sums};
+use super::sums::{Kernel, Numbers, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::Weights;
 use algebra::linalg::{Front, axpy, dot};
@@ -100,7 +100,8 @@ impl<const S: usize> InSpace<S> {
 
     /// The number of steps beyond which the sums over the past are dearer than what they tell.
     pub(super) fn most_steps(&self) -> u32 {
-        match self.kernels.iter().any(Kernel::is_direct) {
+        let fixed = Weights::of(self.rule).is_ok_and(Weights::are_fixed);
+        match !fixed || self.kernels.iter().any(Kernel::is_direct) {
             true => (MOST_PRODUCTS / self.space.nodes.len() as f64).sqrt() as u32,
             false => u32::MAX,
         }
@@ -120,8 +121,8 @@ impl<const S: usize> InSpace<S> {
     pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
         let weights = Weights::of(self.rule)?;
         let mut sums = Sums::new(weights, &self.kernels, times, self.space.nodes.len());
-        // Σ' over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
-        let (mut zeta, mut zeta_error) = (0.0, 0.0);
+        // Sums over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
+        let mut sizes = Numbers::new(weights);
         let mut largest = Largest::default();
         let mut history = self.own_history();
         for (n, &t) in times.iter().enumerate() {
@@ -132,6 +133,7 @@ impl<const S: usize> InSpace<S> {
             let (mut error, mut of_norm) = (vec![0.0; self.space.nodes.len()], 0.0);
             if n > 0 {
                 let own = weights.at(times, n, n);
+                let [zeta, zeta_error] = sizes.before();
                 let zeta = zeta + own * state.norm;
                 let past = self.past(&sums, &state, Accumulated { own, zeta, zeta_error });
                 let level = self.level(t, &state, &past)?;
@@ -146,9 +148,7 @@ impl<const S: usize> InSpace<S> {
                 error = level.error;
             }
             if n + 1 < times.len() {
-                let w = weights.at(times, n + 1, n);
-                zeta += w * state.norm;
-                zeta_error += w * of_norm;
+                sizes.advance(times, n, [state.norm, of_norm]);
                 sums.advance([state.u, error]);
             }
         }

@@ -64,7 +64,7 @@ pub(super) type Pair<T> = [T; 2];
 /// P_{n+1} = exp(-c k_{n+1}) (P_n + a w_{n+1,n} v_n)
 /// ```
 ///
-/// as long as the weight of v_n is the same in all later sums.
+/// where the weight of v_n is the same in all later sums; else all of them are summed anew.
 pub(super) struct Sums<'a> {
     weights: Weights,
     times: &'a [f64],
@@ -78,6 +78,8 @@ pub(super) struct Sums<'a> {
 
 enum Sum {
     Carried(Vec<Carried>),
+    /// Exponentials whose weights differ from level to level.
+    Anew(Vec<(f64, f64)>),
     /// The kernel bound to the times, and its values b(t_n - t_j).
     Direct(Box<Bound>, Vec<Vec<f64>>),
 }
@@ -99,6 +101,7 @@ impl<'a> Sums<'a> {
         let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
         let zero = || [vec![0.0; length], vec![0.0; length]];
         let sum = |kernel: &Kernel| match kernel {
+            Kernel::Exponentials(terms) if !weights.are_fixed() => Sum::Anew(terms.clone()),
             Kernel::Exponentials(terms) => {
                 Sum::Carried(terms.iter().map(|&(a, c)| Carried { a, c, sums: zero() }).collect())
             }
@@ -120,6 +123,7 @@ impl<'a> Sums<'a> {
     pub(super) fn own(&self, kernel: usize) -> f64 {
         let at_zero = match &self.kernels[kernel] {
             Sum::Carried(terms) => terms.iter().map(|term| term.a).sum(),
+            Sum::Anew(terms) => terms.iter().map(|(a, _)| a).sum(),
             Sum::Direct(_, values) => values[0][self.level],
         };
         self.weights.at(self.times, self.level, self.level) * at_zero
@@ -130,6 +134,14 @@ impl<'a> Sums<'a> {
         let mut out = [vec![0.0; self.length], vec![0.0; self.length]];
         match &self.kernels[kernel] {
             Sum::Carried(terms) => terms.iter().for_each(|term| add(1.0, &term.sums, &mut out)),
+            Sum::Anew(terms) => {
+                let t = self.times[self.level];
+                for (j, past) in self.past.iter().enumerate() {
+                    let lag = t - self.times[j];
+                    let b: f64 = terms.iter().map(|(a, c)| a * (-c * lag).exp()).sum();
+                    add(self.weights.at(self.times, self.level, j) * b, past, &mut out);
+                }
+            }
             Sum::Direct(_, values) => {
                 for (j, past) in self.past.iter().enumerate() {
                     let weight = self.weights.at(self.times, self.level, j);
@@ -153,7 +165,7 @@ impl<'a> Sums<'a> {
                 sums.iter_mut().flatten().for_each(|value| *value *= decay);
             }
         }
-        if self.kernels.iter().any(|kernel| matches!(kernel, Sum::Direct(..))) {
+        if self.kernels.iter().any(|kernel| !matches!(kernel, Sum::Carried(_))) {
             self.past.push(vectors);
         }
         self.level = n + 1;
@@ -170,6 +182,39 @@ impl<'a> Sums<'a> {
     }
 }
 
+/// Σ_{j<n} w_nj v_j of pairs of numbers.
+pub(super) struct Numbers {
+    weights: Weights,
+    sums: Pair<f64>,
+    /// v_0, …, v_{n-1}.
+    past: Vec<Pair<f64>>,
+}
+
+impl Numbers {
+    /// Empty sums at t_0.
+    pub(super) fn new(weights: Weights) -> Self {
+        Self { weights, sums: [0.0; 2], past: Vec::new() }
+    }
+
+    /// The sums up to the next level.
+    pub(super) fn before(&self) -> Pair<f64> {
+        self.sums
+    }
+
+    /// On from level n < N to the next, with the numbers of this one.
+    pub(super) fn advance(&mut self, times: &[f64], n: usize, numbers: Pair<f64>) {
+        let first = if self.weights.are_fixed() { n } else { 0 };
+        if first == 0 {
+            self.sums = [0.0; 2];
+        }
+        self.past.push(numbers);
+        for (j, &pair) in self.past.iter().enumerate().skip(first) {
+            let w = self.weights.at(times, n + 1, j);
+            self.sums.iter_mut().zip(pair).for_each(|(sum, value)| *sum += w * value);
+        }
+    }
+}
+
 fn add(factor: f64, vectors: &Pair<Vec<f64>>, sums: &mut Pair<Vec<f64>>) {
     for (vector, sum) in vectors.iter().zip(sums) {
         algebra::linalg::axpy(factor, vector, sum);
@@ -180,6 +225,9 @@ fn add(factor: f64, vectors: &Pair<Vec<f64>>, sums: &mut Pair<Vec<f64>>) {
 mod tests {
     use super::*;
     use formula::Scope;
+    use scene::TimeRule;
+
+    const FOUR: TimeRule = TimeRule::Gregory { order: 4 };
 
     /// Sums of both kinds against the plain definition, on a grid of steps that differ much.
     #[test]
@@ -208,7 +256,7 @@ mod tests {
             })
             .collect();
         let vectors = |t: f64| [vec![1.0 - t, (3.0 * t).sin()], vec![t * t, 2.0]];
-        for rule in [Weights::Trapezoid, Weights::Left] {
+        for rule in [Weights::Trapezoid, Weights::Left, Weights::of(FOUR).unwrap()] {
             let mut sums = Sums::new(rule, &prepared, &times, 2);
             for n in 0..times.len() {
                 for (i, (text, b, _)) in kernels.iter().enumerate() {

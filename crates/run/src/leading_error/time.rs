@@ -22,12 +22,50 @@ pub(super) fn largest_step(times: &[f64]) -> f64 {
 }
 
 /// The weights of a rule.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub(super) enum Weights {
     /// Half of each adjacent step.
     Trapezoid,
     /// The step after t_j.
     Left,
+    /// The table of Gregory's rule of this order, on equal steps.
+    Gregory(&'static Table),
+}
+
+/// A table of weights in units of the step.
+#[derive(Debug)]
+pub(super) struct Table {
+    /// Of sums over 1, 2, … steps, as (numerator, denominator).
+    first: &'static [&'static [(i8, i8)]],
+    /// Of longer sums, from either end; 1 between.
+    end: &'static [(i8, i8)],
+}
+
+const THREE: Table =
+    Table { first: &[&[(1, 2), (1, 2)], &[(5, 12), (7, 6), (5, 12)]], end: &[(5, 12), (13, 12)] };
+const FOUR: Table = Table {
+    first: &[
+        &[(1, 2), (1, 2)],
+        &[(1, 3), (4, 3), (1, 3)],
+        &[(3, 8), (9, 8), (9, 8), (3, 8)],
+        &[(3, 8), (7, 6), (11, 12), (7, 6), (3, 8)],
+    ],
+    end: &[(3, 8), (7, 6), (23, 24)],
+};
+
+impl Table {
+    /// The weight of t_j in a sum over n steps of the size one.
+    fn at(&self, n: usize, j: usize) -> f64 {
+        if n == 0 {
+            return 0.0;
+        }
+        let from_end = j.min(n - j);
+        let found = match self.first.get(n - 1) {
+            Some(row) => row.get(j),
+            None => self.end.get(from_end),
+        };
+        found.map_or(1.0, |&(over, under)| f64::from(over) / f64::from(under))
+    }
 }
 
 impl Weights {
@@ -39,6 +77,8 @@ impl Weights {
         match rule {
             TimeRule::Trapezoid => Ok(Self::Trapezoid),
             TimeRule::Left => Ok(Self::Left),
+            TimeRule::Gregory { order: 3 } => Ok(Self::Gregory(&THREE)),
+            TimeRule::Gregory { .. } => Ok(Self::Gregory(&FOUR)),
             TimeRule::CorrectedEnd { .. } | TimeRule::ProductIntegration => Err(NoConstant::Rule),
         }
     }
@@ -50,7 +90,15 @@ impl Weights {
         match self {
             Self::Trapezoid => 0.5 * (before + after),
             Self::Left => after,
+            Self::Gregory(table) => {
+                table.at(n, j) * times[times.len() - 1] / (times.len() - 1) as f64
+            }
         }
+    }
+
+    /// Whether the weight of t_j, j < n, is the same in the sums up to all t_n.
+    pub(super) fn are_fixed(self) -> bool {
+        !matches!(self, Self::Gregory(_))
     }
 }
 
@@ -71,6 +119,16 @@ mod tests {
             let missed: f64 = times[..=n].windows(2).map(|k| 0.5 * (k[1] - k[0]).powi(2)).sum();
             assert!((sum(Weights::Left, 1.0) + missed - line).abs() < 1e-15);
         }
+        let times: Vec<f64> = (0..12).map(|j| 0.25 * f64::from(j)).collect();
+        for (rule, degree) in [(Weights::Gregory(&THREE), 1), (Weights::Gregory(&FOUR), 3)] {
+            for n in 0..12 {
+                let degree = if n == 1 { 1 } else { degree };
+                let sum: f64 = (0..=n).map(|j| rule.at(&times, n, j) * times[j].powi(degree)).sum();
+                let full = times[n].powi(degree + 1) / f64::from(degree + 1);
+                assert!((sum - full).abs() < 1e-13, "{n}: {sum} {full}");
+            }
+        }
+        let times = [0.0, 0.1, 0.35, 0.5, 0.9];
         assert!((largest_step(&times) - 0.4).abs() < 1e-15);
     }
 }

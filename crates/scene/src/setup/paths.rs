@@ -14,6 +14,9 @@ pub(super) fn of_scene(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Paths
         let pair = match setup.scene.time.rule {
             TimeRule::Trapezoid => [Path::Trapezoid, Path::TrapezoidGraded],
             TimeRule::Left => [Path::Left, Path::LeftGraded],
+            // On equal steps alone.
+            TimeRule::Gregory { order: 3 } => [Path::GregoryThree; 2],
+            TimeRule::Gregory { .. } => [Path::GregoryFour; 2],
             TimeRule::CorrectedEnd { .. } => [Path::CorrectedEnd, Path::CorrectedEndGraded],
             TimeRule::ProductIntegration => [Path::Product, Path::ProductGraded],
         };

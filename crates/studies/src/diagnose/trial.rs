@@ -151,7 +151,7 @@ impl Design<'_> {
             },
             // v is interpolated linearly and the kernel integrated exactly.
             TimeRule::ProductIntegration => Some(Course::Linear),
-            TimeRule::Left | TimeRule::CorrectedEnd { .. } => None,
+            TimeRule::Left | TimeRule::Gregory { .. } | TimeRule::CorrectedEnd { .. } => None,
         };
         match (own.first(), course) {
             (Some(_), Some(course)) => self.exact("memory alone", kept, course, |scene| scene),

@@ -2,6 +2,7 @@
 
 mod accumulated;
 mod fast;
+mod gregory;
 mod grid;
 mod left;
 mod memory;
@@ -9,6 +10,7 @@ mod rules;
 
 pub use accumulated::Accumulated;
 pub use fast::FastConvolution;
+pub use gregory::{Gregory, GregoryOrder};
 pub use grid::{TimeGrid, TimeRule, Trapezoid};
 pub use left::Left;
 pub use memory::{Memory, Storage};
