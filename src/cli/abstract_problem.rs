@@ -29,7 +29,7 @@ pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
         fact("|R|", c.r_norm, "computed: norm on X*"),
         fact("|q|", c.q_norm, "sampled over 0 <= s <= t <= T: norm X -> X*"),
     ];
-    let bounds = c.step_bounds();
+    let bounds = c.step_bounds(setup.model.time_rule.as_ref());
     findings.push(fact("step bound (3.4)", bounds.limit(), "k below this: one solution a step"));
     let sharpened = bounds.sharpened_limit();
     findings.push(fact("sharpened step bound", sharpened, "half weight of the last slot"));

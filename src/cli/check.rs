@@ -169,7 +169,7 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     if setup.body.material.projection.is_some() {
         findings.push(fact("L_kappa", c.lipschitz_kappa, "sampled exact derivative"));
     }
-    let bounds = c.step_bounds();
+    let bounds = c.step_bounds(setup.model.time_rule.as_ref());
     let (limit, sharpened) = (bounds.limit(), bounds.sharpened_limit());
     findings.push(fact("step bound (3.4)", limit, "k below this: one solution a step"));
     findings.push(fact("sharpened step bound", sharpened, "half weight, terms apart"));

@@ -19,7 +19,7 @@ use vhi::law::INTERPOLATED_TO;
 /// `sweep explain`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, history, reference (n, steps, plan, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, linear, condensed or newton, linear_solver: direct or multigrid, factorizations and solves: of the march, null where the run decides, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
+    after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, rule (in time, with its weights), history, reference (n, steps, plan, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, linear, condensed or newton, linear_solver: direct or multigrid, factorizations and solves: of the march, null where the run decides, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
 pub struct Explain {
     /// Name of a scene, or path of a TOML file
@@ -84,6 +84,7 @@ impl Explain {
                 "truth": truth(scene),
                 "regions": regions.iter().map(|(json, _)| json).collect::<Vec<_>>(),
                 "algorithm": algorithm,
+                "rule": scene.time.rule.in_words(),
                 "history": history,
                 "reference": reference,
                 "cases": cases,
@@ -99,6 +100,7 @@ impl Explain {
         print_text(&format!("algorithm  {algorithm}"));
         let linear = of_meshes(&plan, &costs, |cost| linear(&plan.subject, cost.linear_solver));
         print_text(&format!("linear     {linear}"));
+        print_text(&format!("rule       {}", scene.time.rule.in_words()));
         print_text(&format!("history    {history}"));
         if let (Some(reference), Some(cost)) = (&reference, &costs.reference) {
             let run = format!("n = {}, N = {}", reference["n"], reference["steps"]);
@@ -227,10 +229,10 @@ fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
             "linear, memory a multiple of the elasticity or absent: one factorization, one solve a level, eight levels together"
         }
         Plan::Linear => {
-            "linear: one factorization for each weight of the last slot (two on equal steps), one solve a level"
+            "linear: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), one solve a level"
         }
         Plan::Condensed if Plan::changes_factor(model) => {
-            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps), semismooth Newton with active set on the unknowns of Gamma3, one solve a level in the volume"
+            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), semismooth Newton with active set on the unknowns of Gamma3, one solve a level in the volume"
         }
         Plan::Condensed => {
             "contact condensed onto Gamma3: one factorization, semismooth Newton with active set on the unknowns of Gamma3, one solve a step in the volume"

@@ -40,6 +40,7 @@ mod shipped;
 mod step_size;
 mod tangent;
 mod three_dimensions;
+mod time_rules;
 mod trade;
 #[path = "../turned/mod.rs"]
 mod turned;

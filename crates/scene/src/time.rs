@@ -29,32 +29,85 @@ pub struct Time {
 pub enum TimeRule {
     /// The trapezoidal rule of the paper.
     Trapezoid,
-    /// The same with a corrected weight at s = t for kernels like (t - s)^exponent.
+    /// The value at the left end of each step, for all of it.
+    Left,
+    /// The trapezoidal rule corrected by differences at both ends, on equal steps: order 3 or 4.
+    Gregory { order: u32 },
+    /// The trapezoidal rule with a corrected weight at s = t for kernels like (t - s)^exponent.
     CorrectedEnd { exponent: f64 },
     /// v interpolated linearly, the kernel integrated exactly.
     ProductIntegration,
 }
 
+impl TimeRule {
+    /// Its name, and its weights in units of the step.
+    pub fn in_words(self) -> String {
+        match self {
+            Self::Trapezoid => "trapezoidal, weights 1/2, 1, ..., 1, 1/2".into(),
+            Self::Left => {
+                "left endpoint, weights 1, ..., 1, 0: no step is too large for (3.4)".into()
+            }
+            Self::Gregory { order: 3 } => {
+                "Gregory of order 3, weights 5/12, 13/12, 1, ..., 1, 13/12, 5/12".into()
+            }
+            Self::Gregory { .. } => {
+                "Gregory of order 4, weights 3/8, 7/6, 23/24, 1, ..., 1, 23/24, 7/6, 3/8; trapezoidal at t_1".into()
+            }
+            Self::CorrectedEnd { exponent } => {
+                format!("trapezoidal with an end weight corrected for (t - s)^{exponent}")
+            }
+            Self::ProductIntegration => "product integration, the kernel integrated exactly".into(),
+        }
+    }
+}
+
 #[derive(Clone, Copy)]
 enum RuleKind {
     Trapezoid,
+    Left,
+    Gregory,
     CorrectedEnd,
     ProductIntegration,
 }
 
 impl TimeRule {
     fn validate(reading: &Reading, written: &written::Rule) -> Result<TimeRule, SceneError> {
+        let (key, written) = match written {
+            written::Rule::Word(kind) => (
+                "time.rule",
+                &written::RuleTable { kind: kind.clone(), exponent: None, order: None },
+            ),
+            written::Rule::Table(table) => ("time.rule.kind", table),
+        };
         let known = [
             ("trapezoid", RuleKind::Trapezoid),
+            ("left", RuleKind::Left),
+            ("gregory", RuleKind::Gregory),
             ("corrected-end", RuleKind::CorrectedEnd),
             ("product-integration", RuleKind::ProductIntegration),
         ];
-        let kind = reading.choice("time.rule.kind", &written.kind, &known)?;
+        let kind = reading.choice(key, &written.kind, &known)?;
         if !matches!(kind, RuleKind::CorrectedEnd) {
             reading.surplus("time.rule.exponent", written.exponent.as_ref(), &written.kind)?;
         }
+        if !matches!(kind, RuleKind::Gregory) {
+            reading.surplus("time.rule.order", written.order.as_ref(), &written.kind)?;
+        }
         Ok(match kind {
             RuleKind::Trapezoid => TimeRule::Trapezoid,
+            RuleKind::Left => TimeRule::Left,
+            RuleKind::Gregory => match written.order {
+                None | Some(3) => TimeRule::Gregory { order: 3 },
+                Some(4) => TimeRule::Gregory { order: 4 },
+                Some(order) => {
+                    let message = format!("the rule of Gregory has no order {order} here");
+                    return Err(reading.error(
+                        "time.rule.order",
+                        message,
+                        "order = 3 or order = 4",
+                    ));
+                }
+            },
             RuleKind::ProductIntegration => TimeRule::ProductIntegration,
             RuleKind::CorrectedEnd => {
                 let key = "time.rule.exponent";
@@ -90,6 +143,11 @@ impl Time {
             Some(rule) => TimeRule::validate(reading, rule)?,
             None => TimeRule::Trapezoid,
         };
+        if matches!(rule, TimeRule::Gregory { .. }) && grid != TimeGrid::Uniform {
+            let message = "the rule of Gregory is for equal steps: its corrections are differences";
+            let hint = "leave the grid out, or take the rule \"trapezoid\"";
+            return Err(reading.error("time.rule", message, hint));
+        }
         Ok(Time { horizon, grid, rule })
     }
 }

@@ -116,12 +116,45 @@ pub struct Time {
     pub rule: Option<Rule>,
 }
 
-/// `rule = { kind = "corrected-end", exponent = 0.5 }`
+/// `rule = "left"`, or `rule = { kind = "corrected-end", exponent = 0.5 }`
+#[derive(Debug, Clone)]
+pub enum Rule {
+    Word(String),
+    Table(RuleTable),
+}
+
+/// A rule with what belongs to its kind.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Rule {
+pub struct RuleTable {
     pub kind: String,
     pub exponent: Option<f64>,
+    pub order: Option<i64>,
+}
+
+impl<'de> Deserialize<'de> for Rule {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Rule, D::Error> {
+        deserializer.deserialize_any(RuleVisitor)
+    }
+}
+
+struct RuleVisitor;
+
+impl<'de> de::Visitor<'de> for RuleVisitor {
+    type Value = Rule;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("the name of a rule, or a table with a kind")
+    }
+
+    fn visit_str<E: de::Error>(self, word: &str) -> Result<Rule, E> {
+        Ok(Rule::Word(word.into()))
+    }
+
+    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Rule, A::Error> {
+        let table = de::value::MapAccessDeserializer::new(map);
+        RuleTable::deserialize(table).map(Rule::Table)
+    }
 }
 
 /// `grid = { kind = "graded", exponent = 2.0 }`

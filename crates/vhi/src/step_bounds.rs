@@ -1,9 +1,9 @@
 //! Bounds on the step size of the scheme (3.3) from the constants of Problem 5.
 //!
 //! Λ: η ↦ u_η freezes the last slot of the history at η and solves. Its contraction factor is bounded
-//! by k β_φ‖R‖‖q‖/m0 (3.15). The trapezoidal rule gives that slot the weight k/2, not k, and a history
-//! of several parts enters with the sum of their own factors instead of a product of maxima, so the
-//! factor is also at most (k/2)·`last_slot`/m0.
+//! by k β_φ‖R‖‖q‖/m0 (3.15). A rule gives that slot the weight w_nn, k/2 by the trapezoidal one, not k, and
+//! a history of several parts enters with the sum of their own factors instead of a product of maxima, so
+//! the factor is also at most w_nn·`last_slot`/m0. Without a weight there, Λ is constant.
 
 /// Constants of Problem 5 that bound its step size. Units: m0 a stress, the others a stress a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +20,8 @@ pub struct StepBounds {
     pub last_slot: f64,
     /// How much of the last slot, for weight 1, can act against the monotonicity of the step.
     pub destabilizing: f64,
+    /// The largest w_nn/k of the time rule: ½ of the trapezoidal one.
+    pub last_share: f64,
 }
 
 /// The eigenvalue, the slopes and the trace constant of (2.9) are each known to a few units of rounding.
@@ -36,17 +38,22 @@ impl StepBounds {
     /// The bound (3.15) of the contraction factor of Λ, with the norms of the paper. Like the other two it is infinite
     /// where m0 ≤ 0: then nothing bounds the factor.
     pub fn paper_factor(&self, k: f64) -> f64 {
-        self.over_m0(k * self.beta_phi * self.paper_lipschitz)
+        self.over_m0(k * self.beta_phi * self.counted(self.paper_lipschitz))
     }
 
     /// The bound (3.15) of the contraction factor of Λ, with operator norms.
     pub fn factor(&self, k: f64) -> f64 {
-        self.over_m0(k * self.beta_phi * self.lipschitz)
+        self.over_m0(k * self.beta_phi * self.counted(self.lipschitz))
     }
 
     /// The sharpened bound of the contraction factor of Λ.
     pub fn sharpened_factor(&self, k: f64) -> f64 {
-        self.over_m0(0.5 * k * self.last_slot)
+        self.over_m0(self.last_share * k * self.last_slot)
+    }
+
+    /// A constant of the history, which (3.4) counts with all of k; 0 where the last slot has no weight.
+    fn counted(&self, lipschitz: f64) -> f64 {
+        if self.last_share == 0.0 { 0.0 } else { lipschitz }
     }
 
     fn over_m0(&self, size: f64) -> f64 {
@@ -55,22 +62,22 @@ impl StepBounds {
 
     /// (3.4) with the norms of the paper: k below this.
     pub fn paper_limit(&self) -> f64 {
-        limit(self.m0, self.beta_phi * self.paper_lipschitz)
+        limit(self.m0, self.beta_phi * self.counted(self.paper_lipschitz))
     }
 
     /// (3.4) with operator norms.
     pub fn limit(&self) -> f64 {
-        limit(self.m0, self.beta_phi * self.lipschitz)
+        limit(self.m0, self.beta_phi * self.counted(self.lipschitz))
     }
 
     /// The k below which Λ is a contraction by the sharpened bound.
     pub fn sharpened_limit(&self) -> f64 {
-        limit(2.0 * self.m0, self.last_slot)
+        limit(self.m0, self.last_share * self.last_slot)
     }
 
     /// The k below which the step is a strongly monotone problem, hence has exactly one solution.
     pub fn solvable_limit(&self) -> f64 {
-        limit(2.0 * self.m0, self.destabilizing)
+        limit(self.m0, self.last_share * self.destabilizing)
     }
 
     /// Where a step size stands.
@@ -121,6 +128,7 @@ mod tests {
         paper_lipschitz: 5.0,
         last_slot: 1.0,
         destabilizing: 0.5,
+        last_share: 0.5,
     };
 
     #[test]
@@ -152,5 +160,17 @@ mod tests {
             StepBounds { last_slot: 0.0, destabilizing: 0.0, ..BOUNDS }.sharpened_limit(),
             f64::INFINITY
         );
+    }
+
+    /// By a rule without a weight in the last slot each step is one solve with a known past.
+    #[test]
+    fn no_step_is_too_large_without_a_last_weight() {
+        let explicit = StepBounds { last_share: 0.0, ..BOUNDS };
+        assert_eq!(explicit.place(1e9), StepPlace::WithinTheorem);
+        assert_eq!([explicit.paper_factor(9.0), explicit.sharpened_factor(9.0)], [0.0, 0.0]);
+        // A quarter of the step: the limits that know the weight are twice those of one half.
+        let quarter = StepBounds { last_share: 0.25, ..BOUNDS };
+        assert_eq!([quarter.sharpened_limit(), quarter.solvable_limit()], [8.0, 16.0]);
+        assert_eq!(StepBounds { m0: -0.1, ..explicit }.place(1e-9), StepPlace::Unguaranteed);
     }
 }

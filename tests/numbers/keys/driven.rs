@@ -16,7 +16,7 @@ pub const TIES: &[Tie] = &[
     (&["scene.judge", "scene.expect", "scene.long", "scene.violates"], judging),
     (&["scene.window_n", "scene.window_steps"], windows),
     (&["time.horizon", "time.grid.kind", "time.grid.exponent", "time.grid.seed"], grids),
-    (&["time.rule.kind", "time.rule.exponent"], rules),
+    (&["time.rule.kind", "time.rule.exponent", "time.rule.order"], rules),
     (&["loads.body", "loads.traction"], loads),
     (
         &[
@@ -103,6 +103,12 @@ fn rules() {
         |text: &str| block(&[("horizon = 1.5", &format!("horizon = 1.5\n{text}"))]).time.rule;
     assert_eq!(rule(""), TimeRule::Trapezoid);
     assert_eq!(rule("rule = { kind = \"trapezoid\" }"), TimeRule::Trapezoid);
+    for left in ["rule = \"left\"", "rule = { kind = \"left\" }"] {
+        assert_eq!(rule(left), TimeRule::Left);
+    }
+    assert_eq!(rule("rule = \"gregory\""), TimeRule::Gregory { order: 3 });
+    let four = rule("rule = { kind = \"gregory\", order = 4 }");
+    assert_eq!(four, TimeRule::Gregory { order: 4 });
     assert_eq!(rule("rule = { kind = \"product-integration\" }"), TimeRule::ProductIntegration);
     let corrected = rule("rule = { kind = \"corrected-end\", exponent = 0.5 }");
     assert_eq!(corrected, TimeRule::CorrectedEnd { exponent: 0.5 });

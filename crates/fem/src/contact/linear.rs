@@ -84,7 +84,7 @@ pub fn march<P: Projection>(
             t,
             u: &u,
             history: &history,
-            zeta: accumulated.value(),
+            zeta: accumulated.value(rule, grid),
             kappa: f64::INFINITY,
             strain_norm,
             compliance: &nothing,

@@ -70,8 +70,9 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
 
 impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
     fn set_step(&mut self, k: f64) {
+        let last = self.model.time_rule.last_share() * k;
         let at_zero = self.model.memory.iter().map(|term| term.kernel.value(0.0));
-        self.slot = LastSlot { zeta: 0.5 * k, memory: at_zero.map(|b| 0.5 * k * b).collect() };
+        self.slot = LastSlot { zeta: last, memory: at_zero.map(|b| last * b).collect() };
         self.evolution.set_last_slot(self.slot.clone());
     }
 

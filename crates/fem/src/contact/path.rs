@@ -61,6 +61,14 @@ paths! {
     Trapezoid = "trapezoidal rule, equal steps",
     /// The same on other grids.
     TrapezoidGraded = "trapezoidal rule, unequal steps",
+    /// The left-endpoint rule on equal steps.
+    Left = "left-endpoint rule, equal steps",
+    /// The same on other grids.
+    LeftGraded = "left-endpoint rule, unequal steps",
+    /// Gregory's rule with first differences.
+    GregoryThree = "Gregory's rule of order 3",
+    /// The same with second differences.
+    GregoryFour = "Gregory's rule of order 4",
     /// The corrected end weight on equal steps.
     CorrectedEnd = "corrected end, equal steps",
     /// The same on other grids.

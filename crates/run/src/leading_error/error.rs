@@ -30,8 +30,8 @@ pub enum NoConstant {
     /// V_max in k on a scene with space error.
     #[error("u(t) is not in V^h: the error holds space error as well")]
     NotInSpace,
-    /// Not the trapezoidal rule.
-    #[error("the time rule is not the trapezoidal one")]
+    /// A rule whose weights depend on the kernel.
+    #[error("the time rule weighs the kernel in a way of its own")]
     Rule,
     /// The linearised step has no solution.
     #[error("the linearised problem is singular at t = {t}")]

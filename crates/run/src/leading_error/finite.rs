@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::NoConstant;
 use super::adaptive::{cuts, integral};
 use super::law_slope::{Answer, answer};
-use super::time::weight;
+use super::time::Weights;
 use exact::LawNumbers;
 use formula::{Bound, Graph, Node, Point, Program, Variable};
 use scene::setup::AbstractSetup;
@@ -19,8 +19,9 @@ use scene::setup::AbstractSetup;
 /// and a_i·e_n = 0 where the constraint or a jump of ∂j_i holds a_i·u.
 ///
 /// # Errors
-/// [`NoConstant::Singular`].
+/// [`NoConstant::Rule`], [`NoConstant::Singular`].
 pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64, NoConstant> {
+    let weights = Weights::of(setup.scene.time.rule)?;
     let problem = Linearised::new(setup);
     let m = problem.matrix.nrows();
     let states: Vec<_> = times.iter().map(|&t| setup.state(t)).collect();
@@ -43,9 +44,9 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
             let mut of_exact = DVector::zeros(m);
             let mut of_errors = DVector::zeros(m);
             for (j, q) in row[0][..=n].iter().enumerate() {
-                let w = weight(times, n, j);
+                let w = weights.at(times, n, j);
                 // A kernel may be infinite where the sum is empty.
-                if w > 0.0 {
+                if w != 0.0 {
                     of_exact.axpy(w * q, &exact[j], 1.0);
                     if j < n {
                         of_errors.axpy(w * q, &errors[j], 1.0);

@@ -8,18 +8,20 @@ use super::interpolation::InterpolationError;
 use super::law_slope::{Answer, answer};
 use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
-use super::sums::{Kernel, Sums};
+use super::sums::{Kernel, Numbers, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
-use super::time::weight;
+use super::time::Weights;
 use algebra::linalg::{Front, axpy, dot};
 use exact::{ComplianceRule, Exact, InterpolatedOnMesh};
 use fem::contact::Discretization;
 use formula::{Node, Point, Variable};
+use scene::TimeRule;
 
 /// A contact scene on one mesh, with tensors of S numbers.
 pub(super) struct InSpace<const S: usize> {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
+    rule: TimeRule,
     truth: InterpolatedOnMesh,
     /// κ'(ζ).
     slope: Option<Node>,
@@ -81,7 +83,7 @@ impl<const S: usize> Response<S> {
 
 impl<const S: usize> InSpace<S> {
     /// Binds the exact solution to the mesh of `space`.
-    pub(super) fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
+    pub(super) fn new(exact: Arc<Exact>, space: Arc<Discretization>, rule: TimeRule) -> Self {
         // The rule matters to loads alone, which are not asked for here.
         let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
         let mut graph = exact.data.graph.clone();
@@ -93,12 +95,13 @@ impl<const S: usize> InSpace<S> {
         let regions = exact.cell_regions(&space.mesh);
         let kernel = |&node: &Node| Kernel::new(&mut graph, node, exact.data.horizon);
         let kernels = exact.data.kernels.iter().map(kernel).collect();
-        Self { exact, space, truth, slope, graph, regions, kernels }
+        Self { exact, space, rule, truth, slope, graph, regions, kernels }
     }
 
     /// The number of steps beyond which the sums over the past are dearer than what they tell.
     pub(super) fn most_steps(&self) -> u32 {
-        match self.kernels.iter().any(Kernel::is_direct) {
+        let fixed = Weights::of(self.rule).is_ok_and(Weights::are_fixed);
+        match !fixed || self.kernels.iter().any(Kernel::is_direct) {
             true => (MOST_PRODUCTS / self.space.nodes.len() as f64).sqrt() as u32,
             false => u32::MAX,
         }
@@ -116,9 +119,10 @@ impl<const S: usize> InSpace<S> {
 
     /// The largest errors on a grid, max_n ‖ε(e_n)‖ and those of the other norms.
     pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
-        let mut sums = Sums::new(&self.kernels, times, self.space.nodes.len());
-        // Σ' over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
-        let (mut zeta, mut zeta_error) = (0.0, 0.0);
+        let weights = Weights::of(self.rule)?;
+        let mut sums = Sums::new(weights, &self.kernels, times, self.space.nodes.len());
+        // Sums over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
+        let mut sizes = Numbers::new(weights);
         let mut largest = Largest::default();
         let mut history = self.own_history();
         for (n, &t) in times.iter().enumerate() {
@@ -128,7 +132,8 @@ impl<const S: usize> InSpace<S> {
             let state = self.state(t, &mut history, &sums);
             let (mut error, mut of_norm) = (vec![0.0; self.space.nodes.len()], 0.0);
             if n > 0 {
-                let own = weight(times, n, n);
+                let own = weights.at(times, n, n);
+                let [zeta, zeta_error] = sizes.before();
                 let zeta = zeta + own * state.norm;
                 let past = self.past(&sums, &state, Accumulated { own, zeta, zeta_error });
                 let level = self.level(t, &state, &past)?;
@@ -143,9 +148,7 @@ impl<const S: usize> InSpace<S> {
                 error = level.error;
             }
             if n + 1 < times.len() {
-                let w = weight(times, n + 1, n);
-                zeta += w * state.norm;
-                zeta_error += w * of_norm;
+                sizes.advance(times, n, [state.norm, of_norm]);
                 sums.advance([state.u, error]);
             }
         }

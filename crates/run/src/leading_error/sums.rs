@@ -1,6 +1,6 @@
-//! Trapezoidal sums over the past of vectors, level by level.
+//! A rule's sums over the past of vectors, level by level.
 
-use super::time::weight;
+use super::time::Weights;
 use formula::{Bound, Graph, Node, Program, Variable};
 
 /// b of one term of the memory, as the sums need it.
@@ -61,9 +61,12 @@ pub(super) type Pair<T> = [T; 2];
 /// For b(t) = Σ a exp(-c t) each term is carried on: with P_n its sum,
 ///
 /// ```text
-/// P_{n+1} = exp(-c k_{n+1}) (P_n + a (k_n + k_{n+1})/2 v_n),   k_0 = 0
+/// P_{n+1} = exp(-c k_{n+1}) (P_n + a w_{n+1,n} v_n)
 /// ```
+///
+/// where the weight of v_n is the same in all later sums; else all of them are summed anew.
 pub(super) struct Sums<'a> {
+    weights: Weights,
     times: &'a [f64],
     /// The level n at which the sums are.
     level: usize,
@@ -75,6 +78,8 @@ pub(super) struct Sums<'a> {
 
 enum Sum {
     Carried(Vec<Carried>),
+    /// Exponentials whose weights differ from level to level.
+    Anew(Vec<(f64, f64)>),
     /// The kernel bound to the times, and its values b(t_n - t_j).
     Direct(Box<Bound>, Vec<Vec<f64>>),
 }
@@ -87,16 +92,23 @@ struct Carried {
 
 impl<'a> Sums<'a> {
     /// Empty sums at t_0, of vectors of the given length.
-    pub(super) fn new(kernels: &[Kernel], times: &'a [f64], length: usize) -> Self {
+    pub(super) fn new(
+        weights: Weights,
+        kernels: &[Kernel],
+        times: &'a [f64],
+        length: usize,
+    ) -> Self {
         let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
         let zero = || [vec![0.0; length], vec![0.0; length]];
         let sum = |kernel: &Kernel| match kernel {
+            Kernel::Exponentials(terms) if !weights.are_fixed() => Sum::Anew(terms.clone()),
             Kernel::Exponentials(terms) => {
                 Sum::Carried(terms.iter().map(|&(a, c)| Carried { a, c, sums: zero() }).collect())
             }
             Kernel::Any(program) => Sum::Direct(Box::new(program.bind(&places)), vec![Vec::new()]),
         };
         let mut sums = Self {
+            weights,
             times,
             level: 0,
             kernels: kernels.iter().map(sum).collect(),
@@ -111,9 +123,10 @@ impl<'a> Sums<'a> {
     pub(super) fn own(&self, kernel: usize) -> f64 {
         let at_zero = match &self.kernels[kernel] {
             Sum::Carried(terms) => terms.iter().map(|term| term.a).sum(),
+            Sum::Anew(terms) => terms.iter().map(|(a, _)| a).sum(),
             Sum::Direct(_, values) => values[0][self.level],
         };
-        weight(self.times, self.level, self.level) * at_zero
+        self.weights.at(self.times, self.level, self.level) * at_zero
     }
 
     /// The sums over the levels before this one.
@@ -121,9 +134,18 @@ impl<'a> Sums<'a> {
         let mut out = [vec![0.0; self.length], vec![0.0; self.length]];
         match &self.kernels[kernel] {
             Sum::Carried(terms) => terms.iter().for_each(|term| add(1.0, &term.sums, &mut out)),
+            Sum::Anew(terms) => {
+                let t = self.times[self.level];
+                for (j, past) in self.past.iter().enumerate() {
+                    let lag = t - self.times[j];
+                    let b: f64 = terms.iter().map(|(a, c)| a * (-c * lag).exp()).sum();
+                    add(self.weights.at(self.times, self.level, j) * b, past, &mut out);
+                }
+            }
             Sum::Direct(_, values) => {
                 for (j, past) in self.past.iter().enumerate() {
-                    add(weight(self.times, self.level, j) * values[0][j], past, &mut out);
+                    let weight = self.weights.at(self.times, self.level, j);
+                    add(weight * values[0][j], past, &mut out);
                 }
             }
         }
@@ -134,7 +156,7 @@ impl<'a> Sums<'a> {
     pub(super) fn advance(&mut self, vectors: Pair<Vec<f64>>) {
         let n = self.level;
         let Some(next) = self.times.get(n + 1) else { return };
-        let (weight, step) = (weight(self.times, n + 1, n), next - self.times[n]);
+        let (weight, step) = (self.weights.at(self.times, n + 1, n), next - self.times[n]);
         for kernel in &mut self.kernels {
             let Sum::Carried(terms) = kernel else { continue };
             for Carried { a, c, sums } in terms {
@@ -143,7 +165,7 @@ impl<'a> Sums<'a> {
                 sums.iter_mut().flatten().for_each(|value| *value *= decay);
             }
         }
-        if self.kernels.iter().any(|kernel| matches!(kernel, Sum::Direct(..))) {
+        if self.kernels.iter().any(|kernel| !matches!(kernel, Sum::Carried(_))) {
             self.past.push(vectors);
         }
         self.level = n + 1;
@@ -160,6 +182,39 @@ impl<'a> Sums<'a> {
     }
 }
 
+/// Σ_{j<n} w_nj v_j of pairs of numbers.
+pub(super) struct Numbers {
+    weights: Weights,
+    sums: Pair<f64>,
+    /// v_0, …, v_{n-1}.
+    past: Vec<Pair<f64>>,
+}
+
+impl Numbers {
+    /// Empty sums at t_0.
+    pub(super) fn new(weights: Weights) -> Self {
+        Self { weights, sums: [0.0; 2], past: Vec::new() }
+    }
+
+    /// The sums up to the next level.
+    pub(super) fn before(&self) -> Pair<f64> {
+        self.sums
+    }
+
+    /// On from level n < N to the next, with the numbers of this one.
+    pub(super) fn advance(&mut self, times: &[f64], n: usize, numbers: Pair<f64>) {
+        let first = if self.weights.are_fixed() { n } else { 0 };
+        if first == 0 {
+            self.sums = [0.0; 2];
+        }
+        self.past.push(numbers);
+        for (j, &pair) in self.past.iter().enumerate().skip(first) {
+            let w = self.weights.at(times, n + 1, j);
+            self.sums.iter_mut().zip(pair).for_each(|(sum, value)| *sum += w * value);
+        }
+    }
+}
+
 fn add(factor: f64, vectors: &Pair<Vec<f64>>, sums: &mut Pair<Vec<f64>>) {
     for (vector, sum) in vectors.iter().zip(sums) {
         algebra::linalg::axpy(factor, vector, sum);
@@ -170,6 +225,9 @@ fn add(factor: f64, vectors: &Pair<Vec<f64>>, sums: &mut Pair<Vec<f64>>) {
 mod tests {
     use super::*;
     use formula::Scope;
+    use scene::TimeRule;
+
+    const FOUR: TimeRule = TimeRule::Gregory { order: 4 };
 
     /// Sums of both kinds against the plain definition, on a grid of steps that differ much.
     #[test]
@@ -198,23 +256,25 @@ mod tests {
             })
             .collect();
         let vectors = |t: f64| [vec![1.0 - t, (3.0 * t).sin()], vec![t * t, 2.0]];
-        let mut sums = Sums::new(&prepared, &times, 2);
-        for n in 0..times.len() {
-            for (i, (text, b, _)) in kernels.iter().enumerate() {
-                let own = weight(&times, n, n) * b(0.0);
-                assert!((sums.own(i) - own).abs() < 1e-15, "{text}: {own}");
-                let before = sums.before(i);
-                for (which, part) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                    let term = |j: usize| {
-                        let w = weight(&times, n, j) * b(times[n] - times[j]);
-                        w * vectors(times[j])[which][part]
-                    };
-                    let plain: f64 = (0..n).map(term).sum();
-                    // Sums of size one.
-                    assert!((before[which][part] - plain).abs() < 1e-14, "{text}: {plain}");
+        for rule in [Weights::Trapezoid, Weights::Left, Weights::of(FOUR).unwrap()] {
+            let mut sums = Sums::new(rule, &prepared, &times, 2);
+            for n in 0..times.len() {
+                for (i, (text, b, _)) in kernels.iter().enumerate() {
+                    let own = rule.at(&times, n, n) * b(0.0);
+                    assert!((sums.own(i) - own).abs() < 1e-15, "{text}: {own}");
+                    let before = sums.before(i);
+                    for (which, part) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                        let term = |j: usize| {
+                            let w = rule.at(&times, n, j) * b(times[n] - times[j]);
+                            w * vectors(times[j])[which][part]
+                        };
+                        let plain: f64 = (0..n).map(term).sum();
+                        // Sums of size one.
+                        assert!((before[which][part] - plain).abs() < 1e-14, "{text}: {plain}");
+                    }
                 }
+                sums.advance(vectors(times[n]));
             }
-            sums.advance(vectors(times[n]));
         }
     }
 }

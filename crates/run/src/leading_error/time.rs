@@ -1,6 +1,7 @@
-//! Times and trapezoidal weights of a scene's grid.
+//! Times of a scene's grid, and the weights of its rule, written apart from those of the solver.
 
-use scene::{Time, TimeGrid};
+use super::NoConstant;
+use scene::{Time, TimeGrid, TimeRule};
 use vhi::history::TimeGrid as Steps;
 
 /// t_0, …, t_N. A random grid is defined by its generator, which is shared.
@@ -20,11 +21,85 @@ pub(super) fn largest_step(times: &[f64]) -> f64 {
     times.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max)
 }
 
-/// The weight of t_j in Σ' up to t_n: half of each adjacent step.
-pub(super) fn weight(times: &[f64], n: usize, j: usize) -> f64 {
-    let before = if j > 0 { times[j] - times[j - 1] } else { 0.0 };
-    let after = if j < n { times[j + 1] - times[j] } else { 0.0 };
-    0.5 * (before + after)
+/// The weights of a rule.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Weights {
+    /// Half of each adjacent step.
+    Trapezoid,
+    /// The step after t_j.
+    Left,
+    /// The table of Gregory's rule of this order, on equal steps.
+    Gregory(&'static Table),
+}
+
+/// A table of weights in units of the step.
+#[derive(Debug)]
+pub(super) struct Table {
+    /// Of sums over 1, 2, … steps, as (numerator, denominator).
+    first: &'static [&'static [(i8, i8)]],
+    /// Of longer sums, from either end; 1 between.
+    end: &'static [(i8, i8)],
+}
+
+const THREE: Table =
+    Table { first: &[&[(1, 2), (1, 2)], &[(5, 12), (7, 6), (5, 12)]], end: &[(5, 12), (13, 12)] };
+const FOUR: Table = Table {
+    first: &[
+        &[(1, 2), (1, 2)],
+        &[(1, 3), (4, 3), (1, 3)],
+        &[(3, 8), (9, 8), (9, 8), (3, 8)],
+        &[(3, 8), (7, 6), (11, 12), (7, 6), (3, 8)],
+    ],
+    end: &[(3, 8), (7, 6), (23, 24)],
+};
+
+impl Table {
+    /// The weight of t_j in a sum over n steps of the size one.
+    fn at(&self, n: usize, j: usize) -> f64 {
+        if n == 0 {
+            return 0.0;
+        }
+        let from_end = j.min(n - j);
+        let found = match self.first.get(n - 1) {
+            Some(row) => row.get(j),
+            None => self.end.get(from_end),
+        };
+        found.map_or(1.0, |&(over, under)| f64::from(over) / f64::from(under))
+    }
+}
+
+impl Weights {
+    /// Those of a rule whose weights do not depend on the kernel.
+    ///
+    /// # Errors
+    /// [`NoConstant::Rule`].
+    pub(super) fn of(rule: TimeRule) -> Result<Self, NoConstant> {
+        match rule {
+            TimeRule::Trapezoid => Ok(Self::Trapezoid),
+            TimeRule::Left => Ok(Self::Left),
+            TimeRule::Gregory { order: 3 } => Ok(Self::Gregory(&THREE)),
+            TimeRule::Gregory { .. } => Ok(Self::Gregory(&FOUR)),
+            TimeRule::CorrectedEnd { .. } | TimeRule::ProductIntegration => Err(NoConstant::Rule),
+        }
+    }
+
+    /// The weight of t_j in the sum up to t_n.
+    pub(super) fn at(self, times: &[f64], n: usize, j: usize) -> f64 {
+        let before = if j > 0 { times[j] - times[j - 1] } else { 0.0 };
+        let after = if j < n { times[j + 1] - times[j] } else { 0.0 };
+        match self {
+            Self::Trapezoid => 0.5 * (before + after),
+            Self::Left => after,
+            Self::Gregory(table) => {
+                table.at(n, j) * times[times.len() - 1] / (times.len() - 1) as f64
+            }
+        }
+    }
+
+    /// Whether the weight of t_j, j < n, is the same in the sums up to all t_n.
+    pub(super) fn are_fixed(self) -> bool {
+        !matches!(self, Self::Gregory(_))
+    }
 }
 
 #[cfg(test)]
@@ -32,12 +107,28 @@ mod tests {
     use super::*;
 
     #[test]
-    fn weights_integrate_linear_functions_on_any_grid() {
+    fn weights_integrate_what_the_rules_are_made_for_on_any_grid() {
         let times = [0.0, 0.1, 0.35, 0.5, 0.9];
         for n in 0..times.len() {
-            let sum: f64 = (0..=n).map(|j| weight(&times, n, j) * (1.0 + times[j])).sum();
-            assert!((sum - times[n] - 0.5 * times[n] * times[n]).abs() < 1e-15);
+            let sum = |rule: Weights, slope: f64| -> f64 {
+                (0..=n).map(|j| rule.at(&times, n, j) * (1.0 + slope * times[j])).sum()
+            };
+            let line = times[n] + 0.5 * times[n] * times[n];
+            assert!((sum(Weights::Trapezoid, 1.0) - line).abs() < 1e-15);
+            assert!((sum(Weights::Left, 0.0) - times[n]).abs() < 1e-15);
+            let missed: f64 = times[..=n].windows(2).map(|k| 0.5 * (k[1] - k[0]).powi(2)).sum();
+            assert!((sum(Weights::Left, 1.0) + missed - line).abs() < 1e-15);
         }
+        let times: Vec<f64> = (0..12).map(|j| 0.25 * f64::from(j)).collect();
+        for (rule, degree) in [(Weights::Gregory(&THREE), 1), (Weights::Gregory(&FOUR), 3)] {
+            for n in 0..12 {
+                let degree = if n == 1 { 1 } else { degree };
+                let sum: f64 = (0..=n).map(|j| rule.at(&times, n, j) * times[j].powi(degree)).sum();
+                let full = times[n].powi(degree + 1) / f64::from(degree + 1);
+                assert!((sum - full).abs() < 1e-13, "{n}: {sum} {full}");
+            }
+        }
+        let times = [0.0, 0.1, 0.35, 0.5, 0.9];
         assert!((largest_step(&times) - 0.4).abs() < 1e-15);
     }
 }

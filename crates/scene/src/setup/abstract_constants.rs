@@ -7,6 +7,7 @@ use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use super::SetupError;
 use crate::{AbstractScene, Law, Scene};
 use vhi::finite::{ComponentLaw, FiniteModel};
+use vhi::history::TimeRule;
 use vhi::{StepBounds, monotonicity};
 
 /// Constants of (2.5)-(2.11).
@@ -37,7 +38,7 @@ pub struct AbstractConstants {
 impl AbstractConstants {
     /// The same as a bound on the step size. The last slot may act in any direction, so all of it
     /// counts against the monotonicity of a step.
-    pub fn step_bounds(&self) -> StepBounds {
+    pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         let (lipschitz, now) = (self.r_norm * self.q_norm, self.r_norm * self.q_norm_now);
         StepBounds {
             m0: self.m0,
@@ -46,6 +47,7 @@ impl AbstractConstants {
             paper_lipschitz: lipschitz,
             last_slot: self.beta_phi * now,
             destabilizing: self.beta_phi * now,
+            last_share: rule.last_share(),
         }
     }
 }

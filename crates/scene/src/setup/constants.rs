@@ -5,6 +5,7 @@ use super::{Setup, SetupError, elasticity, memory_tensor};
 use crate::Domain;
 use fem::contact::TraceMass;
 use formula::{Node, Point};
+use vhi::history::TimeRule;
 use vhi::law::TensorField;
 use vhi::{StepBounds, monotonicity};
 
@@ -54,7 +55,7 @@ pub struct MemoryNorms {
 
 impl Constants {
     /// The same as a bound on the step size.
-    pub fn step_bounds(&self) -> StepBounds {
+    pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         StepBounds {
             m0: self.m0,
             beta_phi: self.beta_phi,
@@ -62,6 +63,7 @@ impl Constants {
             paper_lipschitz: 1.0 + self.memory.entries,
             last_slot: self.yielding + self.memory.at_zero,
             destabilizing: self.yielding + (-self.memory.spectrum_at_zero.0).max(0.0),
+            last_share: rule.last_share(),
         }
     }
 }
@@ -91,7 +93,7 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
     let c_j_squared = if alpha_nu(setup) == 0.0 { 0.0 } else { strain_trace_family(setup)?.limit };
-    Ok(with_trace_constant(setup, c_j_squared).step_bounds())
+    Ok(with_trace_constant(setup, c_j_squared).step_bounds(setup.model.time_rule.as_ref()))
 }
 
 /// The constants of a scene with a given c_j².

@@ -4,9 +4,10 @@ use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
 use fem::contact::{Discretization, TraceMass, trace_constant};
 use vhi::law::TensorField;
 
-/// α_ν c_j²/m on this mesh and grid, with m = m_𝒜 - (k/2)(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))) and c_j² by
+/// α_ν c_j²/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))) and c_j² by
 /// the lumped trace mass; below one exactly if the step satisfies (2.9) with these constants. Infinite
-/// where m ≤ 0, 0 for a convex j. The weight of the last slot is the trapezoidal rule's.
+/// where m ≤ 0, 0 for a convex j. w is the largest weight of the last slot, k/2 by the
+/// trapezoidal rule.
 ///
 /// # Errors
 /// [`SetupError::Constant`].
@@ -22,15 +23,17 @@ pub fn decomposition_bound(
     let c_j = trace_constant(space, &TensorField::identity(), TraceMass::Lumped)
         .map_err(|source| SetupError::Constant { n, source })?;
     let constants = with_trace_constant(setup, c_j.value);
-    let destabilizing = constants.step_bounds().destabilizing;
-    let m = constants.m_elastic - 0.5 * setup.grid(steps).largest_step() * destabilizing;
+    let bounds = constants.step_bounds(setup.model.time_rule.as_ref());
+    let last = bounds.last_share * setup.grid(steps).largest_step() * bounds.destabilizing;
+    let m = constants.m_elastic - last;
     Ok(quotient(constants.alpha_nu * c_j.value, m))
 }
 
-/// The same for an abstract problem: α_j c_j²/(m_A - α_φ - (k/2) β_φ‖R‖‖q(t,t)‖).
+/// The same for an abstract problem: α_j c_j²/(m_A - α_φ - w β_φ‖R‖‖q(t,t)‖).
 pub fn abstract_decomposition_bound(setup: &AbstractSetup, steps: u32) -> f64 {
     let c = &setup.constants;
-    let last = 0.5 * setup.grid(steps).largest_step() * c.step_bounds().destabilizing;
+    let bounds = c.step_bounds(setup.model.time_rule.as_ref());
+    let last = bounds.last_share * setup.grid(steps).largest_step() * bounds.destabilizing;
     quotient(c.alpha_j * c.c_j_squared, c.m_a - c.alpha_phi - last)
 }
 

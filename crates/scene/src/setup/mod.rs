@@ -48,7 +48,8 @@ use fem::contact::{
     Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
 };
 use vhi::history::{
-    CorrectedEnd, FastConvolution, ProductIntegration, TimeGrid, TimeRule, Trapezoid,
+    CorrectedEnd, FastConvolution, Gregory, GregoryOrder, Left, ProductIntegration, TimeGrid,
+    TimeRule, Trapezoid,
 };
 use vhi::law::{Summed, VonMises};
 
@@ -236,6 +237,9 @@ pub fn time_grid(time: &crate::Time, steps: u32) -> TimeGrid {
 fn time_rule(time: &crate::Time) -> Box<dyn TimeRule> {
     match time.rule {
         crate::TimeRule::Trapezoid => Box::new(Trapezoid),
+        crate::TimeRule::Left => Box::new(Left),
+        crate::TimeRule::Gregory { order: 3 } => Box::new(Gregory { order: GregoryOrder::Three }),
+        crate::TimeRule::Gregory { .. } => Box::new(Gregory { order: GregoryOrder::Four }),
         crate::TimeRule::CorrectedEnd { exponent } => Box::new(CorrectedEnd { exponent }),
         crate::TimeRule::ProductIntegration => Box::new(ProductIntegration),
     }

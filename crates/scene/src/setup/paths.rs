@@ -13,6 +13,10 @@ pub(super) fn of_scene(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Paths
     if !setup.model.memory.is_empty() || setup.model.projection.is_some() {
         let pair = match setup.scene.time.rule {
             TimeRule::Trapezoid => [Path::Trapezoid, Path::TrapezoidGraded],
+            TimeRule::Left => [Path::Left, Path::LeftGraded],
+            // On equal steps alone.
+            TimeRule::Gregory { order: 3 } => [Path::GregoryThree; 2],
+            TimeRule::Gregory { .. } => [Path::GregoryFour; 2],
             TimeRule::CorrectedEnd { .. } => [Path::CorrectedEnd, Path::CorrectedEndGraded],
             TimeRule::ProductIntegration => [Path::Product, Path::ProductGraded],
         };

@@ -23,7 +23,7 @@ pub struct StepRemark {
 pub fn subject_bounds(subject: &Subject) -> Result<StepBounds, SetupError> {
     match subject {
         Subject::Contact(setup) => step_bounds(setup),
-        Subject::Abstract(setup) => Ok(setup.constants.step_bounds()),
+        Subject::Abstract(setup) => Ok(setup.constants.step_bounds(setup.model.time_rule.as_ref())),
     }
 }
 

@@ -126,10 +126,15 @@ impl Design<'_> {
     /// κ(ζ) of the scene, or of a control: the time rule must serve it as well as memory.
     fn zeta_alone(&mut self) {
         let kept = Terms { projection: true, accumulation: true, ..Terms::NONE };
+        // What the rule integrates exactly.
+        let course = match self.scene.time.rule {
+            TimeRule::Left => Course::Constant,
+            _ => Course::Linear,
+        };
         if self.terms.accumulation {
-            self.exact("zeta alone", kept, Course::Linear, |scene| scene);
+            self.exact("zeta alone", kept, course, |scene| scene);
         } else {
-            self.exact("zeta alone, a control", kept, Course::Linear, with_projection);
+            self.exact("zeta alone, a control", kept, course, with_projection);
         }
     }
 
@@ -146,7 +151,7 @@ impl Design<'_> {
             },
             // v is interpolated linearly and the kernel integrated exactly.
             TimeRule::ProductIntegration => Some(Course::Linear),
-            TimeRule::CorrectedEnd { .. } => None,
+            TimeRule::Left | TimeRule::Gregory { .. } | TimeRule::CorrectedEnd { .. } => None,
         };
         match (own.first(), course) {
             (Some(_), Some(course)) => self.exact("memory alone", kept, course, |scene| scene),

@@ -119,7 +119,7 @@ pub fn accumulated() -> Ladder {
             (0..=steps).for_each(|j| zeta.commit(&grid, value(j)));
             let weight = |j: usize| if j == 0 || j == steps { 0.5 } else { 1.0 };
             let full = compensated((0..=steps).map(|j| weight(j) * value(j))) / steps as f64;
-            Ok(Measured::number((zeta.value() - full).abs() / full))
+            Ok(Measured::number((zeta.value(&Trapezoid, &grid) - full).abs() / full))
         })
     };
     Ladder {

@@ -88,12 +88,13 @@ impl<'a> FiniteEvolution<'a> {
         })
     }
 
-    /// Gives the last slot of the open level the weight k/2: R Σ_l (k/2) q_l(t_n, t_n) Q_l.
+    /// Gives the last slot of the open level its weight w of a step k: R Σ_l w q_l(t_n, t_n) Q_l.
     pub(super) fn set_last_slot(&mut self, k: f64) {
         let (model, t) = (self.model, self.grid.time(self.past.len()));
+        let last = model.time_rule.last_share() * k;
         self.last_slot.fill(0.0);
         for term in &model.kernels {
-            self.last_slot += 0.5 * k * term.kernel.at(t, t) * &model.r * &term.matrix;
+            self.last_slot += last * term.kernel.at(t, t) * &model.r * &term.matrix;
         }
     }
 

@@ -24,9 +24,13 @@ impl Accumulated {
         }
     }
 
-    /// The trapezoidal integral up to the last committed time.
-    pub fn value(&self) -> f64 {
-        self.integral
+    /// ζ at the last committed time; 0 before the first.
+    pub fn value(&self, rule: &dyn TimeRule, grid: &TimeGrid) -> f64 {
+        if rule.is_trapezoidal() {
+            return self.integral;
+        }
+        let n = self.values.len().saturating_sub(1);
+        self.values.iter().enumerate().map(|(j, z)| rule.weight(grid, n, j) * z).sum()
     }
 
     /// Appends z_n.
@@ -64,7 +68,9 @@ mod tests {
             assert!((zeta.past(&Written, &grid) - past).abs() < 1e-13, "{n}");
             zeta.commit(&grid, z(n));
             let whole: f64 = (0..=n).map(|j| Trapezoid.weight(&grid, n, j) * z(j)).sum();
-            assert!((zeta.value() - whole).abs() < 1e-13, "{n}");
+            for rule in [&Trapezoid as &dyn TimeRule, &Written] {
+                assert!((zeta.value(rule, &grid) - whole).abs() < 1e-13, "{n}");
+            }
         }
     }
 }

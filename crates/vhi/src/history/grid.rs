@@ -116,6 +116,11 @@ pub trait TimeRule: Send + Sync {
         (0..=n).map(|j| self.kernel_weight(kernel, grid, n, j)).collect()
     }
 
+    /// The largest w_nn over the step before t_n: what of a step enters (3.4) and the bounds on the last slot.
+    fn last_share(&self) -> f64 {
+        0.5
+    }
+
     /// True if the weights are those of [`Trapezoid`], so that recursions may replace sums.
     fn is_trapezoidal(&self) -> bool {
         false

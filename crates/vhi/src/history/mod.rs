@@ -1,13 +1,17 @@
-//! The history operator S_n^k: time grids, trapezoidal weights, and the sums Σ' over the past.
+//! The history operator S_n^k: time grids, weights of time rules, and the sums Σ' over the past.
 
 mod accumulated;
 mod fast;
+mod gregory;
 mod grid;
+mod left;
 mod memory;
 mod rules;
 
 pub use accumulated::Accumulated;
 pub use fast::FastConvolution;
+pub use gregory::{Gregory, GregoryOrder};
 pub use grid::{TimeGrid, TimeRule, Trapezoid};
+pub use left::Left;
 pub use memory::{Memory, Storage};
 pub use rules::{CorrectedEnd, ProductIntegration};

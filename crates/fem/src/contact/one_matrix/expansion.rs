@@ -80,7 +80,7 @@ impl<P: Projection> OneMatrix<'_, P> {
             t: *t,
             u: &self.nodal,
             history: if framed { &self.shown_history } else { &self.history },
-            zeta: self.accumulated.value(),
+            zeta: self.accumulated.value(self.model.time_rule.as_ref(), self.grid),
             kappa: f64::INFINITY,
             strain_norm,
             compliance: &self.compliance,

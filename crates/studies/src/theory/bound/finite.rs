@@ -22,7 +22,10 @@ impl Bound {
     /// # Errors
     /// [`BoundError`].
     pub fn of_abstract(setup: &AbstractSetup, steps: u32) -> Result<Self, BoundError> {
-        let limits = setup.constants.step_bounds();
+        if setup.model.time_rule.last_share() == 0.0 {
+            return Err(BoundError::NoLastSlot);
+        }
+        let limits = setup.constants.step_bounds(setup.model.time_rule.as_ref());
         let grid = setup.grid(steps);
         let mut load = AbstractLoad(setup);
         let levels = {

@@ -191,6 +191,9 @@ pub enum BoundError {
     /// A step of the run failed.
     #[error("the run to the level: {0}")]
     Step(#[from] vhi::FailedStep),
+    /// The rule gives the last slot no weight: Λ is constant.
+    #[error("the time rule gives the last slot no weight: every k is within (3.4)")]
+    NoLastSlot,
     /// A run without a step has no level with a last slot.
     #[error("a run with {steps} steps has no level to study")]
     NoLevel {

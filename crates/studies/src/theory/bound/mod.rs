@@ -75,10 +75,13 @@ impl Bound {
     /// # Errors
     /// [`BoundError`].
     pub fn new(setup: &Setup, n: u32, steps: u32) -> Result<Self, BoundError> {
+        if setup.model.time_rule.last_share() == 0.0 {
+            return Err(BoundError::NoLastSlot);
+        }
         let traces = TraceConstants::new(setup)?;
         let space = setup.space(n)?;
         let constants = constants::on_mesh(setup, traces.as_ref(), &space)?;
-        let limits = constants.step_bounds();
+        let limits = constants.step_bounds(setup.model.time_rule.as_ref());
         let fits = setup.scene.check_cells(SAMPLE_MESH).is_ok();
         let small = setup.space(if fits { SAMPLE_MESH } else { n })?;
         let samples = sampled::sample(setup, &constants, &small)?;

@@ -322,8 +322,10 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
             }
             let remembered = self.size(&stress);
             if n > 0 {
-                let left = (zeta[0].value() - zeta[1].value()).abs() + remembered;
-                needed = larger(needed, left / distance.value());
+                let left = (zeta[0].value(&Trapezoid, grid) - zeta[1].value(&Trapezoid, grid))
+                    .abs()
+                    + remembered;
+                needed = larger(needed, left / distance.value(&Trapezoid, grid));
             }
         }
         needed

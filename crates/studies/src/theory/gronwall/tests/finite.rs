@@ -72,7 +72,11 @@ fn constants_are_those_of_the_step_bound() {
     let scene = FiniteInTime::new(&setup).unwrap();
     let run = scene.measure(64).unwrap();
     let c2 = run.estimate.c2();
-    assert!((c2 * setup.constants.step_bounds().limit() - 1.0).abs() < 1e-12, "{c2}");
+    assert!(
+        (c2 * setup.constants.step_bounds(setup.model.time_rule.as_ref()).limit() - 1.0).abs()
+            < 1e-12,
+        "{c2}"
+    );
     let part = &run.estimate.parts[0];
     assert!((part.norms.maximum(64) / part.supremum - 1.0).abs() < 1e-12);
 }
