@@ -250,7 +250,7 @@ fn no_link_is_broken() {
     let all = docs.chain(others.map(str::to_owned));
     let lost: Vec<String> = all.flat_map(|page| broken(&page, &read(&page))).collect();
     assert!(lost.is_empty(), "{}", lost.join("\n"));
-    assert_eq!(broken("docs/CI.md", "[a](NOWHERE.md#b)"), ["docs/CI.md: NOWHERE.md"]);
+    assert_eq!(broken("docs/FAQ.md", "[a](NOWHERE.md#b)"), ["docs/FAQ.md: NOWHERE.md"]);
 }
 
 /// What is wrong with the first lines of a page.
@@ -280,4 +280,4 @@ fn the_pages_stay_short() {
 }
 
 /// Words of all pages that are written by hand.
-const LONGEST: usize = 34_200;
+const LONGEST: usize = 31_900;
