@@ -1,6 +1,6 @@
 # Every target needs cargo alone. `make` without a target prints the list.
 .DEFAULT_GOAL := help
-.PHONY: scenes help run test test-long lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants python clean-reports pdf page reference beyond studies report latex
+.PHONY: scenes help run test test-long lint bench compare gate verify-examples baseline sabotage sabotage-check ci false-alarms fuzz audit-deps opt-levels package mutants python clean-reports pdf book page reference beyond studies report latex
 
 CARGO ?= cargo
 PYTHON ?= python3
@@ -88,6 +88,12 @@ report: ## the report in reports/latest with all its chapters; the main job firs
 pdf: ## the report in reports/latest as report.pdf, with the studies that are there; the main job first if there are no records
 	test -f $(REPORT)/cases.csv || $(SWEEP)
 	$(CARGO) run --profile pdf --features pdf --bin sweep -- report $(REPORT) --pdf $(REPORT)/report.pdf
+
+# mdBook is built once, into target/: minutes.
+MDBOOK := target/mdbook
+book: ## the documents as a book with a search, in target/book/html, and every link of it followed
+	test -x $(MDBOOK)/bin/mdbook || $(CARGO) install --quiet --locked --no-default-features --features search --root $(MDBOOK) --target-dir $(MDBOOK)/build mdbook@0.5.4
+	tests/book.sh $(MDBOOK)/bin/mdbook $(PYTHON) target/book
 
 page: ## the page of reports/latest in headless Chromium; screenshots in target/page/
 	tests/page.sh reports/latest target/page

@@ -30,7 +30,7 @@ pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
         fact("|q|", c.q_norm, "sampled over 0 <= s <= t <= T: norm X -> X*"),
     ];
     let bounds = c.step_bounds(setup.model.time_rule.as_ref());
-    findings.push(fact("step bound (3.4)", bounds.limit(), "k below this: one solution a step"));
+    findings.push(fact("step bound (3.4)", bounds.limit(), "k below this: one solution per step"));
     let sharpened = bounds.sharpened_limit();
     findings.push(fact("sharpened step bound", sharpened, "half weight of the last slot"));
     findings.extend(abstract_regularity(&setup.scene, &setup.problem));

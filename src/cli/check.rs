@@ -171,7 +171,7 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     }
     let bounds = c.step_bounds(setup.model.time_rule.as_ref());
     let (limit, sharpened) = (bounds.limit(), bounds.sharpened_limit());
-    findings.push(fact("step bound (3.4)", limit, "k below this: one solution a step"));
+    findings.push(fact("step bound (3.4)", limit, "k below this: one solution per step"));
     findings.push(fact("sharpened step bound", sharpened, "half weight, terms apart"));
     let solvable = bounds.solvable_limit();
     findings.push(fact("solvable step bound", solvable, "k below this: each step monotone"));

@@ -226,16 +226,16 @@ fn algorithm(subject: &Subject, plan: Plan) -> &'static str {
             "linear, memory a multiple of the elasticity or absent: one factorization; the load separates in time, its parts are solved once, and a level is a recursion on their coefficients"
         }
         Plan::Recursion => {
-            "linear, memory a multiple of the elasticity or absent: one factorization, one solve a level, eight levels together"
+            "linear, memory a multiple of the elasticity or absent: one factorization, one solve per level, eight levels together"
         }
         Plan::Linear => {
-            "linear: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), one solve a level"
+            "linear: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), one solve per level"
         }
         Plan::Condensed if Plan::changes_factor(model) => {
-            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), semismooth Newton with active set on the unknowns of Gamma3, one solve a level in the volume"
+            "contact condensed onto Gamma3: one factorization for each weight of the last slot (two on equal steps by the trapezoidal rule), semismooth Newton with active set on the unknowns of Gamma3, one solve per level in the volume"
         }
         Plan::Condensed => {
-            "contact condensed onto Gamma3: one factorization, semismooth Newton with active set on the unknowns of Gamma3, one solve a step in the volume"
+            "contact condensed onto Gamma3: one factorization, semismooth Newton with active set on the unknowns of Gamma3, one solve per step in the volume"
         }
         Plan::Newton if model.projection.is_none() => {
             "semismooth Newton with active set; the factor is reused while the active set stays, and by GMRES after"
@@ -267,10 +267,10 @@ fn history(setup: &Setup) -> String {
     let trapezoidal = setup.model.time_rule.is_trapezoidal();
     let of_term = |memory: &Memory| match &memory.exponentials {
         Some(terms) if trapezoidal => {
-            format!("recursion, {} exponential(s), O(1) a step", terms.len())
+            format!("recursion, {} exponential(s), O(1) per step", terms.len())
         }
         None if trapezoidal => format!(
-            "direct trapezoidal sum, O(n) at step n; from {} steps on O(1) a step by interpolation of the kernel to {INTERPOLATED_TO:.0e}, where it is smooth",
+            "direct trapezoidal sum, O(n) at step n; from {} steps on O(1) per step by interpolation of the kernel to {INTERPOLATED_TO:.0e}, where it is smooth",
             FastConvolution::foreseen_from(INTERPOLATED_TO)
         ),
         _ => "direct sum by the rule's own weights, O(n) at step n".into(),

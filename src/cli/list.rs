@@ -27,7 +27,7 @@ pub struct List {
 }
 
 /// What stands above the table of the page.
-const PAGE: &str = "# All scenes\n\nPrinted by `sweep list --markdown` (`make scenes`) from the files under [manufactured](../manufactured); a test compares.\n[manufactured/REFERENCES.md](../manufactured/REFERENCES.md) says where the formulas come from. *long*: runs with `--all` or by name.\n\nThe pictures show the body with its boundary parts and, for an exact solution, the body moved by u(T) times the factor named; of an\nabstract scene the components of u over t.\n\n| | scene | question | terms | truth | predicted |\n|---|---|---|---|---|---|";
+const PAGE: &str = "# All scenes\n\nFor readers who look for a scene. Printed by `sweep list --markdown` (`make scenes`) from the files under [manufactured](../manufactured); a test compares.\n[manufactured/REFERENCES.md](../manufactured/REFERENCES.md) says where the formulas come from. *long*: runs with `--all` or by name.\n\nThe pictures show the body with its boundary parts and, for an exact solution, the body moved by u(T) times the factor named; of an\nabstract scene the components of u over t.\n\n| | scene | question | terms | truth | predicted |\n|---|---|---|---|---|---|";
 
 impl List {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {

@@ -7,8 +7,8 @@ use run::sweep::MemoryLimit;
 /// What a command may take of the memory.
 #[derive(Args)]
 pub(super) struct Allowance {
-    /// Memory that may be taken, as predicted before anything is solved: bytes, 512M, 8G. What is above it is not
-    /// begun [default: what the machine has available]
+    /// Memory that may be used, by the prediction made before anything is solved: bytes, 512M, 8G. Larger cases are
+    /// not started [default: what the machine has available]
     #[arg(long, value_name = "BYTES")]
     memory_limit: Option<MemoryLimit>,
 }

@@ -64,7 +64,7 @@ pub struct Solve {
     /// Norm of --target: V_max, L2_max, trace_L2_max, pressure_L2_max or stress_L2_max
     #[arg(long, requires = "target", default_value = "V_max")]
     norm: String,
-    /// Write one VTU file a step and a .pvd index into this directory
+    /// Write one VTU file per step and a .pvd index into this directory
     #[arg(long, value_name = "DIR")]
     vtu: Option<PathBuf>,
     /// Write pictures of a plane body into this directory: SCENE-contact.svg, the contact state on Γ3

@@ -36,10 +36,10 @@ pub struct TradeCommand {
     /// Norm of the errors: V_max, L2_max, trace_L2_max, pressure_L2_max or stress_L2_max
     #[arg(long, default_value = "V_max")]
     norm: String,
-    /// Runs of a case for the clock
+    /// Timed runs per case
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     repeats: u32,
-    /// CPU seconds, as predicted, that the grid may take, and again the knobs
+    /// Predicted CPU seconds that the grid may take; the knobs may take as much again
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     budget: f64,
     /// Say which n, N and knobs reach this error at least cost; `1%` is a hundredth of the largest

@@ -41,7 +41,7 @@ pub struct Verify {
     /// The command that solves one case
     #[arg(long, value_name = "CMD", required_unless_present_any = ["results", "export"], conflicts_with_all = ["results", "export"])]
     solver: Option<String>,
-    /// Judge the answers that stand in this directory, in the places that --export gives the cases
+    /// Judge the answers in this directory, laid out as --export writes the cases
     #[arg(long, value_name = "DIR", conflicts_with = "export")]
     results: Option<PathBuf>,
     /// Write the cases into this directory and stop
@@ -50,7 +50,7 @@ pub struct Verify {
     // The files of a case hold every level: it has fewer steps than one that is only solved.
     #[command(flatten)]
     grid: Grid<100_000>,
-    /// Seconds after which the solver is stopped with all that it has started, and its answer read no further, for each case
+    /// Time limit per case, in seconds; it covers the solver, all processes that it starts, and the reading of its answer
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     time_limit: u64,
     /// Cases at a time

@@ -490,21 +490,6 @@ fn values_without_a_limit_say_so() {
     assert_eq!((exit, &row(&rows, "h")["verdict"]), (1, &"fail".into()));
 }
 
-/// What README.md says of its table is what the program prints.
-#[test]
-fn the_example_of_the_readme_is_true() {
-    let readme = std::fs::read_to_string("README.md").expect("a file");
-    let block = |fence: &str| {
-        let start = readme.find(fence).unwrap_or_else(|| panic!("no {fence}")) + fence.len();
-        let length = readme[start..].find("```").expect("an end");
-        readme[start..start + length].trim().to_owned()
-    };
-    let folder = Folder::new("readme");
-    let table = folder.file("table.csv", &block("```csv\n"));
-    let printed = stdout(&sweep(&["fit", &table, "--p", "1"]));
-    assert_eq!(printed.trim(), block("gives with `sweep fit table.csv --p 1`\n\n```text\n"));
-}
-
 /// A printed table of several norms, each with a claim of its own, and what is wrong with a claim.
 #[test]
 fn printed_tables_are_judged_a_norm_at_a_time() {

@@ -1,6 +1,6 @@
 //! Source: own; the program as it stands in repositories of others.
 //! Goal: scenes and their baseline are inside the program, the same as those of its folder; a folder here or one that is
-//!   named goes before them, and `list` says which; the lines of docs/CI.md do what they say in an empty folder.
+//!   named goes before them, and `list` says which; the lines of docs/EXTERNAL.md do what they say in an empty folder.
 //! Data: all shipped scenes; viscoelastic on its own grid with the answers of the built-in solver.
 #![cfg(unix)]
 
@@ -89,9 +89,9 @@ fn scenes_inside_are_compared_with_the_baseline_inside() {
     assert_eq!(code(&gate(&[])), 1);
 }
 
-/// The commands of the first block of docs/CI.md, but for its installation.
+/// The commands of the first block of docs/EXTERNAL.md, but for its installation.
 fn three_lines() -> Vec<Vec<String>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/CI.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/EXTERNAL.md");
     let page = std::fs::read_to_string(path).expect("the page");
     let block = page.split("```sh\n").nth(1).and_then(|rest| rest.split("```").next());
     let lines: Vec<&str> = block.expect("a block").lines().collect();

@@ -7,6 +7,7 @@ mod broken_hypotheses;
 mod cli;
 mod diagnose_command;
 mod distributed;
+mod documents;
 mod equations;
 mod explained;
 mod extend;

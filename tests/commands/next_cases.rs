@@ -115,7 +115,7 @@ fn no_case_is_named_where_none_helps() {
     let windowed = Prediction { window_n: Some([8, 16]), ..predict(Variable::H, 1.0) };
     let windowed = judged(&table(&four, 0.0, |h, _| h), &windowed);
     assert!(windowed.next.is_empty(), "{}", windowed.reason);
-    assert!(windowed.reason.contains("with a window that holds it"), "{}", windowed.reason);
+    assert!(windowed.reason.contains("in a wider window"), "{}", windowed.reason);
 }
 
 /// h + k² with both terms of one size: on k = √h the order in h is 1 only if both orders hold; on k = h a lost time

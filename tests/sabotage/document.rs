@@ -134,7 +134,7 @@ pub fn marks(text: &str) -> BTreeMap<String, Vec<&'static str>> {
 
 const HEAD: &str = "# Sabotage: which gate catches which defect
 
-Written by `make sabotage`; `make ci` fails if a gate catches something else than this table says. A defect is a wrong
+For readers who ask what each check is worth. Written by `make sabotage`; `make ci` fails if a gate catches something else than this table says. A defect is a wrong
 component passed in at a seam of the library (model, scheme, truth, record, judge), by `tests/sabotage/catalogue`; the
 sound program has no switch for it, and passes every gate. Each runs on small grids of fourteen contact scenes and three
 abstract ones, chosen so that every term acts. *Unresolved* counts as caught where the sound

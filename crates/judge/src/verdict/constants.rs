@@ -138,7 +138,7 @@ fn decide(
     if (ratio - 1.0).abs() <= tolerance {
         (Decision::Pass, sentence)
     } else if off.abs() - drift <= tolerance.ln_1p() && off.is_finite() {
-        let open = format!("beyond {percent} % and still drifting: {cure} would tell");
+        let open = format!("beyond {percent} % and still drifting: use {cure} to decide");
         (Decision::Unresolved, format!("{sentence}, {open}"))
     } else {
         let missed = match unique {

@@ -267,7 +267,7 @@ fn other_term(grid: &[Point], selection: &Selection, direction: Direction) -> Op
     let (share, key) = shares.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let percent = 100.0 * share;
     (share > LARGEST_OTHER_SHARE).then(|| {
-        format!("the {name} term is {percent:.0} % of the error at {key}, which bends the slope: {cure} would tell")
+        format!("the {name} term is {percent:.0} % of the error at {key}, which bends the slope: use {cure} to decide")
     })
 }
 

@@ -40,7 +40,7 @@ pub(super) fn next_case(
         ([], false) => (Vec::new(), format!("run three values of {name}")),
         ([first, ..], true) => match coarser(first.0, levels.get(1).map(|level| level.0)) {
             Some(level) => {
-                (vec![level], format!("run {name} = {level}: finer ones are below floor"))
+                (vec![level], format!("run {name} = {level}: finer ones are below the floor"))
             }
             None => (Vec::new(), prediction.floor.remedy().to_owned()),
         },
@@ -58,7 +58,7 @@ pub(super) fn next_case(
         Direction::Time => prediction.window_steps,
     };
     if wanted.iter().any(|level| !inside(Some(*level), window)) {
-        return Next { cases: Vec::new(), text: format!("{text}, with a window that holds it") };
+        return Next { cases: Vec::new(), text: format!("{text}, in a wider window") };
     }
     let cases = wanted.iter().flat_map(|&level| cases(selection, direction, prediction, level));
     Next { cases: cases.collect(), text }
@@ -198,7 +198,7 @@ mod tests {
         assert_eq!(pairs(&wider), [(Some(8), 16), (Some(16), 16)]);
         let far = Prediction { window_steps: Some([4, 8]), ..joint };
         let outside = next_case(&grid, Direction::Time, &far);
-        assert!(outside.cases.is_empty() && outside.text.ends_with("with a window that holds it"));
+        assert!(outside.cases.is_empty() && outside.text.ends_with("in a wider window"));
     }
 
     /// A level is lost to the floor if all of its cases are.
@@ -211,7 +211,7 @@ mod tests {
         let part = text(&[(8, 4), (16, 4)], &[(16, 8)]);
         assert_eq!(part, "run n = 32");
         let whole = text(&[(8, 4), (16, 4)], &[(32, 4)]);
-        assert_eq!(whole, "run n = 4: finer ones are below floor");
+        assert_eq!(whole, "run n = 4: finer ones are below the floor");
         assert_eq!(text(&[(1, 4), (2, 4)], &[(4, 4)]), predict(Variable::H).floor.remedy());
         assert_eq!(text(&[], &[]), "run three values of n");
     }

@@ -139,7 +139,7 @@ impl Planning {
     }
 }
 
-/// Measured over predicted memory is at most 1/0.67 (docs/FAULTS.md), and the plan with its texts is held as well.
+/// Measured over predicted memory is at most 1/0.67 (docs/HOW-WE-KNOW.md), and the plan with its texts is held as well.
 const MEMORY: f64 = 1.5;
 const BESIDE: f64 = 64.0 * MEBIBYTE;
 /// Predicted seconds are coarse (`sweep/cost.rs`), and another machine may be half as fast. A minute for the start of the

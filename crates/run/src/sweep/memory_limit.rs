@@ -16,7 +16,7 @@ pub struct MemoryLimit {
 /// A case is predicted to take more memory than there is.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "{} {} of memory predicted, above the limit of {} ({source_of_limit}): not begun; take a smaller n or fewer steps, or raise --memory-limit",
+    "{} {} of memory predicted, above the limit of {} ({source_of_limit}): not started; take a smaller n or fewer steps, or raise --memory-limit",
     if *.at_least { "at least" } else { "about" }, in_words(*.bytes), in_words(*.limit)
 )]
 pub struct TooLarge {

@@ -60,7 +60,7 @@ pub fn check_step_sizes(
         StepPlace::Solvable => Ok(Some(StepRemark {
             warning: true,
             text: format!(
-                "k = {k:.4} (N = {coarsest}) is beyond (3.4), k < {:.4}; one solution a step is guaranteed all the same, by strong monotonicity{}",
+                "k = {k:.4} (N = {coarsest}) is beyond (3.4), k < {:.4}; one solution per step is guaranteed all the same, by strong monotonicity{}",
                 bounds.limit(),
                 below(bounds.solvable_limit())
             ),
@@ -68,7 +68,7 @@ pub fn check_step_sizes(
         StepPlace::Unguaranteed if declared => Ok(Some(StepRemark {
             warning: true,
             text: format!(
-                "k = {k:.4} (N = {coarsest}) violates (3.4) on purpose: one solution a step is guaranteed only{}",
+                "k = {k:.4} (N = {coarsest}) violates (3.4) on purpose: one solution per step is guaranteed only{}",
                 below(bounds.solvable_limit())
             ),
         })),
@@ -83,7 +83,7 @@ fn below(limit: f64) -> String {
 fn refusal(subject: &Subject, steps: u32, k: f64, bounds: &StepBounds) -> SetupError {
     let limit = bounds.solvable_limit();
     let message = format!(
-        "N = {steps} makes k = {k:.4}, but one solution a step is guaranteed only for k < {limit:.4} (and by (3.4) itself for k < {:.4})",
+        "N = {steps} makes k = {k:.4}, but one solution per step is guaranteed only for k < {limit:.4} (and by (3.4) itself for k < {:.4})",
         bounds.limit()
     );
     let enough = sufficient(subject, limit)

@@ -112,7 +112,7 @@ pub fn falling_memory() -> Ladder {
     let rung = |k: f64| {
         let expected = match k < 2.0 {
             true => conditioned(k, -1.0),
-            false => Expected::Refused("one solution a step is guaranteed only"),
+            false => Expected::Refused("one solution per step is guaranteed only"),
         };
         one_step(k, -1.0, expected, Solver::Newton)
     };

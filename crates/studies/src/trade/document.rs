@@ -45,7 +45,7 @@ impl Study {
         self.extrapolated.iter().for_each(|found| extrapolated(&mut own, found));
         own.table(
             "Price list, one knob at a time.",
-            &["what a knob costs and buys"],
+            &["what a knob changes"],
             self.prices.iter().map(|price: &Price| vec![Run::plain(&*price.words)]).collect(),
         );
         for (stem, shows, resource) in [

@@ -26,7 +26,7 @@ impl Study {
         let (title, question, axis) = match resource {
             Resource::Time => (
                 "speed against accuracy",
-                "Which error does a second buy? Lines: one mesh each, from few steps to many. CPU time of one thread, the least of the repeats: mesh, loads and march.",
+                "The error that is reached in a given time. Lines: one mesh each, from few steps to many. CPU time of one thread, the least of the repeats: mesh, loads and march.",
                 "CPU time in seconds",
             ),
             Resource::Memory => (

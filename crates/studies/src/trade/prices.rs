@@ -68,14 +68,22 @@ impl Price {
         }
         let time = match () {
             () if !self.shows() => "no difference in time beyond the repeats".to_owned(),
-            () if self.speed >= 1.0 => format!("buys {:.2}x time", self.speed),
-            () => format!("costs {:.2}x time", 1.0 / self.speed),
+            () if self.speed >= 1.0 => format!("{:.2} times faster", self.speed),
+            () => format!("{:.2} times slower", 1.0 / self.speed),
         };
         let memory = match self.bytes {
-            ratio if !(0.95..1.05).contains(&ratio) => format!(", {ratio:.2}x memory"),
+            ratio if !(0.95..1.05).contains(&ratio) => format!(", {ratio:.2} times the memory"),
             _ => String::new(),
         };
-        format!("{}: {time} for {} error{memory} ({place})", self.what, percent(self.error))
+        format!("{}: {time}, {}{memory} ({place})", self.what, errors(self.error))
+    }
+}
+
+/// What becomes of the error.
+fn errors(change: f64) -> String {
+    match percent(change) {
+        none if none == "0 %" => "same error".to_owned(),
+        change => format!("{change} error"),
     }
 }
 
@@ -107,10 +115,10 @@ mod tests {
         assert!(
             price(0.5001, 1.0)
                 .words
-                .starts_with("loads of degree 1: buys 3.10x time for +0.020 % error")
+                .starts_with("loads of degree 1: 3.10 times faster, +0.020 % error")
         );
-        assert!(price(0.25, 6.2).words.contains("costs 2.00x time for -50 % error"));
-        assert!(price(0.5 + 1e-8, 1.0).words.contains("for 0 % error"));
+        assert!(price(0.25, 6.2).words.contains("2.00 times slower, -50 % error"));
+        assert!(price(0.5 + 1e-8, 1.0).words.contains(", same error"));
         // A run beats another only where all of its repeats do.
         let mut noisy = trial("loads of degree 1", [64, 16], 0.5, 3.0);
         noisy.outcome.as_mut().expect("a run").slowest = 3.2;

@@ -60,7 +60,7 @@ fn a_ratio_that_drifts_towards_one_is_open() {
     let used = cases(1.0, |k| 5.0 * k * k * (1.0 + 3.0 * k * k));
     let found = compared(&used[..2], &line(|k| 5.0 * k * k));
     assert_eq!(found.decision, Decision::Unresolved, "{}", found.sentence);
-    let open = "beyond 1 % and still drifting: more steps";
+    let open = "beyond 1 % and still drifting: use more steps";
     assert!(found.sentence.contains(open), "{}", found.sentence);
 }
 

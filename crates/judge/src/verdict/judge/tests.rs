@@ -78,7 +78,7 @@ fn a_plateau_at_the_floor_is_left_out() {
     assert!(verdict.points_left_out[0].reason.starts_with("below floor"));
     assert_eq!(verdict.decision, Decision::Unresolved);
     assert!(
-        verdict.reason.contains("run steps = 4: finer ones are below floor"),
+        verdict.reason.contains("run steps = 4: finer ones are below the floor"),
         "{}",
         verdict.reason
     );

@@ -1,0 +1,283 @@
+//! Source: README.md, the pages under docs/.
+//! Goal: what a page prints is what the program prints, the keys of scene files are those of the parser, no link is broken,
+//!   each page names its reader and is in the book, and the pages stay short.
+//! Data: the pages; a page with a seeded mistake for each check.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use crate::program::{Folder, code, json, stderr, stdout, sweep};
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(file: &str) -> String {
+    std::fs::read_to_string(root().join(file)).unwrap_or_else(|error| panic!("{file}: {error}"))
+}
+
+/// Pages written by a command or a test: their length is that of what they list.
+const GENERATED: [&str; 3] = ["EQUATIONS.md", "SABOTAGE.md", "SCENES.md"];
+
+/// Names of the pages under docs/, without the book's table of contents.
+fn pages() -> Vec<String> {
+    let folder = std::fs::read_dir(root().join("docs")).expect("docs");
+    let names =
+        folder.map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"));
+    let mut names: Vec<String> =
+        names.filter(|name| name.ends_with(".md") && name != "SUMMARY.md").collect();
+    names.sort();
+    assert!(names.len() > 15, "{names:?}");
+    names
+}
+
+/// Words between blanks, as `wc -w` counts them.
+fn words(text: &str) -> usize {
+    text.split_whitespace().count()
+}
+
+/// The first block of a page that opens with `fence`.
+fn block(page: &str, fence: &str) -> String {
+    let start = page.find(fence).unwrap_or_else(|| panic!("no {fence}")) + fence.len();
+    let length = page[start..].find("```").expect("an end");
+    page[start..start + length].trim().to_owned()
+}
+
+/// Words of a line, so that the width of a table does not count.
+fn cells(line: &str) -> Vec<&str> {
+    line.split_whitespace().collect()
+}
+
+#[test]
+fn the_readme_is_short() {
+    let readme = read("README.md");
+    assert!(words(&readme) <= 900, "{} words", words(&readme));
+    assert!(words(&read("benches/README.md")) <= 800);
+    assert_eq!(words("two  words\n"), 2);
+}
+
+/// Lines of the README's first table that the program does not print.
+fn unprinted(readme: &str) -> Vec<String> {
+    let shown = block(readme, "```text\n");
+    let folder = Folder::new("readme-rows");
+    let out = folder.argument("out");
+    let printed =
+        stdout(&sweep(&["gate", "affine", "pure-mild", "steady", "--quiet", "--out", &out]));
+    let rows: Vec<Vec<&str>> = printed.lines().map(cells).collect();
+    let verdict = |line: &&str| line.contains('[');
+    assert_eq!(shown.lines().filter(verdict).count(), 3);
+    let missing = |line: &&str| !rows.contains(&cells(line));
+    shown.lines().filter(verdict).filter(missing).map(str::to_owned).collect()
+}
+
+#[test]
+fn the_readme_shows_what_the_main_job_prints() {
+    let readme = read("README.md");
+    assert_eq!(unprinted(&readme), Vec::<String>::new());
+    assert_eq!(unprinted(&readme.replacen("0.99 [0.9", "0.98 [0.9", 1)).len(), 1);
+    let baseline: serde_json::Value =
+        serde_json::from_str(&read("reports/baseline.json")).expect("JSON");
+    let scenes: Vec<&serde_json::Value> =
+        baseline["scenes"].as_object().expect("scenes").values().collect();
+    let sum = |count: &dyn Fn(&serde_json::Value) -> usize| -> usize {
+        scenes.iter().map(|scene| count(scene)).sum()
+    };
+    let of = |scene: &serde_json::Value, key: &str| scene[key].as_array().map_or(0, Vec::len);
+    let cases = sum(&|scene| of(scene, "cases"));
+    let verdicts = sum(&|scene| of(scene, "owes"));
+    let constants = sum(&|scene| {
+        let owed = scene["owes"].as_array().into_iter().flatten();
+        owed.map(|verdict| of(verdict, "constants")).sum()
+    });
+    for line in [
+        format!("{cases} cases, 0 failed; {verdicts} of {verdicts} verdicts as expected"),
+        format!("baseline: {verdicts} verdicts and {constants} compared constants owed"),
+    ] {
+        assert!(readme.contains(&line), "{line}");
+    }
+}
+
+#[test]
+fn the_table_of_the_readme_is_judged_as_it_says() {
+    let readme = read("README.md");
+    let folder = Folder::new("readme");
+    let table = folder.file("table.csv", &block(&readme, "```csv\n"));
+    let shown = block(&readme, "```console\n$ sweep fit table.csv --p 1\n");
+    let printed = sweep(&["fit", &table, "--p", "1"]);
+    let printed = format!("{}\n(exit code {})", stdout(&printed).trim(), code(&printed));
+    assert_eq!(printed, shown);
+}
+
+#[test]
+fn the_estimate_of_the_readme_is_the_one_printed() {
+    let readme = read("README.md");
+    let line = readme.lines().find(|line| line.starts_with("sweep solve ")).expect("a command");
+    let printed = stdout(&sweep(&cells(line)[1..]));
+    let shown =
+        block(&readme, "upper end of the interval, and the run that checks both:\n\n```text\n");
+    assert_eq!(shown.lines().count(), 3);
+    for line in shown.lines() {
+        assert!(printed.contains(line.trim()), "{line}\n{printed}");
+    }
+}
+
+/// The commands that need scikit-fem run in `make verify-examples`.
+#[test]
+fn the_solvers_of_the_readme_run_in_the_examples() {
+    let (readme, script) = (read("README.md"), read("tests/verify_examples.sh"));
+    let verified: Vec<&str> =
+        readme.lines().filter(|line| line.starts_with("sweep verify ")).collect();
+    assert_eq!(verified.len(), 2);
+    for line in verified {
+        let scene = cells(line)[2];
+        let wrong = line.contains("--rule rectangle");
+        let run = if wrong {
+            format!("verify {scene} --solver \"$solver --rule rectangle\"")
+        } else {
+            format!("\"$solver\" {scene}\n")
+        };
+        assert!(script.contains(&run), "{run}");
+    }
+}
+
+/// Keys that the table below a heading names.
+fn documented(page: &str, heading: &str) -> BTreeSet<String> {
+    let section = page.split(&format!("### `{heading}`\n")).nth(1).expect("a section");
+    let rows = section.split("\n#").next().into_iter().flat_map(str::lines);
+    let first = rows.filter_map(|row| row.strip_prefix("| `")?.split(" | ").next());
+    first
+        .flat_map(|cell| cell.split('`'))
+        .map(|key| key.trim_matches([',', ' ', '|']))
+        .filter(|key| !key.is_empty())
+        .map(str::to_owned)
+        .collect()
+}
+
+const SECTIONS: [&str; 11] = [
+    "[scene]",
+    "[domain]",
+    "[time]",
+    "[material]",
+    "[[material.region]]",
+    "[material.memory]",
+    "[material.projection]",
+    "[contact]",
+    "[loads]",
+    "[exact]",
+    "[sweep]",
+];
+
+/// Keys that the parser knows in a part, by the message for one that it does not know.
+fn known(folder: &Folder, heading: &str) -> BTreeSet<String> {
+    let file = folder.file("unknown.toml", &format!("{heading}\nunheard-of = 1\n"));
+    let message = stderr(&sweep(&["check", &file]));
+    let list =
+        message.split("known here: ").nth(1).unwrap_or_else(|| panic!("{heading}: {message}"));
+    list.split_whitespace().map(|key| key.trim_end_matches(',').to_owned()).collect()
+}
+
+#[test]
+fn the_keys_of_scene_files_are_those_of_the_parser() {
+    let (page, folder) = (read("docs/SCENE-FILES.md"), Folder::new("keys"));
+    for heading in SECTIONS.into_iter().chain(["[[predicts]]"]) {
+        assert_eq!(documented(&page, heading), known(&folder, heading), "{heading}");
+    }
+    let other = page.replace("| `horizon` |", "| `end` |");
+    assert_ne!(documented(&other, "[time]"), known(&folder, "[time]"));
+}
+
+#[test]
+fn the_gallery_shows_what_its_commands_find() {
+    let page = read("docs/GALLERY.md");
+    let scenes: Vec<&str> =
+        page.lines().filter_map(|line| line.trim().strip_prefix("sweep run ")).collect();
+    assert_eq!(scenes.len(), 10);
+    let folder = Folder::new("gallery");
+    let file = folder.argument("verdict.json");
+    let output = sweep(
+        &[&["gate", "--quiet", "--out", &folder.argument("out"), "--json", &file], &scenes[..]]
+            .concat(),
+    );
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    let judged: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(&file).expect("a file")).expect("JSON");
+    let questions = json(&sweep(&["list", "--json"]));
+    for scene in scenes {
+        let of = |list: &serde_json::Value, key: &str| {
+            let found = list.as_array().expect("a list").iter().find(|one| one[key] == scene);
+            found.unwrap_or_else(|| panic!("{scene}")).clone()
+        };
+        let verdict = of(&judged["verdicts"], "scene");
+        let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+        let [lo, hi] = [0, 1].map(|end| number(&verdict["interval"][end]));
+        let line = format!(
+            "order {:.2} in [{lo:.2}, {hi:.2}], predicted {}: {}.",
+            number(&verdict["observed"]),
+            number(&verdict["predicted"]),
+            verdict["verdict"].as_str().expect("a word"),
+        );
+        let question = of(&questions, "name")["question"].as_str().expect("a text").to_owned();
+        let section = page.split(&format!("## `{scene}`")).nth(1).expect("a section");
+        let section = section.split("\n## ").next().expect("its end");
+        assert!(section.contains(&line), "{scene}: {line}");
+        assert!(section.contains(&question), "{scene}: {question}");
+    }
+}
+
+/// Files that the links of a page name and that are not there.
+fn broken(page: &str, text: &str) -> Vec<String> {
+    let folder: PathBuf = root().join(page).parent().expect("a folder").into();
+    let targets = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let files = targets.filter(|target| !target.contains("://") && !target.starts_with('#'));
+    let path = |target: &str| target.split('#').next().unwrap_or(target).to_owned();
+    let files = files.filter(|target| !target.contains(' ')).map(path);
+    files.filter(|target| !folder.join(target).exists()).map(|t| format!("{page}: {t}")).collect()
+}
+
+#[test]
+fn no_link_is_broken() {
+    let docs = pages().into_iter().map(|name| format!("docs/{name}"));
+    let others = [
+        "README.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "benches/README.md",
+        "docs/SUMMARY.md",
+        "reports/README.md",
+        "manufactured/REFERENCES.md",
+        "examples/python/README.md",
+    ];
+    let all = docs.chain(others.map(str::to_owned));
+    let lost: Vec<String> = all.flat_map(|page| broken(&page, &read(&page))).collect();
+    assert!(lost.is_empty(), "{}", lost.join("\n"));
+    assert_eq!(broken("docs/FAQ.md", "[a](NOWHERE.md#b)"), ["docs/FAQ.md: NOWHERE.md"]);
+}
+
+/// What is wrong with the first lines of a page.
+fn names_no_reader(text: &str) -> bool {
+    let mut lines = text.lines().filter(|line| !line.is_empty());
+    !(lines.next().is_some_and(|title| title.starts_with("# "))
+        && lines.next().is_some_and(|line| line.starts_with("For ")))
+}
+
+#[test]
+fn every_page_names_its_reader_and_is_in_the_book() {
+    let book = read("docs/SUMMARY.md");
+    for name in pages() {
+        assert!(!names_no_reader(&read(&format!("docs/{name}"))), "{name} names no reader");
+        assert!(book.contains(&format!("({name})")), "{name} is not in docs/SUMMARY.md");
+    }
+    assert!(names_no_reader("# Title\n\nWhat it is.\n"));
+}
+
+#[test]
+fn the_pages_stay_short() {
+    let written = pages().into_iter().filter(|name| !GENERATED.contains(&name.as_str()));
+    let counts: Vec<(String, usize)> =
+        written.map(|name| (name.clone(), words(&read(&format!("docs/{name}"))))).collect();
+    let all: usize = counts.iter().map(|(_, words)| words).sum();
+    assert!(all <= LONGEST, "{all} words: {counts:?}");
+}
+
+/// Words of all pages that are written by hand.
+const LONGEST: usize = 31_900;
