@@ -70,7 +70,10 @@ fn an_interval_that_is_too_wide_is_narrowed() {
     let output = sweep(&["run", &scene, "--out", &folder.argument("out"), "--extend"]);
     assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
     let said = stderr(&output);
-    assert!(said.contains("adds n = 16, steps = 4") && said.contains("with probability 82 %"), "{said}");
+    assert!(
+        said.contains("adds n = 16, steps = 4") && said.contains("with probability 82 %"),
+        "{said}"
+    );
     let verdict = &document(&folder, "out/verdict.json")["verdicts"][0];
     let ends = verdict["interval"].as_array().expect("an interval");
     let width = ends[1].as_f64().expect("an end") - ends[0].as_f64().expect("an end");

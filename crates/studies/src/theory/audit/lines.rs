@@ -98,7 +98,7 @@ pub struct Line {
 
 impl Line {
     /// Whether the line holds to its accuracy; never with a NaN, nor because its bound is infinite.
-    pub fn standing(&self) -> Standing {
+    pub(crate) fn standing(&self) -> Standing {
         if self.relation == Relation::AtMost && self.right == f64::INFINITY {
             return Standing::Undefined;
         }
@@ -108,7 +108,7 @@ impl Line {
 
     /// left/right; `None` where both sides are below the accuracy and the ratio would be noise, and where the bound is not
     /// defined.
-    pub fn ratio(&self) -> Option<f64> {
+    pub(crate) fn ratio(&self) -> Option<f64> {
         if self.standing() == Standing::Undefined {
             return None;
         }
@@ -118,7 +118,7 @@ impl Line {
 }
 
 /// The lines of a level: Theorem 10, and those of Theorem 11 where K = X.
-pub fn lines(level: &Level, constants: &AuditConstants, unconstrained: bool) -> Vec<Line> {
+pub(crate) fn lines(level: &Level, constants: &AuditConstants, unconstrained: bool) -> Vec<Line> {
     let mut sheet = Sheet { level, constants, lines: Vec::new() };
     sheet.estimates();
     sheet.residual();
