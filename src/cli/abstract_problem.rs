@@ -11,7 +11,7 @@ use scene::setup::{AbstractSetup, abstract_regularity};
 use vhi::StepSolver;
 
 /// The hypotheses of the abstract theory with their constants.
-pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
+pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
     let c = &setup.constants;
     let fact = |subject: &str, value: f64, how: &str| {
         Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
@@ -38,14 +38,14 @@ pub fn findings(setup: &AbstractSetup) -> Vec<Finding> {
 }
 
 /// Refuses an n for a problem without a mesh.
-pub fn no_mesh(scene: &Scene, n: Option<u32>) -> Result<(), CliError> {
+pub(crate) fn no_mesh(scene: &Scene, n: Option<u32>) -> Result<(), CliError> {
     let Some(n) = n else { return Ok(()) };
     let message = format!("an abstract problem has no mesh, so no n = {n}");
     Err(scene.error("scene.kind", message, "leave --n away").into())
 }
 
 /// One case: u and its history at t = T, the largest error over the steps.
-pub fn solve(
+pub(crate) fn solve(
     setup: &AbstractSetup,
     steps: u32,
     solver: &impl StepSolver,

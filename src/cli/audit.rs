@@ -25,7 +25,7 @@ JSON keys with --json: scene, fingerprint (of its text), theorem, rule, holds, c
 With --ledger: a list of claim, hypotheses, quantity, proved, observed, used, claimed, confirmed, scene, command; file ledger.json. \
 Exit code 1: a line is violated beyond its accuracy or has no defined constant (m0 <= 0), or a claim is not confirmed."
 )]
-pub struct Audit {
+pub(crate) struct Audit {
     /// Name of a scene with an exact solution, or path of a TOML file
     #[arg(required_unless_present = "ledger")]
     scene: Option<String>,

@@ -16,7 +16,7 @@ use run::sweep::ScenePlan;
 #[command(
     after_help = "Exit code: 0 the file is written; 1 a verdict is not as expected and 2 a case failed: nothing is written then, since a baseline of a wrong run would approve what is wrong."
 )]
-pub struct BaselineCommand {
+pub(crate) struct BaselineCommand {
     /// Names of scenes, whose entries alone are recorded anew; none: all that are not marked long,
     /// and entries of scenes that no longer exist are removed
     #[arg(value_name = "SCENE")]

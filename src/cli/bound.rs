@@ -14,7 +14,7 @@ use studies::theory::bound::contact::study_runs;
 #[command(
     after_help = "JSON keys with --json: scene, fingerprint (of its text), n, steps, constants (name, value, uncertainty, how, safe, note), samples (what, declared, needed, samples, holds), thresholds (paper_norm, theorem, sharpened, solvable, norm_one, radius_one, loss, loss_reason, loss_eigenvalue, loss_tensors, loss_mesh, not_followed: why norm_one, radius_one and loss are null and rungs is empty, where m0 <= 0), ratio, attained, worst, levels, meshes (mesh, level, t, k, norm, radius, sharpened), starts (same, distinct, failed), rungs (k, norm, radius, rightmost, distinct, finite_worst, finite_random, sharpened, theorem, paper_norm, newton, fixed_point, at_solution), violations (k, what, left, right). Exit code 1: an inequality or a declared constant does not hold."
 )]
-pub struct BoundCommand {
+pub(crate) struct BoundCommand {
     /// Name of a scene, or path of a TOML file
     scene: String,
     /// Cells per unit length of the mesh on which the factors are measured, h = 1/n [default: 16]

@@ -13,7 +13,7 @@ use studies::theory::corner::{Corner, corners};
 /// `sweep check`.
 #[derive(Args)]
 #[command(after_help = "JSON keys with --json: scene, findings (subject, status, value, text).")]
-pub struct Check {
+pub(crate) struct Check {
     /// Name of a scene, or path of a TOML file
     scene: String,
     #[command(flatten)]

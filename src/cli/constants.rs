@@ -5,7 +5,7 @@ use judge::verdict::{Foreseen, ForeseenConstant, Variable};
 use run::sweep::{ScenePlan, foresee_plan};
 
 /// One line and one JSON object a prediction.
-pub fn predicted_constants(plan: &ScenePlan) -> Vec<(String, serde_json::Value)> {
+pub(crate) fn predicted_constants(plan: &ScenePlan) -> Vec<(String, serde_json::Value)> {
     let orders = plan.scene().predicts.iter().map(|prediction| prediction.order);
     foresee_plan(plan).iter().zip(orders).map(|(known, order)| one(known, order)).collect()
 }

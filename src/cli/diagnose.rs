@@ -20,7 +20,7 @@ const WIDTH: u16 = 100;
 #[command(
     after_help = "Exit code: 0 nothing to diagnose, or with --always nothing found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, verdicts (as in verdict.json), trials (name, terms, removed, question: \"order\" or \"exact\", verdict, observed, interval, predicted, norm, error: relative, reason, suspects), culprits (names), sentence."
 )]
-pub struct DiagnoseCommand {
+pub(crate) struct DiagnoseCommand {
     /// Name of a scene, or path of a TOML file
     scene: String,
     /// Run the trials even if every verdict is as expected

@@ -21,7 +21,7 @@ use vhi::law::INTERPOLATED_TO;
 #[command(
     after_help = "JSON keys with --json: scene, terms, truth, regions (name, eigenvalues: smallest and largest of the elasticity tensor), algorithm, rule (in time, with its weights), history, reference (n, steps, plan, linear_solver, seconds_predicted, memory_bytes_predicted; null without), cases (n, steps, dofs, plan: recursion, linear, condensed or newton, linear_solver: direct or multigrid, factorizations and solves: of the march, null where the run decides, history_bytes, norms, seconds_predicted: CPU seconds, memory_bytes_predicted: of a process that runs this case alone), corners (of a scene with given loads: place, sides, singular: the power of r with which u leaves the corner, order in h), constants (norm, variable, order, predicted: error over step^order of the leading error on the finest case, limit, not_predicted: why there is none)."
 )]
-pub struct Explain {
+pub(crate) struct Explain {
     /// Name of a scene, or path of a TOML file
     scene: String,
     #[command(flatten)]

@@ -7,7 +7,7 @@ use judge::verdict::Verdict;
 use run::sweep::{Provenance, ScenePlan, Step, extend, words};
 
 /// Adds the cases that open verdicts ask for, and says so; true if there are any to run.
-pub fn extended(
+pub(crate) fn extended(
     plans: &mut [ScenePlan],
     verdicts: &[Verdict],
     budget: f64,
@@ -29,7 +29,7 @@ pub fn extended(
 }
 
 /// Gives plans the cases that were added to the records in `out`.
-pub fn restore_added(plans: &mut [ScenePlan], out: &Path) -> Result<(), CliError> {
+pub(crate) fn restore_added(plans: &mut [ScenePlan], out: &Path) -> Result<(), CliError> {
     let known =
         Provenance::read(out).map_err(|(path, reason)| CliError::about(path.display(), reason))?;
     for plan in plans {

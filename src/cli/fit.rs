@@ -46,7 +46,7 @@ predicted, observed, interval, verdict, reason, and
 Exit codes: 0 without --p and --q, or if all verdicts pass; 1 if one fails or is unresolved; 2 if the table \
 cannot be read."
 )]
-pub struct Fit {
+pub(crate) struct Fit {
     /// Table of errors or values, - for standard input
     file: PathBuf,
     /// Predicted order in h: one number for all norms, or NORM=P,...

@@ -18,7 +18,7 @@ pub(super) fn on_github(option: bool) -> bool {
 
 /// Prints one annotation a verdict that is no plain pass, one a failed case, and the count; appends
 /// the table to the summary of the step, if there is one.
-pub fn annotate(
+pub(crate) fn annotate(
     plans: &[ScenePlan],
     records: &[CaseRecord],
     verdicts: &[Verdict],

@@ -17,7 +17,7 @@ use studies::theory::gronwall::{Plan, Study, study_runs};
 #[command(
     after_help = "Effectivity = bound / measured error. The chain e <= weighted envelope <= primed envelope <= closed form, primed <= printed envelope <= its closed form is checked at every n of every run; exit code 1 names the first n at which a link fails.\n\nJSON keys with --json: scene, fingerprint (of its text), n, truth, constants (m0, beta_phi, lipschitz = |R||q| or that of S, C1, C2; of a body: yielding = mu L_kappa sqrt|Omega|, memory_norm, c_j_squared_bound; abstract: m_A, alpha_phi, alpha_j, c_j_squared, r_norm, q_norm), grids (steps, k, C2_k, error_end, error_max, truncation_end, truncation_max, floor, effectivity of weighted, primed, closed, limit, printed, printed_closed: each at_end, of_maxima, least), horizons (k, truth, rows: horizon, steps, error, truncation, weighted, primed, closed, printed, printed_closed, c2, growth), perturbations (shape, size, steps, load, difference, growth, weighted, primed, least_effectivity), violations (part, link, n, t, left, right), verdict.\n\nFiles with --out: SCENE-gronwall.csv (every level of every run), SCENE-gronwall.json, SCENE-gronwall-*.svg."
 )]
-pub struct Gronwall {
+pub(crate) struct Gronwall {
     /// Name of a scene, or path of a TOML file
     scene: String,
     /// Cells per unit length, h = 1/n; abstract scenes have none [default: the first of the scene's list]

@@ -11,7 +11,7 @@ const BY_SIGNAL: i32 = 128;
 
 /// From now on these signals end the program with a message, and code 130 (Ctrl-C), 143 (SIGTERM) or 129 (SIGHUP). No case
 /// is waited for: a table cut off at any byte can be resumed, as after a crash.
-pub fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
+pub(crate) fn on_interrupt(out: &Path, resuming: &str) -> Result<(), CliError> {
     let message = format!(
         "interrupted; finished cases are kept in {}\ngo on with: {resuming}",
         out.display()

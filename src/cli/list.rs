@@ -14,7 +14,7 @@ use scene::{Body, Data, Scene};
 #[command(
     after_help = "JSON keys with --json: name, question, terms, truth, predicts, long, judge, file (null where the scene is inside the program)."
 )]
-pub struct List {
+pub(crate) struct List {
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -98,7 +98,7 @@ fn row(scene: &Scene) -> serde_json::Value {
 }
 
 /// The terms of (5.1)-(5.5) that a scene has.
-pub fn terms(scene: &Scene) -> Vec<&'static str> {
+pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
     let Some(body) = scene.as_contact() else { return abstract_terms(scene) };
     let contact = body.contact.as_ref();
     let present = [
@@ -131,7 +131,7 @@ fn abstract_terms(scene: &Scene) -> Vec<&'static str> {
 }
 
 /// What errors are measured against.
-pub fn truth(scene: &Scene) -> &'static str {
+pub(crate) fn truth(scene: &Scene) -> &'static str {
     let Some(body) = scene.as_contact() else { return "exact solution" };
     match &body.data {
         Data::Exact { interpolated: true, .. } => "exact solution in V^h",

@@ -19,7 +19,7 @@ const PIECES: &str = ".pieces";
 #[command(
     after_help = "A DIR is a directory of `sweep case`, `run` or `gate` with cases.csv and provenance.json, or one that has such directories in it. Refused with exit code 2 and both names: records of another version of the program, of another text of a scene or another platform than the rest, a torn or malformed line, two records of one case that differ in more than seconds_*, a case that is not in the plan. Cases that are missing are named, and nothing is written, unless --incomplete says so.\n\nWritten into --out: cases.csv sorted, provenance.json, verdict.json, all as one process would have written them but for seconds_* and the key `run` of the provenance. `sweep report` makes the pages.\n\nWith --baseline, errors and work of the cases that the baseline has are compared as by `sweep gate`; the key `baseline` of verdict.json has what was found.\n\nExit codes: 0 all verdicts as expected, 1 one is not or an error deviates from the baseline, 2 it could not judge, a case failed or is missing.\n\nExamples:\n  sweep merge big/parts --plan big --out big/merged && sweep report big/merged\n  sweep merge monday tuesday --out both"
 )]
-pub struct MergeCommand {
+pub(crate) struct MergeCommand {
     /// Directories with records
     #[arg(value_name = "DIR", required = true)]
     parts: Vec<PathBuf>,

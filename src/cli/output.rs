@@ -11,25 +11,25 @@ use files::{harmless, harmless_json, make_directory, read_file, replace_file, wr
 static STOPPED: OnceLock<io::Error> = OnceLock::new();
 
 /// Prints a JSON value.
-pub fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
+pub(crate) fn print_json(value: &serde_json::Value) -> Result<(), CliError> {
     let text = serde_json::to_string_pretty(value).map_err(CliError::other)?;
     print_as_it_is(&harmless_json(&text));
     Ok(())
 }
 
 /// Prints to stdout; what others have written in the text does nothing there.
-pub fn print_text(text: &str) {
+pub(crate) fn print_text(text: &str) {
     print_as_it_is(&harmless(text));
 }
 
 /// Prints a table of verdicts, in colour where stdout shows it.
-pub fn print_verdicts(table: &str) {
+pub(crate) fn print_verdicts(table: &str) {
     print_as_it_is(&super::colour::shown(&harmless(table)));
 }
 
 /// Prints colours and commands to stdout, which this program means. Where it takes no more the command goes on, as the
 /// files that it writes and its verdict are wanted all the same; [`delivered`] says what that means for its exit code.
-pub fn print_as_it_is(text: &str) {
+pub(crate) fn print_as_it_is(text: &str) {
     if STOPPED.get().is_some() {
         return;
     }
@@ -40,13 +40,13 @@ pub fn print_as_it_is(text: &str) {
 }
 
 /// Keeps the first failure of stdout.
-pub fn stopped(error: io::Error) {
+pub(crate) fn stopped(error: io::Error) {
     STOPPED.get_or_init(|| error);
 }
 
 /// The exit code of a command that has printed all it had to. A reader that closed the pipe has what it wanted; what a
 /// full disk lost was asked for.
-pub fn delivered(code: u8) -> Result<u8, CliError> {
+pub(crate) fn delivered(code: u8) -> Result<u8, CliError> {
     match STOPPED.get() {
         Some(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(CliError::about("standard output", format!("{error}: the results are not there")))
@@ -56,7 +56,7 @@ pub fn delivered(code: u8) -> Result<u8, CliError> {
 }
 
 /// Says a line on stderr. Where that takes nothing there is nobody to tell, and the exit code remains.
-pub fn print_error(line: &str) {
+pub(crate) fn print_error(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", harmless(line));
 }
 
@@ -72,33 +72,33 @@ const NARROWEST: u16 = 60;
 const WIDEST: u16 = 180;
 
 /// Bytes in MiB.
-pub fn megabytes(bytes: f64) -> String {
+pub(crate) fn megabytes(bytes: f64) -> String {
     format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
 }
 
 /// Creates a directory and what is above it; what a killed process left unfinished in it goes.
-pub fn create_dir(dir: &Path) -> Result<(), CliError> {
+pub(crate) fn create_dir(dir: &Path) -> Result<(), CliError> {
     make_directory(dir).map_err(|error| CliError::about(dir.display(), error))
 }
 
 /// Writes a file of a directory in one piece.
-pub fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+pub(crate) fn write_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     replace_file(path, bytes.as_ref()).map_err(|error| CliError::about(path.display(), error))
 }
 
 /// Writes where the user says, through links and into pipes.
-pub fn write_user_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
+pub(crate) fn write_user_file(path: &Path, bytes: impl AsRef<[u8]>) -> Result<(), CliError> {
     write_named(path, bytes.as_ref()).map_err(|error| CliError::about(path.display(), error))
 }
 
 /// Copies a file that was written to where the user says, through links and into pipes.
-pub fn copy_named(from: &Path, to: &Path) -> Result<(), CliError> {
+pub(crate) fn copy_named(from: &Path, to: &Path) -> Result<(), CliError> {
     let bytes = read_file(from).map_err(|error| CliError::about(from.display(), error))?;
     write_named(to, &bytes).map_err(|error| CliError::about(to.display(), error))
 }
 
 /// Writes a JSON value in one piece.
-pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), CliError> {
+pub(crate) fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), CliError> {
     let text = serde_json::to_string_pretty(value).map_err(CliError::other)?;
     write_file(path, format!("{text}\n"))
 }

@@ -29,7 +29,7 @@ enum Format {
 #[command(
     after_help = "Written into DIR: plan.json (version, arguments, the scenes with their texts and hashes), plan.csv (id, scene, n, steps, seconds, bytes, job; the longest job first, and in it the longest case), jobs.csv (job, cases, seconds, bytes, mem_mb, runtime in minutes), and the files of the format. Seconds are CPU seconds and bytes peak memory as `sweep explain` predicts them; mem_mb and runtime are these with a margin.\n\nJSON keys with --json: cases, jobs, scenes, seconds, longest_seconds, largest_bytes.\n\nExamples:\n  sweep plan --all --out big --format snakemake && cd big && snakemake --cores 8\n  sweep plan pure-mild --n 8,16,32,64 --steps 4,8,16 --out big --format slurm && big/submit.sh\n  sweep plan punch --out big && sweep case --job 0 --plan big --out big/parts/0\n\nThen: sweep merge DIR/parts --plan DIR --out DIR/merged"
 )]
-pub struct PlanCommand {
+pub(crate) struct PlanCommand {
     #[command(flatten)]
     chosen: Chosen,
     /// Directory for the plan

@@ -14,7 +14,7 @@ use scene::setup::StepRemark;
 
 /// How much is said on stderr beside errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Loudness {
+pub(crate) enum Loudness {
     /// Nothing.
     Quiet,
     /// A bar on a terminal, a line a case elsewhere; notes and warnings.
@@ -26,7 +26,7 @@ pub enum Loudness {
 static LOUDNESS: OnceLock<Loudness> = OnceLock::new();
 
 /// Decides once, at the start of the program.
-pub fn say(loudness: Loudness) {
+pub(crate) fn say(loudness: Loudness) {
     LOUDNESS.get_or_init(|| loudness);
 }
 
@@ -35,20 +35,20 @@ fn loudness() -> Loudness {
 }
 
 /// Says a line on stderr unless --quiet.
-pub fn note(line: &str) {
+pub(crate) fn note(line: &str) {
     if loudness() != Loudness::Quiet {
         print_error(line);
     }
 }
 
 /// Says on stderr what (3.4) means for the step sizes of a scene.
-pub fn remark(scene: &str, remark: &StepRemark) {
+pub(crate) fn remark(scene: &str, remark: &StepRemark) {
     let kind = if remark.warning { "warning" } else { "note" };
     note(&format!("{kind}: {scene}: {}", remark.text));
 }
 
 /// Progress for a person or a log.
-pub struct Display {
+pub(crate) struct Display {
     bar: Option<ProgressBar>,
     state: Mutex<State>,
 }
@@ -82,7 +82,7 @@ fn left(seconds: f64, share: f64) -> Option<f64> {
 
 impl Display {
     /// A bar if stderr is a terminal.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let terminal = std::io::stderr().is_terminal() && loudness() != Loudness::Quiet;
         let bar = terminal.then(|| {
             let style = ProgressStyle::with_template("{bar:24} {prefix}  {msg}");

@@ -31,7 +31,7 @@ pub(super) const BASELINE: &str = "reports/baseline.json";
 #[command(
     after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, owed with verdicts and constants, owed_not_said, deviations with scene, n, steps, norm, variable, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error)."
 )]
-pub struct Run {
+pub(crate) struct Run {
     #[command(flatten)]
     what: What,
     /// Keep the cases that the directory already has, run the others
@@ -44,7 +44,7 @@ pub struct Run {
 
 /// `sweep gate`.
 #[derive(Args)]
-pub struct Gate {
+pub(crate) struct Gate {
     #[command(flatten)]
     what: What,
     /// Write the verdicts as JUnit XML
@@ -91,7 +91,7 @@ const BUDGET: f64 = 60.0;
 
 impl Run {
     /// The main job: all scenes at gate size into reports/latest.
-    pub fn main_job() -> Self {
+    pub(crate) fn main_job() -> Self {
         let what = What::on_own_grids(
             Vec::new(),
             PathBuf::from(LATEST),

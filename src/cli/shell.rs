@@ -16,7 +16,7 @@ const PROGRAM: &str = "sweep";
 #[command(
     after_help = "Examples:\n  sweep completions bash > ~/.local/share/bash-completion/completions/sweep\n  sweep completions zsh > \"${fpath[1]}/_sweep\"\n  sweep completions fish > ~/.config/fish/completions/sweep.fish"
 )]
-pub struct Completions {
+pub(crate) struct Completions {
     /// The shell
     shell: Shell,
 }
@@ -26,7 +26,7 @@ pub struct Completions {
 #[command(
     after_help = "Examples:\n  sweep man | man -l -\n  sweep man --out ~/.local/share/man/man1"
 )]
-pub struct Man {
+pub(crate) struct Man {
     /// Write a page for the program and for each command into this directory
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,

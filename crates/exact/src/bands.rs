@@ -17,7 +17,7 @@ pub(super) struct Bands(Vec<OnRows>);
 impl Bands {
     /// Cuts `rows` where the region changes; `regions` are those of the cells, one for all of a row. Fields are integrated
     /// to the degree of `rule`.
-    pub fn new(products: &Products, rows: &Rows, regions: &[usize], rule: &Rule) -> Self {
+    pub(crate) fn new(products: &Products, rows: &Rows, regions: &[usize], rule: &Rule) -> Self {
         let of_row = |j: usize| regions[rows.length() * j];
         let rules = rules_of_halves(rows, rule);
         let along_x = Arc::new(AlongX::new(products, rows, &rules));
@@ -34,14 +34,18 @@ impl Bands {
     }
 
     /// Moments of u, ε and σ of all parts; none if a number is not finite.
-    pub fn moments(&self, parts: &Parts<'_>, products: &Products) -> Option<PartMoments> {
+    pub(crate) fn moments(&self, parts: &Parts<'_>, products: &Products) -> Option<PartMoments> {
         let mut bands = self.0.iter().map(|band| band.moments(parts, products));
         let first = bands.next()??;
         bands.try_fold(first, |all, band| Some(all.followed_by(band?)))
     }
 
     /// The means of σ alone, to the last bit those of [`Self::moments`].
-    pub fn stress_means(&self, parts: &Parts<'_>, products: &Products) -> Option<Vec<Vec<f64>>> {
+    pub(crate) fn stress_means(
+        &self,
+        parts: &Parts<'_>,
+        products: &Products,
+    ) -> Option<Vec<Vec<f64>>> {
         let mut all = vec![Vec::new(); parts.count];
         for band in &self.0 {
             let means = band.stress_means(parts, products)?;

@@ -46,7 +46,7 @@ pub(super) struct AlongX {
 
 impl AlongX {
     /// Binds them to the points of the rules in the columns of `rows`.
-    pub fn new(products: &Products, rows: &Rows, rules: &[Rule; HALVES]) -> Self {
+    pub(crate) fn new(products: &Products, rows: &Rows, rules: &[Rule; HALVES]) -> Self {
         let places = [0, 1].map(|half| Places::new(&rows.x[half], &rules[half]));
         let x = places.each_ref().map(|places| places.x.clone());
         let (shapes, place) = bound(&products.along_x, &x, |x| [x, 0.0, 0.0]);
@@ -65,7 +65,7 @@ pub(super) fn along_y(products: &Products, rows: &Rows, rules: &[Rule; HALVES]) 
 
 impl AlongX {
     /// The fields of all parts along x, σ by the law of a region; none if a number is not finite.
-    pub fn fields(
+    pub(crate) fn fields(
         &self,
         parts: &Parts<'_>,
         region: usize,

@@ -68,7 +68,7 @@ fn isotropic<const D: usize, T: Number>(
 }
 
 /// 𝒜_ijkl of a matrix in Mandel notation: an index pair i ≠ j carries √2.
-pub fn component(mandel: &[[f64; 6]; 6], d: usize, [i, j, k, l]: [usize; 4]) -> f64 {
+pub(crate) fn component(mandel: &[[f64; 6]; 6], d: usize, [i, j, k, l]: [usize; 4]) -> f64 {
     let place = |i: usize, j: usize| match (i == j, d) {
         (true, _) => (i, 1.0),
         (false, 2) => (2, std::f64::consts::FRAC_1_SQRT_2),
@@ -163,7 +163,7 @@ const fn off_diagonal(d: usize) -> &'static [(usize, usize)] {
 
 /// The symmetric tensor of its numbers in the notation of moments.
 #[inline]
-pub fn from_mandel<const D: usize>(numbers: &[f64]) -> Tensor<D> {
+pub(crate) fn from_mandel<const D: usize>(numbers: &[f64]) -> Tensor<D> {
     let mut tensor = [[0.0; D]; D];
     (0..D).for_each(|i| tensor[i][i] = numbers[i]);
     for (&(i, j), number) in off_diagonal(D).iter().zip(&numbers[D..]) {

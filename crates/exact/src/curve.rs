@@ -73,7 +73,7 @@ impl CurveNumbers {
     }
 
     /// Where p is not smooth.
-    pub fn kinks(&self) -> Vec<f64> {
+    pub(crate) fn kinks(&self) -> Vec<f64> {
         match *self {
             Self::Rational { .. } | Self::Exponential { .. } => vec![0.0],
             Self::Power { r1, .. } => vec![0.0, r1],

@@ -48,7 +48,7 @@ pub(super) struct Cut {
 
 impl Cuts {
     /// The guards of `fields` on some simplices of a mesh; none where no guard varies in space.
-    pub fn new<'a>(
+    pub(crate) fn new<'a>(
         graph: &Graph,
         fields: &[Node],
         horizon: f64,
@@ -88,7 +88,7 @@ impl Cuts {
     }
 
     /// The simplices that are cut at time t, with `rule` on each of their pieces.
-    pub fn rules(&self, mesh: &Mesh, rule: &Rule, t: f64) -> Vec<Cut> {
+    pub(crate) fn rules(&self, mesh: &Mesh, rule: &Rule, t: f64) -> Vec<Cut> {
         let mut values = vec![Vec::new(); self.guards.len()];
         let bound = || self.at_vertices.lock().unwrap_or_else(PoisonError::into_inner);
         bound().evaluate(t, 0.0, &mut values);
@@ -204,7 +204,7 @@ impl Cuts {
     }
 
     /// The points of rules on simplices, their coordinates rounded so that those of one abscissa stay so.
-    pub fn points<'a>(
+    pub(crate) fn points<'a>(
         &self,
         mesh: &Mesh,
         rules: impl Iterator<Item = (usize, &'a Rule)>,

@@ -10,7 +10,7 @@ const STEP: f64 = 1.0 / 16.0;
 const REACH: i32 = 52;
 
 /// Places and weights of ∫_a^b, in increasing order of place.
-pub fn double_exponential(a: f64, b: f64) -> Vec<(f64, f64)> {
+pub(crate) fn double_exponential(a: f64, b: f64) -> Vec<(f64, f64)> {
     (-REACH..=REACH)
         .map(|i| {
             let x = f64::from(i) * STEP;

@@ -53,7 +53,7 @@ impl LawNumbers {
 
 /// Means over one edge of c p(u_ν - s) times the two hat functions; `normal` are the end values of
 /// u_ν, `shift` is s and `scale` is c by the place in [0, 1]. The vertex rule has none: it is no facet integral.
-pub fn edge_moments(
+pub(crate) fn edge_moments(
     law: &LawNumbers,
     rule: ComplianceRule,
     normal: [f64; 2],
@@ -92,7 +92,7 @@ pub fn edge_moments(
 
 /// The same on a triangle by the Gauss rule of the scheme, of degree 4; `shift` and `scale` take barycentric coordinates.
 /// The exact rule is one for edges, and scenes in space that ask for it are refused.
-pub fn triangle_moments(
+pub(crate) fn triangle_moments(
     law: &LawNumbers,
     normal: &[f64],
     shift: impl Fn(&[f64]) -> f64,

@@ -100,7 +100,7 @@ pub struct ExactData {
 
 impl ExactData {
     /// |Ω|.
-    pub fn measure(&self) -> f64 {
+    pub(crate) fn measure(&self) -> f64 {
         match &self.polytope {
             None => self.size.iter().product(),
             Some(Polytope { coarse, .. }) => coarse.measure(),
@@ -182,12 +182,12 @@ impl Exact {
     }
 
     /// Space dimension.
-    pub fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.data.u.len()
     }
 
     /// The region of each point, 0 for what lies in none of [`ExactData::regions`].
-    pub fn regions_at(&self, points: &[[f64; 3]]) -> Vec<usize> {
+    pub(crate) fn regions_at(&self, points: &[[f64; 3]]) -> Vec<usize> {
         let mut found = vec![0; points.len()];
         if self.data.regions.is_empty() {
             return found;

@@ -203,7 +203,7 @@ impl FiniteExact {
     }
 
     /// (S u)(t).
-    pub fn history(&self, t: f64) -> Vec<f64> {
+    pub(crate) fn history(&self, t: f64) -> Vec<f64> {
         let (data, m) = (&self.data, self.data.u.len());
         let integrals = self.integrals(t, self.panels);
         let mut sum = data.a_s.clone();

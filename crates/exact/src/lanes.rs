@@ -37,12 +37,12 @@ impl Number for f64 {
 
 /// The numbers of [`WIDTH`] cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lanes(pub [f64; WIDTH]);
+pub(crate) struct Lanes(pub [f64; WIDTH]);
 
 impl Lanes {
     /// The first numbers of a slice that is not empty; where it has fewer, its first one stands for them.
     #[inline(always)]
-    pub fn load(values: &[f64]) -> Self {
+    pub(crate) fn load(values: &[f64]) -> Self {
         match values.first_chunk() {
             Some(lanes) => Self(*lanes),
             None => Self(std::array::from_fn(|l| *values.get(l).unwrap_or(&values[0]))),

@@ -21,7 +21,7 @@ pub fn gradient_of<const D: usize>(edges: &[[f64; D]; D], rise: &[f64; D]) -> [f
 }
 
 /// Of each cell the gradients of linear functions that rise by one along one of the edges from its first corner.
-pub fn edge_slopes<const D: usize>(mesh: &Mesh) -> Vec<f64> {
+pub(crate) fn edge_slopes<const D: usize>(mesh: &Mesh) -> Vec<f64> {
     let mut all = Vec::with_capacity(D * D * mesh.cell_count());
     for c in 0..mesh.cell_count() {
         let cell = mesh.cell(c);

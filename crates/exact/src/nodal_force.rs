@@ -15,7 +15,7 @@ use fem::mesh::Mesh;
 /// σ is symmetric, so the integrand is Σ_j σ_ij ∂_jφ_a, and by the divergence theorem
 /// ∫_K ∇φ_a = ∫_∂K φ_a n = -|F_a| n_a/D with F_a the facet opposite vertex a: cells are positively oriented.
 #[inline]
-pub fn add_stress<const D: usize>(
+pub(crate) fn add_stress<const D: usize>(
     mesh: &Mesh,
     c: usize,
     nodes: &[u32],
@@ -76,7 +76,7 @@ fn doubled_area(mesh: &Mesh, corner: &[u32]) -> [f64; 3] {
 }
 
 /// Length or area of a facet.
-pub fn facet_measure(mesh: &Mesh, facet: usize) -> f64 {
+pub(crate) fn facet_measure(mesh: &Mesh, facet: usize) -> f64 {
     let corner = mesh.facet(facet);
     if corner.len() == 2 {
         let (p, q) = (mesh.vertex(corner[0]), mesh.vertex(corner[1]));

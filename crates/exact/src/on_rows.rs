@@ -25,7 +25,7 @@ pub(super) struct OnRows {
 
 impl OnRows {
     /// Binds products to the points of a rule of each half on rows of one region.
-    pub fn new(
+    pub(crate) fn new(
         products: &Products,
         along_x: Arc<AlongX>,
         rows: &Rows,
@@ -50,7 +50,7 @@ impl OnRows {
     }
 
     /// Moments of u, ε and σ of all parts; none if a number is not finite.
-    pub fn moments(&self, parts: &Parts<'_>, products: &Products) -> Option<PartMoments> {
+    pub(crate) fn moments(&self, parts: &Parts<'_>, products: &Products) -> Option<PartMoments> {
         let fields = self.fields(parts, products)?;
         let cells = HALVES * self.squares();
         let lengths = [TENSOR * cells, 2 * CORNERS * cells];
@@ -65,7 +65,11 @@ impl OnRows {
     }
 
     /// The means of σ alone, to the last bit those of [`Self::moments`].
-    pub fn stress_means(&self, parts: &Parts<'_>, products: &Products) -> Option<Vec<Vec<f64>>> {
+    pub(crate) fn stress_means(
+        &self,
+        parts: &Parts<'_>,
+        products: &Products,
+    ) -> Option<Vec<Vec<f64>>> {
         let fields = self.fields(parts, products)?;
         let means = fields.iter().map(|part| self.by_cell(&self.means(&part.stress)));
         means.map(finite).collect()

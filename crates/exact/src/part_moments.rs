@@ -15,7 +15,10 @@ use fem::space::quadrature::Rule;
 
 impl Parts<'_> {
     /// Moments of u, ε and σ of all parts.
-    pub fn moments<const D: usize>(&self, points: &Sampled) -> Result<PartMoments, LoadError> {
+    pub(crate) fn moments<const D: usize>(
+        &self,
+        points: &Sampled,
+    ) -> Result<PartMoments, LoadError> {
         let cells = self.space.mesh.cell_count();
         let lengths = [self.exact.strain.len() * cells, D * (D + 1) * cells];
         let [strain, stress, displacement] = [lengths[0], lengths[0], lengths[1]]
@@ -231,7 +234,7 @@ pub(super) struct PartMoments {
 
 impl PartMoments {
     /// The moments of Σ_m a_m S_m in the cells, σ with factors `of_stress`; none if a number is not finite.
-    pub fn at(&self, factors: &[f64], of_stress: &[f64]) -> Option<Moments> {
+    pub(crate) fn at(&self, factors: &[f64], of_stress: &[f64]) -> Option<Moments> {
         let [tensors, corners] = self.lengths;
         let constants = |family: &PartFamily, factors: &[f64]| {
             let (mean, rest) = family.combined(factors, tensors)?;
@@ -245,7 +248,7 @@ impl PartMoments {
     }
 
     /// The moments on these cells and, after them, on others; products are those of both.
-    pub fn followed_by(mut self, other: Self) -> Self {
+    pub(crate) fn followed_by(mut self, other: Self) -> Self {
         let families = [
             (&mut self.strain, other.strain),
             (&mut self.stress, other.stress),
@@ -262,12 +265,12 @@ impl PartMoments {
     }
 
     /// The means of σ of each part, in order of the cells.
-    pub fn stress_means(&self) -> &[Vec<f64>] {
+    pub(crate) fn stress_means(&self) -> &[Vec<f64>] {
         &self.stress.vectors
     }
 
     /// Those of a single part.
-    pub fn single(self) -> Moments {
+    pub(crate) fn single(self) -> Moments {
         let [strain, stress, displacement] = [self.strain, self.stress, self.displacement]
             .map(|mut family| (family.vectors.swap_remove(0), family.products[0]));
         let constants = |(mean, rest)| CellConstants { mean, rest };
@@ -277,7 +280,7 @@ impl PartMoments {
     }
 
     /// Forgets vectors of nothing but zeros: the strain of a part that occurs in the memory alone.
-    pub fn without_zeros(mut self) -> Self {
+    pub(crate) fn without_zeros(mut self) -> Self {
         let families = [&mut self.strain, &mut self.stress, &mut self.displacement];
         families.into_iter().for_each(|family| forget_zeros(&mut family.vectors));
         self

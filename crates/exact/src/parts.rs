@@ -83,7 +83,7 @@ impl Parts<'_> {
     }
 
     /// ∫ σ:ε(v) of each part, over all nodes.
-    pub fn stress_forces<const D: usize>(
+    pub(crate) fn stress_forces<const D: usize>(
         &self,
         points: &Sampled,
     ) -> Result<Vec<Vec<f64>>, LoadError> {
@@ -109,7 +109,7 @@ impl Parts<'_> {
     }
 
     /// ∫ f0·v of each part, over all nodes.
-    pub fn body_forces<const D: usize>(
+    pub(crate) fn body_forces<const D: usize>(
         &self,
         points: &Sampled,
     ) -> Result<Vec<Vec<f64>>, LoadError> {
@@ -142,7 +142,7 @@ impl Parts<'_> {
     }
 
     /// Adds ∫ (σν)·v over a group of facets, of each part.
-    pub fn add_boundary_stress<const D: usize>(
+    pub(crate) fn add_boundary_stress<const D: usize>(
         &self,
         group: &FacetGroup,
         forces: &mut [Vec<f64>],

@@ -21,7 +21,7 @@ pub struct Products {
 
 impl Products {
     /// Separates the formulas; none if one of them does not show a short sum.
-    pub fn of(graph: &Graph, formulas: &[Node], horizon: f64) -> Option<Self> {
+    pub(crate) fn of(graph: &Graph, formulas: &[Node], horizon: f64) -> Option<Self> {
         let mut graph = graph.clone();
         if formulas.iter().any(|&f| graph.depends_on(f, Variable::Z)) {
             return None;

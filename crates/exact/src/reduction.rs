@@ -8,7 +8,10 @@ use fem::space::quadrature::Rule;
 /// The mean of a tensor field on one cell; `values` holds the tensors point by point, one for each of `weights`, and
 /// becomes what they differ from it.
 #[inline(always)]
-pub fn deviations<T: Number, const N: usize>(values: &mut [[T; N]], weights: &[f64]) -> [T; N] {
+pub(crate) fn deviations<T: Number, const N: usize>(
+    values: &mut [[T; N]],
+    weights: &[f64],
+) -> [T; N] {
     let mean = mean(values, weights);
     for value in values {
         for i in 0..N {
@@ -20,7 +23,7 @@ pub fn deviations<T: Number, const N: usize>(values: &mut [[T; N]], weights: &[f
 
 /// The same, and the values left as they are.
 #[inline(always)]
-pub fn mean<T: Number, const N: usize>(values: &[[T; N]], weights: &[f64]) -> [T; N] {
+pub(crate) fn mean<T: Number, const N: usize>(values: &[[T; N]], weights: &[f64]) -> [T; N] {
     let mut mean = [T::from(0.0); N];
     for (value, weight) in values.iter().zip(weights) {
         let weight = T::from(*weight);
@@ -33,7 +36,7 @@ pub fn mean<T: Number, const N: usize>(values: &[[T; N]], weights: &[f64]) -> [T
 
 /// Linear projections of N sampled fields on one simplex of C corners, by their values there; `at` becomes what is left.
 #[inline(always)]
-pub fn remainders<T: Number, const N: usize, const C: usize>(
+pub(crate) fn remainders<T: Number, const N: usize, const C: usize>(
     at: &mut [[T; N]],
     rule: &Rule,
 ) -> [[T; C]; N] {

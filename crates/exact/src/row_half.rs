@@ -12,7 +12,7 @@ use fem::space::quadrature::Rule;
 
 /// A function along y, made of g_m.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Along {
+pub(crate) enum Along {
     /// g_m itself.
     Whole,
     /// g_m - ḡ_m.
@@ -90,7 +90,7 @@ fn products(
 }
 
 /// One half of all squares.
-pub struct Half {
+pub(crate) struct Half {
     places: Places,
     /// Widths of the columns.
     x_width: Vec<f64>,
@@ -107,7 +107,7 @@ pub struct Half {
 
 impl Half {
     /// The half numbered `half` of the squares of `rows`, with the g_m at the points of the rule in all rows.
-    pub fn new(rows: &Rows, half: usize, places: Places, g: &[Values], rule: &Rule) -> Self {
+    pub(crate) fn new(rows: &Rows, half: usize, places: Places, g: &[Values], rule: &Rule) -> Self {
         let [x, y] = [&rows.x[half], &rows.y[half]];
         let xi = minus(&places.x, &mean(&places.x, &places.weights));
         let at_y = at_points(y, rule);
@@ -125,22 +125,22 @@ impl Half {
     }
 
     /// The means of f over the points of each column.
-    pub fn mean_x(&self, f: &[f64]) -> Vec<f64> {
+    pub(crate) fn mean_x(&self, f: &[f64]) -> Vec<f64> {
         mean(f, &self.places.weights)
     }
 
     /// The slopes of the lines closest to f in each column.
-    pub fn slope_x(&self, f: &[f64]) -> Vec<f64> {
+    pub(crate) fn slope_x(&self, f: &[f64]) -> Vec<f64> {
         slope(f, &self.xi, &self.places.weights)
     }
 
     /// The function of these slopes, zero at the centroids.
-    pub fn line_x(&self, slope: &[f64]) -> Vec<f64> {
+    pub(crate) fn line_x(&self, slope: &[f64]) -> Vec<f64> {
         times(&self.xi, slope)
     }
 
     /// Σ_m Σ_q w_q f g_m of all squares, row by row, of functions f each with its m.
-    pub fn means(&self, terms: &[(&[f64], usize)]) -> Vec<f64> {
+    pub(crate) fn means(&self, terms: &[(&[f64], usize)]) -> Vec<f64> {
         let mut sum = DMatrix::zeros(self.x_width.len(), self.y_width.len());
         let pairs = terms.iter().map(|&(f, m)| (f, self.along_y[m].of_mean.as_view()));
         add_products(1.0, pairs, &mut sum.as_view_mut());
@@ -149,7 +149,7 @@ impl Half {
 
     /// The values at the corners of the linear projections of Σ_m f g_m on all squares, row by row for one corner after
     /// the other.
-    pub fn corners(&self, terms: &[(&[f64], usize)]) -> Vec<f64> {
+    pub(crate) fn corners(&self, terms: &[(&[f64], usize)]) -> Vec<f64> {
         let mut sum = DMatrix::zeros(self.x_width.len(), CORNERS * self.y_width.len());
         let pairs = terms.iter().map(|&(f, m)| (f, self.along_y[m].of_corners.as_view()));
         add_products(1.0, pairs, &mut sum.as_view_mut());
@@ -157,14 +157,14 @@ impl Half {
     }
 
     /// Subtracts Σ_m f̄ ḡ_m from numbers of the squares, where the f are the means f̄.
-    pub fn subtract_means(&self, terms: &[(&[f64], usize)], from: &mut [f64]) {
+    pub(crate) fn subtract_means(&self, terms: &[(&[f64], usize)], from: &mut [f64]) {
         let pairs = terms.iter().map(|&(f, m)| (f, row(&self.along_y[m].mean)));
         add_products(-1.0, pairs, &mut self.squares(from));
     }
 
     /// Subtracts from numbers of the squares at all corners the linear parts of Σ_m f g_m, f̄ ḡ + f' ξ ḡ + f̄ g' η; of f
     /// its mean and its slope.
-    pub fn subtract_linear(&self, terms: &[([&[f64]; 2], usize)], from: &mut [f64]) {
+    pub(crate) fn subtract_linear(&self, terms: &[([&[f64]; 2], usize)], from: &mut [f64]) {
         let squares = self.x_width.len() * self.y_width.len();
         for (corner, from) in from.chunks_exact_mut(squares).enumerate() {
             let [xi, eta] = self.corners.each_ref().map(|at| &at[corner]);
@@ -188,7 +188,7 @@ impl Half {
     }
 
     /// Σ |square| Σ_q w_q of one product times another over all squares and the points of their halves.
-    pub fn product(&self, own: &Product, other: &Product) -> f64 {
+    pub(crate) fn product(&self, own: &Product, other: &Product) -> f64 {
         let sums = self.products.iter().enumerate().map(|(place, products)| {
             let along_x = weighted(&self.x_width, self.at(&own.f, place), self.at(&other.f, place));
             along_x * products[(own.number(), other.number())]
@@ -203,7 +203,7 @@ impl Half {
     }
 
     /// Σ |square| a b over numbers of the squares, row by row, one list of them after the other.
-    pub fn product_of_numbers(&self, a: &[f64], b: &[f64]) -> f64 {
+    pub(crate) fn product_of_numbers(&self, a: &[f64], b: &[f64]) -> f64 {
         let columns = self.x_width.len();
         let pairs = a.chunks_exact(columns).zip(b.chunks_exact(columns));
         let widths = self.y_width.iter().cycle();
@@ -212,7 +212,7 @@ impl Half {
 }
 
 /// f(x) times a function along y.
-pub struct Product {
+pub(crate) struct Product {
     /// At the places of all columns, or one number a column.
     pub f: Vec<f64>,
     pub m: usize,
@@ -272,7 +272,7 @@ fn slope(values: &[f64], from_centre: &[f64], weights: &[f64]) -> Vec<f64> {
 }
 
 /// The values less a number of each column or row.
-pub fn minus(values: &[f64], means: &[f64]) -> Vec<f64> {
+pub(crate) fn minus(values: &[f64], means: &[f64]) -> Vec<f64> {
     each_with_own(values, means, |value, mean| value - mean)
 }
 

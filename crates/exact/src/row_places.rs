@@ -12,7 +12,7 @@ pub const SAME_ABSCISSA: f64 = 1e-14;
 /// Where a half has a side along y these are Gauss points of its column, and Gauss points on the chord above each, so
 /// that the other half has the same: 4 in a column for degree 6, where a rule that is symmetric in the corners has 14.
 /// Fields of (x, t) are evaluated at abscissae alone.
-pub fn rules_of_halves(rows: &Rows, rule: &Rule) -> [Rule; HALVES] {
+pub(crate) fn rules_of_halves(rows: &Rows, rule: &Rule) -> [Rule; HALVES] {
     let degree = rule.degree();
     rows.x.each_ref().map(|corners| {
         // One point more than for functions of x alone: chords are linear in x.
@@ -46,7 +46,7 @@ fn collapsed_at(corner: usize, count: usize) -> Rule {
 
 /// Points of a rule by their abscissae: in a triangle with a side along y several share one, in every column.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Places {
+pub(crate) struct Places {
     /// Of each point.
     pub of: Vec<usize>,
     /// The abscissae, of one place after the other in all columns.
@@ -57,7 +57,7 @@ pub struct Places {
 
 impl Places {
     /// Those of the points of `rule` in columns where the corners have the given abscissae.
-    pub fn new(corners: &[[f64; CORNERS]], rule: &Rule) -> Self {
+    pub(crate) fn new(corners: &[[f64; CORNERS]], rule: &Rule) -> Self {
         let columns = corners.len();
         let mut places = Self { of: Vec::new(), x: Vec::new(), weights: Vec::new() };
         let all = at_points(corners, rule);
@@ -80,13 +80,13 @@ impl Places {
     }
 
     /// How many.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.weights.len()
     }
 }
 
 /// The points of a rule in all columns or rows, one point of the rule after the other.
-pub fn at_points(corners: &[[f64; CORNERS]], rule: &Rule) -> Vec<f64> {
+pub(crate) fn at_points(corners: &[[f64; CORNERS]], rule: &Rule) -> Vec<f64> {
     let at = |b: &[f64], corner: &[f64; CORNERS]| b.iter().zip(corner).map(|(b, x)| b * x).sum();
     rule.points.iter().flat_map(|b| corners.iter().map(|corner| at(b, corner))).collect()
 }

@@ -27,18 +27,18 @@ const SAME_AREA: f64 = 1e-9;
 
 impl Rows {
     /// Cells of a row.
-    pub fn length(&self) -> usize {
+    pub(crate) fn length(&self) -> usize {
         HALVES * self.columns
     }
 
     /// Some of the rows alone.
-    pub fn some(&self, rows: Range<usize>) -> Self {
+    pub(crate) fn some(&self, rows: Range<usize>) -> Self {
         let y = self.y.each_ref().map(|y| y[rows.clone()].to_vec());
         Self { columns: self.columns, rows: rows.len(), x: self.x.clone(), y }
     }
 
     /// The rows of a mesh; none if it has none.
-    pub fn of(mesh: &Mesh) -> Option<Self> {
+    pub(crate) fn of(mesh: &Mesh) -> Option<Self> {
         let cells = mesh.cell_count();
         if mesh.dimension != 2 || cells < HALVES {
             return None;
@@ -70,7 +70,7 @@ impl Rows {
 }
 
 /// The length that the corners of a half cover along an axis.
-pub fn width(corners: &[f64; CORNERS]) -> f64 {
+pub(crate) fn width(corners: &[f64; CORNERS]) -> f64 {
     let [a, b, c] = *corners;
     a.max(b).max(c) - a.min(b).min(c)
 }

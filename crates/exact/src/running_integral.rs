@@ -25,7 +25,7 @@ const DEEPEST: u32 = 60;
 const MOST: usize = 256;
 
 /// A running integral, grown panel by panel.
-pub struct RunningIntegral {
+pub(crate) struct RunningIntegral {
     horizon: f64,
     /// What a piece may leave unresolved, as a share.
     share: f64,
@@ -42,12 +42,12 @@ struct Piece {
 
 impl RunningIntegral {
     /// An integral over [0, horizon], nothing computed yet.
-    pub fn new(horizon: f64) -> Self {
+    pub(crate) fn new(horizon: f64) -> Self {
         Self { horizon, share: RESOLVED, panels: Mutex::new(Vec::new()) }
     }
 
     /// The same for a function whose values are right to a share of it alone, if that is larger.
-    pub fn scaled_to(self, share: f64) -> Self {
+    pub(crate) fn scaled_to(self, share: f64) -> Self {
         Self { share: share.max(RESOLVED), ..self }
     }
 
@@ -56,7 +56,7 @@ impl RunningIntegral {
     ///
     /// # Errors
     /// What f returns.
-    pub fn at<E>(
+    pub(crate) fn at<E>(
         &self,
         t: f64,
         events: impl Fn(f64, f64) -> Vec<f64>,

@@ -21,7 +21,7 @@ pub struct TimeFactors {
 impl TimeFactors {
     /// Separates the formulas; with the a_m the S_m of all formulas, of one part after another. None if a formula does not
     /// show a short sum.
-    pub fn of(
+    pub(crate) fn of(
         graph: &mut Graph,
         formulas: &[Node],
         horizon: f64,
@@ -84,7 +84,7 @@ pub struct Separation {
 
 impl Separation {
     /// Separates [u, ε] of data without projection; none if one of them does not show a short sum.
-    pub fn of(data: &ExactData, strain: &[Node]) -> Option<Self> {
+    pub(crate) fn of(data: &ExactData, strain: &[Node]) -> Option<Self> {
         let mut graph = data.graph.clone();
         let d = data.u.len();
         let (mut factors, mut parts) = short_sum(&mut graph, &[&data.u, strain].concat())?;
@@ -112,7 +112,7 @@ impl Separation {
     }
 
     /// The factors of σ and f0.
-    pub fn of_stress(&self) -> &TimeFactors {
+    pub(crate) fn of_stress(&self) -> &TimeFactors {
         self.of_stress.as_ref().unwrap_or(&self.factors)
     }
 }

@@ -20,12 +20,12 @@ pub(super) struct SimplexPoints {
 impl SimplexPoints {
     /// Points in a polyhedron that resolve smooth fields to rounding. A field with kinks is integrated to the square
     /// of the size of these simplices only; `check` says so.
-    pub fn fine(coarse: &CoarseMesh) -> Self {
+    pub(crate) fn fine(coarse: &CoarseMesh) -> Self {
         Self::in_space(coarse, 0)
     }
 
     /// The same by a finer rule: two more points a direction.
-    pub fn finer(coarse: &CoarseMesh) -> Self {
+    pub(crate) fn finer(coarse: &CoarseMesh) -> Self {
         Self::in_space(coarse, 2)
     }
 
@@ -36,7 +36,7 @@ impl SimplexPoints {
     }
 
     /// The points of a rule on the cells of a mesh.
-    pub fn of(mesh: &Mesh, rule: &Rule) -> Self {
+    pub(crate) fn of(mesh: &Mesh, rule: &Rule) -> Self {
         let mut own = Self { points: Vec::new(), weights: Vec::new() };
         for c in 0..mesh.cell_count() {
             let cell = mesh.cell(c);

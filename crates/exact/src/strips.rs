@@ -25,14 +25,14 @@ pub(super) struct Strips {
 
 impl Strips {
     /// Strips of a domain; `finer` takes pieces of half the size.
-    pub fn new(coarse: &Coarse, finer: bool) -> Self {
+    pub(crate) fn new(coarse: &Coarse, finer: bool) -> Self {
         let sides = coarse.edges.iter().map(|edge| coarse.segment(edge).0).collect();
         let parts = if finer { 2.0 * PARTS } else { PARTS };
         Self { sides, bounds: coarse.bounds(), parts }
     }
 
     /// Points and weights, cut where x or y has one of some values.
-    pub fn points(&self, xs: &[f64], ys: &[f64]) -> (Vec<[f64; 3]>, Vec<f64>) {
+    pub(crate) fn points(&self, xs: &[f64], ys: &[f64]) -> (Vec<[f64; 3]>, Vec<f64>) {
         let [low, high] = self.bounds;
         let corners = self.sides.iter().flatten().map(|corner| corner[0]);
         // A chord gets or loses a piece where a side crosses a cut.

@@ -7,12 +7,12 @@ use formula::{Graph, Node, Variable};
 pub const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
 
 /// Components (i, j), i ≤ j, of a symmetric tensor in the order of all lists here.
-pub fn components(d: usize) -> Vec<(usize, usize)> {
+pub(crate) fn components(d: usize) -> Vec<(usize, usize)> {
     (0..d).flat_map(|i| (i..d).map(move |j| (i, j))).collect()
 }
 
 /// ε(u) by exact derivatives, as the list of its upper components.
-pub fn strain(graph: &mut Graph, u: &[Node]) -> Vec<Node> {
+pub(crate) fn strain(graph: &mut Graph, u: &[Node]) -> Vec<Node> {
     let half = graph.constant(0.5);
     components(u.len())
         .into_iter()
@@ -26,12 +26,12 @@ pub fn strain(graph: &mut Graph, u: &[Node]) -> Vec<Node> {
 }
 
 /// H = ∫_0^t b(t - s) ε ds for every component, of one term of the memory.
-pub fn memory(graph: &mut Graph, kernel: Node, strain: &[Node]) -> Vec<Node> {
+pub(crate) fn memory(graph: &mut Graph, kernel: Node, strain: &[Node]) -> Vec<Node> {
     strain.iter().map(|&e| graph.convolve(kernel, e)).collect()
 }
 
 /// The same where regions have materials of their own.
-pub fn stress_in_regions(
+pub(crate) fn stress_in_regions(
     graph: &mut Graph,
     (material, regions): (&MaterialNumbers, &[RegionNumbers]),
     kappa: Option<Node>,
@@ -144,7 +144,7 @@ fn anisotropic(graph: &mut Graph, d: usize, mandel: &[[f64; 6]; 6], strain: &[No
 }
 
 /// f0 = -Div σ.
-pub fn body_force(graph: &mut Graph, stress: &[Node]) -> Vec<Node> {
+pub(crate) fn body_force(graph: &mut Graph, stress: &[Node]) -> Vec<Node> {
     let d = if stress.len() == 3 { 2 } else { 3 };
     let list = components(d);
     let find = |i: usize, j: usize| {

@@ -16,14 +16,14 @@ pub(super) struct Uniform {
 
 impl Uniform {
     /// Binds the fields of `exact` to the vertices of a mesh.
-    pub fn new(exact: &Exact, mesh: &Mesh) -> Self {
+    pub(crate) fn new(exact: &Exact, mesh: &Mesh) -> Self {
         let points: Vec<[f64; 3]> =
             (0..mesh.vertices()).map(|v| mesh.point(&[v as u32], &[1.0])).collect();
         Self { vertices: Mutex::new(exact.interior.bind(&points)) }
     }
 
     /// Moments of u, ε and σ; none if a number is not finite.
-    pub fn moments<const D: usize>(&self, parts: &Parts<'_>) -> Option<PartMoments> {
+    pub(crate) fn moments<const D: usize>(&self, parts: &Parts<'_>) -> Option<PartMoments> {
         match D {
             2 => self.of_numbers::<D, 3>(parts),
             _ => self.of_numbers::<D, 6>(parts),
@@ -31,7 +31,7 @@ impl Uniform {
     }
 
     /// The means of σ alone, to the last bit those of [`Self::moments`].
-    pub fn stress_means<const D: usize>(&self, parts: &Parts<'_>) -> Option<Vec<Vec<f64>>> {
+    pub(crate) fn stress_means<const D: usize>(&self, parts: &Parts<'_>) -> Option<Vec<Vec<f64>>> {
         Some(self.moments::<D>(parts)?.stress.vectors)
     }
 

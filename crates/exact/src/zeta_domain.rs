@@ -18,7 +18,7 @@ pub(super) enum Domain<'a> {
 
 impl Domain<'_> {
     /// Ends along x and y; of a polyhedron they are not used.
-    pub fn ends(self) -> [[f64; 2]; 2] {
+    pub(crate) fn ends(self) -> [[f64; 2]; 2] {
         match self {
             Self::Box(size) => [[0.0, size[0]], [0.0, size[1]]],
             Self::Coarse(CoarseMesh::Plane(coarse)) | Self::Finer(CoarseMesh::Plane(coarse)) => {
@@ -29,7 +29,7 @@ impl Domain<'_> {
         }
     }
 
-    pub fn dimension(self) -> usize {
+    pub(crate) fn dimension(self) -> usize {
         match self {
             Self::Box(size) => size.len(),
             Self::Coarse(coarse) | Self::Finer(coarse) => coarse.dimension(),
@@ -48,7 +48,7 @@ pub(super) struct Region {
 
 impl Region {
     /// That of a domain; none of a rectangle or box. `guards` are those of ε.
-    pub fn of(graph: &Graph, guards: &[Node], domain: Domain<'_>) -> Option<Self> {
+    pub(crate) fn of(graph: &Graph, guards: &[Node], domain: Domain<'_>) -> Option<Self> {
         let (coarse, finer) = match domain {
             Domain::Box(_) => return None,
             Domain::Coarse(coarse) => (coarse, false),

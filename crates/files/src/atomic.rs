@@ -35,7 +35,7 @@ impl Replacement {
     ///
     /// # Errors
     /// What the file system reports.
-    pub fn named(path: &Path) -> io::Result<Self> {
+    pub(crate) fn named(path: &Path) -> io::Result<Self> {
         let path = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         if fs::metadata(&path).is_ok_and(|known| !known.is_file()) {
             let file = BufWriter::new(File::options().write(true).open(&path)?);
@@ -87,7 +87,7 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
     finished(Replacement::create(path)?, bytes)
 }
 
-/// Puts `bytes` where a user names, as [`Replacement::named`] does.
+/// Puts `bytes` where a user names, as `Replacement::named` does.
 ///
 /// # Errors
 /// What the file system reports; an old file is then still there.

@@ -21,7 +21,7 @@ pub enum Variable {
 
 impl Variable {
     /// The name in formulas.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::X => "x",
             Self::Y => "y",
@@ -32,7 +32,7 @@ impl Variable {
     }
 
     /// The variable with this name.
-    pub fn named(name: &str) -> Option<Self> {
+    pub(crate) fn named(name: &str) -> Option<Self> {
         [Self::X, Self::Y, Self::Z, Self::T, Self::Zeta].into_iter().find(|v| v.name() == name)
     }
 }

@@ -25,7 +25,7 @@ enum Memory {
 
 impl Graph {
     /// Integral over 0 < s < t of exp(-c (t-s)) f(x,y,z,s) ds.
-    pub fn relax(&mut self, c: f64, f: Node) -> Node {
+    pub(crate) fn relax(&mut self, c: f64, f: Node) -> Node {
         self.integrate(Memory::Exponential(c + 0.0), f)
     }
 

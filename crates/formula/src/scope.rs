@@ -35,7 +35,7 @@ impl Scope {
     }
 
     /// Whether a formula in this scope may use the variable.
-    pub fn allows(&self, variable: Variable) -> bool {
+    pub(crate) fn allows(&self, variable: Variable) -> bool {
         self.variables.contains(&variable)
     }
 

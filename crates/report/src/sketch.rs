@@ -42,7 +42,7 @@ pub enum Ink {
 }
 
 /// Corners, y upwards, with the ink and its opacity.
-pub type Area = (Vec<(f64, f64)>, Ink, f64);
+pub(crate) type Area = (Vec<(f64, f64)>, Ink, f64);
 
 /// A line.
 #[derive(Debug, Clone, PartialEq)]

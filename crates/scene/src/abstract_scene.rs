@@ -16,7 +16,7 @@ use super::law::Law;
 use super::reading::Reading;
 
 /// A matrix by rows.
-pub type Rows = Vec<Vec<f64>>;
+pub(crate) type Rows = Vec<Vec<f64>>;
 
 /// One kernel with its matrix: q_l(t, s) Q_l.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,7 +9,7 @@ use super::written::{Formula, Heading, Law, Prediction, Time};
 /// The whole file.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct AbstractFile {
+pub(crate) struct AbstractFile {
     pub scene: Heading,
     pub time: Time,
     pub space: Option<Space>,
@@ -27,14 +27,14 @@ pub struct AbstractFile {
 /// `[space]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Space {
+pub(crate) struct Space {
     pub inner_product: Vec<Vec<f64>>,
 }
 
 /// `[operator]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Operator {
+pub(crate) struct Operator {
     pub matrix: Vec<Vec<f64>>,
     pub nonlinear: Option<Vec<Formula>>,
 }
@@ -42,7 +42,7 @@ pub struct Operator {
 /// `[history]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct History {
+pub(crate) struct History {
     pub kernels: Vec<Kernel>,
     #[serde(rename = "R")]
     pub r: Option<Vec<Vec<f64>>>,
@@ -53,7 +53,7 @@ pub struct History {
 /// `{ q = "-exp(-(t - s))", matrix = [[1.0, 0.0], [0.0, 1.0]] }`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Kernel {
+pub(crate) struct Kernel {
     pub q: Formula,
     pub matrix: Option<Vec<Vec<f64>>>,
 }
@@ -61,14 +61,14 @@ pub struct Kernel {
 /// `[phi]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Phi {
+pub(crate) struct Phi {
     pub force: Vec<Formula>,
 }
 
 /// `[[trace]]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Trace {
+pub(crate) struct Trace {
     pub functional: Vec<f64>,
     pub weight: Option<f64>,
     pub law: Option<Law>,
@@ -79,7 +79,7 @@ pub struct Trace {
 /// `[exact]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Exact {
+pub(crate) struct Exact {
     pub u: Vec<Formula>,
     pub multiplier: Option<Vec<Formula>>,
     pub selection: Option<Vec<Formula>>,

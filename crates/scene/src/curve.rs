@@ -81,7 +81,7 @@ impl Curve {
     /// Rational: p' = c(1 - q²)/(1 + q²)² has its minimum -c/8 at q² = 3. Exponential: p' = c(1 - q)e^{-q} has
     /// its minimum -c e⁻² at q = 2. Power: p' ≥ 0. p is continuous, so by the mean value theorem
     /// (p(r) - p(s))(r - s) ≥ min p' (r - s)².
-    pub fn alpha(&self) -> f64 {
+    pub(crate) fn alpha(&self) -> f64 {
         match *self {
             Self::Rational { stiffness, .. } => 0.125 * stiffness,
             Self::Exponential { stiffness, .. } => stiffness / std::f64::consts::E.powi(2),

@@ -40,7 +40,7 @@ pub enum SceneError {
 
 impl SceneError {
     /// An error that points at `span` (bytes) of the text; `hint` is the way out.
-    pub fn at(
+    pub(crate) fn at(
         source: &Source,
         span: Range<usize>,
         message: impl Into<String>,
@@ -58,7 +58,7 @@ impl SceneError {
 
     /// The same error with one more remark, printed before the way out.
     #[must_use]
-    pub fn with_note(mut self, note: impl Into<String>) -> SceneError {
+    pub(crate) fn with_note(mut self, note: impl Into<String>) -> SceneError {
         if let SceneError::Text(diagnosis) = &mut self {
             diagnosis.notes.push(note.into());
         }

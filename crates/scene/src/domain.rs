@@ -125,7 +125,7 @@ impl Domain {
     }
 
     /// Points of a side: on each plane piece a grid with `intervals` steps.
-    pub fn points_on(&self, side: Side, intervals: u32) -> Vec<[f64; 3]> {
+    pub(crate) fn points_on(&self, side: Side, intervals: u32) -> Vec<[f64; 3]> {
         self.faces(side).iter().flat_map(|face| face.points(intervals)).collect()
     }
 
@@ -136,7 +136,7 @@ impl Domain {
 
     /// If Γ3 is one plane piece: the longest line that leaves it at right angles and stays in the body
     /// until it meets the boundary again, if all of these lines end on Γ1.
-    pub fn depth_under_contact(&self) -> Option<f64> {
+    pub(crate) fn depth_under_contact(&self) -> Option<f64> {
         let [side] = self.contact[..] else { return None };
         match &self.shape {
             Shape::Box => {
@@ -193,7 +193,7 @@ impl Domain {
     }
 
     /// What the mesh n refines.
-    pub fn nesting(&self, n: u32) -> Nesting {
+    pub(crate) fn nesting(&self, n: u32) -> Nesting {
         match &self.shape {
             Shape::Refined(CoarseMesh::Plane(coarse)) => {
                 Nesting::Refined { coarse: coarse.clone(), parts: n }
@@ -215,7 +215,7 @@ impl Domain {
 
     /// Points of the domain: a grid with `intervals` steps along each axis or coarse edge, ends
     /// included; along an edge of tetrahedra as many fewer as there are of them beside each other.
-    pub fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
+    pub(crate) fn points(&self, intervals: u32) -> Vec<[f64; 3]> {
         let coarse = match &self.shape {
             Shape::Refined(coarse) => coarse,
             Shape::Box => {

@@ -64,7 +64,7 @@ pub(super) enum Kind {
 
 impl Kind {
     /// The kind that a file names, contact if it names none.
-    pub fn validate(reading: &Reading, word: Option<&str>) -> Result<Kind, SceneError> {
+    pub(crate) fn validate(reading: &Reading, word: Option<&str>) -> Result<Kind, SceneError> {
         let known = [("contact", Kind::Contact), ("abstract", Kind::Abstract)];
         reading.choice("scene.kind", word.unwrap_or("contact"), &known)
     }
@@ -81,7 +81,7 @@ pub(super) struct Heading {
 }
 
 impl Heading {
-    pub fn validate(
+    pub(crate) fn validate(
         reading: &Reading,
         written: &written::Heading,
         kind: Kind,

@@ -5,7 +5,7 @@
 //! - `validated`: plain numbers and compiled formulas that satisfy every hypothesis
 //!   that can be checked without a mesh and without a solve.
 //!
-//! Conditions that need a mesh, such as (2.9), are checked later and point at the same text by [`Scene::span`].
+//! Conditions that need a mesh, such as (2.9), are checked later and point at the same text by `Scene::span`.
 
 mod abstract_scene;
 pub mod abstract_written;

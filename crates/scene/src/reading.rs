@@ -21,7 +21,7 @@ pub(super) struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    pub fn new(source: &'a Source, spans: &'a Spans) -> Reading<'a> {
+    pub(crate) fn new(source: &'a Source, spans: &'a Spans) -> Reading<'a> {
         Reading {
             source,
             spans,
@@ -32,7 +32,7 @@ impl<'a> Reading<'a> {
     }
 
     /// An error that underlines the value at `key`, or the part that should hold it.
-    pub fn error(
+    pub(crate) fn error(
         &self,
         key: &str,
         message: impl Into<String>,
@@ -42,7 +42,7 @@ impl<'a> Reading<'a> {
     }
 
     /// An error that underlines the key itself.
-    pub fn key_error(
+    pub(crate) fn key_error(
         &self,
         key: &str,
         message: impl Into<String>,
@@ -51,7 +51,7 @@ impl<'a> Reading<'a> {
         SceneError::at(self.source, self.spans.key(key), message, hint)
     }
 
-    pub fn finite(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+    pub(crate) fn finite(&self, key: &str, value: f64) -> Result<f64, SceneError> {
         if value.is_finite() {
             return Ok(value);
         }
@@ -62,7 +62,7 @@ impl<'a> Reading<'a> {
         ))
     }
 
-    pub fn positive(&self, key: &str, value: f64) -> Result<f64, SceneError> {
+    pub(crate) fn positive(&self, key: &str, value: f64) -> Result<f64, SceneError> {
         if self.finite(key, value)? > 0.0 {
             return Ok(value);
         }
@@ -74,7 +74,7 @@ impl<'a> Reading<'a> {
     }
 
     /// A whole number of at least 1 and at most 2³¹ - 1.
-    pub fn count(&self, key: &str, value: i64) -> Result<usize, SceneError> {
+    pub(crate) fn count(&self, key: &str, value: i64) -> Result<usize, SceneError> {
         match i32::try_from(value) {
             Ok(count) if count >= 1 => Ok(count.unsigned_abs() as usize),
             _ => Err(self.error(
@@ -85,7 +85,7 @@ impl<'a> Reading<'a> {
         }
     }
 
-    pub fn seed(&self, key: &str, value: i64) -> Result<u64, SceneError> {
+    pub(crate) fn seed(&self, key: &str, value: i64) -> Result<u64, SceneError> {
         u64::try_from(value).map_err(|_| {
             self.error(
                 key,
@@ -96,7 +96,7 @@ impl<'a> Reading<'a> {
     }
 
     /// An increasing pair of counts: the window of an order.
-    pub fn window(
+    pub(crate) fn window(
         &self,
         key: &str,
         written: Option<&Vec<i64>>,
@@ -118,7 +118,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The variables and the parameters of the scene.
-    pub fn scope(&self, variables: &[Variable]) -> Scope {
+    pub(crate) fn scope(&self, variables: &[Variable]) -> Scope {
         let mut scope = Scope::new(variables);
         for (name, node) in &self.parameters {
             scope.define(name, *node);
@@ -127,7 +127,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Compiles a formula; an error points into the text of the formula.
-    pub fn formula(
+    pub(crate) fn formula(
         &mut self,
         key: &str,
         formula: &Formula,
@@ -145,7 +145,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Compiles one formula a component; there must be `dimension` of them.
-    pub fn vector(
+    pub(crate) fn vector(
         &mut self,
         key: &str,
         formulas: &[Formula],
@@ -172,7 +172,7 @@ impl<'a> Reading<'a> {
     }
 
     /// The first of the points at which a formula is infinite or undefined, and its value there.
-    pub fn first_not_finite(
+    pub(crate) fn first_not_finite(
         &self,
         node: Node,
         points: impl IntoIterator<Item = Point>,

@@ -57,7 +57,7 @@ impl Place {
     /// A formula that is positive in the region: of a physical group the largest over its coarse simplices of the
     /// smallest barycentric coordinate, raised so that points on their faces are inside. On the interface itself two
     /// regions meet, and either may have its points.
-    pub fn condition(self, graph: &mut Graph, shape: &Shape) -> Node {
+    pub(crate) fn condition(self, graph: &mut Graph, shape: &Shape) -> Node {
         let (group, coarse) = match (self, shape) {
             (Place::Where(node), _) => return node,
             (Place::Physical(_), Shape::Box) => return graph.constant(-1.0),

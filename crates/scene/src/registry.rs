@@ -52,7 +52,7 @@ impl Registry {
     ///
     /// # Errors
     /// No scene has that name; the nearest names are given.
-    pub fn find(&self, scene: &str) -> Result<PathBuf, SceneError> {
+    pub(crate) fn find(&self, scene: &str) -> Result<PathBuf, SceneError> {
         if let Some(path) = self.files.get(scene) {
             return Ok(path.clone());
         }

@@ -43,7 +43,7 @@ impl Source {
     ///
     /// # Errors
     /// The file is missing or unreadable, too large, or not UTF-8 (the first wrong byte is named).
-    pub fn read(path: &Path) -> Result<Source, SceneError> {
+    pub(crate) fn read(path: &Path) -> Result<Source, SceneError> {
         let bytes = read_file_up_to(path, LARGEST_FILE).map_err(|error| match error.kind() {
             ErrorKind::FileTooLarge => SceneError::TooLarge { path: path.to_path_buf() },
             _ => SceneError::Unreadable { path: path.to_path_buf(), reason: error.to_string() },

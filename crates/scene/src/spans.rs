@@ -32,7 +32,7 @@ impl Spans {
     }
 
     /// Bytes of the key itself, or of the nearest part that contains it.
-    pub fn key(&self, key: &str) -> Range<usize> {
+    pub(crate) fn key(&self, key: &str) -> Range<usize> {
         self.nearest_place(key).map_or(0..0, |place| place.key.clone())
     }
 

@@ -111,7 +111,7 @@ impl Scene {
     }
 
     /// Bytes of the value at a dotted key (`exact.multiplier`), or of the part that would hold it.
-    pub fn span(&self, key: &str) -> Range<usize> {
+    pub(crate) fn span(&self, key: &str) -> Range<usize> {
         self.spans.value(key)
     }
 

@@ -43,7 +43,7 @@ impl de::Visitor<'_> for FormulaVisitor {
 /// The whole file.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct File {
+pub(crate) struct File {
     pub scene: Heading,
     pub domain: Domain,
     pub time: Time,
@@ -316,7 +316,7 @@ pub struct Law {
 /// `[loads]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Loads {
+pub(crate) struct Loads {
     pub body: Vec<Formula>,
     #[serde(default)]
     pub traction: BTreeMap<String, Vec<Formula>>,
@@ -325,7 +325,7 @@ pub struct Loads {
 /// `[exact]`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Exact {
+pub(crate) struct Exact {
     pub u: Vec<Formula>,
     pub multiplier: Option<Formula>,
     pub selection: Option<Formula>,

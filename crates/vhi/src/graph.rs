@@ -87,7 +87,7 @@ impl BoundaryGraph {
     }
 
     /// Number of jumps below the free piece that z selects.
-    pub fn jumps_below(&self, i: usize, z: f64) -> usize {
+    pub(crate) fn jumps_below(&self, i: usize, z: f64) -> usize {
         let (at, potential) = (&self.coordinates[i], self.potential(i));
         let passed =
             |jump: &f64| z > jump + at.shift + at.gamma * potential.subdifferential(*jump).1;
@@ -96,7 +96,7 @@ impl BoundaryGraph {
 
     /// The first jump (as a value of u_ν) on the way from the free piece above `before` jumps to the
     /// free piece that z selects; `None` if it is the same piece.
-    pub fn jump_across(&self, i: usize, before: usize, z: f64) -> Option<f64> {
+    pub(crate) fn jump_across(&self, i: usize, before: usize, z: f64) -> Option<f64> {
         let now = self.jumps_below(i, z);
         let crossed = match now.cmp(&before) {
             std::cmp::Ordering::Greater => before,
@@ -147,7 +147,7 @@ impl BoundaryGraph {
     ///
     /// At a pinned piece it is w·dist(c, [lo, hi]) for u_ν at its value; else the violation of the
     /// bound over γ; continuous in both.
-    pub fn defect(&self, i: usize, normal: f64, pressure: f64) -> f64 {
+    pub(crate) fn defect(&self, i: usize, normal: f64, pressure: f64) -> f64 {
         let at = &self.coordinates[i];
         let z = normal + at.gamma * pressure;
         match self.piece(i, z) {

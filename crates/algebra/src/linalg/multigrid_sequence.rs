@@ -83,12 +83,12 @@ impl<'a> MultigridSequence<'a> {
     }
 
     /// Takes the rank-one piece out, to be refilled likewise.
-    pub fn take_rank_one(&mut self) -> RankOne {
+    pub(crate) fn take_rank_one(&mut self) -> RankOne {
         self.rank_one.take().unwrap_or_default()
     }
 
     /// The unknowns whose rows and columns in the next K have their diagonal entry alone.
-    pub fn hold(&mut self, dofs: impl Iterator<Item = usize>) {
+    pub(crate) fn hold(&mut self, dofs: impl Iterator<Item = usize>) {
         self.held.clear();
         self.held.extend(dofs);
     }
@@ -225,7 +225,7 @@ impl<'a> MultigridSequence<'a> {
     }
 
     /// Diagonal entry of the present K.
-    pub fn diagonal(&self, dof: usize) -> f64 {
+    pub(crate) fn diagonal(&self, dof: usize) -> f64 {
         self.values[self.pattern.diagonal(dof)]
     }
 

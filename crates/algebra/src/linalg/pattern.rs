@@ -49,7 +49,7 @@ impl BlockPattern {
     }
 
     /// Pattern of matrices over nodes with the given sorted larger neighbours, which nothing is scattered to.
-    pub fn of_neighbours(dimension: usize, lists: &[Vec<u32>]) -> Self {
+    pub(crate) fn of_neighbours(dimension: usize, lists: &[Vec<u32>]) -> Self {
         let mut pattern = Self::new(&[], dimension, lists.len());
         pattern.first = vec![0];
         for list in lists {
@@ -61,7 +61,7 @@ impl BlockPattern {
     }
 
     /// Order of the matrix.
-    pub fn order(&self) -> usize {
+    pub(crate) fn order(&self) -> usize {
         self.columns.len() - 1
     }
 
@@ -71,12 +71,12 @@ impl BlockPattern {
     }
 
     /// Larger neighbours of a free node.
-    pub fn larger_neighbours(&self, node: usize) -> &[u32] {
+    pub(crate) fn larger_neighbours(&self, node: usize) -> &[u32] {
         &self.neighbours[self.first[node] as usize..self.first[node + 1] as usize]
     }
 
     /// Nodes without clamped ones.
-    pub fn nodes(&self) -> usize {
+    pub(crate) fn nodes(&self) -> usize {
         self.first.len() - 1
     }
 
@@ -196,7 +196,7 @@ impl BlockPattern {
     }
 
     /// Components a node.
-    pub fn dimension(&self) -> usize {
+    pub(crate) fn dimension(&self) -> usize {
         self.dimension
     }
 }

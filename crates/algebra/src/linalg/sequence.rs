@@ -115,12 +115,12 @@ impl<'a> SequenceSolver<'a> {
     }
 
     /// Takes lower-triangle values of K out, to be refilled and handed back to [`Self::prepare`].
-    pub fn take_values(&mut self) -> Vec<f64> {
+    pub(crate) fn take_values(&mut self) -> Vec<f64> {
         std::mem::take(&mut self.values)
     }
 
     /// Takes the rank-one piece out, to be refilled likewise.
-    pub fn take_rank_one(&mut self) -> RankOne {
+    pub(crate) fn take_rank_one(&mut self) -> RankOne {
         self.rank_one.take().unwrap_or_default()
     }
 
@@ -129,7 +129,7 @@ impl<'a> SequenceSolver<'a> {
     ///
     /// # Errors
     /// The factorization's.
-    pub fn prepare(
+    pub(crate) fn prepare(
         &mut self,
         values: Vec<f64>,
         rank_one: Option<RankOne>,
@@ -251,7 +251,7 @@ impl<'a> SequenceSolver<'a> {
     ///
     /// # Errors
     /// The factorization's, if a new one was needed.
-    pub fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+    pub(crate) fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
         if self.exact {
             self.apply_inverse(rhs);
             return Ok(());
@@ -272,12 +272,12 @@ impl<'a> SequenceSolver<'a> {
     }
 
     /// Diagonal entry of the present K.
-    pub fn diagonal(&self, dof: usize) -> f64 {
+    pub(crate) fn diagonal(&self, dof: usize) -> f64 {
         self.values[self.pattern.diagonal(dof)]
     }
 
     /// One application of the stored factor, whatever Jacobian it is of; nothing before the first.
-    pub fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
+    pub(crate) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
         self.apply_factor(rhs);
     }
 }

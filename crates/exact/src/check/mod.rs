@@ -70,29 +70,29 @@ pub struct SideOfBox {
 
 impl SideOfBox {
     /// The axis of the normal.
-    pub fn axis(&self) -> usize {
+    pub(crate) fn axis(&self) -> usize {
         (0..3).find(|&i| self.normal[i] != 0.0).unwrap_or(0)
     }
 
     /// The coordinate along the normal, in a box of the given size.
-    pub fn level(&self, size: &[f64]) -> f64 {
+    pub(crate) fn level(&self, size: &[f64]) -> f64 {
         let axis = self.axis();
         if self.normal[axis] > 0.0 { size[axis] } else { 0.0 }
     }
 
     /// The axes along the side, in order.
-    pub fn along(&self, size: &[f64]) -> Vec<usize> {
+    pub(crate) fn along(&self, size: &[f64]) -> Vec<usize> {
         (0..size.len()).filter(|&axis| axis != self.axis()).collect()
     }
 
     /// Its length or area.
-    pub fn measure(&self, size: &[f64]) -> f64 {
+    pub(crate) fn measure(&self, size: &[f64]) -> f64 {
         self.along(size).iter().map(|&axis| size[axis]).product()
     }
 
     /// Points of the side: the product of `places(axis)` over the axes along it, the last of which varies
     /// fastest.
-    pub fn points(&self, size: &[f64], places: impl Fn(usize) -> Vec<f64>) -> Vec<[f64; 3]> {
+    pub(crate) fn points(&self, size: &[f64], places: impl Fn(usize) -> Vec<f64>) -> Vec<[f64; 3]> {
         let mut start = [0.0; 3];
         start[self.axis()] = self.level(size);
         self.along(size).into_iter().fold(vec![start], |points, axis| {

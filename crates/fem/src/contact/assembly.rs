@@ -5,7 +5,10 @@ use vhi::law::TensorField;
 
 /// The columns of B on a cell: the Mandel strain of each unit displacement, (d+1)·d of them.
 #[inline]
-pub fn strain_columns<const D: usize, const S: usize>(gradients: &[f64], out: &mut [[f64; S]]) {
+pub(crate) fn strain_columns<const D: usize, const S: usize>(
+    gradients: &[f64],
+    out: &mut [[f64; S]],
+) {
     let half = std::f64::consts::FRAC_1_SQRT_2;
     for (a, g) in gradients.chunks_exact(D).enumerate() {
         for i in 0..D {
@@ -28,7 +31,7 @@ pub fn strain_columns<const D: usize, const S: usize>(gradients: &[f64], out: &m
 
 /// `local` ← weight · Bᵀ C B, row-major of order D(D+1).
 #[inline]
-pub fn cell_stiffness<const D: usize, const S: usize>(
+pub(crate) fn cell_stiffness<const D: usize, const S: usize>(
     gradients: &[f64],
     law: &[[f64; S]; S],
     weight: f64,

@@ -7,7 +7,7 @@ use vhi::law::{NoPotential, Potential, Projection};
 use vhi::{BoundaryGraph, Coordinate};
 
 /// The graphs of Γ3: gap and shift at the vertices, the potential where the vertex rule is used.
-pub fn boundary_graph<P: Projection>(
+pub(crate) fn boundary_graph<P: Projection>(
     space: &Discretization,
     model: &Model<P>,
     elastic: &[f64],

@@ -17,7 +17,7 @@ use algebra::tensor::contract;
 use vhi::law::Projection;
 
 /// The w_i with what is linear in them.
-pub struct Combination {
+pub(crate) struct Combination {
     /// w_i as nodal vectors.
     solutions: Vec<Vec<f64>>,
     /// ∫ 𝒜ε(w_i) : ε(v) and ∫ ℬ₀ε(w_i) : ε(v), from strains.
@@ -35,7 +35,7 @@ const CANCELLED: f64 = 1e-4;
 
 impl Combination {
     /// Evaluates what is linear in the solutions.
-    pub fn new<P: Projection>(
+    pub(crate) fn new<P: Projection>(
         space: &Discretization,
         model: &Model<P>,
         solutions: &[Vec<f64>],
@@ -73,12 +73,12 @@ impl Combination {
     }
 
     /// `out` ← Σ c_i w_i.
-    pub fn combine(&self, c: &[f64], out: &mut [f64]) {
+    pub(crate) fn combine(&self, c: &[f64], out: &mut [f64]) {
         sum(c.iter().zip(&self.solutions), 0, out);
     }
 
     /// ‖ε(u)‖ of u = Σ c_i w_i.
-    pub fn strain_norm(&self, space: &Discretization, c: &[f64], u: &[f64]) -> f64 {
+    pub(crate) fn strain_norm(&self, space: &Discretization, c: &[f64], u: &[f64]) -> f64 {
         let count = c.len();
         let product = |i: usize, j: usize| c[i] * c[j] * self.gram[count * i + j];
         let square: f64 = (0..count * count).map(|ij| product(ij / count, ij % count)).sum();
@@ -92,7 +92,7 @@ impl Combination {
 
     /// What [`super::kkt_residual`] is of u = Σ c_i w_i with the history Σ d_i w_i and the load Σ a_i F_i, without
     /// contact.
-    pub fn kkt_residual(
+    pub(crate) fn kkt_residual(
         &self,
         space: &Discretization,
         [c, d]: [&[f64]; 2],

@@ -8,7 +8,7 @@ use super::{Boundary, BoundaryRule, Discretization, TracePoint};
 use crate::space::quadrature::{Rule, edge, triangle_degree_4};
 
 /// The compliance term over the facets of Γ3.
-pub struct FacetCompliance<'a> {
+pub(crate) struct FacetCompliance<'a> {
     boundary: &'a Boundary,
     facets: Vec<Facet>,
     rule: PointRule,
@@ -45,7 +45,7 @@ struct FacetPoint {
 impl<'a> FacetCompliance<'a> {
     /// The rule of `boundary` on all facets of Γ3, where u_ν stands in a vector as `place` says; `None` for the vertex
     /// rule or without law.
-    pub fn new(
+    pub(crate) fn new(
         space: &Discretization,
         boundary: &'a Boundary,
         place: impl Fn(&TracePoint) -> usize,
@@ -86,7 +86,7 @@ impl<'a> FacetCompliance<'a> {
 
     /// α of (2.8c) for the law on every facet, with the largest factor at the points of the rule (for the
     /// exact rule, at the corners and middles of edges and those of their halves).
-    pub fn descent(&self) -> f64 {
+    pub(crate) fn descent(&self) -> f64 {
         let alpha = self.boundary.potential.alpha();
         let Some(factor) = &self.boundary.scale else { return alpha };
         let largest = match &self.rule {
@@ -103,7 +103,7 @@ impl<'a> FacetCompliance<'a> {
     }
 
     /// Adds the force of the compliance term at the vector `u`, which has a zero in the place of what is clamped.
-    pub fn add_force(&self, u: &[f64], out: &mut [f64]) {
+    pub(crate) fn add_force(&self, u: &[f64], out: &mut [f64]) {
         self.each_point(u, |facet, point| {
             let pressure = point.scale * self.boundary.potential.value_and_slope(point.argument).0;
             for ((component, sign, unknown), shape) in facet.members.iter().zip(&point.shape) {
@@ -115,7 +115,7 @@ impl<'a> FacetCompliance<'a> {
     }
 
     /// Hands the parts of its derivative to `add`, by two places of which the order does not matter.
-    pub fn each_tangent(&self, u: &[f64], mut add: impl FnMut([usize; 2], f64)) {
+    pub(crate) fn each_tangent(&self, u: &[f64], mut add: impl FnMut([usize; 2], f64)) {
         self.each_point(u, |facet, point| {
             let slope = point.scale * self.boundary.potential.value_and_slope(point.argument).1;
             for (a, &(i, sign_i, unknown_i)) in facet.members.iter().enumerate() {
@@ -191,7 +191,7 @@ fn facet(space: &Discretization, f: usize, place: impl Fn(&TracePoint) -> usize)
 }
 
 /// Gauss rule of the facets of a d-dimensional mesh.
-pub fn facet_rule(dimension: usize) -> Rule {
+pub(crate) fn facet_rule(dimension: usize) -> Rule {
     if dimension == 2 { edge(3) } else { triangle_degree_4() }
 }
 

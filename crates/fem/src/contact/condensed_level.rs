@@ -14,7 +14,7 @@ use vhi::law::Projection;
 use vhi::{BoundaryGraph, StepInequality, StepState};
 
 /// The condensed level.
-pub struct CondensedLevel<'a> {
+pub(crate) struct CondensedLevel<'a> {
     /// The graphs; their dofs count the unknowns of Γ3.
     graph: BoundaryGraph,
     /// The unknowns of Γ3 in the volume.
@@ -42,7 +42,7 @@ pub struct CondensedLevel<'a> {
 
 impl<'a> CondensedLevel<'a> {
     /// The level with the graphs of the volume on the unknowns of Γ3.
-    pub fn new<P: Projection>(
+    pub(crate) fn new<P: Projection>(
         space: &Discretization,
         model: &'a Model<P>,
         mut graph: BoundaryGraph,
@@ -73,7 +73,7 @@ impl<'a> CondensedLevel<'a> {
     }
 
     /// Takes S = L Lᵀ from its factor, full and by columns.
-    pub fn set_schur(&mut self, triangle: &[f64]) {
+    pub(crate) fn set_schur(&mut self, triangle: &[f64]) {
         let size = self.dofs.len();
         self.schur.fill(0.0);
         for k in 0..size {
@@ -86,12 +86,12 @@ impl<'a> CondensedLevel<'a> {
     }
 
     /// The unknowns of Γ3 in the volume.
-    pub fn unknowns(&self) -> &[u32] {
+    pub(crate) fn unknowns(&self) -> &[u32] {
         &self.dofs
     }
 
     /// f ← f + α S x.
-    pub fn add_to_load(&mut self, alpha: f64, x: impl Iterator<Item = f64>) {
+    pub(crate) fn add_to_load(&mut self, alpha: f64, x: impl Iterator<Item = f64>) {
         let size = self.dofs.len();
         for (j, x) in x.enumerate() {
             axpy(alpha * x, &self.schur[size * j..size * (j + 1)], &mut self.load);
@@ -99,7 +99,7 @@ impl<'a> CondensedLevel<'a> {
     }
 
     /// Subtracts the forces of contact from those of the volume.
-    pub fn subtract_contact(&mut self, state: &StepState, force: &mut [f64]) {
+    pub(crate) fn subtract_contact(&mut self, state: &StepState, force: &mut [f64]) {
         for (at, pressure) in self.graph.coordinates.iter().zip(&state.pressure) {
             force[self.dofs[at.dof as usize] as usize] -= at.sign * at.weight * pressure;
         }

@@ -77,7 +77,7 @@ impl Discretization {
     ///
     /// # Errors
     /// Its own.
-    pub fn condensing(&self) -> Result<&Analysis, FactorError> {
+    pub(crate) fn condensing(&self) -> Result<&Analysis, FactorError> {
         let last = || analysis(&self.mesh, &self.nodes, &self.pattern, &self.trace.unknowns());
         self.condensing.get_or_init(last).as_ref().map_err(Clone::clone)
     }
@@ -112,7 +112,7 @@ impl Discretization {
     }
 
     /// The same on the unknowns of the contact problem.
-    pub fn stiffness_of_unknowns(&self, law: &TensorField) -> Vec<f64> {
+    pub(crate) fn stiffness_of_unknowns(&self, law: &TensorField) -> Vec<f64> {
         self.stiffness_in(law, &self.frames)
     }
 

@@ -87,7 +87,7 @@ impl<'a, P: Projection> Evolution<'a, P> {
     }
 
     /// The same, for a solve with its last factor.
-    pub fn problem_mut(&mut self) -> &mut ContactProblem<'a, P> {
+    pub(crate) fn problem_mut(&mut self) -> &mut ContactProblem<'a, P> {
         &mut self.problem
     }
 
@@ -102,7 +102,7 @@ impl<'a, P: Projection> Evolution<'a, P> {
     }
 
     /// A vector of unknowns as displacements of all nodes.
-    pub fn nodal(&self, unknowns: &[f64]) -> Vec<f64> {
+    pub(crate) fn nodal(&self, unknowns: &[f64]) -> Vec<f64> {
         let mut nodal = unknowns.to_vec();
         nodal.resize(self.space.nodes.len(), 0.0);
         self.space.frames.to_cartesian(&mut nodal);

@@ -33,14 +33,14 @@ const DEPENDENT: f64 = 1e-6;
 
 impl Frames {
     /// No frames yet, for `nodes` nodes of `dimension` components.
-    pub fn new(dimension: usize) -> Self {
+    pub(crate) fn new(dimension: usize) -> Self {
         Self { dimension, ..Self::default() }
     }
 
     /// Gives a node unknowns along `normals` (unit vectors, at most d of them), of which the first
     /// become its first components. Normals that depend on each other are a broken invariant of the
     /// mesh: two sides that meet at an angle have different normals.
-    pub fn insert(&mut self, node: usize, nodes: usize, normals: &[[f64; 3]]) {
+    pub(crate) fn insert(&mut self, node: usize, nodes: usize, normals: &[[f64; 3]]) {
         let d = self.dimension;
         let mut rows: Vec<Vec<f64>> = normals.iter().map(|normal| normal[..d].to_vec()).collect();
         // Complete by the axes that are furthest from what is there, made orthogonal to it.
@@ -71,17 +71,17 @@ impl Frames {
     }
 
     /// True if all unknowns are Cartesian components.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
     /// Nodes that have unknowns of their own, with N by rows.
-    pub fn rows(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
+    pub(crate) fn rows(&self) -> impl Iterator<Item = (usize, Vec<f64>)> {
         self.frames.iter().map(|frame| (frame.node, frame.normals.transpose().as_slice().to_vec()))
     }
 
     /// u = B w of a vector by nodes, in place.
-    pub fn to_cartesian(&self, vector: &mut [f64]) {
+    pub(crate) fn to_cartesian(&self, vector: &mut [f64]) {
         self.each(vector, |frame, own| &frame.basis * own);
     }
 
@@ -91,7 +91,7 @@ impl Frames {
     }
 
     /// Bᵀf of forces by nodes, in place.
-    pub fn force_on_unknowns(&self, force: &mut [f64]) {
+    pub(crate) fn force_on_unknowns(&self, force: &mut [f64]) {
         self.each(force, |frame, own| frame.basis.tr_mul(&own));
     }
 
@@ -110,7 +110,7 @@ impl Frames {
 
     /// BᵀKB of the matrix of a cell, row-major over its `nodes`, in place.
     #[inline]
-    pub fn rotate_cell(&self, nodes: &[u32], local: &mut [f64]) {
+    pub(crate) fn rotate_cell(&self, nodes: &[u32], local: &mut [f64]) {
         if self.frames.is_empty() {
             return;
         }

@@ -142,7 +142,7 @@ impl StepView<'_> {
 
     /// The same where ε(u_n^{kh}) on the cell is known.
     #[inline]
-    pub fn stress_of<P: Projection, const S: usize>(
+    pub(crate) fn stress_of<P: Projection, const S: usize>(
         &self,
         space: &Discretization,
         model: &Model<P>,

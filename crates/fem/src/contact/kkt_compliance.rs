@@ -19,7 +19,7 @@ const HALVINGS: u32 = 40;
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Adds ∫ ∂j_ν(u_ν - s) v_ν by the Gauss rule of the facets.
-pub fn add_gauss(
+pub(crate) fn add_gauss(
     space: &Discretization,
     boundary: &Boundary,
     view: &StepView<'_>,
@@ -37,7 +37,7 @@ pub fn add_gauss(
 }
 
 /// Adds ∫ ∂j_ν(u_ν - s) v_ν by halving intervals at whose ends u_ν - s lies on different pieces.
-pub fn add_exact(
+pub(crate) fn add_exact(
     space: &Discretization,
     boundary: &Boundary,
     view: &StepView<'_>,

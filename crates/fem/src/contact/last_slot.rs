@@ -23,7 +23,7 @@ impl Clone for LastSlot {
 
 /// Last slot, slopes and prescribed coordinates: all of a tangent without projection and compliance on facets.
 #[derive(Debug, Default)]
-pub struct TangentOf {
+pub(crate) struct TangentOf {
     made: bool,
     slot: LastSlot,
     slopes: Vec<f64>,
@@ -32,7 +32,12 @@ pub struct TangentOf {
 
 impl TangentOf {
     /// Takes these; true if they are not those of the tangent before, or there was none.
-    pub fn replace(&mut self, slot: &LastSlot, slopes: &[f64], prescribed: &[Option<f64>]) -> bool {
+    pub(crate) fn replace(
+        &mut self,
+        slot: &LastSlot,
+        slopes: &[f64],
+        prescribed: &[Option<f64>],
+    ) -> bool {
         let flags = prescribed.iter().map(Option::is_some);
         let same = self.made
             && self.slot == *slot

@@ -62,7 +62,7 @@ impl LinearSolver {
     }
 
     /// A solver of Jacobians on `space`: factors where the mesh has no levels.
-    pub fn on(self, space: &Discretization) -> TangentSolver<'_> {
+    pub(crate) fn on(self, space: &Discretization) -> TangentSolver<'_> {
         match self.levels(space) {
             Some(levels) => {
                 TangentSolver::Multigrid(MultigridSequence::new(levels, &space.pattern).into())

@@ -93,7 +93,7 @@ impl<P: Projection> Model<P> {
     }
 
     /// β with ℬ₀ = β𝒜, where there is one term and that is so; 0 without memory.
-    pub fn memory_multiple(&self) -> Option<f64> {
+    pub(crate) fn memory_multiple(&self) -> Option<f64> {
         match &self.memory[..] {
             [] => Some(0.0),
             [term] => term.tensor.multiple_of(&self.elasticity),

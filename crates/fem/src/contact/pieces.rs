@@ -19,7 +19,7 @@ const WATCHES: usize = 16;
 const ROUNDING_UNITS: f64 = 16.0;
 
 /// The shift along one edge, by ξ in [0, 1].
-pub enum EdgeShift {
+pub(crate) enum EdgeShift {
     /// By its values at the ends.
     Affine([f64; 2]),
     /// By its values at the ends of 2·[`WATCHES`] intervals; between them it is asked for.
@@ -28,7 +28,7 @@ pub enum EdgeShift {
 
 impl EdgeShift {
     /// Looks at `shift` on the whole edge.
-    pub fn new(shift: impl Fn(f64) -> f64) -> Self {
+    pub(crate) fn new(shift: impl Fn(f64) -> f64) -> Self {
         let count = 2 * WATCHES;
         let place = |i: usize| i as f64 / count as f64;
         let values: Vec<f64> = (0..=count).map(|i| shift(place(i))).collect();
@@ -44,7 +44,7 @@ impl EdgeShift {
 
 /// A point on an edge: ξ, weight (the weights of an edge sum to one), u_ν - s.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EdgePoint {
+pub(crate) struct EdgePoint {
     /// ξ.
     pub place: f64,
     /// Weight.
@@ -54,7 +54,7 @@ pub struct EdgePoint {
 }
 
 /// What the rule must know of ∂j_ν.
-pub struct Pieces {
+pub(crate) struct Pieces {
     /// Its kinks.
     pub kinks: Vec<f64>,
     /// [`vhi::law::Potential::resolution`].
@@ -65,14 +65,14 @@ pub struct Pieces {
 
 /// Points of an edge and the places where it is cut, in memory that is kept.
 #[derive(Debug, Default)]
-pub struct Room {
+pub(crate) struct Room {
     /// The points.
     pub points: Vec<EdgePoint>,
     cuts: Vec<f64>,
 }
 
 /// The points of an edge with end values `normal` of u_ν; `shift` is s by ξ.
-pub fn points(
+pub(crate) fn points(
     normal: [f64; 2],
     along: &EdgeShift,
     shift: impl Fn(f64) -> f64,

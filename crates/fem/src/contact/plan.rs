@@ -47,7 +47,7 @@ impl Plan {
 
     /// The plan where Γ3 is small beside the body. That is so in the plane: in space a factor with Γ3 last costs a
     /// multiple of one without, and a full matrix on n² unknowns is no small problem.
-    pub fn foreseen<P: Projection>(model: &Model<P>, dimension: usize) -> Self {
+    pub(crate) fn foreseen<P: Projection>(model: &Model<P>, dimension: usize) -> Self {
         if model.is_linear() {
             if Self::changes_factor(model) { Self::Linear } else { Self::Recursion }
         } else if dimension == 2 && model.projection.limit().is_none() {

@@ -151,18 +151,18 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
     }
 
     /// ζ at the last evaluated u.
-    pub fn zeta(&self) -> f64 {
+    pub(crate) fn zeta(&self) -> f64 {
         self.past_zeta + self.slot.zeta * self.strain_norm
     }
 
     /// K⁻¹ rhs in place with the last factor; the right side is left as it is before the first
     /// factorization (a scene at rest).
-    pub fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
+    pub(crate) fn solve_with_last_factor(&mut self, rhs: &mut [f64]) {
         self.solver.solve_with_last_factor(rhs);
     }
 
     /// Counters and times so far.
-    pub fn work(&self) -> Work {
+    pub(crate) fn work(&self) -> Work {
         Work { linear: self.solver.work(), ..self.work }
     }
 

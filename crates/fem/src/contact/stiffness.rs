@@ -16,7 +16,7 @@ use vhi::law::TensorField;
 pub enum Unknowns {
     /// Cartesian components, in the order of [`Discretization::analysis`].
     Displacements,
-    /// Those of the contact problem, Γ3 last, in the order of [`Discretization::condensing`].
+    /// Those of the contact problem, Γ3 last, in the order of `Discretization::condensing`.
     ContactLast,
 }
 
@@ -88,7 +88,7 @@ impl Discretization {
     ///
     /// # Errors
     /// A matrix that is not positive definite, or an order of unknowns that cannot be analysed.
-    pub fn stiffness_factor(
+    pub(crate) fn stiffness_factor(
         &self,
         tensor: &TensorField,
         unknowns: Unknowns,
@@ -142,7 +142,7 @@ impl<'a> StiffnessInverse<'a> {
     ///
     /// # Errors
     /// A matrix that is not positive definite.
-    pub fn held(
+    pub(crate) fn held(
         space: &'a Discretization,
         tensor: &TensorField,
         work: &mut Work,

@@ -45,7 +45,7 @@ const SAME_NORMAL: f64 = 1e-12;
 
 impl ContactTrace {
     /// The trace on `sides` of `mesh`, and the unknowns of the vertices whose normals are no axes.
-    pub fn new(mesh: &Mesh, nodes: &Nodes, sides: &[u32]) -> (Self, Frames) {
+    pub(crate) fn new(mesh: &Mesh, nodes: &Nodes, sides: &[u32]) -> (Self, Frames) {
         let d = mesh.dimension;
         let mut trace = Self { stride: d, ..Self::default() };
         let mut known: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
@@ -71,7 +71,7 @@ impl ContactTrace {
     }
 
     /// The unknowns that carry u_ν at the free points, in the order of the points, each once.
-    pub fn unknowns(&self) -> Vec<u32> {
+    pub(crate) fn unknowns(&self) -> Vec<u32> {
         let mut unknowns: Vec<u32> = Vec::new();
         for point in self.points.iter().filter(|point| !point.clamped) {
             if !unknowns.contains(&point.unknown) {

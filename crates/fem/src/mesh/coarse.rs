@@ -156,7 +156,7 @@ impl Coarse {
     }
 
     /// The corners of a triangle.
-    pub fn corners(&self, t: usize) -> [[f64; 2]; 3] {
+    pub(crate) fn corners(&self, t: usize) -> [[f64; 2]; 3] {
         self.triangles[t].map(|v| self.vertices[v as usize])
     }
 
@@ -166,7 +166,7 @@ impl Coarse {
     }
 
     /// The area of a triangle.
-    pub fn area(&self, t: usize) -> f64 {
+    pub(crate) fn area(&self, t: usize) -> f64 {
         0.5 * self.double_area(t)
     }
 

@@ -39,7 +39,7 @@ const LARGEST_STRETCH: usize = 4;
 
 impl Nesting {
     /// The lattice with `counts` cells an axis.
-    pub fn lattice(counts: &[usize]) -> Self {
+    pub(crate) fn lattice(counts: &[usize]) -> Self {
         Self::Lattice { counts: counts.to_vec(), stretch: vec![1; counts.len()] }
     }
 
@@ -51,7 +51,7 @@ impl Nesting {
 
     /// The mesh with every edge doubled, of a lattice along each axis whose count is even, and the
     /// parents of the vertices; nothing where no axis can be halved.
-    pub fn coarsened(&self) -> Option<(Parents, Self)> {
+    pub(crate) fn coarsened(&self) -> Option<(Parents, Self)> {
         match self {
             Self::Unknown => None,
             Self::Lattice { counts, stretch } => {

@@ -74,7 +74,7 @@ pub enum SolidError {
 
 impl SolidError {
     /// The element at fault.
-    pub fn at(&self) -> At {
+    pub(crate) fn at(&self) -> At {
         match self {
             Self::NoVertex { at, .. } => *at,
             Self::NotOnBoundary { face, .. } | Self::Twice { face, .. } => At::Face(*face),
@@ -107,7 +107,7 @@ impl Solid {
     ///
     /// # Errors
     /// [`SolidError`].
-    pub fn checked(mut self) -> Result<Self, SolidError> {
+    pub(crate) fn checked(mut self) -> Result<Self, SolidError> {
         let count = self.vertices.len();
         let mut owners = Owners::new();
         for c in 0..self.cells.len() {
@@ -225,17 +225,17 @@ impl Solid {
     }
 
     /// The corners of some vertices.
-    pub fn places<const N: usize>(&self, corners: [u32; N]) -> [[f64; 3]; N] {
+    pub(crate) fn places<const N: usize>(&self, corners: [u32; N]) -> [[f64; 3]; N] {
         corners.map(|v| self.vertices[v as usize])
     }
 
     /// The corners of a tetrahedron.
-    pub fn corners(&self, c: usize) -> [[f64; 3]; 4] {
+    pub(crate) fn corners(&self, c: usize) -> [[f64; 3]; 4] {
         self.places(self.cells[c])
     }
 
     /// The volume of a tetrahedron.
-    pub fn volume(&self, c: usize) -> f64 {
+    pub(crate) fn volume(&self, c: usize) -> f64 {
         let [a, p, q, r] = self.corners(c);
         dot(minus(p, a), cross(minus(q, a), minus(r, a))) / 6.0
     }
@@ -247,7 +247,7 @@ impl Solid {
     }
 
     /// The longest edge: h of the mesh n is this over n.
-    pub fn longest_edge(&self) -> f64 {
+    pub(crate) fn longest_edge(&self) -> f64 {
         (0..self.cells.len()).map(|c| self.longest_edge_of(c)).fold(0.0, f64::max)
     }
 }

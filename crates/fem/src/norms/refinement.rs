@@ -53,7 +53,10 @@ impl Refinement {
     ///
     /// # Errors
     /// A fine cell or facet that lies in no coarse one.
-    pub fn new(fine: &Discretization, coarse: &Discretization) -> Result<Self, ReferenceError> {
+    pub(crate) fn new(
+        fine: &Discretization,
+        coarse: &Discretization,
+    ) -> Result<Self, ReferenceError> {
         let refused = ReferenceError::NotNested { coarse: coarse.mesh.n, fine: fine.mesh.n };
         let all_cells = |mesh: &Mesh| -> Vec<Vec<u32>> {
             (0..mesh.cell_count()).map(|c| mesh.cell(c).to_vec()).collect()

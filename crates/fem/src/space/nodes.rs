@@ -20,7 +20,7 @@ pub struct Nodes {
 
 impl Nodes {
     /// Numbers the vertices of `mesh`; those of a facet on a side in `clamped` come last.
-    pub fn new(mesh: &Mesh, clamped: &[u32]) -> Self {
+    pub(crate) fn new(mesh: &Mesh, clamped: &[u32]) -> Self {
         let mut is_clamped = vec![false; mesh.vertices()];
         for f in mesh.facets_on(clamped) {
             for &v in mesh.facet(f) {
@@ -40,7 +40,7 @@ impl Nodes {
     }
 
     /// Number of unknowns, d a free node.
-    pub fn dofs(&self) -> usize {
+    pub(crate) fn dofs(&self) -> usize {
         self.dimension * self.free
     }
 

@@ -17,7 +17,7 @@ pub struct Geometry {
 impl Geometry {
     /// Computes measures and gradients of `mesh`. A cell of no or negative area is a broken
     /// invariant of the mesh generators and is reported by its non-positive measure.
-    pub fn new(mesh: &Mesh) -> Self {
+    pub(crate) fn new(mesh: &Mesh) -> Self {
         let d = mesh.dimension;
         let cells = mesh.cell_count();
         let mut measure = Vec::with_capacity(cells);

@@ -39,7 +39,7 @@ impl Interval {
 
     /// The image under the increasing function exp.
     #[must_use]
-    pub fn exp(self) -> Self {
+    pub(crate) fn exp(self) -> Self {
         Self { lo: self.lo.exp(), hi: self.hi.exp() }
     }
 }

@@ -36,7 +36,7 @@ pub enum Exclusion {
 
 impl Exclusion {
     /// Whether the point is broken, and not merely too small to be read.
-    pub fn is_broken(self) -> bool {
+    pub(crate) fn is_broken(self) -> bool {
         matches!(self, Self::NotAnError { .. } | Self::NotAFloor { .. })
     }
 }

@@ -158,7 +158,7 @@ pub enum Expect {
 
 impl Expect {
     /// The decision that is expected.
-    pub fn decision(self) -> Decision {
+    pub(crate) fn decision(self) -> Decision {
         match self {
             Self::Pass => Decision::Pass,
             Self::Fail => Decision::Fail,

@@ -30,7 +30,7 @@ pub enum Chapter {
 
 impl Chapter {
     /// How file names and links call it.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Bound => "bound",
             Self::Gronwall => "gronwall",

@@ -12,7 +12,7 @@ const REFERENCE_RUNS: f64 = 10.0;
 const MOST_BYTES: f64 = 1_073_741_824.0;
 
 /// The cases of a scene with what they take alone.
-pub struct SceneCosts {
+pub(crate) struct SceneCosts {
     /// n of each case, none in an abstract scene, and its number of steps.
     pub cases: Vec<(Option<u32>, u32)>,
     /// What they take, in the same order.
@@ -21,7 +21,7 @@ pub struct SceneCosts {
 
 /// The cases that one process runs, one after the other.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Job {
+pub(crate) struct Job {
     /// Scene and case, as indices; the longest case first.
     pub cases: Vec<(usize, usize)>,
     /// Predicted CPU seconds, reference runs included.
@@ -32,7 +32,7 @@ pub struct Job {
 
 /// Jobs of about `seconds` predicted CPU seconds each, the longest first. Cases of a mesh stay together as far as that
 /// goes, and a longer case is a job of its own. Equal input gives equal jobs.
-pub fn bundle(scenes: &[SceneCosts], seconds: f64) -> Vec<Job> {
+pub(crate) fn bundle(scenes: &[SceneCosts], seconds: f64) -> Vec<Job> {
     let of = |&(s, c): &(usize, usize)| &scenes[s].costs.cases[c];
     let mut jobs: Vec<Job> = Vec::new();
     let mut open = Open::default();

@@ -7,7 +7,7 @@ use judge::record::CaseRecord;
 use judge::verdict::{Baseline, Comparison, Run, Verdict};
 
 /// A baseline, and what is there to be compared with it.
-pub struct Comparing<'a> {
+pub(crate) struct Comparing<'a> {
     baseline: &'a Baseline,
     runs: Vec<Run>,
     kept: Vec<CaseRecord>,
@@ -17,12 +17,12 @@ pub struct Comparing<'a> {
 
 impl<'a> Comparing<'a> {
     /// Before the first scene.
-    pub fn new(baseline: &'a Baseline) -> Self {
+    pub(crate) fn new(baseline: &'a Baseline) -> Self {
         Self { baseline, runs: Vec::new(), kept: Vec::new(), recorded: BTreeSet::new() }
     }
 
     /// Before the cases of a scene.
-    pub fn open(&mut self, plan: &ScenePlan, own_grids: bool) {
+    pub(crate) fn open(&mut self, plan: &ScenePlan, own_grids: bool) {
         let scene = plan.scene();
         let recorded = self.baseline.scenes.get(&scene.name);
         let cases = recorded.iter().flat_map(|recorded| &recorded.cases);
@@ -34,14 +34,14 @@ impl<'a> Comparing<'a> {
     }
 
     /// Keeps a case of that scene, if it is recorded.
-    pub fn keep(&mut self, case: &CaseRecord) {
+    pub(crate) fn keep(&mut self, case: &CaseRecord) {
         if self.recorded.contains(&(case.n, case.steps)) {
             self.kept.push(case.clone());
         }
     }
 
     /// The comparison of all scenes, in this order, with what their verdicts leave owing.
-    pub fn found(mut self, order: &[&str], verdicts: &[Verdict]) -> Comparison {
+    pub(crate) fn found(mut self, order: &[&str], verdicts: &[Verdict]) -> Comparison {
         let place = |run: &Run| order.iter().position(|&name| name == run.scene);
         self.runs.sort_by_cached_key(place);
         self.baseline.compare(&self.runs, &self.kept, verdicts)

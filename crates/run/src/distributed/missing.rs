@@ -63,7 +63,7 @@ impl std::fmt::Display for Missing {
 ///
 /// # Errors
 /// Those of the plan's table.
-pub fn with_jobs(
+pub(crate) fn with_jobs(
     missing: &[Key],
     plan: Option<(&Plan, &Path)>,
 ) -> Result<Vec<(String, Option<usize>)>, PlanError> {

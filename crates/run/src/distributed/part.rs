@@ -59,7 +59,11 @@ pub struct PartRun {
 ///
 /// # Errors
 /// A scene that has changed since the plan was made, or a row that is no case of it.
-pub fn plans(plan: &Plan, dir: &Path, rows: &[CaseRow]) -> Result<Vec<ScenePlan>, PartError> {
+pub(crate) fn plans(
+    plan: &Plan,
+    dir: &Path,
+    rows: &[CaseRow],
+) -> Result<Vec<ScenePlan>, PartError> {
     let malformed = |path: PathBuf, reason| PlanError::Malformed { path, reason };
     let mut of_scene: BTreeMap<&str, Vec<&CaseRow>> = BTreeMap::new();
     rows.iter().for_each(|row| of_scene.entry(&row.scene).or_default().push(row));

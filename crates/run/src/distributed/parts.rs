@@ -104,12 +104,12 @@ impl Parts {
     }
 
     /// The tables, in the order of the parts.
-    pub fn tables(&self) -> Vec<PathBuf> {
+    pub(crate) fn tables(&self) -> Vec<PathBuf> {
         self.dirs.iter().map(|dir| dir.join("cases.csv")).collect()
     }
 
     /// The names of all scenes, sorted.
-    pub fn scenes(&self) -> impl Iterator<Item = &String> {
+    pub(crate) fn scenes(&self) -> impl Iterator<Item = &String> {
         self.scenes.keys()
     }
 
@@ -117,7 +117,7 @@ impl Parts {
     ///
     /// # Errors
     /// The text is not there or at fault.
-    pub fn scene(&self, name: &str) -> Result<Scene, MergeError> {
+    pub(crate) fn scene(&self, name: &str) -> Result<Scene, MergeError> {
         let nothing = |path: &Path| MergeError::Unreadable {
             path: path.to_owned(),
             reason: format!("no text of the scene `{name}`; give the plan with --plan"),
@@ -134,7 +134,7 @@ impl Parts {
     }
 
     /// The parts that hold a case. Only asked for messages: every table is read.
-    pub fn holders(&self, key: &Key) -> Vec<PathBuf> {
+    pub(crate) fn holders(&self, key: &Key) -> Vec<PathBuf> {
         let holds = |dir: &&PathBuf| {
             CaseStream::open(&dir.join("cases.csv"))
                 .is_ok_and(|mut cases| cases.any(|case| case.is_ok_and(|case| case.key() == *key)))

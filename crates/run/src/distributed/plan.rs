@@ -134,7 +134,7 @@ pub fn id(key: &Key) -> String {
 
 impl PlannedScene {
     /// The scene with the file that it stands in, as it is now.
-    pub fn new(scene: &Scene) -> Self {
+    pub(crate) fn new(scene: &Scene) -> Self {
         let Source { path, text, hash, mesh, .. } = &scene.source;
         Self {
             name: scene.name.clone(),
@@ -149,7 +149,7 @@ impl PlannedScene {
     ///
     /// # Errors
     /// [`PlanError::Scene`], [`PlanError::Malformed`] if text and hash do not belong together.
-    pub fn scene(&self, dir: &Path) -> Result<Scene, PlanError> {
+    pub(crate) fn scene(&self, dir: &Path) -> Result<Scene, PlanError> {
         let path = dir.join(PLAN);
         let mut source =
             Source::from_text(format!("{} ({})", path.display(), self.name), &*self.text);
@@ -168,7 +168,7 @@ impl PlannedScene {
     ///
     /// # Errors
     /// [`PlanError::Changed`].
-    pub fn unchanged(&self) -> Result<(), PlanError> {
+    pub(crate) fn unchanged(&self) -> Result<(), PlanError> {
         if !self.file.is_file() {
             return Ok(());
         }
@@ -206,7 +206,7 @@ impl Plan {
     ///
     /// # Errors
     /// [`PlanError::Io`].
-    pub fn write(
+    pub(crate) fn write(
         &self,
         dir: &Path,
         cases: impl Iterator<Item = CaseRow>,
@@ -223,12 +223,12 @@ impl Plan {
     }
 
     /// Grids in place of the scenes' own.
-    pub fn overrides(&self) -> Overrides {
+    pub(crate) fn overrides(&self) -> Overrides {
         Overrides { n: self.n.clone(), steps: self.steps.clone() }
     }
 
     /// A scene of the plan by its name.
-    pub fn planned(&self, name: &str) -> Option<&PlannedScene> {
+    pub(crate) fn planned(&self, name: &str) -> Option<&PlannedScene> {
         self.scenes.iter().find(|scene| scene.name == name)
     }
 
@@ -272,7 +272,7 @@ impl Plan {
 ///
 /// # Errors
 /// [`PlanError::Io`]; a malformed row is the error of its item.
-pub fn rows(
+pub(crate) fn rows(
     path: &Path,
 ) -> Result<impl Iterator<Item = Result<CaseRow, PlanError>> + use<>, PlanError> {
     let path = path.to_owned();

@@ -28,7 +28,7 @@ pub struct Array {
 }
 
 /// The arrays of a plan, the longest jobs first.
-pub fn arrays(jobs: &[JobRow]) -> Vec<Array> {
+pub(crate) fn arrays(jobs: &[JobRow]) -> Vec<Array> {
     let class = |value: u64, factor: f64| (value.max(1) as f64).log(factor).floor() as i64;
     let mut classes: BTreeMap<(i64, i64), Vec<&JobRow>> = BTreeMap::new();
     for job in jobs {
@@ -46,7 +46,7 @@ pub fn arrays(jobs: &[JobRow]) -> Vec<Array> {
 }
 
 /// The script that submits them.
-pub fn submit(arrays: &[Array]) -> String {
+pub(crate) fn submit(arrays: &[Array]) -> String {
     let mut text = String::from(
         "#!/usr/bin/env bash\n\
          # Written by `sweep plan --format slurm`: submits the jobs of this plan. SWEEP=/path/to/sweep names a program\n\

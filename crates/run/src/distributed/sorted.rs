@@ -15,7 +15,7 @@ pub const AT_ONCE: usize = 32_768;
 type Source = Box<dyn Iterator<Item = Result<CaseRecord, RecordError>>>;
 
 /// All cases by scene, n and steps; of equal keys those of earlier tables come first.
-pub struct SortedCases {
+pub(crate) struct SortedCases {
     sources: Vec<Source>,
     /// The next case of each source that has one.
     heads: BinaryHeap<Reverse<(Key, usize)>>,
@@ -27,7 +27,11 @@ impl SortedCases {
     ///
     /// # Errors
     /// [`RecordError`] of a table, or of a file below `folder`.
-    pub fn new(tables: &[PathBuf], folder: &Path, at_once: usize) -> Result<Self, RecordError> {
+    pub(crate) fn new(
+        tables: &[PathBuf],
+        folder: &Path,
+        at_once: usize,
+    ) -> Result<Self, RecordError> {
         let mut sources: Vec<Source> = Vec::new();
         let mut kept: Vec<CaseRecord> = Vec::new();
         for table in tables {
@@ -62,7 +66,7 @@ impl SortedCases {
     ///
     /// # Errors
     /// [`RecordError`] of a file below the folder.
-    pub fn next(&mut self) -> Result<Option<(Key, CaseRecord)>, RecordError> {
+    pub(crate) fn next(&mut self) -> Result<Option<(Key, CaseRecord)>, RecordError> {
         let Some(Reverse((key, source))) = self.heads.pop() else { return Ok(None) };
         let case = self.next[source].take();
         self.advance(source)?;
@@ -70,12 +74,12 @@ impl SortedCases {
     }
 
     /// Whether the next case has this key.
-    pub fn is_next(&self, key: &Key) -> bool {
+    pub(crate) fn is_next(&self, key: &Key) -> bool {
         self.heads.peek().is_some_and(|Reverse((next, _))| next == key)
     }
 
     /// The scene of the next case.
-    pub fn scene(&self) -> Option<&str> {
+    pub(crate) fn scene(&self) -> Option<&str> {
         self.heads.peek().map(|Reverse((key, _))| key.scene.as_str())
     }
 }
@@ -90,7 +94,7 @@ fn written(cases: &mut Vec<CaseRecord>, path: &Path) -> Result<Source, RecordErr
 }
 
 /// Whether two records of one case say the same: every column but `seconds_*`.
-pub fn agree(a: &CaseRecord, b: &CaseRecord) -> bool {
+pub(crate) fn agree(a: &CaseRecord, b: &CaseRecord) -> bool {
     let timeless = |case: &CaseRecord| {
         let mut case = CaseRecord {
             seconds_load: 0.0,

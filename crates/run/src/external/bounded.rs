@@ -9,7 +9,7 @@ use files::open_file;
 
 /// The most bytes of a file with so many parts.
 #[derive(Debug, Clone, Copy)]
-pub struct Bound {
+pub(crate) struct Bound {
     /// For what is there once.
     pub first: u64,
     /// For each part.
@@ -18,17 +18,17 @@ pub struct Bound {
 
 impl Bound {
     /// Of a file with `count` parts.
-    pub fn of(self, count: usize) -> u64 {
+    pub(crate) fn of(self, count: usize) -> u64 {
         self.first.saturating_add(self.each.saturating_mul(count as u64))
     }
 }
 
 /// When reading has to be over, if ever.
-pub type Until = Option<Instant>;
+pub(crate) type Until = Option<Instant>;
 
 /// A file under a time limit.
 #[derive(Debug)]
-pub struct Timed {
+pub(crate) struct Timed {
     file: File,
     until: Until,
     /// Bytes of the file when it was opened.
@@ -45,7 +45,7 @@ impl Timed {
     ///
     /// # Errors
     /// Those of [`open_file`].
-    pub fn open(path: &Path, until: Until) -> io::Result<Self> {
+    pub(crate) fn open(path: &Path, until: Until) -> io::Result<Self> {
         let file = open_file(path)?;
         let length = file.metadata()?.len();
         Ok(Self { file, until, length, place: 0 })
@@ -69,7 +69,7 @@ impl Read for Timed {
 ///
 /// # Errors
 /// What the file system says, or both lengths.
-pub fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed, String> {
+pub(crate) fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed, String> {
     let file = Timed::open(path, until).map_err(|error| error.to_string())?;
     if file.length > most {
         return Err(format!("{} bytes, where at most {most} can be needed", file.length));
@@ -81,7 +81,7 @@ pub fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed, Strin
 ///
 /// # Errors
 /// Those of [`open_bounded`].
-pub fn read_bounded(path: &Path, most: u64, until: Until) -> Result<Vec<u8>, String> {
+pub(crate) fn read_bounded(path: &Path, most: u64, until: Until) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     // A file may grow meanwhile.
     open_bounded(path, most, until)?
@@ -92,7 +92,7 @@ pub fn read_bounded(path: &Path, most: u64, until: Until) -> Result<Vec<u8>, Str
 }
 
 /// Whether a name that a file gives is that of a file below its directory.
-pub fn is_below(file: &str) -> bool {
+pub(crate) fn is_below(file: &str) -> bool {
     let within = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     !file.is_empty() && Path::new(file).components().all(within)
 }

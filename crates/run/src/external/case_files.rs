@@ -49,7 +49,7 @@ impl Given {
     ///
     /// # Errors
     /// A load that is not finite, a grid too long for its kernels.
-    pub fn new(setup: &Setup, data: &MeshData, steps: u32) -> Result<Self, CaseError> {
+    pub(crate) fn new(setup: &Setup, data: &MeshData, steps: u32) -> Result<Self, CaseError> {
         let grid = setup.grid(steps);
         Ok(Self {
             document: case(setup, data, &grid),

@@ -28,7 +28,7 @@ fn running() -> MutexGuard<'static, Running> {
 }
 
 /// A process that leads a group of its own. Dropped, it is ended with all of the group.
-pub struct Group {
+pub(crate) struct Group {
     child: Child,
 }
 
@@ -37,7 +37,7 @@ impl Group {
     ///
     /// # Errors
     /// Those of [`Command::spawn`].
-    pub fn start(command: &mut Command) -> io::Result<Self> {
+    pub(crate) fn start(command: &mut Command) -> io::Result<Self> {
         leading(command);
         // Locked while it starts: what ends all groups must know it.
         let mut running = running();
@@ -54,7 +54,7 @@ impl Group {
     ///
     /// # Errors
     /// The system's.
-    pub fn wait(&mut self, limit: Duration) -> io::Result<Option<ExitStatus>> {
+    pub(crate) fn wait(&mut self, limit: Duration) -> io::Result<Option<ExitStatus>> {
         let status = self.child.wait_timeout(limit)?;
         let over = running().over;
         if over {

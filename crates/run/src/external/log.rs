@@ -16,7 +16,7 @@ const END: u64 = 1 << 16;
 const WIDTH: usize = 400;
 
 /// The log of a solver that runs.
-pub struct Log {
+pub(crate) struct Log {
     path: PathBuf,
     file: File,
 }
@@ -26,7 +26,7 @@ impl Log {
     ///
     /// # Errors
     /// The file system's.
-    pub fn new(dir: &Path) -> io::Result<Self> {
+    pub(crate) fn new(dir: &Path) -> io::Result<Self> {
         let path = dir.join(LOG);
         remove_if_there(&path)?;
         // What is appended comes after the end, wherever that is by then.
@@ -38,7 +38,7 @@ impl Log {
     ///
     /// # Errors
     /// The system's.
-    pub fn handle(&self) -> io::Result<File> {
+    pub(crate) fn handle(&self) -> io::Result<File> {
         self.file.try_clone()
     }
 
@@ -46,7 +46,7 @@ impl Log {
     ///
     /// # Errors
     /// The file system's.
-    pub fn keep_short(&mut self) -> io::Result<()> {
+    pub(crate) fn keep_short(&mut self) -> io::Result<()> {
         let length = self.file.metadata()?.len();
         if length <= MOST {
             return Ok(());
@@ -58,7 +58,7 @@ impl Log {
     }
 
     /// `: ` and the last line with something in it, cut if it is long; empty where there is none.
-    pub fn last_line(&self) -> String {
+    pub(crate) fn last_line(&self) -> String {
         let lines = last_lines(&self.path);
         let last = lines.iter().rfind(|line| !line.trim().is_empty());
         last.map_or(String::new(), |line| format!(": {}", shortened(line.trim(), WIDTH)))

@@ -75,7 +75,7 @@ pub fn decode(bytes: &[u8]) -> Result<Array, NpyError> {
 ///
 /// # Errors
 /// [`NpyError`].
-pub fn head(file: &mut impl Read) -> Result<Vec<usize>, NpyError> {
+pub(crate) fn head(file: &mut impl Read) -> Result<Vec<usize>, NpyError> {
     let mut magic = [0; MAGIC.len()];
     file.read_exact(&mut magic).map_err(|_| NpyError::Magic)?;
     if magic != MAGIC {
@@ -121,7 +121,7 @@ fn part<const BYTES: usize>(
 ///
 /// # Errors
 /// [`NpyError::Header`] if there are too many to count.
-pub fn length(shape: &[usize]) -> Result<usize, NpyError> {
+pub(crate) fn length(shape: &[usize]) -> Result<usize, NpyError> {
     let count = shape.iter().try_fold(8usize, |product, &axis| product.checked_mul(axis));
     count.ok_or(NpyError::Header("shape"))
 }
@@ -130,7 +130,7 @@ pub fn length(shape: &[usize]) -> Result<usize, NpyError> {
 ///
 /// # Errors
 /// [`NpyError::Length`].
-pub fn numbers(shape: Vec<usize>, data: &[u8]) -> Result<Array, NpyError> {
+pub(crate) fn numbers(shape: Vec<usize>, data: &[u8]) -> Result<Array, NpyError> {
     let wanted = length(&shape)?;
     if wanted != data.len() {
         return Err(NpyError::Length { shape, wanted, found: data.len() });

@@ -8,7 +8,7 @@ use super::vtu::VtuError;
 const NEAR: f64 = 1e-5;
 
 /// The vertices of a mesh, to be found by coordinates.
-pub struct Places<'a> {
+pub(crate) struct Places<'a> {
     vertices: &'a [[f64; 3]],
     near: f64,
     /// Vertices in boxes of twice the distance `near`.
@@ -17,7 +17,7 @@ pub struct Places<'a> {
 
 impl<'a> Places<'a> {
     /// For these vertices.
-    pub fn new(vertices: &'a [[f64; 3]]) -> Self {
+    pub(crate) fn new(vertices: &'a [[f64; 3]]) -> Self {
         let largest = vertices.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
         let mut places = Self { vertices, near: NEAR * largest, boxes: FxHashMap::default() };
         for (vertex, at) in vertices.iter().enumerate() {
@@ -35,7 +35,7 @@ impl<'a> Places<'a> {
     ///
     /// # Errors
     /// [`VtuError::Points`], [`VtuError::Elsewhere`], [`VtuError::Twice`].
-    pub fn of(&self, points: &[[f64; 3]]) -> Result<Vec<u32>, VtuError> {
+    pub(crate) fn of(&self, points: &[[f64; 3]]) -> Result<Vec<u32>, VtuError> {
         let (found, wanted) = (points.len(), self.vertices.len());
         if found != wanted {
             return Err(VtuError::Points { found, wanted });

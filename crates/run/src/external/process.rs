@@ -28,7 +28,7 @@ pub enum ProcessError {
 ///
 /// # Errors
 /// [`ProcessError`]; the last line that it printed is in the message.
-pub fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), ProcessError> {
+pub(crate) fn run(words: &[String], dir: &Path, limit: Duration) -> Result<(), ProcessError> {
     let (program, arguments) = words.split_first().ok_or_else(|| ProcessError::Start {
         program: String::new(),
         reason: "no command".into(),

@@ -49,7 +49,11 @@ pub enum SeriesError {
 ///
 /// # Errors
 /// [`SeriesError`].
-pub fn indexed(dir: &Path, times: &[f64], until: Until) -> Result<Vec<PathBuf>, SeriesError> {
+pub(crate) fn indexed(
+    dir: &Path,
+    times: &[f64],
+    until: Until,
+) -> Result<Vec<PathBuf>, SeriesError> {
     let bytes = read_bounded(&dir.join(COLLECTION), BYTES_A_LEVEL.of(times.len()), until)
         .map_err(|reason| SeriesError::Index(VtuError::Unreadable(reason)))?;
     let text = std::str::from_utf8(&bytes)
@@ -88,7 +92,7 @@ fn level(times: &[f64], found: f64) -> Result<usize, SeriesError> {
 ///
 /// # Errors
 /// The file system's.
-pub fn numbered(dir: &Path) -> Result<Vec<(usize, PathBuf)>, AnswerError> {
+pub(crate) fn numbered(dir: &Path) -> Result<Vec<(usize, PathBuf)>, AnswerError> {
     let unreadable = |error: std::io::Error| AnswerError::Unreadable {
         path: dir.to_owned(),
         reason: error.to_string(),
@@ -115,7 +119,7 @@ pub fn numbered(dir: &Path) -> Result<Vec<(usize, PathBuf)>, AnswerError> {
 ///
 /// # Errors
 /// [`SeriesError`]: a level without a file, with two, or beyond the last.
-pub fn each_level(
+pub(crate) fn each_level(
     files: Vec<(usize, PathBuf)>,
     levels: usize,
 ) -> Result<Vec<PathBuf>, SeriesError> {
@@ -139,7 +143,7 @@ pub fn each_level(
 ///
 /// # Errors
 /// [`AnswerError::Vtu`].
-pub fn read_levels(
+pub(crate) fn read_levels(
     files: &[PathBuf],
     wanted: &Wanted<'_>,
     until: Until,

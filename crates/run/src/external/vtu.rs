@@ -78,7 +78,7 @@ pub enum VtuError {
 
 /// A file's points and their displacements.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Snapshot {
+pub(crate) struct Snapshot {
     /// Coordinates.
     pub points: Vec<[f64; 3]>,
     /// d numbers a point.
@@ -96,7 +96,7 @@ const MOST_NODES: u32 = 1 << 16;
 ///
 /// # Errors
 /// [`VtuError`].
-pub fn read_vtu(
+pub(crate) fn read_vtu(
     path: &Path,
     [vertices, dimension]: [usize; 2],
     until: Until,

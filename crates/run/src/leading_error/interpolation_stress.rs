@@ -28,7 +28,7 @@ pub struct StressInterpolationError {
 
 impl StressInterpolationError {
     /// Binds the exact solution to the vertices of the mesh of `space` and to points in its cells.
-    pub fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
+    pub(crate) fn new(exact: Arc<Exact>, space: Arc<Discretization>) -> Self {
         let mesh = &space.mesh;
         let rule = if mesh.dimension == 2 { triangle_degree_4() } else { tetrahedron_degree_5() };
         let points: Vec<[f64; 3]> = (0..mesh.cell_count())
@@ -46,7 +46,7 @@ impl StressInterpolationError {
     ///
     /// # Errors
     /// A formula that is not finite at a vertex.
-    pub fn at(&mut self, t: f64) -> Result<f64, LoadError> {
+    pub(crate) fn at(&mut self, t: f64) -> Result<f64, LoadError> {
         match self.space.mesh.dimension {
             2 => self.at_in::<2, 3>(t),
             _ => self.at_in::<3, 6>(t),

@@ -14,7 +14,7 @@ pub struct QuadraticError<const D: usize> {
 
 impl<const D: usize> QuadraticError<D> {
     /// The simplex with D + 1 corners.
-    pub fn new(corners: &[[f64; D]]) -> Self {
+    pub(crate) fn new(corners: &[[f64; D]]) -> Self {
         let count = corners.len() as f64;
         let centre: [f64; D] =
             std::array::from_fn(|i| corners.iter().map(|v| v[i]).sum::<f64>() / count);
@@ -38,7 +38,7 @@ impl<const D: usize> QuadraticError<D> {
     }
 
     /// Mean over the simplex of |ε(q - I q)|² for the field whose component i has the Hessian `hessians[i]`.
-    pub fn mean_square(&self, hessians: &[[[f64; D]; D]; D]) -> f64 {
+    pub(crate) fn mean_square(&self, hessians: &[[[f64; D]; D]; D]) -> f64 {
         let mean = hessians.map(|hessian| self.mean_gradient(&hessian));
         let mut sum = 0.0;
         for i in 0..D {

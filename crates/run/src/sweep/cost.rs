@@ -82,7 +82,7 @@ pub struct PlanCost {
 
 impl PlanCost {
     /// CPU seconds of the reference run, zero without one.
-    pub fn reference_seconds(&self) -> f64 {
+    pub(crate) fn reference_seconds(&self) -> f64 {
         self.reference.map_or(0.0, |cost| cost.seconds)
     }
 }

@@ -89,7 +89,7 @@ impl ScenePlan {
     }
 
     /// Takes an added case back.
-    pub fn remove(&mut self, case: &NextCase) {
+    pub(crate) fn remove(&mut self, case: &NextCase) {
         self.added.retain(|added| added.case != *case);
         self.cases.retain(|own| own.n != case.n || own.steps != case.steps);
     }
@@ -145,7 +145,7 @@ impl ScenePlan {
     }
 
     /// How often reference levels are kept so that all cases find theirs.
-    pub fn kept_steps(&self) -> u32 {
+    pub(crate) fn kept_steps(&self) -> u32 {
         self.cases.iter().map(|case| case.steps).fold(1, lowest_common_multiple)
     }
 }

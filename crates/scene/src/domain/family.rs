@@ -34,7 +34,7 @@ impl MeshFamily {
     }
 
     /// True if the mesh m refines the mesh n wherever n divides m.
-    pub fn nests(self) -> bool {
+    pub(crate) fn nests(self) -> bool {
         self == MeshFamily::Structured
     }
 }

@@ -21,7 +21,7 @@ impl Side {
     pub const BACK: Side = Side(5);
 
     /// Its position.
-    pub fn index(self) -> usize {
+    pub(crate) fn index(self) -> usize {
         self.0 as usize
     }
 }
@@ -67,12 +67,12 @@ impl Face {
     }
 
     /// The lengths of the edges.
-    pub fn lengths(&self) -> Vec<f64> {
+    pub(crate) fn lengths(&self) -> Vec<f64> {
         self.edges.iter().map(|&edge| length(edge)).collect()
     }
 
     /// The longest edge, that across a triangle included.
-    pub fn longest(&self) -> f64 {
+    pub(crate) fn longest(&self) -> f64 {
         let across = match (&self.edges[..], self.triangle) {
             ([a, b], true) => length([0, 1, 2].map(|i| a[i] - b[i])),
             _ => 0.0,
@@ -112,7 +112,7 @@ impl Face {
     }
 
     /// The same with the steps (i, j) along the edges.
-    pub fn grid(&self, intervals: u32) -> Vec<([u32; 2], [f64; 3])> {
+    pub(crate) fn grid(&self, intervals: u32) -> Vec<([u32; 2], [f64; 3])> {
         let start = vec![([0, 0], self.corner)];
         let grid = self.edges.iter().enumerate().fold(start, |points, (axis, edge)| {
             (0..=intervals)

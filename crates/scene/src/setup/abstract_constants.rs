@@ -62,7 +62,7 @@ const REACH: f64 = 10.0;
 ///
 /// # Errors
 /// An inner product that is not positive definite.
-pub fn abstract_constants(
+pub(crate) fn abstract_constants(
     scene: &Scene,
     problem: &AbstractScene,
     model: &FiniteModel,

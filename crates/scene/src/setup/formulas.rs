@@ -13,7 +13,7 @@ pub struct KernelFormula {
 
 impl KernelFormula {
     /// The kernel that `node` of `graph` states.
-    pub fn new(graph: Arc<Graph>, node: Node) -> Self {
+    pub(crate) fn new(graph: Arc<Graph>, node: Node) -> Self {
         Self { graph, node }
     }
 }
@@ -59,12 +59,12 @@ pub struct GapFormula {
 
 impl GapFormula {
     /// The function that `node` states, or the constant `absent`.
-    pub fn new(graph: Arc<Graph>, node: Option<Node>, absent: f64) -> Self {
+    pub(crate) fn new(graph: Arc<Graph>, node: Option<Node>, absent: f64) -> Self {
         Self { graph, node, absent }
     }
 
     /// As the model holds it.
-    pub fn boxed(self) -> Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> {
+    pub(crate) fn boxed(self) -> Box<dyn Fn([f64; 3]) -> f64 + Send + Sync> {
         Box::new(move |[x, y, z]| match self.node {
             Some(node) => self.graph.evaluate(node, &Point { x, y, z, ..Point::default() }),
             None => self.absent,

@@ -34,7 +34,7 @@ enum Part {
 
 impl GivenLoad {
     /// The load of `body` and `traction` formulas on `space`.
-    pub fn new(
+    pub(crate) fn new(
         graph: &Graph,
         horizon: f64,
         body: &[Node],
@@ -85,7 +85,7 @@ impl GivenLoad {
     }
 
     /// How many F_i the load of these formulas has on any mesh; `None` where one does not separate.
-    pub fn parts(graph: &Graph, formulas: impl Iterator<Item = Node>) -> Option<usize> {
+    pub(crate) fn parts(graph: &Graph, formulas: impl Iterator<Item = Node>) -> Option<usize> {
         let (mut graph, mut factors) = (graph.clone(), HashSet::new());
         for formula in formulas {
             if graph.value_of_constant(formula) != Some(0.0) {
@@ -96,7 +96,7 @@ impl GivenLoad {
     }
 
     /// The values a_i(t).
-    pub fn factors_at(&self, t: f64, out: &mut [f64]) {
+    pub(crate) fn factors_at(&self, t: f64, out: &mut [f64]) {
         let at = Point { t, ..Point::default() };
         for (value, &factor) in out.iter_mut().zip(&self.factors) {
             *value = self.graph.evaluate(factor, &at);
@@ -104,7 +104,7 @@ impl GivenLoad {
     }
 
     /// The vectors F_i over all nodes, if nothing else is left.
-    pub fn basis(&self) -> Option<&[Vec<f64>]> {
+    pub(crate) fn basis(&self) -> Option<&[Vec<f64>]> {
         self.rest.is_empty().then_some(self.basis.as_slice())
     }
 
@@ -184,7 +184,7 @@ pub struct ReferenceTruth {
 
 impl ReferenceTruth {
     /// Loads of `load`, errors against `reference` (none: the run cannot be measured).
-    pub fn new(
+    pub(crate) fn new(
         space: Arc<Discretization>,
         load: GivenLoad,
         reference: Option<Arc<ReferenceRun>>,

@@ -131,7 +131,7 @@ impl Setup {
     ///
     /// # Errors
     /// [`SetupError::Mesh`].
-    pub fn plain_space(&self, n: u32) -> Result<Discretization, SetupError> {
+    pub(crate) fn plain_space(&self, n: u32) -> Result<Discretization, SetupError> {
         let domain = &self.body.domain;
         let mesh = domain.mesh(n);
         let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));

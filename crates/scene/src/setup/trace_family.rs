@@ -43,7 +43,7 @@ pub fn trace_family(
 impl TraceFamily {
     /// Extrapolates: errors that shrink by a constant factor from mesh to mesh vanish from the limit
     /// (Aitken), so the order of convergence need not be known.
-    pub fn new(values: Vec<(u32, f64)>) -> Self {
+    pub(crate) fn new(values: Vec<(u32, f64)>) -> Self {
         let sequence: Vec<f64> = values.iter().map(|(_, value)| *value).collect();
         let limit = aitken(&sequence);
         let uncertainty = match sequence.len() {

@@ -114,7 +114,7 @@ fn evidence(suspect: Suspect, outcomes: &[Outcome]) -> String {
 
 impl Outcome {
     /// What was observed, in a few words.
-    pub fn shown(&self) -> String {
+    pub(crate) fn shown(&self) -> String {
         if let Some((norm, relative)) = &self.error {
             return match self.decision {
                 Decision::Pass => "exactness".to_owned(),

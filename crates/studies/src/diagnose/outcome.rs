@@ -43,7 +43,7 @@ pub struct Outcome {
 }
 
 /// A scene run by the solver under test.
-pub struct Cases {
+pub(crate) struct Cases {
     pub plan: ScenePlan,
     /// One a case, in order.
     pub records: Vec<CaseRecord>,
@@ -69,7 +69,7 @@ fn mesh(meshes: &[(u32, MeshData)], n: Option<u32>) -> Option<&MeshData> {
 ///
 /// # Errors
 /// What the setup refuses.
-pub fn run_cases(scene: &Scene, prepare: &Prepare<'_>) -> Result<Cases, SetupError> {
+pub(crate) fn run_cases(scene: &Scene, prepare: &Prepare<'_>) -> Result<Cases, SetupError> {
     let setup = prepare(Setup::new(scene.clone())?);
     let plan = ScenePlan::new(Subject::Contact(Box::new(setup)), &Overrides::default());
     let Subject::Contact(setup) = &plan.subject else {
@@ -91,7 +91,7 @@ pub fn run_cases(scene: &Scene, prepare: &Prepare<'_>) -> Result<Cases, SetupErr
 }
 
 /// Runs a trial and judges it.
-pub fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
+pub(crate) fn run(trial: &Trial, prepare: &Prepare<'_>) -> Outcome {
     let mut outcome = Outcome {
         name: trial.scene.name.clone(),
         terms: trial.terms.words(),

@@ -28,7 +28,7 @@ impl Terms {
     };
 
     /// The terms of a scene.
-    pub fn of(body: &ContactScene) -> Self {
+    pub(crate) fn of(body: &ContactScene) -> Self {
         let projection = body.material.projection.as_ref().filter(|p| p.mu > 0.0);
         let contact = body.contact.as_ref();
         Self {
@@ -41,7 +41,7 @@ impl Terms {
     }
 
     /// Each term with the terms that remain without it; ζ goes with the projection that it acts on.
-    pub fn removals(self) -> Vec<(Suspect, Terms)> {
+    pub(crate) fn removals(self) -> Vec<(Suspect, Terms)> {
         let without_projection = Terms { projection: false, accumulation: false, ..self };
         [
             (self.projection, Suspect::Projection, without_projection),
@@ -57,12 +57,12 @@ impl Terms {
     }
 
     /// Whether an integral over the past remains.
-    pub fn has_history(self) -> bool {
+    pub(crate) fn has_history(self) -> bool {
         self.memory || self.accumulation
     }
 
     /// What takes part in a run with these terms.
-    pub fn suspects(self) -> Vec<Suspect> {
+    pub(crate) fn suspects(self) -> Vec<Suspect> {
         let nonlinear = self.projection || self.compliance || self.gap;
         [
             (self.projection, Suspect::Projection),
@@ -81,7 +81,7 @@ impl Terms {
     }
 
     /// In a few words: `elasticity, mu, zeta, memory, law, gap`.
-    pub fn words(self) -> String {
+    pub(crate) fn words(self) -> String {
         let named = [
             (self.projection, "mu"),
             (self.accumulation, "zeta"),
@@ -152,7 +152,7 @@ impl Suspect {
     }
 
     /// Its name in a sentence.
-    pub fn words(self) -> &'static str {
+    pub(crate) fn words(self) -> &'static str {
         match self {
             Suspect::Projection => "the projection term mu (eps - P eps)",
             Suspect::Accumulation => "zeta, the yield limit's dependence on the past",
@@ -172,7 +172,7 @@ impl Suspect {
     }
 
     /// Whether a variant of a scene can do without it.
-    pub fn is_term(self) -> bool {
+    pub(crate) fn is_term(self) -> bool {
         matches!(
             self,
             Suspect::Projection

@@ -13,7 +13,7 @@ use vhi::law::FourthOrder;
 
 /// How the profile U(x) of a probe goes with time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Course {
+pub(crate) enum Course {
     /// u(t) = U: every rule whose weights sum to t_n integrates ‖ε(u)‖ exactly; a multiplier may act.
     Constant,
     /// u(t) = U (1 + t/T)/2: the trapezoidal rule integrates ‖ε(u)‖ exactly.

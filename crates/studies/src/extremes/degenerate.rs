@@ -14,7 +14,7 @@ const SAME: f64 = 1e-12;
 
 /// One number of a scene is 1e-310, below the normal numbers: the answer is that without the term. Where the load is
 /// the only force, nothing stands beside it: the displacements are 1e-310 as well, and are refused.
-pub fn subnormal() -> Ladder {
+pub(crate) fn subnormal() -> Ladder {
     const LOAD: &str = "[loads]\nbody = [\"0\", \"-3*t*x\"]\n";
     type Body = fn(String) -> SceneText;
     let beside = |label: &'static str, body: Body, own: &'static str, without: &'static str| {
@@ -63,7 +63,7 @@ pub fn subnormal() -> Ladder {
 
 /// A parallelogram with sides (1, 0) and (s, 1), n = 8: cells with two angles near 0 and one near π as s grows. The
 /// interpolant is poor on such cells, and Céa's bound is in terms of it: it holds all the same.
-pub fn sliver() -> Ladder {
+pub(crate) fn sliver() -> Ladder {
     let rung = |label: &str, shear: f64| {
         Rung::new(label, Expected::AtMost(1.0 + QUADRATURE), move |under_test: &UnderTest<'_>| {
             let domain = format!(
@@ -96,7 +96,7 @@ pub fn sliver() -> Ladder {
 
 /// A kernel e^{-t} - w e^{-2t} that changes its sign at t = ln w, w from 0.5 to 1e6: rounding is that of both parts,
 /// whatever is left of their difference.
-pub fn sign_change() -> Ladder {
+pub(crate) fn sign_change() -> Ladder {
     let weights = [0.5, 1.0, 2.0, 1e3, 1e6];
     Ladder {
         name: "sign-change",

@@ -77,7 +77,7 @@ pub(super) fn opposed(weight: f64, k: f64, steps: usize) -> Rung {
 }
 
 /// ck from 1e-12 (nothing is forgotten) to 1e12 (everything is, within a step).
-pub fn relaxation() -> Ladder {
+pub(crate) fn relaxation() -> Ladder {
     const STEPS: usize = 1000;
     let exponents = [-12, -6, -3, -1, 0, 1, 2, 3, 6, 12];
     let rung = |e: i32| {
@@ -94,7 +94,7 @@ pub fn relaxation() -> Ladder {
 }
 
 /// N from 1e2 to 1e6 at cT = 1.
-pub fn steps() -> Ladder {
+pub(crate) fn steps() -> Ladder {
     let rung = |e: i32| {
         let steps = 10usize.pow(e as u32);
         against_the_sum(format!("1e{e}"), 1.0, 1.0 / steps as f64, steps)
@@ -109,7 +109,7 @@ pub fn steps() -> Ladder {
 }
 
 /// ζ_N of N from 1e2 to 1e6 against the sum with compensation: ε/2 each of product and sum a step.
-pub fn accumulated() -> Ladder {
+pub(crate) fn accumulated() -> Ladder {
     let rung = |e: i32| {
         let steps = 10usize.pow(e as u32);
         let bound = f64::EPSILON * (steps as f64 + 4.0);

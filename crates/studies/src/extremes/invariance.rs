@@ -63,27 +63,27 @@ const ALL: &[Unitless] = &Unitless::ALL;
 
 /// The unit of length, in the plane: in space n counts cells a unit length, which is then part of the mesh. Beyond
 /// 1e±150 areas leave the doubles, and the scene is refused.
-pub fn length() -> Ladder {
+pub(crate) fn length() -> Ladder {
     let with = |length| Units { length, ..Units::default() };
     let refused = |e: i32| (e.abs() > 150).then_some("outside 1e-150 to 1e150");
     ladder("unit-length", "unit of length", PLANE, &with_ends(200), refused, with)
 }
 
 /// The unit of stiffness; beyond 1e±152 squares of stresses leave the doubles.
-pub fn stiffness() -> Ladder {
+pub(crate) fn stiffness() -> Ladder {
     let with = |stiffness| Units { stiffness, ..Units::default() };
     let refused = |e: i32| (e.abs() > 150).then_some("the stiffest modulus");
     ladder("unit-stiffness", "unit of stiffness", ALL, &with_ends(200), refused, with)
 }
 
 /// The unit of time: nothing squares it.
-pub fn time() -> Ladder {
+pub(crate) fn time() -> Ladder {
     let with = |time| Units { time, ..Units::default() };
     ladder("unit-time", "unit of time", ALL, &EXPONENTS, |_| None, with)
 }
 
 /// The unit of displacement; strains beyond 1e±152 are refused, subnormal ones among them.
-pub fn displacement() -> Ladder {
+pub(crate) fn displacement() -> Ladder {
     let with = |displacement| Units { displacement, ..Units::default() };
     let refused = |e: i32| (e.abs() > 150).then_some("state the scene in other units");
     ladder("unit-displacement", "unit of displacement", ALL, &with_ends(200), refused, with)
@@ -96,7 +96,7 @@ fn with_ends(end: i32) -> Vec<i32> {
 }
 
 /// All units at once, as programs in SI units meet them: from films to faults.
-pub fn together() -> Ladder {
+pub(crate) fn together() -> Ladder {
     let cases: [(&str, Units); 4] = [
         ("nm", Units { length: 1e-9, stiffness: 1e9, time: 1e-9, displacement: 1e-12 }),
         ("mm", Units { length: 1e-3, stiffness: 1e6, time: 1.0, displacement: 1e-6 }),

@@ -28,7 +28,7 @@ impl Standing {
     }
 
     /// In words.
-    pub fn words(self) -> &'static str {
+    pub(crate) fn words(self) -> &'static str {
         match self {
             Self::AsExpected => "as expected",
             Self::RefusedAsExpected => "refused as expected",

@@ -42,7 +42,7 @@ fn projected(
 }
 
 /// μ from 0 to 1e6 μ_L with κ = 0.1.
-pub fn projection() -> Ladder {
+pub(crate) fn projection() -> Ladder {
     let rung = |at: &str, mu: f64| {
         let bound = ROUNDING * (1.0 + mu);
         Rung::new(at, Expected::AtMost(bound), move |under_test: &UnderTest<'_>| {
@@ -61,7 +61,7 @@ pub fn projection() -> Ladder {
 }
 
 /// κ from 1e-300 (nothing is below it) to 1e300 (everything is).
-pub fn yield_limit() -> Ladder {
+pub(crate) fn yield_limit() -> Ladder {
     let rung = |e: i32| {
         Rung::new(
             format!("1e{e}"),
@@ -92,7 +92,7 @@ const NEXT_ORDER: f64 = 0.15;
 /// u(t) = (t - t*) U: ‖ε(u)‖ has a kink at t*, where u = 0 as well. The rule is exact on both sides of a level t*;
 /// with t* inside a step ζ is wrong by a(1 - a) k² ‖ε(U)‖, a being its place in the step: order 2 in the mean (the
 /// BV lemma), and between N = 8 and N = 64 the slope 2 + log2(a(1 - a) of the first / of the second)/3.
-pub fn through_zero() -> Ladder {
+pub(crate) fn through_zero() -> Ladder {
     let errors = |at: f64, steps: u32, under_test: &UnderTest<'_>| {
         let projection = "[material.projection]\nmu = 1.0\nkappa = \"0.02 + 0.5*zeta\"\n";
         let answer =
@@ -132,7 +132,7 @@ pub fn through_zero() -> Ladder {
 
 /// One step k of a body with ℬ = -𝒜, u linear in time and in V^h: the trapezoidal rule is exact, the condition
 /// number 1/|1 - k/2| is left. From k = 2 on K(1 - k/2) is not positive definite, and the factorization says so.
-pub fn body_step() -> Ladder {
+pub(crate) fn body_step() -> Ladder {
     let rung = |k: f64| {
         let expected = match k < 2.0 {
             true => Expected::AtMost(ROUNDING / (1.0 - 0.5 * k)),
@@ -154,7 +154,7 @@ pub fn body_step() -> Ladder {
 
 /// N steps of a body with ℬ = 𝒜/10, without fading, on n = 2: the rule is exact for u linear in time, and a step of
 /// the recursion rounds three times.
-pub fn long_march(most: i32) -> Ladder {
+pub(crate) fn long_march(most: i32) -> Ladder {
     let rung = |e: i32| {
         let steps = 10u32.pow(e as u32);
         let bound = ROUNDING + 3.0 * f64::EPSILON * f64::from(steps);

@@ -34,13 +34,13 @@ impl Measured {
     }
 
     /// A number about an answer.
-    pub fn of(value: f64, answer: &Answer) -> Self {
+    pub(crate) fn of(value: f64, answer: &Answer) -> Self {
         let iterations = f64::from(answer.iterations) / f64::from(answer.levels.max(1));
         Self { iterations: Some(iterations), kkt: Some(answer.kkt), ..Self::number(value) }
     }
 
     /// With a remark.
-    pub fn noted(self, note: impl Into<String>) -> Self {
+    pub(crate) fn noted(self, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..self }
     }
 }
@@ -72,7 +72,7 @@ pub struct Largest {
 
 impl Rung {
     /// A rung.
-    pub fn new(
+    pub(crate) fn new(
         at: impl Into<String>,
         expected: Expected,
         run: impl Fn(&UnderTest<'_>) -> Result<Measured, NoAnswer> + Send + Sync + 'static,

@@ -49,7 +49,7 @@ fn error<S: StepSolver>(text: String, steps: u32, solver: &S) -> Result<Measured
 
 /// m0 = 1 - α from 0.1 to 1e-12, 0 and below. u = f/m0, so a rounding of the forces is divided by m0; at
 /// m0 ≤ 0 (2.9) fails and the setup refuses.
-pub fn smallness() -> Ladder {
+pub(crate) fn smallness() -> Ladder {
     let rung = |m0: f64| {
         let expected = match m0 > 0.0 {
             true => Expected::AtMost(UNITS * f64::EPSILON / m0),
@@ -108,7 +108,7 @@ fn conditioned(k: f64, q: f64) -> Expected {
 
 /// Newton's method with memory -1: (3.4) is k < 1, sharpened k < 2. From k = 2 on the level is not monotone, at
 /// k = 2 itself every u solves it: refused, unless the scene says that it violates (3.4).
-pub fn falling_memory() -> Ladder {
+pub(crate) fn falling_memory() -> Ladder {
     let rung = |k: f64| {
         let expected = match k < 2.0 {
             true => conditioned(k, -1.0),
@@ -127,7 +127,7 @@ pub fn falling_memory() -> Ladder {
 }
 
 /// Newton's method with memory +1: no bound in k.
-pub fn rising_memory() -> Ladder {
+pub(crate) fn rising_memory() -> Ladder {
     let steps = [0.5, 1.0, 2.0, 1e3, 1e6, 1e12, 1e100];
     Ladder {
         name: "step-rising",
@@ -140,7 +140,7 @@ pub fn rising_memory() -> Ladder {
 
 /// Λ with memory +1: it contracts with factor k/2, so the stop at 1e-13 leaves k/(2 - k) 1e-13; from k = 2 on
 /// it does not contract, and says so.
-pub fn fixed_point() -> Ladder {
+pub(crate) fn fixed_point() -> Ladder {
     let rung = |k: f64| {
         let expected = match k < 2.0 {
             true => Expected::AtMost(4e-13 * k / (2.0 - k) + UNITS * f64::EPSILON),

@@ -97,7 +97,7 @@ const SOLENOIDAL: &str = "[exact]\nu = [\"-2*(1 - y)*sin(pi*x)\", \"-pi*(1 - y)^
 /// has few fields without divergence, so the error stays near ‖ε(u)‖ until h is below √(μ_L/λ) or so. λ tr ε is a
 /// sum of terms λ‖ε‖ that cancel, so it rounds to ελ‖ε‖ and more beside loads of order one: at 1e8 that is above the
 /// 1e-9 of the KKT evaluation, and the run is refused.
-pub fn locking() -> Ladder {
+pub(crate) fn locking() -> Ladder {
     let rung = |e: i32| {
         let ratio = power_of_ten(e);
         let lame = [ratio, 1.0];
@@ -128,7 +128,7 @@ pub fn locking() -> Ladder {
 }
 
 /// Where the order returns at λ/μ_L = 1e2: slopes from n = 4 on.
-pub fn locking_order(finest: u32) -> Ladder {
+pub(crate) fn locking_order(finest: u32) -> Ladder {
     let lame = [1e2, 1.0];
     let text = move || SceneText { lame, ..SceneText::free(SOLENOIDAL) }.text();
     let rung = move |n: u32| {
@@ -157,7 +157,7 @@ pub(super) const SMOOTH: &str =
     "[exact]\nu = [\"0.2*sin(pi*x)*(1 - y^2)\", \"-0.1*(1 + cos(pi*x))*(1 - y)*(1 + y/2)\"]\n";
 
 /// h from one cell to 1/finest: between the best approximation and Céa's bound √2 ‖ε(u - I_h u)‖.
-pub fn mesh_size(finest: u32) -> Ladder {
+pub(crate) fn mesh_size(finest: u32) -> Ladder {
     let text = || SceneText::free(SMOOTH).text();
     let rung = |n: u32| {
         let run = move |under_test: &UnderTest<'_>| {
@@ -178,7 +178,7 @@ pub fn mesh_size(finest: u32) -> Ladder {
 }
 
 /// A strip 1 × δ of cells with aspect ratio 1/δ, n = 8: the bound has no constant of shape.
-pub fn aspect_ratio() -> Ladder {
+pub(crate) fn aspect_ratio() -> Ladder {
     let rung = |e: i32| {
         let run = move |under_test: &UnderTest<'_>| {
             let height = power_of_ten(-e);

@@ -13,7 +13,7 @@ const SAME: f64 = 1e-12;
 /// The factor of the load on the scene `punch`. Below 1e-6 of it κ, the kinks of the law at 0.04 and the gap are out
 /// of reach, and the rest is homogeneous of degree one: the answer is that at 1e-6 to scale, while the pressures that
 /// the law gives to u_ν scale as well. At 1e20 and above, gap, law and κ are nothing beside the load: homogeneous again.
-pub fn load() -> Ladder {
+pub(crate) fn load() -> Ladder {
     let nothing = Rung::new("0", Expected::AtMost(0.0), |under_test: &UnderTest<'_>| {
         let answer = solve(punch("0.10", 0.0), 4, 4, under_test.prepare)?;
         let size = largest(&answer.displacement) + f64::from(answer.iterations);
@@ -44,7 +44,7 @@ pub fn load() -> Ladder {
 }
 
 /// Gaps: 1e-300 is 0; 1e300 is none; none may be written `inf`; a gap of -∞ or NaN is refused.
-pub fn gap() -> Ladder {
+pub(crate) fn gap() -> Ladder {
     const NOT_FINITE: &str = "`gap` is";
     let like = |gap: &'static str, other: &'static str| {
         Rung::new(gap, Expected::AtMost(SAME), move |under_test: &UnderTest<'_>| {
@@ -80,7 +80,7 @@ pub fn gap() -> Ladder {
 /// One cell with one free vertex, on Γ3: the triangle (0,0), (1,0), (0,1), clamped on x = 0. With u = (p, q) at
 /// (1,0): ½(λ + 2μ)p = 0, ½ μ q + ½ λ_c s = -c/6 for f0 = (0, -c); u_ν = -q ≤ g. For λ = μ = 1 and g = 0.1 it is
 /// open for c ≤ 0.3, q = -c/3, and locked beyond, the pressure being c/3 - 0.1.
-pub fn one_vertex() -> Ladder {
+pub(crate) fn one_vertex() -> Ladder {
     let rung = |label: &str, c: f64| {
         let bound = Expected::AtMost(16.0 * f64::EPSILON);
         Rung::new(label, bound, move |under_test: &UnderTest<'_>| {
@@ -121,7 +121,7 @@ pub fn one_vertex() -> Ladder {
 /// clamp of length δ leaves a turn that strains of size 1/δ hold: the condition number grows like 1/δ². Strains at
 /// the clamp round to ε/δ, which the separate KKT evaluation sees beside nodal forces of order one: from δ = 1e-6 on
 /// it says so, and at 1e-8 1/δ² is 1/ε: no pivot is safe. Coarse triangles are flat below 1e-10, and points the same below 1e-11.
-pub fn short_clamp() -> Ladder {
+pub(crate) fn short_clamp() -> Ladder {
     let rung = |e: i32| {
         let expected = match e {
             ..=5 => Expected::AtMost(160.0 * 16.0 * f64::EPSILON * power_of_ten(2 * e)),

@@ -24,22 +24,22 @@ impl Default for Units {
 
 impl Units {
     /// Of strains and κ.
-    pub fn strain(&self) -> f64 {
+    pub(crate) fn strain(&self) -> f64 {
         self.displacement / self.length
     }
 
     /// Of stresses and pressures.
-    pub fn stress(&self) -> f64 {
+    pub(crate) fn stress(&self) -> f64 {
         self.stiffness * self.strain()
     }
 
     /// Of f0, which is not formed from unit to unit where an intermediate one overflows.
-    pub fn body_force(&self) -> f64 {
+    pub(crate) fn body_force(&self) -> f64 {
         self.stress() / self.length
     }
 
     /// Of ζ = ∫‖ε‖: a strain times a length to the power d/2 times a time.
-    pub fn zeta(&self, dimension: i32) -> f64 {
+    pub(crate) fn zeta(&self, dimension: i32) -> f64 {
         self.strain() * self.length.powf(0.5 * f64::from(dimension)) * self.time
     }
 
@@ -87,7 +87,7 @@ impl Unitless {
     pub const ALL: [Self; 4] = [Self::Linear, Self::EveryTerm, Self::SetValued, Self::Box];
 
     /// Its name in tables.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Linear => "linear",
             Self::EveryTerm => "every term",
@@ -97,7 +97,7 @@ impl Unitless {
     }
 
     /// d.
-    pub fn dimension(self) -> i32 {
+    pub(crate) fn dimension(self) -> i32 {
         if self == Self::Box { 3 } else { 2 }
     }
 

@@ -24,25 +24,25 @@ impl<'a> Candidates<'a> {
     ///
     /// # Errors
     /// Those of a setup.
-    pub fn new(setup: &'a Setup, beside_reference: bool) -> Result<Self, SetupError> {
+    pub(crate) fn new(setup: &'a Setup, beside_reference: bool) -> Result<Self, SetupError> {
         let subject = Subject::new(setup.scene.clone())?;
         let (safe, largest) = Default::default();
         Ok(Self { setup, subject, beside_reference, safe, largest })
     }
 
     /// h of n.
-    pub fn h(&self, n: u32) -> f64 {
+    pub(crate) fn h(&self, n: u32) -> f64 {
         self.setup.body.domain.h(n)
     }
 
     /// The largest step of N steps.
-    pub fn k(&self, steps: u32) -> f64 {
+    pub(crate) fn k(&self, steps: u32) -> f64 {
         let largest = || self.setup.grid(steps).largest_step();
         *self.largest.borrow_mut().entry(steps).or_insert_with(largest)
     }
 
     /// Whether n suits the domain.
-    pub fn cells(&self, n: u32) -> bool {
+    pub(crate) fn cells(&self, n: u32) -> bool {
         let scene = &self.setup.scene;
         match self.beside_reference {
             true => scene.check_cases(&[n], &[]).is_ok(),
@@ -51,7 +51,7 @@ impl<'a> Candidates<'a> {
     }
 
     /// Whether N steps are small enough.
-    pub fn steps(&self, steps: u32) -> bool {
+    pub(crate) fn steps(&self, steps: u32) -> bool {
         let divides = !self.beside_reference || self.setup.scene.check_cases(&[], &[steps]).is_ok();
         let safe = || check_step_sizes(&self.subject, &[steps]).is_ok();
         divides && *self.safe.borrow_mut().entry(steps).or_insert_with(safe)

@@ -27,7 +27,7 @@ pub struct Composition {
 impl Composition {
     /// Least squares of the relative error over all non-negative c: the best of all choices of parts whose own least
     /// squares have no negative one (the minimum has such a support). None without a choice that fits.
-    pub fn fit(samples: &[CostSample], dimension: usize, horizon: f64) -> Option<Self> {
+    pub(crate) fn fit(samples: &[CostSample], dimension: usize, horizon: f64) -> Option<Self> {
         let mut best: Option<(f64, [f64; PARTS])> = None;
         for chosen in 1u32..1 << PARTS {
             let columns: Vec<usize> = (0..PARTS).filter(|i| chosen & (1 << i) != 0).collect();

@@ -62,7 +62,7 @@ impl CostModel {
     ///
     /// # Errors
     /// [`NoCost`].
-    pub fn fit(samples: &[CostSample]) -> Result<Self, NoCost> {
+    pub(crate) fn fit(samples: &[CostSample]) -> Result<Self, NoCost> {
         let found = samples.len();
         if found < NEEDED {
             return Err(NoCost::TooFew { found });
@@ -105,7 +105,7 @@ impl CostModel {
     }
 
     /// Seconds at (h, k).
-    pub fn seconds(&self, h: f64, k: f64) -> f64 {
+    pub(crate) fn seconds(&self, h: f64, k: f64) -> f64 {
         self.base + self.constant * h.powf(-self.space.value) * k.powf(-self.time.value)
     }
 }

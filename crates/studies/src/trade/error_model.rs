@@ -37,14 +37,14 @@ pub struct ErrorModel {
 
 impl Term {
     /// C s^p.
-    pub fn at(&self, step: f64) -> f64 {
+    pub(crate) fn at(&self, step: f64) -> f64 {
         self.constant * step.powf(self.order)
     }
 }
 
 impl ErrorModel {
     /// m.
-    pub fn exponent(&self) -> f64 {
+    pub(crate) fn exponent(&self) -> f64 {
         match self.model {
             Model::Sum => 1.0,
             Model::RootSumSquare => 2.0,
@@ -52,7 +52,7 @@ impl ErrorModel {
     }
 
     /// The error at (h, k).
-    pub fn error(&self, h: f64, k: f64) -> f64 {
+    pub(crate) fn error(&self, h: f64, k: f64) -> f64 {
         let parts = [self.space.map(|term| term.at(h)), self.time.map(|term| term.at(k))];
         let m = self.exponent();
         parts.into_iter().flatten().map(|part| part.powf(m)).sum::<f64>().powf(1.0 / m)
@@ -72,7 +72,11 @@ impl ErrorModel {
     ///
     /// # Errors
     /// What is missing, in words.
-    pub fn fit(points: &[Point], differences: &[Sample], on_mesh: bool) -> Result<Self, String> {
+    pub(crate) fn fit(
+        points: &[Point],
+        differences: &[Sample],
+        on_mesh: bool,
+    ) -> Result<Self, String> {
         let hidden = if on_mesh {
             Some(Direction::Space)
         } else {

@@ -52,7 +52,7 @@ pub struct Reading {
 
 impl Reading {
     /// e (s/s₀)^p, with `ratio` = s/s₀ of a step to that of the run.
-    pub fn at(self, ratio: f64) -> f64 {
+    pub(crate) fn at(self, ratio: f64) -> f64 {
         let order = if ratio < 1.0 { self.finer } else { self.order };
         self.value * ratio.powf(order)
     }
@@ -184,7 +184,7 @@ impl Estimate {
     }
 
     /// The same at other steps, `ratios` = \[h/h₀, k/k₀\] to those of the run: E² = (e_h (h/h₀)^p)² + (e_k (k/k₀)^q)².
-    pub fn at(&self, ratios: [f64; 2]) -> Option<(f64, Interval)> {
+    pub(crate) fn at(&self, ratios: [f64; 2]) -> Option<(f64, Interval)> {
         let (h, space) = self.space.at(ratios[0])?;
         let (k, time) = self.time.at(ratios[1])?;
         Some((h.hypot(k), Interval { lo: space.lo.max(time.lo), hi: space.hi + time.hi }))

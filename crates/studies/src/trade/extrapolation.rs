@@ -51,7 +51,7 @@ fn order(samples: &[Sample], step: &str) -> Option<LastOrder> {
 }
 
 /// (4 u_k - u_2k)/3 on the finest mesh, in the V norm.
-pub fn in_time(study: &Study) -> Option<Extrapolated> {
+pub(crate) fn in_time(study: &Study) -> Option<Extrapolated> {
     let name = Knob::Extrapolated.name();
     let n = study.trials.iter().filter(|t| t.knob == name).map(|t| t.n).max()?;
     let error = |trial: &Trial| trial.done().map(|run| run.error);
@@ -67,7 +67,7 @@ pub fn in_time(study: &Study) -> Option<Extrapolated> {
 /// ‖ε(u_h(T))‖ by (4 Q_h - Q_2h)/3 with the most steps: the discrete solutions of nested meshes are nearly orthogonal,
 /// so that Q has order 2. The strain itself gains nothing: it is constant on cells. None where each mesh has a solution
 /// of its own.
-pub fn in_space(bench: &Bench, study: &Study) -> Option<Extrapolated> {
+pub(crate) fn in_space(bench: &Bench, study: &Study) -> Option<Extrapolated> {
     let setup = &bench.plain.setup;
     if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
         return None;

@@ -46,7 +46,7 @@ const HISTORY_TOLERANCES: [f64; 3] = [1e-9, 1e-6, 1e-3];
 
 impl Knob {
     /// Its name in tables.
-    pub fn name(self) -> String {
+    pub(crate) fn name(self) -> String {
         match self {
             Self::AsWritten => "as written".into(),
             Self::Tolerance(value) => format!("tolerance {value:.0e}"),
@@ -108,7 +108,7 @@ pub fn knobs(setup: &Setup) -> Vec<Knob> {
 
 impl Knob {
     /// Whether a run of so many steps is another one with this knob turned: short sums over the past are direct anyway.
-    pub fn matters(self, setup: &Setup, steps: u32) -> bool {
+    pub(crate) fn matters(self, setup: &Setup, steps: u32) -> bool {
         let kernels = || setup.model.memory.iter().map(|term| &term.kernel);
         let long = |error| steps as usize >= FastConvolution::foreseen_from(error);
         match self {
@@ -171,7 +171,7 @@ impl Variant {
     ///
     /// # Errors
     /// [`SetupError::Mesh`].
-    pub fn on_mesh(&self, n: u32) -> Result<MeshData, SetupError> {
+    pub(crate) fn on_mesh(&self, n: u32) -> Result<MeshData, SetupError> {
         MeshData::with_rules(&self.setup, n, None, &self.rules)
     }
 
@@ -179,7 +179,7 @@ impl Variant {
     ///
     /// # Errors
     /// The solver's.
-    pub fn march(
+    pub(crate) fn march(
         &self,
         data: &MeshData,
         steps: u32,

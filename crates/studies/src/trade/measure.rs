@@ -155,7 +155,7 @@ impl Bench {
 
     /// (4 u_k - u_2k)/3 of two runs that were made, `coarse` with 2k; its error in the V norm at the times of both, and
     /// the time of both. None where one of them has no row.
-    pub fn extrapolated(&self, fine: &Trial, coarse: &Trial) -> Option<Trial> {
+    pub(crate) fn extrapolated(&self, fine: &Trial, coarse: &Trial) -> Option<Trial> {
         let (cheap, dear) = (coarse.done()?, fine.done()?);
         let [rough, exact] = [coarse, fine].map(|t| self.trajectories.get(&(t.n, t.steps)));
         let (rough, exact) = (rough?, exact?);
@@ -197,7 +197,7 @@ impl Bench {
     }
 
     /// max ‖ε(u_k - u_k')‖ of two runs as written on one mesh, at the times of the coarser one.
-    pub fn apart_in_time(&self, n: u32, coarse: u32, fine: u32) -> Option<f64> {
+    pub(crate) fn apart_in_time(&self, n: u32, coarse: u32, fine: u32) -> Option<f64> {
         let (rough, exact) =
             (self.trajectories.get(&(n, coarse))?, self.trajectories.get(&(n, fine))?);
         let space = &self.judges.get(&n)?.space;

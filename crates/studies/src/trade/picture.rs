@@ -18,7 +18,7 @@ impl Study {
     ///
     /// # Errors
     /// [`ReportError::Drawing`].
-    pub fn svg(&self, resource: Resource) -> Result<Option<String>, ReportError> {
+    pub(crate) fn svg(&self, resource: Resource) -> Result<Option<String>, ReportError> {
         self.chart(resource).svg()
     }
 

@@ -28,7 +28,7 @@ pub struct Price {
 
 impl Price {
     /// The price of `turned` against `plain`.
-    pub fn of(what: String, plain: &Trial, turned: &Trial) -> Option<Self> {
+    pub(crate) fn of(what: String, plain: &Trial, turned: &Trial) -> Option<Self> {
         let own = plain.done()?;
         let (n, steps) = (plain.n, plain.steps);
         let none = Self {
@@ -56,7 +56,7 @@ impl Price {
     }
 
     /// Whether the repeats tell the two times apart.
-    pub fn shows(&self) -> bool {
+    pub(crate) fn shows(&self) -> bool {
         self.range[0] > 1.0 || self.range[1] < 1.0
     }
 

@@ -40,7 +40,7 @@ pub enum TradeError {
 }
 
 /// Hears of each run.
-pub type Heard<'a> = dyn FnMut(&Trial) + 'a;
+pub(crate) type Heard<'a> = dyn FnMut(&Trial) + 'a;
 
 /// A power s of k = c h^s, with the exponents by which cost grows as the error falls on such a path.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -183,7 +183,7 @@ impl Study {
     }
 
     /// The rows of the scene as written.
-    pub fn plain(&self) -> impl Iterator<Item = &Trial> {
+    pub(crate) fn plain(&self) -> impl Iterator<Item = &Trial> {
         plain(&self.trials)
     }
 }

@@ -12,7 +12,7 @@ use files::remove_if_there;
 /// What one run cost and how wrong it is.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Trial {
-    /// Name of the knob, see [`super::Knob::name`].
+    /// Name of the knob, see `Knob::name`.
     pub knob: String,
     /// Cells a unit length.
     pub n: u32,
@@ -63,7 +63,7 @@ pub struct Outcome {
 
 impl Trial {
     /// The run, if it came to its end.
-    pub fn done(&self) -> Option<&Outcome> {
+    pub(crate) fn done(&self) -> Option<&Outcome> {
         self.outcome.as_ref().ok()
     }
 }
@@ -143,7 +143,7 @@ impl Table {
     ///
     /// # Errors
     /// The file system's.
-    pub fn append(&mut self, trial: &Trial) -> Result<(), TableError> {
+    pub(crate) fn append(&mut self, trial: &Trial) -> Result<(), TableError> {
         let row = row(&self.scene, &self.norm, trial);
         self.write(row)
     }

@@ -99,12 +99,12 @@ impl<'a> FiniteEvolution<'a> {
     }
 
     /// u = C w.
-    pub fn displacement(&self, w: &[f64]) -> DVector<f64> {
+    pub(crate) fn displacement(&self, w: &[f64]) -> DVector<f64> {
         &self.coordinates * DVector::from_column_slice(w)
     }
 
     /// J⁻¹ rhs with the last factor, in w; nothing where no factor was needed yet.
-    pub fn correction(&self, rhs: &[f64]) -> Option<DVector<f64>> {
+    pub(crate) fn correction(&self, rhs: &[f64]) -> Option<DVector<f64>> {
         self.factor.as_ref()?.solve(&DVector::from_column_slice(rhs))
     }
 
@@ -120,7 +120,7 @@ impl<'a> FiniteEvolution<'a> {
     }
 
     /// S_n u at the last evaluated u.
-    pub fn history(&self) -> DVector<f64> {
+    pub(crate) fn history(&self) -> DVector<f64> {
         let mut y = self.y_past.clone();
         if self.implicit {
             y += &self.last_slot * &self.u;

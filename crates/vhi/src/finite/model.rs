@@ -99,7 +99,7 @@ impl FiniteModel {
     /// Coordinates in which the functionals are the first ones: C with a_i·(C w) = w_i, the rest
     /// orthonormal. The identity up to order where the functionals are unit vectors. `None` if the
     /// functionals are linearly dependent.
-    pub fn coordinates(&self) -> Option<DMatrix<f64>> {
+    pub(crate) fn coordinates(&self) -> Option<DMatrix<f64>> {
         let (m, p) = (self.dimension(), self.functionals.len());
         let mut rows = DMatrix::zeros(m, m);
         for (i, functional) in self.functionals.iter().enumerate() {

@@ -65,7 +65,7 @@ struct Size {
 impl FastConvolution {
     /// Prepares N steps of `grid` with a relative error of the kernel of at most `tolerance`; `None` where
     /// no number of nodes gives that.
-    pub fn new(
+    pub(crate) fn new(
         kernel: &dyn MemoryKernel,
         grid: &TimeGrid,
         dofs: usize,
@@ -104,17 +104,17 @@ impl FastConvolution {
     }
 
     /// Number of committed steps.
-    pub fn committed(&self) -> usize {
+    pub(crate) fn committed(&self) -> usize {
         self.committed
     }
 
     /// Steps from which on interpolation to `tolerance` may cost less than direct sums.
-    pub fn least_steps(tolerance: f64) -> usize {
+    pub(crate) fn least_steps(tolerance: f64) -> usize {
         PAYS_FROM * candidates(tolerance).next().unwrap_or(MOST)
     }
 
     /// Whether it does on this grid, by the nodes that it took.
-    pub fn pays(&self) -> bool {
+    pub(crate) fn pays(&self) -> bool {
         self.steps >= PAYS_FROM * self.nodes
     }
 
@@ -130,14 +130,14 @@ impl FastConvolution {
     }
 
     /// Vectors held over N steps with so many nodes a cluster.
-    pub fn vectors(steps: usize, nodes: usize) -> usize {
+    pub(crate) fn vectors(steps: usize, nodes: usize) -> usize {
         let leaves = steps / (LEAF * nodes) + 1;
         let count = (0..).take_while(|&l| (leaves - 1) >> l >= 2).count();
         count * (HELD + 1) * nodes + 2 * LEAF * nodes
     }
 
     /// Numbers held.
-    pub fn numbers(&self) -> usize {
+    pub(crate) fn numbers(&self) -> usize {
         (self.sizes.len() * (HELD + 1) * self.nodes + self.near.len()) * self.dofs
     }
 
@@ -228,7 +228,7 @@ impl FastConvolution {
     }
 
     /// `out` ← Σ_{j<n} w_j b(t_n - t_j) u_j for the next level n, by the trapezoidal rule.
-    pub fn past(&mut self, kernel: &dyn MemoryKernel, grid: &TimeGrid, out: &mut [f64]) {
+    pub(crate) fn past(&mut self, kernel: &dyn MemoryKernel, grid: &TimeGrid, out: &mut [f64]) {
         out.fill(0.0);
         let n = self.committed;
         let leaf = n / self.leaf;
@@ -250,7 +250,7 @@ impl FastConvolution {
     }
 
     /// Appends u_n.
-    pub fn commit(&mut self, grid: &TimeGrid, u: &[f64]) {
+    pub(crate) fn commit(&mut self, grid: &TimeGrid, u: &[f64]) {
         let (n, dofs) = (self.committed, self.dofs);
         self.near[n % (2 * self.leaf)].copy_from_slice(u);
         self.committed += 1;

@@ -85,7 +85,7 @@ impl Memory {
     }
 
     /// Number of committed steps: the index n of the next one.
-    pub fn committed(&self) -> usize {
+    pub(crate) fn committed(&self) -> usize {
         match self {
             Self::Direct { past } => past.len(),
             Self::Recursive { committed, .. } => *committed,

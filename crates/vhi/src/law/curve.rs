@@ -43,7 +43,7 @@ pub enum Curve {
 
 impl Curve {
     /// p(r) and p'(r); at r = 0 the slope from the left.
-    pub fn value_and_slope(&self, r: f64) -> (f64, f64) {
+    pub(crate) fn value_and_slope(&self, r: f64) -> (f64, f64) {
         // A NaN goes on: it is no place before the law sets in.
         if r <= 0.0 {
             return (0.0, 0.0);
@@ -67,7 +67,7 @@ impl Curve {
     }
 
     /// α of (2.8c) (a stiffness), proved above.
-    pub fn alpha(&self) -> f64 {
+    pub(crate) fn alpha(&self) -> f64 {
         match *self {
             Self::Rational { stiffness, .. } => stiffness / 8.0,
             Self::Exponential { stiffness, .. } => stiffness * (-2.0f64).exp(),
@@ -76,7 +76,7 @@ impl Curve {
     }
 
     /// (c0, c1) of (2.8b), proved above.
-    pub fn growth(&self) -> (f64, f64) {
+    pub(crate) fn growth(&self) -> (f64, f64) {
         match *self {
             Self::Rational { stiffness, length } => (0.5 * stiffness * length, 0.0),
             Self::Exponential { stiffness, length } => (stiffness * length * (-1.0f64).exp(), 0.0),

@@ -14,7 +14,7 @@ pub struct Isotropic {
 impl Isotropic {
     /// 𝒜ε.
     #[inline]
-    pub fn apply<const S: usize>(&self, strain: &Symmetric<S>) -> Symmetric<S> {
+    pub(crate) fn apply<const S: usize>(&self, strain: &Symmetric<S>) -> Symmetric<S> {
         let volumetric = self.lambda * trace(strain);
         let mut stress = strain.map(|e| 2.0 * self.mu * e);
         for value in &mut stress[..dimension::<S>()] {
@@ -38,20 +38,20 @@ impl Isotropic {
     }
 
     /// Smallest and largest eigenvalue on S^d: 2μ on deviators, 2μ + dλ on spheres.
-    pub fn eigenvalues(&self, d: usize) -> (f64, f64) {
+    pub(crate) fn eigenvalues(&self, d: usize) -> (f64, f64) {
         let (deviators, spheres) = (2.0 * self.mu, 2.0 * self.mu + d as f64 * self.lambda);
         (deviators.min(spheres), deviators.max(spheres))
     }
 
     /// Σ |E_ijkl| over all d⁴ entries E_ijkl = λ δ_ij δ_kl + μ(δ_ik δ_jl + δ_il δ_jk).
-    pub fn entry_sum(&self, d: usize) -> f64 {
+    pub(crate) fn entry_sum(&self, d: usize) -> f64 {
         let (d, pairs) = (d as f64, (d * (d - 1)) as f64);
         let normal = (self.lambda + 2.0 * self.mu).abs();
         d * normal + pairs * (self.lambda.abs() + 2.0 * self.mu.abs())
     }
 
     /// β with `self` = β·`other`, if there is one (to rounding).
-    pub fn multiple_of(&self, other: &Isotropic) -> Option<f64> {
+    pub(crate) fn multiple_of(&self, other: &Isotropic) -> Option<f64> {
         let beta = self.mu / other.mu;
         let matches = (self.lambda - beta * other.lambda).abs()
             <= 4.0 * f64::EPSILON * self.lambda.abs().max((beta * other.lambda).abs());

@@ -83,7 +83,7 @@ impl FourthOrder {
     }
 
     /// Σ |E_ijkl| over all d⁴ entries: a Mandel entry stands for 1, 2 or 4 of them, divided by 1, √2, 2.
-    pub fn entry_sum(&self, d: usize) -> f64 {
+    pub(crate) fn entry_sum(&self, d: usize) -> f64 {
         let matrix = match self {
             Self::Isotropic(law) => return law.entry_sum(d),
             Self::Full(matrix) => matrix,

@@ -4,7 +4,7 @@ use vhi::StepState;
 
 /// A level whose passes are made with those of others.
 #[derive(Debug, Clone, Default)]
-pub struct Pending {
+pub(crate) struct Pending {
     /// n.
     pub n: usize,
     /// t_n.
@@ -21,7 +21,7 @@ pub struct Pending {
 
 impl Pending {
     /// Room for a level of so many unknowns and terms of the memory.
-    pub fn new(dofs: usize, terms: usize) -> Self {
+    pub(crate) fn new(dofs: usize, terms: usize) -> Self {
         Self { force: vec![0.0; dofs], slot: vec![0.0; terms], ..Self::default() }
     }
 }

@@ -41,7 +41,7 @@ enum Version {
 }
 
 impl Sections {
-    pub fn read(tokens: &mut Tokens<'_>) -> Result<Self, GmshError> {
+    pub(crate) fn read(tokens: &mut Tokens<'_>) -> Result<Self, GmshError> {
         tokens.expect("$MeshFormat")?;
         let version = version(tokens)?;
         let mut own = Self::default();

@@ -15,18 +15,18 @@ pub(super) struct Tokens<'t> {
 }
 
 impl<'t> Tokens<'t> {
-    pub fn new(text: &'t str) -> Self {
+    pub(crate) fn new(text: &'t str) -> Self {
         Self { text, next: 0 }
     }
 
     /// An error at a place.
-    pub fn at(&self, span: Range<usize>, fault: Fault) -> GmshError {
+    pub(crate) fn at(&self, span: Range<usize>, fault: Fault) -> GmshError {
         let line = 1 + self.text.as_bytes()[..span.start].iter().filter(|b| **b == b'\n').count();
         GmshError { line, span, fault }
     }
 
     /// The next word; a quoted one may hold white space, and its place includes the quotes.
-    pub fn word(&mut self) -> Option<Word<'t>> {
+    pub(crate) fn word(&mut self) -> Option<Word<'t>> {
         let rest = &self.text[self.next..];
         let start = self.next + rest.find(|c: char| !c.is_whitespace())?;
         let rest = &self.text[start..];
@@ -42,20 +42,20 @@ impl<'t> Tokens<'t> {
     }
 
     /// The next word, which must be there.
-    pub fn some(&mut self, wanted: &'static str) -> Result<Word<'t>, GmshError> {
+    pub(crate) fn some(&mut self, wanted: &'static str) -> Result<Word<'t>, GmshError> {
         let end = self.text.trim_end().len();
         self.word().ok_or_else(|| self.at(end..end, Fault::Ends { wanted }))
     }
 
     /// The next word as a number.
-    pub fn number<N: FromStr>(&mut self, wanted: &'static str) -> Result<N, GmshError> {
+    pub(crate) fn number<N: FromStr>(&mut self, wanted: &'static str) -> Result<N, GmshError> {
         let (span, word) = self.some(wanted)?;
         let unexpected = || Fault::Unexpected { found: short(word), wanted };
         word.parse().map_err(|_| self.at(span, unexpected()))
     }
 
     /// The next word as a finite number.
-    pub fn finite(&mut self, wanted: &'static str) -> Result<f64, GmshError> {
+    pub(crate) fn finite(&mut self, wanted: &'static str) -> Result<f64, GmshError> {
         let (span, word) = self.some(wanted)?;
         match word.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
@@ -64,12 +64,12 @@ impl<'t> Tokens<'t> {
     }
 
     /// Passes over `count` numbers.
-    pub fn pass(&mut self, count: u64, wanted: &'static str) -> Result<(), GmshError> {
+    pub(crate) fn pass(&mut self, count: u64, wanted: &'static str) -> Result<(), GmshError> {
         (0..count).try_for_each(|_| self.finite(wanted).map(|_| ()))
     }
 
     /// The next word must be this one.
-    pub fn expect(&mut self, wanted: &'static str) -> Result<(), GmshError> {
+    pub(crate) fn expect(&mut self, wanted: &'static str) -> Result<(), GmshError> {
         let (span, word) = self.some(wanted)?;
         if word == wanted {
             return Ok(());
@@ -78,7 +78,7 @@ impl<'t> Tokens<'t> {
     }
 
     /// Passes over everything up to the end of an unknown part.
-    pub fn skip_to(&mut self, end: &str) -> Result<(), GmshError> {
+    pub(crate) fn skip_to(&mut self, end: &str) -> Result<(), GmshError> {
         match self.text[self.next..].find(end) {
             Some(at) => {
                 self.next += at + end.len();

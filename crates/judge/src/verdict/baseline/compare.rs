@@ -43,7 +43,7 @@ pub enum Kind {
 
 impl Kind {
     /// A changed scene leaves the question open; everything else fails.
-    pub fn decision(self) -> Decision {
+    pub(crate) fn decision(self) -> Decision {
         match self {
             Kind::Stale => Decision::Unresolved,
             Kind::Error | Kind::Missing | Kind::Cost | Kind::Owed => Decision::Fail,

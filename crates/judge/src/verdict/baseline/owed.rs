@@ -44,7 +44,7 @@ impl Owed {
     }
 
     /// What the verdicts of a scene settle, in their order.
-    pub fn of_scene(scene: &str, verdicts: &[Verdict]) -> Vec<Self> {
+    pub(crate) fn of_scene(scene: &str, verdicts: &[Verdict]) -> Vec<Self> {
         verdicts.iter().filter(|verdict| verdict.scene == scene).map(Self::of).collect()
     }
 

@@ -15,7 +15,7 @@ use super::VtuError;
 
 /// How the file writes binary data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Binary<'a> {
+pub(crate) struct Binary<'a> {
     /// Most significant byte first.
     pub big_endian: bool,
     /// Bytes of a number in front of the data: 4 or 8.
@@ -30,7 +30,7 @@ pub struct Binary<'a> {
 ///
 /// # Errors
 /// [`VtuError`]: another length or kind, or data that cannot be decoded.
-pub fn numbers(
+pub(crate) fn numbers(
     node: Node<'_, '_>,
     binary: &Binary<'_>,
     count: usize,

@@ -7,24 +7,24 @@ use super::{Field, VtuError};
 
 /// The XML declarations of the arrays, and the bytes that they point to.
 #[derive(Default)]
-pub struct Appended {
+pub(crate) struct Appended {
     declarations: String,
     bytes: Vec<u8>,
 }
 
 impl Appended {
     /// Opens an XML element that groups arrays.
-    pub fn open(&mut self, element: &str) {
+    pub(crate) fn open(&mut self, element: &str) {
         self.declarations += &format!("      <{element}>\n");
     }
 
     /// Closes it.
-    pub fn close(&mut self, element: &str) {
+    pub(crate) fn close(&mut self, element: &str) {
         self.declarations += &format!("      </{element}>\n");
     }
 
     /// Declares an array and appends its values, with their number of bytes in front.
-    pub fn array<const BYTES: usize>(
+    pub(crate) fn array<const BYTES: usize>(
         &mut self,
         kind: &str,
         name: &str,
@@ -53,7 +53,7 @@ impl Appended {
     ///
     /// # Errors
     /// [`VtuError::FieldLength`].
-    pub fn fields(&mut self, fields: &[Field<'_>], count: usize) -> Result<(), VtuError> {
+    pub(crate) fn fields(&mut self, fields: &[Field<'_>], count: usize) -> Result<(), VtuError> {
         for &Field { name, components, values } in fields {
             if components == 0 || count.checked_mul(components) != Some(values.len()) {
                 let (name, found) = (name.to_owned(), values.len());
@@ -71,7 +71,7 @@ impl Appended {
     }
 
     /// The whole file, for a grid of that many points and cells.
-    pub fn document(&self, points: usize, cells: usize) -> Vec<u8> {
+    pub(crate) fn document(&self, points: usize, cells: usize) -> Vec<u8> {
         let declarations = &self.declarations;
         let head = format!(
             "<?xml version=\"1.0\"?>\n\
@@ -86,7 +86,7 @@ impl Appended {
 
 /// `text` as the value of an XML attribute. Control characters, which XML cannot hold, become
 /// blanks.
-pub fn escape(text: &str) -> Cow<'_, str> {
+pub(crate) fn escape(text: &str) -> Cow<'_, str> {
     if !text.contains(|c: char| c.is_control() || "<>&\"'".contains(c)) {
         return Cow::Borrowed(text);
     }

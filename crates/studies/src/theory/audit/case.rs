@@ -230,7 +230,7 @@ impl Row {
     }
 
     /// Over all levels; a violation is the worst that there is.
-    pub fn standing(&self) -> Standing {
+    pub(crate) fn standing(&self) -> Standing {
         match (self.violation, self.undefined) {
             (Some(_), _) => Standing::Violated,
             (None, true) => Standing::Undefined,

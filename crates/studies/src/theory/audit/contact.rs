@@ -7,7 +7,7 @@ use fem::contact::{Boundary, BoundaryRule, Discretization, StepView};
 use fem::space::quadrature::edge;
 
 /// Normal traces at the points of Γ3: of v^h and of u^{kh}.
-pub struct Traces {
+pub(crate) struct Traces {
     /// v^h_ν.
     pub v: Vec<f64>,
     /// u^{kh}_ν.
@@ -16,7 +16,7 @@ pub struct Traces {
 
 /// What the lines of the proof need from Γ3.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Contact {
+pub(crate) struct Contact {
     /// ‖u_ν - v^h_ν‖².
     pub delta: f64,
     /// ‖u_ν - u^{kh}_ν‖².
@@ -44,7 +44,7 @@ pub struct Contact {
 }
 
 /// The integrals over Γ3; `nodal_multiplier` is λ at the points of the trace where it acts there.
-pub fn over_contact(
+pub(crate) fn over_contact(
     space: &Discretization,
     law: &ClarkeLaw,
     edges: &[EdgeSample],
@@ -102,7 +102,7 @@ pub fn over_contact(
 /// The boundary terms of the scheme itself at v^h: j_ν⁰(u^{kh}; v^h - u^{kh}) by its rule (`exact` is
 /// the integral), the multipliers' Σ w λ(g - v^h), and, where ∂j_ν is set-valued, j_ν⁰ less
 /// ξ(v^h - u^{kh}).
-pub fn scheme_terms(
+pub(crate) fn scheme_terms(
     space: &Discretization,
     law: &ClarkeLaw,
     boundary: &Boundary,

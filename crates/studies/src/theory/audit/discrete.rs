@@ -8,7 +8,7 @@ use vhi::history::TimeGrid;
 
 /// The past of a run.
 #[derive(Default)]
-pub struct Past {
+pub(crate) struct Past {
     /// u_j^{kh}, clamped nodes included.
     pub displacements: Vec<Vec<f64>>,
     /// ‖ε(u_j^{kh})‖.
@@ -16,7 +16,7 @@ pub struct Past {
 }
 
 /// One level of a run.
-pub struct DiscreteLevel {
+pub(crate) struct DiscreteLevel {
     /// ε(u_n^{kh}) a cell.
     pub strain: Vec<Plane>,
     /// ψ_h with φ(S_n^{kh}u^{kh}, u_n^{kh}, v) = (ψ_h, ε(v)).
@@ -28,7 +28,7 @@ pub struct DiscreteLevel {
 }
 
 /// Weights of Σ' for j = 0, …, n: half of the neighbouring steps.
-pub fn primed_weights(grid: &TimeGrid, n: usize) -> Vec<f64> {
+pub(crate) fn primed_weights(grid: &TimeGrid, n: usize) -> Vec<f64> {
     let times = &grid.times()[..=n];
     let mut weights = vec![0.0; n + 1];
     for (j, pair) in times.windows(2).enumerate() {
@@ -39,14 +39,14 @@ pub fn primed_weights(grid: &TimeGrid, n: usize) -> Vec<f64> {
 }
 
 /// ε of a nodal vector on all cells.
-pub fn strains(space: &Discretization, nodal: &[f64]) -> Vec<Plane> {
+pub(crate) fn strains(space: &Discretization, nodal: &[f64]) -> Vec<Plane> {
     let cell = |c: usize| strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), nodal);
     (0..space.mesh.cell_count()).map(cell).collect()
 }
 
 impl Past {
     /// Adds u_n and evaluates its level.
-    pub fn level(
+    pub(crate) fn level(
         &mut self,
         space: &Discretization,
         material: &Material,

@@ -55,7 +55,7 @@ struct Listed<'a> {
 
 impl SceneAudit {
     /// The rule's word in scene files.
-    pub fn rule_name(&self) -> &'static str {
+    pub(crate) fn rule_name(&self) -> &'static str {
         match self.rule {
             BoundaryRule::Vertex => "vertex",
             BoundaryRule::Gauss => "gauss",
@@ -64,7 +64,7 @@ impl SceneAudit {
     }
 
     /// The theorems whose lines are audited.
-    pub fn theorem(&self) -> &'static str {
+    pub(crate) fn theorem(&self) -> &'static str {
         if self.unconstrained { "Theorems 10 and 11 (K = X)" } else { "Theorem 10" }
     }
 

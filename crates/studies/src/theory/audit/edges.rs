@@ -12,7 +12,7 @@ const WATCHES: usize = 8;
 
 /// The truth at a point of an edge.
 #[derive(Debug, Clone)]
-pub struct EdgeSample {
+pub(crate) struct EdgeSample {
     /// Ends of the edge.
     pub vertices: [u32; 2],
     /// Barycentric coordinates.
@@ -33,7 +33,7 @@ pub struct EdgeSample {
 
 /// Contact data at a point of Γ3.
 #[derive(Debug, Clone, Copy)]
-pub struct ContactSample {
+pub(crate) struct ContactSample {
     /// Ends of the edge as points of the trace.
     pub trace: [usize; 2],
     /// u_ν.
@@ -51,17 +51,17 @@ pub struct ContactSample {
 }
 
 /// Functions of places along a chain of edges: one list a function.
-pub type Along<'a> = dyn Fn(&[f64]) -> Vec<Vec<f64>> + 'a;
+pub(crate) type Along<'a> = dyn Fn(&[f64]) -> Vec<Vec<f64>> + 'a;
 
 /// A place along a chain of edges: the edge and ξ in [0, 1].
-pub fn edge_and_place(q: f64, edges: usize) -> (usize, f64) {
+pub(crate) fn edge_and_place(q: f64, edges: usize) -> (usize, f64) {
     let edge = (q.floor() as usize).min(edges.saturating_sub(1));
     (edge, q - edge as f64)
 }
 
 /// Points (edge, ξ, weight; the weights of an edge sum to one) on a chain of edges cut where one of the
 /// `functions` changes sign.
-pub fn cut_points(edges: usize, functions: &[&Along<'_>]) -> Vec<(usize, f64, f64)> {
+pub(crate) fn cut_points(edges: usize, functions: &[&Along<'_>]) -> Vec<(usize, f64, f64)> {
     let length = edges as f64;
     let mut cuts: Vec<f64> = (0..=edges).map(|e| e as f64).collect();
     for function in functions {

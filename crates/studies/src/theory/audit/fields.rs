@@ -5,11 +5,11 @@ use super::strips::CellPoints;
 use fem::contact::LoadError;
 
 /// A symmetric plane tensor field in Mandel notation: xx, yy, √2 xy.
-pub type PlaneField = [Vec<f64>; 3];
+pub(crate) type PlaneField = [Vec<f64>; 3];
 
 /// Values of the truth at points of cells.
 #[derive(Default)]
-pub struct CellValues {
+pub(crate) struct CellValues {
     /// Points, weights, cells.
     pub at: CellPoints,
     /// u_x, u_y.
@@ -24,7 +24,7 @@ pub struct CellValues {
 
 /// Values of the truth over Ω at one time.
 #[derive(Default)]
-pub struct Volume {
+pub(crate) struct Volume {
     /// Cells in which the fields are smooth but for the vertical cuts.
     pub plain: CellValues,
     /// Cells that a curve crosses, in 16 parts.
@@ -34,7 +34,7 @@ pub struct Volume {
 }
 
 /// How F(w) is evaluated for the truth.
-pub enum Forces {
+pub(crate) enum Forces {
     /// In strong form: ∫ f0·w + ∫_{Γ2} f2·w + ∫_{Γ3} h3·w.
     Strong,
     /// u(t) ∈ V^h, and all w are: by the load vector.
@@ -42,7 +42,7 @@ pub enum Forces {
 }
 
 /// A truth on one mesh, level after level.
-pub trait Fields {
+pub(crate) trait Fields {
     /// Values over Ω at t; `zeta` is ζ(t).
     ///
     /// # Errors
@@ -87,7 +87,7 @@ pub trait Fields {
 
 /// Strain and its memory at fixed points.
 #[derive(Default, Clone)]
-pub struct Remembered {
+pub(crate) struct Remembered {
     /// Areas.
     pub weights: Vec<f64>,
     /// ε in Mandel notation.
@@ -97,7 +97,7 @@ pub struct Remembered {
 }
 
 /// Reorders interior outputs [u, ε_xx, ε_xy, ε_yy, H_xx, H_xy, H_yy].
-pub fn sort_interior(mut out: Vec<Vec<f64>>) -> ([Vec<f64>; 2], PlaneField, PlaneField) {
+pub(crate) fn sort_interior(mut out: Vec<Vec<f64>>) -> ([Vec<f64>; 2], PlaneField, PlaneField) {
     let mut take = |i: usize| out.get_mut(i).map(std::mem::take).unwrap_or_default();
     let root = |values: Vec<f64>| -> Vec<f64> {
         values.into_iter().map(|v| std::f64::consts::SQRT_2 * v).collect()

@@ -13,7 +13,7 @@ use fem::space::strain_of;
 use formula::{Node, Point};
 
 /// The nodal interpolant of formulas as a truth.
-pub struct InSpaceFields {
+pub(crate) struct InSpaceFields {
     exact: Arc<Exact>,
     truth: InterpolatedOnMesh,
     space: Arc<Discretization>,
@@ -22,7 +22,11 @@ pub struct InSpaceFields {
 
 impl InSpaceFields {
     /// The interpolant of `exact` on `space`, with the boundary rule of the scheme.
-    pub fn new(exact: &Arc<Exact>, space: &Arc<Discretization>, rule: ComplianceRule) -> Self {
+    pub(crate) fn new(
+        exact: &Arc<Exact>,
+        space: &Arc<Discretization>,
+        rule: ComplianceRule,
+    ) -> Self {
         let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), rule);
         Self { exact: exact.clone(), truth, space: space.clone(), rule }
     }

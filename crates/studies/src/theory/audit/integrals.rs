@@ -9,7 +9,7 @@ use fem::contact::Discretization;
 
 /// A sum and the sum of its absolute terms.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Sum {
+pub(crate) struct Sum {
     /// The value.
     pub value: f64,
     /// The same with absolute values.
@@ -18,25 +18,25 @@ pub struct Sum {
 
 impl Sum {
     /// Adds a term.
-    pub fn add(&mut self, term: f64) {
+    pub(crate) fn add(&mut self, term: f64) {
         self.value += term;
         self.size += term.abs();
     }
 
     /// Both parts of another sum.
-    pub fn plus(self, other: Self) -> Self {
+    pub(crate) fn plus(self, other: Self) -> Self {
         Self { value: self.value + other.value, size: self.size + other.size }
     }
 
     /// The sum with the other sign.
-    pub fn minus(self, other: Self) -> Self {
+    pub(crate) fn minus(self, other: Self) -> Self {
         Self { value: self.value - other.value, size: self.size + other.size }
     }
 }
 
 /// What the lines of the proof need from Ω. w1 = v^h - u, w2 = u^{kh} - u.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Cells {
+pub(crate) struct Cells {
     /// ‖u - u^{kh}‖_V².
     pub e: f64,
     /// ‖u - v^h‖_V².
@@ -64,7 +64,7 @@ pub struct Cells {
 }
 
 /// A nodal field of V^h with its strains.
-pub struct NodalField<'a> {
+pub(crate) struct NodalField<'a> {
     /// Values at the nodes.
     pub nodal: &'a [f64],
     /// Strains of the cells.
@@ -72,7 +72,7 @@ pub struct NodalField<'a> {
 }
 
 /// The cells' integrals over `values`, and per cell (σ, ε(w)) - ∫ f0·w for both w.
-pub fn over_cells(
+pub(crate) fn over_cells(
     space: &Discretization,
     material: &Material,
     kappa: f64,
@@ -136,7 +136,7 @@ pub fn over_cells(
 
 impl Cells {
     /// Adds the integrals over other cells.
-    pub fn join(&mut self, other: &Self) {
+    pub(crate) fn join(&mut self, other: &Self) {
         self.e += other.e;
         self.d += other.d;
         self.theta += other.theta;
@@ -169,7 +169,7 @@ fn barycentric(space: &Discretization, c: usize, x: &[f64; 3]) -> [f64; 3] {
 }
 
 /// (∫ (σν)·w1, ∫ (σν)·w2) over Γ2 and Γ3.
-pub fn tractions(
+pub(crate) fn tractions(
     space: &Discretization,
     material: &Material,
     kappa: f64,

@@ -5,7 +5,7 @@ use scene::setup::law_numbers;
 
 /// ∂j_ν by its points, outer slopes and curve, without the factor c(x).
 #[derive(Debug, Clone, PartialEq)]
-pub struct ClarkeLaw {
+pub(crate) struct ClarkeLaw {
     points: Vec<[f64; 2]>,
     before: f64,
     after: f64,
@@ -16,7 +16,7 @@ pub struct ClarkeLaw {
 
 impl ClarkeLaw {
     /// The law of a scene; j_ν ≡ 0 without one.
-    pub fn new(law: Option<&scene::Law>) -> Self {
+    pub(crate) fn new(law: Option<&scene::Law>) -> Self {
         match law {
             Some(law) => Self {
                 points: law.points.clone(),
@@ -36,7 +36,7 @@ impl ClarkeLaw {
     }
 
     /// ∂j_ν(r) as an interval.
-    pub fn interval(&self, r: f64) -> [f64; 2] {
+    pub(crate) fn interval(&self, r: f64) -> [f64; 2] {
         let on = |p: [f64; 2], slope: f64| p[1] + slope * (r - p[0]);
         let (first, last) = (self.points[0], self.points[self.points.len() - 1]);
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -60,13 +60,13 @@ impl ClarkeLaw {
     }
 
     /// j_ν⁰(r; d) = max {ξ d : ξ ∈ ∂j_ν(r)} (a pressure times a length).
-    pub fn directional(&self, r: f64, d: f64) -> f64 {
+    pub(crate) fn directional(&self, r: f64, d: f64) -> f64 {
         let [low, high] = self.interval(r);
         if r.is_nan() { f64::NAN } else { (low * d).max(high * d) }
     }
 
     /// Where value or slope of the graph change.
-    pub fn kinks(&self) -> Vec<f64> {
+    pub(crate) fn kinks(&self) -> Vec<f64> {
         let mut kinks: Vec<f64> = self.points.iter().map(|point| point[0]).collect();
         kinks.dedup();
         kinks
@@ -75,7 +75,7 @@ impl ClarkeLaw {
     /// c̄0, c̄1 with |ξ| ≤ c̄0 + c̄1|r| for all ξ ∈ ∂j_ν(r): c̄1 is the steeper of the outer slopes, and
     /// |ξ| - c̄1|r|, which does not grow outward, is largest at a point of the law or at 0. A curve adds its
     /// largest value, c r0/2 or c r0/e at r0, and the slope of the power's tangent; a factor multiplies both.
-    pub fn growth(&self) -> [f64; 2] {
+    pub(crate) fn growth(&self) -> [f64; 2] {
         let graph = Self { curve: None, ..self.clone() };
         let slope = self.before.abs().max(self.after.abs());
         let excess = |r: f64| {

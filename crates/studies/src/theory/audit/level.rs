@@ -38,7 +38,7 @@ pub struct Level {
 
 /// What is known of the levels so far.
 #[derive(Default)]
-pub struct Levels {
+pub(crate) struct Levels {
     past: Past,
     /// ‖u_j - u_j^{kh}‖_V.
     errors: Vec<f64>,
@@ -48,7 +48,7 @@ pub struct Levels {
 }
 
 /// What a level is computed from.
-pub struct Case<'a> {
+pub(crate) struct Case<'a> {
     /// V^h.
     pub space: &'a Discretization,
     /// t_0, …, t_N.
@@ -66,7 +66,7 @@ impl Levels {
     ///
     /// # Errors
     /// The truth's.
-    pub fn next(
+    pub(crate) fn next(
         &mut self,
         case: &Case<'_>,
         fields: &mut dyn Fields,

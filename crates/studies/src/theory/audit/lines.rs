@@ -122,7 +122,7 @@ impl Line {
 
     /// left/right; `None` where both sides are below the accuracy and the ratio would be noise, and where the bound is not
     /// defined.
-    pub fn ratio(&self) -> Option<f64> {
+    pub(crate) fn ratio(&self) -> Option<f64> {
         if self.standing() == Standing::Undefined {
             return None;
         }
@@ -132,7 +132,7 @@ impl Line {
 }
 
 /// The lines of a level: Theorem 10, and those of Theorem 11 where K = X.
-pub fn lines(level: &Level, constants: &AuditConstants, unconstrained: bool) -> Vec<Line> {
+pub(crate) fn lines(level: &Level, constants: &AuditConstants, unconstrained: bool) -> Vec<Line> {
     let mut sheet = Sheet { level, constants, lines: Vec::new() };
     sheet.estimates();
     sheet.residual();

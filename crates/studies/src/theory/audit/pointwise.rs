@@ -5,20 +5,20 @@ use scene::setup::Setup;
 use vhi::law::FourthOrder;
 
 /// A symmetric plane tensor (xx, yy, √2 xy).
-pub type Plane = [f64; 3];
+pub(crate) type Plane = [f64; 3];
 
 /// a:b.
-pub fn dot(a: &Plane, b: &Plane) -> f64 {
+pub(crate) fn dot(a: &Plane, b: &Plane) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// a - b.
-pub fn minus(a: &Plane, b: &Plane) -> Plane {
+pub(crate) fn minus(a: &Plane, b: &Plane) -> Plane {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// The tensors and functions of a scene's material.
-pub struct Material {
+pub(crate) struct Material {
     elastic: [f64; 2],
     memory: Option<[f64; 2]>,
     /// μ, 0 without projection.
@@ -30,7 +30,7 @@ pub struct Material {
 
 impl Material {
     /// The material of a scene; none unless it is plain: one isotropic tensor, one term of memory at most.
-    pub fn new(setup: &Setup) -> Option<Self> {
+    pub(crate) fn new(setup: &Setup) -> Option<Self> {
         let material = &setup.body.material;
         let FourthOrder::Isotropic(law) = &material.elastic else { return None };
         if !material.is_plain() {
@@ -49,14 +49,14 @@ impl Material {
     }
 
     /// A of (5.8): 𝒜ε + με.
-    pub fn operator(&self, strain: &Plane) -> Plane {
+    pub(crate) fn operator(&self, strain: &Plane) -> Plane {
         let volumetric = self.elastic[0] * (strain[0] + strain[1]);
         let twice = 2.0 * self.elastic[1] + self.mu;
         [twice * strain[0] + volumetric, twice * strain[1] + volumetric, twice * strain[2]]
     }
 
     /// θ = ℬ₀ H of a remembered strain H = ∫ b(t-s) ε(u(s)) ds.
-    pub fn remembered(&self, history: &Plane) -> Plane {
+    pub(crate) fn remembered(&self, history: &Plane) -> Plane {
         let Some([lambda, mu]) = self.memory else { return [0.0; 3] };
         let volumetric = lambda * (history[0] + history[1]);
         [
@@ -67,7 +67,7 @@ impl Material {
     }
 
     /// The tensor ψ with φ(y, u, v) = (ψ, ε(v)) in (5.10): -μ P_κ ε + θ.
-    pub fn coupled(&self, strain: &Plane, theta: &Plane, kappa: f64) -> Plane {
+    pub(crate) fn coupled(&self, strain: &Plane, theta: &Plane, kappa: f64) -> Plane {
         if self.mu == 0.0 {
             return *theta;
         }
@@ -84,19 +84,19 @@ impl Material {
     }
 
     /// κ(ζ), infinite without projection.
-    pub fn kappa(&self, zeta: f64) -> f64 {
+    pub(crate) fn kappa(&self, zeta: f64) -> f64 {
         let at = Point { zeta, ..Point::default() };
         self.kappa.map_or(f64::INFINITY, |kappa| self.graph.evaluate(kappa, &at))
     }
 
     /// b(lag), 0 without memory.
-    pub fn kernel(&self, lag: f64) -> f64 {
+    pub(crate) fn kernel(&self, lag: f64) -> f64 {
         let at = Point { t: lag, ..Point::default() };
         self.kernel.map_or(0.0, |kernel| self.graph.evaluate(kernel, &at))
     }
 
     /// Whether there is memory.
-    pub fn remembers(&self) -> bool {
+    pub(crate) fn remembers(&self) -> bool {
         self.memory.is_some()
     }
 }

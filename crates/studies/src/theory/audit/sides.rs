@@ -8,7 +8,7 @@ use fem::mesh::PlanePart;
 use formula::{Node, Point, Program};
 
 /// The edges of one side.
-pub struct SideEdges {
+pub(crate) struct SideEdges {
     normal: [f64; 2],
     edges: Vec<[u32; 2]>,
     /// Length of each.
@@ -32,7 +32,7 @@ struct ContactSide {
 
 impl SideEdges {
     /// All sides of Γ2 and Γ3, by their numbers in the mesh.
-    pub fn all(
+    pub(crate) fn all(
         exact: &Exact,
         space: &Discretization,
         traction: &[u32],
@@ -108,7 +108,7 @@ impl SideEdges {
     }
 
     /// The points of the side at t, cut for the truth and for `traces`.
-    pub fn samples(
+    pub(crate) fn samples(
         &self,
         exact: &Exact,
         space: &Discretization,

@@ -18,7 +18,7 @@ const WATCHES: usize = 256;
 const MARGIN: f64 = 0.25;
 
 /// A smooth truth on one mesh.
-pub struct SmoothFields {
+pub(crate) struct SmoothFields {
     exact: Arc<Exact>,
     space: Arc<Discretization>,
     width: [f64; 2],
@@ -39,7 +39,7 @@ pub struct SmoothFields {
 
 impl SmoothFields {
     /// The fields of the exact solution of `setup` on `space`.
-    pub fn new(setup: &Setup, exact: &Arc<Exact>, space: &Arc<Discretization>) -> Self {
+    pub(crate) fn new(setup: &Setup, exact: &Arc<Exact>, space: &Arc<Discretization>) -> Self {
         let horizon = exact.data.horizon;
         let mut graph = exact.data.graph.clone();
         let mut fields = exact.data.u.clone();

@@ -13,7 +13,7 @@ const NARROW: f64 = 0.07;
 
 /// Points with their weights (areas) and cells.
 #[derive(Default, Clone)]
-pub struct CellPoints {
+pub(crate) struct CellPoints {
     /// Where.
     pub points: Vec<[f64; 3]>,
     /// Areas.
@@ -24,7 +24,7 @@ pub struct CellPoints {
 
 impl CellPoints {
     /// Adds the points of a triangle of cell c, cut at `cuts`.
-    pub fn add(&mut self, c: u32, triangle: &[[f64; 2]; 3], cuts: &[f64]) {
+    pub(crate) fn add(&mut self, c: u32, triangle: &[[f64; 2]; 3], cuts: &[f64]) {
         let mut corners = *triangle;
         corners.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let [low, middle, high] = corners;
@@ -58,7 +58,13 @@ impl CellPoints {
     }
 
     /// Adds the points of all 4^`times` similar parts of a triangle.
-    pub fn add_refined(&mut self, c: u32, triangle: &[[f64; 2]; 3], cuts: &[f64], times: u32) {
+    pub(crate) fn add_refined(
+        &mut self,
+        c: u32,
+        triangle: &[[f64; 2]; 3],
+        cuts: &[f64],
+        times: u32,
+    ) {
         if times == 0 {
             return self.add(c, triangle, cuts);
         }

@@ -93,7 +93,7 @@ struct At {
 ///
 /// # Errors
 /// A frozen level that cannot be solved, an eigenvalue that does not settle.
-pub fn follow<L: FrozenDerivative>(
+pub(crate) fn follow<L: FrozenDerivative>(
     level: &mut L,
     start: &StepState,
     from: f64,

@@ -23,7 +23,7 @@ pub enum Provenance {
 
 impl Provenance {
     /// The word for tables.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Proved => "proved",
             Self::Computed => "computed",
@@ -53,7 +53,7 @@ pub struct Constant {
 
 /// Trace constants of a scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TraceConstants {
+pub(crate) struct TraceConstants {
     /// sup ‖v_ν‖²/‖ε(v)‖² with the consistent mass, and with the vertex rule's.
     pub strain: [TraceFamily; 2],
     /// sup ‖v_ν‖²/(𝒜ε(v), ε(v)), the same.
@@ -72,7 +72,7 @@ impl TraceConstants {
     ///
     /// # Errors
     /// A stiffness matrix that cannot be factorized.
-    pub fn new(setup: &Setup) -> Result<Option<Self>, BoundError> {
+    pub(crate) fn new(setup: &Setup) -> Result<Option<Self>, BoundError> {
         if setup.body.domain.contact.is_empty() {
             return Ok(None);
         }
@@ -89,7 +89,7 @@ impl TraceConstants {
     }
 
     /// The meshes of the families, n of each; none without contact sides.
-    pub fn meshes(setup: &Setup) -> Vec<u32> {
+    pub(crate) fn meshes(setup: &Setup) -> Vec<u32> {
         let levels = match (setup.body.domain.contact.is_empty(), setup.scene.dimension) {
             (true, _) => &[],
             (_, 2) => &LEVELS[..],
@@ -102,7 +102,7 @@ impl TraceConstants {
     }
 
     /// The limit of a pair of families, and how far they and their own extrapolations lie apart.
-    pub fn limit(pair: &[TraceFamily; 2]) -> (f64, f64) {
+    pub(crate) fn limit(pair: &[TraceFamily; 2]) -> (f64, f64) {
         let apart = (pair[0].limit - pair[1].limit).abs();
         let own = pair[0].uncertainty.max(pair[1].uncertainty);
         (pair[0].limit, apart.max(own))
@@ -123,7 +123,7 @@ fn both_masses(
 ///
 /// # Errors
 /// A stiffness matrix that cannot be factorized.
-pub fn on_mesh(
+pub(crate) fn on_mesh(
     setup: &Setup,
     traces: Option<&TraceConstants>,
     space: &Discretization,
@@ -138,7 +138,7 @@ pub fn on_mesh(
 }
 
 /// The table of constants.
-pub fn table(
+pub(crate) fn table(
     setup: &Setup,
     constants: &Constants,
     traces: Option<&TraceConstants>,

@@ -11,7 +11,7 @@ use vhi::law::VonMises;
 use vhi::{StepBounds, StepState};
 
 /// An open level of a scene's run.
-pub type SceneLevel<'a> = OpenLevel<'a, Option<VonMises<YieldFormula>>>;
+pub(crate) type SceneLevel<'a> = OpenLevel<'a, Option<VonMises<YieldFormula>>>;
 
 /// Runs the scene on the mesh `n` with `steps` steps and studies its worst level.
 ///

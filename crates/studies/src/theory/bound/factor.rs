@@ -49,7 +49,7 @@ fn start(length: usize, mut seed: u64) -> Vec<f64> {
 ///
 /// # Errors
 /// Those of the linear solves, or an iteration that does not settle.
-pub fn operator_norm<L: FrozenDerivative>(
+pub(crate) fn operator_norm<L: FrozenDerivative>(
     level: &mut L,
     eta: &[f64],
     state: &StepState,
@@ -64,8 +64,8 @@ pub fn operator_norm<L: FrozenDerivative>(
 /// The outer eigenvalues of DΛ(η), where `state` is Λη.
 ///
 /// # Errors
-/// As [`operator_norm`].
-pub fn eigenvalues<L: FrozenDerivative>(
+/// As `operator_norm`.
+pub(crate) fn eigenvalues<L: FrozenDerivative>(
     level: &mut L,
     eta: &[f64],
     state: &StepState,
@@ -77,7 +77,7 @@ pub fn eigenvalues<L: FrozenDerivative>(
 /// Norm and eigenvalues.
 ///
 /// # Errors
-/// As [`operator_norm`].
+/// As `operator_norm`.
 pub fn contraction<L: FrozenDerivative>(
     level: &mut L,
     eta: &[f64],
@@ -119,7 +119,7 @@ pub fn finite_factor<L: FrozenDerivative>(
 ///
 /// # Errors
 /// The solver's.
-pub fn random_finite_factor<L: FrozenDerivative>(
+pub(crate) fn random_finite_factor<L: FrozenDerivative>(
     level: &mut L,
     eta: &[f64],
     state: &StepState,

@@ -19,7 +19,7 @@ pub struct LinearLoss {
 ///
 /// # Errors
 /// A stiffness matrix that cannot be factorized.
-pub fn linear_loss<P: Projection>(
+pub(crate) fn linear_loss<P: Projection>(
     space: &Discretization,
     model: &Model<P>,
 ) -> Result<Option<LinearLoss>, EigenError> {

@@ -126,7 +126,7 @@ impl Bound {
     }
 
     /// The grids in words.
-    pub fn grids(&self) -> String {
+    pub(crate) fn grids(&self) -> String {
         let mesh = self.n.map_or(String::new(), |n| format!("n = {n}, "));
         format!("{mesh}N = {}", self.steps)
     }

@@ -10,7 +10,7 @@ impl Bound {
     ///
     /// # Errors
     /// The drawing library's.
-    pub fn svg(&self) -> Result<Option<String>, ReportError> {
+    pub(crate) fn svg(&self) -> Result<Option<String>, ReportError> {
         let worst = &self.study.worst;
         let question = format!(
             "Contraction factor of Λ for a last step of size k after the past of level {} ({})",

@@ -59,7 +59,7 @@ const SURE: f64 = 0.9;
 const MANY_STARTS: u64 = 24;
 
 /// What the level of the ladder shows.
-pub struct AtWorst {
+pub(crate) struct AtWorst {
     /// Uniqueness at the run's own step size.
     pub starts: starts::Starts,
     /// The ladder.
@@ -74,7 +74,7 @@ pub struct AtWorst {
 ///
 /// # Errors
 /// [`BoundError::NoLevel`] if there is none.
-pub fn worst(levels: &[AtLevel], steps: u32) -> Result<AtLevel, BoundError> {
+pub(crate) fn worst(levels: &[AtLevel], steps: u32) -> Result<AtLevel, BoundError> {
     let worse = |best: AtLevel, next: &AtLevel| if next.norm > best.norm { *next } else { best };
     let first = levels.last().copied().ok_or(BoundError::NoLevel { steps })?;
     Ok(levels.iter().fold(first, worse))
@@ -84,7 +84,7 @@ pub fn worst(levels: &[AtLevel], steps: u32) -> Result<AtLevel, BoundError> {
 ///
 /// # Errors
 /// [`BoundError`].
-pub fn at_worst<L: FrozenDerivative>(
+pub(crate) fn at_worst<L: FrozenDerivative>(
     level: &mut L,
     state: StepState,
     bounds: &StepBounds,
@@ -127,7 +127,7 @@ fn step_sizes(bounds: &StepBounds, exact: f64) -> Vec<f64> {
 ///
 /// # Errors
 /// The run's, or a factor that is not found.
-pub fn all_levels<L: FrozenDerivative>(
+pub(crate) fn all_levels<L: FrozenDerivative>(
     level: &mut L,
     bounds: &StepBounds,
     mesh: Option<u32>,
@@ -168,7 +168,10 @@ where
 ///
 /// # Errors
 /// The run's.
-pub fn run_to<L: FrozenDerivative>(level: &mut L, number: usize) -> Result<StepState, BoundError>
+pub(crate) fn run_to<L: FrozenDerivative>(
+    level: &mut L,
+    number: usize,
+) -> Result<StepState, BoundError>
 where
     BoundError: From<L::Error>,
 {

@@ -39,7 +39,7 @@ const APART: f64 = 1e-5;
 
 impl Sampled {
     /// The worst need of `samples` samples; NaN does not hold.
-    pub fn new(what: &str, declared: f64, needed: f64, samples: u32) -> Self {
+    pub(crate) fn new(what: &str, declared: f64, needed: f64, samples: u32) -> Self {
         let holds = needed <= declared + ROUNDING * declared.abs().max(1.0);
         Self { what: what.into(), declared, needed, samples, holds }
     }
@@ -145,7 +145,7 @@ fn lipschitz_kappa(limit: &dyn vhi::law::YieldLimit, declared: f64, horizon: f64
 
 /// Random states on a mesh in dimension D, with strains of S numbers (Mandel) and Riesz representatives
 /// in V^h.
-pub struct Fields<'a, const D: usize, const S: usize> {
+pub(crate) struct Fields<'a, const D: usize, const S: usize> {
     space: &'a Discretization,
     gram: StiffnessInverse<'a>,
     seed: u64,
@@ -159,7 +159,7 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
     ///
     /// # Errors
     /// The factorization of the strain products.
-    pub fn new(space: &'a Discretization) -> Result<Self, FactorError> {
+    pub(crate) fn new(space: &'a Discretization) -> Result<Self, FactorError> {
         let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
         Ok(Self { space, gram, seed: 47 })
     }
@@ -239,7 +239,12 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
 
     /// (2.7b) and (4.1) of φ(y, u, v) = (θ - μ P_{M(κ(r))} ε(u), ε(v)), y = (r, θ): the left side of
     /// (2.7b) is (τ1 - τ2, ε(v2 - v1)) with τ = θ - μPε(u), largest at the Riesz representative.
-    pub fn phi<P: Projection>(&mut self, p: &P, mu: f64, constants: &Constants) -> Vec<Sampled> {
+    pub(crate) fn phi<P: Projection>(
+        &mut self,
+        p: &P,
+        mu: f64,
+        constants: &Constants,
+    ) -> Vec<Sampled> {
         let (alpha, beta) = (constants.alpha_phi, constants.beta_phi);
         let (mut of_u, mut of_y, mut of_both, mut convex) = (0f64, 0f64, 0f64, 0f64);
         for sample in 0..SAMPLES {
@@ -279,7 +284,12 @@ impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {
     }
 
     /// ‖S_n u1 - S_n u2‖_Y ≤ L Σ' k ‖u1_j - u2_j‖ by the solver's own history sums.
-    pub fn history(&mut self, memory: &[MemoryTerm], horizon: f64, declared: f64) -> Sampled {
+    pub(crate) fn history(
+        &mut self,
+        memory: &[MemoryTerm],
+        horizon: f64,
+        declared: f64,
+    ) -> Sampled {
         let mut needed = 0f64;
         let samples = 40;
         for sample in 0..samples {

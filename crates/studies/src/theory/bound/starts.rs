@@ -20,7 +20,11 @@ const SAME: f64 = 1e-7;
 
 /// Solves the open level, its last slot implicit, from `count` random starts of up to three times the
 /// size of `known`.
-pub fn random_starts<L: FrozenDerivative>(level: &mut L, known: &StepState, count: u64) -> Starts {
+pub(crate) fn random_starts<L: FrozenDerivative>(
+    level: &mut L,
+    known: &StepState,
+    count: u64,
+) -> Starts {
     let mut starts = Starts::default();
     let size = level.norm(&known.u).max(f64::MIN_POSITIVE);
     level.freeze(None);

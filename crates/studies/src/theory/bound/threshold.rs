@@ -32,7 +32,7 @@ impl Crossing {
     }
 
     /// The smallest k known to be beyond it, infinite if none is.
-    pub fn upper(self) -> f64 {
+    pub(crate) fn upper(self) -> f64 {
         match self {
             Self::Between(_, high) | Self::Before(high) => high,
             Self::Beyond(_) => f64::INFINITY,
@@ -100,7 +100,7 @@ const EVALUATIONS: u32 = 60;
 ///
 /// # Errors
 /// Those of `factor`.
-pub fn crossing<E>(
+pub(crate) fn crossing<E>(
     ladder: &[(f64, f64)],
     mut factor: impl FnMut(f64) -> Result<f64, E>,
 ) -> Result<Option<Crossing>, E> {

@@ -45,7 +45,7 @@ const IMAGINARY: f64 = 8.0;
 
 impl Wedge {
     /// Kolosov's number 3 - 4ν = (λ + 3μ_L)/(λ + μ_L).
-    pub fn kolosov(&self) -> f64 {
+    pub(crate) fn kolosov(&self) -> f64 {
         (self.lame_ratio + 3.0) / (self.lame_ratio + 1.0)
     }
 
@@ -55,7 +55,7 @@ impl Wedge {
     /// 2μ_L u_r = r^s(-(s+1) f + (1+κ)(c cos(s-1)θ + d sin(s-1)θ)), 2μ_L u_θ = r^s(-f' + (1+κ)(c sin(s-1)θ - d cos(s-1)θ)),
     /// σ_θθ = s(s+1) r^{s-1} f, σ_rθ = -s r^{s-1} f'. Rows are divided by their powers of r and s; the factor s - 1 of
     /// the column d, whose function vanishes at s = 1, stays.
-    pub fn determinant(&self, s: Complex<f64>) -> Complex<f64> {
+    pub(crate) fn determinant(&self, s: Complex<f64>) -> Complex<f64> {
         let mut rows = Matrix4::<Complex<f64>>::zeros();
         for (side, theta) in [0.0, self.angle].into_iter().enumerate() {
             for (row, condition) in self.conditions(self.sides[side], s, theta).iter().enumerate() {
@@ -89,7 +89,7 @@ impl Wedge {
 
     /// The roots s with 0.02 < Re s < 0.999 and Im s ≥ 0, by real part; those of Im s > 0 stand for a pair. None if
     /// the corner costs no order.
-    pub fn exponents(&self) -> Vec<Complex<f64>> {
+    pub(crate) fn exponents(&self) -> Vec<Complex<f64>> {
         let top = IMAGINARY / self.angle;
         let mut roots =
             roots_in(STRIP, top, &|s| self.determinant(s) / (s * (s - Complex::new(1.0, 0.0))));

@@ -92,7 +92,7 @@ impl GronwallConstants {
     }
 
     /// As every scene states them. ‖S‖ is that of the parts the scene has: 1 for ζ, plus sup ‖ℬ‖.
-    pub fn summary(&self) -> Summary {
+    pub(crate) fn summary(&self) -> Summary {
         let mut details =
             BTreeMap::from([("yielding", self.yielding), ("memory_norm", self.memory)]);
         details.extend(self.trace_bound.map(|bound| ("c_j_squared_bound", bound)));
@@ -101,18 +101,18 @@ impl GronwallConstants {
     }
 
     /// True if ζ is a part of the history.
-    pub fn has_zeta(&self) -> bool {
+    pub(crate) fn has_zeta(&self) -> bool {
         self.yielding > 0.0
     }
 
     /// True if there is a memory stress.
-    pub fn has_memory(&self) -> bool {
+    pub(crate) fn has_memory(&self) -> bool {
         self.memory > 0.0
     }
 
     /// The parts of the history on a grid: ζ with κ = 1, the memory stress with κ(n, j) =
     /// ‖ℬ(t_n - t_j)‖. An absent part is left out.
-    pub fn parts(&self, setup: &Setup, grid: &TimeGrid) -> Vec<HistoryPart> {
+    pub(crate) fn parts(&self, setup: &Setup, grid: &TimeGrid) -> Vec<HistoryPart> {
         let mut parts = Vec::new();
         if self.has_zeta() {
             let norms = KernelNorms::Constant(1.0);

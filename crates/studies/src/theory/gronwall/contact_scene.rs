@@ -27,7 +27,7 @@ impl<'a> ContactInTime<'a> {
     ///
     /// # Errors
     /// Constants, loads or a reference run that cannot be had.
-    pub fn new(setup: &'a Setup, n: u32, steps: &[u32]) -> Result<Self, GronwallError> {
+    pub(crate) fn new(setup: &'a Setup, n: u32, steps: &[u32]) -> Result<Self, GronwallError> {
         let constants = GronwallConstants::new(setup)?;
         let data = MeshData::new(setup, n, None)?;
         let truth = TemporalTruth::new(setup, &data, steps)?;
@@ -127,13 +127,13 @@ impl<'a> DualNorm<'a> {
     ///
     /// # Errors
     /// The factorization's.
-    pub fn new(space: &'a Discretization) -> Result<Self, GronwallError> {
+    pub(crate) fn new(space: &'a Discretization) -> Result<Self, GronwallError> {
         let gram = StiffnessInverse::passing(space, &TensorField::identity())?;
         Ok(Self { gram })
     }
 
     /// ‖F‖_* of a vector over the unknowns.
-    pub fn of(&mut self, load: &[f64]) -> f64 {
+    pub(crate) fn of(&mut self, load: &[f64]) -> f64 {
         let mut riesz = load.to_vec();
         self.gram.solve(&mut riesz);
         dot(load, &riesz).max(0.0).sqrt()

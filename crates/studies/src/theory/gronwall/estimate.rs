@@ -38,23 +38,23 @@ pub struct Estimate {
 
 impl Estimate {
     /// ‖R‖‖q‖, or the Lipschitz constant of S: Σ_p sup κ_p.
-    pub fn lipschitz(&self) -> f64 {
+    pub(crate) fn lipschitz(&self) -> f64 {
         self.parts.iter().map(|part| part.supremum).sum()
     }
 
     /// C1 = β_φ/m0.
-    pub fn c1(&self) -> f64 {
+    pub(crate) fn c1(&self) -> f64 {
         self.beta / self.m0
     }
 
     /// C2 = β_φ ‖S‖/m0.
-    pub fn c2(&self) -> f64 {
+    pub(crate) fn c2(&self) -> f64 {
         self.c1() * self.lipschitz()
     }
 
     /// The same up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
     /// horizon.
-    pub fn up_to(&self, last: usize) -> Self {
+    pub(crate) fn up_to(&self, last: usize) -> Self {
         let kept = |values: &[f64]| values[..=last].to_vec();
         let part = |part: &HistoryPart| {
             let supremum = part.norms.maximum(last);

@@ -33,7 +33,7 @@ impl<'a> FiniteInTime<'a> {
     ///
     /// # Errors
     /// Another rule than the trapezoidal one, no history, m0 ≤ 0.
-    pub fn new(setup: &'a AbstractSetup) -> Result<Self, GronwallError> {
+    pub(crate) fn new(setup: &'a AbstractSetup) -> Result<Self, GronwallError> {
         let (found, name) = (&setup.constants, || setup.scene.name.clone());
         if setup.scene.time.rule != scene::TimeRule::Trapezoid {
             return Err(GronwallError::NotTrapezoidal { scene: name() });
@@ -68,7 +68,7 @@ impl<'a> FiniteInTime<'a> {
     ///
     /// # Errors
     /// Those of the run.
-    pub fn measure_model(
+    pub(crate) fn measure_model(
         &self,
         model: &FiniteModel,
         steps: u32,

@@ -82,7 +82,7 @@ impl TemporalRun {
     }
 
     /// g_n.
-    pub fn truncation(&self) -> Vec<f64> {
+    pub(crate) fn truncation(&self) -> Vec<f64> {
         self.truncation_zeta.iter().zip(&self.truncation_memory).map(|(z, b)| z + b).collect()
     }
 }

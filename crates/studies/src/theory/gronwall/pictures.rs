@@ -6,7 +6,7 @@ use super::study::{Effectivity, StudiedGrid, Study};
 use report::{Axis, Chart, Datum, Part, ReportError, Scale, Series};
 
 /// A picture by the stem of its file name.
-pub type Picture = (&'static str, String);
+pub(crate) type Picture = (&'static str, String);
 
 impl Study {
     /// The pictures that have something to show: bounds over t, effectivities over t, over k and over
@@ -14,7 +14,7 @@ impl Study {
     ///
     /// # Errors
     /// [`ReportError::Drawing`].
-    pub fn pictures(&self) -> Result<Vec<Picture>, ReportError> {
+    pub(crate) fn pictures(&self) -> Result<Vec<Picture>, ReportError> {
         let mut charts = Vec::new();
         let finest = self.grids.iter().max_by_key(|own| own.run.steps);
         if let Some(own) = finest {

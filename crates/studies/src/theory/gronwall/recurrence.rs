@@ -173,7 +173,7 @@ pub enum KernelNorms {
 
 impl KernelNorms {
     /// κ(n, j), j ≤ n.
-    pub fn at(&self, n: usize, j: usize) -> f64 {
+    pub(crate) fn at(&self, n: usize, j: usize) -> f64 {
         match self {
             Self::Constant(value) => *value,
             Self::Lags(values) => values[n - j],
@@ -182,7 +182,7 @@ impl KernelNorms {
     }
 
     /// The largest κ(n, j) with n ≤ `last`; NaN if one is.
-    pub fn maximum(&self, last: usize) -> f64 {
+    pub(crate) fn maximum(&self, last: usize) -> f64 {
         match self {
             Self::Constant(value) => *value,
             Self::Lags(values) => values[..=last].iter().fold(0.0, |m, v| larger(m, *v)),

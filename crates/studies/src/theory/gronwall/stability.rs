@@ -26,7 +26,7 @@ pub enum Shape {
 
 impl Shape {
     /// One word.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Smooth => "smooth",
             Self::Random => "random",

@@ -102,7 +102,7 @@ pub struct Effectivity {
 
 impl Effectivity {
     /// Of one of the bounds.
-    pub fn new(bound: &[f64], estimate: &Estimate) -> Self {
+    pub(crate) fn new(bound: &[f64], estimate: &Estimate) -> Self {
         let ratios = effectivities(bound, estimate);
         Self {
             at_end: ratios.last().copied().flatten(),

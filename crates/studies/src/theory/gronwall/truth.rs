@@ -86,7 +86,7 @@ impl TemporalTruth {
     }
 
     /// One line for tables.
-    pub fn label(&self) -> String {
+    pub(crate) fn label(&self) -> String {
         match self {
             Self::Exact(_) => "exact u(t) in V^h".to_string(),
             Self::Reference(reference) => format!(
@@ -97,7 +97,7 @@ impl TemporalTruth {
     }
 
     /// What formulas and quadrature leave in u(t), relative to its size.
-    pub fn accuracy(&self) -> f64 {
+    pub(crate) fn accuracy(&self) -> f64 {
         match self {
             // ζ and the memory integrals of the exact side.
             Self::Exact(_) => 1e-12,
