@@ -107,7 +107,7 @@ impl Line {
     }
 
     /// How near the line comes to failing, 1 where it just holds: left/right of an inequality, of an identity the
-    /// difference over the accuracy. `None` as of [`Line::ratio`] for an inequality; where nothing may differ and nothing
+    /// difference over the accuracy. `None` as of `ratio` for an inequality; where nothing may differ and nothing
     /// does.
     pub fn tightness(&self) -> Option<f64> {
         match self.relation {
