@@ -86,9 +86,9 @@ fn half_width_and_peak_pressure_converge() {
 
 #[test]
 fn the_document_has_these_numbers() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/CONTACT-STATES.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/BROKEN-HYPOTHESES.md");
     let text = std::fs::read_to_string(path).expect("the document");
-    let section = text.split("## Hertz").nth(1).expect("the section");
+    let section = text.split("\n## Hertz").nth(1).expect("the section");
     for n in [16, 32, 64, 128] {
         let start = format!("| {n} | ");
         let line = section.lines().find(|line| line.starts_with(&start)).expect("a row");
