@@ -1,9 +1,8 @@
 //! Source: README.md, the pages under docs/.
-//! Goal: what a page prints is what the program prints, the keys of scene files are those of the parser, no link is broken,
-//!   each page names its reader and is in the book, and the pages stay short.
+//! Goal: what a page prints is what the program prints, no link is broken, each page names its reader and is in the book, and
+//!   the pages stay short. Keys of scene files: scene_keys.
 //! Data: the pages; a page with a seeded mistake for each check.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use crate::program::{Folder, code, json, stderr, stdout, sweep};
@@ -138,52 +137,6 @@ fn the_solvers_of_the_readme_run_in_the_examples() {
         };
         assert!(script.contains(&run), "{run}");
     }
-}
-
-/// Keys that the table below a heading names.
-fn documented(page: &str, heading: &str) -> BTreeSet<String> {
-    let section = page.split(&format!("### `{heading}`\n")).nth(1).expect("a section");
-    let rows = section.split("\n#").next().into_iter().flat_map(str::lines);
-    let first = rows.filter_map(|row| row.strip_prefix("| `")?.split(" | ").next());
-    first
-        .flat_map(|cell| cell.split('`'))
-        .map(|key| key.trim_matches([',', ' ', '|']))
-        .filter(|key| !key.is_empty())
-        .map(str::to_owned)
-        .collect()
-}
-
-const SECTIONS: [&str; 11] = [
-    "[scene]",
-    "[domain]",
-    "[time]",
-    "[material]",
-    "[[material.region]]",
-    "[material.memory]",
-    "[material.projection]",
-    "[contact]",
-    "[loads]",
-    "[exact]",
-    "[sweep]",
-];
-
-/// Keys that the parser knows in a part, by the message for one that it does not know.
-fn known(folder: &Folder, heading: &str) -> BTreeSet<String> {
-    let file = folder.file("unknown.toml", &format!("{heading}\nunheard-of = 1\n"));
-    let message = stderr(&sweep(&["check", &file]));
-    let list =
-        message.split("known here: ").nth(1).unwrap_or_else(|| panic!("{heading}: {message}"));
-    list.split_whitespace().map(|key| key.trim_end_matches(',').to_owned()).collect()
-}
-
-#[test]
-fn the_keys_of_scene_files_are_those_of_the_parser() {
-    let (page, folder) = (read("docs/SCENE-FILES.md"), Folder::new("keys"));
-    for heading in SECTIONS.into_iter().chain(["[[predicts]]"]) {
-        assert_eq!(documented(&page, heading), known(&folder, heading), "{heading}");
-    }
-    let other = page.replace("| `horizon` |", "| `end` |");
-    assert_ne!(documented(&other, "[time]"), known(&folder, "[time]"));
 }
 
 #[test]

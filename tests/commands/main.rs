@@ -23,6 +23,7 @@ mod program;
 mod report_dir;
 mod reproducible;
 mod resume;
+mod scene_keys;
 #[path = "../shipped/mod.rs"]
 mod shipped;
 mod study_documents;
