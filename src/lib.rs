@@ -16,16 +16,16 @@
 //! # Notation
 //! | symbol | name here | shape | unit |
 //! |---|---|---|---|
-//! | u_n^{kh} | `u` | d numbers a node, free nodes first | length |
-//! | ε(u) | `strain` | d(d+1)/2 numbers a cell, Mandel ([`tensor`]) | 1 |
+//! | u_n^{kh} | `u` | d numbers per node, free nodes first | length |
+//! | ε(u) | `strain` | d(d+1)/2 numbers per cell, Mandel ([`tensor`]) | 1 |
 //! | σ | `stress` | like ε | stress |
-//! | 𝒜, ℬ_i | [`law::TensorField`] | a tensor a region, two Lamé numbers or S×S | stress |
+//! | 𝒜, ℬ_i | [`law::TensorField`] | a tensor per region, two Lamé numbers or S×S | stress |
 //! | b_i(t) | [`law::MemoryKernel`] | ℝ₊ → ℝ, ℬ(t) = Σ b_i(t) ℬ_i | 1/time |
 //! | μ, κ(ζ) | [`law::VonMises`], [`law::YieldLimit`] | | stress, strain |
-//! | ζ | `zeta` ([`history::Accumulated`]) | one number a time | time |
+//! | ζ | `zeta` ([`history::Accumulated`]) | one number per time | time |
 //! | ∂j_ν, α_ν | [`law::Potential`] | interval a vertex of Γ3 | pressure, pressure/length |
-//! | g | `gap` | a number a vertex of Γ3, ∞ without | length |
-//! | ξ, λ | `compliance`, `multiplier` | a number a vertex of Γ3 | pressure |
+//! | g | `gap` | a number per vertex of Γ3, ∞ without | length |
+//! | ξ, λ | `compliance`, `multiplier` | a number per vertex of Γ3 | pressure |
 //! | h = 1/n, k = T/N | `n`, `steps` | | length, time |
 //!
 //! # The house

@@ -14,7 +14,7 @@ use studies::theory::audit::{SceneAudit, audit_runs};
 use studies::theory::ledger::{LedgerError, document, ledger};
 
 /// Meshes of a scene's own list up to this n are audited unless --n names others: a level costs some
-/// 60 evaluations of the exact solution a cell.
+/// 60 evaluations of the exact solution per cell.
 const FINEST: u32 = 64;
 
 /// `sweep audit`.

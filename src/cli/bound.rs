@@ -49,7 +49,7 @@ impl BoundCommand {
                 study_runs(setup, n, steps).admit(&self.allowance.limit())?;
                 Bound::new(setup, n, steps)
             }
-            // An abstract problem keeps a few numbers a level.
+            // An abstract problem keeps a few numbers per level.
             Subject::Abstract(setup) => {
                 super::abstract_problem::no_mesh(scene, self.n)?;
                 Bound::of_abstract(setup, steps)

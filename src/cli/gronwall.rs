@@ -51,7 +51,7 @@ impl Gronwall {
         }
         admit_constants(&scene, true, &self.allowance.limit())?;
         let subject = Subject::new(scene)?;
-        // An abstract problem keeps a few numbers a level.
+        // An abstract problem keeps a few numbers per level.
         if let (Subject::Contact(setup), Some(n)) = (&subject, plan.n) {
             study_runs(setup, n, &plan).admit(&self.allowance.limit())?;
         }

@@ -17,9 +17,9 @@ use scene::setup::StepRemark;
 pub(crate) enum Loudness {
     /// Nothing.
     Quiet,
-    /// A bar on a terminal, a line a case elsewhere; notes and warnings.
+    /// A bar on a terminal, a line per case elsewhere; notes and warnings.
     Usual,
-    /// A line a case on a terminal as well.
+    /// A line per case on a terminal as well.
     Verbose,
 }
 

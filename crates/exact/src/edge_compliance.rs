@@ -11,7 +11,7 @@ use fem::space::quadrature::{gauss_legendre, triangle_degree_4};
 pub enum ComplianceRule {
     /// At the vertices, with lumped weights.
     Vertex,
-    /// At three Gauss points an edge, six a triangle.
+    /// At three Gauss points per edge, six per triangle.
     Gauss,
     /// On the pieces between kinks: the integral itself, in the plane.
     Exact,

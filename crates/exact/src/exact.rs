@@ -83,7 +83,7 @@ pub struct ExactData {
     pub material: MaterialNumbers,
     /// Regions with other numbers.
     pub regions: Vec<RegionNumbers>,
-    /// b_i(t), one a term of the memory.
+    /// b_i(t), one per term of the memory.
     pub kernels: Vec<Node>,
     /// κ(ζ).
     pub kappa: Option<Node>,

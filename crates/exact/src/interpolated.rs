@@ -76,7 +76,7 @@ impl InterpolatedOnMesh {
         }
     }
 
-    /// u and the ∫ b_i(t-s) u(s) ds, one a term of the memory, as nodal vectors at time t.
+    /// u and the ∫ b_i(t-s) u(s) ds, one per term of the memory, as nodal vectors at time t.
     ///
     /// # Errors
     /// A formula that is not finite at a vertex.

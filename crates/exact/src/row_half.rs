@@ -213,7 +213,7 @@ impl Half {
 
 /// f(x) times a function along y.
 pub(crate) struct Product {
-    /// At the places of all columns, or one number a column.
+    /// At the places of all columns, or one number per column.
     pub f: Vec<f64>,
     pub m: usize,
     pub along_y: Along,

@@ -11,7 +11,7 @@ use fem::space::quadrature::Rule;
 use formula::{Bound, Program};
 
 /// Up to so many points keep what formulas have stored for them from one time to the next, some 100 bytes a
-/// point. Beyond, which is 24 cells a unit length in space and 250 in the plane, they are bound anew at each time, block
+/// point. Beyond, which is 24 cells per unit length in space and 250 in the plane, they are bound anew at each time, block
 /// by block.
 const KEPT: usize = 1 << 21;
 /// Points that are bound together then.

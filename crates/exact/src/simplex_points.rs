@@ -3,7 +3,7 @@
 use fem::mesh::{CoarseMesh, Family, Mesh};
 use fem::space::quadrature::{Rule, tetrahedron_product};
 
-/// The points a direction at most and least, the tetrahedra at least, and the points in all that are aimed at: 8 points
+/// The points per direction at most and least, the tetrahedra at least, and the points in all that are aimed at: 8 points
 /// along half of the domain as in a box, fewer in each of many tetrahedra.
 const IN_SPACE: [usize; 2] = [3, 8];
 const TETRAHEDRA: usize = 48;
@@ -24,7 +24,7 @@ impl SimplexPoints {
         Self::in_space(coarse, 0)
     }
 
-    /// The same by a finer rule: two more points a direction.
+    /// The same by a finer rule: two more points per direction.
     pub(crate) fn finer(coarse: &CoarseMesh) -> Self {
         Self::in_space(coarse, 2)
     }
@@ -48,7 +48,7 @@ impl SimplexPoints {
     }
 }
 
-/// Gauss points a direction in each of so many tetrahedra, for about `work` points in all.
+/// Gauss points per direction in each of so many tetrahedra, for about `work` points in all.
 pub(super) fn points_a_direction(cells: usize, work: f64) -> usize {
     ((work / cells as f64).cbrt() as usize).clamp(IN_SPACE[0], IN_SPACE[1])
 }

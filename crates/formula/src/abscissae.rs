@@ -20,7 +20,7 @@ const SHARE: f64 = 1e-13;
 /// Interpolation is given up when nodes are more than this part of the values.
 const WORTH: usize = 4;
 
-/// The values of a coordinate, one a tuple.
+/// The values of a coordinate, one per tuple.
 #[derive(Clone, Debug)]
 pub(super) struct Abscissae {
     axis: usize,

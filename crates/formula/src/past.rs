@@ -181,7 +181,7 @@ impl Past {
         }
     }
 
-    /// Adds to `sums` the integrals over one interval, which is that of all lanes, one a tuple; false where they are no
+    /// Adds to `sums` the integrals over one interval, which is that of all lanes, one per tuple; false where they are no
     /// smooth functions of few enough pieces, or not many.
     fn interpolate(
         &mut self,

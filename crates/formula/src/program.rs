@@ -96,7 +96,7 @@ impl Program {
         let slots: f64 = masks.iter().map(|&mask| 8.0 * count(mask)).sum();
         masks.sort_unstable();
         masks.dedup();
-        // A number a point for its tuple, and one a tuple for its first point.
+        // A number per point for its tuple, and one per tuple for its first point.
         let numbering: f64 = masks.iter().map(|&mask| 4.0 * (points + count(mask))).sum();
         let past = |history: &HistoryPlan| {
             8.0 * (history.members.len() * (history.panel(t) + 1)) as f64 * count(history.mask)

@@ -90,7 +90,7 @@ fn validated(
     Ok(kernel)
 }
 
-/// The terms of ℬ: equal kernels are one term, with a tensor a region.
+/// The terms of ℬ: equal kernels are one term, with a tensor per region.
 pub(super) fn terms(reading: &Reading, base: &[Part], regions: &[Vec<Part>]) -> Vec<Memory> {
     let mut terms: Vec<Memory> = Vec::new();
     for (kernel, _) in base.iter().chain(regions.iter().flatten()) {

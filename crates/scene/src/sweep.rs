@@ -206,7 +206,7 @@ fn too_many_cells(n: usize, domain: &Domain) -> Option<String> {
     many.then(|| format!("n = {n} makes {cells:.1e} cells, and a mesh has {MOST_CELLS:e} at most"))
 }
 
-/// n cells a unit length must cut every side of a rectangle or box into a whole number of cells, and not into too many.
+/// n cells per unit length must cut every side of a rectangle or box into a whole number of cells, and not into too many.
 fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Result<(), SceneError> {
     if let Some(message) = too_many_cells(n, domain) {
         return Err(reading.error(key, message, "choose a smaller n"));
@@ -219,7 +219,7 @@ fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Resul
     Err(reading.error(key, message, "choose n so that n times each side is a whole number"))
 }
 
-/// A length that n cells a unit length do not divide into whole cells.
+/// A length that n cells per unit length do not divide into whole cells.
 fn odd_length(n: usize, domain: &Domain) -> Option<f64> {
     let odd = |length: &f64| {
         let cells = n as f64 * length;
@@ -232,7 +232,7 @@ fn odd_length(n: usize, domain: &Domain) -> Option<f64> {
 }
 
 impl Scene {
-    /// Checks that n cells a unit length divide the sides into whole cells.
+    /// Checks that n cells per unit length divide the sides into whole cells.
     ///
     /// # Errors
     /// An n that does not.

@@ -11,7 +11,7 @@ use super::pattern::BlockPattern;
 const LEAF: usize = 8;
 
 /// Order of the dofs (position → dof) for the pattern, from `coordinates` of the free nodes
-/// (`dimension` numbers a node). Components of a node stay together, but for the nodes of the dofs
+/// (`dimension` numbers per node). Components of a node stay together, but for the nodes of the dofs
 /// `last`: they follow after all others, those dofs at the very end in the order given, so that a factor
 /// condenses the matrix onto them.
 pub fn nested_dissection(pattern: &BlockPattern, coordinates: &[f64], last: &[u32]) -> Vec<u32> {

@@ -195,7 +195,7 @@ impl BlockPattern {
         }
     }
 
-    /// Components a node.
+    /// Components per node.
     pub(crate) fn dimension(&self) -> usize {
         self.dimension
     }

@@ -13,7 +13,7 @@ use crate::{AccumulatedStrain, Exact};
 use fem::mesh::{CoarseMesh, Mesh, Piece};
 use fem::space::quadrature::{Rule, edge, tetrahedron_product, triangle_product};
 
-/// Cells on which loads are compared, Gauss points a direction, and in space the points aimed at in all.
+/// Cells on which loads are compared, Gauss points per direction, and in space the points aimed at in all.
 const LOAD_CELLS: usize = 64;
 const POINTS: usize = 8;
 const WORK: f64 = 1e5;

@@ -279,7 +279,7 @@ fn kernels(exact: &Exact) -> impl Iterator<Item = Finding> {
     })
 }
 
-/// Points along lines in a direction, [`FINE`] midpoints a line, and the area that stands for each
+/// Points along lines in a direction, [`FINE`] midpoints per line, and the area that stands for each
 /// point of a line; the lines gather at the sides.
 fn gathered(exact: &Exact, direction: usize) -> (Vec<[f64; 3]>, Vec<f64>) {
     let size = &exact.data.size;

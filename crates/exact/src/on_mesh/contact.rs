@@ -15,7 +15,7 @@ pub(super) struct ContactMoments {
 }
 
 impl ExactOnMesh {
-    /// Adds ∫_{Γ3} c v_ν, d numbers a point of the trace, to a vector over all nodes.
+    /// Adds ∫_{Γ3} c v_ν, d numbers per point of the trace, to a vector over all nodes.
     pub(super) fn add_contact_pressure(&self, pressure: &[f64], force: &mut [f64]) {
         let (d, points) = (self.space.mesh.dimension, &self.space.trace.points);
         for (point, own) in points.iter().zip(pressure.chunks_exact(d)) {

@@ -16,7 +16,7 @@ pub(crate) fn boundary_graph<P: Projection>(
     let Some(boundary) = &model.boundary else {
         return BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] };
     };
-    // A law with a factor is one law a vertex.
+    // A law with a factor is one law per vertex.
     let mut potentials = match (boundary.rule, &boundary.scale) {
         (BoundaryRule::Vertex, None) => vec![boundary.potential.clone()],
         (BoundaryRule::Vertex, Some(_)) => Vec::new(),

@@ -18,7 +18,7 @@ pub(crate) struct FacetCompliance<'a> {
 
 /// Where the points of a facet lie.
 enum PointRule {
-    /// At fixed places, with the shift there (facet by facet): 3 points an edge, exact where
+    /// At fixed places, with the shift there (facet by facet): 3 points per edge, exact where
     /// ∂j_ν(u_ν) v_ν is a polynomial of degree 5.
     Gauss { rule: Rule, shift: Vec<f64>, scale: Option<Vec<f64>> },
     /// On the pieces of each edge between kinks.

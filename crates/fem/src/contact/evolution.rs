@@ -18,7 +18,7 @@ pub struct Evolution<'a, P> {
     grid: &'a TimeGrid,
     source: &'a mut dyn Load,
     problem: ContactProblem<'a, P>,
-    /// One a term of the memory, as the vectors below.
+    /// One per term of the memory, as the vectors below.
     memory: Vec<Memory>,
     accumulated: Accumulated,
     /// Levels committed so far: the index n of the open one.
@@ -96,7 +96,7 @@ impl<'a, P: Projection> Evolution<'a, P> {
         &self.load
     }
 
-    /// Σ'_{j≤n} W_nj u_j of the last committed level as nodal vectors, one a term of the memory.
+    /// Σ'_{j≤n} W_nj u_j of the last committed level as nodal vectors, one per term of the memory.
     pub fn history(&self) -> &[Vec<f64>] {
         if self.space.frames.is_empty() { &self.history } else { &self.shown_history }
     }

@@ -18,7 +18,7 @@ pub struct StepView<'a> {
     pub t: f64,
     /// u_n as a nodal vector, clamped nodes included.
     pub u: &'a [f64],
-    /// Σ'_{j ≤ n} b(t_n - t_j) u_j as nodal vectors, one a term of the memory.
+    /// Σ'_{j ≤ n} b(t_n - t_j) u_j as nodal vectors, one per term of the memory.
     pub history: &'a [Vec<f64>],
     /// ζ_n, also for scenes without projection.
     pub zeta: f64,

@@ -43,7 +43,7 @@ paths! {
     NewtonGraded = "newton, unequal steps",
     /// [`Plan::Linear`], or [`Plan::Condensed`] with such a memory: matrices follow the last slot's weight; equal steps.
     Anew = "factors anew, equal steps",
-    /// The same on other grids: a matrix a level.
+    /// The same on other grids: a matrix per level.
     AnewGraded = "factors anew, unequal steps",
     /// [`Storage::Recursive`] on equal steps.
     Recursive = "recursive memory, equal steps",

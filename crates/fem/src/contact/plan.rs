@@ -10,9 +10,9 @@ pub enum Plan {
     /// Linear, memory a multiple of the elasticity or absent: one matrix, solves that ask for no past; where the load
     /// separates in time a solve a part of it, and coefficient vectors.
     Recursion,
-    /// Linear, with any other memory: one matrix for each weight of the last slot, a solve a level.
+    /// Linear, with any other memory: one matrix for each weight of the last slot, a solve per level.
     Linear,
-    /// Contact without projection: a matrix as in linear scenes, a small full problem on Γ3 a level.
+    /// Contact without projection: a matrix as in linear scenes, a small full problem on Γ3 per level.
     Condensed,
     /// Newton's method in the volume.
     Newton,

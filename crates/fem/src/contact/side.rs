@@ -1,4 +1,4 @@
-//! Γ3 of a run whose volume is condensed: one small full problem a level.
+//! Γ3 of a run whose volume is condensed: one small full problem per level.
 
 use super::boundary::boundary_graph;
 use super::condensed_level::CondensedLevel;

@@ -1,4 +1,4 @@
-//! Uniform refinement in space: each coarse tetrahedron into n³ of equal volume, n parts an edge.
+//! Uniform refinement in space: each coarse tetrahedron into n³ of equal volume, n parts per edge.
 //!
 //! With the edges e1 = v1 - v0, e2 = v2 - v1, e3 = v3 - v2 the points v0 + (i e1 + j e2 + l e3)/n,
 //! n ≥ i ≥ j ≥ l ≥ 0, fill the tetrahedron, and Kuhn's simplices of the lattice cut it; n = 2 is red refinement, and

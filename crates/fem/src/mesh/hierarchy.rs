@@ -24,7 +24,7 @@ pub enum Nesting {
         /// Width of a cell along each axis over that of the finest mesh.
         stretch: Vec<usize>,
     },
-    /// A coarse triangulation with n parts an edge, as [`super::refined`] numbers it.
+    /// A coarse triangulation with n parts per edge, as [`super::refined`] numbers it.
     Refined {
         /// The coarse triangulation.
         coarse: Arc<Coarse>,
@@ -43,7 +43,7 @@ impl Nesting {
         Self::Lattice { counts: counts.to_vec(), stretch: vec![1; counts.len()] }
     }
 
-    /// That of the rectangle or box of this size with n cells a unit length.
+    /// That of the rectangle or box of this size with n cells per unit length.
     pub fn of_box(size: &[f64], n: u32) -> Self {
         let cells = |s: &f64| ((s * f64::from(n)).round() as usize).max(1);
         Self::lattice(&size.iter().map(cells).collect::<Vec<_>>())

@@ -40,9 +40,9 @@ pub struct Mesh {
     pub n: u32,
     /// The reported mesh size h: 1/n, or the longest coarse edge over n.
     pub h: f64,
-    /// Vertex coordinates, d numbers a vertex.
+    /// Vertex coordinates, d numbers per vertex.
     pub coordinates: Vec<f64>,
-    /// Vertex numbers, d + 1 a cell.
+    /// Vertex numbers, d + 1 per cell.
     pub cells: Vec<u32>,
     /// Boundary facets, d vertex numbers each.
     pub facets: Vec<u32>,

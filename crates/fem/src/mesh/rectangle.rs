@@ -20,7 +20,7 @@ pub enum Family {
 const SIDES: [(&str, [f64; 2]); 4] =
     [("left", [-1.0, 0.0]), ("right", [1.0, 0.0]), ("bottom", [0.0, -1.0]), ("top", [0.0, 1.0])];
 
-/// Triangulates (0, size₀)×(0, size₁) with n cells a unit length; `n·size` must be whole
+/// Triangulates (0, size₀)×(0, size₁) with n cells per unit length; `n·size` must be whole
 /// (validated with the scene), else it is rounded.
 pub fn rectangle(size: [f64; 2], n: u32, family: Family) -> Mesh {
     let counts = size.map(|s| ((s * f64::from(n)).round() as usize).max(1));

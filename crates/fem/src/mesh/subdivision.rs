@@ -1,4 +1,4 @@
-//! Uniform refinement: each coarse triangle into n² congruent ones, n parts an edge.
+//! Uniform refinement: each coarse triangle into n² congruent ones, n parts per edge.
 //!
 //! The cells of a coarse triangle stand together, those of the strip along its first edge first; the
 //! facets of a coarse boundary edge stand together as well, from its first end to its second. So meshes

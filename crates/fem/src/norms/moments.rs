@@ -3,14 +3,14 @@
 //! On a cell the discrete strain and stress are constant and the discrete displacement is linear.
 //! For any field f and its L² projection Πf onto that space, ‖f - f_h‖² = ‖f - Πf‖² + ‖Πf - f_h‖²
 //! with the same quadrature in every term. So the quadrature of the truth is done once a mesh and
-//! time, and each case pays a few operations a cell, without cancellation.
+//! time, and each case pays a few operations per cell, without cancellation.
 
 use std::ops::{Add, Mul, Sub};
 
 /// Cell means of a tensor field and the squared distance to them.
 #[derive(Debug, Clone, Default)]
 pub struct CellConstants {
-    /// Means, S numbers a cell (Mandel).
+    /// Means, S numbers per cell (Mandel).
     pub mean: Vec<f64>,
     /// Σ_K ∫_K |f - mean|².
     pub rest: f64,

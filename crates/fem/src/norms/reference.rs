@@ -42,7 +42,7 @@ pub enum ReferenceError {
 struct Level {
     t: f64,
     u: Vec<f64>,
-    /// Stress a cell.
+    /// Stress per cell.
     stress: Vec<f64>,
     /// u_ν, ξ + λ and "locked" at the points of the trace.
     normal: Vec<f64>,
@@ -181,7 +181,7 @@ struct Pieces<'a> {
 }
 
 impl Pieces<'_> {
-    /// L² projection onto linears on the coarse simplices of a field with `components` numbers a point that is
+    /// L² projection onto linears on the coarse simplices of a field with `components` numbers per point that is
     /// linear on the fine ones; `value` gives the one at a corner of a fine simplex.
     ///
     /// Both f and λ_a are linear on a fine simplex of N corners, where the mean of a product f g is

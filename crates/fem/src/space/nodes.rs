@@ -6,7 +6,7 @@ use crate::mesh::Mesh;
 /// Node numbers of the vertices of a mesh.
 #[derive(Debug, Clone)]
 pub struct Nodes {
-    /// Components a node: the space dimension d.
+    /// Components per node: the space dimension d.
     pub dimension: usize,
     /// Number of nodes that are not clamped.
     pub free: usize,
@@ -14,7 +14,7 @@ pub struct Nodes {
     pub of_vertex: Vec<u32>,
     /// Vertex of a node.
     pub vertex: Vec<u32>,
-    /// Cells by node numbers, d + 1 a cell.
+    /// Cells by node numbers, d + 1 per cell.
     pub cells: Vec<u32>,
 }
 

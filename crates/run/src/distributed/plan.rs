@@ -14,9 +14,9 @@ use scene::{Scene, SceneError, Source};
 
 /// Scenes, arguments and version of the plan, below its directory.
 pub const PLAN: &str = "plan.json";
-/// One row a case: what it takes and which job runs it.
+/// One row per case: what it takes and which job runs it.
 pub const CASES: &str = "plan.csv";
-/// One row a job: what it takes and what it asks for.
+/// One row per job: what it takes and what it asks for.
 pub const JOBS: &str = "jobs.csv";
 
 /// Why a plan cannot be used.
@@ -67,7 +67,7 @@ pub struct PlannedScene {
 pub struct Plan {
     /// Version of the program.
     pub version: String,
-    /// Cells a unit length in place of those of the scenes.
+    /// Cells per unit length in place of those of the scenes.
     pub n: Option<Vec<u32>>,
     /// Numbers of steps in place of those of the scenes.
     pub steps: Option<Vec<u32>>,
@@ -88,7 +88,7 @@ pub struct CaseRow {
     pub id: String,
     /// Name of the scene.
     pub scene: String,
-    /// Cells a unit length; empty in an abstract scene.
+    /// Cells per unit length; empty in an abstract scene.
     pub n: Option<u32>,
     /// Number of steps.
     pub steps: u32,

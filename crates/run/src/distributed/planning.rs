@@ -56,7 +56,7 @@ impl PlannedCases {
 pub struct Planning {
     /// What goes into plan.json.
     pub plan: Plan,
-    /// One row a job, the longest first.
+    /// One row per job, the longest first.
     pub jobs: Vec<JobRow>,
     costs: Vec<SceneCosts>,
     bundles: Vec<Job>,

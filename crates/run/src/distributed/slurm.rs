@@ -14,7 +14,7 @@ const LARGEST_ARRAY: usize = 1000;
 const MEMORY_CLASS: f64 = 2.0;
 const TIME_CLASS: f64 = 4.0;
 
-/// An array: its file of job numbers, one a line, and what each task asks for.
+/// An array: its file of job numbers, one per line, and what each task asks for.
 #[derive(Debug, PartialEq)]
 pub struct Array {
     /// Below the directory of the plan.

@@ -59,7 +59,7 @@ pub struct Wanted<'a> {
     pub dimension: usize,
 }
 
-/// The displacements of all levels, level by level, d numbers a vertex: of the first that is there among array, table,
+/// The displacements of all levels, level by level, d numbers per vertex: of the first that is there among array, table,
 /// index of a series and files of levels.
 ///
 /// # Errors

@@ -1,4 +1,4 @@
-//! Displacements as a series of `.vtu` files, one a level: by the index `displacement.pvd`, or numbered.
+//! Displacements as a series of `.vtu` files, one per level: by the index `displacement.pvd`, or numbered.
 
 use std::path::{Path, PathBuf};
 
@@ -139,7 +139,7 @@ pub(crate) fn each_level(
     of_level.into_iter().enumerate().map(found).collect()
 }
 
-/// The displacements of all levels, d numbers a vertex, whatever the order of the points.
+/// The displacements of all levels, d numbers per vertex, whatever the order of the points.
 ///
 /// # Errors
 /// [`AnswerError::Vtu`].

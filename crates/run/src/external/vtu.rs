@@ -38,7 +38,7 @@ pub enum VtuError {
     /// A way of writing that is not known.
     #[error("{name} `{found}` is not read: write the file with `{known}`, or without {name}")]
     Form { name: String, found: String, known: &'static str },
-    /// Points that are not one a vertex.
+    /// Points that are not one per vertex.
     #[error(
         "{found} points where the mesh has {wanted} vertices: write each vertex once; interpolate elements of higher \
          order or discontinuous ones to continuous P1 first"
@@ -81,7 +81,7 @@ pub enum VtuError {
 pub(crate) struct Snapshot {
     /// Coordinates.
     pub points: Vec<[f64; 3]>,
-    /// d numbers a point.
+    /// d numbers per point.
     pub u: Vec<f64>,
 }
 
@@ -198,7 +198,7 @@ fn child<'a, 'i>(node: Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
     node.children().find(|child| child.has_tag_name(name))
 }
 
-/// d numbers a point.
+/// d numbers per point.
 fn displacement(
     piece: Node<'_, '_>,
     binary: &Binary<'_>,

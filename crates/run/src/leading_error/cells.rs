@@ -38,7 +38,7 @@ pub(super) fn product<const S: usize>(a: &Mandel<S>, b: &Mandel<S>) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// ε of a nodal vector, one tensor a cell.
+/// ε of a nodal vector, one tensor per cell.
 pub(super) fn strains<const S: usize>(space: &Discretization, nodal: &[f64]) -> Vec<Mandel<S>> {
     let d = space.mesh.dimension;
     let strain = |c: usize| {

@@ -47,7 +47,7 @@ struct State<const S: usize> {
 
 /// The past of a level: Σ' over exact values, and over the errors of earlier levels.
 struct Past<const S: usize> {
-    /// One a term of the memory.
+    /// One per term of the memory.
     memory: Vec<Vec<Mandel<S>>>,
     memory_error: Vec<Vec<Mandel<S>>>,
     /// The weights with which the level itself enters.

@@ -47,7 +47,7 @@ use scene::{Data, Direction, Hypothesis, MeshFamily, Norm};
 /// One case, by its mesh and number of steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Case {
-    /// Cells a unit length; none in ℝ^m.
+    /// Cells per unit length; none in ℝ^m.
     pub n: Option<u32>,
     /// Number of steps.
     pub steps: u32,
@@ -69,7 +69,7 @@ pub struct LeadingError {
 /// Leading errors in one norm, and what they tend to over the step.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LeadingErrors {
-    /// One a case, in the order of the cases.
+    /// One per case, in the order of the cases.
     pub points: Vec<LeadingError>,
     /// lim ‖ε(u - I_h u)‖/h at the time at which the finest mesh has its largest error; in space alone.
     pub limit: Option<f64>,

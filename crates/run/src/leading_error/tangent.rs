@@ -76,7 +76,7 @@ fn beyond<const S: usize>(
     Some((mu, deviator.map(|e| e / length), length))
 }
 
-/// σ of strain and memory integrals, one a term, by [`stress`].
+/// σ of strain and memory integrals, one per term, by [`stress`].
 pub(super) fn stress_of<const S: usize>(
     material: &MaterialNumbers,
     strain: &Mandel<S>,

@@ -13,7 +13,7 @@ use fem::contact::{Discretization, LinearSolver, Plan};
 use scene::setup::{Setup, SetupError};
 use scene::{Norm, Reference};
 
-/// Newton iterations a level, where a level is solved in the volume.
+/// Newton iterations per level, where a level is solved in the volume.
 const ITERATIONS: f64 = 5.0;
 /// Seconds a cell and iteration in assembly and vectors, and a cell and level in residuals and errors.
 const CELL: f64 = 70e-9;
@@ -74,7 +74,7 @@ impl Cost {
 
 /// The costs of a plan.
 pub struct PlanCost {
-    /// One a case, in the plan's order.
+    /// One per case, in the plan's order.
     pub cases: Vec<Cost>,
     /// The reference run.
     pub reference: Option<Cost>,

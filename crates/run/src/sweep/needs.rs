@@ -14,7 +14,7 @@ pub(super) struct Needs {
     pub(super) cases: Vec<Result<Cost, TooLarge>>,
 }
 
-/// Cells a unit length, in the plane and in space, of the mesh by which others are judged before they are made.
+/// Cells per unit length, in the plane and in space, of the mesh by which others are judged before they are made.
 const COARSE: [u32; 2] = [16, 8];
 /// A mesh with no more cells is made in a moment.
 const MOMENT: [f64; 2] = [8_192.0, 196_608.0];

@@ -14,7 +14,7 @@ use scene::{Norm, Prediction, Reference, Scene};
 /// Grids given on the command line in place of the scene's.
 #[derive(Debug, Clone, Default)]
 pub struct Overrides {
-    /// Cells a unit length.
+    /// Cells per unit length.
     pub n: Option<Vec<u32>>,
     /// Numbers of steps.
     pub steps: Option<Vec<u32>>,
@@ -23,7 +23,7 @@ pub struct Overrides {
 /// One case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CasePlan {
-    /// Cells a unit length; none in an abstract scene.
+    /// Cells per unit length; none in an abstract scene.
     pub n: Option<u32>,
     /// Number of steps N.
     pub steps: u32,

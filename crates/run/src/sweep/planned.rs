@@ -12,7 +12,7 @@ use scene::{Norm, Scene};
 /// Cases of a scene that are not its own grid: every n of a list with every number of steps of another.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Block {
-    /// Cells a unit length; empty in an abstract scene.
+    /// Cells per unit length; empty in an abstract scene.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub n: Vec<u32>,
     /// Numbers of steps.

@@ -10,7 +10,7 @@ use formula::Point;
 const DEPENDENT: f64 = 1e-6;
 
 /// A condition u_ν ≤ g takes an unknown of its vertex: three at most, along independent normals. In the plane two edges
-/// meet and nothing can go wrong; a bent contact side of tetrahedra has a normal a face.
+/// meet and nothing can go wrong; a bent contact side of tetrahedra has a normal per face.
 ///
 /// # Errors
 /// The first vertex of Γ3 off Γ1 with too many normals.

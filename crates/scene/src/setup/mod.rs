@@ -116,7 +116,7 @@ impl Setup {
         Ok(setup)
     }
 
-    /// V^h on the mesh with n cells a unit length, with the regions of its cells.
+    /// V^h on the mesh with n cells per unit length, with the regions of its cells.
     ///
     /// # Errors
     /// [`SetupError::Mesh`]; a cell that the boundary of a region cuts.

@@ -221,7 +221,7 @@ fn what_tetrahedra_cannot_be_is_refused() {
         text.replace("[\"foot\"]", "[\"foot\", \"walls\"]").replace("[\"walls\"]", "[]")
     });
     accepted(&all);
-    // A vertex moved out of the walls has a normal a face.
+    // A vertex moved out of the walls has a normal per face.
     let mesh = include_str!("../../../../manufactured/frustum.msh");
     let place = "-0.20669872981077803 0.4580127018922194 0.05";
     assert_eq!(mesh.matches(place).count(), 1);

@@ -45,9 +45,9 @@ pub struct Outcome {
 /// A scene run by the solver under test.
 pub(crate) struct Cases {
     pub plan: ScenePlan,
-    /// One a case, in order.
+    /// One per case, in order.
     pub records: Vec<CaseRecord>,
-    /// One a mesh.
+    /// One per mesh.
     meshes: Vec<(u32, MeshData)>,
 }
 

@@ -192,7 +192,7 @@ impl Design<'_> {
     }
 }
 
-/// The scene's coarsest mesh, or 8 cells a unit length where that divides the sides and is coarser.
+/// The scene's coarsest mesh, or 8 cells per unit length where that divides the sides and is coarser.
 fn coarse_mesh(scene: &Scene) -> usize {
     let own = scene.sweep.as_ref().and_then(|sweep| sweep.n.iter().min().copied()).unwrap_or(8);
     if own > 8 && scene.check_cells(8).is_ok() { 8 } else { own }

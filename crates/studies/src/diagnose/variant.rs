@@ -22,7 +22,7 @@ pub(crate) enum Course {
     Fading(f64),
 }
 
-/// Interior points a side at which a profile is sampled.
+/// Interior points per side at which a profile is sampled.
 const SAMPLES: u32 = 6;
 
 /// The body of a scene that [`scene::setup::Setup`] accepted.

@@ -108,7 +108,7 @@ pub(crate) fn steps() -> Ladder {
     }
 }
 
-/// ζ_N of N from 1e2 to 1e6 against the sum with compensation: ε/2 each of product and sum a step.
+/// ζ_N of N from 1e2 to 1e6 against the sum with compensation: ε/2 each of product and sum per step.
 pub(crate) fn accumulated() -> Ladder {
     let rung = |e: i32| {
         let steps = 10usize.pow(e as u32);

@@ -61,7 +61,7 @@ fn ladder(
 const PLANE: &[Unitless] = &Unitless::PLANE;
 const ALL: &[Unitless] = &Unitless::ALL;
 
-/// The unit of length, in the plane: in space n counts cells a unit length, which is then part of the mesh. Beyond
+/// The unit of length, in the plane: in space n counts cells per unit length, which is then part of the mesh. Beyond
 /// 1e±150 areas leave the doubles, and the scene is refused.
 pub(crate) fn length() -> Ladder {
     let with = |length| Units { length, ..Units::default() };

@@ -54,7 +54,7 @@ pub struct Row {
     /// Decimal digits of which rounding left nothing: log10(measured/ε), at least 0, where the measured
     /// number is a relative error.
     pub digits_lost: Option<f64>,
-    /// Newton iterations a level.
+    /// Newton iterations per level.
     pub iterations: Option<f64>,
     /// Largest relative KKT residual.
     pub kkt: Option<f64>,

@@ -19,7 +19,7 @@ pub enum Expected {
 pub struct Measured {
     /// The number that the ladder is about.
     pub value: f64,
-    /// Newton iterations a level, where levels were solved.
+    /// Newton iterations per level, where levels were solved.
     pub iterations: Option<f64>,
     /// Largest relative KKT residual by separate evaluation, where there is one.
     pub kkt: Option<f64>,
@@ -64,7 +64,7 @@ pub struct Rung {
 pub struct Largest {
     /// The scene file.
     pub text: String,
-    /// Cells a unit length.
+    /// Cells per unit length.
     pub n: u32,
     /// Steps.
     pub steps: u32,

@@ -102,7 +102,7 @@ impl Unitless {
     }
 
     /// The scene in the given units. Plane domains are polygons: their mesh n cuts a coarse triangle
-    /// into n² ones, whatever the unit, where a rectangle has n cells a unit length.
+    /// into n² ones, whatever the unit, where a rectangle has n cells per unit length.
     pub fn text(self, units: &Units) -> String {
         let Units { length, stiffness, time, displacement } = *units;
         let (x, y, t) =

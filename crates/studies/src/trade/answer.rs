@@ -39,7 +39,7 @@ pub enum AnswerError {
     /// The answer does not fit into memory.
     #[error("the answer, n = {n}, N = {steps}: {source}")]
     Memory {
-        /// Cells a unit length.
+        /// Cells per unit length.
         n: u32,
         /// Steps.
         steps: u32,

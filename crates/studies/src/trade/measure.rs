@@ -58,7 +58,7 @@ impl Bench {
         &self.plain.setup
     }
 
-    /// A run with a knob turned, n cells a unit length and `steps` steps. What fails is a row without numbers.
+    /// A run with a knob turned, n cells per unit length and `steps` steps. What fails is a row without numbers.
     pub fn trial(&mut self, variant: &Variant, n: u32, steps: u32) -> Trial {
         let outcome = self.outcome(variant, n, steps);
         let dofs = self.judges.get(&n).map_or(0, |data| data.space.dofs());

@@ -14,7 +14,7 @@ use serde::Serialize;
 /// What a trade runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Cells a unit length.
+    /// Cells per unit length.
     pub n: Vec<u32>,
     /// Numbers of steps.
     pub steps: Vec<u32>,

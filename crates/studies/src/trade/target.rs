@@ -19,7 +19,7 @@ pub struct Choices<'a> {
 /// An answer.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Answer {
-    /// Cells a unit length.
+    /// Cells per unit length.
     pub n: u32,
     /// Number of steps.
     pub steps: u32,

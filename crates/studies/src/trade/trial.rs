@@ -14,7 +14,7 @@ use files::remove_if_there;
 pub struct Trial {
     /// Name of the knob, see `Knob::name`.
     pub knob: String,
-    /// Cells a unit length.
+    /// Cells per unit length.
     pub n: u32,
     /// Number N of time steps.
     pub steps: u32,

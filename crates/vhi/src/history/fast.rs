@@ -1,5 +1,5 @@
 //! The sum Σ_{j<n} w_j b(t_n - t_j) u_j of a kernel that is smooth away from zero lag, in O(1) vector
-//! operations a step and O(log N) vectors of memory.
+//! operations per step and O(log N) vectors of memory.
 //!
 //! Times are gathered in clusters of consecutive levels, clusters of two in larger ones. Between two clusters
 //! of one size that do not touch, b(t - s) is interpolated at r Chebyshev nodes in t and in s,
@@ -25,7 +25,7 @@ const MOST: usize = 24;
 const SMOOTH: f64 = 0.92;
 /// The same for kernels without a singularity anywhere, whose error falls faster: 12 for 1e-13.
 const ENTIRE: f64 = 0.65;
-/// Direct sums of N steps are N/2 vectors a step in the mean; interpolation by r nodes is some 10 r.
+/// Direct sums of N steps are N/2 vectors per step in the mean; interpolation by r nodes is some 10 r.
 const PAYS_FROM: usize = 21;
 /// Levels of a smallest cluster over nodes: direct sums over neighbours then cost what the rest does.
 const LEAF: usize = 2;

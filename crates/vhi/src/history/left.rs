@@ -3,7 +3,7 @@
 use super::{TimeGrid, TimeRule};
 
 /// w_nj = k_{j+1} for j < n, w_nn = 0, on any grid. It misses (k/2)[q(t, s) u(s)]_0^t: order 1. The last slot has no
-/// weight, so that no step size is too large for one solution a step.
+/// weight, so that no step size is too large for one solution per step.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Left;
 

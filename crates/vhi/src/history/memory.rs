@@ -1,7 +1,7 @@
 //! The linear part of the history, Σ' b(t_n - t_j) u_j, on coefficient vectors.
 //!
 //! ℬ₀ε(·) is linear, so the history tensor of a cell is ℬ₀ of the strain of one history vector: a
-//! vector of unknowns is kept a step (direct sum) or an exponential (recursion), not a tensor a cell.
+//! vector of unknowns is kept a step (direct sum) or an exponential (recursion), not a tensor per cell.
 
 use super::{FastConvolution, TimeGrid, TimeRule};
 use crate::law::{Convolution, MemoryKernel};

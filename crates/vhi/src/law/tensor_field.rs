@@ -147,7 +147,7 @@ impl From<Isotropic> for FourthOrder {
     }
 }
 
-/// A tensor a region; region 0 is what belongs to no other one.
+/// A tensor per region; region 0 is what belongs to no other one.
 #[derive(Debug, PartialEq)]
 pub struct TensorField {
     /// One where the body is homogeneous.

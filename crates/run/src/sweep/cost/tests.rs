@@ -34,7 +34,7 @@ fn cases_are_predicted_as_if_alone() {
     let apart = costs(&plan("pure-mild", 16, &[3, 16]));
     let more = 8.0 * (512.0 * 12.0 + 544.0);
     assert!((kept(&apart) - long.kept_bytes - 2.0 * more).abs() < 1.0, "{}", kept(&apart));
-    // A problem without a mesh has a few numbers a level.
+    // A problem without a mesh has a few numbers per level.
     let states = costs(&plan("abstract-smooth", 0, &[4, 16])).cases;
     assert!(states[0].memory_bytes < states[1].memory_bytes);
     assert!(states[1].memory_bytes < 1.01 * PROGRAM && states[1].kept_bytes == 0.0);

@@ -50,7 +50,7 @@ pub enum AuditError {
     /// The run failed.
     #[error("n = {n}, N = {steps}: {source}")]
     Run {
-        /// Cells a unit length.
+        /// Cells per unit length.
         n: u32,
         /// Steps.
         steps: u32,
@@ -121,7 +121,7 @@ impl From<Row> for LineOfRun {
 /// An audited run.
 #[derive(Debug, Clone, Serialize)]
 pub struct CaseAudit {
-    /// Cells a unit length.
+    /// Cells per unit length.
     pub n: u32,
     /// N.
     pub steps: u32,

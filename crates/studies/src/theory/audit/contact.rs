@@ -132,7 +132,7 @@ pub(crate) fn scheme_terms(
     [directional, slack, selection]
 }
 
-/// ∫ j_ν⁰(u^{kh}; v^h - u^{kh}) by three Gauss points an edge.
+/// ∫ j_ν⁰(u^{kh}; v^h - u^{kh}) by three Gauss points per edge.
 fn gauss(space: &Discretization, law: &ClarkeLaw, boundary: &Boundary, traces: &Traces) -> Sum {
     let (mut sum, rule) = (Sum::default(), edge(3));
     for (f, measure) in space.trace.measure.iter().enumerate() {

@@ -17,11 +17,11 @@ pub(crate) struct Past {
 
 /// One level of a run.
 pub(crate) struct DiscreteLevel {
-    /// ε(u_n^{kh}) a cell.
+    /// ε(u_n^{kh}) per cell.
     pub strain: Vec<Plane>,
     /// ψ_h with φ(S_n^{kh}u^{kh}, u_n^{kh}, v) = (ψ_h, ε(v)).
     pub coupled: Vec<Plane>,
-    /// θ_h a cell.
+    /// θ_h per cell.
     pub theta: Vec<Plane>,
     /// ζ̃(t_n).
     pub zeta: f64,

@@ -9,7 +9,7 @@ use super::scene::{SceneAudit, Summary};
 use fem::contact::BoundaryRule;
 use report::{Chapter, Run, StudyDocument, Tone, digits, held, number, precise};
 
-/// Columns of `SCENE-audit.csv`: a row a run and line.
+/// Columns of `SCENE-audit.csv`: a row per run and line.
 const COLUMNS: [&str; 16] = [
     "scene",
     "rule",

@@ -11,7 +11,7 @@ const ROUNDING: f64 = 1e-12;
 /// Where v^h - u is rounding itself (u affine in space), its powers are rounding of ‖σ‖‖ε‖.
 const NATURAL: f64 = 1e-14;
 /// The quadrature error of a kink inside cells, in units of the sum of absolute differences between 4
-/// and 16 parts a cell: where f0 jumps across a curve the error falls by 2 or more with each halving of
+/// and 16 parts per cell: where f0 jumps across a curve the error falls by 2 or more with each halving of
 /// the parts, so the difference bounds what is left, but irregularly; hence twice.
 const QUADRATURE: f64 = 2.0;
 

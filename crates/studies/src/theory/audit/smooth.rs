@@ -235,7 +235,7 @@ fn append(to: &mut CellValues, from: CellValues) {
     join(&mut to.force, from.force.into());
 }
 
-/// Three points a cell, exact for degree 2: enough for the norm of a truncation error.
+/// Three points per cell, exact for degree 2: enough for the norm of a truncation error.
 fn fixed_points(exact: &Exact, space: &Discretization) -> (Vec<f64>, Bound) {
     let (mut points, mut weights) = (Vec::new(), Vec::new());
     let (near, far) = (2.0 / 3.0, 1.0 / 6.0);

@@ -39,7 +39,7 @@ pub struct Bound {
     pub scene: String,
     /// Of its text.
     pub fingerprint: String,
-    /// Cells a unit length; none without a mesh.
+    /// Cells per unit length; none without a mesh.
     pub n: Option<u32>,
     /// N of the run.
     pub steps: u32,

@@ -10,7 +10,7 @@ use vhi::{FailedStep, FrozenDerivative, Newton, Scratch, StepBounds, StepState};
 /// The factor of Λ at a level of the run, with the run's own step size.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct AtLevel {
-    /// Cells a unit length; none without a mesh.
+    /// Cells per unit length; none without a mesh.
     pub mesh: Option<u32>,
     /// n.
     pub level: usize,

@@ -151,7 +151,7 @@ pub(crate) struct Fields<'a, const D: usize, const S: usize> {
     seed: u64,
 }
 
-/// A tensor a cell.
+/// A tensor per cell.
 type Tensors<const S: usize> = Vec<[f64; S]>;
 
 impl<'a, const D: usize, const S: usize> Fields<'a, D, S> {

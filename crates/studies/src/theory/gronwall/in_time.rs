@@ -57,7 +57,7 @@ pub trait InTime {
     fn blank(&self, grid: &TimeGrid) -> Estimate;
 }
 
-/// Prepares a scene for grids with these numbers of steps. A body needs `n`, cells a unit length; an
+/// Prepares a scene for grids with these numbers of steps. A body needs `n`, cells per unit length; an
 /// abstract scene has none.
 ///
 /// # Errors

@@ -130,7 +130,7 @@ fn truncation_of_memory(
     levels.iter().enumerate().map(&mut defect).collect()
 }
 
-/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one a term of the memory.
+/// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory.
 fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
         let cell = |c| {

@@ -13,7 +13,7 @@ use serde::Serialize;
 /// What is asked of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Mesh cells a unit length; none for abstract scenes.
+    /// Mesh cells per unit length; none for abstract scenes.
     pub n: Option<u32>,
     /// Numbers N of steps.
     pub steps: Vec<u32>,
@@ -55,7 +55,7 @@ pub struct Study {
     pub scene: String,
     /// Of its text.
     pub fingerprint: String,
-    /// Mesh cells a unit length; none for abstract scenes.
+    /// Mesh cells per unit length; none for abstract scenes.
     pub n: Option<u32>,
     pub constants: Summary,
     /// Where the truth of the error comes from.

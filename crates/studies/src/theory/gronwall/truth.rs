@@ -27,7 +27,7 @@ pub struct Level {
     pub t: f64,
     /// u(t), a nodal vector.
     pub u: Vec<f64>,
-    /// ∫_0^t b(t - s) u(s) ds, a nodal vector a term of the memory (the fine sum for a reference).
+    /// ∫_0^t b(t - s) u(s) ds, a nodal vector per term of the memory (the fine sum for a reference).
     pub memory: Vec<Vec<f64>>,
     /// ζ(t) (the fine sum for a reference); NaN where κ does not depend on it.
     pub zeta: f64,

@@ -45,7 +45,7 @@ pub struct Goal<'a> {
 /// A pair that is proposed.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advised {
-    /// Cells a unit length.
+    /// Cells per unit length.
     pub n: u32,
     /// Number of steps.
     pub steps: u32,
@@ -105,7 +105,7 @@ pub enum NoAdvice {
     Unknown {
         /// The norm.
         norm: &'static str,
-        /// One a step.
+        /// One per step.
         reasons: String,
     },
     /// The companions are too coarse for an order.
@@ -146,7 +146,7 @@ pub enum NoAdvice {
     Memory {
         /// What was wanted.
         target: f64,
-        /// Cells a unit length.
+        /// Cells per unit length.
         n: u32,
         /// Number of steps.
         steps: u32,

@@ -37,7 +37,7 @@ pub struct Companions {
 /// compared for.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RunTime {
-    /// Cells a unit length.
+    /// Cells per unit length.
     pub n: u32,
     /// Number of steps.
     pub steps: u32,
@@ -208,7 +208,7 @@ fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2],
     Ok([companion(steps / 2)?, companion(steps / 4)?])
 }
 
-/// Half and a quarter of the cells a unit length with the same steps, each beside the finer run.
+/// Half and a quarter of the cells per unit length with the same steps, each beside the finer run.
 fn space_companions(setup: &Setup, n: u32, steps: u32, own: &Run) -> Result<[Run; 2], String> {
     if !n.is_multiple_of(4) {
         return Err(format!("n = {n} is no multiple of 4"));

@@ -165,7 +165,7 @@ fn memory_grows_with_the_logarithm_of_the_steps() {
     };
     assert_eq!([1024, 4096, 16384].map(bytes), [464, 624, 784]);
     assert_eq!(FastConvolution::vectors(4096, 16), 624);
-    // 64 smallest clusters of 32 levels: five sizes have more than three, of five vectors a node; 64 of the neighbours.
+    // 64 smallest clusters of 32 levels: five sizes have more than three, of five vectors per node; 64 of the neighbours.
     let grid = TimeGrid::uniform(1.0, 2016);
     assert_eq!(FastConvolution::with_nodes(16, &grid, 3).numbers() / 3, 5 * 5 * 16 + 64);
     assert_eq!(FastConvolution::vectors(2016, 16), 5 * 5 * 16 + 64);
