@@ -20,7 +20,7 @@ const FINEST: u32 = 64;
 /// `sweep audit`.
 #[derive(Args)]
 #[command(
-    after_help = "Runs use the paper's own boundary integral (5.14), rule exact, unless --rule says otherwise; laws with a jump keep the vertex rule. Rows are sorted by tightness. Columns: left and right where the line is tightest over all levels and runs, left - right there (of an identity its magnitude), the accuracy (what rounding and quadrature allow), the tightness (left/right; of an identity difference over accuracy; - where both sides are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
+    after_help = "Runs use the paper's boundary integral (5.14), rule exact, unless --rule says otherwise; laws with a jump keep the vertex rule. Rows are sorted by tightness. Columns: left and right where the line is tightest over all levels and runs, left - right there (of an identity its magnitude), the accuracy (what rounding and quadrature allow), the tightness (left/right; of an identity difference over accuracy; - where both sides are below the accuracy), fitted powers of h (at the smallest k) and of k (at the smallest h) of left and right. \
 JSON keys with --json: scene, fingerprint (of its text), theorem, rule, holds, constants (m_A, L_A, alpha_phi, beta_phi, alpha_j, c_j_squared, c_j_source, c0, c1, c_phi, history, m0), lines (line, says, relation, left, right, ratio, tightness, difference, accuracy, power_h, power_k, holds, defined), cases (n, steps, h, k, lines), violations, undefined (lines without a defined constant). Files with --out: SCENE-audit.csv, SCENE-audit.json, SCENE-audit.svg. \
 With --ledger: a list of claim, hypotheses, quantity, proved, observed, used, claimed, confirmed, scene, command; file ledger.json. \
 Exit code 1: a line is violated beyond its accuracy or has no defined constant (m0 <= 0), or a claim is not confirmed."
@@ -125,7 +125,7 @@ impl Audit {
         };
         if jumps && boundary.rule != BoundaryRule::Vertex {
             let message = "the law has a jump, and --rule asks for facet integrals";
-            let hint = "leave --rule out, or say --rule vertex: one pressure a vertex";
+            let hint = "leave --rule out, or say --rule vertex: one pressure per vertex";
             return Err(setup.scene.error("contact.law", message, hint).into());
         }
         Ok(())

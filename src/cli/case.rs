@@ -14,7 +14,7 @@ use run::sweep::Machine;
 /// `sweep case`.
 #[derive(Args)]
 #[command(
-    after_help = "The scenes are those whose texts the plan keeps; a file of them that has changed since, another version of the program, an id or job that the plan does not have are refused. DIR gets provenance.json, verdict.json where a case failed (the reasons), and at last cases.csv, each in one piece: killed before, DIR has no records, and the same command goes on with the cases that were not finished. Complete records of the same plan in DIR are kept.\n\nExit codes: 0 the records are written (a case whose solver gave up is recorded as failed, and `sweep merge` answers 2), 2 bad input, or more memory predicted than there is.\n\nExamples:\n  sweep case pure-mild:n16:N4 affine:n2:N8 --plan big --out part\n  sweep case --job 17 --plan big --out big/parts/17"
+    after_help = "The scenes are those whose texts the plan keeps; a file of them that has changed since, another version of the program, an id or job that the plan does not have are refused. DIR gets provenance.json, verdict.json where a case failed (the reasons), and at last cases.csv, each in one step: if the process is killed before, DIR has no records, and the same command goes on with the cases that were not finished. Complete records of the same plan in DIR are kept.\n\nExit codes: 0 the records are written (a case whose solver gave up is recorded as failed, and `sweep merge` answers 2), 2 bad input, or more memory predicted than there is.\n\nExamples:\n  sweep case pure-mild:n16:N4 affine:n2:N8 --plan big --out part\n  sweep case --job 17 --plan big --out big/parts/17"
 )]
 pub(crate) struct CaseCommand {
     /// Ids of cases, from plan.csv

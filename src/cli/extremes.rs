@@ -18,7 +18,7 @@ const WIDTH: u16 = 132;
 /// `sweep extremes`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 every rung as expected; 1 a rung is not; 2 no such ladder, or --out cannot be written.\n\nJSON keys with --json: ladders (name, parameter, quantity, why), rungs (ladder, at, quantity, expected, measured: null without an answer, digits_lost, iterations: a level, kkt, standing: \"as-expected\", \"refused-as-expected\", \"not-as-expected\" or \"failed\", note, seconds).\n\nFiles with --out: extremes.csv (a row as each rung ends), extremes.json, extremes.svg (the map)."
+    after_help = "Exit code: 0 every rung as expected; 1 a rung is not; 2 no such ladder, or --out cannot be written.\n\nJSON keys with --json: ladders (name, parameter, quantity, why), rungs (ladder, at, quantity, expected, measured: null without an answer, digits_lost, iterations: per level, kkt, standing: \"as-expected\", \"refused-as-expected\", \"not-as-expected\" or \"failed\", note, seconds).\n\nFiles with --out: extremes.csv (a row as each rung ends), extremes.json, extremes.svg (the map)."
 )]
 pub(crate) struct Extremes {
     /// Ladders to climb [default: all]; --list names them

@@ -15,7 +15,7 @@ use run::sweep::{CasePlan, Cost, FloorRow, ScenePlan, admit_plan, floors_beside}
 /// `sweep floors`.
 #[derive(Args)]
 #[command(
-    after_help = "A floor is measured by doing one thing better that is not the discretisation: solver (residual to 1/100 of the tolerance, or to rounding), history (direct sum in place of the recursion), load and error quadrature (the next rule), reference (a run with 16 N steps; for reference scenes a reference of half the cells and steps, its floor estimated likewise). Cases are the finest n with the fewest steps and the coarsest n with the most, unless --n and --steps name them.\n\nJSON keys with --json, one object a row: scene, n (null without mesh), steps, norm, part, error, measured, estimated (what the floor column of cases.csv holds for it), ratio (estimated over measured, null if nothing was measured). --out writes the same to floors.json."
+    after_help = "To measure a floor, one thing other than the discretisation is done better: solver (residual to 1/100 of the tolerance, or to rounding), history (direct sum in place of the recursion), load and error quadrature (the next rule), reference (a run with 16 N steps; for reference scenes a reference of half the cells and steps, its floor estimated likewise). Cases are the finest n with the fewest steps and the coarsest n with the most, unless --n and --steps name them.\n\nJSON keys with --json, one object per row: scene, n (null without mesh), steps, norm, part, error, measured, estimated (what the floor column of cases.csv holds for it), ratio (estimated over measured, null if nothing was measured). --out writes the same to floors.json."
 )]
 pub(crate) struct FloorsCommand {
     /// Name of a scene, or path of a TOML file

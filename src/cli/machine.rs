@@ -7,7 +7,7 @@ use run::sweep::MemoryLimit;
 /// What a command may take of the memory.
 #[derive(Args)]
 pub(super) struct Allowance {
-    /// Memory that may be used, by the prediction made before anything is solved: bytes, 512M, 8G. Larger cases are
+    /// Memory that may be used, as predicted before anything is solved, in bytes or as 512M, 8G. Larger cases are
     /// not started [default: what the machine has available]
     #[arg(long, value_name = "BYTES")]
     memory_limit: Option<MemoryLimit>,

@@ -48,7 +48,7 @@ impl MergeCommand {
         let out = OutputDirectory::take(&self.out)?;
         self.apart(&parts)?;
         let pieces = self.out.join(PIECES);
-        // Those of a merge that was killed.
+        // Pieces of a merge that was killed.
         remove(&pieces)?;
         super::create_dir(&pieces)?;
         let [table, verdict] = ["cases.csv", "verdict.json"].map(|name| self.out.join(name));

@@ -78,7 +78,7 @@ struct Arguments {
     /// Folder of the scenes [default: manufactured, where that folder is; else those inside the program]
     #[arg(long = "scenes", id = "folder", value_name = "FOLDER", global = true)]
     scenes: Option<PathBuf>,
-    /// No progress, notes or warnings on stderr; errors are still said
+    /// No progress, notes or warnings on stderr; errors are still printed
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
     /// A line for each case that ends, also beside the bar of a terminal
@@ -110,7 +110,7 @@ enum Command {
     Solve(solve::Solve),
     /// Step-size bound (3.4) in four numbers: paper, sharpened, measured, loss of solvability
     Bound(bound::BoundCommand),
-    /// Put Gronwall's inequality over runs: truncation errors, envelopes, horizons, perturbations
+    /// Evaluate Gronwall's inequality on runs: truncation errors, envelopes, horizons, perturbations
     Gronwall(gronwall::Gronwall),
     /// Climb ladders of extreme parameters: units, moduli, steps, meshes, gaps, loads
     Extremes(extremes::Extremes),

@@ -38,8 +38,8 @@ pub(crate) struct PlanCommand {
     /// What runs the jobs
     #[arg(long, value_enum, default_value = "csv")]
     format: Format,
-    /// Predicted CPU seconds up to which cases share a job: a minute, beside which the seconds that an engine takes to
-    /// start a job are few. A longer case is a job of its own
+    /// Cases share a job up to this many predicted CPU seconds, since an engine takes seconds to start one. A longer case
+    /// is a job by itself
     #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = seconds)]
     seconds: f64,
     /// Print the size of the plan as JSON

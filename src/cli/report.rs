@@ -23,7 +23,7 @@ use scene::setup::Subject;
 /// folder.
 #[derive(Args)]
 #[command(
-    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. What bound, gronwall, audit, trade and extremes wrote with --out DIR are chapters of it (files *.document.json), with their pictures and those of solve --pictures; a file of theirs that is torn is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts; 2 as well where a case that provenance.json knows to be planned is missing, a row was changed or cut off, or a sweep is still writing into DIR. What is missing is named, on the page too.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (a build with the feature pdf; `make pdf` makes one)"
+    after_help = "Written into DIR: verdict.json, index.html, report.md (for pull requests), tables.tex (LaTeX, booktabs), report.typ with report.json (Typst), pictures. What bound, gronwall, audit, trade and extremes wrote with --out DIR become chapters of it (files *.document.json), with their pictures and those of solve --pictures; a file of theirs that is torn is refused (exit code 2). `make report` writes some of each.\n\nExit codes: those of the verdicts; 2 as well where a case that provenance.json knows to be planned is missing, a row was changed or cut off, or a sweep is still writing into DIR. What is missing is named, on the page too.\n\nExamples:\n  sweep report reports/latest\n  sweep report reports/latest --pdf report.pdf --date 2026-01-31     (a build with the feature pdf; `make pdf` makes one)"
 )]
 pub(crate) struct Report {
     /// Directory with cases.csv

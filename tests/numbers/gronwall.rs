@@ -268,7 +268,7 @@ fn every_link_can_fail() {
     let short = failing(&|run| {
         run.estimate.error.pop();
     });
-    assert_eq!(short, ["one value a step"]);
+    assert_eq!(short, ["one value per step"]);
     let envelopes = run.estimate.envelopes().expect("envelopes");
     for (n, change) in [(5, 0), (9, 1), (11, 2), (13, 3)] {
         let mut wrong = envelopes.clone();

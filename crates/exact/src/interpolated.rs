@@ -32,7 +32,7 @@ pub struct InterpolatedOnMesh {
     bound: Mutex<Bound>,
     /// Of each cell.
     regions: Vec<usize>,
-    /// Those of edges.
+    /// Slopes along the edges.
     slopes: Vec<f64>,
     /// Formulas on each side of Γ3, bound to its points of the trace.
     boundary: Vec<SidePoints>,

@@ -61,10 +61,10 @@ pub struct ExactOnMesh {
     uniform: OnceLock<Uniform>,
     /// The rows of the mesh where it has some, of one material each; the fields at one time on them.
     rows: Option<Rows>,
-    /// Those of moments along rows, in the two halves of a square.
+    /// The rules of moments along rows, in the two halves of a square.
     rules_of_halves: Option<[Rule; HALVES]>,
     bands: OnceLock<Arc<Bands>>,
-    /// The same at the points of σ in the weak form, where they are others.
+    /// The fields at the points of σ in the weak form, where these are others.
     stress_bands: OnceLock<Arc<Bands>>,
     state_points: OnceLock<StatePoints>,
 }
@@ -142,13 +142,13 @@ impl ExactOnMesh {
         }
     }
 
-    /// The same with all fields evaluated at each time: for few times, and as a check on the parts.
+    /// Evaluates all fields at each time: for few times, and as a check on the parts.
     pub fn time_by_time(mut self) -> Self {
         self.in_parts = false;
         self
     }
 
-    /// The same with all fields evaluated at all points, whatever they are: a check on shorter ways.
+    /// Evaluates all fields at all points: a check on the shortcuts.
     pub fn point_by_point(mut self) -> Self {
         (self.is_uniform, self.rows) = (false, None);
         self

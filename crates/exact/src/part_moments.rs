@@ -269,7 +269,7 @@ impl PartMoments {
         &self.stress.vectors
     }
 
-    /// Those of a single part.
+    /// The moments of a single part.
     pub(crate) fn single(self) -> Moments {
         let [strain, stress, displacement] = [self.strain, self.stress, self.displacement]
             .map(|mut family| (family.vectors.swap_remove(0), family.products[0]));

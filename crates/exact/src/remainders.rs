@@ -5,7 +5,7 @@ use super::exact::Exact;
 use formula::{Node, Program};
 
 impl Exact {
-    /// The same with hereditary integrals plus what their quadrature may lack; none where that moves no field at these
+    /// The solution with what the quadrature of its hereditary integrals may lack added; none where that moves no field at these
     /// points and times.
     pub fn with_remainders(&self, points: &[[f64; 3]], times: &[f64]) -> Option<Self> {
         let mut data = self.data.clone();

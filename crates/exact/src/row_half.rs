@@ -39,7 +39,7 @@ struct AlongY {
 }
 
 impl AlongY {
-    /// Those of g at the points of the rule; `eta` is their distance from the centroids.
+    /// The sums of g at the points of the rule; `eta` is their distance from the centroids.
     fn new(g: &[f64], eta: &[f64], places: &Places, rule: &Rule) -> Self {
         let (mean, slope) = (mean(g, &rule.weights), slope(g, eta, &rule.weights));
         let rows = mean.len();

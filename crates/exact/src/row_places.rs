@@ -56,7 +56,7 @@ pub(crate) struct Places {
 }
 
 impl Places {
-    /// Those of the points of `rule` in columns where the corners have the given abscissae.
+    /// The places of the points of `rule`, in columns where the corners have the given abscissae.
     pub(crate) fn new(corners: &[[f64; CORNERS]], rule: &Rule) -> Self {
         let columns = corners.len();
         let mut places = Self { of: Vec::new(), x: Vec::new(), weights: Vec::new() };

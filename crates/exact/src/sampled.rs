@@ -68,7 +68,7 @@ impl Sampled {
     }
 
     /// Shows the values of all outputs at time t, for one run of simplices after the other: their numbers, and the
-    /// values at their points, that of point q on simplex i of a run of m at q m + i. Those of the first fields must be
+    /// values at their points, that of point q on simplex i of a run of m at q m + i. The values of the first fields must be
     /// finite; `names` are theirs. What is to be evaluated `again` is one program, always the same.
     pub(super) fn each_block(
         &self,

@@ -24,7 +24,7 @@ impl SimplexPoints {
         Self::in_space(coarse, 0)
     }
 
-    /// The same by a finer rule: two more points per direction.
+    /// A finer rule: two more points per direction.
     pub(crate) fn finer(coarse: &CoarseMesh) -> Self {
         Self::in_space(coarse, 2)
     }

@@ -30,7 +30,7 @@ pub(crate) fn memory(graph: &mut Graph, kernel: Node, strain: &[Node]) -> Vec<No
     strain.iter().map(|&e| graph.convolve(kernel, e)).collect()
 }
 
-/// The same where regions have materials of their own.
+/// The stress where regions have different materials.
 pub(crate) fn stress_in_regions(
     graph: &mut Graph,
     (material, regions): (&MaterialNumbers, &[RegionNumbers]),

@@ -23,7 +23,7 @@ pub trait Truth: Send + Sync {
     /// Told that the moments at these times will be asked for: what they share with the loads is done once.
     ///
     /// # Errors
-    /// Those of [`Self::moments`].
+    /// As [`Self::moments`].
     fn expect(&self, _times: &[f64]) -> Result<(), LoadError> {
         Ok(())
     }
@@ -78,7 +78,7 @@ impl<T> ByTime<T> {
         Ok(self.always(t, || value))
     }
 
-    /// The same for what cannot fail.
+    /// The value at t, computed if it is not known yet; for what cannot fail.
     pub(super) fn always(&self, t: f64, compute: impl FnOnce() -> T) -> Arc<T> {
         if let Some(value) = self.known(t) {
             return value;

@@ -12,7 +12,7 @@ pub(super) enum Domain<'a> {
     Box(&'a [f64]),
     /// A polygon or polyhedron.
     Coarse(&'a CoarseMesh),
-    /// The same by a finer rule: what the rule leaves out shows in the difference.
+    /// A polygon or polyhedron by a finer rule: what the rule leaves out shows in the difference.
     Finer(&'a CoarseMesh),
 }
 

@@ -29,7 +29,7 @@ pub fn open_file(path: &Path) -> io::Result<File> {
 /// The bytes of a file of at most 4 GiB.
 ///
 /// # Errors
-/// Those of [`read_file_up_to`].
+/// As [`read_file_up_to`].
 pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     read_file_up_to(path, MOST)
 }
@@ -37,15 +37,15 @@ pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
 /// The bytes of a file, if they are no more than `most`.
 ///
 /// # Errors
-/// Those of [`open_file`]; [`io::ErrorKind::FileTooLarge`].
+/// As [`open_file`], and [`io::ErrorKind::FileTooLarge`].
 pub fn read_file_up_to(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     up_to(open_file(path)?, most)
 }
 
-/// The text of such a file.
+/// The text of a file of at most 4 GiB.
 ///
 /// # Errors
-/// Those of [`read_file`]; [`io::ErrorKind::InvalidData`] where it is not UTF-8.
+/// As [`read_file`], and [`io::ErrorKind::InvalidData`] where the text is not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     let not_text = |error| io::Error::new(io::ErrorKind::InvalidData, error);
     String::from_utf8(read_file(path)?).map_err(not_text)

@@ -37,7 +37,7 @@ struct Piece<'a> {
 }
 
 impl Abscissae {
-    /// Those of a group of integrals with a recursion; none where there are few, or of several coordinates.
+    /// The abscissae of a group of integrals with a recursion; none where they are few, or of several coordinates.
     pub(super) fn of(plan: &HistoryPlan, stages: &Stages, points: &[[f64; 3]]) -> Option<Self> {
         let first = stages.first_points(plan.mask);
         if plan.mask.count_ones() != 1 || first.len() < MANY || plan.is_general() {

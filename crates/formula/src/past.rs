@@ -248,7 +248,7 @@ impl Past {
         self.remainders.push(lacking);
     }
 
-    /// Adds to `sums` the integrals of all members over the lanes. Those of whole panels, from panel `whole` on, are
+    /// Adds to `sums` the integrals of all members over the lanes. Integrals over whole panels, from panel `whole` on, are
     /// remembered for general kernels.
     fn integrate(
         &mut self,

@@ -33,7 +33,7 @@ impl Graph {
         self.separate_from(Variable::T, f)
     }
 
-    /// The same with another variable in place of time.
+    /// [`Self::separate`] with another variable in place of time.
     fn separate_from(&mut self, v: Variable, f: Node) -> Option<Separated> {
         let mut known: HashMap<Node, Option<Separated>> = HashMap::new();
         for node in self.reachable(&[f], |n| !self.is_pure(v, n)) {

@@ -47,7 +47,7 @@ pub(super) fn definitions(
     definitions_in(reading, written, &variables)
 }
 
-/// The same with other variables.
+/// The scope of named quantities in the given variables.
 pub(super) fn definitions_in(
     reading: &mut Reading,
     written: &BTreeMap<String, Formula>,

@@ -12,9 +12,9 @@ use super::written;
 /// The cells of a region.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Place {
-    /// Those whose centroid has a positive value of the formula.
+    /// Cells whose centroid has a positive value of the formula.
     Where(Node),
-    /// Those of a region of the mesh, an index into `Mesh::regions`.
+    /// Cells of a region of the mesh, an index into `Mesh::regions`.
     Physical(u32),
 }
 

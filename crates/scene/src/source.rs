@@ -33,7 +33,7 @@ impl Source {
         Source { path: path.into(), text, hash, mesh: None, beside: &[] }
     }
 
-    /// The same with the text of its mesh file.
+    /// Adds the text of the mesh file, which becomes a part of the hash.
     #[must_use]
     pub fn with_mesh(self, mesh: String) -> Source {
         Source { hash: hash(&[&self.text, &mesh]), mesh: Some(mesh), ..self }

@@ -214,7 +214,7 @@ fn whole_cells(reading: &Reading, key: &str, n: usize, domain: &Domain) -> Resul
     let Some(length) = odd_length(n, domain) else { return Ok(()) };
     let cells = n as f64 * length;
     let message = format!(
-        "n = {n} does not divide side {length} into whole cells: {n} cells a unit length make {cells}"
+        "n = {n} does not divide side {length} into whole cells: {n} cells per unit length make {cells}"
     );
     Err(reading.error(key, message, "choose n so that n times each side is a whole number"))
 }

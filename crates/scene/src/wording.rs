@@ -37,7 +37,7 @@ pub(super) fn syntax(source: &Source, error: &toml::de::Error) -> SceneError {
         );
     }
     let message = format!("not TOML: {}", error.message());
-    let hint = "one `key = value` a line, strings in quotes, lists in [ ], parts under [name]";
+    let hint = "one `key = value` per line, strings in quotes, lists in [ ], parts under [name]";
     SceneError::at(source, span, message, hint)
 }
 

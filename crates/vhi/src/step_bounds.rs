@@ -14,7 +14,7 @@ pub struct StepBounds {
     pub beta_phi: f64,
     /// ‖R‖‖q‖, or the Lipschitz constant of S, with operator norms.
     pub lipschitz: f64,
-    /// The same with the norms that the paper takes.
+    /// ‖R‖‖q‖, or the Lipschitz constant of S, in the paper's norms.
     pub paper_lipschitz: f64,
     /// Lipschitz constant of y ↦ φ(y,·,·) composed with the last slot of S, for weight 1.
     pub last_slot: f64,

@@ -76,7 +76,7 @@ impl Discretization {
     /// first asked for. In the plane it has some 8 % more fill than [`Self::analysis`].
     ///
     /// # Errors
-    /// Its own.
+    /// The matrix cannot be ordered.
     pub(crate) fn condensing(&self) -> Result<&Analysis, FactorError> {
         let last = || analysis(&self.mesh, &self.nodes, &self.pattern, &self.trace.unknowns());
         self.condensing.get_or_init(last).as_ref().map_err(Clone::clone)

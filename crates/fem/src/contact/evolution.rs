@@ -30,9 +30,9 @@ pub struct Evolution<'a, P> {
     /// Σ_{j<n} W_nj u_j of each term while a level is open, Σ'_{j≤n} W_nj u_j after its commit, of
     /// unknowns padded to all nodes.
     history: Vec<Vec<f64>>,
-    /// The same as displacements, where they differ.
+    /// The history as displacements, where these differ from the unknowns.
     shown_history: Vec<Vec<f64>>,
-    /// The same with a frozen last slot.
+    /// The history with a frozen last slot.
     frozen_history: Vec<Vec<f64>>,
     zeta: f64,
     /// Seconds in loads.

@@ -22,7 +22,7 @@ pub fn kkt_residual<P: Projection>(
     kkt_residual_in(space, model, view, load, &mut Vec::new())
 }
 
-/// The same with room for the forces, which a march hands in again at every level.
+/// [`kkt_residual`] with a buffer for the forces, which a march reuses at every level.
 pub(super) fn kkt_residual_in<P: Projection>(
     space: &Discretization,
     model: &Model<P>,

@@ -68,7 +68,7 @@ pub enum CaseError {
     OutOfRange {
         /// max ‖ε(u_n)‖ over the root of |Ω|.
         strain: f64,
-        /// The same times the stiffest modulus.
+        /// `strain` times the stiffest modulus.
         stress: f64,
     },
 }
@@ -158,7 +158,7 @@ pub fn march<P: Projection, S: StepSolver>(
     march_by(plan, space, model, grid, load, solver, observe)
 }
 
-/// The same level by level in the volume, whatever shorter way there is.
+/// [`march`], level by level in the volume, even where there is a shorter way.
 ///
 /// # Errors
 /// As [`march`].

@@ -31,51 +31,51 @@ macro_rules! paths {
 paths! {
     /// [`Plan::Recursion`] on equal steps.
     Recursion = "recursion, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     RecursionGraded = "recursion, unequal steps",
     /// [`Plan::Condensed`] on equal steps.
     Condensed = "condensed, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     CondensedGraded = "condensed, unequal steps",
     /// [`Plan::Newton`] on equal steps.
     Newton = "newton, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     NewtonGraded = "newton, unequal steps",
     /// [`Plan::Linear`], or [`Plan::Condensed`] with such a memory: matrices follow the last slot's weight; equal steps.
     Anew = "factors anew, equal steps",
-    /// The same on other grids: a matrix per level.
+    /// As above, with unequal steps: a matrix per level.
     AnewGraded = "factors anew, unequal steps",
     /// [`Storage::Recursive`] on equal steps.
     Recursive = "recursive memory, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     RecursiveGraded = "recursive memory, unequal steps",
     /// [`Storage::Direct`] on equal steps.
     Summed = "summed memory, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     SummedGraded = "summed memory, unequal steps",
     /// [`Storage::Fast`] on equal steps.
     Interpolated = "interpolated memory, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     InterpolatedGraded = "interpolated memory, unequal steps",
     /// The trapezoidal rule on equal steps.
     Trapezoid = "trapezoidal rule, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     TrapezoidGraded = "trapezoidal rule, unequal steps",
     /// The left-endpoint rule on equal steps.
     Left = "left-endpoint rule, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     LeftGraded = "left-endpoint rule, unequal steps",
     /// Gregory's rule with first differences.
     GregoryThree = "Gregory's rule of order 3",
-    /// The same with second differences.
+    /// Gregory's rule with second differences.
     GregoryFour = "Gregory's rule of order 4",
     /// The corrected end weight on equal steps.
     CorrectedEnd = "corrected end, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     CorrectedEndGraded = "corrected end, unequal steps",
     /// Product integration on equal steps.
     Product = "product integration, equal steps",
-    /// The same on other grids.
+    /// As above, with unequal steps.
     ProductGraded = "product integration, unequal steps",
     /// Factors of each Jacobian.
     Direct = "factors",
@@ -95,11 +95,11 @@ paths! {
     ExactlyScaled = "compliance integrated exactly with a factor",
     /// Loads of an exact solution in the weak form, in the plane.
     WeakInPlane = "weak form in the plane",
-    /// The same in space.
+    /// As above, in space.
     WeakInSpace = "weak form in space",
     /// Loads of an exact solution in the strong form, in the plane.
     StrongInPlane = "strong form in the plane",
-    /// The same in space.
+    /// As above, in space.
     StrongInSpace = "strong form in space",
     /// The exact solution is its interpolant.
     InterpolatedTruth = "exact solution interpolated",
@@ -109,7 +109,7 @@ paths! {
     LoadApart = "given loads that do not separate",
     /// Normals that are no axes, in the plane.
     FramesInPlane = "frames in the plane",
-    /// The same in space.
+    /// As above, in space.
     FramesInSpace = "frames in space",
     /// Halved Newton steps.
     Damped = "damped newton",
@@ -138,7 +138,7 @@ impl Paths {
         self.0 & (1 << path as u32) != 0
     }
 
-    /// Those of both.
+    /// The paths that are in either set.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)

@@ -104,7 +104,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         }
     }
 
-    /// The same with another linear solver.
+    /// Replaces the linear solver.
     pub fn solved_by(self, solver: LinearSolver) -> Self {
         Self { solver: solver.on(self.space), ..self }
     }

@@ -16,7 +16,7 @@ use vhi::law::TensorField;
 pub enum Unknowns {
     /// Cartesian components, in the order of [`Discretization::analysis`].
     Displacements,
-    /// Those of the contact problem, Γ3 last, in the order of `Discretization::condensing`.
+    /// The unknowns of the contact problem, Γ3 last, in the order of `Discretization::condensing`.
     ContactLast,
 }
 

@@ -238,7 +238,7 @@ impl<'a> Volume<'a> {
     /// The backward pass, by which `levels` of the right sides become solutions; all of the solve without a factor.
     ///
     /// # Errors
-    /// Those of the iteration.
+    /// The multigrid iteration does not converge.
     pub(super) fn backward(
         &mut self,
         cut: usize,
@@ -259,7 +259,7 @@ impl<'a> Volume<'a> {
     /// K⁻¹x in place to rounding, over the unknowns.
     ///
     /// # Errors
-    /// Those of the iteration.
+    /// The multigrid iteration does not converge.
     pub(super) fn solve(&mut self, x: &mut [f64]) -> Result<(), FactorError> {
         let start = Instant::now();
         let matrix = if self.by_memory.is_empty() { &self.elastic } else { &self.matrix };

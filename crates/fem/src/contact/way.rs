@@ -66,7 +66,7 @@ impl Way<'_> {
     /// K⁻¹x in place to rounding, over the unknowns.
     ///
     /// # Errors
-    /// Those of the iteration.
+    /// The multigrid iteration does not converge.
     pub(super) fn solve(
         &mut self,
         space: &Discretization,
@@ -82,7 +82,7 @@ impl Way<'_> {
         }
     }
 
-    /// The same without the last digits, for estimates; not a number where it fails.
+    /// K⁻¹x in place without the last digits, for estimates; NaN where it fails.
     pub(super) fn estimate(&mut self, x: &mut [f64]) {
         match self {
             Self::Factor { analysis, factor, front, .. } => analysis.solve(factor, x, front),

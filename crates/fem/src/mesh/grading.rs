@@ -53,7 +53,7 @@ pub fn vertex_at(coarse: &Coarse, place: [f64; 2]) -> Option<u32> {
     coarse.vertices.iter().position(near).map(|v| v as u32)
 }
 
-/// The same on the squares of a rectangle (0, size₀)×(0, size₁), with distances from the corner in the
+/// Grades the squares of a rectangle (0, size₀)×(0, size₁), with distances from the corner in the
 /// larger coordinate and up to the shorter side: beyond it nothing moves.
 pub(super) fn in_rectangle(
     size: [f64; 2],

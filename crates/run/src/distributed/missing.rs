@@ -62,7 +62,7 @@ impl std::fmt::Display for Missing {
 /// The ids of the first missing cases with their jobs.
 ///
 /// # Errors
-/// Those of the plan's table.
+/// The plan's table cannot be read.
 pub(crate) fn with_jobs(
     missing: &[Key],
     plan: Option<(&Plan, &Path)>,

@@ -11,7 +11,7 @@ use super::vtu::VtuError;
 
 /// The displacements, (N + 1) × vertices × d.
 pub const DISPLACEMENT: &str = "displacement.npy";
-/// The same as a table with columns n, vertex, ux, uy (and uz).
+/// The displacements as a table with columns n, vertex, ux, uy (and uz).
 pub const DISPLACEMENT_TABLE: &str = "displacement.csv";
 /// ξ + λ at the rows of contact.csv, (N + 1) × rows.
 pub const PRESSURE: &str = "pressure.npy";
@@ -68,7 +68,7 @@ pub fn read_displacements(dir: &Path, wanted: &Wanted<'_>) -> Result<Vec<f64>, A
     read_until(dir, wanted, None)
 }
 
-/// The same under a time limit.
+/// [`read_displacements`] under a time limit.
 pub(super) fn read_until(
     dir: &Path,
     wanted: &Wanted<'_>,

@@ -44,7 +44,7 @@ impl Timed {
     /// Opens a regular file.
     ///
     /// # Errors
-    /// Those of [`open_file`].
+    /// As [`open_file`].
     pub(crate) fn open(path: &Path, until: Until) -> io::Result<Self> {
         let file = open_file(path)?;
         let length = file.metadata()?.len();
@@ -80,7 +80,7 @@ pub(crate) fn open_bounded(path: &Path, most: u64, until: Until) -> Result<Timed
 /// Reads a file, if it is one and not longer than `most` bytes.
 ///
 /// # Errors
-/// Those of [`open_bounded`].
+/// As [`open_bounded`].
 pub(crate) fn read_bounded(path: &Path, most: u64, until: Until) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     // A file may grow meanwhile.

@@ -36,7 +36,7 @@ impl Group {
     /// Starts a command as a group.
     ///
     /// # Errors
-    /// Those of [`Command::spawn`].
+    /// As [`Command::spawn`].
     pub(crate) fn start(command: &mut Command) -> io::Result<Self> {
         leading(command);
         // Locked while it starts: what ends all groups must know it.

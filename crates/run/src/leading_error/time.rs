@@ -69,7 +69,7 @@ impl Table {
 }
 
 impl Weights {
-    /// Those of a rule whose weights do not depend on the kernel.
+    /// The weights of a rule that does not depend on the kernel.
     ///
     /// # Errors
     /// [`NoConstant::Rule`].

@@ -12,7 +12,7 @@ pub(super) type Kept = (usize, Option<u32>);
 pub(super) struct Task {
     /// Predicted seconds, of what waits for it as well.
     pub(super) rank: f64,
-    /// Its own.
+    /// Predicted seconds of the task alone.
     pub(super) seconds: f64,
     /// Predicted peak bytes while it runs, what it shares included.
     pub(super) bytes: f64,

@@ -130,7 +130,7 @@ fn names(
     };
     if own.len() != count {
         let message = format!("{} names for {count} edges", own.len());
-        let hint = "give one name an edge; edge i goes from vertex i to the next, and several may share a name";
+        let hint = "give one name per edge; edge i goes from vertex i to the next, and several may share a name";
         return Err(reading.error("domain.sides", message, hint));
     }
     let mut sides: Vec<String> = Vec::new();

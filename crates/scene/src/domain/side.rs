@@ -111,7 +111,7 @@ impl Face {
         self.grid(intervals).into_iter().map(|(_, point)| point).collect()
     }
 
-    /// The same with the steps (i, j) along the edges.
+    /// These points with their steps (i, j) along the edges.
     pub(crate) fn grid(&self, intervals: u32) -> Vec<([u32; 2], [f64; 3])> {
         let start = vec![([0, 0], self.corner)];
         let grid = self.edges.iter().enumerate().fold(start, |points, (axis, edge)| {

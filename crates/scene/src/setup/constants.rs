@@ -54,7 +54,7 @@ pub struct MemoryNorms {
 }
 
 impl Constants {
-    /// The same as a bound on the step size.
+    /// The bounds on the step size that follow.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         StepBounds {
             m0: self.m0,

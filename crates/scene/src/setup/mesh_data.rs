@@ -23,7 +23,7 @@ pub struct MeshData {
     pub space: Arc<Discretization>,
     /// Loads and exact fields.
     pub truth: Arc<dyn Truth>,
-    /// Those of the scene by its own rules, whatever stands in `truth`.
+    /// Loads and exact fields by the rules of the scene, whatever stands in `truth`.
     own: Option<Arc<dyn Truth>>,
     /// Displacements of runs with more steps, by (steps of the run, steps kept).
     trajectories: Mutex<HashMap<(u32, u32), Arc<Trajectory>>>,
@@ -67,7 +67,7 @@ impl MeshData {
         Ok(data)
     }
 
-    /// The same with loads and moments by other rules.
+    /// A mesh whose loads and moments are integrated by other rules.
     ///
     /// # Errors
     /// [`SetupError::Mesh`].

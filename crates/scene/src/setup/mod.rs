@@ -127,7 +127,7 @@ impl Setup {
         Ok(Arc::new(space))
     }
 
-    /// The same without regions, for what does not depend on the material.
+    /// V^h without regions, for what does not depend on the material.
     ///
     /// # Errors
     /// [`SetupError::Mesh`].

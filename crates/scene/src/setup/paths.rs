@@ -5,7 +5,7 @@ use crate::{Data, LoadForm, TimeRule};
 use fem::contact::{BoundaryRule, Path, Paths, by_grid};
 use vhi::history::TimeGrid;
 
-/// Those of a run of `setup` on a mesh with a grid.
+/// The paths of code that a run of `setup` takes on a mesh with a grid.
 pub(super) fn of_scene(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Paths {
     let mut paths = Paths::default();
     let in_plane = setup.scene.dimension == 2;

@@ -53,7 +53,7 @@ pub(super) fn check_times(setup: &Setup, cells: usize) -> Vec<f64> {
 }
 
 /// Compares the rules; `own` are loads and fields by the rules of the scene, if they are at hand, and
-/// `truth` makes them by given rules, the next ones with what hereditary integrals may lack. Those of the next rules are not kept: their formulas take more
+/// `truth` makes them by given rules, the next ones with what hereditary integrals may lack. Fields by the next rules are not kept: their formulas take more
 /// memory than the case.
 ///
 /// # Errors

@@ -40,7 +40,7 @@ impl Climbed {
             self.ladders.iter().map(|ladder| self.ladder(ladder)).collect(),
         );
         own.table(
-            "Rungs: what was expected and measured, the decimal digits that rounding took, Newton iterations a level, the largest KKT residual.",
+            "Rungs: what was expected and measured, the decimal digits that rounding took, Newton iterations per level, the largest KKT residual.",
             &[
                 "ladder", "at", "expected", ">measured", ">digits lost", ">iterations", ">KKT", "is",
                 "note",

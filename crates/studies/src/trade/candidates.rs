@@ -20,10 +20,10 @@ pub struct Candidates<'a> {
 }
 
 impl<'a> Candidates<'a> {
-    /// Those of a scene; `beside_reference`: errors are to be measured against its reference run.
+    /// The candidates of a scene; `beside_reference`: errors are to be measured against its reference run.
     ///
     /// # Errors
-    /// Those of a setup.
+    /// The scene cannot be set up.
     pub(crate) fn new(setup: &'a Setup, beside_reference: bool) -> Result<Self, SetupError> {
         let subject = Subject::new(setup.scene.clone())?;
         let (safe, largest) = Default::default();

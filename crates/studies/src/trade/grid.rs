@@ -13,10 +13,10 @@ const MOST: [usize; 2] = [4, 5];
 const LEAST: [u32; 2] = [2, 2];
 
 /// The grid of a scene: its own lists, completed by halves (or doubles) up to three levels, and without its finest
-/// levels while the predicted seconds of all runs, `runs` a case, are above `budget`.
+/// levels while the predicted seconds of all runs, `runs` per case, are above `budget`.
 ///
 /// # Errors
-/// Those of a setup.
+/// The scene cannot be set up.
 pub fn own_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2], SetupError> {
     let scene = &plain.setup.scene;
     let sweep = scene.sweep.as_ref();

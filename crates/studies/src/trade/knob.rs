@@ -135,7 +135,7 @@ impl Variant {
     /// Turns a knob of a scene; none where the scene does not have it.
     ///
     /// # Errors
-    /// Those of a setup.
+    /// The scene cannot be set up.
     pub fn new(scene: &Scene, knob: Knob) -> Result<Option<Self>, SetupError> {
         let mut setup = Setup::new(scene.clone())?;
         let (mut rules, mut newton) = (TruthRules::of(scene.dimension), None);

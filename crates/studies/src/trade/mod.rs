@@ -1,5 +1,5 @@
 //! Speed against accuracy, measured: runs over the knobs that a scene offers, models of error and cost, the cheapest
-//! way to an error, and what each knob buys; and the error of a single run from coarser ones.
+//! way to an error, and what each knob saves; and the error of a single run from coarser ones.
 
 mod answer;
 mod as_json;

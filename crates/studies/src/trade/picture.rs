@@ -84,7 +84,7 @@ impl Study {
     }
 }
 
-/// Errors that differ by less are one: a knob that buys the sixth digit buys nothing.
+/// Errors that differ by less are equal: a gain in the sixth digit is none.
 const TIE: f64 = 0.01;
 
 /// The front from cheap to dear without the points that buy no error beyond a tie.

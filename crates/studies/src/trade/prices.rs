@@ -1,4 +1,4 @@
-//! The price list: what each knob buys, in time and error, against the scene as written on the same grid.
+//! The price list: what each knob changes in time and error, against the scene as written on the same grid.
 
 use super::Trial;
 
@@ -13,7 +13,7 @@ pub struct Price {
     pub steps: u32,
     /// Seconds of that run over seconds with the knob.
     pub speed: f64,
-    /// The same with the slowest repeats: from the least to the most favourable pair.
+    /// This ratio over all repeats, from the least to the most favourable pair.
     pub range: [f64; 2],
     /// Error with the knob over error without, less one.
     pub error: f64,

@@ -256,7 +256,7 @@ impl TensorField {
         (1..count).all(same).then_some(beta)
     }
 
-    /// The same with every isotropic tensor changed.
+    /// This field with `change` applied to every isotropic tensor.
     pub fn map(&self, change: impl Fn(Isotropic) -> Isotropic) -> Self {
         let each = self.regions.iter().map(|tensor| match tensor {
             FourthOrder::Isotropic(law) => FourthOrder::Isotropic(change(*law)),

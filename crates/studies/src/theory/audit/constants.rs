@@ -49,7 +49,7 @@ impl AuditConstants {
     /// The constants of a scene.
     ///
     /// # Errors
-    /// Those of [`constants`].
+    /// As [`constants`].
     pub fn new(setup: &Setup) -> Result<Self, SetupError> {
         let known = constants(setup)?;
         let contact = setup.body.contact.as_ref();

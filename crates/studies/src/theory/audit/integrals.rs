@@ -12,7 +12,7 @@ use fem::contact::Discretization;
 pub(crate) struct Sum {
     /// The value.
     pub value: f64,
-    /// The same with absolute values.
+    /// The sum of absolute values.
     pub size: f64,
 }
 

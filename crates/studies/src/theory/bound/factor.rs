@@ -48,7 +48,7 @@ fn start(length: usize, mut seed: u64) -> Vec<f64> {
 /// ‖DΛ(η)‖ and its direction, where `state` is Λη.
 ///
 /// # Errors
-/// Those of the linear solves, or an iteration that does not settle.
+/// A linear solve fails, or the iteration does not settle.
 pub(crate) fn operator_norm<L: FrozenDerivative>(
     level: &mut L,
     eta: &[f64],

@@ -99,7 +99,7 @@ const EVALUATIONS: u32 = 60;
 /// by the Illinois method (a bracket is kept, so a jump is found as well).
 ///
 /// # Errors
-/// Those of `factor`.
+/// `factor` fails.
 pub(crate) fn crossing<E>(
     ladder: &[(f64, f64)],
     mut factor: impl FnMut(f64) -> Result<f64, E>,

@@ -148,7 +148,7 @@ impl Envelopes {
         let failing = |(link, left, right): (&'static str, &[f64], &[f64])| {
             if left.len() != steps.len() || right.len() != steps.len() {
                 let (left, right) = (left.len() as f64, right.len() as f64);
-                return Some(Violation { link: "one value a step", n: 0, t: 0.0, left, right });
+                return Some(Violation { link: "one value per step", n: 0, t: 0.0, left, right });
             }
             let n = (0..steps.len()).find(|&n| {
                 let allowed = if link == measured { self.allowance[n] } else { 0.0 };

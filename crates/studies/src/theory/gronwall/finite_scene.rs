@@ -64,10 +64,10 @@ impl<'a> FiniteInTime<'a> {
     }
 
     /// Runs `model`, which a test may have changed, against the exact solution. The truncation error
-    /// is that of the scene's own model with the trapezoidal rule.
+    /// is that of the scene's model with the trapezoidal rule.
     ///
     /// # Errors
-    /// Those of the run.
+    /// The run fails.
     pub(crate) fn measure_model(
         &self,
         model: &FiniteModel,

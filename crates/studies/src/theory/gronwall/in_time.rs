@@ -24,7 +24,7 @@ pub trait InTime {
     /// e_n, g_n and the data of the bounds on this grid.
     ///
     /// # Errors
-    /// Those of the run and of the truth.
+    /// The run or the truth fails.
     fn measure(&self, steps: u32) -> Result<TemporalRun, GronwallError>;
 
     /// f_0, …, f_N.
@@ -42,7 +42,7 @@ pub trait InTime {
     /// u_0^k, …, u_N^k under these loads, and the floor of the run.
     ///
     /// # Errors
-    /// Those of the run.
+    /// The run fails.
     fn solutions(
         &self,
         grid: &TimeGrid,

@@ -33,7 +33,7 @@ impl TemporalRun {
     /// the truth of `setup`. Truncation errors and constants are those of `setup`.
     ///
     /// # Errors
-    /// Those of the run and of the truth.
+    /// The run or the truth fails.
     pub fn measure<P: Projection>(
         setup: &Setup,
         model: &Model<P>,

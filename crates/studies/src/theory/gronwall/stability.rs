@@ -90,7 +90,7 @@ impl Perturbation {
 /// Perturbs the load of a scene in every shape and size and measures the difference of the solutions.
 ///
 /// # Errors
-/// Those of loads and runs.
+/// A load or a run fails.
 pub fn perturbations(scene: &dyn InTime, steps: u32) -> Result<Vec<Perturbation>, GronwallError> {
     let grid = scene.grid(steps);
     let loads = scene.loads(&grid)?;

@@ -58,7 +58,7 @@ impl TemporalTruth {
     /// exact solution lies in V^h, else a reference run.
     ///
     /// # Errors
-    /// Those of loads and runs; no number of steps.
+    /// A load or a run fails, or `steps` is empty.
     pub fn new(setup: &Setup, data: &MeshData, steps: &[u32]) -> Result<Self, GronwallError> {
         if let Some(exact) = &setup.exact {
             let rule = setup.compliance_rule();
