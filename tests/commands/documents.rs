@@ -30,9 +30,10 @@ fn pages() -> Vec<String> {
     names
 }
 
-/// Words between blanks, as `wc -w` counts them.
+/// Words: what stands between blanks and has a letter or a digit, so that the bars of a table are none.
 fn words(text: &str) -> usize {
-    text.split_whitespace().count()
+    let is_word = |word: &&str| word.chars().any(char::is_alphanumeric);
+    text.split_whitespace().filter(is_word).count()
 }
 
 /// The first block of a page that opens with `fence`.
@@ -50,9 +51,9 @@ fn cells(line: &str) -> Vec<&str> {
 #[test]
 fn the_readme_is_short() {
     let readme = read("README.md");
-    assert!(words(&readme) <= 900, "{} words", words(&readme));
+    assert!(words(&readme) <= 850, "{} words", words(&readme));
     assert!(words(&read("benches/README.md")) <= 800);
-    assert_eq!(words("two  words\n"), 2);
+    assert_eq!(words("| two | words |\n"), 2);
 }
 
 /// Lines of the README's first table that the program does not print.
@@ -233,4 +234,4 @@ fn the_pages_stay_short() {
 }
 
 /// Words of all pages that are written by hand.
-const LONGEST: usize = 31_900;
+const LONGEST: usize = 22_000;
