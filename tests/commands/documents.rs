@@ -280,4 +280,4 @@ fn the_pages_stay_short() {
 }
 
 /// Words of all pages that are written by hand.
-const LONGEST: usize = 31_900;
+const LONGEST: usize = 32_200;
