@@ -17,6 +17,7 @@ use gronwall::setup::{MeshData, Setup, TruthLoad};
 use gronwall::vhi::Newton;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
+mod cliffs;
 #[path = "../general_kernel/mod.rs"]
 mod general_kernel;
 mod split;
@@ -264,9 +265,13 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--test") {
         limit(&[8, 16]);
         split::split(4, &[]);
+        cliffs::cliffs(4, 1);
         kernel(&[16, 32, 64]);
         sweep(&[4, 8]);
         return growth(&[("linear-punch", &[4, 8, 16], &[4, 8, 16])]);
+    }
+    if arguments.iter().any(|argument| argument == "--cliffs") {
+        return cliffs::cliffs(u32::MAX, 3);
     }
     if arguments.iter().any(|argument| argument == "--sweep") {
         return sweep(&[8, 16, 32, 64]);

@@ -49,8 +49,13 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
     zero(true, "applications of Λ", info.fixed_point_iterations as usize);
     zero(true, "convex problems", info.convex_problems as usize);
     zero(true, "iterations without a factor", linear.iterations as usize);
-    // One factor serves all levels but where the weight of the last slot changes it, at the first step.
-    let factors = if Plan::changes_factor(model) { 2 } else { 1 };
+    // One factor serves all levels but where the weight of the last slot changes it: at the first step, and with Gregory's
+    // rules of order p at each of the first p - 1 steps.
+    let factors = match setup.scene.time.rule {
+        _ if !Plan::changes_factor(model) => 1,
+        gronwall::scene::TimeRule::Gregory { order } => order,
+        _ => 2,
+    };
     let spare = linear.factorizations.saturating_sub(factors);
     let uniform = setup.scene.time.grid == gronwall::scene::TimeGrid::Uniform;
     let one_matrix = plan == Plan::Condensed || model.is_linear();

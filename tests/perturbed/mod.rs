@@ -2,7 +2,7 @@
 //! on is touched, so a sound program must give the same verdict.
 
 use gronwall::linalg::signed_unit;
-use gronwall::scene::{Body, Direction, MeshFamily, Scene, TimeGrid};
+use gronwall::scene::{Body, Direction, MeshFamily, Scene, TimeGrid, TimeRule};
 
 /// Interior vertices move by at most this part of the mesh width in each coordinate. At 0.2 the smallest angle over 128²
 /// squares is 17 degrees; the generator allows up to 0.25, where triangles turn over. Meshes of different levels are
@@ -123,7 +123,10 @@ fn levels_in_h(scene: &Scene) -> usize {
 pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     let mut draws = Draws::new(seed, &scene.name);
     let bound = BOUND_TO_THEIR_STEPS.iter().find(|(name, ..)| *name == scene.name);
-    let freedom = bound.map_or(Steps::Any, |(_, freedom, _)| *freedom);
+    // Gregory's corrections by differences mean nothing on unequal steps, and a scene file with both is refused.
+    let equal = matches!(scene.time.rule, TimeRule::Gregory { .. });
+    let free = if equal { Steps::OwnGrid } else { Steps::Any };
+    let freedom = bound.map_or(free, |(_, freedom, _)| *freedom);
     let in_time = scene.predicts.iter().any(|p| p.variable != Direction::H);
     let levels = levels_in_h(&scene);
     let mut own_mesh = false;
@@ -143,7 +146,7 @@ pub fn perturbed(mut scene: Scene, seed: u64) -> Scene {
     scene.time.grid = match scene.time.grid {
         TimeGrid::Random { .. } => TimeGrid::Random { seed: draws.seed() },
         // Random steps scatter the error, which an order in k would have to average out.
-        TimeGrid::Uniform if !in_time && draws.below(2) > 0 => {
+        TimeGrid::Uniform if !in_time && !equal && draws.below(2) > 0 => {
             TimeGrid::Random { seed: draws.seed() }
         }
         own if freedom != Steps::Any || (own == TimeGrid::Uniform && draws.below(2) > 0) => own,
