@@ -28,7 +28,7 @@ pub enum SceneError {
     TooLarge { path: PathBuf },
     #[error("{}:{line}:{column}: byte 0x{byte:02x} is not UTF-8\n  = save the file as UTF-8 text", path.display())]
     NotUtf8 { path: PathBuf, line: usize, column: usize, byte: u8 },
-    #[error("no scene is called `{name}` under {}\n  = {way_out}", folder.display())]
+    #[error("no scene is called `{name}` {}\n  = {way_out}", super::registry::place(folder))]
     Unknown { name: String, folder: PathBuf, way_out: String },
     #[error(
         "two scenes are called `{name}`: {} and {}\n  = rename one of them: records are kept by name",

@@ -14,6 +14,14 @@ const DEEPEST: usize = 8;
 /// What messages name as the folder of files that are inside the program.
 const INSIDE: &str = "<sweep>";
 
+/// Where scenes are looked for, in words.
+pub(super) fn place(folder: &Path) -> String {
+    if folder == Path::new(INSIDE) {
+        return "inside the program".into();
+    }
+    format!("under {}", folder.display())
+}
+
 /// Scene files by name.
 #[derive(Debug, Clone)]
 pub struct Registry {
