@@ -8,15 +8,15 @@ use vhi::law::Projection;
 /// Floors of the error norms.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Floors {
-    /// Of ‖ε(u - u_h)‖.
+    /// Floor of ‖ε(u - u_h)‖.
     pub v: f64,
-    /// Of ‖u - u_h‖.
+    /// Floor of ‖u - u_h‖.
     pub l2: f64,
-    /// Of ‖σ - σ_h‖.
+    /// Floor of ‖σ - σ_h‖.
     pub stress: f64,
-    /// Of ‖u_ν - u_{h,ν}‖ on Γ3.
+    /// Floor of ‖u_ν - u_{h,ν}‖ on Γ3.
     pub trace: f64,
-    /// Of the pressure on Γ3.
+    /// Floor of the pressure on Γ3.
     pub pressure: f64,
 }
 

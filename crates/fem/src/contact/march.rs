@@ -32,7 +32,7 @@ pub struct StepView<'a> {
     pub multiplier: &'a [f64],
 }
 
-/// Sees every time level; an error of its own ends the march.
+/// Called with every time level; an error that it returns ends the march.
 pub type Observer<'a> = dyn FnMut(&StepView<'_>) -> Result<(), CaseError> + 'a;
 
 /// Why a case has no result.

@@ -28,7 +28,7 @@ pub struct TracePoint {
 /// The normal trace on Γ3.
 #[derive(Debug, Clone, Default)]
 pub struct ContactTrace {
-    /// Its vertices; a vertex between two contact sides with different normals appears once a normal.
+    /// Its vertices; a vertex between two contact sides with different normals appears once per normal.
     pub points: Vec<TracePoint>,
     /// Facets by indices into `points`, d each.
     pub facets: Vec<u32>,

@@ -38,12 +38,12 @@ pub enum Nesting {
 const LARGEST_STRETCH: usize = 4;
 
 impl Nesting {
-    /// The lattice with `counts` cells an axis.
+    /// The lattice with `counts` cells per axis.
     pub(crate) fn lattice(counts: &[usize]) -> Self {
         Self::Lattice { counts: counts.to_vec(), stretch: vec![1; counts.len()] }
     }
 
-    /// That of the rectangle or box of this size with n cells per unit length.
+    /// The hierarchy of the rectangle or box of this size with n cells per unit length.
     pub fn of_box(size: &[f64], n: u32) -> Self {
         let cells = |s: &f64| ((s * f64::from(n)).round() as usize).max(1);
         Self::lattice(&size.iter().map(cells).collect::<Vec<_>>())

@@ -6,13 +6,13 @@ use super::answer::Answer;
 /// unit of its dimension. Strains are small, so displacements have a unit of their own.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Units {
-    /// Of x.
+    /// Unit of x.
     pub length: f64,
-    /// Of 𝒜, ℬ₀ and μ.
+    /// Unit of 𝒜, ℬ₀ and μ.
     pub stiffness: f64,
-    /// Of t.
+    /// Unit of t.
     pub time: f64,
-    /// Of u and g.
+    /// Unit of u and g.
     pub displacement: f64,
 }
 

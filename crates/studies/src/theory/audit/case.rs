@@ -68,7 +68,7 @@ pub struct AtLevel {
     pub left: f64,
     /// Right side.
     pub right: f64,
-    /// What was allowed.
+    /// The accuracy that was allowed.
     pub accuracy: f64,
 }
 
@@ -76,7 +76,7 @@ pub struct AtLevel {
 #[derive(Debug, Clone, Serialize)]
 #[serde(into = "LineOfRun")]
 pub struct Row {
-    /// Which line.
+    /// The line of the proof.
     pub statement: Statement,
     /// How its sides are related.
     pub relation: Relation,

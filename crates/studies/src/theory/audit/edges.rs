@@ -27,7 +27,7 @@ pub(crate) struct EdgeSample {
     pub strain: Plane,
     /// H.
     pub history: Plane,
-    /// On Γ3.
+    /// Contact data, where the edge lies on Γ3.
     pub contact: Option<ContactSample>,
 }
 

@@ -82,7 +82,7 @@ pub struct Statement {
 /// A line at one level.
 #[derive(Debug, Clone, Copy)]
 pub struct Line {
-    /// Which line.
+    /// The line of the proof.
     pub statement: Statement,
     /// How the sides are related.
     pub relation: Relation,

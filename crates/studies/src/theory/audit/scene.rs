@@ -14,15 +14,15 @@ use serde::Serialize;
 /// An audited scene.
 #[derive(Debug, Clone)]
 pub struct SceneAudit {
-    /// Its name.
+    /// Name of the scene.
     pub scene: String,
-    /// Of its text.
+    /// Fingerprint of the scene's text.
     pub fingerprint: String,
     /// The boundary rule of the runs.
     pub rule: BoundaryRule,
     /// Whether K = X, so that Theorem 11 applies too.
     pub unconstrained: bool,
-    /// What the bounds took.
+    /// The constants in the bounds.
     pub constants: AuditConstants,
     /// The runs, by n and steps.
     pub cases: Vec<CaseAudit>,
@@ -49,7 +49,7 @@ pub struct Summary {
     pub tightness: Option<f64>,
     /// left - right there, of an identity its magnitude.
     pub difference: Option<f64>,
-    /// By how much the line may fail there.
+    /// The accuracy there: by how much the line may fail.
     pub accuracy: Option<f64>,
     /// Powers of h with which left and right fall, at the smallest k; none below the accuracy.
     pub power_h: [Option<f64>; 2],

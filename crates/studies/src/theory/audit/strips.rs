@@ -14,7 +14,7 @@ const NARROW: f64 = 0.07;
 /// Points with their weights (areas) and cells.
 #[derive(Default, Clone)]
 pub(crate) struct CellPoints {
-    /// Where.
+    /// Coordinates.
     pub points: Vec<[f64; 3]>,
     /// Areas.
     pub weights: Vec<f64>,

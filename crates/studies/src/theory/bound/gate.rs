@@ -11,9 +11,9 @@ pub struct Violation {
     pub k: Option<f64>,
     /// What should hold.
     pub what: String,
-    /// Its left side.
+    /// Left side of the inequality.
     pub left: f64,
-    /// Its right side.
+    /// Right side of the inequality.
     pub right: f64,
 }
 

@@ -37,7 +37,7 @@ use vhi::StepBounds;
 pub struct Bound {
     /// Name of the scene.
     pub scene: String,
-    /// Of its text.
+    /// Fingerprint of the scene's text.
     pub fingerprint: String,
     /// Cells per unit length; none without a mesh.
     pub n: Option<u32>,

@@ -6,9 +6,9 @@ use vhi::{FrozenDerivative, Newton, Scratch, StepState};
 /// Where the random starts ended.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, serde::Serialize)]
 pub struct Starts {
-    /// At the known solution.
+    /// Starts that end at the known solution.
     pub same: u32,
-    /// At another one.
+    /// Starts that end at another solution.
     pub distinct: u32,
     /// Nowhere: Newton's method is local, so this says nothing.
     pub failed: u32,

@@ -51,11 +51,11 @@ pub struct Thresholds {
     pub sharpened: f64,
     /// Below it each step is a strongly monotone problem.
     pub solvable: f64,
-    /// Where ‖DΛ‖ reaches one.
+    /// Step size at which ‖DΛ‖ reaches one.
     pub norm_one: Option<Crossing>,
-    /// Where the spectral radius of DΛ does.
+    /// Step size at which the spectral radius of DΛ reaches one.
     pub radius_one: Option<Crossing>,
-    /// Where the solution that is followed in k ends.
+    /// Step size at which the solution that is followed in k ends.
     pub loss: Option<(f64, f64)>,
     /// How it ends.
     pub loss_reason: Option<String>,

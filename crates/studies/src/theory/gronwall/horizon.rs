@@ -22,7 +22,7 @@ pub struct HorizonRow {
     pub weighted: f64,
     pub primed: f64,
     pub closed: f64,
-    /// Of the printed sum; absent where C2 k ≥ 1.
+    /// Envelope of the printed sum; absent where C2 k ≥ 1.
     pub printed: Option<f64>,
     pub printed_closed: Option<f64>,
     /// C2 on [0, T].

@@ -37,7 +37,7 @@ pub struct StudiedGrid {
     /// g_N, and max_n g_n.
     pub truncation_end: f64,
     pub truncation_max: f64,
-    /// Of e_n.
+    /// Floor of e_n.
     pub floor: f64,
     /// Bound over error of every envelope.
     pub effectivity: Effectivities,
@@ -53,7 +53,7 @@ pub struct StudiedGrid {
 #[derive(Serialize)]
 pub struct Study {
     pub scene: String,
-    /// Of its text.
+    /// Fingerprint of the scene's text.
     pub fingerprint: String,
     /// Mesh cells per unit length; none for abstract scenes.
     pub n: Option<u32>,

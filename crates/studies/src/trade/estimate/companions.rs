@@ -50,11 +50,11 @@ pub struct RunTime {
 pub struct Scalar {
     /// Its name, see [`FinalState`].
     pub name: String,
-    /// On [4h, 2h, h]; none without companions.
+    /// Values for [4h, 2h, h]; none without companions.
     pub space: Option<[f64; 3]>,
-    /// On [4k, 2k, k], likewise.
+    /// Values for [4k, 2k, k], likewise.
     pub time: Option<[f64; 3]>,
-    /// In the run.
+    /// Value in the run.
     pub value: f64,
 }
 
