@@ -7,6 +7,9 @@ from ngsolve.meshes import Make1DMesh
 x, dx = ng.x, ng.dx
 faces = dx(element_boundary=True)
 
+WAVE = ng.exp(ng.sin(2 * ng.pi * x))
+BUMP = ng.exp(-100 * (x - 0.5) ** 2)
+
 
 def norm(error, mesh):
     return float(np.sqrt(ng.Integrate(ng.InnerProduct(error, error).real, mesh, order=12)))
@@ -20,15 +23,15 @@ def central(normal, u):
     return 0.5 * (u + u.Other())
 
 
-def advected(cells, degree=3, *, flux=upwind, speed=1.0, stages=4, step=None):
-    """A bump once around a circle by discontinuous elements; Runge-Kutta of as many orders as stages."""
+def advected(cells, start=WAVE, *, degree=3, flux=upwind, speed=1.0, stages=4, step=None):
+    """A wave once around a circle by discontinuous elements; Runge-Kutta of as many orders as stages."""
     mesh = Make1DMesh(cells, periodic=True)
     space = ng.L2(mesh, order=degree)
     u, v = space.TnT()
     normal = ng.specialcf.normal(1)[0]
     transport = ng.BilinearForm(space, nonassemble=True)
     transport += -speed * u * ng.grad(v)[0] * dx + speed * normal * flux(normal, u) * v * faces
-    found, start = ng.GridFunction(space), ng.exp(-100 * (x - 0.5) ** 2)
+    found = ng.GridFunction(space)
     found.Set(start)
     stage, change = found.vec.CreateVector(), found.vec.CreateVector()
     steps = round(1 / (step or 0.05 / cells))

@@ -3,11 +3,11 @@
 use judge::verdict::{Decision, Variable, Verdict};
 use scene::setup::Setup;
 
-/// Begins the reasons of verdicts on another solver that are open or fail with what to look at in the solver. Those of
-/// cases that failed say it themselves.
+/// Begins the reasons of verdicts on another solver that are open or fail with what to look at in the solver. Cases that
+/// failed say it themselves, and where they are too few for an order more of them are what helps.
 pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup) {
     for verdict in verdicts.iter_mut().filter(|verdict| verdict.complete) {
-        if verdict.decision != Decision::Pass {
+        if verdict.decision != Decision::Pass && verdict.observed.is_some() {
             let questions = questions(setup, verdict.variable).join(", ");
             verdict.reason = format!("look at the solver first: {questions}? {}", verdict.reason);
         }
