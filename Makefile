@@ -52,6 +52,7 @@ python: ## the Python package: source distribution and wheel in target/wheels, i
 	$(CARGO) clippy --release --manifest-path python/Cargo.toml --target-dir target -- -D warnings
 	$(BUILDER)/bin/maturin sdist --manifest-path python/Cargo.toml --out $(WHEELS) 2>&1 | tail -n 3
 	mkdir $(UNPACKED) && tar -xzmf $(WHEELS)/gronwall-*.tar.gz -C $(UNPACKED) --strip-components 1
+	printf '{"git":{"sha1":"%s"}}' "$$(git rev-parse HEAD)" > $(UNPACKED)/.cargo_vcs_info.json
 	cmp LICENSE-APACHE $(UNPACKED)/LICENSE-APACHE && cmp LICENSE-MIT $(UNPACKED)/LICENSE-MIT
 	cd $(UNPACKED) && CARGO_TARGET_DIR=$(CURDIR)/target $(CURDIR)/$(BUILDER)/bin/maturin build --release --locked --out $(CURDIR)/$(WHEELS)
 	$(PYTHON) -m venv $(CLEAN)
