@@ -143,8 +143,13 @@ fn set(head: &Vec<String>, rows: &[Vec<String>], style: Style) -> String {
             };
             let widths: Vec<usize> = (0..head.len()).map(width).collect();
             for row in std::iter::once(head).chain(rows) {
-                let cells = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}"));
-                lines.push(format!("  {}", cells.collect::<Vec<_>>().join("  ")));
+                // The step on the left: a line then begins with what it is known by.
+                let cell = |(at, (cell, width)): (usize, (&String, &usize))| match at {
+                    0 => format!("{cell:<width$}"),
+                    _ => format!("{cell:>width$}"),
+                };
+                let cells: Vec<String> = row.iter().zip(&widths).enumerate().map(cell).collect();
+                lines.push(cells.join("  "));
             }
         }
         Style::Markdown => {
@@ -189,7 +194,7 @@ mod tests {
         assert!(latex.contains("h & L2 & EOC & e\\_u & EOC \\\\"), "{latex}");
         assert!(latex.contains("0.25 & $2.500 \\cdot 10^{-2}$ & 2.00"), "{latex}");
         let plain = tables(&groups, Style::Text).join("\n");
-        assert_eq!(plain.lines().nth(2), Some("  0.25  2.500e-2  2.00  5.000e-1  1.00"), "{plain}");
+        assert_eq!(plain.lines().nth(2), Some("0.25  2.500e-2  2.00  5.000e-1  1.00"), "{plain}");
         // What is printed can be read again.
         for text in [plain, markdown, latex] {
             let again = read(text.as_bytes(), &Reading::default()).unwrap().groups;
@@ -205,9 +210,9 @@ mod tests {
             tables(&groups, Style::Text).join("\n")
         };
         let values = text("h,value\n0.4,1.16\n0.2,1.04\n0.1,1.01\n");
-        assert_eq!(values.lines().last(), Some("  0.1  1.01000000   2.00"), "{values}");
+        assert_eq!(values.lines().last(), Some("0.1  1.01000000   2.00"), "{values}");
         let along = text("h,k,error\n0.4,0.4,4\n0.2,0.2,2\n0.1,0.1,1\n");
-        assert_eq!(along.lines().last(), Some("  0.1  0.1  1.000e0  1.00"), "{along}");
+        assert_eq!(along.lines().last(), Some("0.1  0.1  1.000e0  1.00"), "{along}");
     }
 
     #[test]
