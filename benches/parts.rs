@@ -5,7 +5,7 @@ use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use gronwall::contact::{march, march_in_volume};
-use gronwall::fit::{Correction, Direction, Point, order_interval, samples};
+use gronwall::fit::{Claim, Level, infer};
 use gronwall::history::{Memory, TimeGrid, Trapezoid};
 use gronwall::law::{ExponentialSum, Projection};
 use gronwall::linalg::Front;
@@ -145,20 +145,16 @@ fn condensed(c: &mut Criterion) {
     });
 }
 
-/// An order with its interval from six points.
+/// Tables of four to six levels judged. Policy: below a millisecond each.
 fn fit(c: &mut Criterion) {
-    let points: Vec<Point> = (3..9)
-        .map(|i| {
-            let h = 0.5f64.powi(i);
-            Point { h, k: 1.0, error: h + 4.0 * h * h, floor: 0.0 }
-        })
-        .collect();
-    c.bench_function("fit: order and interval of 6 points", |b| {
-        b.iter(|| {
-            samples(black_box(&points), Direction::Space)
-                .and_then(|samples| order_interval(&samples, Correction::Linear))
+    let claim = Claim::new(1.0).unwrap_or_else(|error| panic!("{error}"));
+    for count in 4..=6 {
+        let sizes = (3..3 + count).map(|i| 0.5f64.powi(i));
+        let levels: Vec<Level> = sizes.map(|h| Level::new(h, h + 4.0 * h * h)).collect();
+        c.bench_function(&format!("fit: verdict on {count} levels"), |b| {
+            b.iter(|| infer(black_box(&levels), None, 0.0).map(|found| found.decide(&claim)));
         });
-    });
+    }
 }
 
 /// Three predictions judged on one scene of 2,500 cases in 4 norms: 10,000 rows of `cases.csv`.

@@ -1,6 +1,7 @@
 //! The judge, the scenes and the sweep as a Python module: arguments in, dictionaries and text out. What a user sees is in
 //! `gronwall/*.py`.
 
+mod case;
 mod fit;
 mod verify;
 

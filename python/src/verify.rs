@@ -1,21 +1,35 @@
 //! A Python function under the sweep of a scene.
+//!
+//! The sweep runs on a thread of its own. The function is called on that of `verify`, as any other call: it may rely on
+//! what belongs to its thread, and Ctrl-C ends it where it stands.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
-use gronwall::Sweep;
-use gronwall::external::{Answer, Array, Given, InProcess, Solve};
+use gronwall::external::{Answer, Given, InProcess, Solve};
+use gronwall::record::CaseRecord;
 use gronwall::setup::MeshData;
+use gronwall::sweep::Progress;
+use gronwall::{Sweep, Swept};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
+use super::case::{case, numbers};
 use super::refused;
+
+/// How often Ctrl-C is looked for while no Python runs.
+const LOOK: Duration = Duration::from_millis(20);
+/// How long the sweep may take to end once it is stopped. It ends with the case that it is at, which may be longer.
+const PATIENCE: Duration = Duration::from_millis(500);
 
 /// Runs the cases of a scene through `solve(case)`; records and verdicts as JSON. `solve` gets a dictionary of bytes and
 /// numbers and gives bytes back: displacements of all levels and, with `pressure`, ξ + λ.
 ///
-/// What it raises ends the sweep and is raised here.
+/// What it raises ends the sweep and is raised here, and so does Ctrl-C.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub fn verify(
@@ -30,8 +44,6 @@ pub fn verify(
 ) -> PyResult<String> {
     let registry = gronwall::shipped::scenes();
     let mut sweep = Sweep::of(registry.load(scene).map_err(refused)?);
-    let raised = Arc::new(Mutex::new(None));
-    sweep = sweep.solver(InProcess(Function { solve, raised: raised.clone(), pressure }));
     if let Some(n) = n {
         sweep = sweep.n(&n);
     }
@@ -47,11 +59,7 @@ pub fn verify(
     if orders_only {
         sweep = sweep.orders_only();
     }
-    let swept = py.detach(|| sweep.run());
-    if let Some(error) = raised.lock().ok().and_then(|mut raised| raised.take()) {
-        return Err(error);
-    }
-    let swept = swept.map_err(refused)?;
+    let swept = answered(py, sweep, |case| answer(py, &solve, case, pressure))?;
     let document = gronwall::verdict::document(
         &serde_json::Value::Null,
         &swept.verdicts,
@@ -61,89 +69,86 @@ pub fn verify(
     serde_json::to_string(&document).map_err(|error| PyRuntimeError::new_err(error.to_string()))
 }
 
-struct Function {
-    solve: Py<PyAny>,
-    raised: Arc<Mutex<Option<PyErr>>>,
-    pressure: bool,
+/// What the thread of the sweep says to that of `verify`.
+enum Said {
+    /// Here is a case; where its answer is to go.
+    Case(Py<PyDict>, Sender<Answer>),
+    /// That was all.
+    Ended(Result<Swept, String>),
 }
 
-impl Solve for Function {
+/// The sweep, with answers of this thread to its cases.
+fn answered(
+    py: Python<'_>,
+    sweep: Sweep,
+    mut answer: impl FnMut(Py<PyDict>) -> PyResult<Answer>,
+) -> PyResult<Swept> {
+    let (say, said) = channel();
+    let (said, stop) = (Mutex::new(said), Arc::new(AtomicBool::new(false)));
+    let sweep = sweep.solver(InProcess(Caller(say.clone()))).progress(Stop(stop.clone()));
+    std::thread::Builder::new()
+        .name("sweep".into())
+        .spawn(move || say.send(Said::Ended(sweep.run().map_err(|error| error.to_string()))))?;
+    let stopped = |error: PyErr| {
+        stop.store(true, Ordering::Relaxed);
+        py.detach(|| wait(&said));
+        error
+    };
+    loop {
+        match py.detach(|| next(&said, LOOK)) {
+            // Nobody listens any more only where the sweep is stopped.
+            Ok(Said::Case(case, reply)) => drop(reply.send(answer(case).map_err(stopped)?)),
+            Ok(Said::Ended(swept)) => return swept.map_err(refused),
+            Err(RecvTimeoutError::Timeout) => py.check_signals().map_err(stopped)?,
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("the sweep has ended without an answer"));
+            }
+        }
+    }
+}
+
+fn next(said: &Mutex<Receiver<Said>>, limit: Duration) -> Result<Said, RecvTimeoutError> {
+    said.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(limit)
+}
+
+/// Waits for the end of a sweep that is stopped; cases that it still has get no answer.
+fn wait(said: &Mutex<Receiver<Said>>) {
+    let until = Instant::now() + PATIENCE;
+    while let Ok(Said::Case(..)) = next(said, until.saturating_duration_since(Instant::now())) {}
+}
+
+struct Stop(Arc<AtomicBool>);
+
+impl Progress for Stop {
+    fn begin(&self, _: usize, _: usize) {}
+    fn doubted(&self, _: &str) {}
+    fn started(&self, _: &str) {}
+    fn finished(&self, _: &str, _: Option<&CaseRecord>) {}
+    fn stopped(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// Has every case answered by the thread that `verify` was called on.
+struct Caller(Sender<Said>);
+
+impl Solve for Caller {
     fn solve(&self, given: &Given, data: &MeshData) -> Result<Answer, String> {
-        let stopped = || "the solver has raised an exception".to_owned();
-        if self.raised.lock().map_err(|_| stopped())?.is_some() {
-            return Err(stopped());
-        }
-        Python::attach(|py| {
-            self.answer(py, given, data).map_err(|error| {
-                if let Ok(mut raised) = self.raised.lock() {
-                    raised.get_or_insert(error);
-                }
-                stopped()
-            })
-        })
+        let ended = || "the sweep was stopped".to_owned();
+        let case = Python::try_attach(|py| case(py, given, data).map(Bound::unbind));
+        let case = case.ok_or_else(ended)?.map_err(|error| error.to_string())?;
+        let (reply, answer) = channel();
+        self.0.send(Said::Case(case, reply)).map_err(|_| ended())?;
+        answer.recv().map_err(|_| ended())
     }
 }
 
-impl Function {
-    fn answer(&self, py: Python<'_>, given: &Given, data: &MeshData) -> PyResult<Answer> {
-        let bytes = self.solve.call1(py, (case(py, given, data)?,))?;
-        if !self.pressure {
-            let displacement = bytes.extract::<Bound<'_, PyBytes>>(py)?;
-            return Ok(Answer { displacement: numbers(&displacement), pressure: None });
-        }
-        let (displacement, pressure) =
-            bytes.extract::<(Bound<'_, PyBytes>, Bound<'_, PyBytes>)>(py)?;
-        let pressure = Some(numbers(&pressure));
-        Ok(Answer { displacement: numbers(&displacement), pressure })
+fn answer(py: Python<'_>, solve: &Py<PyAny>, case: Py<PyDict>, pressure: bool) -> PyResult<Answer> {
+    let bytes = solve.call1(py, (case,))?;
+    if !pressure {
+        let displacement = bytes.extract::<Bound<'_, PyBytes>>(py)?;
+        return Ok(Answer { displacement: numbers(&displacement), pressure: None });
     }
-}
-
-/// Doubles in the byte order of this machine.
-fn numbers(bytes: &Bound<'_, PyBytes>) -> Vec<f64> {
-    let chunks = bytes.as_bytes().chunks_exact(8);
-    chunks.map(|chunk| f64::from_ne_bytes(chunk.try_into().unwrap_or_default())).collect()
-}
-
-/// The case: arrays as pairs of bytes and shape.
-fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bound<'py, PyDict>> {
-    let (space, case) = (&*data.space, PyDict::new(py));
-    let (mesh, d) = (&space.mesh, space.mesh.dimension);
-    let doubles = |name: &str, shape: &[usize], values: &mut dyn Iterator<Item = f64>| {
-        let bytes: Vec<u8> = values.flat_map(f64::to_ne_bytes).collect();
-        case.set_item(name, (PyBytes::new(py, &bytes), shape.to_vec(), "f8"))
-    };
-    let indices = |name: &str, shape: &[usize], values: &mut dyn Iterator<Item = u32>| {
-        let bytes: Vec<u8> = values.map(i64::from).flat_map(i64::to_ne_bytes).collect();
-        case.set_item(name, (PyBytes::new(py, &bytes), shape.to_vec(), "i8"))
-    };
-    let (vertices, cells, facets) = (mesh.vertices(), mesh.cell_count(), mesh.facet_side.len());
-    doubles(
-        "points",
-        &[vertices, d],
-        &mut (0..vertices).flat_map(|v| mesh.vertex(v as u32).iter().copied()),
-    )?;
-    let clamped = |v: usize| u32::from(Given::clamped(space, v));
-    indices("clamped", &[vertices], &mut (0..vertices).map(clamped))?;
-    indices("cells", &[cells, d + 1], &mut (0..cells).flat_map(|c| mesh.cell(c).iter().copied()))?;
-    let region = |c: usize| space.regions.get(c).map_or(0, |&region| region as u32);
-    indices("regions", &[cells], &mut (0..cells).map(region))?;
-    indices("facets", &[facets, d], &mut (0..facets).flat_map(|f| mesh.facet(f).iter().copied()))?;
-    indices("facet_sides", &[facets], &mut mesh.facet_side.iter().map(|&side| side as u32))?;
-    case.set_item("sides", mesh.sides.clone())?;
-    let (rows, contact) = (given.contact.len(), &given.contact);
-    indices("contact_vertices", &[rows], &mut contact.iter().map(|row| row.vertex))?;
-    doubles(
-        "contact_normals",
-        &[rows, d],
-        &mut contact.iter().flat_map(|row| row.normal[..d].iter().copied()),
-    )?;
-    doubles("contact_numbers", &[rows, 4], &mut contact.iter().flat_map(|row| row.numbers))?;
-    indices("contact_clamped", &[rows], &mut contact.iter().map(|row| u32::from(row.clamped)))?;
-    doubles("times", &[given.times.len()], &mut given.times.iter().copied())?;
-    let array =
-        |name: &str, array: &Array| doubles(name, &array.shape, &mut array.numbers.iter().copied());
-    given.kernels.iter().try_for_each(|kernels| array("kernels", kernels))?;
-    array("loads", &given.loads)?;
-    case.set_item("json", given.document.to_string())?;
-    Ok(case)
+    let (displacement, pressure) = bytes.extract::<(Bound<'_, PyBytes>, Bound<'_, PyBytes>)>(py)?;
+    Ok(Answer { displacement: numbers(&displacement), pressure: Some(numbers(&pressure)) })
 }

@@ -57,3 +57,16 @@ def test_unresolved_alone_fails_the_run_unless_it_is_only_to_warn(pytester):
 def test_a_run_without_orders_has_no_summary(pytester):
     pytester.makepyfile("def test_other():\n    assert True\n")
     assert "orders of convergence" not in pytester.runpytest().stdout.str()
+
+
+def test_a_solver_under_a_scene_is_told_what_to_look_at_first(pytester):
+    pytest.importorskip("numpy")
+    pytester.makepyfile(
+        """
+        def test_silent(order_study):
+            order_study.verify("viscoelastic", lambda case: 0 * case.loads, n=[4, 8, 16], steps=[4])
+        """
+    )
+    run = pytester.runpytest()
+    run.assert_outcomes(failed=1)
+    run.stdout.fnmatch_lines(["fail *viscoelastic V_max: FAIL*look at the solver first: *memory sum*"])

@@ -1,9 +1,13 @@
 """A solver in process under a scene: the case as arrays, records as those by files, what is refused."""
 
 import csv
+import os
+import signal
 import subprocess
 import sys
 import textwrap
+import threading
+import time
 
 import pytest
 
@@ -90,6 +94,71 @@ def test_what_the_solver_raises_comes_out_as_it_was_and_ends_the_sweep():
     with pytest.raises(ZeroDivisionError, match="the mesh is odd") as caught:
         gronwall.verify("viscoelastic", solve, **GRID)
     assert len(calls) == 1 and caught.traceback[-1].name == "solve"
+
+
+def test_the_solver_is_called_on_the_thread_of_verify():
+    seen = set()
+
+    def solve(case):
+        seen.add(threading.get_ident())
+        return exact(case)
+
+    gronwall.verify("viscoelastic", solve, n=[4, 8], steps=[2])
+    assert seen == {threading.get_ident()}
+
+
+def interrupted(solve):
+    """The frames of a KeyboardInterrupt, and the seconds that it took."""
+    sent = []
+
+    def send():
+        sent.append(time.perf_counter())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt) as caught:
+        solve(send)
+    return [entry.name for entry in caught.traceback], time.perf_counter() - sent[0]
+
+
+def test_an_interrupt_in_the_solver_ends_it_where_it_stands():
+    def solve(case):
+        solve.send()
+        time.sleep(60)
+
+    def run(send):
+        solve.send = send
+        gronwall.verify("viscoelastic", solve, **GRID)
+
+    frames, seconds = interrupted(run)
+    assert frames[-2] == "solve" and seconds < 5
+
+
+def test_an_interrupt_between_two_calls_of_the_solver_ends_the_sweep():
+    calls = []
+
+    def run(send):
+        def solve(case):
+            # Falls into the errors of the program on the finest mesh, which is the first.
+            calls.append(case.n)
+            threading.Timer(0.3, send).start()
+            return numpy.zeros_like(case.loads)
+
+        gronwall.verify("viscoelastic", solve, n=[64, 256], steps=[64])
+
+    _, seconds = interrupted(run)
+    assert calls == [256] and seconds < 5
+
+
+def test_verdicts_that_do_not_pass_name_the_solver_first():
+    def lines(scale, n):
+        solved = lambda case: scale * exact(case)
+        return [verdict.reason for verdict in gronwall.verify("viscoelastic", solved, n=n, steps=[4])]
+
+    for reason in lines(1.1, [4, 8, 16]):
+        memory, loads, finding = (reason.index(word) for word in ("memory sum", "loads", "? "))
+        assert reason.startswith("look at the solver first") and memory < loads < finding
+    # Two cases have no order, whatever the solver does.
+    assert all(reason.startswith("2 points") for reason in lines(1.0, [4, 8]))
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 //! `sweep fit`: orders and verdict for anybody's table.
 
+mod asked;
 mod claims;
 mod eoc;
 mod grid;
@@ -7,20 +8,23 @@ mod line;
 mod path;
 mod picture;
 mod values;
+mod window;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use self::asked::Asked;
 use self::claims::Claims;
 use self::eoc::{Style, plain};
+use self::window::Window;
 use super::output::write_user_file;
 use super::{CliError, print_json, print_text};
 use files::read_at_most;
-use judge::fit::{Direction, Point, joint_fits, path};
+use judge::fit::{Claim, Direction, Point, TOLERANCE, path};
 use judge::table::{Group, Quantity, Reading, Tables, read};
-use judge::verdict::{Aim, Decision};
+use judge::verdict::Decision;
 
 /// `sweep fit`.
 #[derive(Args)]
@@ -30,18 +34,19 @@ use judge::verdict::{Aim, Decision};
 steps, which are 1/h and 1/k; cells or dofs with --dimension; level, where h = 2^-level. Errors: error, or norms side by side (L2, H1, \
 Linf, energy, error_u, ...), each of them judged. A column value in place of error is a functional without an exact value: the \
 extrapolated value, its order, the grid convergence index and the Eça-Hoekstra uncertainty are printed. Optional: \
-floor, norm, scene, status. Rates and counters (rate, eoc, order, cycle, ...) are skipped. Rows with the same scene and norm are \
-one table, and several rows of one level are runs, of which the mean of the logarithms counts; `cases.csv` of a sweep is such a file.\n\n\
+floor, sigma (standard deviation of the error), norm, scene, status. Rates and counters (rate, eoc, order, cycle, ...) are skipped. Rows with the same scene and norm are \
+one table, and several rows of one level are runs: the mean of the logarithms counts, and their scatter is the noise. `cases.csv` of a sweep is such a file.\n\n\
 Examples:\n  \
 sweep fit errors.csv --p 2                              is it second order?\n  \
 program | sweep fit - --dimension 2 --p L2=2,H1=1       a printed table, h from its cells\n  \
+sweep fit errors.csv --p 1 --window 0.01,0.1            of some meshes alone\n  \
 sweep fit errors.csv --latex --svg errors.svg           the table and the picture for a paper\n\n\
 JSON keys with --json: one object a table and direction, with scene, norm, variable (h, k, joint, path), \
-predicted, observed, interval, verdict, reason, and
-  h, k of errors: local_slopes, constant, constant_interval, points_used, points_left_out
-  joint: predicted_k, observed_k, interval_k, models, better, constants
-  path (k = c h^s): exponent, path_constant, local_slopes, predicted_k
-  h, k of values: behaviour, finest, extrapolated, order_of_last_three, gci, half_range, eca_hoekstra, points_used
+predicted, observed (order is the same), interval, verdict, reason, at_least, exact, tolerance, and
+  h, k of errors: probability, local_slopes, coarse_left_out, floor_from, log, constant, constant_interval, next, points_used, points_left_out
+  joint: probability, predicted_k, observed_k, interval_k, models, better, constants
+  path (k = c h^s): probability, exponent, path_constant, local_slopes, predicted_k, next
+  h, k of values: probability, behaviour, finest, extrapolated, order_of_last_three, gci, half_range, eca_hoekstra, caution, next, points_used
 
 Exit codes: 0 without --p and --q, or if all verdicts pass; 1 if one fails or is unresolved; 2 if the table \
 cannot be read."
@@ -61,6 +66,18 @@ pub(crate) struct Fit {
     /// A higher order fails as well
     #[arg(long, conflicts_with = "at_least")]
     exact: bool,
+    /// How far an order may lie from the prediction
+    #[arg(long, value_name = "D", default_value_t = TOLERANCE, allow_hyphen_values = true)]
+    tolerance: f64,
+    /// Only steps from A to B: h, or k where the table has no h
+    #[arg(long, value_name = "A,B")]
+    window: Option<Window>,
+    /// The error has a factor |log h|^M, or |log k|^M where the table has no h
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true)]
+    log: f64,
+    /// Relative standard deviation of the errors, where it is known: 0.01 for 1 %
+    #[arg(long, value_name = "S", allow_hyphen_values = true)]
+    noise: Option<f64>,
     /// Dimension of the mesh, where its size is a number of cells or unknowns: h = cells^(-1/D)
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=3))]
     dimension: Option<u32>,
@@ -86,31 +103,9 @@ struct Part {
     decision: Option<Decision>,
 }
 
-/// The orders that are predicted.
-#[derive(Debug, Clone, Copy)]
-struct Predicted {
-    p: Option<f64>,
-    q: Option<f64>,
-    at_least: bool,
-    exact: bool,
-}
-
-impl Predicted {
-    fn order(self, direction: Direction) -> Option<f64> {
-        match direction {
-            Direction::Space => self.p,
-            Direction::Time => self.q,
-        }
-    }
-
-    fn aim(self, order: f64) -> Aim {
-        Aim { order, at_least: self.at_least, exact: self.exact }
-    }
-}
-
 impl Fit {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
-        let tables = self.tables()?;
+        let mut tables = self.tables()?;
         for claims in [&self.p, &self.q].into_iter().flatten() {
             let known =
                 |norm: &str| tables.groups.iter().any(|own| own.norm.as_deref() == Some(norm));
@@ -118,15 +113,30 @@ impl Fit {
                 return Err(CliError::about(self.name(), format!("no norm `{norm}` to judge")));
             }
         }
-        let predicted = |norm: Option<&str>| Predicted {
+        let noisy = self.noise.is_some_and(|noise| !(noise.is_finite() && noise > 0.0));
+        if noisy {
+            let words = "--noise is a positive share: 0.01 for 1 %";
+            return Err(CliError::other(words));
+        }
+        if !self.log.is_finite() {
+            return Err(CliError::other("--log is a finite power of |log h|: 1 for h |log h|"));
+        }
+        // Of any order: what is wrong with the options is wrong with all claims.
+        let any = Claim { tolerance: self.tolerance, ..Claim::new(1.0).map_err(CliError::other)? };
+        any.checked().map_err(CliError::other)?;
+        let left_out = self.window.map(|window| window.narrow(&mut tables)).unwrap_or_default();
+        let asked = |norm: Option<&str>| Asked {
             p: self.p.as_ref().and_then(|claims| claims.of(norm)),
             q: self.q.as_ref().and_then(|claims| claims.of(norm)),
             at_least: self.at_least,
             exact: self.exact,
+            tolerance: self.tolerance,
+            log: self.log,
+            noise: self.noise,
         };
-        let found = judged(&self.name(), &tables, predicted)?;
+        let found = judged(&self.name(), &tables, asked, &left_out)?;
         if let Some(file) = &self.svg {
-            let drawn = picture::svg(&tables.groups, predicted)?;
+            let drawn = picture::svg(&tables.groups, asked)?;
             write_user_file(file, drawn)?;
         }
         match (self.json, self.markdown, self.latex) {
@@ -176,7 +186,7 @@ fn tables(file: &Path, reading: &Reading) -> Result<Tables, CliError> {
 /// What `sweep fit` says of a file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
-    /// A text a table and direction, headings between them.
+    /// The tables with their local orders, then a text a table and direction.
     pub texts: Vec<String>,
     /// The same as JSON, without headings.
     pub objects: Vec<serde_json::Value>,
@@ -191,25 +201,29 @@ pub struct Fitted {
 pub fn fitted(file: &Path, [p, q]: [Option<f64>; 2]) -> Result<Fitted, CliError> {
     let tables = tables(file, &Reading::default())?;
     let name = file.display().to_string();
-    judged(&name, &tables, |_| Predicted { p, q, at_least: false, exact: false })
+    judged(&name, &tables, |_| Asked { p, q, ..Asked::default() }, &[])
 }
 
 fn judged(
     name: &str,
     tables: &Tables,
-    predicted: impl Fn(Option<&str>) -> Predicted,
+    asked: impl Fn(Option<&str>) -> Asked,
+    left_out: &[Vec<Point>],
 ) -> Result<Fitted, CliError> {
     let mut found = Fitted { texts: Vec::new(), objects: Vec::new(), all_pass: true };
-    for group in &tables.groups {
-        let parts = parts(group, predicted(group.norm.as_deref()));
-        let passes = |part: &Part| part.decision.is_none_or(|d| d == Decision::Pass);
-        found.all_pass &= parts.iter().all(passes);
-        found.texts.extend(group.heading().filter(|_| !parts.is_empty()));
-        for mut part in parts {
+    found.texts = eoc::tables(&tables.groups, Style::Text);
+    for (at, group) in tables.groups.iter().enumerate() {
+        let asked = asked(group.norm.as_deref());
+        let outside = left_out.get(at).map_or(&[][..], Vec::as_slice);
+        for mut part in parts(group, asked, outside).map_err(|why| CliError::about(name, why))? {
+            found.all_pass &= part.decision.is_none_or(|d| d == Decision::Pass);
             part.json.insert("scene".into(), group.scene.clone().into());
             part.json.insert("norm".into(), group.norm.clone().into());
             found.objects.push(serde_json::Value::Object(part.json));
-            found.texts.push(part.text);
+            found.texts.push(match group.heading() {
+                Some(heading) => format!("{heading}, {}", part.text),
+                None => part.text,
+            });
         }
     }
     if found.objects.is_empty() {
@@ -222,31 +236,28 @@ fn judged(
     Ok(found)
 }
 
-/// The points of a line of a table.
-fn line_points(group: &Group, direction: Direction) -> Vec<Point> {
-    group.line(direction).into_iter().map(|(point, _)| point).collect()
-}
-
 /// All that one table says.
-fn parts(group: &Group, predicted: Predicted) -> Vec<Part> {
+fn parts(group: &Group, asked: Asked, outside: &[Point]) -> Result<Vec<Part>, &'static str> {
     let points = group.points();
+    let directions = [Direction::Space, Direction::Time];
     if group.quantity == Quantity::Value {
-        return [Direction::Space, Direction::Time]
-            .into_iter()
-            .filter_map(|direction| values::part(group, direction, predicted))
-            .collect();
+        let parts = directions.into_iter();
+        return Ok(parts.filter_map(|direction| values::part(group, direction, asked)).collect());
+    }
+    let both = directions.into_iter().all(|direction| group.refined(direction));
+    if both && asked.log != 0.0 {
+        return Err("--log needs a table in which one step is refined: h and k both are");
     }
     if let Some(found) = path(&points) {
-        return vec![path::part(group, found, predicted)];
+        return Ok(vec![path::part(group, found, asked)]);
     }
-    let both = group.refined(Direction::Space) && group.refined(Direction::Time);
-    let joint = both.then(|| joint_fits(&points, false));
-    let lines = [Direction::Space, Direction::Time]
+    let joint = both.then(|| grid::Joint::of(group, asked));
+    let lines = directions
         .into_iter()
-        .filter_map(|direction| line::part(group, direction, predicted, joint.as_ref()));
+        .filter_map(|direction| line::part(group, direction, asked, joint.as_ref(), outside));
     let lines: Vec<Part> = lines.collect();
-    let grid = joint.map(|joint| grid::part(group, &joint, predicted));
-    lines.into_iter().chain(grid).collect()
+    let grid = joint.map(|joint| grid::part(group, &joint, asked));
+    Ok(lines.into_iter().chain(grid).collect())
 }
 
 /// The verdict of a table with gaps: as in a sweep, a case that is missing is a failure.
@@ -265,14 +276,21 @@ fn verdict_text(predicted: Option<String>, verdict: Option<&(Decision, String)>)
     }
 }
 
-/// The step of one more level, in the ratio of the last two.
-fn next_step(name: &str, steps: &[f64]) -> String {
+/// The steps of the levels that are missing: one more in the ratio of the last two, or two where there is one alone.
+fn next_steps(steps: &[f64]) -> Vec<f64> {
     match steps {
-        [.., previous, last] => format!("run {name} = {}", plain(last * last / previous)),
-        [only] => {
-            format!("run {name} = {} and {name} = {}", plain(only / 2.0), plain(only / 4.0))
-        }
-        [] => format!("run three values of {name}"),
+        [.., previous, last] => vec![last * last / previous],
+        [only] => vec![only / 2.0, only / 4.0],
+        [] => Vec::new(),
+    }
+}
+
+/// `run h = 0.01` in words.
+fn run(name: &str, steps: &[f64]) -> String {
+    let each: Vec<String> = steps.iter().map(|step| format!("{name} = {}", plain(*step))).collect();
+    match each.is_empty() {
+        true => format!("run three values of {name}"),
+        false => format!("run {}", each.join(" and ")),
     }
 }
 
@@ -282,17 +300,6 @@ fn step_name(direction: Direction) -> &'static str {
         Direction::Space => "h",
         Direction::Time => "k",
     }
-}
-
-/// Local orders that are printed; --json has all of them.
-const PRINTED: usize = 12;
-
-/// `1.234 0.987`, the last ones of many.
-fn orders_text(orders: &[f64]) -> String {
-    let last = &orders[orders.len().saturating_sub(PRINTED)..];
-    let dots = (last.len() < orders.len()).then(|| "…".to_owned());
-    let texts = last.iter().map(|order| format!("{order:.3}"));
-    dots.into_iter().chain(texts).collect::<Vec<_>>().join(" ")
 }
 
 /// The entries of a JSON object.

@@ -19,7 +19,7 @@ use files::shortened;
 use judge::record::CaseRecord;
 use judge::verdict::{Failure, failures, render_table};
 use report::write_junit;
-use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, write_case};
+use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first, write_case};
 use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
 };
@@ -93,7 +93,10 @@ impl Verify {
         let again = format!("the same command; records of {} are written anew", self.scene);
         on_interrupt(&self.out, &again)?;
         let folder = self.results.clone().unwrap_or_else(|| self.out.join("cases"));
-        let judged = self.judged(with_solver(plan, self.solver(folder)?), out)?;
+        let mut judged = self.judged(with_solver(plan, self.solver(folder)?), out)?;
+        if let Subject::Contact(setup) = &judged.plans[0].subject {
+            solver_first(&mut judged.verdicts, setup);
+        }
         judged.write(&self.out)?;
         if let Some(path) = &self.junit {
             write_junit(path, &judged.verdicts, &judged.provenance, None)?;

@@ -152,7 +152,7 @@ fn a_fit_is_plain_to_read() {
     };
     let three = "0.2,0.6\n0.1,0.3\n0.05,0.15";
     assert!(!printed(three, &[]).contains("predicted"));
-    assert!(printed(three, &["--p", "1"]).contains("predicted 1: pass, 1 lies in"));
+    assert!(printed(three, &["--p", "1"]).contains("predicted 1: pass, within 0.15 of 1"));
     let one = printed("0.2,0.6", &["--p", "1"]);
     assert!(one.contains("unresolved, 1 point, an order needs"), "{one}");
 }
@@ -182,13 +182,22 @@ fn a_fit_says_nothing_of_absent_columns() {
         &[
             "variable",
             "local_slopes",
+            "order",
             "observed",
             "interval",
+            "coarse_left_out",
+            "floor_from",
+            "log",
             "constant",
             "constant_interval",
             "predicted",
+            "at_least",
+            "exact",
+            "tolerance",
             "verdict",
+            "probability",
             "reason",
+            "next",
             "points_used",
             "points_left_out",
             "scene",

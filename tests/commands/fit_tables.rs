@@ -10,15 +10,14 @@ use serde_json::Value;
 /// A row: n and N, of which h = 1/n and k = 1/N, and the error, absent for a missing case.
 type Row = (u32, u32, Option<f64>);
 
-/// A table in one direction with its prediction and the verdicts it must get.
+/// A table in one direction with its prediction and the verdict it must get.
 struct Table {
     name: &'static str,
     variable: Variable,
     rows: Vec<Row>,
     floor: f64,
     predicted: f64,
-    as_records: Decision,
-    as_file: Decision,
+    expected: Decision,
     /// Words of both reasons.
     words: &'static str,
 }
@@ -35,16 +34,7 @@ fn in_space(
     error: impl Fn(f64) -> f64,
 ) -> Table {
     let rows = ns.iter().map(|&n| (n, 4, Some(error(1.0 / f64::from(n))))).collect();
-    Table {
-        name,
-        variable: Variable::H,
-        rows,
-        floor: 0.0,
-        predicted,
-        as_records: expected,
-        as_file: expected,
-        words,
-    }
+    Table { name, variable: Variable::H, rows, floor: 0.0, predicted, expected, words }
 }
 
 /// The same numbers with k in the place of h, on one mesh.
@@ -66,12 +56,16 @@ fn shaken(h: f64, by: f64) -> f64 {
 
 fn fixtures() -> Vec<Table> {
     use Decision::{Fail, Pass, Unresolved};
-    let ratio = |name, ns| in_space(name, ns, 1.0, Pass, "lies in", |h| 2.0 * h);
+    let ratio = |name, ns| in_space(name, ns, 1.0, Pass, "within 0.15 of 1", |h| 2.0 * h);
     vec![
-        in_space("exact power law", &DOUBLING, 1.0, Pass, "1 lies in [1.000, 1.000]", |h| 3.0 * h),
-        in_time(in_space("exact square in time", &DOUBLING, 2.0, Pass, "2 lies in", |k| k * k)),
-        in_space("curvature", &DOUBLING, 1.0, Pass, "1 lies in", |h| h + 4.0 * h * h),
-        in_space("curvature downwards", &DOUBLING, 1.0, Pass, "1 lies in", |h| h - 2.0 * h * h),
+        in_space("exact power law", &DOUBLING, 1.0, Pass, "probability above 99 %", |h| 3.0 * h),
+        in_time(in_space("exact square in time", &DOUBLING, 2.0, Pass, "within 0.15 of 2", |k| {
+            k * k
+        })),
+        in_space("curvature", &DOUBLING, 1.0, Pass, "within 0.15 of 1", |h| h + 4.0 * h * h),
+        in_space("curvature downwards", &DOUBLING, 1.0, Pass, "within 0.15 of 1", |h| {
+            h - 2.0 * h * h
+        }),
         ratio("ratio 1.3", &[10, 13, 17, 22]),
         ratio("ratio 1.5", &[16, 24, 36, 54]),
         ratio("ratio 2", &[8, 16, 32, 64]),
@@ -83,25 +77,22 @@ fn fixtures() -> Vec<Table> {
             }))
         },
         // Without a measured floor the plateau is data: the order falls from 2 to 0 on the way.
-        in_space("plateau without a floor", &DOUBLING, 2.0, Unresolved, "half-width", |h| {
+        in_space("plateau without a floor", &DOUBLING, 2.0, Unresolved, "flatten", |h| {
             (1e-3 * h * h).max(1e-7)
         }),
-        // Local orders 1/(1 + 20h): 0.29 … 0.93. The order is 1: the hull of slopes cannot show it, a plateau does.
-        Table {
-            as_records: Pass,
-            ..in_space("pre-asymptotic bend", &DOUBLING, 1.0, Unresolved, "", |h| {
-                h / (1.0 + 20.0 * h)
-            })
-        },
-        in_space("divergence", &DOUBLING, 2.0, Fail, "lies 4.00 below 2", |h| h.powi(-2)),
-        in_space("no convergence", &DOUBLING, 1.0, Fail, "lies 1.00 below 1", |_| 0.3),
-        in_space("half an order less", &DOUBLING, 1.0, Fail, "lies 0.50 below 1", f64::sqrt),
-        in_space("noise of 1 %", &DOUBLING, 1.0, Pass, "1 lies in", |h| h * shaken(h, 0.01)),
-        in_space("noise of 30 %", &DOUBLING, 1.0, Unresolved, "half-width", |h| h * shaken(h, 0.3)),
-        in_space("outlier", &DOUBLING, 1.0, Unresolved, "half-width", |h| {
+        // Local orders 1/(1 + 20h): 0.29 … 0.93. The order is 1: coarse meshes that do not resolve.
+        in_space("pre-asymptotic bend", &DOUBLING, 1.0, Pass, "within 0.15 of 1", |h| {
+            h / (1.0 + 20.0 * h)
+        }),
+        in_space("divergence", &DOUBLING, 2.0, Fail, "lies below 2", |h| h.powi(-2)),
+        in_space("no convergence", &DOUBLING, 1.0, Fail, "lies below 1", |_| 0.3),
+        in_space("half an order less", &DOUBLING, 1.0, Fail, "lies below 1", f64::sqrt),
+        in_space("noise of 1 %", &DOUBLING, 1.0, Pass, "within 0.15 of 1", |h| h * shaken(h, 0.01)),
+        in_space("noise of 30 %", &DOUBLING, 1.0, Unresolved, "% only", |h| h * shaken(h, 0.3)),
+        in_space("outlier", &DOUBLING, 1.0, Unresolved, "flatten", |h| {
             if h == 1.0 / 64.0 { 3.0 * h } else { h }
         }),
-        in_space("outlier at the end", &DOUBLING, 1.0, Unresolved, "half-width", |h| {
+        in_space("outlier at the end", &DOUBLING, 1.0, Unresolved, "flatten", |h| {
             if h == 1.0 / 256.0 { 3.0 * h } else { h }
         }),
         in_space("too high", &DOUBLING, 1.0, Unresolved, "order too high", |h| h.powf(1.7)),
@@ -115,7 +106,7 @@ fn fixtures() -> Vec<Table> {
         ),
         in_space("one point", &DOUBLING[..1], 1.0, Unresolved, "1 point, an order needs", |h| h),
         in_space("zero errors", &DOUBLING, 1.0, Unresolved, "0 points", |_| 0.0),
-        in_space("one zero error", &DOUBLING, 1.0, Pass, "1 lies in", |h| {
+        in_space("one zero error", &DOUBLING, 1.0, Pass, "within 0.15 of 1", |h| {
             if h < 0.005 { 0.0 } else { h }
         }),
         in_space("NaN", &DOUBLING, 1.0, Fail, "NaN", |h| if h < 0.005 { f64::NAN } else { h }),
@@ -131,7 +122,7 @@ fn fixtures() -> Vec<Table> {
         edited(in_space("missing case", &DOUBLING, 1.0, Fail, "no error", |h| h), |rows| {
             rows[3].2 = None;
         }),
-        edited(in_space("unsorted", &DOUBLING, 1.0, Pass, "[1.000, 1.000]", |h| h), |rows| {
+        edited(in_space("unsorted", &DOUBLING, 1.0, Pass, "within 0.15 of 1", |h| h), |rows| {
             rows.swap(0, 4);
             rows.swap(1, 3);
         }),
@@ -189,25 +180,18 @@ fn row<'a>(rows: &'a [Value], variable: &str) -> &'a Value {
 fn every_table_gets_its_verdict_from_records_and_from_a_file() {
     let folder = Folder::new("tables");
     for table in fixtures() {
-        let Table { name, variable, rows, floor, predicted, words, .. } = table;
+        let Table { name, variable, rows, floor, predicted, expected, words } = table;
         let (decision, reason) = judged(&rows, floor, &prediction(variable, predicted, None));
-        assert_eq!(decision, table.as_records, "{name} as records: {reason}");
-        // Records are judged by inference, with words of its own.
-        let own: &[&str] = match decision {
-            Decision::Pass => &["within 0.15 of", "not below"],
-            Decision::Fail => &["lies below"],
-            Decision::Unresolved => &["% only", "flatten"],
-        };
-        let said = reason.contains(words) || own.iter().any(|own| reason.contains(own));
-        assert!(said, "{name} as records: {reason}");
+        assert_eq!(decision, expected, "{name} as records: {reason}");
+        assert!(reason.contains(words), "{name} as records: {reason}");
         let (flag, own) = if variable == Variable::H { ("--p", "h") } else { ("--q", "k") };
         let aim = [flag, &predicted.to_string()];
         let (exit, found) = fitted(&folder, &file(&rows, floor), &aim);
         let found = row(&found, own);
-        assert_eq!(found["verdict"], table.as_file.name(), "{name} as a file: {found}");
+        assert_eq!(found["verdict"], expected.name(), "{name} as a file: {found}");
         let reason = found["reason"].as_str().expect("a reason");
         assert!(reason.contains(words), "{name} as a file: {reason}");
-        assert_eq!(exit, i32::from(table.as_file != Decision::Pass), "{name}");
+        assert_eq!(exit, i32::from(expected != Decision::Pass), "{name}");
         // Without a prediction there is nothing to fail; of one row there is nothing to print.
         if rows.len() > 1 {
             assert_eq!(fitted(&folder, &file(&rows, floor), &[]).0, 0, "{name}");
@@ -221,8 +205,8 @@ fn divergence_is_not_read_as_convergence() {
     let table = in_space("divergence", &DOUBLING, 2.0, Decision::Fail, "", |h| h.powi(-2));
     let (_, rows) = fitted(&folder, &file(&table.rows, 0.0), &["--p", "2"]);
     let observed = row(&rows, "h")["observed"].as_f64().expect("an order");
-    // Rounding of logarithms.
-    assert!((observed + 2.0).abs() < 1e-10, "{observed}");
+    // A third of the least noise that is believed, over a factor of 32 in h.
+    assert!((observed + 2.0).abs() < 1e-3, "{observed}");
 }
 
 /// Bad rows do not vanish without a word: the counts add up.
@@ -319,9 +303,10 @@ fn a_grid_gives_both_orders_constants_and_models() {
         let joint = row(&found, "joint");
         assert_eq!((&joint["verdict"], &joint["better"]), (&"pass".into(), &better.into()));
         let number = |value: &Value| value.as_f64().expect("a number");
-        // The minimisation stops at steps of 1e-10.
-        assert!((number(&joint["observed"]) - 1.0).abs() < 1e-7);
-        assert!((number(&joint["observed_k"]) - 2.0).abs() < 1e-7);
+        // Orders are inferred on multiples of 0.05; the minimisation of the fits stops at steps of 1e-10.
+        assert!((number(&joint["observed"]) - 1.0).abs() < 0.025);
+        assert!((number(&joint["observed_k"]) - 2.0).abs() < 0.025);
+        assert!((number(&joint["models"][0]["order_h"]) - 1.0).abs() < 1e-7);
         let constants = &joint["constants"];
         assert!((number(&constants["C_h"]["value"]) - 0.3).abs() < 1e-7);
         assert!((number(&constants["C_k"]["value"]) - 4.0).abs() < 1e-6);
@@ -400,7 +385,7 @@ fn norms_and_scenes_are_judged_one_by_one() {
         );
     }
     let printed = stdout(&sweep(&["fit", &folder.file("norms.csv", &text)]));
-    assert!(printed.contains("a V_max\nh: order 1.000"), "{printed}");
+    assert!(printed.contains("a V_max, h: order 1.000"), "{printed}");
 }
 
 /// φ = 2 − 3 h^1.5 on five grids: the limit is 2.
@@ -440,6 +425,7 @@ fn rows_without_aim(mut rows: Vec<Value>) -> Vec<Value> {
     for row in &mut rows {
         row["predicted"] = Value::Null;
         row["verdict"] = Value::Null;
+        row["probability"] = Value::Null;
         row["reason"] = "".into();
     }
     rows
@@ -483,9 +469,15 @@ fn values_without_a_limit_say_so() {
     let (exit, rows) = fitted(&folder, "h,value\n0.5,1\n0.25,2\n", &["--p", "1"]);
     assert_eq!((exit, &row(&rows, "h")["verdict"]), (1, &"unresolved".into()));
     let four = "h,value\n0.5,2.5\n0.25,2.25\n0.125,2.125\n0.0625,2.0625\n";
-    let (exit, rows) = fitted(&folder, four, &["--p", "1"]);
+    let three = &four[..four.rfind("0.0625").expect("a row")];
+    let (exit, rows) = fitted(&folder, three, &["--p", "1"]);
     let reason = row(&rows, "h")["reason"].as_str().expect("a reason");
-    assert!(exit == 1 && reason.contains("needs 5: run h = 0.0312"), "{reason}");
+    assert!(exit == 1 && reason.contains("needs 4 that differ: run h = 0.0625"), "{reason}");
+    // GCI and Eça-Hoekstra have three grids, and a verdict four.
+    assert!(
+        row(&rows, "h")["eca_hoekstra"]["limit"].as_f64().is_some_and(|l| (l - 2.0).abs() < 1e-6)
+    );
+    assert_eq!(fitted(&folder, four, &["--p", "1"]).0, 0);
     let (exit, rows) = fitted(&folder, &format!("{four}0.03125,nan\n"), &["--p", "1"]);
     assert_eq!((exit, &row(&rows, "h")["verdict"]), (1, &"fail".into()));
 }
@@ -522,4 +514,77 @@ fn printed_tables_are_judged_a_norm_at_a_time() {
     let output = sweep(&["fit", &printed]);
     assert_eq!(code(&output), 2);
     assert!(stderr(&output).contains("deal.txt:1: ") && stderr(&output).contains("--dimension"));
+}
+
+/// What the published uncertainties are not made for is said beside them.
+#[test]
+fn unreliable_uncertainties_are_named() {
+    let folder = Folder::new("caution");
+    let caution = |value: &dyn Fn(f64) -> f64| {
+        let rows = [0.4, 0.2, 0.1, 0.05].map(|h| format!("{h},{:e}\n", value(h)));
+        let (_, found) = fitted(&folder, &format!("h,value\n{}", rows.concat()), &[]);
+        row(&found, "h")["caution"].clone()
+    };
+    assert!(
+        caution(&|h| 2.0 - h.sqrt()).as_str().is_some_and(|words| words.contains("below 0.75"))
+    );
+    let turns = caution(&|h| (h - 0.15).powi(2));
+    assert!(turns.as_str().is_some_and(|words| words.contains("rise and fall")), "{turns}");
+    assert!(caution(&|h| 2.0 - h).is_null());
+}
+
+/// Window, tolerance, factor |log h| and noise change what is judged, and say so.
+#[test]
+fn options_change_what_is_judged() {
+    let folder = Folder::new("options");
+    let rows = |levels: std::ops::Range<i32>, error: &dyn Fn(f64) -> f64| -> String {
+        let row = |i: i32| format!("{},{:e}\n", 0.5f64.powi(i), error(0.5f64.powi(i)));
+        format!("h,error\n{}", levels.map(row).collect::<String>())
+    };
+    let logarithm = rows(2..9, &|h| h * h.ln().abs());
+    assert_eq!(fitted(&folder, &logarithm, &["--p", "1"]).0, 1);
+    assert_eq!(fitted(&folder, &logarithm, &["--p", "1", "--log", "1"]).0, 0);
+    // Order 2 on coarse meshes, 1 on fine ones.
+    let turned = rows(2..12, &|h| h.powi(2).max(h / 64.0));
+    assert_eq!(fitted(&folder, &turned, &["--p", "2"]).0, 1);
+    let (exit, found) = fitted(&folder, &turned, &["--p", "2", "--window", "0.0156,0.3"]);
+    let found = row(&found, "h");
+    assert_eq!((exit, found["points_used"].as_array().map(Vec::len)), (0, Some(5)));
+    let left = found["points_left_out"].as_array().expect("points");
+    assert!(left.len() == 5 && left[0]["reason"] == "outside of the window", "{left:?}");
+    let high = rows(2..8, &|h| h.powf(1.3));
+    assert_eq!(fitted(&folder, &high, &["--p", "1"]).0, 1);
+    assert_eq!(fitted(&folder, &high, &["--p", "1", "--tolerance", "0.5"]).0, 0);
+    // Four levels of a power law pass; with errors that are known to be off by 10 % they do not tell.
+    let law = rows(2..6, &|h| h);
+    let interval = |aim: &[&str]| {
+        let (exit, found) = fitted(&folder, &law, aim);
+        let ends = &row(&found, "h")["interval"];
+        (exit, ends[1].as_f64().expect("an end") - ends[0].as_f64().expect("an end"))
+    };
+    let (plain, noisy) = (interval(&["--p", "1"]), interval(&["--p", "1", "--noise", "0.1"]));
+    assert!(plain.0 == 0 && noisy.0 == 1 && noisy.1 > 2.0 * plain.1, "{plain:?} {noisy:?}");
+    // The same by a column, and by runs that scatter as much.
+    let mut column = law.replace("error\n", "error,sigma\n");
+    for i in 2..6 {
+        let h = 0.5f64.powi(i);
+        column = column.replace(&format!("{h},{h:e}\n"), &format!("{h},{h:e},{}\n", 0.1 * h));
+    }
+    let (exit, found) = fitted(&folder, &column, &["--p", "1"]);
+    let ends = &row(&found, "h")["interval"];
+    let width = ends[1].as_f64().expect("an end") - ends[0].as_f64().expect("an end");
+    assert!(exit == 1 && (width / noisy.1 - 1.0).abs() < 1e-9, "{width} {noisy:?}");
+    let runs = rows(2..6, &|h| 1.2 * h) + &rows(2..6, &|h| h / 1.2)["h,error\n".len()..];
+    assert_eq!(fitted(&folder, &runs, &["--p", "1"]).0, 1);
+    for (option, value, words) in [
+        ("--tolerance", "nan", "tolerance"),
+        ("--tolerance", "-1", "tolerance"),
+        ("--noise", "0", "--noise"),
+        ("--log", "inf", "--log"),
+        ("--window", "0", "no window"),
+    ] {
+        let table = folder.file("table.csv", &law);
+        let output = sweep(&["fit", &table, option, value]);
+        assert_eq!((code(&output), stderr(&output).contains(words)), (2, true), "{option}");
+    }
 }

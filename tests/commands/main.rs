@@ -20,6 +20,7 @@ mod next_cases;
 mod owed;
 #[path = "../program/mod.rs"]
 mod program;
+mod release;
 mod report_dir;
 mod reproducible;
 mod resume;

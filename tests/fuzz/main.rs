@@ -175,6 +175,12 @@ fn no_table_breaks_the_fits() {
         "\\begin{tabular}{rr}\n$h$ & $L_2$ \\\\\n1/2 & $1.0\\times 10^{-1}$ \\\\\n1/4 & 2.5D-2 \\\\\n\\end{tabular}\n".into(),
         "h = 0.5, L2 = 0.1\nh = 0.25, L2 = 0.025, rate = 2.0\nh = 0.125, L2 = 0.00625\n".into(),
         "k,error,status\n0.5,1,converged\n0.25,0.25,converged\n0.125,,failed\n0.0625,0.016,converged\n".into(),
+        "# made elsewhere\n# n L2 H1\n8 1e-1 1\n8 1.1D-1 1.1\n16 2.5e-2 .5\n32 6.2e-3 1/4\n".into(),
+        "h;L2;sigma\n0.5;0.1;1e-3\n2^-2;0.025;1e-3\n0.125;0.006;1e-3\n".into(),
+        "| h | L2 | rate |\n|---|:--:|---|\n| 0.5 | 0.1 | - |\n| 0.25 | 0.025 | 2 |\n| 0.125 | 0.006 | 2.06 |\n".into(),
+        "n cells    H1             L2\n   16 1.0 - - 0.1 - -\n   64 0.5 2.0 1.0 0.025 4.0 2.0\n".into(),
+        "\\begin{tabular}{cc}\n$h$ & $L^2$ \\\\ \\hline\n$0.5$ & $1.0\\times 10^{-1}$ \\\\\n0.25 & \\num{2.5e-2} \\\\\n\\end{tabular}\n".into(),
+        "h = 0.5, E = 0.1\nh = 0.25, E = 0.025, rate = 2.0\nh: 0.125 E: 0.006\n".into(),
     ];
     fuzz("fit", &corpus, 5_000, |text| {
         swept.with("table.csv", text, |path| {

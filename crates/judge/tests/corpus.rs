@@ -67,12 +67,7 @@ fn decided(group: &Group, claimed: &Claimed) -> (Decision, String) {
     }
     let direction = if group.refined(Direction::Time) { Direction::Time } else { Direction::Space };
     let serves = |(point, _): &(Point, _)| screen(point).is_ok();
-    let level = |(point, sigma): (Point, Option<f64>)| Level {
-        size: direction.step(&point),
-        error: point.error,
-        floor: point.floor,
-        sigma,
-    };
+    let level = |(point, sigma): (Point, _)| Level::of(&point, direction, sigma);
     let levels: Vec<Level> = group.line(direction).into_iter().filter(serves).map(level).collect();
     let claim = Claim {
         at_least: claimed.at_least,

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use crate::external::solver_first;
 use crate::sweep::{
-    Machine, OutputDirectory, OutputError, Overrides, ScenePlan, SweepError, foresee, judge_scene,
-    run_sweep,
+    Machine, OutputDirectory, OutputError, Overrides, Progress, ScenePlan, SweepError, foresee,
+    judge_scene, run_sweep,
 };
 use judge::record::CaseRecord;
 use judge::verdict::Verdict;
@@ -42,6 +43,12 @@ pub enum FrontError {
         /// The scene.
         name: String,
     },
+    /// [`Sweep::progress`] has stopped it.
+    #[error("{name}: stopped before all cases were run")]
+    Stopped {
+        /// The scene.
+        name: String,
+    },
     /// A scene in ℝ^m has no mesh that another solver could march on.
     #[error("{name}: a problem in R^m is solved by the library alone; leave out `solver`")]
     NoBody {
@@ -67,6 +74,7 @@ pub struct Sweep {
     pressures: bool,
     constants: bool,
     out: Option<PathBuf>,
+    progress: Arc<dyn Progress + Send>,
 }
 
 /// What a sweep found.
@@ -97,6 +105,7 @@ impl Sweep {
             pressures: true,
             constants: true,
             out: None,
+            progress: Arc::new(()),
         }
     }
 
@@ -158,6 +167,12 @@ impl Sweep {
         self
     }
 
+    /// Who hears of the cases, and may stop them.
+    pub fn progress(mut self, progress: impl Progress + Send + 'static) -> Self {
+        self.progress = Arc::new(progress);
+        self
+    }
+
     /// Runs every case, then judges.
     ///
     /// # Errors
@@ -187,10 +202,17 @@ impl Sweep {
         let scratch = self.out.is_none().then(Scratch::new);
         let path = self.out.as_deref().or(scratch.as_ref().map(|scratch| &*scratch.0));
         let out = OutputDirectory::take(path.unwrap_or(Path::new(".")))?;
-        let records = run_sweep(&plan, &out, &Machine::with_jobs(self.jobs), false, &())?;
+        let machine = Machine::with_jobs(self.jobs);
+        let records = run_sweep(&plan, &out, &machine, false, &*self.progress)?;
+        if self.progress.stopped() {
+            return Err(FrontError::Stopped { name });
+        }
         let [plan] = &plan;
         let foreseen = if constants { foresee(&plan.subject, &records) } else { Vec::new() };
-        let verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
+        let mut verdicts = judge_scene(plan.scene(), &records, &plan.keys(), &foreseen);
+        if let (true, Subject::Contact(setup)) = (other, &plan.subject) {
+            solver_first(&mut verdicts, setup);
+        }
         Ok(Swept { records, verdicts })
     }
 }

@@ -1,15 +1,26 @@
 //! Tables of errors with their orders, as papers print them: h, and error and EOC of each norm.
 
-use judge::fit::{Direction, Point, same_level};
+use judge::fit::{Direction, Point, Triple, ValueSample, path, same_level};
 use judge::table::{Group, Quantity};
 
-use super::{line_points, step_name};
+use super::step_name;
 
 /// How a table is set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Style {
+    Text,
     Markdown,
     Latex,
+}
+
+impl Style {
+    /// Norms side by side that a page, or a terminal of 100 columns, has room for.
+    fn norms(self) -> usize {
+        match self {
+            Self::Text => 4,
+            Self::Markdown | Self::Latex => usize::MAX,
+        }
+    }
 }
 
 /// A size or a value in four digits, never as 0.0000.
@@ -29,50 +40,89 @@ pub(super) fn tables(groups: &[Group], style: Style) -> Vec<String> {
     for scene in scenes {
         for direction in [Direction::Space, Direction::Time] {
             let own = |group: &&Group| {
-                group.scene == *scene
-                    && group.quantity == Quantity::Error
-                    && group.refined(direction)
+                let second = direction == Direction::Time && path(&group.points()).is_some();
+                group.scene == *scene && group.refined(direction) && !second
             };
             let own: Vec<&Group> = groups.iter().filter(own).collect();
             if own.is_empty() {
                 continue;
             }
             texts.extend(scene.clone());
-            texts.push(table(&own, direction, style));
+            texts.extend(own.chunks(style.norms()).map(|own| table(own, direction, style)));
         }
     }
     texts
 }
 
+/// The points of one direction from coarse to fine: along a path all, else the longest line.
+pub(super) fn line(group: &Group, direction: Direction) -> Vec<Point> {
+    let all = group.points();
+    let mut line = match path(&all).is_some() {
+        true => all,
+        false => group.line(direction).into_iter().map(|(point, _)| point).collect(),
+    };
+    line.sort_by(|a, b| direction.step(b).total_cmp(&direction.step(a)));
+    line
+}
+
+/// The local orders that stand behind each point of a line, where there are any: of errors that of a pair, of values
+/// that of three.
+fn orders(quantity: Quantity, line: &[Point], direction: Direction) -> Vec<Option<f64>> {
+    let step = |at: usize| direction.step(&line[at]);
+    let order = |at: usize| match quantity {
+        Quantity::Error if at > 0 => {
+            let falls = (line[at - 1].error / line[at].error).ln();
+            Some(falls / (step(at - 1) / step(at)).ln())
+        }
+        Quantity::Value if at > 1 => {
+            let sample = |at: usize| ValueSample { step: step(at), value: line[at].error };
+            Triple::of([sample(at - 2), sample(at - 1), sample(at)]).order()
+        }
+        _ => None,
+    };
+    (0..line.len()).map(|at| order(at).filter(|order| order.is_finite())).collect()
+}
+
 fn table(groups: &[&Group], direction: Direction, style: Style) -> String {
     let step = |point: &Point| direction.step(point);
-    let mut lines: Vec<Vec<Point>> =
-        groups.iter().map(|group| line_points(group, direction)).collect();
-    lines.iter_mut().for_each(|line| line.sort_by(|a, b| step(b).total_cmp(&step(a))));
-    let mut steps: Vec<f64> = lines.iter().flatten().map(step).collect();
-    steps.sort_by(|a, b| b.total_cmp(a));
-    steps.dedup_by(|a, b| same_level(*a, *b));
+    let lines: Vec<Vec<Point>> = groups.iter().map(|group| line(group, direction)).collect();
+    let orders: Vec<Vec<Option<f64>>> = groups
+        .iter()
+        .zip(&lines)
+        .map(|(group, line)| orders(group.quantity, line, direction))
+        .collect();
+    let mut rows: Vec<Point> = lines.iter().flatten().copied().collect();
+    rows.sort_by(|a, b| step(b).total_cmp(&step(a)));
+    rows.dedup_by(|a, b| same_level(step(a), step(b)));
+    // Along a path both steps change from row to row.
+    let along = groups.iter().any(|group| path(&group.points()).is_some());
     let mut head = vec![step_name(direction).to_owned()];
+    head.extend(along.then(|| "k".to_owned()));
     for group in groups {
-        head.extend([group.norm.clone().unwrap_or_else(|| "error".into()), "EOC".into()]);
+        let (measured, order) = match group.quantity {
+            Quantity::Error => ("error", "EOC"),
+            Quantity::Value => ("value", "order"),
+        };
+        head.extend([group.norm.clone().unwrap_or_else(|| measured.into()), order.into()]);
     }
-    let row = |size: &f64| {
-        let cells = lines.iter().flat_map(|line| {
-            let at = line.iter().position(|point| same_level(step(point), *size));
-            let error = at.map(|at| line[at].error);
-            let slope = at.filter(|&at| at > 0).map(|at| {
-                let (coarse, fine) = (line[at - 1], line[at]);
-                (coarse.error / fine.error).ln() / (step(&coarse) / step(&fine)).ln()
+    let row = |row: &Point| {
+        let cells =
+            groups.iter().zip(lines.iter().zip(&orders)).flat_map(|(group, (line, orders))| {
+                let at = line.iter().position(|point| same_level(step(point), step(row)));
+                let number = |at: usize| match group.quantity {
+                    Quantity::Error => scientific(line[at].error, style),
+                    Quantity::Value => format!("{:.8}", line[at].error),
+                };
+                let order = at.and_then(|at| orders[at]);
+                [
+                    at.map_or("-".into(), number),
+                    order.map_or("-".into(), |order| format!("{order:.2}")),
+                ]
             });
-            let order = slope.filter(|slope| slope.is_finite());
-            [
-                error.map_or("-".into(), |error| scientific(error, style)),
-                order.map_or("-".into(), |order| format!("{order:.2}")),
-            ]
-        });
-        std::iter::once(plain(*size)).chain(cells).collect::<Vec<String>>()
+        let steps = std::iter::once(plain(step(row))).chain(along.then(|| plain(row.k)));
+        steps.chain(cells).collect::<Vec<String>>()
     };
-    set(&head, &steps.iter().map(row).collect::<Vec<_>>(), style)
+    set(&head, &rows.iter().map(row).collect::<Vec<_>>(), style)
 }
 
 fn scientific(error: f64, style: Style) -> String {
@@ -83,9 +133,25 @@ fn scientific(error: f64, style: Style) -> String {
     }
 }
 
-fn set(head: &[String], rows: &[Vec<String>], style: Style) -> String {
+fn set(head: &Vec<String>, rows: &[Vec<String>], style: Style) -> String {
     let mut lines = Vec::new();
     match style {
+        Style::Text => {
+            let width = |at: usize| {
+                let cells = rows.iter().chain([head]).map(|row| row[at].chars().count());
+                cells.max().unwrap_or(0)
+            };
+            let widths: Vec<usize> = (0..head.len()).map(width).collect();
+            for row in std::iter::once(head).chain(rows) {
+                // The step on the left: a line then begins with what it is known by.
+                let cell = |(at, (cell, width)): (usize, (&String, &usize))| match at {
+                    0 => format!("{cell:<width$}"),
+                    _ => format!("{cell:>width$}"),
+                };
+                let cells: Vec<String> = row.iter().zip(&widths).enumerate().map(cell).collect();
+                lines.push(cells.join("  "));
+            }
+        }
         Style::Markdown => {
             lines.push(format!("| {} |", head.join(" | ")));
             lines.push(format!("|{}", "---:|".repeat(head.len())));
@@ -127,11 +193,26 @@ mod tests {
         let latex = tables(&groups, Style::Latex).join("\n");
         assert!(latex.contains("h & L2 & EOC & e\\_u & EOC \\\\"), "{latex}");
         assert!(latex.contains("0.25 & $2.500 \\cdot 10^{-2}$ & 2.00"), "{latex}");
+        let plain = tables(&groups, Style::Text).join("\n");
+        assert_eq!(plain.lines().nth(2), Some("0.25  2.500e-2  2.00  5.000e-1  1.00"), "{plain}");
         // What is printed can be read again.
-        for text in [markdown, latex] {
+        for text in [plain, markdown, latex] {
             let again = read(text.as_bytes(), &Reading::default()).unwrap().groups;
             assert_eq!(again[0].points()[1].error, 0.025, "{text}");
         }
+    }
+
+    /// Of values the order is that of three, of a path both steps are shown.
+    #[test]
+    fn values_and_paths_have_tables_too() {
+        let text = |text: &str| {
+            let groups = read(text.as_bytes(), &Reading::default()).unwrap().groups;
+            tables(&groups, Style::Text).join("\n")
+        };
+        let values = text("h,value\n0.4,1.16\n0.2,1.04\n0.1,1.01\n");
+        assert_eq!(values.lines().last(), Some("0.1  1.01000000   2.00"), "{values}");
+        let along = text("h,k,error\n0.4,0.4,4\n0.2,0.2,2\n0.1,0.1,1\n");
+        assert_eq!(along.lines().last(), Some("0.1  0.1  1.000e0  1.00"), "{along}");
     }
 
     #[test]

@@ -2,24 +2,60 @@
 
 use serde_json::{Value, json};
 
-use super::{Part, Predicted, gap_verdict, verdict_text};
+use super::asked::{Answer, Asked};
+use super::{Part, gap_verdict, next_steps, step_name, verdict_text};
 use judge::fit::{
-    Estimate, JointFit, JointFits, NotIdentifiable, fit_constants, joint_fits, student_quantile,
+    Direction, Estimate, GridPosterior, JointFit, JointFits, NotIdentifiable, Point, fit_constants,
+    infer_grid, joint_fits, same_level, student_quantile,
 };
 use judge::table::Group;
-use judge::verdict::{Decision, compare};
 
-/// The joint fits of both models, without and with a floor term.
-pub(super) fn part(
-    group: &Group,
-    joint: &Result<JointFits, NotIdentifiable>,
-    predicted: Predicted,
-) -> Part {
-    let orders = predicted.p.zip(predicted.q);
-    let verdict = orders.map(|orders| {
-        gap_verdict(group).unwrap_or_else(|| match joint {
-            Ok(fits) => decide(&fits.best, orders, predicted),
-            Err(refused) => (Decision::Unresolved, refused.to_string()),
+/// Residuals of logarithms below this are rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Both orders of a grid, and its constants by least squares.
+pub(super) struct Joint {
+    pub(super) fits: JointFits,
+    posterior: GridPosterior,
+    points: Vec<Point>,
+}
+
+impl Joint {
+    /// # Errors
+    /// Why the grid does not determine two orders.
+    pub(super) fn of(group: &Group, asked: Asked) -> Result<Self, NotIdentifiable> {
+        let measured = group.measurements();
+        let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
+        // One noise for all points: the root mean square of theirs.
+        let sigmas: Option<Vec<f64>> = measured.iter().map(|(_, sigma)| *sigma).collect();
+        let mean =
+            |all: Vec<f64>| (all.iter().map(|s| s * s).sum::<f64>() / all.len() as f64).sqrt();
+        let noise = asked.noise.or(sigmas.map(mean));
+        let fits = joint_fits(&points, false)?;
+        Ok(Self { fits, posterior: infer_grid(&points, noise)?, points })
+    }
+
+    /// What the grid says of one of its orders.
+    pub(super) fn answer(&self, direction: Direction, order: f64, asked: Asked) -> Answer {
+        let posterior = match direction {
+            Direction::Space => &self.posterior.order_h,
+            Direction::Time => &self.posterior.order_k,
+        };
+        let mut steps: Vec<f64> = self.points.iter().map(|point| direction.step(point)).collect();
+        steps.sort_by(|a, b| b.total_cmp(a));
+        steps.dedup_by(|a, b| same_level(*a, *b));
+        asked.answer(posterior, order, (step_name(direction), next_steps(&steps)))
+    }
+}
+
+/// The orders, and the joint fits of both models, without and with a floor term.
+pub(super) fn part(group: &Group, joint: &Result<Joint, NotIdentifiable>, asked: Asked) -> Part {
+    let orders = asked.p.zip(asked.q);
+    let answer = orders.map(|orders| {
+        let gaps = gap_verdict(group).map(|(decision, reason)| Answer::of(decision, reason));
+        gaps.unwrap_or_else(|| match joint {
+            Ok(joint) => both(joint, orders, asked),
+            Err(refused) => Answer::of(judge::verdict::Decision::Unresolved, refused.to_string()),
         })
     });
     let points = group.points();
@@ -28,40 +64,45 @@ pub(super) fn part(
         .as_ref()
         .ok()
         .zip(orders)
-        .and_then(|(fits, orders)| fit_constants(&points, fits.best.model, orders).ok());
-    let json = object(joint, floor.as_ref(), constants, predicted, verdict.as_ref());
+        .and_then(|(joint, orders)| fit_constants(&points, joint.fits.best.model, orders).ok());
+    let json = object(joint, floor.as_ref(), constants, asked, answer.as_ref());
+    let verdict = answer.as_ref().map(Answer::verdict);
     let head = verdict_text(orders.map(|(p, q)| format!("{p}, {q}")), verdict.as_ref());
     let text = match joint {
         Err(_) if !head.is_empty() => format!("joint: {head}"),
         Err(refused) => format!("joint: {refused}"),
-        Ok(fits) => {
-            let head = if head.is_empty() { head } else { format!("; {head}") };
-            text(fits, floor.as_ref(), constants, points.len(), &head)
-        }
+        Ok(joint) => text(joint, floor.as_ref(), constants, &head),
     };
-    Part { text, json, decision: verdict.map(|(decision, _)| decision) }
+    Part { text, json, decision: answer.map(|answer| answer.decision) }
 }
 
 /// Passes if both orders pass, fails if one fails.
-fn decide(best: &JointFit, (p, q): (f64, f64), predicted: Predicted) -> (Decision, String) {
-    let one = |found: Estimate, order: f64| compare(found.interval, predicted.aim(order));
-    let (space, time) = (one(best.order_h, p), one(best.order_k, q));
-    (space.0.and(time.0), format!("in h: {}; in k: {}", space.1, time.1))
+fn both(joint: &Joint, (p, q): (f64, f64), asked: Asked) -> Answer {
+    let space = joint.answer(Direction::Space, p, asked);
+    let time = joint.answer(Direction::Time, q, asked);
+    let probability = space.probability.zip(time.probability).map(|(a, b)| a.min(b));
+    Answer {
+        decision: space.decision.and(time.decision),
+        reason: format!("in h: {}; in k: {}", space.reason, time.reason),
+        probability,
+        next: Vec::new(),
+    }
 }
 
 fn text(
-    fits: &JointFits,
+    joint: &Joint,
     floor: Option<&JointFits>,
     constants: Option<[Estimate; 2]>,
-    points: usize,
     verdict: &str,
 ) -> String {
-    let best = &fits.best;
+    let GridPosterior { order_h, order_k } = &joint.posterior;
+    let best = &joint.fits.best;
     let mut lines = vec![format!(
-        "joint: order {:.3} in {} in h, {:.3} in {} in k{verdict}",
-        best.order_h.value, best.order_h.interval, best.order_k.value, best.order_k.interval
+        "joint: order {:.3} in {} in h, {:.3} in {} in k",
+        order_h.order, order_h.interval, order_k.order, order_k.interval
     )];
-    let models = [Some(best), fits.other.as_ref()].into_iter().flatten();
+    lines.extend((!verdict.is_empty()).then(|| format!("   {verdict}")));
+    let models = [Some(best), joint.fits.other.as_ref()].into_iter().flatten();
     lines.extend(models.enumerate().map(|(place, fit)| {
         let better = if place == 0 { " (better)" } else { "" };
         format!(
@@ -80,7 +121,7 @@ fn text(
         };
         lines.push(format!("   under the predicted orders: C_h {}, C_k {}", range(h), range(k)));
     }
-    lines.extend(floor.and_then(|floor| floor_line(best, &floor.best, points)));
+    lines.extend(floor.and_then(|floor| floor_line(best, &floor.best, joint.points.len())));
     lines.join("\n")
 }
 
@@ -89,6 +130,10 @@ fn text(
 /// as well, so that a better fit is a hint at a floor and no proof of one.
 fn floor_line(plain: &JointFit, with: &JointFit, points: usize) -> Option<String> {
     let floor = with.floor?;
+    // Of an exact table nothing is left that a floor could explain.
+    if plain.residual_norm < ROUNDING {
+        return None;
+    }
     let freedom = points.checked_sub(5)?;
     let (before, after) = (plain.residual_norm.powi(2), with.residual_norm.powi(2));
     let gain = (before - after) * freedom as f64;
@@ -104,38 +149,44 @@ fn floor_line(plain: &JointFit, with: &JointFit, points: usize) -> Option<String
 }
 
 fn object(
-    joint: &Result<JointFits, NotIdentifiable>,
+    joint: &Result<Joint, NotIdentifiable>,
     floor: Option<&JointFits>,
     constants: Option<[Estimate; 2]>,
-    predicted: Predicted,
-    verdict: Option<&(Decision, String)>,
+    asked: Asked,
+    answer: Option<&Answer>,
 ) -> serde_json::Map<String, Value> {
     let found = joint.as_ref().ok();
-    let best = found.map(|fits| &fits.best);
-    let all = found.into_iter().chain(floor);
+    let fits = found.map(|joint| &joint.fits);
+    let space = found.map(|joint| &joint.posterior.order_h);
+    let time = found.map(|joint| &joint.posterior.order_k);
+    let all = fits.into_iter().chain(floor);
     let all = all.flat_map(|fits| [Some(&fits.best), fits.other.as_ref()]).flatten();
     let constant = |c: Estimate, order: Option<f64>| json!({"value": c.value, "interval": [c.interval.lo, c.interval.hi], "order": order});
-    let reason = match (verdict, joint) {
-        (Some((_, reason)), _) => reason.clone(),
+    let reason = match (answer, joint) {
+        (Some(answer), _) => answer.reason.clone(),
         (None, Err(refused)) => refused.to_string(),
         (None, Ok(_)) => String::new(),
     };
-    super::map(json!({
+    let mut object = super::map(json!({
         "variable": "joint",
-        "observed": best.map(|fit| fit.order_h.value),
-        "interval": best.map(|fit| [fit.order_h.interval.lo, fit.order_h.interval.hi]),
-        "observed_k": best.map(|fit| fit.order_k.value),
-        "interval_k": best.map(|fit| [fit.order_k.interval.lo, fit.order_k.interval.hi]),
+        "order": space.map(|own| own.order),
+        "observed": space.map(|own| own.order),
+        "interval": space.map(|own| [own.interval.lo, own.interval.hi]),
+        "observed_k": time.map(|own| own.order),
+        "interval_k": time.map(|own| [own.interval.lo, own.interval.hi]),
         "models": all.map(model).collect::<Vec<Value>>(),
-        "better": best.map(|fit| fit.model.name()),
+        "better": fits.map(|fits| fits.best.model.name()),
         "constants": constants.map(|[h, k]| json!({
-            "C_h": constant(h, predicted.p), "C_k": constant(k, predicted.q)
+            "C_h": constant(h, asked.p), "C_k": constant(k, asked.q)
         })),
-        "predicted": predicted.p,
-        "predicted_k": predicted.q,
-        "verdict": verdict.map(|(decision, _)| decision.name()),
+        "predicted": asked.p,
+        "predicted_k": asked.q,
+        "verdict": answer.map(|answer| answer.decision.name()),
+        "probability": answer.and_then(|answer| answer.probability),
         "reason": reason,
-    }))
+    }));
+    object.extend(asked.json());
+    object
 }
 
 fn model(fit: &JointFit) -> Value {

@@ -2,187 +2,205 @@
 
 use serde_json::json;
 
-use super::{
-    Part, Predicted, gap_verdict, line_points, next_step, orders_text, step_name, verdict_text,
-};
+use super::asked::{Answer, Asked};
+use super::grid::Joint;
+use super::{Part, gap_verdict, next_steps, plain, step_name, verdict_text};
 use files::counted;
 use judge::fit::{
-    Correction, Direction, FitError, Interval, JointFits, LARGEST_OTHER_SHARE, NotIdentifiable,
-    OrderInterval, Point, Sample, constant_under, local_slopes, order_interval, samples, screen,
+    Correction, Direction, FitError, Interval, LARGEST_OTHER_SHARE, Level, NotIdentifiable, Point,
+    Posterior, Sample, constant_under, infer, samples, screen,
 };
 use judge::table::Group;
-use judge::verdict::{Aim, Decision, compare};
-
-/// Nobody knows the scheme behind a table: the next term is taken to be the next power, which
-/// covers the even terms of a trapezoidal rule as well, at the price of a wider interval.
-const CORRECTION: Correction = Correction::Linear;
+use judge::verdict::Decision;
 
 /// A line with its order.
-struct Fitted {
+struct Read {
     samples: Vec<Sample>,
-    order: OrderInterval,
+    posterior: Posterior,
+}
+
+/// A line as it stands in the table, and what was made of it.
+struct Line<'a> {
+    direction: Direction,
+    points: Vec<Point>,
+    /// Points outside of the window.
+    outside: &'a [Point],
+    read: Result<Read, FitError>,
+    asked: Asked,
 }
 
 /// The order in one direction; none if it is neither refined nor predicted.
 pub(super) fn part(
     group: &Group,
     direction: Direction,
-    claims: Predicted,
-    joint: Option<&Result<JointFits, NotIdentifiable>>,
+    asked: Asked,
+    joint: Option<&Result<Joint, NotIdentifiable>>,
+    outside: &[Point],
 ) -> Option<Part> {
-    let predicted = claims.order(direction);
-    if !group.refined(direction) && predicted.is_none() {
+    if !group.refined(direction) && asked.order(direction).is_none() {
         return None;
     }
-    let line = line_points(group, direction);
-    let fitted = samples(&line, direction)
-        .and_then(|samples| Ok(Fitted { order: order_interval(&samples, CORRECTION)?, samples }));
-    let verdict = predicted.map(|order| {
-        gap_verdict(group)
-            .or_else(|| bent(&line, direction, claims.aim(order), joint))
-            .unwrap_or_else(|| decide(&fitted, &line, direction, claims.aim(order)))
+    let line = Line::of(group, direction, asked, outside);
+    let answer = asked.order(direction).map(|order| {
+        let gaps = gap_verdict(group).map(|(decision, reason)| Answer::of(decision, reason));
+        gaps.or_else(|| line.bent(order, joint)).unwrap_or_else(|| line.answer(order))
     });
     Some(Part {
-        text: text(&fitted, &line, direction, predicted, verdict.as_ref()),
-        json: object(&fitted, &line, direction, predicted, verdict.as_ref()),
-        decision: verdict.map(|(decision, _)| decision),
+        text: line.text(answer.as_ref()),
+        json: line.json(answer.as_ref()),
+        decision: answer.map(|answer| answer.decision),
     })
 }
 
-fn decide(
-    fitted: &Result<Fitted, FitError>,
-    line: &[Point],
+/// The order of some measurements in one direction.
+pub(super) fn order(
+    measured: &[(Point, Option<f64>)],
     direction: Direction,
-    aim: Aim,
-) -> (Decision, String) {
-    let name = step_name(direction);
-    let steps = |samples: &[Sample]| samples.iter().map(|s| s.step).collect::<Vec<f64>>();
-    match fitted {
-        Ok(fitted) => {
-            let (decision, reason) = compare(fitted.order.interval, aim);
-            let wide =
-                decision == Decision::Unresolved && fitted.order.interval.contains(aim.order);
-            let next = next_step(name, &steps(&fitted.samples));
-            let part = fitted.order.widest_part();
-            let hint = if wide { format!(", from {part}: {next}") } else { String::new() };
-            (decision, reason + &hint)
-        }
-        Err(error) => {
-            let left = samples(line, direction).unwrap_or_default();
-            let hint = match error {
-                FitError::TooFew { .. } => format!(": {}", next_step(name, &steps(&left))),
-                _ => String::new(),
-            };
-            (Decision::Unresolved, format!("{error}{}{hint}", left_out_text(line)))
+    asked: Asked,
+) -> Result<Posterior, FitError> {
+    let serves = |(point, _): &&(Point, Option<f64>)| screen(point).is_ok();
+    let level = |(point, sigma): &(Point, Option<f64>)| Level::of(point, direction, *sigma);
+    let levels: Vec<Level> = measured.iter().filter(serves).map(level).collect();
+    infer(&levels, asked.noise, asked.log)
+}
+
+impl<'a> Line<'a> {
+    fn of(group: &Group, direction: Direction, asked: Asked, outside: &'a [Point]) -> Self {
+        let measured = group.line(direction);
+        let points: Vec<Point> = measured.iter().map(|(point, _)| *point).collect();
+        let read = order(&measured, direction, asked)
+            .and_then(|posterior| Ok(Read { samples: samples(&points, direction)?, posterior }));
+        Self { direction, points, outside, read, asked }
+    }
+
+    fn name(&self) -> &'static str {
+        step_name(self.direction)
+    }
+
+    fn answer(&self, order: f64) -> Answer {
+        let steps = |samples: &[Sample]| samples.iter().map(|s| s.step).collect::<Vec<f64>>();
+        match &self.read {
+            Ok(Read { samples, posterior }) => {
+                let next = next_steps(&steps(samples));
+                self.asked.answer(posterior, order, (self.name(), next))
+            }
+            Err(error) => {
+                let left = samples(&self.points, self.direction).unwrap_or_default();
+                let next = match error {
+                    FitError::TooFew { .. } => next_steps(&steps(&left)),
+                    _ => Vec::new(),
+                };
+                let help = match error {
+                    FitError::TooFew { .. } => format!(": {}", super::run(self.name(), &next)),
+                    _ => String::new(),
+                };
+                let reason = format!("{error}{}{help}", self.below_floor());
+                Answer { next, ..Answer::of(Decision::Unresolved, reason) }
+            }
         }
     }
-}
 
-/// Where the term of the other direction bends this line, the grid decides; and where the grid
-/// shows that the term of this direction is too small to be seen, nothing does.
-fn bent(
-    line: &[Point],
-    direction: Direction,
-    aim: Aim,
-    joint: Option<&Result<JointFits, NotIdentifiable>>,
-) -> Option<(Decision, String)> {
-    let best = match joint? {
-        Ok(fits) => &fits.best,
-        Err(refused) if refused.hidden == Some(direction) => {
-            return Some((Decision::Unresolved, refused.to_string()));
-        }
-        Err(_) => return None,
-    };
-    let (own, other, name) = match direction {
-        Direction::Space => (best.order_h, 1, "k"),
-        Direction::Time => (best.order_k, 0, "h"),
-    };
-    let used = line.iter().filter(|point| screen(point).is_ok());
-    let share = used.map(|point| best.weights(point.h, point.k)[other]).fold(0.0, f64::max);
-    (share > LARGEST_OTHER_SHARE).then(|| {
-        let (decision, reason) = compare(own.interval, aim);
-        let percent = 100.0 * share;
-        let grid =
-            format!("the term in {name} is up to {percent:.0} % of the error on this line, ");
-        (decision, format!("{grid}so the grid is judged: {reason}"))
-    })
-}
-
-/// `; 2 points below floor`.
-fn left_out_text(line: &[Point]) -> String {
-    match line.iter().filter(|point| screen(point).is_err()).count() {
-        0 => String::new(),
-        lost => format!("; {} below floor", counted(lost, "point")),
+    /// Where the term of the other direction bends this line, the grid decides; and where the grid
+    /// shows that the term of this direction is too small to be seen, nothing does.
+    fn bent(&self, order: f64, joint: Option<&Result<Joint, NotIdentifiable>>) -> Option<Answer> {
+        let joint = match joint? {
+            Ok(joint) => joint,
+            Err(refused) if refused.hidden == Some(self.direction) => {
+                return Some(Answer::of(Decision::Unresolved, refused.to_string()));
+            }
+            Err(_) => return None,
+        };
+        let (other, name) = match self.direction {
+            Direction::Space => (1, "k"),
+            Direction::Time => (0, "h"),
+        };
+        let best = &joint.fits.best;
+        let used = self.points.iter().filter(|point| screen(point).is_ok());
+        let share = used.map(|point| best.weights(point.h, point.k)[other]).fold(0.0, f64::max);
+        (share > LARGEST_OTHER_SHARE).then(|| {
+            let answer = joint.answer(self.direction, order, self.asked);
+            let percent = 100.0 * share;
+            let reason = format!(
+                "the term in {name} is up to {percent:.0} % of the error on this line, so the grid is judged: {}",
+                answer.reason
+            );
+            Answer { reason, ..answer }
+        })
     }
-}
 
-/// Under the predicted order with its interval, or of the fitted law without.
-fn constant(fitted: &Fitted, predicted: Option<f64>) -> (f64, Option<Interval>) {
-    let law = (fitted.order.law.constant, None);
-    predicted
-        .and_then(|order| constant_under(order, &fitted.samples, CORRECTION))
-        .map_or(law, |(value, interval)| (value, Some(interval)))
-}
+    /// `; 2 points below floor`.
+    fn below_floor(&self) -> String {
+        match self.points.iter().filter(|point| screen(point).is_err()).count() {
+            0 => String::new(),
+            lost => format!("; {} below floor", counted(lost, "point")),
+        }
+    }
 
-fn text(
-    fitted: &Result<Fitted, FitError>,
-    line: &[Point],
-    direction: Direction,
-    predicted: Option<f64>,
-    verdict: Option<&(Decision, String)>,
-) -> String {
-    let name = step_name(direction);
-    let verdict = verdict_text(predicted.map(|order| order.to_string()), verdict);
-    let fitted = match fitted {
-        Ok(fitted) => fitted,
-        Err(_) if !verdict.is_empty() => return format!("{name}: {verdict}"),
-        Err(error) => return format!("{name}: {error}{}", left_out_text(line)),
-    };
-    let Interval { lo, hi } = fitted.order.interval;
-    let (value, interval) = constant(fitted, predicted);
-    let interval = interval.map_or(String::new(), |i| format!(" in [{:.4e}, {:.4e}]", i.lo, i.hi));
-    let verdict = if verdict.is_empty() { verdict } else { format!("; {verdict}") };
-    format!(
-        "{name}: order {:.3} in [{lo:.3}, {hi:.3}], constant {value:.4e}{interval}{verdict}\n   local orders {}{}",
-        fitted.order.law.order,
-        orders_text(&local_slopes(&fitted.samples)),
-        left_out_text(line),
-    )
-}
+    /// Under the predicted order, or that which was found; nobody knows the scheme behind a table, so that the next term
+    /// is taken to be the next power.
+    fn constant(&self, read: &Read) -> Option<(f64, Interval)> {
+        let order = self.asked.order(self.direction).unwrap_or(read.posterior.order);
+        let factor = |step: f64| step.ln().abs().powf(self.asked.log);
+        let divided = read.samples.iter().map(|s| Sample { error: s.error / factor(s.step), ..*s });
+        constant_under(order, &divided.collect::<Vec<_>>(), Correction::Linear)
+    }
 
-fn object(
-    fitted: &Result<Fitted, FitError>,
-    line: &[Point],
-    direction: Direction,
-    predicted: Option<f64>,
-    verdict: Option<&(Decision, String)>,
-) -> serde_json::Map<String, serde_json::Value> {
-    let found = fitted.as_ref().ok();
-    let constant = found.map(|fitted| constant(fitted, predicted));
-    let (used, left): (Vec<&Point>, Vec<&Point>) =
-        line.iter().partition(|point| screen(point).is_ok());
-    let plain = |point: &&Point| json!({"h": point.h, "k": point.k, "error": point.error});
-    let lost = |point: &&Point| {
-        let reason = screen(point).err().map(|reason| reason.to_string());
-        json!({"h": point.h, "k": point.k, "error": point.error, "reason": reason})
-    };
-    let reason = match (verdict, fitted) {
-        (Some((_, reason)), _) => reason.clone(),
-        (None, Err(error)) => error.to_string(),
-        (None, Ok(_)) => String::new(),
-    };
-    let object = json!({
-        "variable": step_name(direction),
-        "local_slopes": found.map(|fitted| local_slopes(&fitted.samples)),
-        "observed": found.map(|fitted| fitted.order.law.order),
-        "interval": found.map(|fitted| [fitted.order.interval.lo, fitted.order.interval.hi]),
-        "constant": constant.map(|(value, _)| value),
-        "constant_interval": constant.and_then(|(_, found)| found).map(|i| [i.lo, i.hi]),
-        "predicted": predicted,
-        "verdict": verdict.map(|(decision, _)| decision.name()),
-        "reason": reason,
-        "points_used": used.iter().map(plain).collect::<Vec<_>>(),
-        "points_left_out": left.iter().map(lost).collect::<Vec<_>>(),
-    });
-    super::map(object)
+    fn text(&self, answer: Option<&Answer>) -> String {
+        let name = self.name();
+        let predicted = self.asked.order(self.direction).map(|order| order.to_string());
+        let verdict = verdict_text(predicted, answer.map(Answer::verdict).as_ref());
+        let read = match &self.read {
+            Ok(read) => read,
+            Err(_) if !verdict.is_empty() => return format!("{name}: {verdict}"),
+            Err(error) => return format!("{name}: {error}{}", self.below_floor()),
+        };
+        let Posterior { order, interval, .. } = &read.posterior;
+        let constant = self.constant(read).map_or(String::new(), |(value, Interval { lo, hi })| {
+            format!(", constant {} in [{}, {}]", plain(value), plain(lo), plain(hi))
+        });
+        let verdict = if verdict.is_empty() { verdict } else { format!("\n   {verdict}") };
+        format!("{name}: order {order:.3} in {interval}{constant}{}{verdict}", self.below_floor())
+    }
+
+    fn json(&self, answer: Option<&Answer>) -> serde_json::Map<String, serde_json::Value> {
+        let found = self.read.as_ref().ok();
+        let posterior = found.map(|read| &read.posterior);
+        let constant = found.and_then(|read| self.constant(read));
+        let used = |point: &Point| json!({"h": point.h, "k": point.k, "error": point.error});
+        let used = self.points.iter().filter(|point| screen(point).is_ok()).map(used);
+        let lost = self.points.iter().filter_map(|point| {
+            let reason = screen(point).err()?.to_string();
+            Some(json!({"h": point.h, "k": point.k, "error": point.error, "reason": reason}))
+        });
+        let outside = self.outside.iter().map(|point| {
+            json!({"h": point.h, "k": point.k, "error": point.error, "reason": "outside of the window"})
+        });
+        let reason = match (answer, &self.read) {
+            (Some(answer), _) => answer.reason.clone(),
+            (None, Err(error)) => error.to_string(),
+            (None, Ok(_)) => String::new(),
+        };
+        let object = json!({
+            "variable": self.name(),
+            "local_slopes": posterior.map(|own| own.slopes.clone()),
+            "order": posterior.map(|own| own.order),
+            "observed": posterior.map(|own| own.order),
+            "interval": posterior.map(|own| [own.interval.lo, own.interval.hi]),
+            "coarse_left_out": posterior.map(|own| own.coarse_left_out),
+            "floor_from": posterior.and_then(|own| own.floor_from),
+            "log": self.asked.log,
+            "constant": constant.map(|(value, _)| value),
+            "constant_interval": constant.map(|(_, i)| [i.lo, i.hi]),
+            "predicted": self.asked.order(self.direction),
+            "verdict": answer.map(|answer| answer.decision.name()),
+            "probability": answer.and_then(|answer| answer.probability),
+            "reason": reason,
+            "next": answer.map_or(Vec::new(), |answer| answer.next.clone()),
+            "points_used": used.collect::<Vec<_>>(),
+            "points_left_out": lost.chain(outside).collect::<Vec<_>>(),
+        });
+        let mut object = super::map(object);
+        object.extend(self.asked.json());
+        object
+    }
 }

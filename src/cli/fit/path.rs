@@ -2,122 +2,124 @@
 
 use serde_json::json;
 
-use super::{Part, Predicted, gap_verdict, next_step, orders_text, verdict_text};
-use judge::fit::{
-    Correction, Direction, Interval, OrderInterval, Path, Sample, local_slopes, order_interval,
-    samples,
-};
+use super::asked::{Answer, Asked};
+use super::{Part, gap_verdict, line, next_steps, verdict_text};
+use judge::fit::{Direction, FitError, Path, Posterior, samples};
 use judge::table::Group;
-use judge::verdict::{Decision, compare};
+use judge::verdict::Decision;
 
 /// The order in h along the path, which is min(p, s q), and what it says of p and q.
-pub(super) fn part(group: &Group, path: Path, predicted: Predicted) -> Part {
-    let fitted = samples(&group.points(), Direction::Space)
-        .and_then(|samples| Ok((order_interval(&samples, Correction::Linear)?, samples)));
-    let order = along(path, predicted);
-    let verdict = order.map(|order| {
-        gap_verdict(group).unwrap_or_else(|| match &fitted {
-            Ok((found, samples)) => decide(found, samples, path, predicted, order),
-            Err(error) => (Decision::Unresolved, error.to_string()),
+pub(super) fn part(group: &Group, path: Path, asked: Asked) -> Part {
+    let read = line::order(&group.measurements(), Direction::Space, asked);
+    let order = along(path, asked);
+    let answer = order.map(|order| {
+        let gaps = gap_verdict(group).map(|(decision, reason)| Answer::of(decision, reason));
+        gaps.unwrap_or_else(|| match &read {
+            Ok(posterior) => decide(group, posterior, path, asked, order),
+            Err(error) => Answer::of(Decision::Unresolved, error.to_string()),
         })
     });
     let Path { exponent, constant } = path;
-    let found = fitted.as_ref().ok();
-    let json = super::map(json!({
+    let found = read.as_ref().ok();
+    let mut json = super::map(json!({
         "variable": "path",
         "exponent": exponent,
         "path_constant": constant,
-        "observed": found.map(|(found, _)| found.law.order),
-        "interval": found.map(|(found, _)| [found.interval.lo, found.interval.hi]),
-        "local_slopes": found.map(|(_, samples)| local_slopes(samples)),
-        "predicted": predicted.p,
-        "predicted_k": predicted.q,
-        "verdict": verdict.as_ref().map(|(decision, _)| decision.name()),
-        "reason": verdict.as_ref().map_or_else(
+        "order": found.map(|own| own.order),
+        "observed": found.map(|own| own.order),
+        "interval": found.map(|own| [own.interval.lo, own.interval.hi]),
+        "local_slopes": found.map(|own| own.slopes.clone()),
+        "predicted": asked.p,
+        "predicted_k": asked.q,
+        "verdict": answer.as_ref().map(|answer| answer.decision.name()),
+        "probability": answer.as_ref().and_then(|answer| answer.probability),
+        "next": answer.as_ref().map_or(Vec::new(), |answer| answer.next.clone()),
+        "reason": answer.as_ref().map_or_else(
             || format!("along the path the order in h is min(p, {exponent:.2} q)"),
-            |(_, reason)| reason.clone(),
+            |answer| answer.reason.clone(),
         ),
     }));
+    json.extend(asked.json());
+    let verdict = answer.as_ref().map(Answer::verdict);
+    let text = text(&read, path, order, verdict.as_ref());
+    Part { text, json, decision: answer.map(|answer| answer.decision) }
+}
+
+fn text(
+    read: &Result<Posterior, FitError>,
+    path: Path,
+    order: Option<f64>,
+    verdict: Option<&(Decision, String)>,
+) -> String {
+    let Path { exponent, constant } = path;
     let head = format!("path k = {constant:.3} h^{exponent:.2}:");
-    let order = order.map(|order| format!("order {order} along it"));
-    let tail = verdict_text(order, verdict.as_ref());
-    let text = match &fitted {
-        Ok((found, samples)) => {
-            let Interval { lo, hi } = found.interval;
-            let tail = if tail.is_empty() {
-                format!("; it is min(p, {exponent:.2} q)")
-            } else {
-                format!("; {tail}")
+    let tail = verdict_text(order.map(|order| format!("order {order} along it")), verdict);
+    match read {
+        Ok(Posterior { order, interval, .. }) => {
+            let tail = match tail.is_empty() {
+                true => format!("; it is min(p, {exponent:.2} q)"),
+                false => format!("\n   {tail}"),
             };
-            let slopes = orders_text(&local_slopes(samples));
-            let order = found.law.order;
-            format!(
-                "{head} order {order:.3} in [{lo:.3}, {hi:.3}] in h{tail}\n   local orders {slopes}"
-            )
+            format!("{head} order {order:.3} in {interval} in h{tail}")
         }
         Err(_) if !tail.is_empty() => format!("{head} {tail}"),
         Err(error) => format!("{head} {error}"),
-    };
-    Part { text, json, decision: verdict.map(|(decision, _)| decision) }
-}
-
-/// The order that is predicted along the path; where one of p, q is not given, as if the other
-/// term were the slower one.
-fn along(path: Path, predicted: Predicted) -> Option<f64> {
-    match (predicted.p, predicted.q) {
-        (Some(p), Some(q)) => Some(path.order(p, q)),
-        (Some(p), None) => Some(p),
-        (None, Some(q)) => Some(path.exponent * q),
-        (None, None) => None,
     }
 }
 
-fn decide(
-    found: &OrderInterval,
-    samples: &[Sample],
-    path: Path,
-    predicted: Predicted,
-    order: f64,
-) -> (Decision, String) {
-    let (decision, reason) = compare(found.interval, predicted.aim(order));
-    let s = path.exponent;
-    match (decision, predicted.p, predicted.q) {
-        (Decision::Pass, Some(p), Some(q)) => match path.tests(p, q) {
-            [true, true] => {
-                (decision, format!("{reason}, so the orders are at least {p} in h and {q} in k"))
+/// The order that is predicted along the path, without the rounding of its exponent; where one of p, q is not given, as
+/// if the other term were the slower one.
+fn along(path: Path, asked: Asked) -> Option<f64> {
+    let order = match (asked.p, asked.q) {
+        (Some(p), Some(q)) => path.order(p, q),
+        (Some(p), None) => p,
+        (None, Some(q)) => path.exponent * q,
+        (None, None) => return None,
+    };
+    Some((1e6 * order).round() / 1e6)
+}
+
+fn decide(group: &Group, posterior: &Posterior, path: Path, asked: Asked, order: f64) -> Answer {
+    let samples = samples(&group.points(), Direction::Space).unwrap_or_default();
+    let steps: Vec<f64> = samples.iter().map(|sample| sample.step).collect();
+    let mut answer = asked.answer(posterior, order, ("h", next_steps(&steps)));
+    let reason = answer.reason.clone();
+    let open = |reason: String| Answer::of(Decision::Unresolved, reason);
+    match (answer.decision, asked.p, asked.q) {
+        (Decision::Pass, Some(p), Some(q)) => {
+            let balanced = format!("run k proportional to h^{:.2}, or the grid", p / q);
+            let hidden = |other: f64, name: &str, least: f64| {
+                open(format!(
+                    "{reason}, but the path cannot tell order {other} in {name} from {least:.2}: {balanced}"
+                ))
+            };
+            match path.tests(p, q) {
+                [true, true] => {
+                    answer.reason += &format!(", so the orders are at least {p} in h and {q} in k");
+                    answer
+                }
+                [true, false] => hidden(q, "k", order / path.exponent),
+                _ => hidden(p, "h", order),
             }
-            [true, false] => {
-                let balanced = format!("run k proportional to h^{:.2}, or the grid", p / q);
-                let least = order / s;
-                let hidden = format!(
-                    "{reason}, but the path cannot tell order {q} in k from {least:.2}: {balanced}"
-                );
-                (Decision::Unresolved, hidden)
-            }
-            _ => {
-                let balanced = format!("run k proportional to h^{:.2}, or the grid", p / q);
-                let hidden = format!(
-                    "{reason}, but the path cannot tell order {p} in h from {order:.2}: {balanced}"
-                );
-                (Decision::Unresolved, hidden)
-            }
-        },
+        }
         (Decision::Pass, Some(p), None) => {
-            (decision, format!("{reason}, so the order is at least {p} in h"))
+            answer.reason += &format!(", so the order is at least {p} in h");
+            answer
         }
         (Decision::Pass, None, Some(q)) => {
-            (decision, format!("{reason}, so the order is at least {q} in k"))
+            answer.reason += &format!(", so the order is at least {q} in k");
+            answer
         }
         (Decision::Fail, Some(_), None) => {
-            (Decision::Unresolved, format!("{reason}, in h or in k: run one k with several h"))
+            open(format!("{reason}, in h or in k: run one k with several h"))
         }
         (Decision::Fail, None, Some(_)) => {
-            (Decision::Unresolved, format!("{reason}, in h or in k: run one h with several k"))
+            open(format!("{reason}, in h or in k: run one h with several k"))
         }
-        (Decision::Unresolved, ..) if found.interval.contains(order) => {
-            let steps: Vec<f64> = samples.iter().map(|sample| sample.step).collect();
-            (decision, format!("{reason}: {} on the path", next_step("h", &steps)))
+        (Decision::Unresolved, ..) if !answer.next.is_empty() => {
+            answer.reason += " on the path";
+            answer
         }
-        _ => (decision, reason),
+        _ => answer,
     }
 }

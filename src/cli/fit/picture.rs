@@ -4,13 +4,14 @@ use judge::fit::{Direction, screen};
 use judge::table::{Group, Quantity};
 use report::{Axis, Chart, Datum, Part, Scale, Series, Slope};
 
-use super::{Predicted, line_points, step_name};
+use super::asked::Asked;
+use super::{eoc, step_name};
 use crate::cli::CliError;
 
 /// One series a table, in the first direction that the file refines, with triangles of the orders that are predicted.
 pub(super) fn svg(
     groups: &[Group],
-    predicted: impl Fn(Option<&str>) -> Predicted,
+    asked: impl Fn(Option<&str>) -> Asked,
 ) -> Result<String, CliError> {
     let errors: Vec<&Group> =
         groups.iter().filter(|group| group.quantity == Quantity::Error).collect();
@@ -21,14 +22,14 @@ pub(super) fn svg(
     let x = Axis::new(step_name(direction), Scale::Steps);
     let mut chart = Chart::new("Errors", "", x, Axis::new("error", Scale::Log));
     for group in errors {
-        let mut points: Vec<Datum> = line_points(group, direction)
+        let mut points: Vec<Datum> = eoc::line(group, direction)
             .iter()
             .filter(|point| screen(point).is_ok())
             .map(|point| (direction.step(point), point.error))
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let name = group.heading().unwrap_or_else(|| "error".into());
-        let order = predicted(group.norm.as_deref()).order(direction);
+        let order = asked(group.norm.as_deref()).order(direction);
         let slope =
             order.map(|order| Slope { order, label: order.to_string(), along: points.clone() });
         let parts = vec![Part::Line(points.clone()), Part::Points(points)];

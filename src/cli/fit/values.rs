@@ -2,88 +2,111 @@
 
 use serde_json::{Value, json};
 
-use super::{Part, Predicted, gap_verdict, line_points, next_step, step_name, verdict_text};
+use super::asked::{Answer, Asked};
+use super::{Part, gap_verdict, next_steps, run, step_name, verdict_text};
 use files::counted;
 use judge::fit::{
-    Direction, EcaHoekstra, Expansion, FitError, Triple, ValueOrder, ValueSample, eca_hoekstra,
-    path, value_order, value_samples,
+    Direction, EcaHoekstra, Expansion, FitError, Point, Posterior, Triple, ValueSample,
+    eca_hoekstra, infer_values, path, value_samples,
 };
 use judge::table::Group;
-use judge::verdict::{Aim, Decision, compare};
+use judge::verdict::Decision;
+
+/// Below this order both published uncertainties are too small for more than one table in twenty.
+const LOW_ORDER: f64 = 0.75;
 
 /// All that the values say, in direction of refinement.
 struct Findings {
     samples: Vec<ValueSample>,
     last_three: Option<Triple>,
-    order: Option<ValueOrder>,
+    order: Result<Posterior, FitError>,
     estimate: Option<EcaHoekstra>,
 }
 
 /// The extrapolated value in one direction; none if it is neither refined nor predicted.
-pub(super) fn part(group: &Group, direction: Direction, claims: Predicted) -> Option<Part> {
-    let predicted = claims.order(direction);
+pub(super) fn part(group: &Group, direction: Direction, asked: Asked) -> Option<Part> {
+    let predicted = asked.order(direction);
     if !group.refined(direction) && predicted.is_none() {
         return None;
     }
     // Along a path the value depends on one step alone.
-    let along = path(&group.points()).is_some();
-    let line = if along { group.points() } else { line_points(group, direction) };
-    let findings = value_samples(&line, direction).map(findings);
+    let line: Vec<Point> = match path(&group.points()).is_some() {
+        true => group.points(),
+        false => group.line(direction).into_iter().map(|(point, _)| point).collect(),
+    };
+    let findings = value_samples(&line, direction).map(|samples| Findings::of(samples, asked));
     let name = step_name(direction);
-    let verdict = predicted.map(|order| {
-        gap_verdict(group).unwrap_or_else(|| match &findings {
-            Ok(findings) => decide(findings, name, claims.aim(order)),
-            Err(error) => (Decision::Unresolved, error.to_string()),
+    let answer = predicted.map(|order| {
+        let gaps = gap_verdict(group).map(|(decision, reason)| Answer::of(decision, reason));
+        gaps.unwrap_or_else(|| match &findings {
+            Ok(findings) => findings.answer(name, asked, order),
+            Err(error) => Answer::of(Decision::Unresolved, error.to_string()),
         })
     });
+    let verdict = answer.as_ref().map(Answer::verdict);
     let tail = verdict_text(predicted.map(|order| order.to_string()), verdict.as_ref());
+    let mut json = object(&findings, name, predicted, answer.as_ref());
+    json.extend(asked.json());
     Some(Part {
         text: match &findings {
             Ok(findings) => text(findings, name, &tail),
             Err(error) => format!("{name}: {error}"),
         },
-        json: object(&findings, name, predicted, verdict.as_ref()),
-        decision: verdict.map(|(decision, _)| decision),
+        json,
+        decision: answer.map(|answer| answer.decision),
     })
 }
 
-fn findings(samples: Vec<ValueSample>) -> Findings {
-    Findings {
-        last_three: samples.last_chunk().map(|three| Triple::of(*three)),
-        order: value_order(&samples).ok().flatten(),
-        estimate: eca_hoekstra(&samples),
-        samples,
+impl Findings {
+    fn of(samples: Vec<ValueSample>, asked: Asked) -> Self {
+        Self {
+            last_three: samples.last_chunk().map(|three| Triple::of(*three)),
+            order: infer_values(&samples, asked.noise),
+            estimate: eca_hoekstra(&samples),
+            samples,
+        }
     }
-}
 
-fn decide(findings: &Findings, name: &str, aim: Aim) -> (Decision, String) {
-    let steps: Vec<f64> = findings.samples.iter().map(|sample| sample.step).collect();
-    let next = next_step(name, &steps);
-    match (findings.last_three, &findings.order) {
-        (None, _) => {
-            let found = counted(findings.samples.len(), "value");
-            (Decision::Unresolved, format!("{found}, an order needs 3: {next}"))
+    fn answer(&self, name: &str, asked: Asked, order: f64) -> Answer {
+        let steps: Vec<f64> = self.samples.iter().map(|sample| sample.step).collect();
+        let next = next_steps(&steps);
+        let open = |reason: String| Answer {
+            next: next.clone(),
+            ..Answer::of(Decision::Unresolved, format!("{reason}: {}", run(name, &next)))
+        };
+        match (self.last_three, &self.order) {
+            (Some(Triple::Diverging { order }), _) => Answer::of(
+                Decision::Fail,
+                format!("the last three values diverge, order {order:.2}"),
+            ),
+            (Some(Triple::Oscillating { .. }), _) => open("the last three values oscillate".into()),
+            (Some(Triple::Stationary), _) => Answer::of(
+                Decision::Unresolved,
+                "the last two values are equal: run coarser ones".into(),
+            ),
+            (_, Ok(posterior)) => asked.answer(posterior, order, (name, next)),
+            (_, Err(FitError::TooFew { .. })) => {
+                let found = counted(self.samples.len(), "value");
+                open(format!("{found}, the interval of an order needs 4 that differ"))
+            }
+            (_, Err(error)) => open(error.to_string()),
         }
-        (Some(Triple::Diverging { order }), _) => {
-            (Decision::Fail, format!("the last three values diverge, order {order:.2}"))
-        }
-        (Some(Triple::Oscillating { .. }), _) => {
-            (Decision::Unresolved, format!("the last three values oscillate: {next}"))
-        }
-        (Some(Triple::Stationary), _) => {
-            (Decision::Unresolved, "the last two values are equal: run coarser ones".into())
-        }
-        (Some(Triple::Converging { .. }), Some(found)) => {
-            let (decision, reason) = compare(found.interval, aim);
-            let wide = decision == Decision::Unresolved && found.interval.contains(aim.order);
-            (decision, if wide { format!("{reason}: {next}") } else { reason })
-        }
-        (Some(Triple::Converging { .. }), None) if findings.samples.len() < 5 => {
-            let found = counted(findings.samples.len(), "value");
-            (Decision::Unresolved, format!("{found}, the interval of an order needs 5: {next}"))
-        }
-        (Some(Triple::Converging { .. }), None) => {
-            (Decision::Unresolved, format!("coarser values oscillate or fit no order: {next}"))
+    }
+
+    /// Where the published uncertainties are not to be relied on.
+    fn caution(&self) -> Option<String> {
+        let differences = self.samples.windows(2).map(|pair| pair[0].value - pair[1].value);
+        let differences: Vec<f64> = differences.collect();
+        let turns = differences.windows(2).any(|pair| pair[0] * pair[1] < 0.0);
+        let order = self.last_three.and_then(Triple::order);
+        match order {
+            _ if turns => Some(
+                "the values rise and fall: extrapolation, GCI and Eça-Hoekstra miss their 95 % there".into(),
+            ),
+            Some(order) if order < LOW_ORDER => Some(format!(
+                "order {order:.2}: below {LOW_ORDER} GCI and Eça-Hoekstra miss their 95 %"
+            )),
+            _ => None,
         }
     }
 }
@@ -104,7 +127,7 @@ fn text(findings: &Findings, name: &str, verdict: &str) -> String {
         }
         Some(Triple::Stationary) => format!("{name}: the last two values are equal up to rounding"),
     });
-    if let Some(found) = &findings.order {
+    if let Ok(found) = &findings.order {
         lines.push(format!("   order {:.3} in {} over {grids}", found.order, found.interval));
     }
     lines.extend(findings.estimate.filter(|_| !diverges(findings)).map(|found| {
@@ -116,6 +139,7 @@ fn text(findings: &Findings, name: &str, verdict: &str) -> String {
             found.safety
         )
     }));
+    lines.extend(findings.caution().map(|words| format!("   caution: {words}")));
     if !verdict.is_empty() {
         lines.push(format!("   {verdict}"));
     }
@@ -140,7 +164,7 @@ fn object(
     findings: &Result<Findings, FitError>,
     name: &str,
     predicted: Option<f64>,
-    verdict: Option<&(Decision, String)>,
+    answer: Option<&Answer>,
 ) -> serde_json::Map<String, Value> {
     let found = findings.as_ref().ok();
     let triple = found.and_then(|found| found.last_three);
@@ -152,10 +176,10 @@ fn object(
         Some(Triple::Oscillating { half_range }) => Some(half_range),
         _ => None,
     };
-    let order = found.and_then(|found| found.order.as_ref());
+    let order = found.and_then(|found| found.order.as_ref().ok());
     let estimate = found.filter(|found| !diverges(found)).and_then(|found| found.estimate);
-    let reason = match (verdict, findings) {
-        (Some((_, reason)), _) => reason.clone(),
+    let reason = match (answer, findings) {
+        (Some(answer), _) => answer.reason.clone(),
         (None, Err(error)) => error.to_string(),
         (None, Ok(_)) => String::new(),
     };
@@ -167,6 +191,8 @@ fn object(
         "order_of_last_three": triple.and_then(Triple::order),
         "gci": gci,
         "half_range": half_range,
+        "caution": found.and_then(Findings::caution),
+        "order": order.map(|order| order.order),
         "observed": order.map(|order| order.order),
         "interval": order.map(|order| [order.interval.lo, order.interval.hi]),
         "eca_hoekstra": estimate.map(|found| json!({
@@ -180,7 +206,9 @@ fn object(
             "safety": found.safety,
         })),
         "predicted": predicted,
-        "verdict": verdict.map(|(decision, _)| decision.name()),
+        "verdict": answer.map(|answer| answer.decision.name()),
+        "probability": answer.and_then(|answer| answer.probability),
+        "next": answer.map_or(Vec::new(), |answer| answer.next.clone()),
         "reason": reason,
         "points_used": found.map(|found| {
             let plain = |sample: &ValueSample| json!({name: sample.step, "value": sample.value});

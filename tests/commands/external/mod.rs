@@ -317,8 +317,14 @@ fn exported_cases_come_back_through_results_and_a_wrong_answer_fails() {
     for row in document["beside"].as_array().expect("a list") {
         assert!(row["difference"].as_f64().expect("a number") < 1e-10, "{row}");
     }
-    // Displacements a tenth too large leave an error that no mesh takes away.
-    assert_eq!(code(&judged(1.1)), 1);
+    // Displacements a tenth too large leave an error that no mesh takes away; what is said begins with the solver.
+    let wrong = judged(1.1);
+    assert_eq!(code(&wrong), 1);
+    let reason = json(&wrong)["verdicts"][0]["reason"].to_string();
+    assert!(
+        reason.starts_with("\"look at the solver first: are the weights of its memory"),
+        "{reason}"
+    );
     // For CI: the same answers as JUnit and as annotations.
     let junit = folder.argument("junit.xml");
     let given = ["--results", &cases, "--out", &out, "--junit", &junit, "--github"];

@@ -1,10 +1,10 @@
-//! A judge that is wrong itself: what it reads of a table, or what it makes of an interval.
+//! A judge that is wrong itself: what it reads of a table, or what its inference is given of it.
 
 use std::collections::BTreeMap;
 
-use gronwall::fit::Interval;
+use gronwall::fit::{Claim, Direction, Level, Point, Posterior, infer, infer_grid};
 use gronwall::record::CaseRecord;
-use gronwall::verdict::{Aim, Decision, Verdict, compare};
+use gronwall::verdict::{Decision, PointUsed, Variable, Verdict};
 
 use super::{Defect, Table, Term};
 
@@ -69,32 +69,74 @@ fn without_floors((mut records, keys): Table) -> Table {
     (records, keys)
 }
 
-fn decided(mut verdict: Verdict, interval: Option<[f64; 2]>, exact: bool) -> Verdict {
-    let Some([lo, hi]) = interval.filter(|_| verdict.complete) else { return verdict };
-    let aim = Aim { order: verdict.predicted, at_least: verdict.at_least, exact };
-    verdict.interval = interval;
-    verdict.decision = compare(Interval { lo, hi }, aim).0;
+/// The posterior against the order that was predicted.
+fn ruled(posterior: &Posterior, order: f64, at_least: bool) -> Decision {
+    let claim = Claim { at_least, ..Claim::new(order).expect("a finite order") };
+    posterior.decide(&claim).decision
+}
+
+/// The judge again, by the order alone, on the errors that a defect makes of a step and an error.
+fn again(mut verdict: Verdict, error: impl Fn(f64, f64) -> f64) -> Verdict {
+    let direction = match verdict.variable {
+        Variable::H | Variable::Path => Direction::Space,
+        Variable::K => Direction::Time,
+        Variable::Joint => return grid_again(verdict),
+    };
+    if !verdict.complete || verdict.observed.is_none() {
+        return verdict;
+    }
+    let level = |own: &PointUsed| {
+        let step = direction.step(&point(own));
+        Level::new(step, error(step, own.error))
+    };
+    let levels: Vec<Level> = verdict.points_used.iter().map(level).collect();
+    let posterior = infer(&levels, None, 0.0).expect("levels that served");
+    verdict.observed = Some(posterior.order);
+    verdict.interval = Some([posterior.interval.lo, posterior.interval.hi]);
+    verdict.decision = ruled(&posterior, verdict.predicted, verdict.at_least);
     verdict
 }
 
-/// |order|: divergence reads as convergence.
-fn absolute(mut verdict: Verdict) -> Verdict {
-    verdict.observed = verdict.observed.map(f64::abs);
-    let interval = verdict.interval.map(|[lo, hi]| if hi < 0.0 { [-hi, -lo] } else { [lo, hi] });
-    decided(verdict, interval, false)
+fn grid_again(mut verdict: Verdict) -> Verdict {
+    let points: Vec<Point> = verdict.points_used.iter().map(point).collect();
+    let (Some(order_k), Ok(found)) = (verdict.predicted_k, infer_grid(&points, None)) else {
+        return verdict;
+    };
+    if verdict.complete {
+        let both = [(&found.order_h, verdict.predicted), (&found.order_k, order_k)];
+        let [h, k] = both.map(|(posterior, order)| ruled(posterior, order, verdict.at_least));
+        verdict.decision = h.and(k);
+    }
+    verdict
 }
 
-/// The fitted slope alone, as if it were certain.
+fn point(own: &PointUsed) -> Point {
+    Point { h: own.h, k: own.k, error: own.error, floor: 0.0 }
+}
+
+/// |order|: divergence reads as convergence.
+fn absolute(verdict: Verdict) -> Verdict {
+    match verdict.observed {
+        Some(order) if order < 0.0 => again(verdict, |_, error| error.recip()),
+        _ => verdict,
+    }
+}
+
+/// The fitted slope alone, as if it were certain: an exact law of that order.
 fn without_interval(verdict: Verdict) -> Verdict {
-    let interval = verdict.observed.map(|order| [order - 0.1, order + 0.1]);
-    decided(verdict, interval, false)
+    match verdict.observed {
+        Some(order) => again(verdict, |step, _| step.powf(order)),
+        None => verdict,
+    }
 }
 
 /// Orders above the prediction cut to it.
 fn never_too_high(verdict: Verdict) -> Verdict {
     let most = verdict.predicted;
-    let interval = verdict.interval.map(|[lo, hi]| [lo.min(most), hi.min(most + 0.1)]);
-    decided(verdict, interval, false)
+    match verdict.observed {
+        Some(order) if order > most => again(verdict, |step, _| step.powf(most)),
+        _ => verdict,
+    }
 }
 
 fn wider(verdict: Verdict) -> Verdict {
@@ -119,8 +161,7 @@ fn always(verdict: Verdict) -> Verdict {
 
 /// The verdict on the order alone.
 fn by_order_alone(verdict: Verdict) -> Verdict {
-    let interval = verdict.interval;
-    decided(verdict, interval, false)
+    again(verdict, |_, error| error)
 }
 
 /// Constants are fitted and shown, and compared with nothing.

@@ -1,4 +1,4 @@
-//! Uncertainty of a functional from four grids and more, by least squares.
+//! Uncertainty of a functional from three grids and more, by least squares; three determine the power expansion.
 //!
 //! L. Eça, M. Hoekstra, "A procedure for the estimation of the numerical uncertainty of CFD
 //! calculations based on grid refinement studies", J. Comput. Phys. 262 (2014) 104-130. The
@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use super::ValueSample;
 
 /// Grids that the procedure needs.
-const GRIDS: usize = 4;
+const GRIDS: usize = 3;
 
 /// Orders between which the power expansion is kept, and the end of those trusted fully.
 const TRUSTED: [f64; 2] = [0.5, 2.0];
@@ -70,7 +70,7 @@ struct ExpansionFit {
     distance: f64,
 }
 
-/// The procedure on values in direction of refinement; none for fewer than four.
+/// The procedure on values in direction of refinement; none for fewer than three.
 pub fn eca_hoekstra(samples: &[ValueSample]) -> Option<EcaHoekstra> {
     if samples.len() < GRIDS {
         return None;
@@ -169,7 +169,12 @@ fn expansion_fit(
     let columns = 1 + terms(finest.step).len();
     // Parameters: φ₀, the coefficients, and the order where it is sought.
     let parameters = columns + usize::from(matches!(expansion, Expansion::Power(_)));
-    let freedom = samples.len().checked_sub(parameters).filter(|freedom| *freedom > 0)?;
+    let freedom = match (samples.len().checked_sub(parameters)?, expansion) {
+        // Exact on three grids: nothing is left over, and nothing to be divided.
+        (0, Expansion::Power(_)) => 1,
+        (0, _) => return None,
+        (freedom, _) => freedom,
+    };
     let inverse_sum: f64 = samples.iter().map(|sample| 1.0 / sample.step).sum();
     let count = samples.len() as f64;
     let weight = |sample: &ValueSample| {

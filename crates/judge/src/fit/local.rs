@@ -2,8 +2,30 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::hull::ROUNDING;
-use super::{Correction, Interval, Sample, linear_fit};
+use super::{Interval, Sample, linear_fit};
+
+/// Rounding of logarithms: log e up to 700 in magnitude carries 1e-13, and a slope over a
+/// ratio of 1.3 divides that by 0.26.
+const ROUNDING: f64 = 1e-12;
+
+/// Power of the next term of the error expansion, relative to the first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Correction {
+    /// e = C s^p (1 + D s + …): space, and time schemes with odd terms.
+    Linear,
+    /// e = C s^p (1 + D s² + …): the trapezoidal rule on smooth data.
+    Quadratic,
+}
+
+impl Correction {
+    /// The power of the next term, relative to the first.
+    fn power(self) -> i32 {
+        match self {
+            Self::Linear => 1,
+            Self::Quadratic => 2,
+        }
+    }
+}
 
 /// Local slopes p_i = ln(e_i / e_{i+1}) / ln(s_i / s_{i+1}), with the true ratio of the steps
 /// and with sign: divergence is negative.

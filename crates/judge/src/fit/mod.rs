@@ -1,14 +1,13 @@
 //! Orders of convergence from errors: pure functions of numbers, for anybody's table.
 //!
-//! The residuals of these fits are bias, not noise: the next term of the error expansion bends
-//! the logarithmic line, so the Student interval alone misses the truth. The interval of an
-//! order is therefore a hull of four parts, see [`order_interval`].
+//! The residuals of a straight line through the logarithms are bias, not noise: the next term of the error expansion
+//! bends it, so that its Student interval misses the truth. The order is therefore inferred together with what may
+//! follow it, see [`infer`].
 
 mod against_reference;
 mod decision;
 mod eca_hoekstra;
 mod grid_fit;
-mod hull;
 mod identifiable;
 mod inference;
 mod interval;
@@ -22,13 +21,12 @@ mod path;
 mod power_law;
 mod richardson;
 mod screen;
-mod value_order;
+mod values;
 
 pub use against_reference::{AgainstReference, against_reference};
 pub use decision::Decision;
 pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
 use files::counted;
-pub use hull::{Correction, OrderInterval, order_interval};
 pub use identifiable::NotIdentifiable;
 pub use inference::{
     Claim, ClaimError, FEWEST, GridPosterior, Level, Posterior, Ruling, TOLERANCE, infer,
@@ -37,13 +35,13 @@ pub use inference::{
 pub use interval::Interval;
 pub use joint::{Estimate, JointFit, JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};
 pub use least_squares::{LinearFit, linear_fit, student_quantile};
-pub use local::{constant_under, local_slopes};
+pub use local::{Correction, constant_under, local_slopes};
 pub use model::Model;
 pub use path::{Path, path};
 pub use power_law::{PowerLaw, power_law};
 pub use richardson::{Triple, ValueSample};
 pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen, value_samples};
-pub use value_order::{ValueOrder, value_order};
+pub use values::infer_values;
 
 /// Two steps are one level if they differ by rounding only: tables carry 1/3 as 0.333333333.
 const SAME_LEVEL: f64 = 1e-9;
@@ -121,6 +119,12 @@ pub enum FitError {
     #[error("a factor |log h| needs steps below 1, and one is {step}")]
     NoLogarithm {
         /// The step.
+        step: f64,
+    },
+    /// Values that rise and fall.
+    #[error("the values oscillate: their differences change sign at the step {step:e}")]
+    SignChange {
+        /// The middle of the three steps.
         step: f64,
     },
     /// The least-squares problem has no unique solution.

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{FitError, Interval, LinearFit, Sample, linear_fit};
+use super::{FitError, Interval, Sample, linear_fit};
 
 /// log e = log C + p log s in least squares.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,7 +22,15 @@ pub struct PowerLaw {
 /// # Errors
 /// [`FitError::TooFew`], [`FitError::Singular`].
 pub fn power_law(samples: &[Sample]) -> Result<PowerLaw, FitError> {
-    let (fit, centre) = fit_columns(samples, 2, |_| 0.0)?;
+    let found = samples.len();
+    if found < 2 {
+        return Err(FitError::TooFew { found, needed: 2 });
+    }
+    let logs: Vec<f64> = samples.iter().map(|sample| sample.step.ln()).collect();
+    let centre = logs.iter().sum::<f64>() / found as f64;
+    let design = DMatrix::from_fn(found, 2, |row, column| [1.0, logs[row] - centre][column]);
+    let values = DVector::from_fn(found, |row, _| samples[row].error.ln());
+    let fit = linear_fit(design, &values).ok_or(FitError::Singular { points: found })?;
     let order = fit.coefficients[1];
     Ok(PowerLaw {
         order,
@@ -30,41 +38,6 @@ pub fn power_law(samples: &[Sample]) -> Result<PowerLaw, FitError> {
         interval: fit.interval(1),
         residuals: fit.residuals.iter().copied().collect(),
     })
-}
-
-/// Student interval of p in log e = c + p log s + D s^r: the next term of the error expansion
-/// fitted along with the first. Needs four samples.
-///
-/// # Errors
-/// [`FitError::TooFew`], [`FitError::Singular`].
-pub(super) fn corrected_interval(samples: &[Sample], power: i32) -> Result<Interval, FitError> {
-    let too_few = FitError::TooFew { found: samples.len(), needed: 4 };
-    let coarsest = samples.first().ok_or(too_few)?.step;
-    // Scaled to 1 on the coarsest grid: a unit of D changes nothing else.
-    let (fit, _) = fit_columns(samples, 3, |step| (step / coarsest).powi(power))?;
-    fit.interval(1).ok_or(too_few)
-}
-
-/// Least squares of log e on 1, log s less its mean and a third column; and that mean.
-fn fit_columns(
-    samples: &[Sample],
-    columns: usize,
-    third: impl Fn(f64) -> f64,
-) -> Result<(LinearFit, f64), FitError> {
-    let found = samples.len();
-    if found < columns {
-        return Err(FitError::TooFew { found, needed: columns });
-    }
-    let logs: Vec<f64> = samples.iter().map(|sample| sample.step.ln()).collect();
-    let centre = logs.iter().sum::<f64>() / found as f64;
-    let design = DMatrix::from_fn(found, columns, |row, column| match column {
-        0 => 1.0,
-        1 => logs[row] - centre,
-        _ => third(samples[row].step),
-    });
-    let values = DVector::from_fn(found, |row, _| samples[row].error.ln());
-    let fit = linear_fit(design, &values).ok_or(FitError::Singular { points: found })?;
-    Ok((fit, centre))
 }
 
 #[cfg(test)]
@@ -82,6 +55,5 @@ mod tests {
         assert!(law.interval.unwrap().half_width() < 1e-13);
         assert!(power_law(&samples[..2]).unwrap().interval.is_none());
         assert!(power_law(&samples[..1]).is_err());
-        assert!(corrected_interval(&samples[..3], 1).is_err());
     }
 }

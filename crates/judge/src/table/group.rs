@@ -46,7 +46,7 @@ const NAMED_GAPS: usize = 3;
 
 impl Group {
     /// The points of all rows without a gap, runs at one level as one, with relative standard deviations.
-    pub(crate) fn measurements(&self) -> Vec<Measurement> {
+    pub fn measurements(&self) -> Vec<Measurement> {
         runs::merged(self.quantity, self.rows.iter().filter(|row| row.gap.is_none()))
     }
 

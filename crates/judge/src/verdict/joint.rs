@@ -23,7 +23,7 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
             return Finding::without_order(Decision::Unresolved, error.to_string()).with_next(next);
         }
     };
-    let posterior = match infer_grid(&selection.points()) {
+    let posterior = match infer_grid(&selection.points(), None) {
         Ok(posterior) => posterior,
         Err(error) => {
             let next = in_both(selection, prediction);

@@ -158,15 +158,10 @@ fn judge_line(
     direction: Direction,
 ) -> Finding {
     let next = next_case(selection, direction, prediction);
-    let level = |point: &Point| Level {
-        size: direction.step(point),
-        error: point.error,
-        floor: point.floor,
-        sigma: None,
-    };
-    let levels: Vec<Level> = selection.points().iter().map(level).collect();
+    let points = selection.points();
+    let levels: Vec<Level> = points.iter().map(|own| Level::of(own, direction, None)).collect();
     let read = infer(&levels, None, 0.0)
-        .and_then(|posterior| Ok((posterior, samples(&selection.points(), direction)?)));
+        .and_then(|posterior| Ok((posterior, samples(&points, direction)?)));
     let (posterior, samples) = match read {
         Ok(read) => read,
         Err(error) => {
@@ -208,12 +203,7 @@ fn flattening(prediction: &Prediction) -> Next {
 
 /// The ruling, the levels that carry it, and where it is open the next cases to run.
 fn in_words(ruling: &Ruling, posterior: &Posterior, next: &str) -> String {
-    let left_out = match posterior.coarse_left_out {
-        0 => String::new(),
-        1 => ", without the coarsest level".to_owned(),
-        more => format!(", without the {more} coarsest levels"),
-    };
-    let reason = format!("{}{left_out}", ruling.reason);
+    let reason = format!("{}{}", ruling.reason, posterior.left_out_in_words());
     match (ruling.decision, ruling.too_high) {
         (Decision::Unresolved, true) => format!("{reason}: {HIGHER_ORDER}"),
         (Decision::Unresolved, false) => format!("{reason}: {next}"),

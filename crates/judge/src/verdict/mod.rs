@@ -1,7 +1,6 @@
 //! What the theory predicts, compared with what was measured: pass, fail or unresolved.
 
 mod baseline;
-mod compare;
 mod constants;
 mod document;
 mod joint;
@@ -21,7 +20,6 @@ pub use baseline::{
     Baseline, BaselineError, Comparison, Deviation, Kind, Owed, Owing, Recorded, RecordedCase, Run,
     compare_owed, compare_with_baseline,
 };
-pub use compare::{Aim, compare};
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
 pub use document::{
     DocumentError, Failure, document, failures, read_failures, read_foreseen, restore_reasons,

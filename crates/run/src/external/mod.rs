@@ -1,6 +1,7 @@
 //! A solver in another program as a [`Scheme`]: every case is a directory of plain files that it reads, displacements
 //! of all levels are what it writes.
 
+mod advice;
 mod answer;
 mod bounded;
 mod case_files;
@@ -16,6 +17,7 @@ mod vtu;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+pub use self::advice::solver_first;
 pub use self::answer::{
     AnswerError, DISPLACEMENT, DISPLACEMENT_TABLE, PRESSURE, Wanted, read_displacements,
 };

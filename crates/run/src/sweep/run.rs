@@ -69,6 +69,10 @@ pub trait Progress: Sync {
     fn finished(&self, what: &str, record: Option<&CaseRecord>);
     /// This share of the predicted seconds of all work is done.
     fn advanced(&self, _share: f64) {}
+    /// Whether no further case is to begin.
+    fn stopped(&self) -> bool {
+        false
+    }
 }
 
 /// Nobody listens.
@@ -143,7 +147,7 @@ pub fn run_more(
         for _ in 0..jobs {
             scope.spawn(|_| {
                 // What cannot be recorded need not be computed.
-                while let Some(start) = schedule.begin(|| sweep.failed()) {
+                while let Some(start) = schedule.begin(|| sweep.failed() || progress.stopped()) {
                     start.dropped.into_iter().for_each(|(s, n)| shared[s].let_go(n));
                     sweep.execute(&work[start.task]);
                     let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);

@@ -60,7 +60,7 @@ fn keys_and_types() {
         case("horizon = 1.0\n", "horizon = 1.0\nrule = \"lef\"\n", 15, 8, "did you mean `left`?"),
         case("horizon = 1.0\n", "horizon = 1.0\nrule = { kind = \"gregory\", order = 5 }\n", 15, 36, "no order 5"),
         case("horizon = 1.0\n", "horizon = 1.0\nrule = { kind = \"left\", order = 3 }\n", 15, 25, "`order`"),
-        case("horizon = 1.0\n", "horizon = 1.0\ngrid = { kind = \"random\", seed = 1 }\nrule = \"gregory\"\n", 16, 8, "equal steps"),
+        case("grid = { kind = \"uniform\" }\n", "grid = { kind = \"random\", seed = 1 }\nrule = \"gregory\"\n", 16, 8, "equal steps"),
         case("why = \"(5.26)\"\n", "", 37, 1, "[[predicts]] lacks the key `why`"),
         case("[time]\nhorizon = 1.0\ngrid = { kind = \"uniform\" }\n", "", 38, 15, "the part [time] is missing"),
         case("size = [1.0, 0.5]", "size = \"1.0\"", 8, 8, "`domain.size`: expected a list in [ ], found the string"),

@@ -2,8 +2,8 @@
 
 use super::as_json::{self, ends};
 use judge::fit::{
-    Correction, Direction, Interval, Model, Point, Sample, joint_fits, local_slopes,
-    order_interval, same_level, samples,
+    Direction, Interval, Level, Model, Point, Sample, infer, joint_fits, local_slopes, power_law,
+    same_level, samples,
 };
 use serde::Serialize;
 
@@ -88,11 +88,11 @@ impl ErrorModel {
         let line = |direction: Direction| -> Result<Term, String> {
             let points = line_of(points, direction);
             let samples = samples(&points, direction).map_err(|error| error.to_string())?;
-            term(&samples, direction)
+            term(&samples)
         };
         let (space, time) = match hidden {
             Some(Direction::Space) => (None, Some(line(Direction::Time)?)),
-            _ => (Some(line(Direction::Space)?), term(differences, Direction::Time).ok()),
+            _ => (Some(line(Direction::Space)?), term(differences).ok()),
         };
         let source = match (space, time) {
             (None, _) => "line in k; the error does not show h".to_owned(),
@@ -137,17 +137,17 @@ fn line_of(points: &[Point], direction: Direction) -> Vec<Point> {
     points.iter().filter(|p| same_level(other(p), level)).copied().collect()
 }
 
-fn term(samples: &[Sample], direction: Direction) -> Result<Term, String> {
-    let correction = match direction {
-        Direction::Space => Correction::Linear,
-        Direction::Time => Correction::Quadratic,
-    };
+/// The order of the runs as they are, by least squares, which predicts steps beside theirs best; its interval is the
+/// range of orders by which it may go on.
+fn term(samples: &[Sample]) -> Result<Term, String> {
     let (order, interval) = match samples.len() {
         // Two runs have an order and nothing that bounds it.
         2 => (local_slopes(samples)[0], Interval::around(0.0, f64::INFINITY)),
         _ => {
-            let found = order_interval(samples, correction).map_err(|error| error.to_string())?;
-            (found.law.order, found.interval)
+            let levels: Vec<Level> = samples.iter().map(|s| Level::new(s.step, s.error)).collect();
+            let found = infer(&levels, None, 0.0).map_err(|error| error.to_string())?;
+            let law = power_law(samples).map_err(|error| error.to_string())?;
+            (law.order, found.interval.hull(Interval::around(law.order, 0.0)))
         }
     };
     // Predictions are for finer steps: the constant is that of the finest run, not of the middle of the line.

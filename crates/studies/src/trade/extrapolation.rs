@@ -4,7 +4,7 @@ use super::as_json::some_ends;
 use super::measure::Bench;
 use super::{Knob, Study, Trial};
 use fem::contact::strain_norm;
-use judge::fit::{Correction, Interval, Sample, local_slopes, order_interval};
+use judge::fit::{Interval, Level, Sample, infer, local_slopes};
 use scene::Data;
 use serde::Serialize;
 
@@ -37,16 +37,16 @@ impl Extrapolated {
         let plain: Vec<Sample> =
             rows.iter().map(|row| Sample { step: row.0, error: row.1 }).collect();
         let better = rows.iter().filter_map(|row| Some(Sample { step: row.0, error: row.2? }));
-        let orders = [order(&plain, step), order(&better.collect::<Vec<_>>(), step)];
+        let orders = [order(&plain), order(&better.collect::<Vec<_>>())];
         Self { what, step, rows, orders }
     }
 }
 
-fn order(samples: &[Sample], step: &str) -> Option<LastOrder> {
+fn order(samples: &[Sample]) -> Option<LastOrder> {
     let positive: Vec<Sample> = samples.iter().copied().filter(|s| s.error > 0.0).collect();
-    let correction = if step == "k" { Correction::Quadratic } else { Correction::Linear };
     let last = *local_slopes(&positive).last()?;
-    let interval = order_interval(&positive, correction).ok().map(|found| found.interval);
+    let levels: Vec<Level> = positive.iter().map(|s| Level::new(s.step, s.error)).collect();
+    let interval = infer(&levels, None, 0.0).ok().map(|found| found.interval);
     Some(LastOrder { last, interval })
 }
 

@@ -105,7 +105,13 @@ fn an_order_beyond_reach_is_none() {
 
 #[test]
 fn three_grids_and_constant_values() {
-    assert_eq!(eca_hoekstra(&values(&STEPS[..3], |h| h)), None);
+    assert_eq!(eca_hoekstra(&values(&STEPS[..2], |h| h)), None);
+    // Three grids determine φ₀, α and p, and leave no deviation: the uncertainty is 1.25 times the error.
+    let exact = eca_hoekstra(&values(&STEPS[..3], |h| 1.0 + h.powf(1.5))).unwrap();
+    let error = STEPS[2].powf(1.5);
+    // Golden section finds the order to the root of the rounding.
+    assert!((exact.limit - 1.0).abs() < 1e-6 && exact.deviation < 1e-7, "{exact:?}");
+    assert!((exact.uncertainty / (1.25 * error) - 1.0).abs() < 1e-4, "{exact:?}");
     let still = eca_hoekstra(&values(&STEPS, |_| 5.0)).unwrap();
     assert_eq!((still.limit, still.uncertainty, still.data_range), (5.0, 0.0, 0.0));
 }

@@ -132,19 +132,14 @@ impl Posterior {
     }
 
     fn answer_of(&self, mixture: &Mixture, claim: &Claim) -> Answer {
-        // Three levels have two slopes, a grid none.
-        let needed = if self.slopes.len() < FEWEST { CONFIRMED_BY_THREE } else { CONFIRMED };
-        let agree = match self.slopes[..] {
-            [first, last] => (last - first).abs() <= AGREEMENT * claim.order.abs(),
-            _ => true,
-        };
+        let agree = self.two_slopes_agree(claim);
         let probability = probability(mixture, claim);
         let too_low = mixture.below(claim.order - CLEAR_MISS);
         let centred = mixture.below(claim.order - 0.5 * claim.reach()) < 0.5;
         let too_high = 1.0 - mixture.below(claim.order + CLEAR_MISS);
         if too_low > REFUTED && !self.rises_to(claim.order) {
             Answer::TooLow
-        } else if probability > needed
+        } else if probability > self.needed()
             && (too_low < 0.5 || (probability > CERTAIN && centred))
             && (agree || claim.at_least)
         {
@@ -153,6 +148,19 @@ impl Posterior {
             Answer::TooHigh
         } else {
             Answer::Open
+        }
+    }
+
+    /// Three levels have two slopes, a grid none.
+    fn needed(&self) -> f64 {
+        if self.slopes.len() < FEWEST { CONFIRMED_BY_THREE } else { CONFIRMED }
+    }
+
+    /// Whether the slopes of three levels are one; more levels have no such rule.
+    fn two_slopes_agree(&self, claim: &Claim) -> bool {
+        match self.slopes[..] {
+            [first, last] => (last - first).abs() <= AGREEMENT * claim.order.abs(),
+            _ => true,
         }
     }
 
@@ -180,16 +188,33 @@ impl Posterior {
             Answer::TooHigh => format!(
                 "{interval} lies above {order}: order too high (superconvergence, or a solution that does not excite the term)"
             ),
-            Answer::Open => match self.floor_from {
-                Some(step) => format!(
-                    "the errors flatten from step {step:.3e} on: with a floor there the table does not tell"
-                ),
-                None if probability > CONFIRMED => format!(
-                    "within {reach:.2} of {order} with probability {percent}, but likelier below {:.2} than above, or with slopes that differ",
-                    order - CLEAR_MISS
-                ),
-                None => format!("within {reach:.2} of {order} with probability {percent} only"),
-            },
+            Answer::Open => self.open_reason(claim, probability),
+        }
+    }
+
+    /// Why a claim stays open.
+    fn open_reason(&self, claim: &Claim, probability: f64) -> String {
+        if let Some(step) = self.floor_from {
+            return format!(
+                "the errors flatten from step {step:.3e} on: with a floor there the table does not tell"
+            );
+        }
+        let order = claim.order;
+        let likely = match claim.at_least {
+            true => format!("not below {order} - {:.2}", claim.reach()),
+            false => format!("within {:.2} of {order}", claim.reach()),
+        };
+        let likely = format!("{likely} with probability {}", percent(probability));
+        if probability <= self.needed() {
+            format!("{likely} only")
+        } else if let ([first, last], false) = (&self.slopes[..], self.two_slopes_agree(claim)) {
+            format!(
+                "{likely}, but the two slopes {first:.2} and {last:.2} differ too much to be one"
+            )
+        } else if self.floor >= FLOOR[0] {
+            format!("{likely}, but with a floor below the finest errors it may be another")
+        } else {
+            format!("{likely}, but likelier below {:.2} than above", order - CLEAR_MISS)
         }
     }
 }

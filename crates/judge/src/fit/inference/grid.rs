@@ -5,7 +5,7 @@
 //! closed. The pairs are a grid of distance 0.05; what is said of one order is the sum over the other.
 
 use super::mixture::Mixture;
-use super::{Interval, Posterior};
+use super::{Interval, LEAST_NOISE, Posterior};
 use crate::fit::identifiable::check_grid;
 use crate::fit::{NotIdentifiable, Point, screen};
 
@@ -34,16 +34,17 @@ pub struct GridPosterior {
     pub order_k: Posterior,
 }
 
-/// Weighs all pairs of orders.
+/// Weighs all pairs of orders. `noise` is the relative standard deviation of the errors where it is known.
 ///
 /// # Errors
 /// [`NotIdentifiable`] where the points do not determine two orders.
-pub fn infer_grid(points: &[Point]) -> Result<GridPosterior, NotIdentifiable> {
+pub fn infer_grid(points: &[Point], noise: Option<f64>) -> Result<GridPosterior, NotIdentifiable> {
+    let noises = noise.map_or(NOISE.to_vec(), |noise| vec![(noise.max(LEAST_NOISE), 1.0)]);
     let usable: Vec<Point> = points.iter().copied().filter(|p| screen(p).is_ok()).collect();
     check_grid(&usable, PARAMETERS)?;
     let mut evidence = vec![f64::NEG_INFINITY; ORDERS * ORDERS];
     for (model, prior) in MODELS {
-        Model::new(&usable, model).add(prior.ln(), &mut evidence);
+        Model::new(&usable, model).add(prior.ln(), &noises, &mut evidence);
     }
     let largest = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     if !largest.is_finite() {
@@ -130,7 +131,7 @@ impl Model {
     }
 
     /// Adds exp(log prior) times the evidence of every pair, on logarithms.
-    fn add(&self, log_prior: f64, evidence: &mut [f64]) {
+    fn add(&self, log_prior: f64, noises: &[(f64, f64)], evidence: &mut [f64]) {
         for i in 0..ORDERS {
             for j in 0..ORDERS {
                 // Without next terms: the sizes of both terms, which have to be positive.
@@ -145,7 +146,7 @@ impl Model {
                 for (r, (_, r_weight)) in NEXT.iter().enumerate() {
                     for (s, (_, s_weight)) in NEXT.iter().enumerate() {
                         let gram = self.gram([i, j], [r, s]);
-                        for (noise, share) in NOISE {
+                        for (noise, share) in noises {
                             let noise = noise * self.exponent as f64;
                             let log = self.log_evidence(&gram, sizes, noise);
                             let log = log + (r_weight * s_weight * share).ln() + log_prior;
@@ -231,7 +232,7 @@ mod tests {
     }
 
     fn decide(points: &[Point], p: f64, q: f64) -> [Decision; 2] {
-        let found = infer_grid(points).expect("a grid");
+        let found = infer_grid(points, None).expect("a grid");
         let on = |posterior: &Posterior, order| {
             posterior.decide(&Claim::new(order).expect("an order")).decision
         };

@@ -12,7 +12,7 @@ mod grid;
 mod mixture;
 mod next_term;
 
-use super::{Exclusion, FitError, Interval, Point, screen};
+use super::{Direction, Exclusion, FitError, Interval, Point, screen};
 use evidence::Gram;
 use mixture::{Mixture, Part};
 use next_term::{Family, NODES};
@@ -60,6 +60,11 @@ impl Level {
     /// A level of which step and error are known.
     pub fn new(size: f64, error: f64) -> Self {
         Self { size, error, floor: 0.0, sigma: None }
+    }
+
+    /// The level of a point in one direction, with the relative standard deviation of its error where that is known.
+    pub fn of(point: &Point, direction: Direction, sigma: Option<f64>) -> Self {
+        Self { size: direction.step(point), error: point.error, floor: point.floor, sigma }
     }
 
     /// Errors near their floors say nothing of the order; what is no error or no floor is refused, not left out.
@@ -123,6 +128,15 @@ pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior
 }
 
 impl Posterior {
+    /// `, without the 2 coarsest levels` behind a sentence; nothing where all of them serve.
+    pub fn left_out_in_words(&self) -> String {
+        match self.coarse_left_out {
+            0 => String::new(),
+            1 => ", without the coarsest level".to_owned(),
+            more => format!(", without the {more} coarsest levels"),
+        }
+    }
+
     /// Probability that the order is at most p.
     pub fn below(&self, p: f64) -> f64 {
         self.all.below(p)
@@ -188,12 +202,14 @@ impl Table {
         (1..self.x.len()).map(slope).collect()
     }
 
-    /// Whether the slopes break downwards where the finest `fine` levels begin.
+    /// Whether the slopes fall where the finest `fine` levels begin, and break downwards from there on: a floor bends
+    /// its first level less than those behind it.
     fn breaks(&self, fine: usize) -> bool {
         let slopes = self.slopes();
-        let first_left = slopes.len() - fine;
-        let (before, after) = (slopes[first_left - 1], slopes[first_left]);
-        after < before - 0.25 * (0.8 * before).max(0.4)
+        let (before, left) = slopes.split_at(slopes.len() - fine);
+        let (Some(before), Some(first)) = (before.last(), left.first()) else { return false };
+        let least = left.iter().copied().fold(f64::INFINITY, f64::min);
+        first < before && least < before - 0.25 * (0.8 * before).max(0.4)
     }
 
     /// The step after which the slopes fall most: where a floor begins.

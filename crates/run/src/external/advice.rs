@@ -1,0 +1,38 @@
+//! What the author of a solver looks at first where a verdict does not pass: a finer case seldom is it.
+
+use judge::verdict::{Decision, Variable, Verdict};
+use scene::setup::Setup;
+
+/// Begins the reasons of verdicts on another solver that are open or fail with what to look at in the solver. Cases that
+/// failed say it themselves, and where they are too few for an order more of them are what helps.
+pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup) {
+    for verdict in verdicts.iter_mut().filter(|verdict| verdict.complete) {
+        if verdict.decision != Decision::Pass && verdict.observed.is_some() {
+            let questions = questions(setup, verdict.variable).join(", ");
+            verdict.reason = format!("look at the solver first: {questions}? {}", verdict.reason);
+        }
+    }
+}
+
+/// The likeliest first: sums over the past, then contact, then what every solver takes from the case.
+fn questions(setup: &Setup, variable: Variable) -> Vec<String> {
+    let (model, body) = (&setup.model, &setup.body);
+    let mut questions = Vec::new();
+    if !model.memory.is_empty() {
+        let rule = setup.scene.time.rule.in_words();
+        questions.push(format!("are the weights of its memory sum those of the scene ({rule})"));
+    }
+    if body.material.projection.is_some() {
+        questions.push("is zeta summed by the same rule, this level included".to_owned());
+    }
+    // A time error is the difference of two runs on one mesh under the same loads.
+    if variable == Variable::K && !questions.is_empty() {
+        return questions;
+    }
+    if body.contact.is_some() {
+        questions.push("are gap, shift and law those of each vertex in contact".to_owned());
+    }
+    questions.push("are the given loads added as they are".to_owned());
+    questions.push("is every vertex in its own row, level 0 solved like the others".to_owned());
+    questions
+}

@@ -1,0 +1,98 @@
+//! What a caller claims of a table and knows of its errors, and the answer to it.
+
+use judge::fit::{Claim, Direction, Posterior, Ruling, TOLERANCE};
+use judge::verdict::Decision;
+use serde_json::{Value, json};
+
+use super::run;
+
+/// The orders that are predicted, and how they are meant.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Asked {
+    pub(super) p: Option<f64>,
+    pub(super) q: Option<f64>,
+    pub(super) at_least: bool,
+    pub(super) exact: bool,
+    /// How far an order may lie from the prediction.
+    pub(super) tolerance: f64,
+    /// Power of a factor |log h|.
+    pub(super) log: f64,
+    /// Relative standard deviation of all errors.
+    pub(super) noise: Option<f64>,
+}
+
+impl Default for Asked {
+    fn default() -> Self {
+        let (p, q, noise) = (None, None, None);
+        Self { p, q, at_least: false, exact: false, tolerance: TOLERANCE, log: 0.0, noise }
+    }
+}
+
+/// What an order was found to be against its prediction, before it is printed.
+pub(super) struct Answer {
+    pub(super) decision: Decision,
+    pub(super) reason: String,
+    /// That the order is as predicted.
+    pub(super) probability: Option<f64>,
+    /// Steps that would help, of an open decision.
+    pub(super) next: Vec<f64>,
+}
+
+impl Answer {
+    /// Without an order.
+    pub(super) fn of(decision: Decision, reason: String) -> Self {
+        Self { decision, reason, probability: None, next: Vec::new() }
+    }
+
+    pub(super) fn verdict(&self) -> (Decision, String) {
+        (self.decision, self.reason.clone())
+    }
+}
+
+impl Asked {
+    pub(super) fn order(self, direction: Direction) -> Option<f64> {
+        match direction {
+            Direction::Space => self.p,
+            Direction::Time => self.q,
+        }
+    }
+
+    pub(super) fn claim(self, order: f64) -> Claim {
+        let Self { at_least, exact, tolerance, log, .. } = self;
+        Claim { order, at_least, exact, tolerance, log }
+    }
+
+    /// Judges an order, and says what would help where that is open: `next` are the steps of one level more.
+    pub(super) fn answer(
+        self,
+        posterior: &Posterior,
+        order: f64,
+        (name, next): (&str, Vec<f64>),
+    ) -> Answer {
+        let Ruling { decision, reason, probability, too_high } =
+            posterior.decide(&self.claim(order));
+        let reason = format!("{reason}{}", posterior.left_out_in_words());
+        let (help, next) = match (decision, too_high, posterior.floor_from) {
+            (Decision::Unresolved, true, _) => (
+                ": finer levels would not lower it; --at-least takes it for a lower bound".into(),
+                Vec::new(),
+            ),
+            (Decision::Unresolved, false, Some(_)) => (
+                ": lower the floor (tolerance of the solver, quadrature, reference), or add coarser levels".into(),
+                Vec::new(),
+            ),
+            (Decision::Unresolved, false, None) => (format!(": {}", run(name, &next)), next),
+            _ => (String::new(), Vec::new()),
+        };
+        Answer { decision, reason: reason + &help, probability: Some(probability), next }
+    }
+
+    /// The entries of a JSON object that say what was asked.
+    pub(super) fn json(self) -> serde_json::Map<String, Value> {
+        super::map(json!({
+            "at_least": self.at_least,
+            "exact": self.exact,
+            "tolerance": self.tolerance,
+        }))
+    }
+}
