@@ -114,7 +114,7 @@ fn with(scene: &str, part: &str, example: &[&str]) -> String {
     let is_head = |line: &&str| {
         [format!("[{part}]"), format!("[[{part}]]")].iter().any(|h| line.starts_with(h))
     };
-    let Some(head) = lines.iter().position(|line| is_head(line)) else {
+    let Some(head) = lines.iter().position(is_head) else {
         return format!("{scene}\n[{part}]\n{}\n", example.join("\n"));
     };
     let rest = &lines[head + 1..];
