@@ -18,7 +18,7 @@ const WIDTH: u16 = 100;
 /// `sweep diagnose`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 nothing to diagnose, or with --always nothing found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, verdicts (as in verdict.json), trials (name, terms, removed, question: \"order\" or \"exact\", verdict, observed, interval, predicted, norm, error: relative, reason, suspects), culprits (names), sentence."
+    after_help = "Exit code: 0 nothing to diagnose, or with --always nothing found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, verdicts (as in verdict.json), trials (name, terms, removed, question: \"order\" or \"exact\", verdict, observed, interval, predicted, norm, error: relative, reason, suspects), culprits (names of terms, or prediction), sentence."
 )]
 pub(crate) struct DiagnoseCommand {
     /// Name of a scene, or path of a TOML file
@@ -100,6 +100,7 @@ fn document(diagnosis: &Diagnosis) -> serde_json::Value {
     let culprits: Vec<&str> = match &diagnosis.finding {
         Some(Finding::One(suspects)) => suspects.iter().map(|suspect| suspect.name()).collect(),
         Some(Finding::Two(a, b)) => vec![a.name(), b.name()],
+        Some(Finding::Prediction) => vec!["prediction"],
         Some(Finding::Unexplained | Finding::NothingFails) | None => Vec::new(),
     };
     serde_json::json!({

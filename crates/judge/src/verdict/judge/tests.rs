@@ -259,6 +259,9 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     // An order that is claimed wrongly, where constants agree: the prediction is the suspect.
     let wrong = judged(5.0, &Prediction { exact: true, ..predict(Variable::K, 1.5) });
     assert_eq!(wrong.decision, Decision::Fail);
+    // The slope of 5 k² to rounding.
+    assert!(wrong.contradicted_by.is_some_and(|order| (order - 2.0).abs() < 1e-12));
+    assert_eq!(sound.contradicted_by, None);
     assert!(
         wrong.reason.contains("the prediction 1.5 is wrong, not the program"),
         "{}",
@@ -267,7 +270,7 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     let off = judged(4.0, &prediction);
     assert_eq!(off.decision, Decision::Fail);
     assert!(off.reason.contains("C_k is 1.2500 times the predicted one"), "{}", off.reason);
-    assert_eq!(off.constants["C_k"].ratio, Some(1.25));
+    assert_eq!((off.constants["C_k"].ratio, off.contradicted_by), (Some(1.25), None));
     // The document keeps what was known beforehand.
     let path = std::env::temp_dir().join(format!("gronwall-foreseen-{}.json", std::process::id()));
     write_json(&path, &serde_json::json!({}), std::slice::from_ref(&off), &records, None).unwrap();
