@@ -24,7 +24,7 @@ const OF_H: [f64; 3] = [140.0, 190.0, 226.0];
 const OF_BOTH: [f64; 3] = [246.0, 246.0, 246.0];
 const OF_K: [f64; 3] = [242.0, 180.0, 134.0];
 
-/// The picture of one scene; none if no norm has two levels of h and of k.
+/// The picture of one scene; none if no norm has a grid of h and k from which both parts can be fitted.
 ///
 /// # Errors
 /// [`ReportError::Drawing`].
@@ -34,7 +34,7 @@ pub fn split_svg(
 ) -> Result<Option<String>, ReportError> {
     let Some((norm, rows)) = grid(scene, records) else { return Ok(None) };
     let points: Vec<Point> = rows.iter().flatten().copied().collect();
-    let fits = joint_fits(&points, false);
+    let Ok(fits) = joint_fits(&points, false) else { return Ok(None) };
     let mut steps: Vec<f64> = points.iter().map(|point| point.k).collect();
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup();
@@ -44,7 +44,7 @@ pub fn split_svg(
     let size = (SIZE.0, (bottom + BELOW[2] + 36.0) as u32);
     let mut svg = String::new();
     let canvas = Canvas::of_size(&mut svg, size, TEXT)?;
-    let best = fits.as_ref().ok().map(|fits| &fits.best);
+    let best = &fits.best;
     for (r, row) in rows.iter().enumerate() {
         let y = top + height * r as f64;
         let name = row.first().map_or_else(String::new, |point| step_label(point.h));
@@ -62,24 +62,15 @@ pub fn split_svg(
     canvas.text("h", (left - 60.0, top - 28.0), Anchor::Centre)?;
     canvas.text("k", (left - 22.0, top - 28.0), Anchor::Centre)?;
     let words = |line: usize| (left, bottom + BELOW[line]);
-    match &fits {
-        Ok(fits) => {
-            legend(&canvas, words(0))?;
-            let (model, [p, q]) = (&fits.best, [&fits.best.order_h, &fits.best.order_k]);
-            let text = format!(
-                "{}; {} model, p = {:.2} in h, q = {:.2} in k",
-                norm_label(&norm),
-                model.model.name(),
-                p.value,
-                q.value
-            );
-            canvas.text(&text, words(1), Anchor::Left)?;
-        }
-        Err(reason) => {
-            canvas.text(norm_label(&norm), words(0), Anchor::Left)?;
-            canvas.text(&format!("no split: {reason}"), words(1), Anchor::Left)?;
-        }
-    }
+    legend(&canvas, words(0))?;
+    let text = format!(
+        "{}; {} model, p = {:.2} in h, q = {:.2} in k",
+        norm_label(&norm),
+        best.model.name(),
+        best.order_h.value,
+        best.order_k.value
+    );
+    canvas.text(&text, words(1), Anchor::Left)?;
     if points.iter().any(|point| screen(point).is_err()) {
         canvas.text("in brackets: below the floor of the error", words(2), Anchor::Left)?;
     }
@@ -92,17 +83,16 @@ fn cell(
     canvas: &Canvas<'_>,
     [left, top, right, bottom]: [f64; 4],
     point: &Point,
-    fit: Option<&JointFit>,
+    fit: &JointFit,
 ) -> Result<(), ReportError> {
-    let of_k = fit.map(|fit| share_of_k(fit, point.h, point.k));
+    let of_k = share_of_k(fit, point.h, point.k);
     let corners = [(left, top), (right, top), (right, bottom), (left, bottom)];
-    canvas.fill(&corners, tint(of_k.unwrap_or(0.5)), 1.0)?;
+    canvas.fill(&corners, tint(of_k), 1.0)?;
     let (x, middle) = (0.5 * (left + right), 0.5 * (top + bottom));
     let error = match screen(point) {
         Ok(_) => format!("{:.1e}", point.error),
         Err(_) => format!("[{:.1e}]", point.error),
     };
-    let Some(of_k) = of_k else { return canvas.on_tint(&error, (x, middle)) };
     canvas.on_tint(&error, (x, middle - 19.0))?;
     let share = match of_k {
         more if more >= 0.5 => format!("{:.0} % of k", 100.0 * more),
