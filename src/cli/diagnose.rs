@@ -5,9 +5,8 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::{Allowance, processors};
-use super::{CliError, Scenes, print_json, print_text, width};
+use super::{CliError, Scenes, print_json, print_text, verdict_table, width};
 use files::counted;
-use judge::verdict::render_table;
 use studies::diagnose::{
     Diagnosis, EXACT_WITHIN, Finding, Outcome, Question, admit_diagnosis, diagnose,
 };
@@ -47,7 +46,7 @@ impl DiagnoseCommand {
             print_json(&document(&diagnosis))?;
         } else {
             if !diagnosis.verdicts.is_empty() {
-                print_text(&render_table(&diagnosis.verdicts));
+                print_text(&verdict_table(&diagnosis.verdicts));
             }
             if !diagnosis.outcomes.is_empty() {
                 print_text(&trials(&diagnosis.outcomes));

@@ -1,6 +1,7 @@
 //! `sweep solve`: one case, named quantities at t = T, VTU files, pictures.
 
 mod pictures;
+pub(super) mod words;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -14,6 +15,7 @@ use super::{
 };
 use fem::contact::{CaseInfo, Discretization, LinearSolver, Path, StepView};
 use pictures::Pictures;
+use report::digits;
 use run::sweep::admit_run;
 use scene::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
@@ -243,7 +245,15 @@ impl Solve {
         }
         let state = last.ok_or_else(|| CliError::other("the run ended before its last step"))?;
         let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
-        self.print(&state, &info, bound, seconds, (data.space.dofs(), solver))?;
+        let case = format!(
+            "{name}, n = {n} (h = {}), N = {} (k = {})",
+            digits(setup.body.domain.h(n), 4),
+            self.steps,
+            digits(setup.grid(self.steps).largest_step(), 4)
+        );
+        let dimension = data.space.mesh.dimension;
+        let dofs = data.space.dofs();
+        self.print((&case, dimension), &state, &info, bound, seconds, (dofs, solver))?;
         Ok(0)
     }
 
@@ -266,6 +276,7 @@ impl Solve {
 
     fn print(
         &self,
+        (case, dimension): (&str, usize),
         state: &FinalState,
         info: &CaseInfo,
         bound: Option<f64>,
@@ -293,12 +304,7 @@ impl Solve {
         if self.json {
             return print_json(&document);
         }
-        if let Some(object) = document.as_object() {
-            let is_list = |key: &str| matches!(key, "normal_displacement" | "compliance_pressure");
-            for (key, value) in object.iter().filter(|(key, _)| !is_list(key)) {
-                print_text(&format!("{key:<24} {value}"));
-            }
-        }
+        print_text(&words::in_words(case, &document, dimension));
         Ok(())
     }
 }

@@ -28,7 +28,7 @@ pub use document::{
 pub use judge::{judge, judge_foreseen};
 pub use next::NextCase;
 pub use selection::{line_keys, line_points};
-pub use table::{NOTHING_JUDGED, cell_texts, render_table};
+pub use table::{NOTHING_JUDGED, TABLE_WIDTH, cell_texts, render_table};
 
 /// What is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
