@@ -34,17 +34,27 @@ struct Tangential {
     sign: f64,
 }
 
+/// A component of a unit vector that is zero but for rounding.
+const ALONG_AXIS: f64 = 1e-12;
+
 impl TracePoint {
     /// The unit tangent in the plane, towards growing x, or growing y on a side along y.
     pub fn tangent(&self) -> [f64; 2] {
         let [x, y, _] = self.normal;
-        if y < 0.0 || (y == 0.0 && x > 0.0) { [-y, x] } else { [y, -x] }
+        if y < -ALONG_AXIS || (y <= ALONG_AXIS && x > 0.0) { [-y, x] } else { [y, -x] }
     }
 
     /// u_τ of a nodal vector of plane displacements.
     pub fn tangential(&self, u: &[f64]) -> f64 {
         let ([a, b], first) = (self.tangent(), 2 * self.node as usize);
         a * u[first] + b * u[first + 1]
+    }
+
+    /// Adds the tangential force `value` to forces by nodes.
+    pub(super) fn add_tangential(&self, value: f64, force: &mut [f64]) {
+        let ([a, b], first) = (self.tangent(), 2 * self.node as usize);
+        force[first] += value * a;
+        force[first + 1] += value * b;
     }
 
     /// The unknown of u_τ: the other Cartesian one, or the second of a frame.
@@ -116,9 +126,7 @@ pub(super) fn show(space: &Discretization, pressures: &[f64], shown: &mut [f64])
 /// Adds Σ w s v_τ to forces by nodes.
 pub(super) fn add_force(space: &Discretization, view: &StepView<'_>, force: &mut [f64]) {
     for (point, s) in space.trace.points.iter().zip(view.friction) {
-        let ([a, b], first) = (point.tangent(), 2 * point.node as usize);
-        force[first] += point.weight * s * a;
-        force[first + 1] += point.weight * s * b;
+        point.add_tangential(point.weight * s, force);
     }
 }
 

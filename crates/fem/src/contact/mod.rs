@@ -51,5 +51,5 @@ pub use plan::Plan;
 pub use problem::ContactProblem;
 pub use stiffness::{StiffnessFactor, StiffnessInverse, Unknowns};
 pub use trace::{ContactTrace, TracePoint, facet_measure};
-pub use trace_constant::{TraceMass, trace_constant};
+pub use trace_constant::{TraceMass, tangential_trace_constant, trace_constant};
 pub use work::Work;
