@@ -162,7 +162,11 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         findings.push(fact("c_j^2, upper bound", bound, "proved: distance to the clamped side"));
     }
     if setup.model.friction.is_some() {
-        findings.push(fact("alpha_tau", c.alpha_tau, "proved: steepest descent of the friction bound"));
+        findings.push(fact(
+            "alpha_tau",
+            c.alpha_tau,
+            "proved: steepest descent of the friction bound",
+        ));
         findings.push(fact("c_tau^2", c.c_tau_squared, "extrapolated as c_j^2 is; no bound"));
     }
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };

@@ -181,6 +181,18 @@ impl InterpolatedOnMesh {
         state
     }
 
+    /// The tangent and [s, u_τ, S] at the points of the trace; `None` without friction.
+    pub fn friction_state(&self, t: f64) -> Option<Vec<([f64; 2], [f64; 3])>> {
+        let mut state = vec![([0.0; 2], [0.0; 3]); self.space.trace.points.len()];
+        for side in &self.boundary {
+            let (tangent, values) = side.friction(t)?;
+            for (p, &i) in side.members.iter().enumerate() {
+                state[i] = (tangent, [0, 1, 2].map(|field: usize| values[field][p]));
+            }
+        }
+        (!self.boundary.is_empty()).then_some(state)
+    }
+
     /// Adds ∫_{Γ3} c v_ν + s v_τ: λ and s at the vertices, where the conditions are, ξ by the rule.
     fn add_contact_pressure(&self, t: f64, force: &mut [f64]) {
         let contact = self.exact.data.contact.as_ref();
@@ -195,8 +207,9 @@ impl InterpolatedOnMesh {
             {
                 self.add_force_along(i, side.normal, weight * pressure, force);
             }
-            if let Some(([a, b], s)) = side.friction(t) {
-                for ((&i, weight), s) in side.members.iter().zip(&side.weights).zip(&s) {
+            if let Some(([a, b], values)) = side.friction(t) {
+                let members = side.members.iter().zip(&side.weights);
+                for ((&i, weight), s) in members.zip(&values[0]) {
                     self.add_force_along(i, [a, b, 0.0], weight * s, force);
                 }
             }

@@ -9,8 +9,10 @@ impl Exact {
     /// points and times.
     pub fn with_remainders(&self, points: &[[f64; 3]], times: &[f64]) -> Option<Self> {
         let mut data = self.data.clone();
-        let friction = |c: &ContactFormulas| c.friction.as_ref().and_then(|friction| friction.multiplier);
-        let contact = data.contact.iter().flat_map(|c| [c.multiplier, c.selection, friction(c)]).flatten();
+        let friction =
+            |c: &ContactFormulas| c.friction.as_ref().and_then(|friction| friction.multiplier);
+        let contact =
+            data.contact.iter().flat_map(|c| [c.multiplier, c.selection, friction(c)]).flatten();
         let fields = [&data.u, &self.strain, &self.memory, &self.body_force];
         let all: Vec<Node> = fields.into_iter().flatten().copied().chain(contact).collect();
         if !all.iter().any(|&node| data.graph.remembers(node)) {

@@ -30,12 +30,12 @@ impl SidePoints {
         out
     }
 
-    /// The tangent, and s at t; `None` without friction.
-    pub(super) fn friction(&self, t: f64) -> Option<([f64; 2], Vec<f64>)> {
+    /// The tangent, and s, u_τ, S at t; `None` without friction.
+    pub(super) fn friction(&self, t: f64) -> Option<([f64; 2], Vec<Vec<f64>>)> {
         let (tangent, bound) = self.friction.as_ref()?;
         let mut out = vec![Vec::new(); 3];
         bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
-        Some((*tangent, out.swap_remove(0)))
+        Some((*tangent, out))
     }
 }
 

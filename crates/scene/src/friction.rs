@@ -60,7 +60,8 @@ impl Friction {
     /// 0 goes up.
     pub fn alpha(&self) -> f64 {
         let FrictionBound::Slip(points) = &self.bound else { return 0.0 };
-        let slopes = points.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
+        let slopes =
+            points.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
         slopes.fold(0.0, |alpha, slope| f64::max(alpha, -slope))
     }
 }
@@ -124,7 +125,11 @@ fn slip(reading: &Reading, table: &written::BoundTable) -> Result<Vec<[f64; 2]>,
             [r, bound] if r.is_finite() && bound.is_finite() => [r, bound],
             _ => {
                 let message = format!("{point:?} is not a point");
-                return Err(reading.error(&here, message, "a point is two finite numbers: [r, S(r)]"));
+                return Err(reading.error(
+                    &here,
+                    message,
+                    "a point is two finite numbers: [r, S(r)]",
+                ));
             }
         };
         if bound < 0.0 {

@@ -6,7 +6,6 @@ use super::{Finding, Status};
 const AT_REST: f64 = 1e-12;
 
 /// What the samples have at worst.
-#[derive(Default)]
 pub(super) struct SlidingExtremes {
     /// Largest |s| - S.
     excess: f64,
@@ -19,6 +18,13 @@ pub(super) struct SlidingExtremes {
     least: f64,
     /// u_τ of all samples.
     slips: Vec<f64>,
+}
+
+impl Default for SlidingExtremes {
+    fn default() -> Self {
+        let (excess, least) = (f64::NEG_INFINITY, f64::INFINITY);
+        Self { excess, unaligned: 0.0, slip: 0.0, bound: 0.0, least, slips: Vec::new() }
+    }
 }
 
 impl SlidingExtremes {
@@ -44,8 +50,7 @@ impl SlidingExtremes {
         let bounded = Finding::new("|s| <= S", verified(holds), self.excess, text);
         let aligned = self.unaligned <= 1e-9 * scale * self.slip;
         let text = format!("largest S |u_tau| - s u_tau is {:.2e}", self.unaligned);
-        let aligned =
-            Finding::new("s u_tau = S |u_tau|", verified(aligned), self.unaligned, text);
+        let aligned = Finding::new("s u_tau = S |u_tau|", verified(aligned), self.unaligned, text);
         let threshold = AT_REST * self.slip;
         let slipping = self.slips.iter().filter(|slip| slip.abs() > threshold).count();
         let slipping = 100.0 * slipping as f64 / samples.max(1) as f64;

@@ -5,7 +5,9 @@ use super::kkt::kkt_residual_in;
 use super::path::{self, Path, Paths};
 use super::plan::Plan;
 use super::work::Work;
-use super::{Discretization, Evolution, Floors, Load, LoadError, Model, friction, linear, one_matrix};
+use super::{
+    Discretization, Evolution, Floors, Load, LoadError, Model, friction, linear, one_matrix,
+};
 use vhi::history::TimeGrid;
 use vhi::law::{Potential, Projection};
 use vhi::{BoundaryGraph, FailedStep, Piece, StepInequality, StepSolver, StepState, Stepper};
@@ -240,7 +242,10 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             balance: Vec::new(),
             compliance: vec![0.0; space.trace.points.len()],
             multiplier: vec![0.0; space.trace.points.len()],
-            friction: vec![0.0; if model.friction.is_some() { space.trace.points.len() } else { 0 }],
+            friction: vec![
+                0.0;
+                if model.friction.is_some() { space.trace.points.len() } else { 0 }
+            ],
             worst_residual: 0.0,
             info: CaseInfo::default(),
             space,

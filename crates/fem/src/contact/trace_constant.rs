@@ -113,11 +113,7 @@ impl LinearMap for Quotient<'_> {
 }
 
 /// M v over all nodes: ∫_{Γ3} v_ν φ_ν, or the same of the tangential part.
-fn trace_mass(
-    space: &Discretization,
-    (mass, part): (TraceMass, Part),
-    v: &[f64],
-) -> Vec<f64> {
+fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; v.len()];
     let trace = &space.trace;
     match mass {

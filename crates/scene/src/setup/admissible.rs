@@ -62,7 +62,8 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
     let scene = &setup.scene;
     let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     let contact = setup.body.contact.as_ref();
-    let falls = contact.and_then(|contact| contact.friction.as_ref()).is_some_and(|f| f.alpha() > 0.0);
+    let falls =
+        contact.and_then(|contact| contact.friction.as_ref()).is_some_and(|f| f.alpha() > 0.0);
     let monotone = law.is_none_or(|law| law.alpha() == 0.0) && !falls;
     if monotone || scene.violates.contains(&Hypothesis::Smallness) {
         return Ok(());
@@ -222,7 +223,8 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
                 "the friction stress is {s:.6} where u_tau = {u_tau:.3e} slips and the bound is {bound:.6}, {}",
                 place(setup, at)
             );
-            let hint = "s = S sign(u_tau) wherever u_tau is not zero, and u_tau = 0 wherever |s| < S";
+            let hint =
+                "s = S sign(u_tau) wherever u_tau is not zero, and u_tau = 0 wherever |s| < S";
             return Err(scene.error("exact.friction", message, hint).into());
         }
         Ok(())

@@ -96,7 +96,11 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
     let c_j_squared =
         if domain.contact.is_empty() { 0.0 } else { strain_trace_family(setup)?.limit };
     let found = with_trace_constant(setup, c_j_squared);
-    Ok(if setup.model.friction.is_some() { found.with_friction(tangential_limit(setup)?) } else { found })
+    Ok(if setup.model.friction.is_some() {
+        found.with_friction(tangential_limit(setup)?)
+    } else {
+        found
+    })
 }
 
 /// The constants that decide on a step size: c_j² is computed only if the law falls somewhere.

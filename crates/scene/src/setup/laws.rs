@@ -51,7 +51,10 @@ pub(super) fn friction(own: &crate::Friction, graph: &Arc<Graph>) -> Friction {
 }
 
 /// Friction for the manufactured side, with the scene's s.
-pub(super) fn friction_formulas(own: &crate::Friction, multiplier: Option<Node>) -> FrictionFormulas {
+pub(super) fn friction_formulas(
+    own: &crate::Friction,
+    multiplier: Option<Node>,
+) -> FrictionFormulas {
     let bound = match &own.bound {
         crate::FrictionBound::Given(bound) => exact::FrictionBound::Given(*bound),
         crate::FrictionBound::Slip(points) => exact::FrictionBound::Slip(points.clone()),

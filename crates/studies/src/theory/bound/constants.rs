@@ -89,7 +89,12 @@ impl TraceConstants {
         Ok(Some(Self {
             strain: both_masses(setup, &strain, &levels)?,
             energy: both_masses(setup, elastic, &follow)?,
-            tangential: setup.model.friction.as_ref().map(|_| tangential(setup, &levels)).transpose()?,
+            tangential: setup
+                .model
+                .friction
+                .as_ref()
+                .map(|_| tangential(setup, &levels))
+                .transpose()?,
         }))
     }
 
