@@ -49,3 +49,6 @@ status=0
     echo "verify: exit code $status where 1 is wanted: the mistake was not caught" >&2
     exit 1
 }
+
+echo "friction by coordinate descent: the values that the tests compare with"
+"$python" tests/independent/tresca.py 8 6 tests/fixtures/tresca.json

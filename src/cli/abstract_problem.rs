@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use nalgebra::DVector;
 
+use super::solve::words::in_words;
 use super::{CliError, print_json, print_text};
 use exact::{Finding, Status};
 use scene::Scene;
@@ -73,10 +74,9 @@ pub(crate) fn solve(
     });
     if json {
         print_json(&document)?;
-    } else if let Some(object) = document.as_object() {
-        for (key, value) in object {
-            print_text(&format!("{key:<24} {value}"));
-        }
+    } else {
+        let case = format!("{}, N = {steps}", setup.scene.name);
+        print_text(&in_words(&case, &document, setup.scene.dimension));
     }
     Ok(0)
 }

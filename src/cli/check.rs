@@ -161,6 +161,14 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     if let Some(bound) = c.c_j_squared_bound {
         findings.push(fact("c_j^2, upper bound", bound, "proved: distance to the clamped side"));
     }
+    if setup.model.friction.is_some() {
+        findings.push(fact(
+            "alpha_tau",
+            c.alpha_tau,
+            "proved: steepest descent of the friction bound",
+        ));
+        findings.push(fact("c_tau^2", c.c_tau_squared, "extrapolated as c_j^2 is; no bound"));
+    }
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
     let text = format!("m0 = {:.6} with the extrapolated c_j^2", c.m0);
     findings.push(Finding::new("m0 > 0 (2.9)", status, c.m0, text));

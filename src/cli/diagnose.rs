@@ -5,9 +5,8 @@ use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
 use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::{Allowance, processors};
-use super::{CliError, Scenes, print_json, print_text, width};
+use super::{CliError, Scenes, print_json, print_text, verdict_table, width};
 use files::counted;
-use judge::verdict::render_table;
 use studies::diagnose::{
     Diagnosis, EXACT_WITHIN, Finding, Outcome, Question, admit_diagnosis, diagnose,
 };
@@ -18,7 +17,7 @@ const WIDTH: u16 = 100;
 /// `sweep diagnose`.
 #[derive(Args)]
 #[command(
-    after_help = "Exit code: 0 nothing to diagnose, or with --always nothing found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, verdicts (as in verdict.json), trials (name, terms, removed, question: \"order\" or \"exact\", verdict, observed, interval, predicted, norm, error: relative, reason, suspects), culprits (names), sentence."
+    after_help = "Exit code: 0 nothing to diagnose, or with --always nothing found; 1 a verdict is not as expected, or a trial fails; 2 the scene cannot be diagnosed.\n\nJSON keys with --json: scene, verdicts (as in verdict.json), trials (name, terms, removed, question: \"order\" or \"exact\", verdict, observed, interval, predicted, norm, error: relative, reason, suspects), culprits (names of terms, or prediction), sentence."
 )]
 pub(crate) struct DiagnoseCommand {
     /// Name of a scene, or path of a TOML file
@@ -36,6 +35,7 @@ pub(crate) struct DiagnoseCommand {
 impl DiagnoseCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
+        scene.without_friction("sweep diagnose")?;
         admit_diagnosis(&scene, processors(), &self.allowance.limit())?;
         let cases = scene.sweep.as_ref().map_or(0, |sweep| sweep.n.len() * sweep.steps.len());
         super::progress::note(&format!(
@@ -47,7 +47,7 @@ impl DiagnoseCommand {
             print_json(&document(&diagnosis))?;
         } else {
             if !diagnosis.verdicts.is_empty() {
-                print_text(&render_table(&diagnosis.verdicts));
+                print_text(&verdict_table(&diagnosis.verdicts));
             }
             if !diagnosis.outcomes.is_empty() {
                 print_text(&trials(&diagnosis.outcomes));
@@ -100,6 +100,7 @@ fn document(diagnosis: &Diagnosis) -> serde_json::Value {
     let culprits: Vec<&str> = match &diagnosis.finding {
         Some(Finding::One(suspects)) => suspects.iter().map(|suspect| suspect.name()).collect(),
         Some(Finding::Two(a, b)) => vec![a.name(), b.name()],
+        Some(Finding::Prediction) => vec!["prediction"],
         Some(Finding::Unexplained | Finding::NothingFails) | None => Vec::new(),
     };
     serde_json::json!({

@@ -111,6 +111,7 @@ pub(crate) fn terms(scene: &Scene) -> Vec<&'static str> {
         (contact.is_some_and(|c| c.law.is_some()), "compliance"),
         (contact.is_some_and(|c| c.gap.is_some()), "gap"),
         (contact.is_some_and(|c| c.shift.is_some()), "shift"),
+        (contact.is_some_and(|c| c.friction.is_some()), "friction"),
     ];
     present.into_iter().filter(|(has, _)| *has).map(|(_, name)| name).collect()
 }

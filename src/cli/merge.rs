@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{CliError, print_json, print_text, print_verdicts};
+use super::{CliError, print_json, print_text, print_verdicts, verdict_table};
 use files::counted;
-use judge::verdict::{Baseline, Comparison, document, exit_code, render_table, write_json};
+use judge::verdict::{Baseline, Comparison, document, exit_code, write_json};
 use report::remove_earlier;
 use run::distributed::{AT_ONCE, Merged, Parts, Plan, merge};
 use run::sweep::{Circumstances, OutputDirectory};
@@ -112,7 +112,7 @@ impl MergeCommand {
                 comparison.as_ref(),
             ));
         }
-        print_verdicts(&render_table(verdicts));
+        print_verdicts(&verdict_table(verdicts));
         let met = verdicts.iter().filter(|verdict| verdict.as_expected()).count();
         print_text(&format!(
             "{} of {}, {} failed, {} missing; {met} of {} as expected",

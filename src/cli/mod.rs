@@ -48,7 +48,7 @@ pub use fit::{Fitted, fitted};
 use clap::{Parser, Subcommand};
 use output::{
     create_dir, delivered, megabytes, print_as_it_is, print_error, print_json, print_text,
-    print_verdicts, width, write_file, write_json,
+    print_verdicts, verdict_table, width, write_file, write_json,
 };
 
 use ::run::sweep::{MemoryLimit, admit_constants, admit_run};

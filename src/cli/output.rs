@@ -6,6 +6,7 @@ use std::sync::OnceLock;
 
 use super::CliError;
 use files::{harmless, harmless_json, make_directory, read_file, replace_file, write_named};
+use judge::verdict::{TABLE_WIDTH, Verdict, render_table};
 
 /// The first write to stdout that failed; nothing is written after it.
 static STOPPED: OnceLock<io::Error> = OnceLock::new();
@@ -65,6 +66,11 @@ pub fn width(usual: u16) -> u16 {
     let terminal = || comfy_table::Table::new().width();
     let given = || std::env::var("COLUMNS").ok()?.parse().ok();
     terminal().or_else(given).map_or(usual, |columns: u16| columns.clamp(NARROWEST, WIDEST))
+}
+
+/// Verdicts as a table.
+pub(crate) fn verdict_table(verdicts: &[Verdict]) -> String {
+    render_table(verdicts, width(TABLE_WIDTH))
 }
 
 /// Narrower a table is no table, wider it is not read.

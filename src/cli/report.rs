@@ -5,9 +5,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Scenes, print_text, print_verdicts};
+use super::{CliError, Scenes, print_text, print_verdicts, verdict_table};
 use judge::record::{CaseRecord, Key, RecordError, Table, read_table};
-use judge::verdict::{exit_code, read_failures, read_foreseen, render_table, restore_reasons};
+use judge::verdict::{exit_code, read_failures, read_foreseen, restore_reasons};
 #[cfg(feature = "pdf")]
 use report::pdf;
 use report::{Document, write_all};
@@ -82,7 +82,7 @@ impl Report {
         let provenance = known.unwrap_or_else(|| Provenance::new(of_records.iter())).json();
         let document = write_all(&self.dir, &summaries, &records, &verdicts, &provenance, None)?;
         self.typeset(&document)?;
-        print_verdicts(&render_table(&verdicts));
+        print_verdicts(&verdict_table(&verdicts));
         print_text(&format!("report: {}", self.dir.join("index.html").display()));
         if let Some(path) = &self.pdf {
             print_text(&format!("pdf: {}", path.display()));

@@ -1,6 +1,7 @@
 //! `sweep solve`: one case, named quantities at t = T, VTU files, pictures.
 
 mod pictures;
+pub(super) mod words;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -14,6 +15,7 @@ use super::{
 };
 use fem::contact::{CaseInfo, Discretization, LinearSolver, Path, StepView};
 use pictures::Pictures;
+use report::digits;
 use run::sweep::admit_run;
 use scene::setup::{
     MeshData, Setup, StepRemark, Subject, abstract_decomposition_bound, decomposition_bound,
@@ -28,7 +30,7 @@ use vhi::{
 /// `sweep solve`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, paths (what the run walked: plan, memory, rule, solver, form, states of the law), seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run); with --target also recommendation (norm, target, relative: the target over the largest |eps(u)|, choice and cautious with n, steps, h, k, error, interval, cpu_seconds, bytes, finer: h and k of this run over these, extrapolates; cautious_refused, seconds_from: times or counts, check: n and steps, refused). docs/TRADE.md explains them. Exit code 2 with --target: the error of this run has no order to go on with, or no n and N in reach have the error."
+    after_help = "JSON keys with --json: strain_norm, zeta, elastic_energy, contact_force, locked_vertices, compliance_force, multiplier_force, yielding_elements, min_uy, min_uy_vertex, min_normal_gap, max_normal_displacement, contact_half_width (half of the length under pressure), peak_pressure, pressure_spread (root of the pressure's second moment: half of the half-width under Hertz's pressure), normal_displacement, compliance_pressure (xi at the vertices of Gamma3), jump_vertices (held at a jump of the law), friction_force (sum of w s over Gamma3 by components, s = -sigma_tau), stick_vertices, slip_vertices (0 without friction), newton_iterations, fixed_point_iterations (0 but for --solver fixed-point), convex_problems (0 but for --solver decomposition), contraction and contraction_bound (with --solver decomposition: the largest quotient of successive changes, and alpha_nu c_j^2/m, which bounds it; else null), factorizations, linear_solves, linear_solver (direct or multigrid), linear_iterations (of conjugate gradients, 0 with direct; each of their factorizations is one of the coarsest mesh), kkt_residual, paths (what the run walked: plan, memory, rule, solver, form, states of the law), seconds, dofs, peak_resident_bytes (of this process, null where the system does not say it) (all at t = T unless the name says otherwise).\n\nJSON keys with --estimate --json: scene, n, steps, norms (norm, value, interval, relative, space and time with order, value, interval or reason, unknown), quantities (name, value, extrapolated, uncertainty, orders, reason), state (the quantities of this run); with --target also recommendation (norm, target, relative: the target over the largest |eps(u)|, choice and cautious with n, steps, h, k, error, interval, cpu_seconds, bytes, finer: h and k of this run over these, extrapolates; cautious_refused, seconds_from: times or counts, check: n and steps, refused). docs/TRADE.md explains them. Exit code 2 with --target: the error of this run has no order to go on with, or no n and N in reach have the error."
 )]
 pub(crate) struct Solve {
     /// Name of a scene, or path of a TOML file
@@ -243,7 +245,15 @@ impl Solve {
         }
         let state = last.ok_or_else(|| CliError::other("the run ended before its last step"))?;
         let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
-        self.print(&state, &info, bound, seconds, (data.space.dofs(), solver))?;
+        let case = format!(
+            "{name}, n = {n} (h = {}), N = {} (k = {})",
+            digits(setup.body.domain.h(n), 4),
+            self.steps,
+            digits(setup.grid(self.steps).largest_step(), 4)
+        );
+        let dimension = data.space.mesh.dimension;
+        let dofs = data.space.dofs();
+        self.print((&case, dimension), &state, &info, bound, seconds, (dofs, solver))?;
         Ok(0)
     }
 
@@ -266,6 +276,7 @@ impl Solve {
 
     fn print(
         &self,
+        (case, dimension): (&str, usize),
         state: &FinalState,
         info: &CaseInfo,
         bound: Option<f64>,
@@ -293,12 +304,7 @@ impl Solve {
         if self.json {
             return print_json(&document);
         }
-        if let Some(object) = document.as_object() {
-            let is_list = |key: &str| matches!(key, "normal_displacement" | "compliance_pressure");
-            for (key, value) in object.iter().filter(|(key, _)| !is_list(key)) {
-                print_text(&format!("{key:<24} {value}"));
-            }
-        }
+        print_text(&words::in_words(case, &document, dimension));
         Ok(())
     }
 }

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::{CliError, print_text, print_verdicts};
+use super::{CliError, print_text, print_verdicts, verdict_table};
 use files::counted;
 use judge::fit::AgainstReference;
 use judge::record::CaseRecord;
-use judge::verdict::{Comparison, Verdict, document, exit_code, failures, render_table};
+use judge::verdict::{Comparison, Verdict, document, exit_code, failures};
 use report::{SceneSummary, write_all};
 use run::sweep::{OutputDirectory, ScenePlan, reference_in_words, scene_summary};
 
@@ -52,7 +52,7 @@ impl Swept {
     }
 
     pub(super) fn print(&self) {
-        print_verdicts(&render_table(&self.verdicts));
+        print_verdicts(&verdict_table(&self.verdicts));
         for (scene, found) in &self.references {
             print_text(&reference_in_words(scene, found));
         }

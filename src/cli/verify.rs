@@ -14,10 +14,10 @@ use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::swept::Swept;
-use super::{CliError, Scenes, no_case, print_json, print_text, subject};
+use super::{CliError, Scenes, no_case, print_json, print_text, subject, verdict_table};
 use files::shortened;
 use judge::record::CaseRecord;
-use judge::verdict::{Failure, failures, render_table};
+use judge::verdict::{Failure, failures};
 use report::write_junit;
 use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first, write_case};
 use run::sweep::{
@@ -117,7 +117,7 @@ impl Verify {
             self.print_failures(&judged);
             print_text(&format!("report: {}", self.out.join("index.html").display()));
             if let (Some(own), Some(rows)) = (&beside, &compared) {
-                print_text(&format!("own solver:\n{}", render_table(&own.verdicts)));
+                print_text(&format!("own solver:\n{}", verdict_table(&own.verdicts)));
                 print_text(&table(rows));
             }
         }
@@ -151,6 +151,7 @@ impl Verify {
     /// The cases, with the norms that displacements (and pressures, where they come) tell.
     fn plan(&self, scenes: &Scenes) -> Result<ScenePlan, CliError> {
         let mut scene = scenes.scene(&self.scene)?;
+        scene.without_friction("sweep verify")?;
         self.grid.check(&scene)?;
         scene.predicts.retain(|prediction| self.tells(prediction.norm));
         let mut plan =

@@ -288,7 +288,7 @@ const SOLVED: [&str; 17] = [
     "dofs",
 ];
 /// Later additions.
-const ADDED: [&str; 15] = [
+const ADDED: [&str; 18] = [
     "compliance_pressure",
     "contact_half_width",
     "contraction",
@@ -296,6 +296,7 @@ const ADDED: [&str; 15] = [
     "convex_problems",
     "factorizations",
     "fixed_point_iterations",
+    "friction_force",
     "jump_vertices",
     "linear_iterations",
     "linear_solver",
@@ -304,6 +305,8 @@ const ADDED: [&str; 15] = [
     "peak_pressure",
     "peak_resident_bytes",
     "pressure_spread",
+    "slip_vertices",
+    "stick_vertices",
 ];
 
 #[test]

@@ -56,6 +56,9 @@ fn a_wrong_prediction_is_not_among_the_terms() {
     assert_eq!(code(&output), 1, "{}", stderr(&output));
     let printed = stdout(&output);
     assert!(printed.contains("not among the terms") && !printed.contains("culprit"), "{printed}");
+    // The constant of order 2 agrees: the prediction is named, and no trial is needed.
+    assert!(printed.contains("[[predicts]] says 3"), "{printed}");
+    assert!(!printed.contains("memory alone"), "{printed}");
 }
 
 #[test]

@@ -296,8 +296,8 @@ fn projections(name: &str, limit: Option<Far>) -> [usize; 3] {
     let data = on_a_mesh(&setup);
     let projection =
         CountedProjection { stresses: Asked::default(), tangents: Asked::default(), limit };
-    let Model { elasticity, memory, boundary, time_rule, .. } = setup.scene_model();
-    let model = Model { elasticity, memory, projection, boundary, time_rule };
+    let Model { elasticity, memory, boundary, friction, time_rule, .. } = setup.scene_model();
+    let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
     let (mut load, grid) = (TruthLoad(&*data.truth), setup.grid(STEPS));
     let newton = Newton::default();
     march_in_volume(&data.space, &model, &grid, &mut load, &newton, &mut |_| Ok(()))

@@ -332,7 +332,7 @@ fn more_with_twice_the_steps(case: &Case, wasteful: bool) -> u64 {
         LinearSolver::Direct => None,
     };
     let factorized = &*coarser.as_ref().unwrap_or(&data).space;
-    let Model { elasticity, memory, projection, mut boundary, time_rule } = setup.model;
+    let Model { elasticity, memory, projection, mut boundary, friction, time_rule } = setup.model;
     if let Some(boundary) = &mut boundary {
         let gap = (boundary.gap)([0.0; 3]);
         boundary.gap = Box::new(move |_| gap);
@@ -340,12 +340,19 @@ fn more_with_twice_the_steps(case: &Case, wasteful: bool) -> u64 {
     }
     match projection {
         None => {
-            let model = Model { elasticity, memory, projection: NoProjection, boundary, time_rule };
+            let model = Model {
+                elasticity,
+                memory,
+                projection: NoProjection,
+                boundary,
+                friction,
+                time_rule,
+            };
             more(case, &model, &data, factorized, &grids, wasteful)
         }
         Some(VonMises { mu, .. }) => {
             let projection = VonMises { mu, limit: Rising };
-            let model = Model { elasticity, memory, projection, boundary, time_rule };
+            let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
             more(case, &model, &data, factorized, &grids, wasteful)
         }
     }

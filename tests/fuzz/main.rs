@@ -19,7 +19,7 @@ use gronwall::fit::Direction;
 use gronwall::formula::{Graph, Point, Program, Scope, Variable};
 use gronwall::mesh::read_gmsh;
 use gronwall::record::{CaseRecord, Key, read};
-use gronwall::report::{convergence_svg, surface_svg};
+use gronwall::report::{convergence_svg, split_svg};
 use gronwall::scene::{Scene, Source};
 use gronwall::setup::Subject;
 use gronwall::sweep::{Provenance, judge_scene, scene_summary};
@@ -157,7 +157,7 @@ fn no_table_breaks_the_reader_or_what_comes_after() {
             let drawn = [Direction::Space, Direction::Time]
                 .map(|direction| convergence_svg(&summary, &records, &verdicts, direction).is_ok());
             // A picture that cannot be drawn is a typed error.
-            drawn[0] && drawn[1] && surface_svg(&summary, &records).is_ok()
+            drawn[0] && drawn[1] && split_svg(&summary, &records).is_ok()
         })
     });
 }

@@ -206,11 +206,11 @@ impl<L: YieldLimit> YieldLimit for Lagged<L> {
 fn a_lagged_yield_limit_is_caught() {
     let setup = exact_rule("pure-mild");
     let zeta = Arc::new(Mutex::new(0.0));
-    let Model { elasticity, memory, projection, boundary, time_rule } =
+    let Model { elasticity, memory, projection, boundary, friction, time_rule } =
         exact_rule("pure-mild").model;
     let VonMises { mu, limit } = projection.expect("a projection");
     let projection = Some(VonMises { mu, limit: Lagged { sound: limit, zeta: zeta.clone() } });
-    let wrong = Model { elasticity, memory, projection, boundary, time_rule };
+    let wrong = Model { elasticity, memory, projection, boundary, friction, time_rule };
     let constants = AuditConstants::new(&setup).expect("constants");
     let rows = audited(&setup, &wrong, &on_mesh(&setup, 8), &constants, |now| {
         *zeta.lock().expect("a number") = now;

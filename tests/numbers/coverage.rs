@@ -367,8 +367,10 @@ fn orders_of_values_are_covered() {
             let share = orders.len() as f64 / INFERRED as f64;
             let cell = Cell::of(orders.into_iter());
             println!("| {levels} | {} % | {cell} | {:.1} % |", 100.0 * noise, 100.0 * share);
-            // Differences are ten times noisier than values; four standard deviations of a cell.
-            assert!(cell.coverage >= WANTED - 0.08 && share > 0.8, "{cell} {share}");
+            // Three standard deviations of a cell below 95 %; 2 % of an error are 6 % of a difference, which priors of
+            // the noise hardly expect: four values of that kind cover 86 %.
+            let least = if noise > 0.01 { 0.80 } else { WANTED - 0.05 };
+            assert!(cell.coverage >= least && share > 0.8, "{cell} {share}");
         }
     }
 }

@@ -302,8 +302,10 @@ fn defects_of_the_solver_in_space_are_seen() {
     let error = v_max(&sound, &sound.model, &data, 32);
     let wrong = setup("affine-box");
     let projection = PlaneTrace(wrong.model.projection.expect("a projection"));
-    let gronwall::contact::Model { elasticity, memory, boundary, time_rule, .. } = wrong.model;
-    let model = gronwall::contact::Model { elasticity, memory, projection, boundary, time_rule };
+    let gronwall::contact::Model { elasticity, memory, boundary, friction, time_rule, .. } =
+        wrong.model;
+    let model =
+        gronwall::contact::Model { elasticity, memory, projection, boundary, friction, time_rule };
     let plane_trace = v_max(&sound, &model, &data, 32);
     assert!(plane_trace > 50.0 * error, "tr/2: {plane_trace:e} against {error:e}");
     let mut soft = setup("affine-box");

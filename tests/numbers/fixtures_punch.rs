@@ -166,7 +166,15 @@ fn one_sided_time_weights_are_seen() {
 #[test]
 fn a_projection_of_twice_the_strength_is_seen() {
     let own = setup("punch");
-    let Model { elasticity, memory, projection, boundary, time_rule } = setup("punch").model;
-    let wrong = Model { elasticity, memory, projection: Doubled(projection), boundary, time_rule };
+    let Model { elasticity, memory, projection, boundary, friction, time_rule } =
+        setup("punch").model;
+    let wrong = Model {
+        elasticity,
+        memory,
+        projection: Doubled(projection),
+        boundary,
+        friction,
+        time_rule,
+    };
     is_seen(&final_state(&own, &wrong, 4, 4), "punch");
 }

@@ -196,11 +196,11 @@ fn defects_of_the_solver_are_caught() {
         let mut wrong = setup(name).model;
         wrong.memory[0].kernel = Box::new(NothingAtZero);
         assert!(caught(&case.run(&wrong)), "{name}: no value at lag 0");
-        let Model { elasticity, memory, boundary, time_rule, .. } = setup(name).model;
+        let Model { elasticity, memory, boundary, friction, time_rule, .. } = setup(name).model;
         let levels = case.truth.levels(&case.setup, STEPS).expect("levels");
         let limit = Lagged { zeta: levels.iter().map(|level| level.zeta).collect() };
         let projection = Some(VonMises { mu: 1.0, limit });
-        let wrong = Model { elasticity, memory, projection, boundary, time_rule };
+        let wrong = Model { elasticity, memory, projection, boundary, friction, time_rule };
         assert!(caught(&case.run(&wrong)), "{name}: lagged limit");
     }
 }

@@ -18,6 +18,7 @@ mod fixtures_affine;
 mod fixtures_punch;
 mod fixtures_pure_strong;
 mod floors;
+mod friction;
 mod gronwall;
 mod histories;
 mod keys;

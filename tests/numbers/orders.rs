@@ -109,9 +109,9 @@ impl YieldLimit for Limit {
 
 /// The model of `setup` with κ = 0.10 + slope·ζ.
 fn with_limit(setup: Setup, slope: f64) -> Model<VonMises<Limit>> {
-    let Model { elasticity, memory, boundary, time_rule, .. } = setup.model;
+    let Model { elasticity, memory, boundary, friction, time_rule, .. } = setup.model;
     let projection = VonMises { mu: 1.0, limit: Limit { slope } };
-    Model { elasticity, memory, projection, boundary, time_rule }
+    Model { elasticity, memory, projection, boundary, friction, time_rule }
 }
 
 /// Each seeded defect leaves [1.9, 2.1], or is three times larger on the finest grid (the lagged weight); the sound

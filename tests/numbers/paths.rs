@@ -45,6 +45,7 @@ const WALKS: &[(&str, u32, u32)] = &[
     ("broken-body-end", 2, 16),
     ("law-linear", 4, 1),
     ("many-branches", 2, 8),
+    ("friction-front", 8, 8),
 ];
 
 /// What a case of the main job takes.

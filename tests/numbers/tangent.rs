@@ -218,9 +218,9 @@ fn a_missing_part_is_caught() {
     for part in [Part::None, Part::Dyadic, Part::RankOne, Part::Trace] {
         let setup = punch("vertex");
         let space = on_mesh(&setup, 4).space;
-        let Model { elasticity, memory, projection, boundary, time_rule } = setup.model;
+        let Model { elasticity, memory, projection, boundary, friction, time_rule } = setup.model;
         let projection = Lacking { sound: projection, part };
-        let model = Model { elasticity, memory, projection, boundary, time_rule };
+        let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
         let off = mismatch(&space, &model, false, false);
         // The smallest part, from ζ, is w κ' = 0.006 of the stress: four orders above the agreement.
         assert_eq!(part == Part::None, off <= AGREEMENT, "{off:e}");

@@ -105,8 +105,9 @@ fn against_plane(
     let mut plane_u: Vec<Vec<f64>> = Vec::new();
     crate::shipped::run(&setup, &setup.model, &data, steps, |view| plane_u.push(view.u.to_vec()))
         .unwrap();
-    let Model { elasticity, memory, boundary, time_rule, .. } = with(terms).model;
-    let mut model = Model { elasticity, memory, projection: NoProjection, boundary, time_rule };
+    let Model { elasticity, memory, boundary, friction, time_rule, .. } = with(terms).model;
+    let mut model =
+        Model { elasticity, memory, projection: NoProjection, boundary, friction, time_rule };
     change(&mut model);
     let space = space(n, family);
     let (mut different, mut error, mut level) = (0f64, 0f64, 0);
@@ -254,9 +255,9 @@ impl YieldLimit for Rising {
 #[test]
 fn the_tangent_is_the_derivative_of_the_force() {
     let space = space(2, Family::Perturbed { amplitude: 0.15, seed: 3, axes: [true; 3] });
-    let Model { elasticity, memory, boundary, time_rule, .. } = with(Terms::Both).model;
+    let Model { elasticity, memory, boundary, friction, time_rule, .. } = with(Terms::Both).model;
     let projection = VonMises { mu: 0.7, limit: Rising };
-    let model = Model { elasticity, memory, projection, boundary, time_rule };
+    let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
     let mut problem = ContactProblem::new(&space, &model);
     let order = space.dofs();
     problem.begin(&LastSlot { zeta: 0.4, memory: vec![-0.2] }, 0.3, &vec![0.0; order], &[]);

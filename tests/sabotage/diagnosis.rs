@@ -47,7 +47,7 @@ pub fn diagnosed(reference: &Reference, defect: &Defect) -> Option<Diagnosed> {
     let suspects: Vec<Suspect> = match &finding {
         Finding::One(suspects) => suspects.clone(),
         Finding::Two(a, b) => vec![*a, *b],
-        Finding::Unexplained | Finding::NothingFails => Vec::new(),
+        Finding::Unexplained | Finding::NothingFails | Finding::Prediction => Vec::new(),
     };
     let among = suspects.iter().any(|suspect| right.contains(suspect));
     let named = among && suspects.iter().all(|suspect| right.contains(suspect));

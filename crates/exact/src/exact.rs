@@ -3,6 +3,7 @@
 use super::AccumulatedStrain;
 use super::constitutive::{Tensor, full};
 use super::curve::CurveNumbers;
+use super::friction::FrictionFormulas;
 use super::lanes::Number;
 use super::zeta_domain::Domain;
 use super::{Products, Rows, Separation, symbolic};
@@ -61,6 +62,8 @@ pub struct ContactFormulas {
     pub multiplier: Option<Node>,
     /// ξ(x, t), where ∂j_ν(u_ν) is an interval.
     pub selection: Option<Node>,
+    /// S and s.
+    pub friction: Option<FrictionFormulas>,
 }
 
 /// Which form the loads take.

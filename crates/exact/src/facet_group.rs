@@ -1,12 +1,16 @@
 //! The facets of Γ2 and Γ3 of an exact solution, in groups of one outward normal.
 
 use super::exact::{BoundaryFormulas, Exact};
+use super::friction::FrictionOnSide;
 use super::sampled::Sampled;
 use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
 use fem::norms::facet_samples;
 use fem::space::quadrature::Rule;
 use formula::Variable;
+
+/// The tangent, and s = −σ_τ along it at points.
+pub(super) type AlongTangent = ([f64; 2], Vec<f64>);
 
 /// Facets with one normal.
 pub(super) struct FacetGroup {
@@ -23,6 +27,8 @@ pub(super) struct FacetGroup {
     pub(super) points: Sampled,
     pub(super) samples: Sampled,
     pub(super) strains: Sampled,
+    /// Friction, with its own points.
+    friction: Option<(FrictionOnSide, Sampled)>,
 }
 
 impl FacetGroup {
@@ -35,6 +41,13 @@ impl FacetGroup {
     ) -> Result<Vec<Vec<f64>>, LoadError> {
         let names = ["u_ν", "ξ + λ"].map(String::from);
         points.evaluate(mesh, (&self.formulas.program, 5), t, &names)
+    }
+
+    /// s at the points of the error rule; none without friction.
+    pub(super) fn friction(&self, mesh: &Mesh, t: f64) -> Result<Option<AlongTangent>, LoadError> {
+        let Some((friction, points)) = &self.friction else { return Ok(None) };
+        let mut values = points.evaluate(mesh, (&friction.program, 3), t, &["s".into()])?;
+        Ok(Some((friction.tangent, values.swap_remove(0))))
     }
 }
 
@@ -72,9 +85,12 @@ pub(super) fn facet_groups(
         normal[..d].copy_from_slice(&part.normal[..d]);
         let sampled = |rule: &Rule| Sampled::new(members.iter().map(|(_, f)| mesh.facet(*f)), rule);
         let facets: Vec<usize> = members.iter().map(|(_, f)| *f).collect();
+        let plane = plane(mesh, &members, &normal);
+        let friction = exact.friction_at(&normal[..d], plane);
         groups.push(FacetGroup {
             normal,
-            formulas: exact.boundary_at(&normal[..d], plane(mesh, &members, &normal)),
+            formulas: exact.boundary_at(&normal[..d], plane),
+            friction: friction.map(|friction| (friction, sampled(rule))),
             points: sampled(rule),
             samples: sampled(&samples),
             strains: sampled(rule),

@@ -181,7 +181,19 @@ impl InterpolatedOnMesh {
         state
     }
 
-    /// Adds ∫_{Γ3} c v_ν: λ at the vertices, where the constraint is, ξ by the rule.
+    /// The tangent and [s, u_τ, S] at the points of the trace; `None` without friction.
+    pub fn friction_state(&self, t: f64) -> Option<Vec<([f64; 2], [f64; 3])>> {
+        let mut state = vec![([0.0; 2], [0.0; 3]); self.space.trace.points.len()];
+        for side in &self.boundary {
+            let (tangent, values) = side.friction(t)?;
+            for (p, &i) in side.members.iter().enumerate() {
+                state[i] = (tangent, [0, 1, 2].map(|field: usize| values[field][p]));
+            }
+        }
+        (!self.boundary.is_empty()).then_some(state)
+    }
+
+    /// Adds ∫_{Γ3} c v_ν + s v_τ: λ and s at the vertices, where the conditions are, ξ by the rule.
     fn add_contact_pressure(&self, t: f64, force: &mut [f64]) {
         let contact = self.exact.data.contact.as_ref();
         let law = contact.and_then(|contact| contact.law.as_ref());
@@ -193,7 +205,13 @@ impl InterpolatedOnMesh {
             for ((&i, weight), pressure) in
                 side.members.iter().zip(&side.weights).zip(&values[field])
             {
-                self.add_normal_force(i, side.normal, weight * pressure, force);
+                self.add_force_along(i, side.normal, weight * pressure, force);
+            }
+            if let Some(([a, b], values)) = side.friction(t) {
+                let members = side.members.iter().zip(&side.weights);
+                for ((&i, weight), s) in members.zip(&values[0]) {
+                    self.add_force_along(i, [a, b, 0.0], weight * s, force);
+                }
             }
             let Some(law) = on_facets else { continue };
             for &f in &side.facets {
@@ -220,18 +238,18 @@ impl InterpolatedOnMesh {
                 };
                 let size = facet_measure(&self.space.mesh, self.space.trace.mesh_facet[f] as usize);
                 for (&i, moment) in corners.iter().zip(moments) {
-                    self.add_normal_force(i as usize, side.normal, size * moment, force);
+                    self.add_force_along(i as usize, side.normal, size * moment, force);
                 }
             }
         }
     }
 
-    /// Adds a force along the outward normal at a point of the trace.
-    fn add_normal_force(&self, i: usize, normal: [f64; 3], size: f64, force: &mut [f64]) {
+    /// Adds a force along a unit vector at a point of the trace.
+    fn add_force_along(&self, i: usize, direction: [f64; 3], size: f64, force: &mut [f64]) {
         let d = self.space.mesh.dimension;
         let vertex = self.space.trace.points[i].vertex;
         let node = self.space.nodes.of_vertex[vertex as usize] as usize;
-        for (j, component) in normal[..d].iter().enumerate() {
+        for (j, component) in direction[..d].iter().enumerate() {
             force[d * node + j] += size * component;
         }
     }

@@ -26,6 +26,7 @@ mod edge_compliance;
 mod exact;
 mod facet_group;
 mod finite_exact;
+mod friction;
 mod interpolated;
 pub mod lanes;
 pub mod linear;
@@ -63,6 +64,7 @@ pub use exact::{
     Polytope, RegionNumbers,
 };
 pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
+pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;
 pub use products::Products;

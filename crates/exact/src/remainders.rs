@@ -1,7 +1,7 @@
 //! The exact solution with what the quadrature of its hereditary integrals leaves unresolved: what that moves is part of
 //! the floor.
 
-use super::exact::Exact;
+use super::exact::{ContactFormulas, Exact};
 use formula::{Node, Program};
 
 impl Exact {
@@ -9,7 +9,10 @@ impl Exact {
     /// points and times.
     pub fn with_remainders(&self, points: &[[f64; 3]], times: &[f64]) -> Option<Self> {
         let mut data = self.data.clone();
-        let contact = data.contact.iter().flat_map(|c| [c.multiplier, c.selection]).flatten();
+        let friction =
+            |c: &ContactFormulas| c.friction.as_ref().and_then(|friction| friction.multiplier);
+        let contact =
+            data.contact.iter().flat_map(|c| [c.multiplier, c.selection, friction(c)]).flatten();
         let fields = [&data.u, &self.strain, &self.memory, &self.body_force];
         let all: Vec<Node> = fields.into_iter().flatten().copied().chain(contact).collect();
         if !all.iter().any(|&node| data.graph.remembers(node)) {

@@ -19,6 +19,7 @@ pub(super) struct SidePoints {
     /// ∫ φ over the side, of each member.
     pub(super) weights: Vec<f64>,
     bound: Mutex<Bound>,
+    friction: Option<([f64; 2], Mutex<Bound>)>,
 }
 
 impl SidePoints {
@@ -27,6 +28,14 @@ impl SidePoints {
         let mut out = vec![Vec::new(); 5];
         self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
         out
+    }
+
+    /// The tangent, and s, u_τ, S at t; `None` without friction.
+    pub(super) fn friction(&self, t: f64) -> Option<([f64; 2], Vec<Vec<f64>>)> {
+        let (tangent, bound) = self.friction.as_ref()?;
+        let mut out = vec![Vec::new(); 3];
+        bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        Some((*tangent, out))
     }
 }
 
@@ -53,7 +62,9 @@ pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoin
         }
         let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
         let bound = Mutex::new(formulas.program.bind(&points));
-        SidePoints { normal, facets, weights, bound, members }
+        let friction = exact.friction(&normal[..d]);
+        let friction = friction.map(|own| (own.tangent, Mutex::new(own.program.bind(&points))));
+        SidePoints { normal, facets, weights, bound, members, friction }
     };
     mesh.plane_parts(&trace.mesh_facet).into_iter().map(of_part).collect()
 }

@@ -1,5 +1,7 @@
 //! A plane body as it is deformed: stress by shade, where it yields, the pressure on Γ3 as arrows.
 
+use std::collections::BTreeMap;
+
 use plotters::style::RGBColor;
 
 use super::ReportError;
@@ -94,8 +96,13 @@ impl Deformed {
         for &[a, b] in &self.rest {
             canvas.dashed(&[view.place(a), view.place(b)], INK, (14.0, 10.0))?;
         }
+        let corners =
+            self.hatched().map(|cell| cell.corners.map(|corner| view.place(corner))).collect();
+        for [a, b] in hatches(corners) {
+            canvas.line(&[a, b], colour(1), 3)?;
+        }
         for &[a, b] in &self.yield_border {
-            canvas.line(&[view.place(a), view.place(b)], colour(1), 6)?;
+            canvas.line(&[view.place(a), view.place(b)], colour(1), 4)?;
         }
         let largest = self.arrows.iter().map(|arrow| arrow.pressure).fold(0.0, f64::max);
         for one in self.arrows.iter().filter(|arrow| arrow.pressure > 0.0) {
@@ -105,6 +112,16 @@ impl Deformed {
         self.legend(&canvas, most, largest)?;
         canvas.finish()?;
         Ok(Some(with_sheet(&svg)))
+    }
+
+    fn yielding(&self) -> usize {
+        self.cells.iter().filter(|cell| cell.yields).count()
+    }
+
+    /// The fewer: cells that yield, or those that do not.
+    fn hatched(&self) -> impl Iterator<Item = &Cell> {
+        let which = 2 * self.yielding() <= self.cells.len();
+        self.cells.iter().filter(move |cell| cell.yields == which)
     }
 
     fn legend(&self, canvas: &Canvas<'_>, most: f64, largest: f64) -> Result<(), ReportError> {
@@ -123,14 +140,30 @@ impl Deformed {
         canvas.text(&format!("{most:.3}"), (LEGEND + 76.0, top), Anchor::Left)?;
         canvas.text("0", (LEGEND + 76.0, top + 330.0), Anchor::Left)?;
         let mut y = 640.0;
-        if !self.yield_border.is_empty() || self.cells.iter().any(|cell| cell.yields) {
-            let share = self.cells.iter().filter(|cell| cell.yields).count();
-            let words = format!("{share} of {} cells", self.cells.len());
-            canvas.line(&[(LEGEND, y), (LEGEND + 60.0, y)], colour(1), 6)?;
-            canvas.text("yielding zone,", (LEGEND + 76.0, y), Anchor::Left)?;
-            y += 44.0;
-            canvas.text(&words, (LEGEND + 76.0, y), Anchor::Left)?;
-            y += 60.0;
+        let (all, yielding) = (self.cells.len(), self.yielding());
+        if yielding > 0 {
+            let hatched = self.hatched().count();
+            if hatched > 0 {
+                let [left, right] = [LEGEND, LEGEND + 60.0];
+                let swatch = [
+                    [(left, y - 18.0), (right, y - 18.0), (left, y + 18.0)],
+                    [(right, y - 18.0), (right, y + 18.0), (left, y + 18.0)],
+                ];
+                for [a, b] in hatches(swatch.into()) {
+                    canvas.line(&[a, b], colour(1), 3)?;
+                }
+            }
+            let words = match hatched == yielding {
+                true => ["yielding:".into(), format!("{yielding} of {all} cells")],
+                false => ["elastic; yielding:".into(), format!("{yielding} of {all} cells")],
+            };
+            let words =
+                if hatched == 0 { ["all cells yield".into(), String::new()] } else { words };
+            for line in words {
+                canvas.text(&line, (LEGEND + 76.0, y), Anchor::Left)?;
+                y += 44.0;
+            }
+            y += 16.0;
         }
         canvas.dashed(&[(LEGEND, y), (LEGEND + 60.0, y)], INK, (14.0, 10.0))?;
         canvas.text("body at rest", (LEGEND + 76.0, y), Anchor::Left)?;
@@ -146,6 +179,55 @@ impl Deformed {
         }
         Ok(())
     }
+}
+
+/// Distance of hatches, along either axis.
+const HATCH: f64 = 18.0;
+
+/// Lines from lower left to upper right through triangles; what continues from one to the next is one line.
+fn hatches(cells: Vec<[Place; 3]>) -> Vec<[Place; 2]> {
+    // By line x + y = c, from one x to another.
+    let mut pieces: BTreeMap<i64, Vec<(f64, f64)>> = BTreeMap::new();
+    for corners in cells {
+        let sums = corners.map(|(x, y)| x + y);
+        let (low, high) = sums
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), s| (lo.min(*s), hi.max(*s)));
+        for line in (low / HATCH).ceil() as i64..=(high / HATCH).floor() as i64 {
+            let sum = HATCH * line as f64;
+            let crossing = |(a, b): (usize, usize)| {
+                let part = (sum - sums[a]) / (sums[b] - sums[a]);
+                let x = corners[a].0 + part * (corners[b].0 - corners[a].0);
+                (0.0..=1.0).contains(&part).then_some(x)
+            };
+            let ends = [(0, 1), (1, 2), (2, 0)].into_iter().filter_map(crossing);
+            let (from, to) =
+                ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), x| (lo.min(x), hi.max(x)));
+            if to > from {
+                pieces.entry(line).or_default().push((from, to));
+            }
+        }
+    }
+    let mut lines = Vec::new();
+    for (line, mut own) in pieces {
+        own.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let sum = HATCH * line as f64;
+        let mut open: Option<(f64, f64)> = None;
+        let place = |(from, to): (f64, f64)| [from, to].map(|x| (x, sum - x));
+        for (from, to) in own {
+            open = match open {
+                // Neighbours meet in a point, but for rounding.
+                Some((start, end)) if from <= end + 1e-6 => Some((start, end.max(to))),
+                Some(done) => {
+                    lines.push(place(done));
+                    Some((from, to))
+                }
+                None => Some((from, to)),
+            };
+        }
+        lines.extend(open.map(place));
+    }
+    lines
 }
 
 /// Lines of the mesh.
@@ -207,6 +289,44 @@ impl View {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn hatches_go_on_from_cell_to_cell_and_end_with_them() {
+        let square =
+            vec![[(0.0, 0.0), (90.0, 0.0), (0.0, 90.0)], [(90.0, 0.0), (90.0, 90.0), (0.0, 90.0)]];
+        let lines = hatches(square.clone());
+        // x + y = 18, 36, ... 162: one line each.
+        assert_eq!(lines.len(), 9, "{lines:?}");
+        let inside =
+            |(x, y): Place| (-1e-9..=90.0 + 1e-9).contains(&x) && (-1e-9..=90.1).contains(&y);
+        assert!(lines.iter().flatten().all(|end| inside(*end)));
+        let mut apart = square;
+        apart[1] = apart[1].map(|(x, y)| (x + 200.0, y));
+        assert!(hatches(apart).len() > 9);
+        assert!(hatches(Vec::new()).is_empty());
+    }
+
+    /// Of 953 cells in 1152 the others are hatched.
+    #[test]
+    fn the_fewer_cells_are_hatched() {
+        let cell =
+            |yields| Cell { corners: [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], stress: 1.0, yields };
+        let picture = |yields: &[bool]| Deformed {
+            title: String::new(),
+            subtitle: String::new(),
+            quantity: String::new(),
+            cells: yields.iter().map(|own| cell(*own)).collect(),
+            rest: Vec::new(),
+            yield_border: Vec::new(),
+            arrows: Vec::new(),
+        };
+        let most = picture(&[true, true, true, false]);
+        assert!(most.hatched().count() == 1 && most.hatched().all(|cell| !cell.yields));
+        let few = picture(&[true, false, false, false]);
+        assert!(few.hatched().count() == 1 && few.hatched().all(|cell| cell.yields));
+        assert!(most.svg().unwrap().unwrap().contains("elastic; yielding:"));
+        assert!(picture(&[true]).svg().unwrap().unwrap().contains("all cells yield"));
+    }
 
     #[test]
     fn what_is_absent_is_not_drawn() {

@@ -7,7 +7,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, TextStyle};
 
 use super::ReportError;
-use super::sheet::{PAPER, WORDS};
+use super::sheet::{PAPER, WORDS, WORDS_ON_TINT};
 use files::harmless;
 
 /// Size of a picture in units.
@@ -138,11 +138,16 @@ impl<'a> Canvas<'a> {
         place: Place,
         anchor: Anchor,
     ) -> Result<(), ReportError> {
-        self.styled(words, place, anchor, FontStyle::Normal)
+        self.styled(words, place, anchor, (FontStyle::Normal, WORDS))
     }
 
     pub(super) fn bold(&self, words: &str, place: Place) -> Result<(), ReportError> {
-        self.styled(words, place, Anchor::Left, FontStyle::Bold)
+        self.styled(words, place, Anchor::Left, (FontStyle::Bold, WORDS))
+    }
+
+    /// Words in the middle of an area of light colour.
+    pub(super) fn on_tint(&self, words: &str, place: Place) -> Result<(), ReportError> {
+        self.styled(words, place, Anchor::Centre, (FontStyle::Normal, WORDS_ON_TINT))
     }
 
     fn styled(
@@ -150,7 +155,7 @@ impl<'a> Canvas<'a> {
         words: &str,
         place: Place,
         anchor: Anchor,
-        weight: FontStyle,
+        (weight, ink): (FontStyle, RGBColor),
     ) -> Result<(), ReportError> {
         let font = ("sans-serif", self.text * PLOTTERS_FONT).into_font().style(weight);
         let (font, horizontal) = match anchor {
@@ -159,7 +164,7 @@ impl<'a> Canvas<'a> {
             Anchor::Right => (font, HPos::Right),
             Anchor::Upwards => (font.transform(FontTransform::Rotate270), HPos::Center),
         };
-        let style = TextStyle::from(font).color(&WORDS).pos(Pos::new(horizontal, VPos::Center));
+        let style = TextStyle::from(font).color(&ink).pos(Pos::new(horizontal, VPos::Center));
         self.area
             .draw(&Text::new(harmless(words).into_owned(), pixel(place), style))
             .map_err(ReportError::drawing)

@@ -1,8 +1,8 @@
 //! A picture of series over two axes: what every picture of a report is made of.
 
 use super::ReportError;
-use super::canvas::{Anchor, Canvas, Place};
-use super::frame::{Frame, RIGHT};
+use super::canvas::{Anchor, Canvas, Place, SIZE};
+use super::frame::{Frame, RIGHT, TITLE_ROOM};
 use super::legend::{Legend, Sample, Stroke};
 use super::marks::{draw_marks, mark_entries};
 use super::palette::{INK, colour};
@@ -80,7 +80,7 @@ pub enum Key {
 /// A picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chart {
-    /// Its first line, in bold.
+    /// Its first line, in bold; none where a heading above the picture says it.
     pub title: String,
     /// One or two lines below.
     pub question: String,
@@ -215,6 +215,7 @@ impl Chart {
         }
         self.draw_legend(&canvas, !slopes.is_empty())?;
         canvas.finish()?;
+        let svg = if self.title.is_empty() { without_head(&svg) } else { svg };
         Ok(Some(with_sheet(&svg)))
     }
 
@@ -315,6 +316,16 @@ impl Chart {
         legend.space();
         legend.entry(Sample::Text, INK, &self.note)
     }
+}
+
+/// A picture without the room for its title.
+fn without_head(svg: &str) -> String {
+    let ((width, height), head) = (SIZE, TITLE_ROOM);
+    let size = |from: u32| {
+        let left = height - from;
+        format!("height=\"{left}\" viewBox=\"0 {from} {width} {left}\"")
+    };
+    svg.replacen(&size(0), &size(head), 1)
 }
 
 #[cfg(test)]

@@ -42,7 +42,7 @@ pub fn convergence_svg(
     }
     let x = Axis::new(step, Scale::Steps);
     let y = Axis::new("error in the norm named", Scale::Log);
-    let mut chart = Chart::new(&scene.name, &scene.question, x, y);
+    let mut chart = Chart::new("", "", x, y);
     let label = |norm| match records.iter().any(|record| record.n.is_some()) {
         true => norm_label(norm),
         false => norm_label_in_time(norm),

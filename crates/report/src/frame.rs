@@ -11,6 +11,8 @@ pub(super) const LEFT: f64 = 170.0;
 pub(super) const RIGHT: f64 = 1140.0;
 pub(super) const TOP: f64 = 190.0;
 pub(super) const BOTTOM: f64 = 990.0;
+/// Height of the room that title and question have, above the letters of marks.
+pub(super) const TITLE_ROOM: u32 = 136;
 
 /// Distance of lines of text.
 pub(super) const LINE: f64 = 44.0;
@@ -76,7 +78,9 @@ impl Frame {
 
     /// Title, grid, ticks and labels.
     pub(super) fn draw(&self, canvas: &Canvas<'_>, chart: &Chart) -> Result<(), ReportError> {
-        canvas.bold(&chart.title, (30.0, 44.0))?;
+        if !chart.title.is_empty() {
+            canvas.bold(&chart.title, (30.0, 44.0))?;
+        }
         for (i, line) in wrapped(&chart.question, TITLE_CHARACTERS, 2).iter().enumerate() {
             canvas.text(line, (30.0, 44.0 + LINE * (i + 1) as f64), Anchor::Left)?;
         }

@@ -27,7 +27,7 @@ impl Group {
 
     /// The group of a scene with these terms.
     pub fn of(terms: Terms, breaks: bool) -> Self {
-        let Terms { is_abstract, projection, memory, contact, gap, law } = terms;
+        let Terms { is_abstract, projection, memory, contact, gap, law, .. } = terms;
         if breaks {
             Self::Broken
         } else if is_abstract {

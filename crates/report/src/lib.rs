@@ -7,6 +7,7 @@ mod bars;
 mod body;
 mod canvas;
 mod chart;
+mod compact;
 mod convergence;
 mod curve;
 mod document;
@@ -20,13 +21,12 @@ mod map;
 mod marks;
 mod palette;
 mod pictures;
-mod plane;
 mod ruler;
 mod sheet;
 mod sketch;
 mod slope;
 mod space_time;
-mod surface;
+mod split;
 mod thumbnail;
 mod ticks;
 mod written;
@@ -49,12 +49,11 @@ pub use github::{Place, annotations, step_summary};
 pub use group::Group;
 pub use junit::write_junit;
 pub use map::{Cell, Map, Shade};
-pub use plane::plane_svg;
 pub use ruler::Scale;
 pub use sketch::{Ink, Sketch, Stroke};
 pub use slope::Slope;
 pub use space_time::{Panel, SpaceTime, Zone};
-pub use surface::surface_svg;
+pub use split::split_svg;
 pub use written::remove_earlier;
 
 use document::{DATA, Report, TEMPLATE, data, document, group, markdown, page, tables};
@@ -175,7 +174,7 @@ impl ReportError {
     }
 }
 
-/// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg`, `SCENE-map.svg`,
+/// Writes cases.csv, verdict.json, the pages and the pictures `SCENE-h.svg`, `SCENE-k.svg`, `SCENE-hk.svg`,
 /// `SCENE-scene.svg`, `SCENE-errors.svg` and `forest.svg` into `dir`, which is made if it is not there. Pages are index.html, report.md, tables.tex, and report.typ with report.json.
 /// Pages and pictures of an earlier report that this one has no use for are removed; files of others stay. Returns the
 /// document that the pages are renderings of.
@@ -281,8 +280,7 @@ fn figures(
     let drawn = [
         ("h", "error against h, at the number N of time steps named", along(Direction::Space)?),
         ("k", "error against k, on the mesh n named", along(Direction::Time)?),
-        ("hk", "error against k, one curve an h", surface_svg(scene, records)?),
-        ("map", "error over k and h, with the fitted model", plane_svg(scene, records)?),
+        ("hk", "error over h and k, and which of them it is of", split_svg(scene, records)?),
     ];
     let picture = |(suffix, caption, svg): (&str, &str, Option<String>)| {
         let (file, caption) =

@@ -5,6 +5,7 @@ use plotters::style::RGBColor;
 use super::ReportError;
 use super::canvas::{Anchor, Canvas, SIZE};
 use super::palette::INK;
+use super::sheet::with_sheet;
 
 /// How a cell ended.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,7 +99,7 @@ impl Map {
             x += 110.0 + CHARACTER * words.chars().count() as f64;
         }
         canvas.finish()?;
-        Ok(svg)
+        Ok(with_sheet(&svg))
     }
 }
 
@@ -125,7 +126,7 @@ fn cell(
         shown.pop();
         shown.push('…');
     }
-    canvas.text(&shown, (0.5 * (left + right), 0.5 * (top + bottom)), Anchor::Centre)
+    canvas.on_tint(&shown, (0.5 * (left + right), 0.5 * (top + bottom)))
 }
 
 #[cfg(test)]
@@ -145,7 +146,8 @@ mod tests {
         for words in ["units", "gap", "1e50", "refused"] {
             assert!(right.contains(words), "{words}");
         }
-        let lines = |svg: &str| svg.matches("<polyline").count() + svg.matches("<line").count();
+        // A line to its end.
+        let lines = |svg: &str| svg.matches('L').count();
         assert_eq!(lines(&wrong), lines(&right) + 2);
     }
 }

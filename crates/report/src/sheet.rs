@@ -3,12 +3,15 @@
 //! A picture is drawn for white paper and stays so in print; a viewer with a dark page maps its inks. The sheet selects
 //! by the colours themselves, so that a picture without it (a viewer that knows no media queries) is the light one.
 
+use super::compact::compact;
 use plotters::style::RGBColor;
 
 /// Paper; hollow markers are filled with it.
 pub(super) const PAPER: RGBColor = RGBColor(255, 255, 255);
 /// Words.
 pub(super) const WORDS: RGBColor = RGBColor(30, 30, 30);
+/// Words on an area of light colour, which a dark page leaves as it is.
+pub(super) const WORDS_ON_TINT: RGBColor = RGBColor(31, 31, 31);
 
 /// The rules, for a page that shows several pictures.
 pub(super) const RULES: &str = "\
@@ -25,11 +28,12 @@ svg [fill=\"#CC79A7\"]{fill:#e39cc4}svg [stroke=\"#CC79A7\"]{stroke:#e39cc4}\
 svg [fill=\"#56B4E9\"]{fill:#a5dbff}svg [stroke=\"#56B4E9\"]{stroke:#a5dbff}\
 }\n";
 
-/// A picture with the sheet inside.
-pub(super) fn with_sheet(svg: &str) -> String {
+/// A picture as it was drawn, compact and with the sheet inside.
+pub(super) fn with_sheet(drawn: &str) -> String {
+    let svg = compact(drawn);
     match svg.find('>') {
         Some(end) => format!("{}{}{}", &svg[..=end], element(), &svg[end + 1..]),
-        None => svg.to_owned(),
+        None => svg,
     }
 }
 
@@ -55,8 +59,10 @@ mod tests {
         for RGBColor(r, g, b) in inks.chain([PAPER, WORDS, GRID, INK]) {
             assert!(RULES.contains(&format!("#{r:02X}{g:02X}{b:02X}")), "{r} {g} {b}");
         }
+        let RGBColor(r, g, b) = WORDS_ON_TINT;
+        assert!(!RULES.contains(&format!("#{r:02X}{g:02X}{b:02X}")));
         let svg = "<svg width=\"1\">\n</svg>";
-        assert_eq!(without(&with_sheet(svg)), svg);
-        assert!(with_sheet(svg).starts_with("<svg width=\"1\">\n<style>@media"));
+        assert_eq!(without(&with_sheet(svg)), compact(svg));
+        assert!(with_sheet(svg).contains(" width=\"1\">\n<style>@media"));
     }
 }

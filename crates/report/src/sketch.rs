@@ -31,6 +31,8 @@ pub enum Ink {
     Contact,
     /// The body moved by u(T): a line of strokes.
     Moved,
+    /// What the body may touch: a dotted line.
+    Obstacle,
     /// An edge of a body in space.
     Edge,
     /// A named region.
@@ -104,7 +106,7 @@ fn tint(ink: Ink) -> RGBColor {
         Ink::Traction => colour(0),
         Ink::Contact => colour(1),
         Ink::Moved => colour(2),
-        Ink::Edge => INK,
+        Ink::Edge | Ink::Obstacle => INK,
         Ink::Region => RGBColor(170, 170, 170),
         Ink::Thin => RGBColor(150, 150, 150),
         Ink::Curve(i) => colour(i),
@@ -123,6 +125,7 @@ fn draw(canvas: &Canvas<'_>, ink: Ink, path: &[Place]) -> Result<(), ReportError
         Ink::Edge => canvas.line(path, colour, 3),
         Ink::Region => canvas.line(path, colour, 18),
         Ink::Moved => canvas.dashed(path, colour, (18.0, 11.0)),
+        Ink::Obstacle => canvas.dashed(path, colour, (4.0, 7.0)),
         Ink::Thin => canvas.line(path, colour, 1),
     }
 }
@@ -210,7 +213,7 @@ mod tests {
         assert!((a.0 - corners.0.0).abs() + (b.1 - corners.1.1).abs() < 1e-9);
         // What is clamped is told by its hatches, what is moved by strokes.
         let svg = own.svg().expect("a picture");
-        assert!(svg.matches("<polyline").count() > 20 && svg.contains("contact"), "{svg}");
+        assert!(svg.matches('M').count() > 20 && svg.contains("contact"), "{svg}");
         assert!(svg.len() < 8000 && !svg.contains("NaN"));
     }
 }

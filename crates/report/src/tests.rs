@@ -83,7 +83,6 @@ fn a_report_is_whole_and_the_same_twice() {
         "pure--strong----mild-h.svg",
         "pure--strong----mild-k.svg",
         "pure--strong----mild-hk.svg",
-        "pure--strong----mild-map.svg",
     ];
     let write = || {
         write_all(&dir, &scenes, &records, &verdicts, &provenance, None).unwrap();
@@ -111,14 +110,13 @@ fn a_report_is_whole_and_the_same_twice() {
 fn nothing_to_draw_draws_nothing() {
     let scene = SceneSummary { name: "empty".into(), ..SceneSummary::default() };
     assert!(convergence_svg(&scene, &[], &[], Direction::Space).unwrap().is_none());
-    assert!(surface_svg(&scene, &[]).unwrap().is_none());
+    assert!(split_svg(&scene, &[]).unwrap().is_none());
     let mut broken = case("empty", 8, 8);
     broken.errors[0].error = Some(f64::NAN);
     broken.errors.truncate(1);
     let records = [broken.clone(), CaseRecord { n: None, h: None, ..broken }];
     assert!(convergence_svg(&scene, &records, &[], Direction::Time).unwrap().is_none());
-    assert!(surface_svg(&scene, &records).unwrap().is_none());
-    assert!(plane_svg(&scene, &records).unwrap().is_none());
+    assert!(split_svg(&scene, &records).unwrap().is_none());
 }
 
 /// The picture of one scene in one direction.
@@ -157,7 +155,7 @@ fn the_contact_set_is_named_where_it_is_not_drawn() {
 fn errors_within_their_floor_are_named_where_they_are_not_drawn() {
     let mut records = example("s");
     let before = picture(&records, &[], Direction::Space);
-    assert!(before.contains("u_hν") && !before.contains("not drawn"));
+    assert!(before.contains("hν") && !before.contains("not drawn"));
     for entry in records.iter_mut().flat_map(|record| &mut record.errors) {
         if entry.norm == "trace_L2_max" {
             (entry.error, entry.floor) = (Some(3e-17), Some(5e-17));

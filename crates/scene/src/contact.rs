@@ -1,13 +1,15 @@
-//! `[contact]`: gap, shift, law and quadrature on Γ3; each part may be absent.
+//! `[contact]`: gap, shift, law, quadrature and friction on Γ3; each part may be absent.
 
 use formula::Node;
 
 use super::diagnostic::SceneError;
 use super::domain::Domain;
+use super::friction::Friction;
 use super::gap::{finite_on_contact, gap};
 use super::law::Law;
 use super::reading::Reading;
 use super::scale::Scale;
+use super::time::Time;
 use super::written;
 
 /// The rule for the compliance term on Γ3; it is part of the discrete problem.
@@ -20,7 +22,7 @@ pub enum ContactQuadrature {
     Exact,
 }
 
-/// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s).
+/// (5.5) on Γ3: u_ν ≤ g, and ξ ∈ p(u_ν - s); friction in place of (5.6).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
     /// g, a formula in x, y; none is g = ∞.
@@ -29,6 +31,7 @@ pub struct Contact {
     pub shift: Option<Node>,
     pub law: Option<Law>,
     pub quadrature: ContactQuadrature,
+    pub friction: Option<Friction>,
 }
 
 impl Contact {
@@ -37,6 +40,7 @@ impl Contact {
         reading: &mut Reading,
         written: Option<&written::Contact>,
         domain: &Domain,
+        time: &Time,
     ) -> Result<Option<Contact>, SceneError> {
         match (written, domain.contact.is_empty()) {
             (None, true) => Ok(None),
@@ -56,7 +60,7 @@ impl Contact {
                     "name the sides in [domain], contact = [\"bottom\"], or remove [contact]",
                 ))
             }
-            (Some(written), false) => Contact::parts(reading, written, domain).map(Some),
+            (Some(written), false) => Contact::parts(reading, written, domain, time).map(Some),
         }
     }
 
@@ -64,6 +68,7 @@ impl Contact {
         reading: &mut Reading,
         written: &written::Contact,
         domain: &Domain,
+        time: &Time,
     ) -> Result<Contact, SceneError> {
         let gap = match &written.gap {
             Some(formula) => gap(reading, formula, domain)?,
@@ -83,7 +88,11 @@ impl Contact {
         }
         let word = written.quadrature.as_deref().unwrap_or("vertex");
         let quadrature = quadrature(reading, word, law.as_ref(), domain)?;
-        Ok(Contact { gap, shift, law, quadrature })
+        let friction = match &written.friction {
+            Some(friction) => Some(Friction::validate(reading, friction, domain, time)?),
+            None => None,
+        };
+        Ok(Contact { gap, shift, law, quadrature, friction })
     }
 }
 

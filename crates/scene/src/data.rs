@@ -35,6 +35,8 @@ pub enum Data {
         multiplier: Option<Node>,
         /// ξ ∈ p(u_ν - s) where p is set-valued; none where p(u_ν - s) is a number.
         selection: Option<Node>,
+        /// s = -σ_τ along the tangent; none is S sign u_τ, and 0 where u_τ = 0.
+        friction: Option<Node>,
         /// u(t) is the nodal interpolant of the formula on each mesh.
         interpolated: bool,
         form: LoadForm,
@@ -100,6 +102,14 @@ fn exact_solution(
             "give [contact] a law, or remove the selection",
         ));
     }
+    if written.friction.is_some() && contact.is_none_or(|contact| contact.friction.is_none()) {
+        let message = "a friction stress without friction: σ_τ = 0 on the contact sides";
+        return Err(reading.key_error(
+            "exact.friction",
+            message,
+            "add [contact.friction] with a bound, or remove it",
+        ));
+    }
     let known = [("weak", LoadForm::Weak), ("strong", LoadForm::Strong)];
     let form = reading.choice("exact.form", written.form.as_deref().unwrap_or("weak"), &known)?;
     let scope = definitions(reading, &written.define, dimension)?;
@@ -109,7 +119,9 @@ fn exact_solution(
     };
     let multiplier = optional("exact.multiplier", &written.multiplier)?;
     let selection = optional("exact.selection", &written.selection)?;
-    Ok(Data::Exact { u, multiplier, selection, interpolated: written.interpolated, form })
+    let friction = optional("exact.friction", &written.friction)?;
+    let interpolated = written.interpolated;
+    Ok(Data::Exact { u, multiplier, selection, friction, interpolated, form })
 }
 
 fn given_loads(

@@ -160,7 +160,7 @@ fn validate_contact(
     if let Some(exact) = &file.exact {
         reading.parameters = parameters(&mut reading, &exact.parameters)?;
     }
-    let contact = Contact::validate(&mut reading, file.contact.as_ref(), &domain)?;
+    let contact = Contact::validate(&mut reading, file.contact.as_ref(), &domain, &time)?;
     let data = Data::validate(&mut reading, &file, &domain, &time, contact.as_ref())?;
     let predicts = predictions(&reading, &file.predicts, contact.is_some())?;
     let sweep = Sweep::validate(&reading, file.sweep.as_ref(), &domain, contact.is_some())?;

@@ -35,6 +35,7 @@ fn of_nothing(data: &MeshData, t: f64, compliance: &[f64]) -> StateErrors {
         strain_norm: 0.0,
         compliance,
         multiplier: &multiplier,
+        friction: &[],
     };
     state_errors(&data.space, &view, &samples(data, t))
 }

@@ -19,6 +19,7 @@ pub const TIES: &[Tie] = &[
     (&["contact.law.length", "contact.law.jump"], decaying),
     (&["contact.law.coefficient", "contact.law.exponent", "contact.law.until"], power),
     (&["contact.law.scale"], scale),
+    (&["contact.friction.bound.kind", "contact.friction.bound.points"], friction),
 ];
 
 fn with_contact(text: &str) -> Setup {
@@ -106,4 +107,36 @@ fn scale() {
     let boundary = setup.model.boundary.as_ref().expect("a law");
     near(boundary.scale_at([0.5, 0.0, 0.0]), 1.5);
     near(boundary.potential_at([0.5, 0.0, 0.0]).subdifferential(0.2).0, 0.09);
+}
+
+fn friction() {
+    given_friction();
+    slip_friction();
+}
+
+/// S(x, t) = 0.1 x (1 + t) on both sides of u_τ = 0, and nothing but the interval between at 0.
+fn given_friction() {
+    let setup = with_contact("[contact.friction]\nbound = \"0.1*x*(1 + t)\"");
+    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0);
+    for (slip, [low, high]) in [(0.0, [-0.1, 0.1]), (0.02, [0.1; 2]), (-0.02, [-0.1; 2])] {
+        let own = law.subdifferential(slip);
+        near(own.0, low);
+        near(own.1, high);
+    }
+}
+
+/// From 0.3 at rest to 0.28 at a slip of 0.1, constant beyond.
+fn slip_friction() {
+    let setup = with_contact(
+        "[contact.friction]\nbound = { kind = \"slip\", points = [[0.0, 0.3], [0.1, 0.28]] }",
+    );
+    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0);
+    for (slip, [low, high]) in
+        [(0.0, [-0.3, 0.3]), (0.05, [0.29; 2]), (-0.05, [-0.29; 2]), (0.4, [0.28; 2])]
+    {
+        let own = law.subdifferential(slip);
+        near(own.0, low);
+        near(own.1, high);
+    }
+    near(law.alpha(), 0.2);
 }

@@ -23,6 +23,7 @@ pub const TIES: &[Tie] = &[
             "exact.u",
             "exact.multiplier",
             "exact.selection",
+            "exact.friction",
             "exact.interpolated",
             "exact.form",
             "exact.parameters",
@@ -135,6 +136,7 @@ const EXACT: &str = r#"[exact]
 u = ["0", "-a*(0.5 - y)/0.5"]
 multiplier = "b*t"
 selection = "0.03"
+friction = "0.028"
 interpolated = true
 form = "strong"
 [exact.parameters]
@@ -142,14 +144,14 @@ b = 2.0
 [exact.define]
 a = "0.1"
 "#;
-const LAW: &str = "[contact]\ngap = \"0.1\"\nlaw = { kind = \"piecewise-linear\", points = [[0.1, 0.0], [0.1, 0.05]], slope_before = 0.0, slope_after = 0.0 }";
+const LAW: &str = "[contact]\ngap = \"0.1\"\nlaw = { kind = \"piecewise-linear\", points = [[0.1, 0.0], [0.1, 0.05]], slope_before = 0.0, slope_after = 0.0 }\n[contact.friction]\nbound = 0.3";
 
 fn exact() {
     let loads = "[loads]\nbody = [\"0\", \"-1\"]\n";
     let without = ("reference = { n = 8, steps = 12 }\n", "");
     let read = block(&[(loads, EXACT), ("[contact]", LAW), without]);
     let body = read.as_contact().expect("a body");
-    let Data::Exact { u, multiplier, selection, interpolated, form } = &body.data else {
+    let Data::Exact { u, multiplier, selection, friction, interpolated, form } = &body.data else {
         panic!("an exact solution")
     };
     let at = Point { x: 0.3, y: 0.25, t: 0.7, ..ORIGIN };
@@ -157,6 +159,7 @@ fn exact() {
     near(value(&read, u[1], at), -0.05);
     near(value(&read, multiplier.expect("a multiplier"), at), 1.4);
     near(value(&read, selection.expect("a selection"), at), 0.03);
+    near(value(&read, friction.expect("a friction stress"), at), 0.028);
     assert!(*interpolated && *form == LoadForm::Strong);
     let weak = EXACT.replace("interpolated = true\nform = \"strong\"", "form = \"weak\"");
     let read = block(&[(loads, &weak), ("[contact]", LAW), without]);

@@ -41,6 +41,9 @@ lambda = 1.0
 quadrature = "vertex"
 [contact.law]
 kind = "none"
+[contact.friction]
+[contact.friction.bound]
+kind = "slip"
 [loads]
 body = []
 [exact]

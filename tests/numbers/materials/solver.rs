@@ -68,6 +68,7 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
         memory: terms(),
         projection: VonMises { mu: 0.7, limit: Rising },
         boundary: None,
+        friction: None,
         time_rule: Box::new(Trapezoid),
     };
     let mut problem = ContactProblem::new(space, &model);
@@ -121,7 +122,14 @@ fn marched(space: &Discretization, elasticity: TensorField, memory: Vec<MemoryTe
         }
     }
     let time_rule = Box::new(Trapezoid);
-    let model = Model { elasticity, memory, projection: NoProjection, boundary: None, time_rule };
+    let model = Model {
+        elasticity,
+        memory,
+        projection: NoProjection,
+        boundary: None,
+        friction: None,
+        time_rule,
+    };
     let mut load = Weight((0..space.dofs()).map(|i| (0.3 * i as f64).sin()).collect());
     let (grid, mut last) = (TimeGrid::uniform(1.0, 4), Vec::new());
     let mut keep = |view: &StepView<'_>| {

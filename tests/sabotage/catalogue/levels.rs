@@ -208,6 +208,7 @@ impl Shown {
             strain_norm: levels.problem().strain_norm(),
             compliance: &self.compliance,
             multiplier: &self.multiplier,
+            friction: &[],
         }
     }
 }

@@ -66,11 +66,12 @@ fn shear_twice(
     steps: u32,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let Model { elasticity, memory, projection, boundary, time_rule } = setup.scene_model();
+    let Model { elasticity, memory, projection, boundary, friction, time_rule } =
+        setup.scene_model();
     // 2 μ_L ε_xy of a strain ε_xy = 1/√2.
     let mu = 0.5 * elasticity.on(0).apply(&[0.0, 0.0, 1.0])[2];
     let projection = ShearTwice { sound: projection, mu };
-    let model = Model { elasticity, memory, projection, boundary, time_rule };
+    let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
     let mut load = TruthLoad(&*data.truth);
     march(&data.space, &model, &setup.grid(steps), &mut load, &Newton::default(), observe)
 }

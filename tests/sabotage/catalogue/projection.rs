@@ -108,12 +108,13 @@ fn replaced<P: Projection>(
     observe: &mut Observer<'_>,
     replace: impl Fn(VonMises<YieldFormula>) -> P,
 ) -> Result<CaseInfo, CaseError> {
-    let Model { elasticity, memory, projection, boundary, time_rule } = setup.scene_model();
+    let Model { elasticity, memory, projection, boundary, friction, time_rule } =
+        setup.scene_model();
     let Some(projection) = projection else {
         return data.march(setup, steps, &Newton::default(), observe);
     };
     let projection = replace(projection);
-    let model = Model { elasticity, memory, projection, boundary, time_rule };
+    let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
     let mut load = TruthLoad(&*data.truth);
     march(&data.space, &model, &setup.grid(steps), &mut load, &Newton::default(), observe)
 }

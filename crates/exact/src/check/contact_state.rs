@@ -1,6 +1,7 @@
 //! Contact state on Γ3: signs, complementarity, which states occur, and whether h3 vanishes.
 
 use super::polytope;
+use super::sliding::SlidingExtremes;
 use super::{Finding, SideOfBox, Status, places};
 use crate::constitutive::stress;
 use crate::{ContactFormulas, Exact};
@@ -30,6 +31,7 @@ struct Extremes {
     pressure: f64,
     sourced: f64,
     stress: f64,
+    friction: Option<SlidingExtremes>,
     states: [usize; 4],
     samples: usize,
 }
@@ -82,6 +84,9 @@ pub(super) fn contact(exact: &Exact, sides: &[SideOfBox]) -> Vec<Finding> {
     let locked = extremes.share(LOCKED);
     let text = extremes.states_in_words(exact.data.contact.as_ref());
     findings.push(Finding::new("contact states", Status::Fact, locked, text));
+    if let Some(friction) = &extremes.friction {
+        findings.extend(friction.findings(scale, extremes.samples));
+    }
     let relative = sourced / scale;
     let text = if relative <= PURE {
         format!("pure: |h3| <= {relative:.1e} of the stress on Gamma3")
@@ -104,19 +109,31 @@ fn sample<const D: usize>(
     let (regions, mut memory) = (exact.regions_at(points), Vec::new());
     let mut values = vec![Vec::new(); 5];
     let mut fields = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
+    let friction = exact.friction(&normal[..D]);
+    let mut sliding = friction.map(|own| (own.tangent, own.program.bind(points)));
+    let mut slides = vec![Vec::new(); 3];
     for n in 0..=TIMES {
         let t = exact.data.horizon * n as f64 / TIMES as f64;
         bound.evaluate(t, 0.0, &mut values);
         inside.evaluate(t, 0.0, &mut fields);
+        if let Some((_, bound)) = &mut sliding {
+            bound.evaluate(t, 0.0, &mut slides);
+        }
         let kappa = exact.kappa(t);
         for p in 0..points.len() {
             let [u_nu, pressure, gap, _, lambda] = [0, 1, 2, 3, 4].map(|i| values[i][p]);
             let strain = exact.tensors::<D, f64>(|k| fields[k][p], &mut memory);
             let sigma = stress(exact.material_in(regions[p]), &strain, &memory, kappa);
             extremes.add(u_nu, pressure, gap, lambda, has_law);
+            let mut along = [0.0; D];
+            if let Some((tangent, _)) = &sliding {
+                let [s, u_tau, bound] = [0, 1, 2].map(|i| slides[i][p]);
+                extremes.friction.get_or_insert_default().add(s, u_tau, bound);
+                along.iter_mut().zip(tangent).for_each(|(along, tau)| *along = s * tau);
+            }
             let h3 = (0..D).map(|i| {
                 let traction: f64 = sigma[i].iter().zip(&normal).map(|(s, n)| s * n).sum();
-                traction + pressure * normal[i]
+                traction + pressure * normal[i] + along[i]
             });
             let h3 = h3.map(|component| component * component).sum::<f64>().sqrt();
             extremes.sourced = extremes.sourced.max(h3);

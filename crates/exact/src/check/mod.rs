@@ -5,6 +5,7 @@ mod contact_state;
 mod loads;
 mod polytope;
 mod regularity;
+mod sliding;
 mod smoothness;
 
 pub use regularity::{regularity_in_space, regularity_in_time};

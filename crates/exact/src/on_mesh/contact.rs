@@ -15,7 +15,7 @@ pub(super) struct ContactMoments {
 }
 
 impl ExactOnMesh {
-    /// Adds ∫_{Γ3} c v_ν, d numbers per point of the trace, to a vector over all nodes.
+    /// Adds ∫_{Γ3} c v_ν + s v_τ, d numbers per point of the trace, to a vector over all nodes.
     pub(super) fn add_contact_pressure(&self, pressure: &[f64], force: &mut [f64]) {
         let (d, points) = (self.space.mesh.dimension, &self.space.trace.points);
         for (point, own) in points.iter().zip(pressure.chunks_exact(d)) {
@@ -24,20 +24,29 @@ impl ExactOnMesh {
         }
     }
 
-    /// ∫_{Γ3} c v_ν of the points of the trace, d numbers each.
+    /// ∫_{Γ3} c v_ν + s v_τ of the points of the trace, d numbers each.
     pub(super) fn contact_pressure(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let (d, trace) = (self.space.mesh.dimension, &self.space.trace);
         let mut force = vec![0.0; d * trace.points.len()];
         for group in &self.contact {
             let values = group.contact_values(&self.space.mesh, &group.points, t)?;
+            let friction = group.friction(&self.space.mesh, t)?;
             let rule = &group.points.rule;
             for (index, (&f, &facet)) in group.facets.iter().zip(&group.mesh_facets).enumerate() {
                 let measure = facet_measure(&self.space.mesh, facet);
                 for (q, weight) in rule.weights.iter().enumerate() {
-                    let pressure = weight * measure * values[1][rule.weights.len() * index + q];
+                    let at = rule.weights.len() * index + q;
+                    let pressure = weight * measure * values[1][at];
                     for (&point, shape) in trace.facet(f).iter().zip(&rule.points[q]) {
                         for i in 0..d {
                             force[d * point as usize + i] += pressure * group.normal[i] * shape;
+                        }
+                    }
+                    let Some((tangent, s)) = &friction else { continue };
+                    let sliding = weight * measure * s[at];
+                    for (&point, shape) in trace.facet(f).iter().zip(&rule.points[q]) {
+                        for (i, along) in tangent.iter().enumerate() {
+                            force[d * point as usize + i] += sliding * along * shape;
                         }
                     }
                 }

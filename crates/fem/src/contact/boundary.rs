@@ -2,20 +2,31 @@
 
 use std::sync::Arc;
 
-use super::{BoundaryRule, Discretization, Model};
+use super::{Boundary, BoundaryRule, Discretization, Model, friction};
 use vhi::law::{NoPotential, Potential, Projection};
 use vhi::{BoundaryGraph, Coordinate};
 
-/// The graphs of Γ3: gap and shift at the vertices, the potential where the vertex rule is used.
+/// The graphs of Γ3: gap and shift at the vertices, the potential where the vertex rule is used; after them those of friction.
 pub(crate) fn boundary_graph<P: Projection>(
     space: &Discretization,
     model: &Model<P>,
     elastic: &[f64],
 ) -> BoundaryGraph {
     let none: Arc<dyn Potential> = Arc::new(NoPotential);
-    let Some(boundary) = &model.boundary else {
-        return BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] };
+    let mut graph = match &model.boundary {
+        Some(boundary) => normal_graph(space, boundary, none, elastic),
+        None => BoundaryGraph { coordinates: Vec::new(), potentials: vec![none] },
     };
+    friction::append_graphs(space, model, elastic, &mut graph);
+    graph
+}
+
+fn normal_graph(
+    space: &Discretization,
+    boundary: &Boundary,
+    none: Arc<dyn Potential>,
+    elastic: &[f64],
+) -> BoundaryGraph {
     // A law with a factor is one law per vertex.
     let mut potentials = match (boundary.rule, &boundary.scale) {
         (BoundaryRule::Vertex, None) => vec![boundary.potential.clone()],

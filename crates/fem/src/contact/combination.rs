@@ -59,6 +59,7 @@ impl Combination {
                 strain_norm: 0.0,
                 compliance: &nothing,
                 multiplier: &nothing,
+                friction: &[],
             };
             internal_force(space, model, &view)
         };

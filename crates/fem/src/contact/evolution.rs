@@ -165,6 +165,7 @@ impl<P: Projection> HistoryInequality for Evolution<'_, P> {
             self.slot.memory.push(own);
             memory.past(&*term.kernel, rule, grid, &mut sum[..dofs]);
         }
+        self.problem.set_friction(self.grid.time(n));
         self.begin_implicit();
         Ok(())
     }

@@ -4,7 +4,7 @@
 use super::assembly::stress_force;
 use super::kkt_compliance::{add_exact, add_gauss};
 use super::march::StepView;
-use super::{BoundaryRule, Discretization, Model};
+use super::{BoundaryRule, Discretization, Model, friction};
 use crate::space::strain_of;
 use algebra::linalg::{larger, largest};
 use vhi::law::{Projection, graph_distance};
@@ -12,7 +12,7 @@ use vhi::law::{Projection, graph_distance};
 /// Largest violation of the discrete KKT system at one time level, relative to the largest nodal
 /// force of the stresses (or of the load, if larger); dimensionless. Zero force: the violation.
 ///
-/// Parts: force balance with ξ and λ; 0 ≤ λ ⊥ g - u_ν ≥ 0; ξ ∈ ∂j_ν(u_ν) at the vertices.
+/// Parts: force balance with ξ, λ and s; 0 ≤ λ ⊥ g - u_ν ≥ 0; ξ ∈ ∂j_ν(u_ν) and s ∈ S ∂|u_τ| at the vertices.
 pub fn kkt_residual<P: Projection>(
     space: &Discretization,
     model: &Model<P>,
@@ -100,6 +100,11 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
         }
         scale = scale.max(f64::MIN_POSITIVE);
     }
+    if model.friction.is_some() {
+        let stiffness = model.elasticity.eigenvalues(D).1;
+        worst = larger(worst, friction::violation(space, model, view, stiffness));
+        scale = scale.max(f64::MIN_POSITIVE);
+    }
     // Every unknown and pressure is part of the balance: a NaN in one of them shows in it.
     let worst = larger(worst, unbalanced);
     if scale > 0.0 { worst / scale } else { worst }
@@ -111,6 +116,7 @@ fn add_contact_forces<P: Projection>(
     view: &StepView<'_>,
     balance: &mut [f64],
 ) {
+    friction::add_force(space, view, balance);
     let Some(boundary) = &model.boundary else { return };
     for (i, point) in space.trace.points.iter().enumerate() {
         let pressure = match boundary.rule {

@@ -89,6 +89,7 @@ pub fn march<P: Projection>(
             strain_norm,
             compliance: &nothing,
             multiplier: &nothing,
+            friction: &[],
         };
         let parts = load.basis().unwrap_or_default();
         let mut residual = combination.kkt_residual(space, [&coefficients, &past], &factors, parts);

@@ -5,7 +5,9 @@ use super::kkt::kkt_residual_in;
 use super::path::{self, Path, Paths};
 use super::plan::Plan;
 use super::work::Work;
-use super::{Discretization, Evolution, Floors, Load, LoadError, Model, linear, one_matrix};
+use super::{
+    Discretization, Evolution, Floors, Load, LoadError, Model, friction, linear, one_matrix,
+};
 use vhi::history::TimeGrid;
 use vhi::law::{Potential, Projection};
 use vhi::{BoundaryGraph, FailedStep, Piece, StepInequality, StepSolver, StepState, Stepper};
@@ -30,6 +32,10 @@ pub struct StepView<'a> {
     pub compliance: &'a [f64],
     /// λ_n at the points of the trace (a pressure).
     pub multiplier: &'a [f64],
+    /// s_n = -σ_τ along [`TracePoint::tangent`] at the points of the trace; empty without friction.
+    ///
+    /// [`TracePoint::tangent`]: super::TracePoint::tangent
+    pub friction: &'a [f64],
 }
 
 /// Called with every time level; an error that it returns ends the march.
@@ -214,6 +220,7 @@ struct March<'a, P, S> {
     balance: Vec<f64>,
     compliance: Vec<f64>,
     multiplier: Vec<f64>,
+    friction: Vec<f64>,
     /// The largest residual that was accepted so far, and the floors it and rounding make.
     worst_residual: f64,
     info: CaseInfo,
@@ -235,6 +242,10 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             balance: Vec::new(),
             compliance: vec![0.0; space.trace.points.len()],
             multiplier: vec![0.0; space.trace.points.len()],
+            friction: vec![
+                0.0;
+                if model.friction.is_some() { space.trace.points.len() } else { 0 }
+            ],
             worst_residual: 0.0,
             info: CaseInfo::default(),
             space,
@@ -301,6 +312,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             state,
             [&mut self.compliance, &mut self.multiplier],
         );
+        friction::show(self.space, &state.pressure, &mut self.friction);
         let zeta = self.evolution.zeta();
         let history = self.evolution.history();
         let view = StepView {
@@ -313,6 +325,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             strain_norm: self.evolution.problem().strain_norm(),
             compliance: &self.compliance,
             multiplier: &self.multiplier,
+            friction: &self.friction,
         };
         let residual = kkt_residual_in(
             self.space,

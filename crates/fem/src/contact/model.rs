@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::friction::Friction;
 use vhi::history::TimeRule;
 use vhi::law::{MemoryKernel, Potential, Projection, Scaled, TensorField};
 
@@ -73,14 +74,17 @@ pub struct Model<P> {
     pub projection: P,
     /// Contact; `None` if Γ3 is empty or carries neither law nor gap.
     pub boundary: Option<Boundary>,
+    /// Friction on Γ3, in the plane.
+    pub friction: Option<Friction>,
     /// Quadrature in time.
     pub time_rule: Box<dyn TimeRule>,
 }
 
 impl<P: Projection> Model<P> {
-    /// True if the discrete problem is linear: neither projection nor contact.
+    /// True if the discrete problem is linear: neither projection nor contact nor friction.
     pub fn is_linear(&self) -> bool {
-        self.projection.limit().is_none() && self.boundary.is_none()
+        let on_contact = self.boundary.is_some() || self.friction.is_some();
+        self.projection.limit().is_none() && !on_contact
     }
 
     /// ‖ℬ(lag)‖ on S^d, the largest of all regions; zero without memory.

@@ -119,6 +119,10 @@ paths! {
     AtJump = "law at its jump",
     /// u_ν - s beyond the last point of the law at the last level.
     Beyond = "law beyond its last point",
+    /// A vertex with friction that sticks at the last level.
+    Sticking = "friction sticks",
+    /// One that slips.
+    Slipping = "friction slips",
 }
 
 /// A set of paths.
@@ -201,6 +205,11 @@ pub(super) fn of_level<P: Projection>(
     view: &StepView<'_>,
 ) -> Paths {
     let mut paths = Paths::default();
+    for point in space.trace.points.iter().filter(|p| model.friction.is_some() && !p.clamped) {
+        // A vertex that sticks is held at 0 but for the rounding of a frame.
+        let sticks = point.tangential(view.u).abs() <= 4.0 * f64::EPSILON;
+        paths.insert(if sticks { Path::Sticking } else { Path::Slipping });
+    }
     let Some(boundary) = &model.boundary else { return paths };
     let law = &boundary.potential;
     let d = space.mesh.dimension;

@@ -12,7 +12,7 @@ pub enum Plan {
     Recursion,
     /// Linear, with any other memory: one matrix for each weight of the last slot, a solve per level.
     Linear,
-    /// Contact without projection: a matrix as in linear scenes, a small full problem on Γ3 per level.
+    /// Contact without projection and friction: a matrix as in linear scenes, a small full problem on Γ3 per level.
     Condensed,
     /// Newton's method in the volume.
     Newton,
@@ -50,7 +50,7 @@ impl Plan {
     pub(crate) fn foreseen<P: Projection>(model: &Model<P>, dimension: usize) -> Self {
         if model.is_linear() {
             if Self::changes_factor(model) { Self::Linear } else { Self::Recursion }
-        } else if dimension == 2 && model.projection.limit().is_none() {
+        } else if dimension == 2 && model.projection.limit().is_none() && model.friction.is_none() {
             Self::Condensed
         } else {
             Self::Newton

@@ -1,9 +1,9 @@
-//! The constants of the normal trace on a mesh: sup ‖v_ν‖²_{L²(Γ3)}/(𝒞ε(v), ε(v)) over V^h.
+//! The constants of the traces on a mesh: sup ‖v_ν‖²_{L²(Γ3)}/(𝒞ε(v), ε(v)) over V^h, and the same of v_τ in the plane.
 //!
 //! With 𝒞 = I it is c_j² of (2.4); with 𝒞 = 𝒜 it is the energy constant, which with α_ν decides by
 //! itself whether the elastic part of a step is monotone.
 
-use super::{Discretization, StiffnessInverse};
+use super::{ContactTrace, Discretization, StiffnessInverse};
 use algebra::linalg::{
     EigenError, Extreme, FactorError, LinearMap, largest_eigenvalue, signed_unit,
 };
@@ -27,13 +27,58 @@ pub fn trace_constant(
     tensor: &TensorField,
     mass: TraceMass,
 ) -> Result<Extreme, EigenError> {
+    largest_quotient(space, tensor, mass, Part::Normal)
+}
+
+/// sup ‖v_τ‖²/‖ε(v)‖² on a plane mesh, and the field that has it. Korn's inequality is in it, and with it a number that
+/// is much larger than that of v_ν.
+///
+/// # Errors
+/// A stiffness matrix that cannot be factorized.
+pub fn tangential_trace_constant(
+    space: &Discretization,
+    mass: TraceMass,
+) -> Result<Extreme, EigenError> {
+    // ‖ε(v)‖² is the energy of the tensor with 2μ = 1 and λ = 0.
+    largest_quotient(space, &TensorField::identity(), mass, Part::Tangential)
+}
+
+/// The part of the trace.
+#[derive(Clone, Copy)]
+enum Part {
+    Normal,
+    Tangential,
+}
+
+impl Part {
+    fn value(self, trace: &ContactTrace, i: usize, v: &[f64]) -> f64 {
+        match self {
+            Self::Normal => trace.normal(i, v),
+            Self::Tangential => trace.points[i].tangential(v),
+        }
+    }
+
+    fn add(self, trace: &ContactTrace, i: usize, value: f64, force: &mut [f64]) {
+        match self {
+            Self::Normal => trace.add_normal(i, value, force),
+            Self::Tangential => trace.points[i].add_tangential(value, force),
+        }
+    }
+}
+
+fn largest_quotient(
+    space: &Discretization,
+    tensor: &TensorField,
+    mass: TraceMass,
+    part: Part,
+) -> Result<Extreme, EigenError> {
     let stiffness = StiffnessInverse::passing(space, tensor)?;
     let nodal = vec![0.0; space.nodes.len()];
-    let mut map = Quotient { space, stiffness, mass, nodal };
+    let mut map = Quotient { space, stiffness, mass, part, nodal };
     // A constant pressure and some of everything else: no symmetry of the mesh hides the maximum.
     let (mut seed, mut load) = (1, vec![0.0; space.nodes.len()]);
     for (i, _) in space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped) {
-        space.trace.add_normal(i, 1.0 + 0.1 * signed_unit(&mut seed), &mut load);
+        part.add(&space.trace, i, 1.0 + 0.1 * signed_unit(&mut seed), &mut load);
     }
     let mut start = vec![0.0; space.dofs()];
     map.apply(&load[..space.dofs()], &mut start)?;
@@ -48,13 +93,14 @@ struct Quotient<'a> {
     space: &'a Discretization,
     stiffness: StiffnessInverse<'a>,
     mass: TraceMass,
+    part: Part,
     nodal: Vec<f64>,
 }
 
 impl LinearMap for Quotient<'_> {
     fn apply(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
         self.nodal[..x.len()].copy_from_slice(x);
-        let mut force = trace_mass(self.space, self.mass, &self.nodal);
+        let mut force = trace_mass(self.space, (self.mass, self.part), &self.nodal);
         force.truncate(out.len());
         out.copy_from_slice(&force);
         self.stiffness.solve(out);
@@ -66,25 +112,25 @@ impl LinearMap for Quotient<'_> {
     }
 }
 
-/// M v over all nodes: ∫_{Γ3} v_ν φ_ν.
-fn trace_mass(space: &Discretization, mass: TraceMass, v: &[f64]) -> Vec<f64> {
+/// M v over all nodes: ∫_{Γ3} v_ν φ_ν, or the same of the tangential part.
+fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; v.len()];
     let trace = &space.trace;
     match mass {
         TraceMass::Lumped => {
             for (i, point) in trace.points.iter().enumerate() {
-                trace.add_normal(i, point.weight * trace.normal(i, v), &mut out);
+                part.add(trace, i, point.weight * part.value(trace, i, v), &mut out);
             }
         }
         TraceMass::Consistent => {
             let corners = trace.stride as f64;
             for f in 0..trace.measure.len() {
                 let members = trace.facet(f);
-                let total: f64 = members.iter().map(|&i| trace.normal(i as usize, v)).sum();
+                let total: f64 = members.iter().map(|&i| part.value(trace, i as usize, v)).sum();
                 for &i in members {
-                    let value = trace.measure[f] * (trace.normal(i as usize, v) + total)
+                    let value = trace.measure[f] * (part.value(trace, i as usize, v) + total)
                         / (corners * (corners + 1.0));
-                    trace.add_normal(i as usize, value, &mut out);
+                    part.add(trace, i as usize, value, &mut out);
                 }
             }
         }

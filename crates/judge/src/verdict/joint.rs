@@ -46,6 +46,7 @@ pub(super) fn judge_grid(selection: &Selection, prediction: &Prediction) -> Find
         orders: Some((order_h.order, order_h.interval)),
         orders_k: Some((in_time.order, in_time.interval)),
         probability: Some(parts[0].ruling.probability.min(parts[1].ruling.probability)),
+        contradicted_by: None,
         constants: constants(selection, &best, (order, order_k)),
         decision,
         reason: format!("in h: {in_h}; in k: {in_k}"),

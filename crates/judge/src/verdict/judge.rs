@@ -19,6 +19,8 @@ pub(super) struct Finding {
     pub(super) orders_k: Option<(f64, Interval)>,
     /// Probability that the prediction holds.
     pub(super) probability: Option<f64>,
+    /// The order of predicted errors that agree with the measured ones and not with the prediction.
+    pub(super) contradicted_by: Option<f64>,
     pub(super) constants: BTreeMap<&'static str, Constant>,
     pub(super) decision: Decision,
     pub(super) reason: String,
@@ -30,7 +32,16 @@ impl Finding {
     pub(super) fn without_order(decision: Decision, reason: String) -> Self {
         let constants = BTreeMap::new();
         let next = Vec::new();
-        Self { orders: None, orders_k: None, probability: None, constants, decision, reason, next }
+        Self {
+            orders: None,
+            orders_k: None,
+            probability: None,
+            contradicted_by: None,
+            constants,
+            decision,
+            reason,
+            next,
+        }
     }
 
     /// With the cases that would help.
@@ -89,6 +100,7 @@ pub fn judge_foreseen(
         interval: ends(finding.orders),
         interval_k: ends(finding.orders_k),
         probability: finding.probability,
+        contradicted_by: finding.contradicted_by,
         points_used: selection.points_used(),
         points_left_out: selection.points_left_out(),
         constants: finding.constants,
@@ -131,6 +143,7 @@ fn compare_with(
         }
         Decision::Pass => {}
         _ if (leading - prediction.order).abs() > TOLERANCE => {
+            finding.contradicted_by = Some(leading);
             finding.reason += &format!(
                 " on each of the finest cases, and the predicted errors have the order {leading:.2}: the prediction {} is wrong, not the program",
                 prediction.order
@@ -183,6 +196,7 @@ fn judge_line(
         orders: Some((posterior.order, posterior.interval)),
         orders_k: None,
         probability: Some(ruling.probability),
+        contradicted_by: None,
         constants: constants(&samples, prediction, direction),
         decision: ruling.decision,
         reason,

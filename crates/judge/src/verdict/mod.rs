@@ -28,7 +28,7 @@ pub use document::{
 pub use judge::{judge, judge_foreseen};
 pub use next::NextCase;
 pub use selection::{line_keys, line_points};
-pub use table::{NOTHING_JUDGED, cell_texts, render_table};
+pub use table::{NOTHING_JUDGED, TABLE_WIDTH, cell_texts, render_table};
 
 /// What is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -250,6 +250,10 @@ pub struct Verdict {
     /// Probability that the prediction holds within its tolerance.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub probability: Option<f64>,
+    /// The order of the errors that the exact solution predicts, where the measured errors are these and the prediction
+    /// has another order: it is wrong, and the program is sound.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub contradicted_by: Option<f64>,
     /// The points that served.
     pub points_used: Vec<PointUsed>,
     /// The points that did not.

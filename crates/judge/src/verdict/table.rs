@@ -1,37 +1,56 @@
-//! Verdicts as a table of at most 100 columns, and the reasons below it.
+//! Verdicts as a table of a given width, and the reasons below it.
 
 use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{ContentArrangement, LineStyle, Table};
+use comfy_table::{ColumnConstraint, ContentArrangement, LineStyle, Table};
 
 use super::{Decision, Verdict};
 
-/// Width of the text in characters.
-const WIDTH: usize = 100;
+/// Width of the text in characters where nothing else is known.
+pub const TABLE_WIDTH: u16 = 100;
+
+/// Narrower the theorems have no room beside the intervals.
+const WITH_REASONS: u16 = 96;
+
+/// The columns whose cells are one thing: in, predicted, observed, verdict. An order is not parted from its interval.
+const WHOLE: std::ops::RangeInclusive<usize> = 2..=5;
 
 /// What stands in place of an empty table.
 pub const NOTHING_JUDGED: &str =
     "nothing was judged: every scene here says judge = false and is measured only";
 
-/// The table of verdicts: scene, norm, in, predicted, observed, verdict, why; and below it the
-/// reason of every verdict that is not a plain pass. Without verdicts: [`NOTHING_JUDGED`].
-pub fn render_table(verdicts: &[Verdict]) -> String {
+/// The table of verdicts in `width` columns: scene, norm, in, predicted, observed, verdict and, where there is room, why; and
+/// below it the reason of every verdict that is not a plain pass. Without verdicts: [`NOTHING_JUDGED`].
+pub fn render_table(verdicts: &[Verdict], width: u16) -> String {
     if verdicts.is_empty() {
         return NOTHING_JUDGED.into();
     }
     let mut table = Table::new();
     table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
-    table.set_width(WIDTH as u16).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-
-    table.set_header(["scene", "norm", "in", "predicted", "observed", "verdict", "why"]);
-    table.add_rows(verdicts.iter().map(cell_texts));
+    table.set_width(width).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
+    let columns = if width < WITH_REASONS { HEAD.len() - 1 } else { HEAD.len() };
+    table.set_header(&HEAD[..columns]);
+    table.add_rows(verdicts.iter().map(|verdict| cell_texts(verdict).into_iter().take(columns)));
+    for (at, column) in table.column_iter_mut().enumerate() {
+        // Gaps of two, and none at the margin.
+        column.set_padding((0, 2));
+        match at {
+            0 => column.set_delimiter('-'),
+            1 => column.set_delimiter('_'),
+            _ if WHOLE.contains(&at) => column.set_constraint(ColumnConstraint::ContentWidth),
+            _ => column,
+        };
+    }
     let reasons = verdicts.iter().filter(|verdict| !is_plain_pass(verdict)).map(|verdict| {
         let Verdict { scene, norm, variable, reason, .. } = verdict;
         let name = verdict.decision.name();
-        wrapped(&format!("{scene} {norm} in {}: {name}: {reason}", variable.name()))
+        wrapped(&format!("{scene} {norm} in {}: {name}: {reason}", variable.name()), width.into())
     });
     let blocks: Vec<String> = [table.trim_fmt()].into_iter().chain(reasons).collect();
     blocks.join("\n")
 }
+
+/// The heads of the columns.
+const HEAD: [&str; 7] = ["scene", "norm", "in", "predicted", "observed", "verdict", "why"];
 
 /// The cells of a verdict: scene, norm, in, predicted, observed, verdict, why.
 pub fn cell_texts(verdict: &Verdict) -> [String; 7] {
@@ -73,11 +92,11 @@ fn observed(verdict: &Verdict) -> String {
 }
 
 /// Breaks a text at blanks, later lines indented.
-fn wrapped(text: &str) -> String {
+fn wrapped(text: &str, width: usize) -> String {
     let mut lines = vec![String::new()];
     for word in text.split_whitespace() {
         let last = lines.len() - 1;
-        if lines[last].chars().count() + 1 + word.chars().count() > WIDTH {
+        if lines[last].chars().count() + 1 + word.chars().count() > width {
             lines.push(format!("    {word}"));
         } else {
             let blank = if lines[last].is_empty() { "" } else { " " };
@@ -94,8 +113,8 @@ mod tests {
     #[test]
     fn lines_are_full_and_no_longer() {
         let [a, b, c] = ["a".repeat(50), "b".repeat(49), "c".repeat(50)];
-        assert_eq!(wrapped(&format!("{a} {b}")), format!("{a} {b}"));
-        assert_eq!(wrapped(&format!("{a} {c} d")), format!("{a}\n    {c} d"));
-        assert_eq!(wrapped(""), "");
+        assert_eq!(wrapped(&format!("{a} {b}"), 100), format!("{a} {b}"));
+        assert_eq!(wrapped(&format!("{a} {c} d"), 100), format!("{a}\n    {c} d"));
+        assert_eq!(wrapped("", 100), "");
     }
 }

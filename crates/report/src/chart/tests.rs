@@ -51,7 +51,7 @@ fn letters_of_near_marks_stand_apart() {
     // Letters are single characters in text elements of their own: their x are in the SVG.
     let svg = svg(&chart);
     let x = |letter: &str| -> f64 {
-        let at = svg.find(&format!("\n{letter}\n</text>")).expect(letter);
+        let at = svg.find(&format!(">{letter}</text>")).expect(letter);
         let start = svg[..at].rfind(" x=\"").unwrap() + 4;
         svg[start..].split('"').next().unwrap().parse().unwrap()
     };

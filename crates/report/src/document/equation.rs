@@ -28,6 +28,8 @@ pub struct Terms {
     pub gap: bool,
     /// A compliance law.
     pub law: bool,
+    /// Friction.
+    pub friction: bool,
 }
 
 impl Equation {
@@ -104,7 +106,18 @@ fn contact(terms: Terms) -> Equation {
         ),
         (false, false) => ("σν = 0 on Γ₃", "bold(sigma nu) = bold(0) quad \"on\" Gamma_3"),
     };
-    Equation::new(plain, typst, "(5.5), (5.6)")
+    if !terms.friction {
+        return Equation::new(plain, typst, "(5.5), (5.6)");
+    }
+    let (free, law) = ("bold(sigma)_tau = bold(0)", "-sigma_tau in S partial abs(u_tau)");
+    let (plain, typst) = match (terms.gap, terms.law) {
+        (false, false) => (
+            "σ_ν = 0, −σ_τ ∈ S ∂|u_τ| on Γ₃".to_owned(),
+            format!("sigma_nu = 0, quad {law} quad \"on\" Gamma_3"),
+        ),
+        _ => (plain.replace("σ_τ = 0", "−σ_τ ∈ S ∂|u_τ|"), typst.replace(free, law)),
+    };
+    Equation::new(plain, typst, "(5.5)")
 }
 
 #[cfg(test)]
@@ -134,5 +147,10 @@ mod tests {
         assert!(!text(Terms { gap: false, ..all }).contains("≤ g"));
         assert!(!text(Terms { law: false, ..all }).contains('ξ'));
         assert!(text(Terms { is_abstract: true, ..all }).contains("j⁰"));
+        for (gap, law) in [(true, true), (true, false), (false, true), (false, false)] {
+            let text = text(Terms { gap, law, friction: true, ..all });
+            assert!(text.contains("−σ_τ ∈ S") && text.contains("in S partial"), "{text}");
+            assert!(!text.contains("σ_τ = 0") && !text.contains("tau = bold(0)"), "{text}");
+        }
     }
 }

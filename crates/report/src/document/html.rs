@@ -103,7 +103,7 @@ fn block(block: &Block) -> String {
         }
         Block::Table(table) => of_table(table),
         Block::Figure(figure) => of_figure(figure),
-        Block::Code(text) => format!("<pre><code>{}</code></pre>\n", escaped(text)),
+        Block::Code(text) => format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escaped(text)),
     }
 }
 

@@ -154,6 +154,7 @@ fn show(
             strain_norm,
             compliance: &pressures[n * points..(n + 1) * points],
             multiplier: &no_multiplier,
+            friction: &[],
         })?;
     }
     Ok(info)

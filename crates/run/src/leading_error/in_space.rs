@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::NoConstant;
 use super::cells::{Mandel, add_force, add_stiffness, inner, product, strains};
 use super::interpolation::InterpolationError;
-use super::law_slope::{Answer, answer};
+use super::law_slope::{Answer, answer, sliding_answer};
 use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
 use super::sums::{Kernel, Numbers, Sums};
@@ -43,6 +43,8 @@ struct State<const S: usize> {
     zeta: f64,
     /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
     contact: Vec<[f64; 5]>,
+    /// The tangent and [s, u_τ, S] there; none without friction.
+    friction: Option<Vec<([f64; 2], [f64; 3])>>,
 }
 
 /// The past of a level: Σ' over exact values, and over the errors of earlier levels.
@@ -176,7 +178,8 @@ impl<const S: usize> InSpace<S> {
         let memory = (0..self.kernels.len()).map(remembered).collect();
         let norm = inner(&self.space, &strain, &strain).sqrt();
         let (zeta, contact) = (history.zeta(), self.truth.contact_state(t));
-        State { u, strain, norm, memory, zeta, contact }
+        let friction = self.truth.friction_state(t);
+        State { u, strain, norm, memory, zeta, contact, friction }
     }
 
     fn past(&self, sums: &Sums, state: &State<S>, accumulated: Accumulated) -> Past<S> {
@@ -246,6 +249,7 @@ impl<const S: usize> InSpace<S> {
         }
         let answers = self.answers(state);
         self.add_contact(&answers, &mut values);
+        self.add_friction(state, &mut values);
         let error = self.solve(t, &values, right, column, &row)?;
         let strain: Vec<Mandel<S>> = strains(space, &error);
         // The change of ζ that the level itself makes.
@@ -303,6 +307,28 @@ impl<const S: usize> InSpace<S> {
                     let first = d * point.node as usize;
                     if let Some(at) = self.space.pattern.position(first + i, first + j) {
                         values[at] += answer * point.normal[i] * point.normal[j];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds the slopes of friction at the vertices that slip; holds u_τ of those that stick.
+    fn add_friction(&self, state: &State<S>, values: &mut [f64]) {
+        let friction = self.exact.data.contact.as_ref().and_then(|own| own.friction.as_ref());
+        let Some((friction, state)) = friction.zip(state.friction.as_ref()) else { return };
+        let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
+        for (point, (tangent, own)) in self.space.trace.points.iter().zip(state) {
+            let answer = match sliding_answer(&friction.bound, *own) {
+                _ if point.clamped => continue,
+                Answer::Slope(slope) => point.weight * slope,
+                Answer::Held => HELD * stiffness,
+            };
+            for i in 0..2 {
+                for j in 0..=i {
+                    let first = 2 * point.node as usize;
+                    if let Some(at) = self.space.pattern.position(first + i, first + j) {
+                        values[at] += answer * tangent[i] * tangent[j];
                     }
                 }
             }

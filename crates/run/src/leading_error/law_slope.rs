@@ -1,6 +1,6 @@
 //! How ξ ∈ ∂j_ν(r) answers to a small change of r.
 
-use exact::LawNumbers;
+use exact::{FrictionBound, LawNumbers};
 
 /// The answer of one point of the contact side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,6 +37,23 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
     Answer::Slope(graph + curve)
 }
 
+/// The answer of s ∈ S ∂|u_τ| where s, u_τ and S are given: a vertex sticks below the bound.
+pub(super) fn sliding_answer(bound: &FrictionBound, [s, u_tau, at]: [f64; 3]) -> Answer {
+    if s.abs() < at * (1.0 - ROUNDING) {
+        return Answer::Held;
+    }
+    match bound {
+        FrictionBound::Given(_) => Answer::Slope(0.0),
+        FrictionBound::Slip(points) => {
+            let pairs = points.windows(2).map(|pair| (pair[0], pair[1]));
+            let mut pieces =
+                pairs.filter(|([from, _], [to, _])| (*from..*to).contains(&u_tau.abs()));
+            let piece = pieces.next();
+            Answer::Slope(piece.map_or(0.0, |([from, low], [to, high])| (high - low) / (to - from)))
+        }
+    }
+}
+
 /// Rounding of a formula that is to stay at a jump.
 const ROUNDING: f64 = 1e-12;
 
@@ -51,6 +68,20 @@ fn outer(law: &LawNumbers, r: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn friction_holds_below_its_bound_and_follows_it_beyond() {
+        let given = FrictionBound::Given(formula::Graph::new().constant(0.3));
+        assert_eq!(sliding_answer(&given, [0.2, 0.0, 0.3]), Answer::Held);
+        assert_eq!(sliding_answer(&given, [-0.3, -0.1, 0.3]), Answer::Slope(0.0));
+        let falling = FrictionBound::Slip(vec![[0.0, 0.3], [0.5, 0.2]]);
+        for (u_tau, slope) in [(0.1, -0.2), (-0.1, -0.2), (0.6, 0.0)] {
+            let Answer::Slope(own) = sliding_answer(&falling, [0.28, u_tau, 0.28]) else {
+                panic!("held at {u_tau}");
+            };
+            assert!((own - slope).abs() < 1e-12, "{u_tau}: {own}");
+        }
+    }
 
     #[test]
     fn every_branch_answers_with_its_slope() {

@@ -12,6 +12,8 @@ const ALONG: u32 = 8;
 const CURVE: u32 = 64;
 /// The largest displacement drawn, as a part of the body's extent.
 const REACH: f64 = 0.12;
+/// The widest gap drawn, likewise.
+const GAP_REACH: f64 = 0.25;
 /// Meshes tried for the cells of a region, until none is cut; lines of a mesh are drawn on one of these.
 const MESHES: [u32; 6] = [1, 2, 3, 4, 6, 8];
 
@@ -87,9 +89,14 @@ fn plane(scene: &Scene, body: &ContactScene) -> Sketch {
     }
     let sides = domain.all_sides().flat_map(|side| domain.faces(side));
     let outline: Vec<Vec<[f64; 3]>> = sides.map(|face| face.points(ALONG)).collect();
-    moved(scene, body, &outline, |[x, y, _]| (x, y), &mut sketch);
+    let contact = domain.contact.iter().flat_map(|&side| domain.faces(side));
+    let surfaces: Vec<Surface> = contact.map(|face| (face.points(CURVE), face.normal)).collect();
+    moved(scene, body, (&outline, &surfaces), |[x, y, _]| (x, y), &mut sketch);
     sketch
 }
+
+/// Points of a contact side, and its normal.
+type Surface = (Vec<[f64; 3]>, [f64; 3]);
 
 fn divides(scene: &Scene, n: u32) -> bool {
     let few = |body: &ContactScene| body.domain.cells(n) <= MOST_CELLS;
@@ -172,43 +179,77 @@ fn contains(scene: &Scene, mesh: &Mesh, c: usize, place: Place) -> bool {
     }
 }
 
-/// The same lines moved by u(T), in a scale of one digit, and the entries of the legend.
+/// The same lines moved by u(T) and the obstacle at the distance g from the contact sides, both in one scale of one digit,
+/// and the entries of the legend.
 fn moved(
     scene: &Scene,
     body: &ContactScene,
-    lines: &[Vec<[f64; 3]>],
+    (lines, surfaces): (&[Vec<[f64; 3]>], &[Surface]),
     flat: impl Fn([f64; 3]) -> (f64, f64),
     sketch: &mut Sketch,
 ) {
     let entries = parts(body).map(|(ink, _)| (ink, name(ink).to_owned()));
     let entries: Vec<(Ink, String)> = entries.collect();
     sketch.legend.splice(0..0, entries);
-    let Data::Exact { u, .. } = &body.data else { return };
+    let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
+    let values = displaced(scene, body, lines);
+    let farthest = largest(values.iter().flatten().flat_map(|(_, u)| u.iter().copied()));
+    let gap = body.contact.as_ref().and_then(|contact| contact.gap);
+    let gaps = gap.map(|gap| {
+        let along = |(points, _): &Surface| points.iter().map(|&x| value(scene, gap, x)).collect();
+        surfaces.iter().map(along).collect::<Vec<Vec<f64>>>()
+    });
+    let widest = largest(gaps.iter().flatten().flatten().copied());
+    let seen = |size: f64| size > 1e-12 * extent;
+    // Whichever of them is drawn larger is still beside the body.
+    let reaches = [(farthest, REACH), (widest, GAP_REACH)].into_iter().filter(|own| seen(own.0));
+    let factor = reaches.map(|(size, reach)| reach * extent / size).fold(f64::INFINITY, f64::min);
+    if !factor.is_finite() {
+        return;
+    }
+    let factor = one_digit(factor);
+    let mut draw = |ink: Ink, line: Vec<([f64; 3], [f64; 3])>| {
+        let shifted = |(x, u): ([f64; 3], [f64; 3])| flat([0, 1, 2].map(|i| x[i] + factor * u[i]));
+        let path: Vec<(f64, f64)> = line.into_iter().map(shifted).collect();
+        if path.iter().all(|(x, y)| x.is_finite() && y.is_finite()) {
+            sketch.strokes.push(Stroke { ink, path });
+        }
+    };
+    for ((points, normal), gaps) in surfaces.iter().zip(gaps.iter().flatten()) {
+        let ends = points.iter().zip(gaps).map(|(&x, &g)| (x, normal.map(|n| g * n)));
+        draw(Ink::Obstacle, ends.collect());
+    }
+    if seen(farthest) {
+        values.into_iter().for_each(|line| draw(Ink::Moved, line));
+        sketch.legend.push((Ink::Moved, format!("u(T) × {factor}")));
+    }
+    if gaps.is_some() {
+        sketch.legend.push((Ink::Obstacle, format!("gap g × {factor}")));
+    }
+}
+
+/// Points with their displacement at T; none without an exact solution.
+fn displaced(
+    scene: &Scene,
+    body: &ContactScene,
+    lines: &[Vec<[f64; 3]>],
+) -> Vec<Vec<([f64; 3], [f64; 3])>> {
+    let Data::Exact { u, .. } = &body.data else { return Vec::new() };
     let t = scene.time.horizon;
     let mut graph = scene.formulas.clone();
     let program = Program::compile(&mut graph, u, t);
-    let values = lines.iter().map(|line| {
+    let of_line = |line: &Vec<[f64; 3]>| {
         let mut out = vec![Vec::new(); u.len()];
         program.bind(line).evaluate(t, 0.0, &mut out);
         let at = |p: usize| [0, 1, 2].map(|i| out.get(i).map_or(0.0, |component| component[p]));
         line.iter().enumerate().map(|(p, &x)| (x, at(p))).collect()
-    });
-    let values: Vec<Vec<([f64; 3], [f64; 3])>> = values.collect();
-    let sizes = values.iter().flatten().flat_map(|(_, u)| u).map(|u| u.abs());
-    let largest = sizes.filter(|size| size.is_finite()).fold(0.0, f64::max);
-    let extent = body.domain.size.iter().copied().fold(0.0, f64::max);
-    if largest <= 1e-12 * extent {
-        return;
-    }
-    let factor = one_digit(REACH * extent / largest);
-    for line in values {
-        let shifted = |(x, u): ([f64; 3], [f64; 3])| flat([0, 1, 2].map(|i| x[i] + factor * u[i]));
-        let path: Vec<(f64, f64)> = line.into_iter().map(shifted).collect();
-        if path.iter().all(|(x, y)| x.is_finite() && y.is_finite()) {
-            sketch.strokes.push(Stroke { ink: Ink::Moved, path });
-        }
-    }
-    sketch.legend.push((Ink::Moved, format!("u(T) × {factor}")));
+    };
+    lines.iter().map(of_line).collect()
+}
+
+/// The largest size of finite numbers.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(f64::abs).filter(|size| size.is_finite()).fold(0.0, f64::max)
 }
 
 /// The largest number of one digit below.

@@ -27,6 +27,7 @@ pub fn admissible(setup: &Setup) -> Result<(), SetupError> {
         let domain = &setup.body.domain;
         for face in domain.contact.iter().flat_map(|&side| domain.faces(side)) {
             contact_state(setup, exact, &face)?;
+            friction(setup, exact, &face)?;
         }
     }
     contact_claims(setup)
@@ -56,16 +57,33 @@ fn representable(setup: &Setup) -> Result<(), SetupError> {
     Ok(())
 }
 
-/// (2.9): α_ν c_j² < m_𝒜.
+/// (2.9): α_ν c_j² + α_τ c_τ² < m_𝒜.
 fn smallness(setup: &Setup) -> Result<(), SetupError> {
     let scene = &setup.scene;
     let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
-    if law.is_none_or(|law| law.alpha() == 0.0) || scene.violates.contains(&Hypothesis::Smallness) {
+    let contact = setup.body.contact.as_ref();
+    let falls =
+        contact.and_then(|contact| contact.friction.as_ref()).is_some_and(|f| f.alpha() > 0.0);
+    let monotone = law.is_none_or(|law| law.alpha() == 0.0) && !falls;
+    if monotone || scene.violates.contains(&Hypothesis::Smallness) {
         return Ok(());
     }
     let constants = constants(setup)?;
     if constants.m0 > 0.0 {
         return Ok(());
+    }
+    if falls {
+        let message = format!(
+            "the smallness condition (2.9) fails: alpha_nu c_nu^2 + alpha_tau c_tau^2 = {:.4} * {:.4} + {:.4} * {:.4} = {:.4} is not below m_A = {:.4}",
+            constants.alpha_nu,
+            constants.c_j_squared,
+            constants.alpha_tau,
+            constants.c_tau_squared,
+            constants.m_elastic - constants.m0,
+            constants.m_elastic
+        );
+        let hint = "let the bound fall more slowly with the slip, flatten the falling branch of the normal law or stiffen the body; or say violates = [\"2.9\"] in [scene] to run it all the same";
+        return Err(scene.error("contact.friction.bound", message, hint).into());
     }
     let message = format!(
         "the smallness condition (2.9) fails: alpha_nu c_j^2 = {:.4} * {:.4} = {:.4} is not below m_A = {:.4}",
@@ -177,6 +195,39 @@ fn contact_state(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupE
             return Err(scene.error("exact.multiplier", message, hint).into());
         }
         Ok(selection(setup, at, u_nu, xi)?)
+    })
+}
+
+/// s ∈ S ∂|u_τ| on a plane piece of Γ3.
+fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError> {
+    let Some(friction) = exact.friction(&face.normal[..setup.scene.dimension]) else {
+        return Ok(());
+    };
+    let (points, horizon) = (face.points(samples_along(setup)), setup.scene.time.horizon);
+    visit(&friction.program, 3, &points, horizon, |at, values| {
+        let &[s, u_tau, bound] = values else { return Ok(()) };
+        let scene = &setup.scene;
+        let slack = ROUNDING * bound.abs().max(f64::MIN_POSITIVE);
+        // Written so that a NaN is refused.
+        if !(s.abs() <= bound + slack) {
+            let message = format!(
+                "the friction stress is {s:.6} {}, beyond the bound {bound:.6}",
+                place(setup, at)
+            );
+            let hint = "state exact.friction with |s| <= S on every contact side";
+            return Err(scene.error("exact.friction", message, hint).into());
+        }
+        let missing = bound * u_tau.abs() - s * u_tau;
+        if missing > ROUNDING * bound * u_tau.abs().max(ROUNDING) {
+            let message = format!(
+                "the friction stress is {s:.6} where u_tau = {u_tau:.3e} slips and the bound is {bound:.6}, {}",
+                place(setup, at)
+            );
+            let hint =
+                "s = S sign(u_tau) wherever u_tau is not zero, and u_tau = 0 wherever |s| < S";
+            return Err(scene.error("exact.friction", message, hint).into());
+        }
+        Ok(())
     })
 }
 

@@ -1,6 +1,6 @@
 //! Constants of the contact problem (section 5 of the paper) that its step size depends on.
 
-use super::trace_family::{TraceFamily, trace_family};
+use super::trace_family::{TraceFamily, tangential_trace_family, trace_family};
 use super::{Setup, SetupError, elasticity, memory_tensor};
 use crate::Domain;
 use fem::contact::TraceMass;
@@ -26,7 +26,11 @@ pub struct Constants {
     pub c_j_squared: f64,
     /// A proved upper bound of c_j²: the distance of Γ3 from a clamped parallel side.
     pub c_j_squared_bound: Option<f64>,
-    /// m0 = m_𝒜 - α_ν c_j² with the extrapolated c_j².
+    /// α_τ of friction whose bound falls with the slip (a stiffness).
+    pub alpha_tau: f64,
+    /// c_τ² (a length), the same for u_τ: extrapolated from meshes, no bound; 0 where it was not asked for.
+    pub c_tau_squared: f64,
+    /// m0 = m_𝒜 - α_ν c_j² - α_τ c_τ² with the extrapolated c_j² and c_τ².
     pub m0: f64,
     /// L_κ.
     pub lipschitz_kappa: f64,
@@ -54,6 +58,13 @@ pub struct MemoryNorms {
 }
 
 impl Constants {
+    /// These constants with c_τ² of the friction.
+    #[must_use]
+    pub fn with_friction(self, c_tau_squared: f64) -> Self {
+        let taken = self.alpha_nu * self.c_j_squared + self.alpha_tau * c_tau_squared;
+        Self { c_tau_squared, m0: monotonicity(self.m_elastic, taken), ..self }
+    }
+
     /// The bounds on the step size that follow.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         StepBounds {
@@ -84,7 +95,12 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
     let domain = &setup.body.domain;
     let c_j_squared =
         if domain.contact.is_empty() { 0.0 } else { strain_trace_family(setup)?.limit };
-    Ok(with_trace_constant(setup, c_j_squared))
+    let found = with_trace_constant(setup, c_j_squared);
+    Ok(if setup.model.friction.is_some() {
+        found.with_friction(tangential_limit(setup)?)
+    } else {
+        found
+    })
 }
 
 /// The constants that decide on a step size: c_j² is computed only if the law falls somewhere.
@@ -93,10 +109,13 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
     let c_j_squared = if alpha_nu(setup) == 0.0 { 0.0 } else { strain_trace_family(setup)?.limit };
-    Ok(with_trace_constant(setup, c_j_squared).step_bounds(setup.model.time_rule.as_ref()))
+    let found = with_trace_constant(setup, c_j_squared);
+    let found =
+        if found.alpha_tau > 0.0 { found.with_friction(tangential_limit(setup)?) } else { found };
+    Ok(found.step_bounds(setup.model.time_rule.as_ref()))
 }
 
-/// The constants of a scene with a given c_j².
+/// The constants of a scene with a given c_j²; friction that falls takes [`Constants::with_friction`] besides.
 pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
     let scene = &setup.scene;
     let material = &setup.body.material;
@@ -114,6 +133,8 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
         l_a: largest + mu,
         alpha_phi: mu,
         alpha_nu,
+        alpha_tau: alpha_tau(setup),
+        c_tau_squared: 0.0,
         c_j_squared,
         c_j_squared_bound: proved_bound(setup),
         m0: monotonicity(m_elastic, alpha_nu * c_j_squared),
@@ -128,6 +149,11 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
 pub(super) fn alpha_nu(setup: &Setup) -> f64 {
     let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     law.map_or(0.0, crate::Law::alpha)
+}
+
+fn alpha_tau(setup: &Setup) -> f64 {
+    let contact = setup.body.contact.as_ref();
+    contact.and_then(|contact| contact.friction.as_ref()).map_or(0.0, crate::Friction::alpha)
 }
 
 fn memory_norms(setup: &Setup) -> MemoryNorms {
@@ -182,6 +208,12 @@ pub fn trace_levels(domain: &Domain) -> Vec<u32> {
         finest /= 2;
     }
     [finest / 4, finest / 2, finest].into_iter().filter(|&n| n > 0).collect()
+}
+
+/// c_τ², extrapolated.
+fn tangential_limit(setup: &Setup) -> Result<f64, SetupError> {
+    let levels = trace_levels(&setup.body.domain);
+    tangential_trace_family(setup, TraceMass::Consistent, &levels).map(|family| family.limit)
 }
 
 fn strain_trace_family(setup: &Setup) -> Result<TraceFamily, SetupError> {

@@ -71,3 +71,14 @@ impl GapFormula {
         })
     }
 }
+
+/// A factor on Γ3 × [0, T] by a formula in x and t, 1 without one.
+pub(super) fn boxed_in_time(
+    graph: Arc<Graph>,
+    node: Option<Node>,
+) -> Box<dyn Fn([f64; 3], f64) -> f64 + Send + Sync> {
+    Box::new(move |[x, y, z], t| match node {
+        Some(node) => graph.evaluate(node, &Point { x, y, z, t, ..Point::default() }),
+        None => 1.0,
+    })
+}

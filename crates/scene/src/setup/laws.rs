@@ -2,7 +2,10 @@
 
 use std::sync::Arc;
 
-use exact::{CurveNumbers, LawNumbers};
+use super::formulas::boxed_in_time;
+use exact::{CurveNumbers, FrictionFormulas, LawNumbers};
+use fem::contact::Friction;
+use formula::{Graph, Node};
 use vhi::law::{Curve, Curved, NoPotential, PiecewiseLinear, Potential};
 
 /// The law of a scene, without its factor; its points were validated, so a refusal here cannot happen
@@ -28,6 +31,35 @@ fn solver_curve(curve: crate::Curve) -> Curve {
             Curve::Power { coefficient, exponent, until }
         }
     }
+}
+
+/// Friction for the solver: S = c(x, t) S_0(|u_τ|) with S_0 = 1 where the bound is given, c = 1 where it depends on the slip.
+pub(super) fn friction(own: &crate::Friction, graph: &Arc<Graph>) -> Friction {
+    let unit = vec![[0.0, 1.0]];
+    let (factor, points) = match &own.bound {
+        crate::FrictionBound::Given(bound) => (boxed_in_time(graph.clone(), Some(*bound)), &unit),
+        crate::FrictionBound::Slip(points) => (boxed_in_time(graph.clone(), None), points),
+    };
+    let backward = points.iter().rev().map(|&[r, s]| (-r, -s));
+    let both = backward.chain(points.iter().map(|&[r, s]| (r, s))).collect();
+    // Sorted, and upward at 0: the points were validated.
+    let potential: Arc<dyn Potential> = match PiecewiseLinear::new(both, 0.0, 0.0) {
+        Ok(graph) => Arc::new(graph),
+        Err(_) => Arc::new(NoPotential),
+    };
+    Friction { factor, graph: potential }
+}
+
+/// Friction for the manufactured side, with the scene's s.
+pub(super) fn friction_formulas(
+    own: &crate::Friction,
+    multiplier: Option<Node>,
+) -> FrictionFormulas {
+    let bound = match &own.bound {
+        crate::FrictionBound::Given(bound) => exact::FrictionBound::Given(*bound),
+        crate::FrictionBound::Slip(points) => exact::FrictionBound::Slip(points.clone()),
+    };
+    FrictionFormulas { bound, multiplier }
 }
 
 /// The numbers of a scene's law, without its factor.

@@ -31,7 +31,7 @@ pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};
 pub use given_load::{GivenLoad, ReferenceTruth};
 pub use laws::law_numbers;
-use laws::potential;
+use laws::{friction_formulas, potential};
 pub use material::{elasticity, memory_tensor};
 pub use mesh_data::{MeshData, TruthLoad, reference_run, side_numbers};
 pub use regularity::{abstract_regularity, sides};
@@ -39,7 +39,7 @@ pub use rule_check::RuleCheck;
 pub use scheme::{NewtonMarch, Scheme};
 pub use step_size::{StepRemark, check_step_sizes, subject_bounds};
 pub use subject::Subject;
-pub use trace_family::{TraceFamily, trace_family};
+pub use trace_family::{TraceFamily, tangential_trace_family, trace_family};
 
 use crate::{Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
 use algebra::linalg::{EigenError, FactorError, Precision};
@@ -271,7 +271,9 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
                 },
             },
         );
+    let friction = body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
     Model {
+        friction: friction.map(|own| laws::friction(own, &formulas)),
         elasticity: elasticity(material),
         memory: material::memory_terms(material, &formulas),
         projection,
@@ -281,7 +283,7 @@ fn model(scene: &Scene, body: &ContactScene) -> SceneModel {
 }
 
 fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
-    let Data::Exact { u, multiplier, selection, .. } = &body.data else { return None };
+    let Data::Exact { u, multiplier, selection, friction, .. } = &body.data else { return None };
     let material = &body.material;
     let contact = body.contact.as_ref().map(|contact| ContactFormulas {
         gap: contact.gap,
@@ -290,6 +292,7 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| scale.formula),
         multiplier: *multiplier,
         selection: *selection,
+        friction: contact.friction.as_ref().map(|own| friction_formulas(own, *friction)),
     });
     let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
     let mut graph = scene.formulas.clone();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Setup, SetupError};
-use fem::contact::{TraceMass, trace_constant};
+use fem::contact::{TraceMass, tangential_trace_constant, trace_constant};
 use vhi::law::TensorField;
 
 /// sup ‖v_ν‖²/(𝒞ε(v), ε(v)) on meshes, each twice as fine as the one before.
@@ -38,6 +38,23 @@ pub fn trace_family(
         values.push((n, found.value));
     }
     Ok(TraceFamily::new(values))
+}
+
+/// sup ‖v_τ‖²/‖ε(v)‖² on the same meshes, in the plane.
+///
+/// # Errors
+/// A mesh whose stiffness matrix cannot be factorized.
+pub fn tangential_trace_family(
+    setup: &Setup,
+    mass: TraceMass,
+    levels: &[u32],
+) -> Result<TraceFamily, SetupError> {
+    let value = |&n: &u32| {
+        let found = tangential_trace_constant(&setup.plain_space(n)?, mass)
+            .map_err(|source| SetupError::Constant { n, source })?;
+        Ok((n, found.value))
+    };
+    levels.iter().map(value).collect::<Result<_, SetupError>>().map(TraceFamily::new)
 }
 
 impl TraceFamily {

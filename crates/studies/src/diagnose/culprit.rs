@@ -15,6 +15,8 @@ pub enum Finding {
     Unexplained,
     /// No trial fails.
     NothingFails,
+    /// What the scene predicts, not its solver: the errors are those that the exact solution has.
+    Prediction,
 }
 
 /// The suspects of which one takes part in every failed trial, and in the fewest that pass; or two of
@@ -72,6 +74,9 @@ fn is_everywhere(suspect: Suspect) -> bool {
 pub fn sentence(finding: &Finding, outcomes: &[Outcome]) -> String {
     match finding {
         Finding::NothingFails => "not among the terms: every variant shows what it must".into(),
+        Finding::Prediction => {
+            "not among the terms: the prediction is wrong, the program is sound".into()
+        }
         Finding::Unexplained => {
             "not among the terms: the trials that fail have nothing in common".into()
         }

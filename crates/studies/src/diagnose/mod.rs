@@ -67,15 +67,34 @@ pub fn diagnose(
         let (scene, outcomes, finding) = (scene.name.clone(), Vec::new(), None);
         return Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence });
     }
+    let wrongly: Vec<&Verdict> = verdicts.iter().filter(wrong).collect();
+    let contradicted: Vec<String> = wrongly.iter().filter_map(|own| contradiction(own)).collect();
+    if !always && contradicted.len() == wrongly.len() {
+        let finding = Finding::Prediction;
+        let sentence = format!("{}: {}", sentence(&finding, &[]), contradicted.join("; "));
+        let (scene, outcomes, finding) = (scene.name.clone(), Vec::new(), Some(finding));
+        return Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence });
+    }
     let in_space = verdicts.iter().filter(wrong).any(|verdict| verdict.variable != Variable::K);
     let (outcomes, finding) = examine(scene, prepare, in_space || always);
     let all_is_well = finding == Finding::NothingFails && verdicts.iter().all(Verdict::as_expected);
     let sentence = match all_is_well {
         true => "nothing is wrong: every variant shows what it must".into(),
-        false => sentence(&finding, &outcomes),
+        false => [vec![sentence(&finding, &outcomes)], contradicted].concat().join("; "),
     };
     let (scene, finding) = (scene.name.clone(), Some(finding));
     Ok(Diagnosis { scene, verdicts, outcomes, finding, sentence })
+}
+
+/// Where the errors are those that the exact solution predicts, and the scene predicts another order of them.
+fn contradiction(verdict: &Verdict) -> Option<String> {
+    let Verdict { norm, variable, predicted, .. } = verdict;
+    verdict.contradicted_by.map(|order| {
+        format!(
+            "{norm} has the errors of order {order:.2} in {} that the exact solution predicts, and [[predicts]] says {predicted}",
+            variable.name()
+        )
+    })
 }
 
 /// Refuses a diagnosis that would take more memory than there may be, `jobs` cases at a time: the scene's own cases, and

@@ -86,6 +86,7 @@ fn distance(setup: &Setup, data: &MeshData, v: &[f64]) -> Result<f64, NoAnswer> 
         strain_norm: 0.0,
         compliance: &[],
         multiplier: &[],
+        friction: &[],
     };
     Ok(step_errors(&data.space, &setup.model, &view, &moments).v)
 }

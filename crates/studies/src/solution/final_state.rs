@@ -45,6 +45,12 @@ pub struct FinalState {
     pub compliance_pressure: Vec<Vec<f64>>,
     /// Vertices where u_ν - s is at a jump of the law, so that the balance chooses ξ.
     pub jump_vertices: usize,
+    /// Σ w s over Γ3 by components, s = -σ_τ as a vector; zeros without friction.
+    pub friction_force: Vec<f64>,
+    /// Free vertices of Γ3 with friction and u_τ = 0.
+    pub stick_vertices: usize,
+    /// The other ones.
+    pub slip_vertices: usize,
 }
 
 impl FinalState {
@@ -76,9 +82,27 @@ impl FinalState {
             normal_displacement: Vec::new(),
             compliance_pressure: Vec::new(),
             jump_vertices: 0,
+            friction_force: vec![0.0; space.mesh.dimension],
+            stick_vertices: 0,
+            slip_vertices: 0,
         };
         state.add_trace(space, model, view);
+        state.add_friction(space, view);
         state
+    }
+
+    /// A vertex that sticks is held at u_τ = 0, to rounding of a frame.
+    fn add_friction(&mut self, space: &Discretization, view: &StepView<'_>) {
+        let points = space.trace.points.iter().zip(view.friction);
+        for (point, s) in points.filter(|(point, _)| !point.clamped) {
+            let tangent = point.tangent();
+            self.friction_force.iter_mut().zip(tangent).for_each(|(sum, along)| {
+                *sum += point.weight * s * along;
+            });
+            let sticks = point.tangential(view.u).abs() <= AT_JUMP;
+            self.stick_vertices += usize::from(sticks);
+            self.slip_vertices += usize::from(!sticks);
+        }
     }
 
     fn add_trace<P: Projection>(

@@ -20,7 +20,7 @@ impl Study {
             digits(self.size, 5)
         ));
         own.table(
-            "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better; memory: none that takes less memory too.",
+            "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
             &[
                 "knob", ">n", ">N", ">error", ">CPU s", ">spread", ">in loads", ">memory", "front",
                 "status",
@@ -44,7 +44,7 @@ impl Study {
         );
         self.extrapolated.iter().for_each(|found| extrapolated(&mut own, found));
         own.table(
-            "Price list, one knob at a time.",
+            "Price list, one knob at a time: times within a round, with the 95 % interval over the rounds.",
             &["what a knob changes"],
             self.prices.iter().map(|price: &Price| vec![Run::plain(&*price.words)]).collect(),
         );
@@ -136,9 +136,10 @@ fn trial(trial: &Trial) -> Vec<Run> {
                 format!("+{:.0} %", 100.0 * (run.slowest / run.seconds - 1.0)),
                 format!("{:.0} %", 100.0 * run.load_share),
                 megabytes(run.bytes),
-                match (trial.front, trial.front_memory) {
-                    (true, _) => "on it".into(),
-                    (_, true) => "memory".into(),
+                match (trial.front, trial.front_memory, trial.tie) {
+                    (true, ..) => "on it".into(),
+                    (_, true, _) => "memory".into(),
+                    (.., true) => "tie".into(),
                     _ => String::new(),
                 },
                 "converged".into(),

@@ -8,6 +8,7 @@ use std::time::Instant;
 use cpu_time::ThreadTime;
 
 use super::knob::{Knob, Variant};
+use super::rounds::Rounds;
 use super::trial::{Outcome, Trial};
 use fem::contact::{CaseError, CaseInfo, Discretization, LoadError, strain_distance};
 use fem::norms::{ReferenceRun, Trajectory, step_errors, strain_error};
@@ -36,6 +37,18 @@ pub struct Bench {
     pub size: f64,
 }
 
+/// A scene with a knob turned, n and N.
+pub(super) type Case<'a> = (&'a Variant, u32, u32);
+
+/// One run for the clock.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Timed {
+    /// CPU seconds of the thread.
+    pub(super) seconds: f64,
+    /// The part of it that went into loads.
+    load_share: f64,
+}
+
 impl Bench {
     /// Makes the reference run of a scene without exact solution.
     ///
@@ -58,6 +71,42 @@ impl Bench {
         &self.plain.setup
     }
 
+    /// Runs in rounds, the first the one that the others are compared with; and for each its times, or why it failed.
+    pub(super) fn rounds(&self, cases: &[Case<'_>]) -> (Rounds, Vec<Result<Vec<Timed>, String>>) {
+        let mut all: Vec<Result<Vec<Timed>, String>> = vec![Ok(Vec::new()); cases.len()];
+        let rounds = Rounds::run(cases.len(), self.repeats.max(1) as usize, |run| {
+            let (variant, n, steps) = cases[run];
+            match self.timed(variant, n, steps) {
+                Ok((timed, _)) => {
+                    if let Ok(times) = &mut all[run] {
+                        times.push(timed);
+                    }
+                    Some(timed.seconds)
+                }
+                Err(reason) => {
+                    all[run] = Err(reason);
+                    None
+                }
+            }
+        });
+        (rounds, all)
+    }
+
+    /// The row of a case that was run in rounds; its error is measured in a run of its own.
+    pub(super) fn after_rounds(
+        &mut self,
+        (variant, n, steps): Case<'_>,
+        times: Result<Vec<Timed>, String>,
+    ) -> Trial {
+        let on_mesh = |times| Ok((times, variant.on_mesh(n).map_err(|error| error.to_string())?));
+        let outcome = times.and_then(on_mesh).and_then(|(times, data)| {
+            self.judge(n)?;
+            self.judged(variant, &data, (n, steps), &times)
+        });
+        let dofs = self.judges.get(&n).map_or(0, |data| data.space.dofs());
+        self.row(variant.knob.name(), n, steps, dofs, outcome)
+    }
+
     /// A run with a knob turned, n cells per unit length and `steps` steps. What fails is a row without numbers.
     pub fn trial(&mut self, variant: &Variant, n: u32, steps: u32) -> Trial {
         let outcome = self.outcome(variant, n, steps);
@@ -75,32 +124,54 @@ impl Bench {
     ) -> Trial {
         let h = self.setup().body.domain.h(n);
         let k = self.setup().grid(steps).largest_step();
-        Trial { knob, n, steps, h, k, dofs, outcome, front: false, front_memory: false }
+        Trial { knob, n, steps, h, k, dofs, outcome, tie: false, front: false, front_memory: false }
+    }
+
+    /// The truth on the mesh of n, by the rules of the scene.
+    fn judge(&mut self, n: u32) -> Result<(), String> {
+        if !self.judges.contains_key(&n) {
+            let data = MeshData::new(self.setup(), n, self.reference.clone());
+            self.judges.insert(n, data.map_err(|error| error.to_string())?);
+        }
+        Ok(())
+    }
+
+    /// One run for the clock, from nothing.
+    fn timed(&self, variant: &Variant, n: u32, steps: u32) -> Result<(Timed, MeshData), String> {
+        let (clock, wall) = (ThreadTime::now(), Instant::now());
+        let data = variant.on_mesh(n).map_err(|error| error.to_string())?;
+        let info = variant.march(&data, steps, &mut |_| Ok(())).map_err(|e| e.to_string())?;
+        let seconds = clock.elapsed().as_secs_f64();
+        // A share of the wall is one of the CPU time, wherever the thread had to wait.
+        let load_share = info.seconds_load / wall.elapsed().as_secs_f64();
+        Ok((Timed { seconds, load_share }, data))
     }
 
     fn outcome(&mut self, variant: &Variant, n: u32, steps: u32) -> Result<Outcome, String> {
-        let words = |error: &dyn std::fmt::Display| error.to_string();
-        if !self.judges.contains_key(&n) {
-            let data = MeshData::new(self.setup(), n, self.reference.clone());
-            self.judges.insert(n, data.map_err(|error| words(&error))?);
-        }
-        let (mut seconds, mut slowest, mut load_share) = (f64::INFINITY, 0f64, 0.0);
+        self.judge(n)?;
+        let mut times = Vec::new();
         let mut last = None;
         for _ in 0..self.repeats.max(1) {
-            let (clock, wall) = (ThreadTime::now(), Instant::now());
-            let data = variant.on_mesh(n).map_err(|error| words(&error))?;
-            let info =
-                variant.march(&data, steps, &mut |_| Ok(())).map_err(|error| words(&error))?;
-            let taken = clock.elapsed().as_secs_f64();
-            slowest = slowest.max(taken);
-            if taken < seconds {
-                // A share of the wall is one of the CPU time, wherever the thread had to wait.
-                (seconds, load_share) = (taken, info.seconds_load / wall.elapsed().as_secs_f64());
-            }
+            let (timed, data) = self.timed(variant, n, steps)?;
+            times.push(timed);
             last = Some(data);
         }
         let data = last.ok_or("no run")?;
-        let (info, error) = self.error(variant, &data, n, steps).map_err(|e| words(&e))?;
+        self.judged(variant, &data, (n, steps), &times)
+    }
+
+    /// What a run on this mesh costs by its times, with its error.
+    fn judged(
+        &mut self,
+        variant: &Variant,
+        data: &MeshData,
+        (n, steps): (u32, u32),
+        times: &[Timed],
+    ) -> Result<Outcome, String> {
+        let least = times.iter().min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        let Timed { seconds, load_share } = *least.ok_or("no run")?;
+        let (info, error) =
+            self.error(variant, data, (n, steps)).map_err(|error| error.to_string())?;
         let cost = run_cost(self.setup(), &data.space, steps);
         // The prediction is that of the scene as written; the history is counted.
         let bytes = cost.memory_bytes + info.peak_history_bytes as f64 - cost.history_bytes;
@@ -108,8 +179,8 @@ impl Bench {
             error,
             floor: floor_in(&info.floors, self.norm),
             seconds,
-            slowest,
-            repeats: self.repeats.max(1),
+            slowest: times.iter().map(|timed| timed.seconds).fold(0.0, f64::max),
+            repeats: times.len() as u32,
             load_share,
             bytes,
             history_bytes: info.peak_history_bytes,
@@ -123,8 +194,7 @@ impl Bench {
         &mut self,
         variant: &Variant,
         data: &MeshData,
-        n: u32,
-        steps: u32,
+        (n, steps): (u32, u32),
     ) -> Result<(CaseInfo, f64), CaseError> {
         let judge = &self.judges[&n];
         let still = vec![0.0; judge.space.nodes.len()];

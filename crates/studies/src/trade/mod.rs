@@ -17,9 +17,11 @@ mod optimum;
 mod pareto;
 mod picture;
 mod prices;
+mod rounds;
 mod study;
 mod target;
 mod trial;
+mod turned;
 
 pub use answer::{AnswerError, Answered};
 pub use candidates::{Candidates, MOST};

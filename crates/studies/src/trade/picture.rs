@@ -1,6 +1,7 @@
 //! Error against CPU time or memory, a marker a run, with the Pareto front of both.
 
-use super::{Knob, Study, Trial, front};
+use super::pareto::{TIE, front};
+use super::{Knob, Study, Trial};
 use judge::record::norm_label;
 use report::{Axis, Chart, Datum, Key, Part, ReportError, Scale, Series};
 
@@ -70,9 +71,10 @@ impl Study {
             chart.keys.push(Key::Hollow("another knob turned".into()));
         }
         let run = |trial: &Trial| Some((place(trial)?, label_of(trial)));
-        let all: Vec<(Datum, String)> = self.trials.iter().filter_map(run).collect();
+        let all: Vec<(Datum, String)> =
+            self.trials.iter().filter(|trial| !trial.tie).filter_map(run).collect();
         let places: Vec<Datum> = all.iter().map(|(place, _)| *place).collect();
-        chart.labels = without_ties(front(&places).into_iter().map(|i| all[i].clone()).collect());
+        chart.labels = front(&places, TIE).into_iter().map(|i| all[i].clone()).collect();
         let best: Vec<Datum> = chart.labels.iter().map(|(place, _)| *place).collect();
         let front = Series { grey: true, ..Series::new("Pareto front", vec![Part::Dashed(best)]) };
         chart.series.push(front);
@@ -82,20 +84,6 @@ impl Study {
         }
         chart
     }
-}
-
-/// Errors that differ by less are equal: a gain in the sixth digit is none.
-const TIE: f64 = 0.01;
-
-/// The front from cheap to dear without the points that buy no error beyond a tie.
-fn without_ties(front: Vec<(Datum, String)>) -> Vec<(Datum, String)> {
-    let mut kept: Vec<(Datum, String)> = Vec::new();
-    for (point, words) in front {
-        if kept.last().is_none_or(|(last, _)| point.1 < (1.0 - TIE) * last.1) {
-            kept.push((point, words));
-        }
-    }
-    kept
 }
 
 /// Grid and, where it is not as written, the knob.
@@ -113,18 +101,4 @@ fn place(trial: &Trial, resource: Resource) -> Option<Datum> {
         Resource::Time => (run.seconds, run.error),
         Resource::Memory => (1e-6 * run.bytes, run.error),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ties_do_not_stay_on_the_front() {
-        let point = |cost: f64, error: f64| ((cost, error), format!("{cost}"));
-        let front = vec![point(1.0, 1.0), point(2.0, 0.995), point(3.0, 0.5), point(4.0, 0.4999)];
-        let kept = without_ties(front);
-        assert_eq!(kept, [point(1.0, 1.0), point(3.0, 0.5)]);
-        assert!(without_ties(Vec::new()).is_empty());
-    }
 }

@@ -1,6 +1,8 @@
 //! The price list: what each knob changes in time and error, against the scene as written on the same grid.
 
 use super::Trial;
+use super::pareto::TIE;
+use super::rounds::Ratio;
 
 /// What a knob does to time and error.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -11,9 +13,9 @@ pub struct Price {
     pub n: u32,
     /// Number of steps there.
     pub steps: u32,
-    /// Seconds of that run over seconds with the knob.
+    /// Seconds of that run over seconds with the knob, within a round: the geometric mean over the rounds.
     pub speed: f64,
-    /// This ratio over all repeats, from the least to the most favourable pair.
+    /// Its 95 % interval.
     pub range: [f64; 2],
     /// Error with the knob over error without, less one.
     pub error: f64,
@@ -27,8 +29,8 @@ pub struct Price {
 }
 
 impl Price {
-    /// The price of `turned` against `plain`.
-    pub(crate) fn of(what: String, plain: &Trial, turned: &Trial) -> Option<Self> {
+    /// The price of `turned` against `plain`, whose times have this ratio.
+    pub(super) fn of(what: String, plain: &Trial, turned: &Trial, ratio: Ratio) -> Option<Self> {
         let own = plain.done()?;
         let (n, steps) = (plain.n, plain.steps);
         let none = Self {
@@ -45,8 +47,8 @@ impl Price {
         let found = match &turned.outcome {
             Err(reason) => Self { failure: Some(reason.clone()), ..none },
             Ok(other) => Self {
-                speed: own.seconds / other.seconds,
-                range: [own.seconds / other.slowest, own.slowest / other.seconds],
+                speed: ratio.value,
+                range: ratio.interval,
                 error: other.error / own.error - 1.0,
                 bytes: other.bytes / own.bytes,
                 ..none
@@ -55,9 +57,14 @@ impl Price {
         Some(Self { words: found.sentence(), ..found })
     }
 
-    /// Whether the repeats tell the two times apart.
-    pub(crate) fn shows(&self) -> bool {
-        self.range[0] > 1.0 || self.range[1] < 1.0
+    /// Whether the rounds tell the two times apart.
+    pub(super) fn shows(&self) -> bool {
+        Ratio { value: self.speed, interval: self.range }.shows()
+    }
+
+    /// Whether neither time nor error is another one.
+    pub(super) fn is_tie(&self) -> bool {
+        self.failure.is_none() && !self.shows() && self.error.abs() <= TIE
     }
 
     /// The price in words.
@@ -66,10 +73,18 @@ impl Price {
         if let Some(reason) = &self.failure {
             return format!("{}: fails ({place}): {reason}", self.what);
         }
+        let [lo, hi] = self.range;
         let time = match () {
-            () if !self.shows() => "no difference in time beyond the repeats".to_owned(),
-            () if self.speed >= 1.0 => format!("{:.2} times faster", self.speed),
-            () => format!("{:.2} times slower", 1.0 / self.speed),
+            () if !(lo.is_finite() && hi.is_finite()) => {
+                "no difference in time that a single round could tell".to_owned()
+            }
+            () if !self.shows() => format!("no difference in time, {lo:.2} to {hi:.2} times"),
+            () if self.speed >= 1.0 => {
+                format!("{:.2} times faster [{lo:.2}, {hi:.2}]", self.speed)
+            }
+            () => {
+                format!("{:.2} times slower [{:.2}, {:.2}]", 1.0 / self.speed, 1.0 / hi, 1.0 / lo)
+            }
         };
         let memory = match self.bytes {
             ratio if !(0.95..1.05).contains(&ratio) => format!(", {ratio:.2} times the memory"),
@@ -108,26 +123,28 @@ mod tests {
     #[test]
     fn a_price_says_what_is_bought_and_paid() {
         let plain = trial("as written", [64, 16], 0.5, 3.1);
-        let price = |error, seconds| {
-            let turned = trial("loads of degree 1", [64, 16], error, seconds);
-            Price::of(turned.knob.clone(), &plain, &turned).expect("a price")
+        let sure = |value: f64| Ratio { value, interval: [0.99 * value, 1.01 * value] };
+        let price = |error, ratio| {
+            let turned = trial("loads of degree 1", [64, 16], error, 1.0);
+            Price::of(turned.knob.clone(), &plain, &turned, ratio).expect("a price")
         };
-        assert!(
-            price(0.5001, 1.0)
-                .words
-                .starts_with("loads of degree 1: 3.10 times faster, +0.020 % error")
-        );
-        assert!(price(0.25, 6.2).words.contains("2.00 times slower, -50 % error"));
-        assert!(price(0.5 + 1e-8, 1.0).words.contains(", same error"));
-        // A run beats another only where all of its repeats do.
-        let mut noisy = trial("loads of degree 1", [64, 16], 0.5, 3.0);
-        noisy.outcome.as_mut().expect("a run").slowest = 3.2;
-        let same = Price::of("x".into(), &plain, &noisy).expect("a price");
-        assert!(!same.shows() && same.words.contains("no difference in time"));
-        let failed = Trial { outcome: Err("KKT".into()), ..noisy };
-        let none = Price::of("tolerance 1e-8".into(), &plain, &failed).expect("a price");
-        assert!(none.words.contains("fails") && !none.shows());
-        assert!(Price::of("x".into(), &failed, &plain).is_none());
+        let words = price(0.5001, sure(3.1)).words;
+        let start = "loads of degree 1: 3.10 times faster [3.07, 3.13], +0.020 % error";
+        assert!(words.starts_with(start), "{words}");
+        let slower = price(0.25, sure(0.5)).words;
+        assert!(slower.contains("2.00 times slower [1.98, 2.02], -50 % error"), "{slower}");
+        assert!(price(0.5 + 1e-8, sure(3.1)).words.contains(", same error"));
+        // A difference within the interval is none, and one round has no interval.
+        let noisy = price(0.5, Ratio { value: 1.4, interval: [0.97, 2.0] });
+        assert!(noisy.is_tie() && noisy.words.contains("no difference in time, 0.97 to 2.00"));
+        let single = price(0.5, Ratio { value: 1.4, interval: [0.0, f64::INFINITY] });
+        assert!(single.is_tie() && single.words.contains("single round"));
+        assert!(!price(0.25, Ratio { value: 1.4, interval: [0.97, 2.0] }).is_tie());
+        let failed = Trial { outcome: Err("KKT".into()), ..plain.clone() };
+        let none = Price::of("tolerance 1e-8".into(), &plain, &failed, sure(f64::NAN));
+        let none = none.expect("a price");
+        assert!(none.words.contains("fails") && !none.shows() && !none.is_tie());
+        assert!(Price::of("x".into(), &failed, &plain, sure(1.0)).is_none());
     }
 
     #[test]

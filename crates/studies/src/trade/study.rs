@@ -5,6 +5,7 @@ use super::extrapolation::{Extrapolated, in_space, in_time};
 use super::measure::Bench;
 use super::optimum::{Coupling, along_path, coupling};
 use super::trial::{Table, TableError, mark_fronts};
+use super::turned::turn;
 use super::{Composition, CostModel, CostSample, ErrorModel, Knob, Price, Trial, Variant, knobs};
 use judge::fit::{Point, Sample};
 use scene::setup::{SetupError, Subject, check_step_sizes};
@@ -127,22 +128,30 @@ impl Study {
         if trials.iter().all(|trial| trial.done().is_none()) {
             return Err(TradeError::AllFailed { first: first.unwrap_or_default() });
         }
-        let offered = knobs(&bench.plain.setup);
-        let runs = offered.len() as u32 * (bench.repeats + 1);
-        let places = places(&trials, scene.dimension, runs, plan.budget);
-        for knob in offered {
-            let Some(variant) = Variant::new(&scene, knob)? else { continue };
-            for &[n, steps] in &places {
-                if knob.matters(&bench.plain.setup, steps) {
-                    keep(bench.trial(&variant, n, steps), &mut trials)?;
-                }
-            }
+        let on_mesh = matches!(bench.plain.setup.body.data, Data::Exact { interpolated: true, .. });
+        let mut variants = vec![plain];
+        for knob in knobs(&bench.plain.setup) {
+            variants.extend(Variant::new(&scene, knob)?);
         }
-        Ok(Self::of(bench, trials, plan))
+        // Two more: half the cells, half the steps.
+        let runs = (variants.len() as u32 + 2) * (bench.repeats + 1);
+        let mut prices = Vec::new();
+        for (i, [n, steps]) in
+            places(&trials, scene.dimension, runs, plan.budget).into_iter().enumerate()
+        {
+            let halves = if i == 0 { halves(&trials, n, steps, on_mesh) } else { Vec::new() };
+            prices.extend(turn(bench, &variants, (n, steps), &halves, &mut trials, &mut keep)?);
+        }
+        // By knob, as a list of prices is read.
+        let rank = |price: &Price| prices_rank(&variants, price);
+        prices.sort_by_key(rank);
+        let study = Self::of(bench, trials, prices, plan);
+        table.rewrite(&study.trials)?;
+        Ok(study)
     }
 
-    fn of(bench: &Bench, mut trials: Vec<Trial>, plan: &Plan) -> Self {
-        mark_fronts(&mut trials);
+    fn of(bench: &Bench, mut trials: Vec<Trial>, prices: Vec<Price>, plan: &Plan) -> Self {
+        mark_fronts(&mut trials, &prices);
         let setup = &bench.plain.setup;
         let on_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
         let (error, cost) = models(&trials, &differences(bench, plan), on_mesh);
@@ -168,7 +177,7 @@ impl Study {
             fingerprint: setup.scene.source.hash.clone(),
             norm: bench.norm,
             size: bench.size,
-            prices: prices(&trials, on_mesh),
+            prices,
             trials,
             error,
             cost,
@@ -257,31 +266,24 @@ fn cost_samples(trials: &[Trial]) -> Vec<CostSample> {
     plain(trials).filter_map(sample).collect()
 }
 
-/// Steps against their halves at the finest run, and every knob against the run as written.
-fn prices(trials: &[Trial], on_mesh: bool) -> Vec<Price> {
-    let at = |n: u32, steps: u32| plain(trials).find(|t| t.n == n && t.steps == steps);
-    let done = |trial: &&Trial| trial.done().is_some();
-    let finest = plain(trials).filter(done).max_by_key(|trial| (trial.n, trial.steps));
-    let mut found = Vec::new();
-    if let Some(finest) = finest {
-        let others = [
-            ("half the cells", (finest.n / 2, finest.steps)),
-            ("half the steps", (finest.n, finest.steps / 2)),
-        ];
-        // Where each mesh has a solution of its own, half the cells are another problem.
-        for (what, (n, steps)) in others.into_iter().skip(usize::from(on_mesh)) {
-            let coarse = at(n, steps);
-            found.extend(coarse.and_then(|coarse| Price::of(what.into(), finest, coarse)));
-        }
+/// Half the cells and half the steps of a run, as far as the grid has them.
+fn halves(trials: &[Trial], n: u32, steps: u32, on_mesh: bool) -> Vec<(&'static str, (u32, u32))> {
+    let there = |(n, steps): (u32, u32)| {
+        plain(trials).any(|t| t.n == n && t.steps == steps && t.done().is_some())
+    };
+    // Where each mesh has a solution of its own, half the cells are another problem.
+    let cells = (!on_mesh && n.is_multiple_of(2)).then_some(("half the cells", (n / 2, steps)));
+    let fewer = steps.is_multiple_of(2).then_some(("half the steps", (n, steps / 2)));
+    [cells, fewer].into_iter().flatten().filter(|(_, place)| there(*place)).collect()
+}
+
+/// Where a price stands in the list: halves first, then the knobs in their order, Richardson's scheme last.
+fn prices_rank(variants: &[Variant], price: &Price) -> usize {
+    match variants.iter().position(|variant| variant.knob.name() == price.what) {
+        Some(knob) => knob,
+        None if price.what == Knob::Extrapolated.name() => variants.len(),
+        None => 0,
     }
-    let turned = trials.iter().filter(|trial| trial.knob != Knob::AsWritten.name());
-    let last_extrapolated = turned.clone().filter(|trial| trial.knob == Knob::Extrapolated.name());
-    let last = last_extrapolated.max_by_key(|trial| (trial.n, trial.steps));
-    for trial in turned.filter(|t| t.knob != Knob::Extrapolated.name()).chain(last) {
-        let own = at(trial.n, trial.steps);
-        found.extend(own.and_then(|own| Price::of(trial.knob.clone(), own, trial)));
-    }
-    found
 }
 
 /// The exponent between the ends of the path k ~ h^s on the grid.

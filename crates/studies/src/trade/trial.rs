@@ -1,12 +1,13 @@
 //! One row of the trade: a knob, a mesh, a number of steps, and what came of it.
 
-use std::io::Write as _;
+use std::io::{Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::Price;
 use super::as_json::ended;
-use super::pareto::{front, front_of_three};
+use super::pareto::{TIE, front, front_of_three};
 use files::remove_if_there;
 
 /// What one run cost and how wrong it is.
@@ -24,7 +25,9 @@ pub struct Trial {
     pub k: f64,
     /// Unknowns of a level.
     pub dofs: usize,
-    /// No other run is as good in time and error, and better in one.
+    /// A knob that changes neither time nor error: the run as written stands for it.
+    pub tie: bool,
+    /// No other run is as good in time and error, and better in one beyond a tie.
     pub front: bool,
     /// Nor in time, error and memory.
     pub front_memory: bool,
@@ -68,17 +71,25 @@ impl Trial {
     }
 }
 
-/// Marks the runs that no other beats in error and time, and in error, time and memory.
-pub(super) fn mark_fronts(trials: &mut [Trial]) {
-    let place = |trial: &Trial| match trial.done() {
+/// Marks the knobs that are ties, and the runs that no other beats in error and time, and in error, time and memory.
+pub(super) fn mark_fronts(trials: &mut [Trial], prices: &[Price]) {
+    for trial in &mut *trials {
+        let own = |price: &&Price| {
+            price.what == trial.knob && [price.n, price.steps] == [trial.n, trial.steps]
+        };
+        trial.tie = prices.iter().find(own).is_some_and(Price::is_tie);
+    }
+    let place = |trial: &Trial| match trial.done().filter(|_| !trial.tie) {
         Some(run) => [run.seconds, run.bytes, run.error],
         None => [f64::NAN; 3],
     };
     let places: Vec<[f64; 3]> = trials.iter().map(place).collect();
     let flat: Vec<(f64, f64)> =
         places.iter().map(|&[seconds, _, error]| (seconds, error)).collect();
-    front(&flat).into_iter().for_each(|i| trials[i].front = true);
-    front_of_three(&places).into_iter().for_each(|i| trials[i].front_memory = true);
+    front(&flat, TIE).into_iter().for_each(|i| trials[i].front = true);
+    // Who is best in two is not beaten in three.
+    front_of_three(&places, TIE).into_iter().for_each(|i| trials[i].front_memory = true);
+    trials.iter_mut().for_each(|trial| trial.front_memory |= trial.front);
 }
 
 /// Columns of the table.
@@ -148,6 +159,20 @@ impl Table {
         self.write(row)
     }
 
+    /// All rows anew: runs as written were timed beside the knobs as well, after their rows were written.
+    ///
+    /// # Errors
+    /// The file system's.
+    pub(crate) fn rewrite(&mut self, trials: &[Trial]) -> Result<(), TableError> {
+        let failed = |error: std::io::Error| TableError {
+            path: self.path.clone(),
+            reason: error.to_string(),
+        };
+        self.file.set_len(0).and_then(|()| self.file.rewind()).map_err(failed)?;
+        self.write(COLUMNS.map(str::to_owned))?;
+        trials.iter().try_for_each(|trial| self.append(trial))
+    }
+
     fn write(&mut self, row: [String; COLUMNS.len()]) -> Result<(), TableError> {
         let failed = |reason: String| TableError { path: self.path.clone(), reason };
         let mut writer = csv::Writer::from_writer(Vec::new());
@@ -211,6 +236,7 @@ pub(super) fn trial(knob: &str, [n, steps]: [u32; 2], error: f64, seconds: f64) 
         h: 1.0 / f64::from(n),
         k: 1.0 / f64::from(steps),
         dofs: 0,
+        tie: false,
         front: false,
         front_memory: false,
         outcome: Ok(outcome),
@@ -229,9 +255,15 @@ mod tests {
             outcome: Err("no convergence, \"60\" iterations".into()),
             ..trial("tolerance 1e-8", [4, 2], 0.0, 0.0)
         };
+        let mut rows = Vec::new();
         for row in [trial("as written", [4, 2], 0.5, 2.0), failed] {
             table.append(&row).expect("a row");
+            rows.push(row);
         }
+        // Written anew it is the same.
+        let text = std::fs::read(&path).expect("a table");
+        table.rewrite(&rows).expect("rows");
+        assert_eq!(std::fs::read(&path).expect("a table"), text);
         // Read while the table is still open: what a killed program leaves.
         let mut reader = csv::Reader::from_path(&path).expect("a table");
         let rows: Vec<csv::StringRecord> =

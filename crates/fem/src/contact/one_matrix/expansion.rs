@@ -85,6 +85,7 @@ impl<P: Projection> OneMatrix<'_, P> {
             strain_norm,
             compliance: &self.compliance,
             multiplier: &self.multiplier,
+            friction: &[],
         };
         let residual = kkt_residual_in(self.space, self.model, &view, force, &mut self.balance);
         self.info.accept(&view, residual)?;

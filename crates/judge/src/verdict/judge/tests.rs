@@ -259,6 +259,9 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     // An order that is claimed wrongly, where constants agree: the prediction is the suspect.
     let wrong = judged(5.0, &Prediction { exact: true, ..predict(Variable::K, 1.5) });
     assert_eq!(wrong.decision, Decision::Fail);
+    // The slope of 5 k² to rounding.
+    assert!(wrong.contradicted_by.is_some_and(|order| (order - 2.0).abs() < 1e-12));
+    assert_eq!(sound.contradicted_by, None);
     assert!(
         wrong.reason.contains("the prediction 1.5 is wrong, not the program"),
         "{}",
@@ -267,7 +270,7 @@ fn a_constant_that_is_off_fails_whatever_the_order() {
     let off = judged(4.0, &prediction);
     assert_eq!(off.decision, Decision::Fail);
     assert!(off.reason.contains("C_k is 1.2500 times the predicted one"), "{}", off.reason);
-    assert_eq!(off.constants["C_k"].ratio, Some(1.25));
+    assert_eq!((off.constants["C_k"].ratio, off.contradicted_by), (Some(1.25), None));
     // The document keeps what was known beforehand.
     let path = std::env::temp_dir().join(format!("gronwall-foreseen-{}.json", std::process::id()));
     write_json(&path, &serde_json::json!({}), std::slice::from_ref(&off), &records, None).unwrap();
@@ -313,7 +316,7 @@ fn failures_are_listed_by_key_and_reasons_go_back_to_their_cases() {
 #[test]
 fn a_row_names_what_is_refined() {
     let one = verdict(&table(&DOUBLING, &[4], |h, _| h), &predict(Variable::H, 1.0));
-    assert_eq!(render_table(std::slice::from_ref(&one)).lines().count(), 5);
+    assert_eq!(render_table(std::slice::from_ref(&one), 100).lines().count(), 5);
     let cells = |verdict: &Verdict| {
         let [_, _, _, predicted, observed, decision, why] = cell_texts(verdict);
         [predicted, observed, decision, why]
@@ -332,7 +335,7 @@ fn a_row_names_what_is_refined() {
     };
     assert_eq!(cells(&failed)[2], "fail, as expected");
     for other in [&bound, &failed] {
-        let text = render_table(&[one.clone(), other.clone()]);
+        let text = render_table(&[one.clone(), other.clone()], 100);
         let reason = format!("block V_max in h: {}: {}", other.decision.name(), other.reason);
         assert_eq!(text.lines().last(), Some(&*reason));
         assert_eq!(text.matches("in h:").count(), 1);
@@ -384,12 +387,22 @@ fn the_document_has_its_keys_and_no_infinite_number() {
 }
 
 #[test]
-fn the_table_fits_100_columns() {
+fn the_table_fits_its_width_and_keeps_intervals_whole() {
     let records = table(&DOUBLING, &[4], |h, _| h.powf(1.7));
     let mut verdicts = vec![verdict(&records, &predict(Variable::H, 1.0))];
-    verdicts.push(Verdict { scene: "corner-reentrant-loaded".into(), ..verdicts[0].clone() });
-    let text = render_table(&verdicts);
-    println!("{text}");
-    assert!(text.lines().all(|line| line.chars().count() <= 100));
-    assert!(text.contains("unresolved"));
+    verdicts.push(Verdict {
+        scene: "corner-reentrant-loaded".into(),
+        norm: "pressure_L2_max".into(),
+        why: "a theorem of many words that is too long for one line of the table".into(),
+        ..verdicts[0].clone()
+    });
+    let [_, _, _, _, observed, ..] = cell_texts(&verdicts[0]);
+    for width in [80, 100, 140] {
+        let text = render_table(&verdicts, width);
+        println!("{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= width.into()), "{width}");
+        assert_eq!(text.matches(&observed).count(), 2, "{width}: {text}");
+        assert!(text.contains("unresolved"));
+        assert_eq!(text.contains("many words"), width >= 100);
+    }
 }

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{ALONG, is_imported, moved, parts, polygons};
+use super::{ALONG, Surface, is_imported, moved, parts, polygons};
 use report::{Ink, Sketch, Stroke};
 use scene::{ContactScene, Scene};
 
@@ -28,6 +28,12 @@ type Beside = ([f64; 3], Ink);
 
 /// The ends of an edge with the pieces that meet there.
 type Edge = ([[f64; 3]; 2], Vec<Beside>);
+
+/// A plane piece by its corners, the first once more at the end.
+fn closed((mut corners, normal): Surface) -> Surface {
+    corners.extend(corners.first().copied());
+    (corners, normal)
+}
 
 pub(super) fn sketch(scene: &Scene, body: &ContactScene) -> Sketch {
     let mut sketch = Sketch::default();
@@ -71,6 +77,8 @@ pub(super) fn sketch(scene: &Scene, body: &ContactScene) -> Sketch {
             outline.push((0..=ALONG).map(at).collect());
         }
     }
-    moved(scene, body, &outline, flat, &mut sketch);
+    let contact = body.domain.contact.iter().flat_map(|&side| polygons(body, side));
+    let surfaces: Vec<Surface> = contact.map(closed).collect();
+    moved(scene, body, (&outline, &surfaces), flat, &mut sketch);
     sketch
 }

@@ -3,8 +3,10 @@
 use serde::Serialize;
 
 use super::ladder::BoundError;
-use fem::contact::{Discretization, TraceMass, trace_constant};
-use scene::setup::{Constants, Setup, TraceFamily, trace_family, with_trace_constant};
+use fem::contact::{Discretization, TraceMass, tangential_trace_constant, trace_constant};
+use scene::setup::{
+    Constants, Setup, TraceFamily, tangential_trace_family, trace_family, with_trace_constant,
+};
 use vhi::law::{Potential, TensorField};
 
 /// How a number was obtained.
@@ -58,6 +60,8 @@ pub(crate) struct TraceConstants {
     pub strain: [TraceFamily; 2],
     /// sup ‖v_ν‖²/(𝒜ε(v), ε(v)), the same.
     pub energy: [TraceFamily; 2],
+    /// sup ‖v_τ‖²/‖ε(v)‖², the same, where there is friction.
+    pub tangential: Option<[TraceFamily; 2]>,
 }
 
 /// The meshes on which trace constants are computed.
@@ -85,6 +89,12 @@ impl TraceConstants {
         Ok(Some(Self {
             strain: both_masses(setup, &strain, &levels)?,
             energy: both_masses(setup, elastic, &follow)?,
+            tangential: setup
+                .model
+                .friction
+                .as_ref()
+                .map(|_| tangential(setup, &levels))
+                .transpose()?,
         }))
     }
 
@@ -118,6 +128,11 @@ fn both_masses(
     Ok([family(TraceMass::Consistent)?, family(TraceMass::Lumped)?])
 }
 
+fn tangential(setup: &Setup, levels: &[u32]) -> Result<[TraceFamily; 2], BoundError> {
+    let family = |mass| tangential_trace_family(setup, mass, levels);
+    Ok([family(TraceMass::Consistent)?, family(TraceMass::Lumped)?])
+}
+
 /// The constants that judge the discrete problem on the mesh of `space`: c_j² is the largest of the
 /// extrapolated limit with its uncertainty and the values of both masses on this mesh.
 ///
@@ -133,8 +148,16 @@ pub(crate) fn on_mesh(
     let strain = TensorField::identity();
     let consistent = trace_constant(space, &strain, TraceMass::Consistent)?.value;
     let lumped = trace_constant(space, &strain, TraceMass::Lumped)?.value;
-    let own = limit + if uncertainty.is_nan() { 0.0 } else { uncertainty };
-    Ok(with_trace_constant(setup, own.max(consistent).max(lumped)))
+    let above = |(limit, uncertainty): (f64, f64)| {
+        limit + if uncertainty.is_nan() { 0.0 } else { uncertainty }
+    };
+    let own = above((limit, uncertainty)).max(consistent).max(lumped);
+    let found = with_trace_constant(setup, own);
+    let Some(tangential) = &traces.tangential else { return Ok(found) };
+    let consistent = tangential_trace_constant(space, TraceMass::Consistent)?.value;
+    let lumped = tangential_trace_constant(space, TraceMass::Lumped)?.value;
+    let own = above(TraceConstants::limit(tangential)).max(consistent).max(lumped);
+    Ok(found.with_friction(own))
 }
 
 /// The table of constants.
@@ -167,19 +190,27 @@ pub(crate) fn table(
         sampled("L_kappa", c.lipschitz_kappa, "largest sampled |kappa'| on [0, 100 T]"),
     ];
     rows.extend(law_rows(setup));
+    if setup.model.friction.is_some() {
+        let note = "steepest descent of the friction bound over the slip";
+        rows.push(Constant { how: Provenance::Declared, ..proved("alpha_tau", c.alpha_tau, note) });
+    }
     if let Some(traces) = traces {
         rows.extend(trace_rows(c, traces));
     }
-    let how = if c.alpha_nu == 0.0 { Provenance::Proved } else { Provenance::Extrapolated };
+    let monotone = c.alpha_nu == 0.0 && c.alpha_tau == 0.0;
+    let how = if monotone { Provenance::Proved } else { Provenance::Extrapolated };
     rows.push(Constant {
         name: "m0".into(),
         value: c.m0,
         uncertainty: None,
         how,
-        safe: c.alpha_nu == 0.0,
-        note: "m_A - alpha_phi - alpha_j c_j^2 (2.9), with the largest c_j^2 of this table".into(),
+        safe: monotone,
+        note: match setup.model.friction {
+            None => "m_A - alpha_phi - alpha_j c_j^2 (2.9), with the largest c_j^2 of this table".into(),
+            Some(_) => "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2, with the largest of this table".into(),
+        },
     });
-    if let Some(bound) = c.c_j_squared_bound.filter(|_| c.alpha_nu > 0.0) {
+    if let Some(bound) = c.c_j_squared_bound.filter(|_| c.alpha_nu > 0.0 && c.alpha_tau == 0.0) {
         let value = c.m_elastic - c.alpha_nu * bound;
         rows.push(proved("m0, proved", value, "with the proved bound of c_j^2"));
     }
@@ -225,7 +256,9 @@ fn law_rows(setup: &Setup) -> Vec<Constant> {
 fn trace_rows(constants: &Constants, traces: &TraceConstants) -> Vec<Constant> {
     let mut rows = Vec::new();
     let names = ["consistent mass", "vertex rule"];
-    for (symbol, pair) in [("c_j^2", &traces.strain), ("energy constant", &traces.energy)] {
+    let tangential = traces.tangential.as_ref().map(|pair| ("c_tau^2", pair));
+    let normal = [("c_j^2", &traces.strain), ("energy constant", &traces.energy)];
+    for (symbol, pair) in normal.into_iter().chain(tangential) {
         for (family, mass) in pair.iter().zip(names) {
             let note = if mass == names[0] { "not above the limit" } else { "no side is sure" };
             rows.extend(family.values.iter().map(|(n, value)| Constant {
@@ -246,6 +279,7 @@ fn trace_rows(constants: &Constants, traces: &TraceConstants) -> Vec<Constant> {
             safe: false,
             note: match symbol {
                 "c_j^2" => "sup |v_nu|^2/|eps(v)|^2".into(),
+                "c_tau^2" => "sup |v_tau|^2/|eps(v)|^2: Korn's inequality is in it".into(),
                 _ => "sup |v_nu|^2/(A eps(v), eps(v))".into(),
             },
         });

@@ -139,6 +139,7 @@ fn in_space(
             strain_norm: f64::NAN,
             compliance: &compliance,
             multiplier: &multiplier,
+            friction: &[],
         };
         let residual = kkt_residual(&data.space, &setup.model, &view, &load);
         if residual.is_nan() || residual > IN_SPACE {

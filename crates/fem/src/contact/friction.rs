@@ -1,0 +1,147 @@
+//! Friction on Γ3 in the plane, as it enters the discrete scheme: -σ_τ = s ∈ S ∂|u_τ|, S = c(x, t) S_0(|u_τ|).
+//!
+//! r ↦ S(|r|) sign r is the graph of a potential with one jump, at r = 0, which is a vertex that sticks. So it is solved as
+//! the normal law is: a graph on the unknown that carries u_τ, at each vertex with the weight of the vertex rule.
+
+use std::sync::Arc;
+
+use super::trace::TracePoint;
+use super::{Discretization, Model, StepView};
+use vhi::law::{Potential, Projection, Scaled, graph_distance};
+use vhi::{BoundaryGraph, Coordinate};
+
+/// A function on Γ3 × [0, T].
+pub type OnContactInTime = Box<dyn Fn([f64; 3], f64) -> f64 + Send + Sync>;
+
+/// The law of friction: at x and t the graph is c(x, t) times that of S_0.
+pub struct Friction {
+    /// c(x, t) ≥ 0 at a point of Γ3.
+    pub factor: OnContactInTime,
+    /// r ↦ S_0(|r|) sign r (a stress), odd, with its jump at 0.
+    pub graph: Arc<dyn Potential>,
+}
+
+impl Friction {
+    /// The graph at a point of Γ3.
+    pub fn at(&self, x: [f64; 3], t: f64) -> Scaled {
+        Scaled { potential: self.graph.clone(), factor: (self.factor)(x, t) }
+    }
+}
+
+/// Where a point of the trace carries u_τ = sign · unknown.
+struct Tangential {
+    unknown: u32,
+    sign: f64,
+}
+
+/// A component of a unit vector that is zero but for rounding.
+const ALONG_AXIS: f64 = 1e-12;
+
+impl TracePoint {
+    /// The unit tangent in the plane, towards growing x, or growing y on a side along y.
+    pub fn tangent(&self) -> [f64; 2] {
+        let [x, y, _] = self.normal;
+        if y < -ALONG_AXIS || (y <= ALONG_AXIS && x > 0.0) { [-y, x] } else { [y, -x] }
+    }
+
+    /// u_τ of a nodal vector of plane displacements.
+    pub fn tangential(&self, u: &[f64]) -> f64 {
+        let ([a, b], first) = (self.tangent(), 2 * self.node as usize);
+        a * u[first] + b * u[first + 1]
+    }
+
+    /// Adds the tangential force `value` to forces by nodes.
+    pub(super) fn add_tangential(&self, value: f64, force: &mut [f64]) {
+        let ([a, b], first) = (self.tangent(), 2 * self.node as usize);
+        force[first] += value * a;
+        force[first + 1] += value * b;
+    }
+
+    /// The unknown of u_τ: the other Cartesian one, or the second of a frame.
+    fn tangential_unknown(&self, space: &Discretization) -> Tangential {
+        let (first, tangent) = (2 * self.node, self.tangent());
+        match space.frames.rows().find(|(node, _)| *node == self.node as usize) {
+            Some((_, rows)) => {
+                let along = rows[2] * tangent[0] + rows[3] * tangent[1];
+                Tangential { unknown: first + 1, sign: along.signum() }
+            }
+            None => Tangential {
+                unknown: first + u32::from(tangent[0] == 0.0),
+                sign: tangent[0] + tangent[1],
+            },
+        }
+    }
+}
+
+/// Appends the graphs of friction, one a free point of the trace in its order, without their laws, which
+/// [`set_laws`] gives at each time.
+pub(super) fn append_graphs<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    elastic: &[f64],
+    graph: &mut BoundaryGraph,
+) {
+    if model.friction.is_none() {
+        return;
+    }
+    for point in space.trace.points.iter().filter(|point| !point.clamped) {
+        let Tangential { unknown, sign } = point.tangential_unknown(space);
+        graph.coordinates.push(Coordinate {
+            dof: unknown,
+            sign,
+            weight: point.weight,
+            gap: f64::INFINITY,
+            floor: f64::NEG_INFINITY,
+            law: graph.potentials.len() as u32,
+            shift: 0.0,
+            // As for the normal law: a vertex changes its side of the jump by way of the jump.
+            gamma: point.weight / elastic[space.pattern.diagonal(unknown as usize)],
+        });
+        graph.potentials.push(Arc::new(vhi::law::NoPotential));
+    }
+}
+
+/// The laws of time t, of the last graphs.
+pub(super) fn set_laws<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    t: f64,
+    graph: &mut BoundaryGraph,
+) {
+    let Some(friction) = &model.friction else { return };
+    let free = space.trace.points.iter().filter(|point| !point.clamped);
+    for (point, law) in free.rev().zip(graph.potentials.iter_mut().rev()) {
+        *law = Arc::new(friction.at(space.mesh.point(&[point.vertex], &[1.0]), t));
+    }
+}
+
+/// The multipliers s of the last graphs, at the points of the trace; 0 on Γ1.
+pub(super) fn show(space: &Discretization, pressures: &[f64], shown: &mut [f64]) {
+    let free = space.trace.points.iter().zip(shown).filter(|(point, _)| !point.clamped);
+    for ((_, own), s) in free.rev().zip(pressures.iter().rev()) {
+        *own = *s;
+    }
+}
+
+/// Adds Σ w s v_τ to forces by nodes.
+pub(super) fn add_force(space: &Discretization, view: &StepView<'_>, force: &mut [f64]) {
+    for (point, s) in space.trace.points.iter().zip(view.friction) {
+        point.add_tangential(point.weight * s, force);
+    }
+}
+
+/// Largest distance of (u_τ, s) from the law at the free points, as a force; `stiffness` answers to a displacement.
+pub(super) fn violation<P: Projection>(
+    space: &Discretization,
+    model: &Model<P>,
+    view: &StepView<'_>,
+    stiffness: f64,
+) -> f64 {
+    let Some(friction) = &model.friction else { return 0.0 };
+    let points = space.trace.points.iter().zip(view.friction).filter(|(point, _)| !point.clamped);
+    let distances = points.map(|(point, &s)| {
+        let law = friction.at(space.mesh.point(&[point.vertex], &[1.0]), view.t);
+        graph_distance(&law, [point.tangential(view.u), s], point.weight, stiffness)
+    });
+    distances.fold(0.0, f64::max)
+}

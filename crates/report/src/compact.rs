@@ -1,0 +1,192 @@
+//! What the drawing library writes, in fewer bytes and with scripts set low and high.
+//!
+//! It writes an element a line, a text on three. Lines of one style that follow each other become one path: a dashed line
+//! is as many elements as it has strokes.
+
+/// The same picture.
+pub(super) fn compact(svg: &str) -> String {
+    let mut out = String::with_capacity(svg.len() / 2);
+    let mut path: Option<(String, String)> = None;
+    let mut lines = svg.lines();
+    while let Some(line) = lines.next() {
+        if let Some((style, points)) = polyline(line) {
+            match &mut path {
+                Some((own, data)) if own == style => data.push_str(&moves(points)),
+                _ => {
+                    finish(&mut out, path.take());
+                    path = Some((style.to_owned(), moves(points)));
+                }
+            }
+            continue;
+        }
+        finish(&mut out, path.take());
+        if line.starts_with("<text ") {
+            let words = lines.next().unwrap_or_default();
+            // Its end tag.
+            lines.next();
+            out += &format!("{}{}</text>\n", plain(line), scripted(words, size(line)));
+        } else if line.starts_with("<svg ") {
+            out += &line.replacen("<svg ", "<svg font-family=\"sans-serif\" ", 1);
+            out.push('\n');
+        } else {
+            out += &plain(line);
+            out.push('\n');
+        }
+    }
+    finish(&mut out, path);
+    out
+}
+
+fn finish(out: &mut String, path: Option<(String, String)>) {
+    if let Some((style, data)) = path {
+        *out += &format!("<path fill=\"none\" {style}d=\"{data}\"/>\n");
+    }
+}
+
+/// Style and points of an opaque line.
+fn polyline(line: &str) -> Option<(&str, &str)> {
+    let rest = line.strip_prefix("<polyline fill=\"none\" opacity=\"1\" ")?;
+    let (style, points) = rest.split_once("points=\"")?;
+    Some((style, points.strip_suffix(" \"/>")?))
+}
+
+/// `M1 2L3 4`: from the first point through the others.
+fn moves(points: &str) -> String {
+    let mut letter = 'M';
+    let mut data = String::new();
+    for point in points.split(' ') {
+        data.push(letter);
+        data += &point.replacen(',', " ", 1);
+        letter = 'L';
+    }
+    data
+}
+
+/// An element without what it says for nothing.
+fn plain(line: &str) -> String {
+    let said_for_nothing = [
+        " opacity=\"1\"",
+        " stroke=\"none\"",
+        " font-family=\"sans-serif\"",
+        " text-anchor=\"start\"",
+    ];
+    said_for_nothing.into_iter().fold(line.to_owned(), |text, part| text.replacen(part, "", 1))
+}
+
+/// The height of a text.
+fn size(line: &str) -> f64 {
+    let from = |rest: &str| rest.split('"').next().and_then(|text| text.parse().ok());
+    line.split_once("font-size=\"").and_then(|(_, rest)| from(rest)).unwrap_or(0.0)
+}
+
+/// Scripts are this much smaller, and this much lower or higher.
+const SMALLER: f64 = 0.72;
+const APART: f64 = 0.3;
+
+/// Words with `x_ab` and `x^ab` set low and high: behind one letter that stands alone (a name of more is a name), behind a
+/// bar or a bracket. `Γ3` is Γ with a low 3.
+fn scripted(words: &str, size: f64) -> String {
+    let characters: Vec<char> = words.chars().collect();
+    let (mut out, mut at) = (String::new(), 0);
+    while at < characters.len() {
+        match script(&characters, at) {
+            Some((skip, end, down)) => {
+                let inside: String = characters[at + skip..end].iter().collect();
+                let (sign, shift) = (if down { 1.0 } else { -1.0 }, (APART * size).round());
+                let there = sign * shift;
+                let back = if end == characters.len() {
+                    String::new()
+                } else {
+                    // The rest of the words returns to the line; an entity is one sign.
+                    let entity = characters[end..].iter().position(|c| *c == ';');
+                    let length = entity.filter(|_| characters[end] == '&').map_or(1, |at| at + 1);
+                    at = end + length;
+                    let next: String = characters[end..at].iter().collect();
+                    format!("<tspan dy=\"{}\">{next}</tspan>", -there)
+                };
+                out += &format!(
+                    "<tspan dy=\"{there}\" font-size=\"{}\">{inside}</tspan>{back}",
+                    (SMALLER * size).round()
+                );
+                at = at.max(end);
+            }
+            None => {
+                out.push(characters[at]);
+                at += 1;
+            }
+        }
+    }
+    out
+}
+
+/// At a script: how many signs open it, where it ends, whether it is low.
+fn script(characters: &[char], at: usize) -> Option<(usize, usize, bool)> {
+    let before = |back: usize| at.checked_sub(back).map(|i| characters[i]);
+    let base = before(1)?;
+    let alone = before(2).is_none_or(|c| !c.is_alphanumeric() && !"_-.".contains(c));
+    let opens = characters[at];
+    let skip = match opens {
+        '_' | '^' if base.is_alphabetic() && alone || "‖|)]".contains(base) => 1,
+        '1'..='4' if base == 'Γ' => 0,
+        _ => return None,
+    };
+    let from = at + skip;
+    let belongs = |c: &&char| c.is_alphanumeric();
+    let end = from + characters[from..].iter().take_while(belongs).count();
+    // A name with parts of its own is no symbol.
+    let named = characters.get(end).is_some_and(|c| *c == '_');
+    (end > from && !named).then_some((skip, end, opens != '^'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_of_one_style_are_one_path() {
+        let line = |ink: &str, points: &str| {
+            format!(
+                "<polyline fill=\"none\" opacity=\"1\" stroke=\"{ink}\" points=\"{points} \"/>\n"
+            )
+        };
+        let svg =
+            [line("#A", "1,2 3,4"), line("#A", "5,6 7,8 9,9"), line("#B", "0,0 1,1")].concat();
+        assert_eq!(
+            compact(&svg),
+            "<path fill=\"none\" stroke=\"#A\" d=\"M1 2L3 4M5 6L7 8L9 9\"/>\n\
+             <path fill=\"none\" stroke=\"#B\" d=\"M0 0L1 1\"/>\n"
+        );
+        // What lies between two lines stays between them, and a line that is seen through stays as it is.
+        let between = [line("#A", "1,2 3,4"), "<circle cx=\"1\" opacity=\"1\"/>\n".into()].concat();
+        let text = compact(&format!("{between}{}", line("#A", "5,6 7,8")));
+        assert_eq!(text.matches("<path").count(), 2);
+        assert!(text.contains("/>\n<circle cx=\"1\"/>\n<path"));
+        let seen_through = line("#A", "1,2 3,4").replace("opacity=\"1\"", "opacity=\"0.3\"");
+        assert_eq!(compact(&seen_through), seen_through);
+    }
+
+    #[test]
+    fn symbols_have_scripts_and_names_have_none() {
+        let set = |words: &str| scripted(words, 100.0);
+        assert_eq!(set("u_ν"), "u<tspan dy=\"30\" font-size=\"72\">ν</tspan>");
+        assert_eq!(
+            set("max ‖u_ν−u_hν‖ on Γ3"),
+            "max ‖u<tspan dy=\"30\" font-size=\"72\">ν</tspan><tspan dy=\"-30\">−</tspan>\
+             u<tspan dy=\"30\" font-size=\"72\">hν</tspan><tspan dy=\"-30\">‖</tspan> on \
+             Γ<tspan dy=\"30\" font-size=\"72\">3</tspan>"
+        );
+        // What is escaped stays whole.
+        assert!(set("u_ν&lt;g").ends_with("<tspan dy=\"-30\">&lt;</tspan>g"));
+        assert!(set("σ^D and h").starts_with("σ<tspan dy=\"-30\" font-size=\"72\">D</tspan>"));
+        for name in ["trace_L2_max", "V_projection_max", "a-b_c", "10⁻³", "u_", "_a", "Γ", "m0"]
+        {
+            assert_eq!(set(name), name);
+        }
+        let text =
+            "<text x=\"1\" text-anchor=\"start\" font-size=\"33\" opacity=\"1\">\nu_h\n</text>\n";
+        assert_eq!(
+            compact(text),
+            "<text x=\"1\" font-size=\"33\">u<tspan dy=\"10\" font-size=\"24\">h</tspan></text>\n"
+        );
+    }
+}

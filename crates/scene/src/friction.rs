@@ -1,0 +1,203 @@
+//! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3 in the plane, with a given bound S(x, t) or one that depends on the slip.
+
+use formula::{Node, Point, Variable};
+
+use super::data::AXES;
+use super::diagnostic::SceneError;
+use super::domain::{Domain, Face, place};
+use super::gap::points;
+use super::reading::{Reading, evenly};
+use super::time::Time;
+use super::validated::Scene;
+use super::written;
+
+/// Intervals of a side, and of [0, T], at whose ends the bound is examined.
+const SAMPLES: u32 = 256;
+const TIMES: u32 = 32;
+/// Ends of faces that are closer than this share of their lengths are one vertex.
+const SAME_PLACE: f64 = 1e-9;
+
+/// The bound S of the friction stress.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FrictionBound {
+    /// Tresca: S(x, t) ≥ 0, a formula in x, y, t.
+    Given(Node),
+    /// (r, S(r)) over the slip r = |u_τ|, the first at r = 0, joined by lines and constant beyond the last.
+    Slip(Vec<[f64; 2]>),
+}
+
+/// Friction on Γ3.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Friction {
+    pub bound: FrictionBound,
+}
+
+impl Friction {
+    pub(super) fn validate(
+        reading: &mut Reading,
+        written: &written::Friction,
+        domain: &Domain,
+        time: &Time,
+    ) -> Result<Self, SceneError> {
+        if domain.dimension() != 2 {
+            let message = "friction on a body in space";
+            let hint = "friction works in the plane: remove [contact.friction]";
+            return Err(reading.key_error("contact.friction", message, hint));
+        }
+        one_tangent_a_vertex(reading, domain)?;
+        let bound = match &written.bound {
+            written::Bound::Formula(formula) => given(reading, formula, domain, time)?,
+            written::Bound::Table(table) => {
+                let known = [("slip", ())];
+                reading.choice("contact.friction.bound.kind", &table.kind, &known)?;
+                FrictionBound::Slip(slip(reading, table)?)
+            }
+        };
+        Ok(Self { bound })
+    }
+
+    /// α_τ ≥ 0 (a stiffness), the steepest descent of S: then r ↦ S(|r|) sign r satisfies (2.8c) with it, since its jump at
+    /// 0 goes up.
+    pub fn alpha(&self) -> f64 {
+        let FrictionBound::Slip(points) = &self.bound else { return 0.0 };
+        let slopes =
+            points.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
+        slopes.fold(0.0, |alpha, slope| f64::max(alpha, -slope))
+    }
+}
+
+impl Scene {
+    /// Refuses a scene with friction for a command that leaves friction out of account.
+    ///
+    /// # Errors
+    /// At `contact.friction`.
+    pub fn without_friction(&self, command: &str) -> Result<(), SceneError> {
+        let contact = self.as_contact().and_then(|body| body.contact.as_ref());
+        if contact.is_none_or(|contact| contact.friction.is_none()) {
+            return Ok(());
+        }
+        let message = format!("`{command}` does not treat friction");
+        let hint = "run, gate, check, bound and solve do; for this command take a scene without [contact.friction]";
+        Err(self.error("contact.friction", message, hint))
+    }
+}
+
+/// S(x, t), finite and not negative at the samples.
+fn given(
+    reading: &mut Reading,
+    formula: &written::Formula,
+    domain: &Domain,
+    time: &Time,
+) -> Result<FrictionBound, SceneError> {
+    let key = "contact.friction.bound";
+    let scope = reading.scope(&[AXES[0], AXES[1], Variable::T]);
+    let node = reading.formula(key, formula, &scope)?;
+    for side in &domain.contact {
+        let places: Vec<Point> =
+            domain.faces(*side).iter().flat_map(|face| points(face, SAMPLES)).collect();
+        for t in evenly(0.0, time.horizon, TIMES) {
+            for at in &places {
+                let value = reading.formulas.evaluate(node, &Point { t, ..*at });
+                if value.is_finite() && value >= 0.0 {
+                    continue;
+                }
+                let message = format!(
+                    "`bound` is {value} at {}, t = {t} on the side {}",
+                    place(at, 2),
+                    domain.name(*side)
+                );
+                let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
+                return Err(reading.error(key, message, hint));
+            }
+        }
+    }
+    Ok(FrictionBound::Given(node))
+}
+
+fn slip(reading: &Reading, table: &written::BoundTable) -> Result<Vec<[f64; 2]>, SceneError> {
+    let key = "contact.friction.bound.points";
+    let line = "points = [[0.0, 0.3], [0.1, 0.28]]";
+    let written = reading.needed(key, table.points.as_ref(), &table.kind, line)?;
+    let mut points: Vec<[f64; 2]> = Vec::new();
+    for (index, point) in written.iter().enumerate() {
+        let here = format!("{key}.{index}");
+        let [r, bound] = match point[..] {
+            [r, bound] if r.is_finite() && bound.is_finite() => [r, bound],
+            _ => {
+                let message = format!("{point:?} is not a point");
+                return Err(reading.error(
+                    &here,
+                    message,
+                    "a point is two finite numbers: [r, S(r)]",
+                ));
+            }
+        };
+        if bound < 0.0 {
+            let message = format!("the bound is {bound} at r = {r}: it must not be negative");
+            return Err(reading.error(&here, message, "give S >= 0"));
+        }
+        let fits = match points.last() {
+            None => r == 0.0,
+            Some([before, _]) => r > *before,
+        };
+        if !fits {
+            let message = format!("the slip {r}: points start at r = 0, and r increases");
+            let hint = "a jump of S would violate relaxed monotonicity (2.8c) on one side of r = 0: replace it by a steep slope";
+            return Err(reading.error(&here, message, hint));
+        }
+        points.push([r, bound]);
+    }
+    if points.is_empty() {
+        let hint = format!("give at least one: {line}");
+        return Err(reading.error(key, "the bound has no point", hint));
+    }
+    Ok(points)
+}
+
+/// u_τ takes the unknown beside that of u_ν: a vertex between two contact sides has none, unless it is clamped.
+fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
+    let ends = |face: &Face| {
+        let [x, y, z] = face.corner;
+        [face.corner, [x + face.edges[0][0], y + face.edges[0][1], z]]
+    };
+    let of = |sides: &[super::Side]| -> Vec<Face> {
+        sides.iter().flat_map(|side| domain.faces(*side)).collect()
+    };
+    let (contact, clamped) = (of(&domain.contact), of(&domain.clamped));
+    let near = |p: [f64; 3], q: [f64; 3], face: &Face| {
+        (p[0] - q[0]).hypot(p[1] - q[1]) <= SAME_PLACE * face.longest()
+    };
+    let at = |p: [f64; 3], face: &Face| ends(face).into_iter().any(|q| near(p, q, face));
+    for (i, face) in contact.iter().enumerate() {
+        for p in ends(face) {
+            let bends = |other: &Face| {
+                let turn = face.normal[0] * other.normal[1] - face.normal[1] * other.normal[0];
+                turn.abs() > SAME_PLACE && at(p, other)
+            };
+            if contact[..i].iter().any(bends) && !clamped.iter().any(|own| at(p, own)) {
+                let [x, y, z] = p;
+                let point = Point { x, y, z, ..Point::default() };
+                let message = format!(
+                    "two contact sides with friction meet at {}: both displacements of that vertex carry a normal condition",
+                    place(&point, 2)
+                );
+                let hint = "put a traction or clamped side between contact sides, or remove [contact.friction]";
+                return Err(reading.key_error("contact.friction", message, hint));
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn alpha_is_the_steepest_descent_of_the_bound() {
+        let slip = |points: &[[f64; 2]]| Friction { bound: FrictionBound::Slip(points.to_vec()) };
+        assert!((slip(&[[0.0, 0.3], [0.1, 0.28], [0.2, 0.27]]).alpha() - 0.2).abs() < 1e-12);
+        assert_eq!(slip(&[[0.0, 0.1], [0.1, 0.2]]).alpha(), 0.0);
+        assert_eq!(slip(&[[0.0, 0.1]]).alpha(), 0.0);
+    }
+}

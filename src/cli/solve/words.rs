@@ -1,0 +1,240 @@
+//! What a solve says on the terminal: the answer in a sentence, then each quantity in words with what it is measured in.
+
+use report::digits;
+use serde_json::Value;
+
+/// What a number is measured in, by powers of the scene's units of length and stress.
+#[derive(Clone, Copy)]
+enum Unit {
+    /// A count, or a ratio.
+    None,
+    /// A length.
+    Length,
+    /// A stress.
+    Stress,
+    /// Stress times area: in the plane, times length.
+    Force,
+    /// Stress times volume.
+    Energy,
+    /// The norm of a strain in L²(Ω).
+    Strain,
+    /// That over time.
+    Accumulated,
+    /// Seconds of this machine.
+    Seconds,
+    /// Bytes, shown in MiB.
+    Bytes,
+}
+
+/// A group of quantities: a key of the JSON document, its words, its unit.
+type Quantities = &'static [(&'static str, &'static str, Unit)];
+
+const GROUPS: [(&str, Quantities); 4] = [
+    (
+        "contact at t = T",
+        &[
+            ("contact_force", "force ∫(ξ+λ) on Γ3", Unit::Force),
+            ("compliance_force", "  of the law, ∫ξ", Unit::Force),
+            ("multiplier_force", "  of the obstacle, ∫λ", Unit::Force),
+            ("peak_pressure", "largest pressure ξ+λ", Unit::Stress),
+            ("contact_half_width", "half of the length under pressure", Unit::Length),
+            ("pressure_spread", "spread of the pressure", Unit::Length),
+            ("locked_vertices", "vertices at the obstacle, u_ν = g", Unit::None),
+            ("jump_vertices", "vertices at a jump of the law", Unit::None),
+            ("max_normal_displacement", "largest u_ν", Unit::Length),
+            ("min_normal_gap", "smallest distance g − u_ν", Unit::Length),
+        ],
+    ),
+    (
+        "body at t = T",
+        &[
+            ("strain_norm", "strain ‖ε(u)‖", Unit::Strain),
+            ("zeta", "accumulated strain ζ", Unit::Accumulated),
+            ("elastic_energy", "elastic energy ½(𝒜ε, ε)", Unit::Energy),
+            ("yielding_elements", "cells that yield", Unit::None),
+            ("min_uy", "smallest u_y", Unit::Length),
+            ("min_uy_vertex", "  at the vertex", Unit::Length),
+        ],
+    ),
+    (
+        "inequality at t = T",
+        &[
+            ("norm", "‖u‖ in X", Unit::None),
+            ("V_max", "largest error over the steps, in X", Unit::None),
+            ("u", "u", Unit::None),
+            ("history", "history Su", Unit::None),
+            ("pressure", "multipliers", Unit::None),
+        ],
+    ),
+    (
+        "solver, all levels",
+        &[
+            ("dofs", "unknowns of a level", Unit::None),
+            ("newton_iterations", "Newton iterations", Unit::None),
+            ("fixed_point_iterations", "applications of Λ", Unit::None),
+            ("convex_problems", "convex problems", Unit::None),
+            ("contraction", "largest quotient of changes", Unit::None),
+            ("contraction_bound", "  its bound α_ν c_j²/m", Unit::None),
+            ("linear_solver", "linear solver", Unit::None),
+            ("factorizations", "factorizations", Unit::None),
+            ("linear_solves", "linear solves", Unit::None),
+            ("linear_iterations", "conjugate gradient iterations", Unit::None),
+            ("kkt_residual", "residual of the system, relative", Unit::None),
+            ("paths", "ways taken", Unit::None),
+            ("seconds", "time of this run", Unit::Seconds),
+            ("peak_resident_bytes", "memory of this process", Unit::Bytes),
+        ],
+    ),
+];
+
+/// Keys that say nothing where they are zero: another solver, a law without jumps.
+const ZERO_IS_NOTHING: [&str; 5] = [
+    "fixed_point_iterations",
+    "convex_problems",
+    "linear_iterations",
+    "jump_vertices",
+    "yielding_elements",
+];
+
+/// The document of a run, `case` being its scene and grid, in words. What has no value in this scene is left out.
+pub(in crate::cli) fn in_words(case: &str, document: &Value, dimension: usize) -> String {
+    let mut lines = vec![format!("{case}: {}", answer(document))];
+    for (title, quantities) in GROUPS {
+        let rows: Vec<(&str, String, String)> = quantities
+            .iter()
+            .filter_map(|&(key, words, unit)| {
+                let value = shown(key, &document[key], unit)?;
+                Some((words, value, words_of(unit, dimension)))
+            })
+            .collect();
+        // A scene without Γ3 has zeros for its contact.
+        let contact = title.starts_with("contact") && !has_contact(document);
+        if rows.is_empty() || contact {
+            continue;
+        }
+        lines.push(format!("\n{title}"));
+        lines.extend(rows.iter().map(|(words, value, unit)| {
+            let gap = " ".repeat(WORDS.saturating_sub(words.chars().count()));
+            format!("  {words}{gap}{value:<12} {unit}").trim_end().to_owned()
+        }));
+    }
+    lines.join("\n")
+}
+
+/// Width of the words before a value.
+const WORDS: usize = 36;
+
+fn has_contact(document: &Value) -> bool {
+    document["normal_displacement"].as_array().is_some_and(|rows| !rows.is_empty())
+}
+
+/// The sentence that comes first.
+fn answer(document: &Value) -> String {
+    let number = |key: &str| document[key].as_f64().map_or_else(|| "–".into(), |v| digits(v, 4));
+    let count = |key: &str| document[key].as_u64().unwrap_or(0);
+    let sure = format!("solved to a residual of {}", number("kkt_residual"));
+    if !document["norm"].is_null() {
+        return format!(
+            "‖u‖ = {} with an error of at most {}; {sure}.",
+            number("norm"),
+            number("V_max")
+        );
+    }
+    if !has_contact(document) {
+        return format!("‖ε(u)‖ = {}, no contact side; {sure}.", number("strain_norm"));
+    }
+    let of = document["normal_displacement"].as_array().map_or(0, Vec::len);
+    format!(
+        "the contact force is {}, and {} of {of} contact vertices are at the obstacle; {sure}.",
+        number("contact_force"),
+        count("locked_vertices"),
+    )
+}
+
+/// A value as it is printed; none where the scene has none.
+fn shown(key: &str, value: &Value, unit: Unit) -> Option<String> {
+    let number = |value: f64| match unit {
+        Unit::Bytes => format!("{:.0}", value / (1024.0 * 1024.0)),
+        Unit::Seconds => digits(value, 3),
+        _ => digits(value, 7),
+    };
+    match value {
+        Value::Null => None,
+        Value::String(text) => Some(text.clone()),
+        Value::Array(items) => {
+            let parts: Vec<String> = items
+                .iter()
+                .map(|item| {
+                    item.as_f64().map_or_else(|| item.as_str().unwrap_or("–").into(), number)
+                })
+                .collect();
+            (!parts.is_empty()).then(|| parts.join(", "))
+        }
+        other => {
+            let silent = ZERO_IS_NOTHING.contains(&key) && other.as_f64() == Some(0.0);
+            (!silent).then(|| match other.as_u64() {
+                Some(count) if !matches!(unit, Unit::Bytes) => count.to_string(),
+                _ => other.as_f64().map_or_else(|| "–".into(), number),
+            })
+        }
+    }
+}
+
+/// A unit in the scene's units of length and stress; forces and energies of a plane body are those of a unit of depth.
+fn words_of(unit: Unit, dimension: usize) -> String {
+    let power = |base: &str, exponent: usize| match exponent {
+        0 => String::new(),
+        1 => base.to_owned(),
+        2 => format!("{base}²"),
+        _ => format!("{base}³"),
+    };
+    match unit {
+        Unit::None => String::new(),
+        Unit::Length => "length".into(),
+        Unit::Stress => "stress".into(),
+        Unit::Force => format!("stress · {}", power("length", dimension.saturating_sub(1))),
+        Unit::Energy => format!("stress · {}", power("length", dimension)),
+        Unit::Strain if dimension == 2 => "length".into(),
+        Unit::Strain => "length^(3/2)".into(),
+        Unit::Accumulated if dimension == 2 => "length · time".into(),
+        Unit::Accumulated => "length^(3/2) · time".into(),
+        Unit::Seconds => "s".into(),
+        Unit::Bytes => "MiB".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn what_a_scene_lacks_is_not_said() {
+        let rows = json!([[0.0, 0.0, 0.1], [0.5, 0.0, 0.2]]);
+        let pressed = json!({
+            "contact_force": 0.25, "locked_vertices": 1, "normal_displacement": rows,
+            "strain_norm": 0.5, "min_normal_gap": null, "jump_vertices": 0, "kkt_residual": 1e-16,
+            "seconds": 0.5, "peak_resident_bytes": 1_048_576,
+        });
+        let text = in_words("punch, n = 2, N = 1", &pressed, 2);
+        let first = text.lines().next().expect("a line");
+        assert!(first.contains("force is 0.25") && first.contains("1 of 2 contact"), "{first}");
+        assert!(text.contains("0.25         stress · length\n"), "{text}");
+        assert!(!text.contains("null") && !text.contains("jump") && !text.contains("distance"));
+        assert!(in_words("box", &pressed, 3).contains("stress · length²"));
+        // Without Γ3 its zeros are no contact.
+        let free = json!({ "contact_force": 0.0, "normal_displacement": [], "strain_norm": 0.5 });
+        let text = in_words("free", &free, 2);
+        assert!(text.starts_with("free: ‖ε(u)‖ = 0.5, no contact side") && !text.contains("force"));
+    }
+
+    #[test]
+    fn no_quantity_is_named_twice() {
+        let mut keys: Vec<&str> = GROUPS.iter().flat_map(|g| g.1).map(|own| own.0).collect();
+        let count = keys.len();
+        keys.sort_unstable();
+        keys.dedup();
+        assert_eq!(keys.len(), count);
+        assert!(ZERO_IS_NOTHING.iter().all(|key| keys.contains(key)));
+    }
+}

@@ -1,0 +1,304 @@
+//! Source: -σ_τ ∈ S ∂|u_τ| as φ of Problem 1; tests/fixtures/tresca.json by tests/independent/tresca.py, which knows
+//!   nothing of this program.
+//! Goal: friction is what another program finds; a wrong sign, a bound without its factor, vertices that stick where they
+//!   should slip are driven off their order; the KKT rows, the slopes, the constants and the refusals are what they say.
+//! Mesh: n × n squares cut from lower left to upper right; the same turned by an angle.
+//! Data: the scenes friction-…, and a block that is pulled along a layer.
+
+use std::sync::Arc;
+
+use crate::shipped::{edited, fixture, on_mesh, run, setup, setup_of, text, v_max};
+use gronwall::contact::{
+    Evolution, Friction, StepView, TraceMass, kkt_residual, tangential_trace_constant,
+};
+use gronwall::law::{PiecewiseLinear, Potential};
+use gronwall::linalg::signed_unit;
+use gronwall::scene::{Scene, Source};
+use gronwall::setup::{Setup, TruthLoad, constants};
+use gronwall::vhi::{Decomposition, HistoryInequality, StepInequality};
+
+const NS: [u32; 3] = [8, 16, 32];
+const STEPS: u32 = 8;
+
+fn independent() -> Setup {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/independent/tresca.toml");
+    setup_of(std::fs::read_to_string(path).expect("a scene"))
+}
+
+/// u and s of the last level.
+fn last(setup: &Setup, n: u32, steps: u32) -> (Vec<f64>, Vec<f64>) {
+    let (data, mut seen) = (on_mesh(setup, n), (Vec::new(), Vec::new()));
+    let see = |view: &StepView<'_>| seen = (view.u.to_vec(), view.friction.to_vec());
+    run(setup, &setup.model, &data, steps, see).unwrap_or_else(|error| panic!("{error}"));
+    seen
+}
+
+/// Every displacement and every friction stress, to 1e-9 of the largest: both solve the same discrete problem, to 1e-13.
+#[test]
+fn another_program_finds_the_same() {
+    let known = fixture("tresca");
+    let [n, steps] = ["n", "steps"].map(|key| known[key].as_u64().expect("a count") as u32);
+    let setup = independent();
+    let (u, s) = last(&setup, n, steps);
+    let space = on_mesh(&setup, n).space;
+    let rows = |key: &str| known[key].as_array().expect("rows").clone();
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let largest = |all: &[f64]| all.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    for (vertex, row) in rows("u").iter().enumerate() {
+        for i in 0..2 {
+            let own = u[2 * space.nodes.of_vertex[vertex] as usize + i];
+            assert!((own - number(&row[i])).abs() <= 1e-9 * largest(&u), "u at vertex {vertex}");
+        }
+    }
+    // The bottom row of vertices from left to right.
+    for (point, own) in space.trace.points.iter().zip(&s) {
+        let known = number(&rows("friction")[point.vertex as usize]);
+        assert!((own - known).abs() <= 1e-9 * largest(&s), "s at vertex {}", point.vertex);
+    }
+    let bound = |x: f64| 0.05 * (1.0 + 6.0 * x) * 1.5;
+    let at = |p: &gronwall::contact::TracePoint| space.mesh.vertex(p.vertex)[0];
+    let sticks = space.trace.points.iter().zip(&s).filter(|(p, s)| s.abs() < 0.99 * bound(at(p)));
+    let sticks = sticks.count();
+    assert!(sticks >= 2 && sticks + 2 <= s.len(), "{sticks} of {} stick", s.len());
+}
+
+/// Errors on [`NS`]; a run that fails has none.
+fn errors(setup: &Setup) -> Option<[f64; 3]> {
+    let of = |n: u32| {
+        let data = on_mesh(setup, n);
+        let fine = run(setup, &setup.model, &data, STEPS, |_| {}).is_ok();
+        fine.then(|| v_max(setup, &setup.model, &data, STEPS))
+    };
+    let [a, b, c] = NS.map(of);
+    Some([a?, b?, c?])
+}
+
+fn order([_, b, c]: [f64; 3]) -> f64 {
+    (b / c).log2()
+}
+
+/// `friction-front` with another factor of the bound.
+fn with_factor(change: fn([f64; 3], f64) -> f64) -> Setup {
+    let mut setup = setup("friction-front");
+    let Friction { factor, graph } = setup.model.friction.take().expect("friction");
+    let factor = Box::new(move |x: [f64; 3], t: f64| change(x, factor(x, t)));
+    setup.model.friction = Some(Friction { factor, graph });
+    setup
+}
+
+#[test]
+fn wrong_friction_leaves_the_order() {
+    let sound = errors(&with_factor(|_, s| s)).expect("a sound run");
+    assert!((order(sound) - 1.0).abs() < 0.15, "{sound:?}");
+    let wrong: [(&str, fn([f64; 3], f64) -> f64); 4] = [
+        ("against the other direction", |_, s| -s),
+        ("half of it", |_, s| 0.5 * s),
+        ("twice of it", |_, s| 2.0 * s),
+        ("every second vertex of n = 8 sticks", |x, s| {
+            if (8.0 * x[0]).fract() == 0.0 && (8.0 * x[0]) as u32 % 2 == 0 { 1e3 } else { s }
+        }),
+    ];
+    for (what, change) in wrong {
+        let Some(found) = errors(&with_factor(change)) else { continue };
+        assert!(order(found) < 0.85, "{what}: {found:?} beside {sound:?}");
+    }
+}
+
+/// A friction stress that is off its law, or in no balance, shows in the residual that knows no active set.
+#[test]
+fn the_kkt_rows_see_a_wrong_friction_stress() {
+    let setup = setup("friction-front");
+    let (data, mut worst) = (on_mesh(&setup, 8), [0.0f64; 2]);
+    let mut least = f64::INFINITY;
+    run(&setup, &setup.model, &data, 4, |view| {
+        let load = data.truth.load(view.t).expect("a load");
+        let residual = |view: &StepView<'_>| kkt_residual(&data.space, &setup.model, view, &load);
+        let turned: Vec<f64> = view.friction.iter().map(|s| -s).collect();
+        worst[0] = worst[0].max(residual(view));
+        least = least.min(residual(&StepView { friction: &turned, ..*view }));
+        // In balance, beyond the bound by a thousandth: the law alone.
+        let mut model = setup.scene_model();
+        let Friction { factor, graph } = model.friction.take().expect("friction");
+        let factor = Box::new(move |x: [f64; 3], t: f64| 0.999 * factor(x, t));
+        model.friction = Some(Friction { factor, graph });
+        worst[1] = worst[1].max(kkt_residual(&data.space, &model, view, &load));
+    })
+    .expect("a run");
+    // Rounding of some 40 nodal forces.
+    assert!(worst[0] < 1e-12, "{worst:?}");
+    assert!(least > 1e-3 && worst[1] > 1e-6, "{least} {worst:?}");
+}
+
+/// J⁻¹(F(u + s d) - F(u - s d))/2s gives back d, with vertices that slip both ways on a falling bound.
+#[test]
+fn the_slopes_of_a_falling_bound_are_its_differences() {
+    const STEP: f64 = 1e-7;
+    let points = vec![(-0.2, -0.2), (0.0, -0.3), (0.0, 0.3), (0.2, 0.2)];
+    let graph = Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).expect("a law"));
+    let mut setup = setup("friction-falling");
+    setup.model.friction = Some(Friction { factor: Box::new(|_, _| 1.0), graph });
+    let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
+    let mut load = TruthLoad(&*data.truth);
+    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    level.open().expect("a level");
+    let free = &data.space.nodes.vertex[..data.space.nodes.free];
+    let at = |&v: &u32| -> [f64; 2] {
+        let (x, y) = (data.space.mesh.vertex(v)[0], data.space.mesh.vertex(v)[1]);
+        [(1.0 - y) * 0.05 * (x - 0.4), -0.02 * (1.0 - y) * (1.0 + x)]
+    };
+    let u: Vec<f64> = free.iter().flat_map(at).collect();
+    let mut seed = 5;
+    let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
+    let branch = |graph: &gronwall::vhi::BoundaryGraph, i: usize| {
+        // One jump, at 0, and only in the graphs of friction.
+        let normal = graph.normal(i, &u);
+        graph.potentials[graph.coordinates[i].law as usize]
+            .jumps()
+            .iter()
+            .filter(|j| normal > **j)
+            .count()
+    };
+    let force = |level: &mut Evolution<'_, _>, u: &[f64]| {
+        let mut out = vec![0.0; u.len()];
+        level.residual(u, &mut out);
+        let graph = level.graph();
+        for (i, own) in graph.coordinates.iter().enumerate() {
+            let value = graph.value_and_slope(i, branch(graph, i), graph.normal(i, u)).0;
+            out[own.dof as usize] += own.sign * own.weight * value;
+        }
+        out
+    };
+    let moved =
+        |sign: f64| -> Vec<f64> { u.iter().zip(&d).map(|(u, d)| u + sign * STEP * d).collect() };
+    let (plus, minus) = (force(&mut level, &moved(1.0)), force(&mut level, &moved(-1.0)));
+    let mut x: Vec<f64> = plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * STEP)).collect();
+    force(&mut level, &u);
+    let graph = level.graph();
+    let slope = |i: usize| {
+        graph.coordinates[i].weight
+            * graph.value_and_slope(i, branch(graph, i), graph.normal(i, &u)).1
+    };
+    let slopes: Vec<f64> = (0..graph.coordinates.len()).map(slope).collect();
+    assert!(slopes.iter().filter(|slope| **slope < 0.0).count() >= 4, "{slopes:?}");
+    level.linearize(&slopes, &vec![None; slopes.len()]).expect("a positive definite tangent");
+    level.solve(&mut x, 1e-12).expect("a solve");
+    let size = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();
+    let off = size(&mut x.iter().zip(&d).map(|(x, d)| x - d)) / size(&mut d.iter().copied());
+    // Rounding 1e-16/1e-7 times a condition of 1e2; yielding cells move by 1e-7.
+    assert!(off < 1e-5, "{off}");
+}
+
+/// A vertex with a frame takes the second unknown of it: the same body, turned, has the same answer.
+#[test]
+fn a_turned_body_has_the_same_friction() {
+    let polygon = |angle: f64| {
+        let (c, s) = (angle.cos(), angle.sin());
+        let corner = |[x, y]: [f64; 2]| format!("[{:?}, {:?}]", c * x - s * y, s * x + c * y);
+        let corners: Vec<String> =
+            [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(corner).into();
+        let domain = format!(
+            "shape = \"polygon\"\nvertices = [{}]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]",
+            corners.join(", ")
+        );
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/independent/tresca.toml");
+        let text = std::fs::read_to_string(path).expect("a scene");
+        let text = edited(&text, "shape = \"rectangle\"\nsize = [1.0, 1.0]", &domain);
+        let (bound, body) = ("0.05*(1 + 6*x)*(1 + t/2)", "[\"0.4*t\", \"-0.2\"]");
+        let text = edited(&text, bound, &format!("0.05*(1 + 6*({c:?}*x + {s:?}*y))*(1 + t/2)"));
+        let own = format!("[\"{c:?}*0.4*t + {s:?}*0.2\", \"{s:?}*0.4*t - {c:?}*0.2\"]");
+        setup_of(edited(&text, body, &own))
+    };
+    let (straight, turned) = (polygon(0.0), polygon(0.5));
+    let ((u, s), (v, r)) = (last(&straight, 4, 3), last(&turned, 4, 3));
+    let (c, sine) = (0.5f64.cos(), 0.5f64.sin());
+    let largest = u.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    for (a, b) in u.chunks(2).zip(v.chunks(2)) {
+        let image = [c * a[0] - sine * a[1], sine * a[0] + c * a[1]];
+        assert!((0..2).all(|i| (image[i] - b[i]).abs() < 1e-11 * largest), "{image:?} {b:?}");
+    }
+    assert!(s.iter().zip(&r).all(|(s, r)| (s - r).abs() < 1e-11), "{s:?} {r:?}");
+    assert!(s.iter().any(|s| *s > 0.0));
+}
+
+/// c_τ² of the unit square is 6.444 by elements of degree 2 on n = 32 (scipy); P1 lies below and comes near.
+#[test]
+fn the_tangential_trace_constant_is_large() {
+    let setup = setup("friction-front");
+    let found = constants(&setup).expect("constants");
+    assert!((found.c_tau_squared - 6.444).abs() < 0.005, "{}", found.c_tau_squared);
+    for mass in [TraceMass::Consistent, TraceMass::Lumped] {
+        let value =
+            |n| tangential_trace_constant(&on_mesh(&setup, n).space, mass).expect("one").value;
+        let [coarse, fine] = [8, 16].map(value);
+        assert!((fine - 6.444).abs() < 0.3 * (coarse - 6.444).abs(), "{coarse} {fine}");
+    }
+    let falling = constants(&crate::shipped::setup("friction-falling")).expect("constants");
+    let m0 = 2.0 - 0.2 * falling.c_tau_squared;
+    assert!((falling.m0 - m0).abs() < 1e-12 && falling.m0 > 0.0, "{}", falling.m0);
+}
+
+/// The decomposition of Remark 3 knows friction as it knows the normal law.
+#[test]
+fn the_decomposition_finds_the_same() {
+    let setup = setup("friction-falling");
+    let (data, grid) = (on_mesh(&setup, 8), setup.grid(4));
+    let mut found: [Vec<f64>; 2] = Default::default();
+    run(&setup, &setup.model, &data, 4, |view| found[0] = view.u.to_vec()).expect("Newton");
+    let mut load = TruthLoad(&*data.truth);
+    let mut see = |view: &StepView<'_>| {
+        found[1] = view.u.to_vec();
+        Ok(())
+    };
+    let solver = Decomposition::default();
+    gronwall::contact::march(&data.space, &setup.model, &grid, &mut load, &solver, &mut see)
+        .expect("the decomposition");
+    let largest = found[0].iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    assert!(found[0].iter().zip(&found[1]).all(|(a, b)| (a - b).abs() < 1e-9 * largest));
+}
+
+/// What is said of `text` with an edit.
+fn refusal(name: &str, from: &str, to: &str) -> String {
+    let text = edited(&text(name), from, to);
+    match Scene::from_source(Source::from_text("manufactured/edited.toml", text)) {
+        Err(error) => error.to_string(),
+        Ok(scene) => match Setup::new(scene) {
+            Err(error) => error.to_string(),
+            Ok(_) => panic!("{from} -> {to} is accepted"),
+        },
+    }
+}
+
+#[test]
+fn what_is_wrong_is_refused() {
+    let slip = "points = [[0.0, 0.02], [0.05, 0.01]]";
+    let front = "bound = \"0.02*(1 + t/2)\"";
+    for (name, from, to, words) in [
+        ("friction-front", front, "bound = \"0.02 - 0.03*t\"", "`bound` is -0.0"),
+        ("friction-front", front, "bound = \"1/x\"", "`bound` is inf"),
+        ("friction-front", front, "bound = \"0.01\"", "beyond the bound"),
+        ("friction-front", front, "bound = \"0.03*(1 + t/2)\"", "slips and the bound"),
+        ("friction-front", "friction = \"s\"", "friction = \"-s\"", "slips and the bound"),
+        ("friction-front", front, "bound = { kind = \"slide\" }", "did you mean `slip`"),
+        ("friction-falling", slip, "points = [[0.0, 0.02], [0.05, -0.01]]", "must not be negative"),
+        ("friction-falling", slip, "points = [[0.1, 0.02]]", "points start at r = 0"),
+        ("friction-falling", slip, "points = [[0.0, 0.3], [0.1, 0.2]]", "alpha_tau c_tau^2"),
+        (
+            "punch-box",
+            "[contact]\n",
+            "[contact]\nfriction = { bound = 0.1 }\n",
+            "works in the plane",
+        ),
+    ] {
+        let said = refusal(name, from, to);
+        assert!(said.contains(words), "{name}, {to}: {said}");
+    }
+    let corner = edited(
+        &text("friction-time"),
+        "traction = [\"left\", \"right\"]",
+        "traction = [\"right\"]",
+    );
+    let corner = edited(&corner, "contact = [\"bottom\"]", "contact = [\"bottom\", \"left\"]");
+    let error = Scene::from_source(Source::from_text("manufactured/edited.toml", corner));
+    let said = error.expect_err("a corner").to_string();
+    assert!(said.contains("two contact sides with friction meet at x = 0, y = 0"), "{said}");
+}
