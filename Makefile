@@ -102,7 +102,7 @@ book: ## the documents as a book with a search, in target/book/html, and every l
 	test -x $(MDBOOK)/bin/mdbook || $(CARGO) install --quiet --locked --no-default-features --features search --root $(MDBOOK) --target-dir $(MDBOOK)/build mdbook@0.5.4
 	tests/book.sh $(MDBOOK)/bin/mdbook $(PYTHON) target/book
 
-page: ## the page of reports/latest in headless Chromium; screenshots in target/page/
+page: ## the page of reports/latest in headless Chromium and under axe-core; screenshots in target/page/
 	tests/page.sh reports/latest target/page
 
 # pdflatex of this machine, or a small TeX from PyPI (x86-64 Linux), in a place of its own.

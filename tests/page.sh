@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The page of a report in headless Chromium: no error in its console, no wider than a phone, tables that sort,
-# links that lead somewhere, a name for every picture; screenshots light and dark.
+# The page of a report in headless Chromium: no error in its console, no wider than a phone, at most twelve screens tall,
+# tables that sort, links that lead somewhere, a name for every picture; no grave finding of axe-core; screenshots light and
+# dark. Before the page a broken one has to fail.
 # Usage: tests/page.sh DIR [OUT]: DIR has index.html; screenshots go to OUT (default target/page).
 set -euo pipefail
 
@@ -11,6 +12,10 @@ page=$(realpath "$dir/index.html")
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
 if [ -z "$browser" ]; then
     echo "page check failed: no chromium on this machine; Debian has it: apt-get install chromium" >&2
+    exit 1
+fi
+if ! command -v node >/dev/null || ! command -v npm >/dev/null; then
+    echo "page check failed: no node or npm on this machine; Debian has them: apt-get install nodejs npm" >&2
     exit 1
 fi
 mkdir -p "$out"
@@ -27,10 +32,13 @@ fail() {
     exit 1
 }
 
+# Screens of 1000 px at 1280 px, as the page opens.
+screens=12
+
 # What the page says of itself when its script has run: width, height as opened, the first column of the first table
 # sorted twice, links within it that lead nowhere, pictures without words.
-probe=$profile/probe.html
-cat "$page" - >"$probe" <<'PROBE'
+probing() {
+    cat "$1" - >"$profile/probe.html" <<'PROBE'
 <script>
 const said = [document.documentElement.scrollWidth <= innerWidth ? "fits" : "wider than the window"];
 const height = document.documentElement.scrollHeight;
@@ -51,6 +59,7 @@ said.push(lost.length + mute.length + ids.length - new Set(ids).size === 0 ? "so
 parent.postMessage({ text: said.join(", ") + `, ${innerWidth} x ${height} px`, height }, "*");
 </script>
 PROBE
+}
 
 # A window of the browser has a least width, a frame has none.
 framed() {
@@ -61,22 +70,43 @@ framed() {
 FRAME
 }
 
-for size in 1280,1000 390,844; do
-    log=$profile/log
-    framed "$size" "$probe"
+# What is wrong with a page at a size; nothing if it is right. What it says of itself is left in $profile/said.
+wrong() {
+    local size=$1 log=$profile/log said height
+    probing "$2"
+    framed "$size" "$profile/probe.html"
     chromium --window-size=1300,1000 --virtual-time-budget=20000 --dump-dom "file://$profile/frame.html" \
-        >"$profile/dom" 2>"$log" || fail "chromium ended with $?"
+        >"$profile/dom" 2>"$log" || { echo "chromium ended with $?"; return; }
     said=$(grep -o '<title>[^<]*' "$profile/dom" | head -n 1)
     said=${said#<title>}
+    echo "$said" >"$profile/said"
+    height=$(sed -n 's/.* x \([0-9]*\) px$/\1/p' "$profile/said")
     if grep -q 'CONSOLE' "$log"; then
-        grep 'CONSOLE' "$log" >&2
-        fail "messages in the console at $size"
+        echo "messages in the console: $(grep -m 1 'CONSOLE' "$log")"
+        return
     fi
     case $said in
-    *"does not sort"* | *"lost"*) fail "$size: $said" ;;
-    fits*) ;;
-    *) fail "$size: $said" ;;
+    *"does not sort"* | *"lost"*) echo "$said" ;;
+    fits*)
+        if [ "${size%,*}" = 1280 ] && [ "$height" -gt $((screens * 1000)) ]; then
+            echo "$height px tall as it opens, and $((screens * 1000)) are allowed"
+        fi
+        ;;
+    *) echo "$said" ;;
     esac
+}
+
+# A page that is too tall, and one with a link that leads nowhere.
+seeded=$profile/seeded.html
+for defect in "<div style='height:${screens}001px'>tall</div>" "<a href='#nowhere'>lost</a>"; do
+    { cat "$page"; echo "$defect"; } >"$seeded"
+    [ -n "$(wrong 1280,1000 "$seeded")" ] || fail "a page with $defect passes"
+done
+
+for size in 1280,1000 390,844; do
+    found=$(wrong "$size" "$page")
+    [ -z "$found" ] || fail "$size: $found"
+    said=$(cat "$profile/said")
     for scheme in light dark; do
         framed "$size" "$page"
         # 0 is dark, 1 is light.
@@ -87,3 +117,20 @@ for size in 1280,1000 390,844; do
     done
     echo "page at $said; $out/page-${size%,*}-light.png"
 done
+
+# axe-core and the driver of the browser are installed once, beside the screenshots.
+axe=$(realpath "$(dirname "$0")/axe.mjs")
+tools=$(realpath "$out")/axe
+browser=$(command -v "$browser")
+if [ ! -d "$tools/node_modules/axe-core" ] || [ ! -d "$tools/node_modules/puppeteer-core" ]; then
+    npm install --silent --no-audit --no-fund --prefix "$tools" axe-core@4.14.1 puppeteer-core@24.43.1 ||
+        fail "axe-core could not be installed from npm"
+fi
+cat >"$seeded" <<'SEEDED'
+<!DOCTYPE html><html><title>seeded</title><body><main><h1>seeded</h1><img src="data:,">
+<p style="color:#bbb;background:#fff">too pale</p></main></body></html>
+SEEDED
+if (cd "$tools" && node "$axe" "$browser" "$seeded" >/dev/null 2>&1); then
+    fail "axe-core finds nothing on a page with pale words and a picture without words"
+fi
+(cd "$tools" && node "$axe" "$browser" "$page") || fail "axe-core has grave findings"

@@ -32,7 +32,7 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     let region = |c: usize| space.regions.get(c).map_or(0, |&region| region as u32);
     indices("regions", &[cells], &mut (0..cells).map(region))?;
     indices("facets", &[facets, d], &mut (0..facets).flat_map(|f| mesh.facet(f).iter().copied()))?;
-    indices("facet_sides", &[facets], &mut mesh.facet_side.iter().map(|&side| side as u32))?;
+    indices("facet_sides", &[facets], &mut mesh.facet_side.iter().copied())?;
     case.set_item("sides", mesh.sides.clone())?;
     let (rows, contact) = (given.contact.len(), &given.contact);
     indices("contact_vertices", &[rows], &mut contact.iter().map(|row| row.vertex))?;

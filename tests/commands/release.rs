@@ -22,7 +22,7 @@ const VERSIONS: [(&str, &str, usize); 6] = [
     ("Cargo.toml", "\nversion = \"", 1),
     ("Cargo.toml", "path = \"crates/", 0),
     ("python/Cargo.toml", "\nversion = \"", 1),
-    (".github/actions/gate/action.yml", "gronwall==", 1),
+    (".github/actions/gate/action.yml", "default: gronwall==", 1),
     ("docs/ci/github.yml", "gate@v", 1),
     ("docs/ci/gitlab.yml", "gronwall==", 1),
 ];

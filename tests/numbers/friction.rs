@@ -11,7 +11,7 @@ use crate::shipped::{edited, fixture, on_mesh, run, setup, setup_of, text, v_max
 use gronwall::contact::{
     Evolution, Friction, StepView, TraceMass, kkt_residual, tangential_trace_constant,
 };
-use gronwall::law::{PiecewiseLinear, Potential};
+use gronwall::law::PiecewiseLinear;
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Scene, Source};
 use gronwall::setup::{Setup, TruthLoad, constants};
@@ -77,8 +77,11 @@ fn order([_, b, c]: [f64; 3]) -> f64 {
     (b / c).log2()
 }
 
+/// What becomes of the bound at a place.
+type Change = fn([f64; 3], f64) -> f64;
+
 /// `friction-front` with another factor of the bound.
-fn with_factor(change: fn([f64; 3], f64) -> f64) -> Setup {
+fn with_factor(change: Change) -> Setup {
     let mut setup = setup("friction-front");
     let Friction { factor, graph } = setup.model.friction.take().expect("friction");
     let factor = Box::new(move |x: [f64; 3], t: f64| change(x, factor(x, t)));
@@ -90,12 +93,16 @@ fn with_factor(change: fn([f64; 3], f64) -> f64) -> Setup {
 fn wrong_friction_leaves_the_order() {
     let sound = errors(&with_factor(|_, s| s)).expect("a sound run");
     assert!((order(sound) - 1.0).abs() < 0.15, "{sound:?}");
-    let wrong: [(&str, fn([f64; 3], f64) -> f64); 4] = [
+    let wrong: [(&str, Change); 4] = [
         ("against the other direction", |_, s| -s),
         ("half of it", |_, s| 0.5 * s),
         ("twice of it", |_, s| 2.0 * s),
         ("every second vertex of n = 8 sticks", |x, s| {
-            if (8.0 * x[0]).fract() == 0.0 && (8.0 * x[0]) as u32 % 2 == 0 { 1e3 } else { s }
+            if (8.0 * x[0]).fract() == 0.0 && ((8.0 * x[0]) as u32).is_multiple_of(2) {
+                1e3
+            } else {
+                s
+            }
         }),
     ];
     for (what, change) in wrong {

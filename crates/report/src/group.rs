@@ -14,7 +14,7 @@ pub enum Group {
     Materials,
     /// No body.
     Abstract,
-    /// A hypothesis is broken on purpose.
+    /// A hypothesis is broken on purpose, or is at its limit.
     Broken,
     /// Another program solved.
     External,
@@ -48,7 +48,7 @@ impl Group {
             Self::Contact => "Laws, states, gaps",
             Self::Materials => "Materials and memory",
             Self::Abstract => "Abstract inequality",
-            Self::Broken => "Broken on purpose",
+            Self::Broken => "Broken, or at the limit",
             Self::External => "Another solver",
         }
     }

@@ -56,9 +56,9 @@ pub struct Scene {
 #[derive(Debug, Clone)]
 pub enum Body {
     /// Problem 12.
-    Contact(ContactScene),
+    Contact(Box<ContactScene>),
     /// Problem 1 in ℝ^m.
-    Abstract(AbstractScene),
+    Abstract(Box<AbstractScene>),
 }
 
 /// A body in contact.
@@ -170,7 +170,7 @@ fn validate_contact(
     has_truth(&reading, file.scene.judge, &data, sweep.as_ref())?;
     is_judged_by_something(&reading, file.scene.judge, &predicts)?;
     let formulas = reading.formulas;
-    let body = Body::Contact(ContactScene { domain, material, contact, data });
+    let body = Body::Contact(Box::new(ContactScene { domain, material, contact, data }));
     let content = Content { source, spans, time, body, predicts, sweep, formulas };
     Ok(heading.scene(file.scene, content))
 }
@@ -196,7 +196,7 @@ fn validate_abstract(
     };
     is_judged_by_something(&reading, file.scene.judge, &predicts)?;
     let formulas = reading.formulas;
-    let body = Body::Abstract(body);
+    let body = Body::Abstract(Box::new(body));
     let content = Content { source, spans, time, body, predicts, sweep, formulas };
     Ok(heading.scene(file.scene, content))
 }

@@ -87,7 +87,7 @@ steps = [4, 8]
 fn read() -> (Scene, AbstractScene) {
     let read = scene(PROBLEM);
     let Body::Abstract(problem) = read.body.clone() else { panic!("an abstract scene") };
-    (read, problem)
+    (read, *problem)
 }
 
 fn setup() -> AbstractSetup {

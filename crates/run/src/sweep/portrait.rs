@@ -13,7 +13,7 @@ pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
     SceneSummary {
         name: scene.name.clone(),
         question: scene.question.clone(),
-        group: Group::of(terms(scene), !scene.violates.is_empty()),
+        group: Group::of(terms(scene), is_about_a_hypothesis(scene)),
         remarks: remarks(scene),
         // A body that cannot be drawn goes without a picture: its numbers are none the worse.
         picture: scene_picture(scene).ok(),
@@ -22,6 +22,12 @@ pub fn scene_summary(scene: &Scene, subject: Option<&Subject>) -> SceneSummary {
         violates: scene.violates.iter().map(|hypothesis| hypothesis.name().to_owned()).collect(),
         step: subject.and_then(step),
     }
+}
+
+/// Whether a scene breaks a hypothesis, or goes to its limit: those of docs/BROKEN-HYPOTHESES.md that stop there have the
+/// name of the others, and are read beside them.
+fn is_about_a_hypothesis(scene: &Scene) -> bool {
+    !scene.violates.is_empty() || scene.name.starts_with("broken-")
 }
 
 /// The bounds on the step size, without a solve in time.

@@ -53,7 +53,8 @@ impl AbstractSetup {
             scene.error("exact.u", error.to_string(), hint)
         })?;
         let constants = abstract_constants(&scene, &problem, &model)?;
-        let setup = Self { scene, problem, model, exact, constants, states: Mutex::default() };
+        let setup =
+            Self { scene, problem: *problem, model, exact, constants, states: Mutex::default() };
         setup.admissible()?;
         Ok(setup)
     }

@@ -106,7 +106,7 @@ impl Setup {
                 "this command needs a scene of the contact problem, without kind = \"abstract\"";
             return Err(scene.error("scene.kind", message, hint).into());
         };
-        let body = body.clone();
+        let body = ContactScene::clone(body);
         let model = model(&scene, &body);
         let exact = exact(&scene, &body).map(Arc::new);
         let scheme = Arc::new(NewtonMarch);

@@ -5,6 +5,9 @@ use super::rounds::Rounds;
 use super::trial::TableError;
 use super::{Knob, Price, Trial, Variant};
 
+/// Takes a row to the others and to the table.
+type Keep<'a> = dyn FnMut(Trial, &mut Vec<Trial>) -> Result<(), TableError> + 'a;
+
 /// A run beside the one as written.
 enum Beside {
     /// Coarser by half, with its words in the price list.
@@ -24,7 +27,7 @@ pub(super) fn turn(
     (n, steps): (u32, u32),
     halves: &[(&'static str, (u32, u32))],
     trials: &mut Vec<Trial>,
-    keep: &mut dyn FnMut(Trial, &mut Vec<Trial>) -> Result<(), TableError>,
+    keep: &mut Keep<'_>,
 ) -> Result<Vec<Price>, TableError> {
     let Some(plain) = variants.first() else { return Ok(Vec::new()) };
     let mut beside: Vec<Beside> = halves.iter().map(|(words, _)| Beside::Half(words)).collect();
