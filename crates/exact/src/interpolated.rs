@@ -9,7 +9,7 @@ use super::contact_samples::StatePoints;
 use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
 use super::exact::Exact;
 use super::linear::edge_slopes;
-use super::nodal_force::{facet_measure, force_of_means};
+use super::nodal_force::{add_force_along, facet_measure, force_of_means};
 use super::running_integral::RunningIntegral;
 use super::sampled::vector_names;
 use super::side_points::{SidePoints, side_points};
@@ -205,12 +205,12 @@ impl InterpolatedOnMesh {
             for ((&i, weight), pressure) in
                 side.members.iter().zip(&side.weights).zip(&values[field])
             {
-                self.add_force_along(i, side.normal, weight * pressure, force);
+                add_force_along(&self.space, i, side.normal, weight * pressure, force);
             }
             if let Some(([a, b], values)) = side.friction(t) {
                 let members = side.members.iter().zip(&side.weights);
                 for ((&i, weight), s) in members.zip(&values[0]) {
-                    self.add_force_along(i, [a, b, 0.0], weight * s, force);
+                    add_force_along(&self.space, i, [a, b, 0.0], weight * s, force);
                 }
             }
             let Some(law) = on_facets else { continue };
@@ -238,19 +238,9 @@ impl InterpolatedOnMesh {
                 };
                 let size = facet_measure(&self.space.mesh, self.space.trace.mesh_facet[f] as usize);
                 for (&i, moment) in corners.iter().zip(moments) {
-                    self.add_force_along(i as usize, side.normal, size * moment, force);
+                    add_force_along(&self.space, i as usize, side.normal, size * moment, force);
                 }
             }
-        }
-    }
-
-    /// Adds a force along a unit vector at a point of the trace.
-    fn add_force_along(&self, i: usize, direction: [f64; 3], size: f64, force: &mut [f64]) {
-        let d = self.space.mesh.dimension;
-        let vertex = self.space.trace.points[i].vertex;
-        let node = self.space.nodes.of_vertex[vertex as usize] as usize;
-        for (j, component) in direction[..d].iter().enumerate() {
-            force[d * node + j] += size * component;
         }
     }
 

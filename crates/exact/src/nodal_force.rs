@@ -32,6 +32,22 @@ pub(crate) fn add_stress<const D: usize>(
     }
 }
 
+/// Adds a force of some size along a unit vector at a point of the trace.
+pub(super) fn add_force_along(
+    space: &Discretization,
+    point: usize,
+    direction: [f64; 3],
+    size: f64,
+    force: &mut [f64],
+) {
+    let d = space.mesh.dimension;
+    let vertex = space.trace.points[point].vertex;
+    let node = space.nodes.of_vertex[vertex as usize] as usize;
+    for (j, component) in direction[..d].iter().enumerate() {
+        force[d * node + j] += size * component;
+    }
+}
+
 /// Adds ∫ σ:ε(v) over some cells from the means of σ, in the notation of moments; there are none where σ vanishes.
 pub(super) fn add_means<const D: usize>(
     space: &Discretization,

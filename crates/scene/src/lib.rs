@@ -19,6 +19,7 @@ mod domain;
 mod elastic;
 mod examples;
 mod friction;
+mod friction_written;
 mod gap;
 mod heading;
 mod kernel;

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use super::trace::TracePoint;
-use super::{Discretization, Model, StepView};
+use super::{ContactProblem, Discretization, Model, StepView};
 use vhi::law::{Potential, Projection, Scaled, graph_distance};
 use vhi::{BoundaryGraph, Coordinate};
 
@@ -101,17 +101,14 @@ pub(super) fn append_graphs<P: Projection>(
     }
 }
 
-/// The laws of time t, of the last graphs.
-pub(super) fn set_laws<P: Projection>(
-    space: &Discretization,
-    model: &Model<P>,
-    t: f64,
-    graph: &mut BoundaryGraph,
-) {
-    let Some(friction) = &model.friction else { return };
-    let free = space.trace.points.iter().filter(|point| !point.clamped);
-    for (point, law) in free.rev().zip(graph.potentials.iter_mut().rev()) {
-        *law = Arc::new(friction.at(space.mesh.point(&[point.vertex], &[1.0]), t));
+impl<P: Projection> ContactProblem<'_, P> {
+    /// Friction as it is at time t: the laws of the last graphs.
+    pub(super) fn set_friction(&mut self, t: f64) {
+        let Some(friction) = &self.model.friction else { return };
+        let free = self.space.trace.points.iter().filter(|point| !point.clamped);
+        for (point, law) in free.rev().zip(self.graph.potentials.iter_mut().rev()) {
+            *law = Arc::new(friction.at(self.space.mesh.point(&[point.vertex], &[1.0]), t));
+        }
     }
 }
 

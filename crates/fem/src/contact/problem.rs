@@ -13,7 +13,7 @@ use super::compliance::FacetCompliance;
 use super::last_slot::{LastSlot, TangentOf};
 use super::linear::strain_norm_from;
 use super::work::Work;
-use super::{Discretization, LinearSolver, Model, friction};
+use super::{Discretization, LinearSolver, Model};
 use crate::space::strain_of;
 use algebra::linalg::{FactorError, RankOne, TangentSolver, norm, root_of_squares};
 use algebra::tensor::contract;
@@ -22,9 +22,9 @@ use vhi::{BoundaryGraph, StepInequality};
 
 /// The contact problem on one mesh, at one time level after another.
 pub struct ContactProblem<'a, P> {
-    space: &'a Discretization,
-    model: &'a Model<P>,
-    graph: BoundaryGraph,
+    pub(super) space: &'a Discretization,
+    pub(super) model: &'a Model<P>,
+    pub(super) graph: BoundaryGraph,
     compliance: Option<FacetCompliance<'a>>,
     /// Positions of the rows and columns of the graph coordinates in the tangent.
     couplings: Vec<Vec<(u32, u32)>>,
@@ -130,11 +130,6 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             self.set_linear_part();
         }
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
-    }
-
-    /// Friction as it is at time t.
-    pub(super) fn set_friction(&mut self, t: f64) {
-        friction::set_laws(self.space, self.model, t, &mut self.graph);
     }
 
     fn set_linear_part(&mut self) {
