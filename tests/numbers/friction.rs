@@ -11,7 +11,7 @@ use crate::shipped::{edited, fixture, on_mesh, run, setup, setup_of, text, v_max
 use gronwall::contact::{
     Evolution, Friction, StepView, TraceMass, kkt_residual, tangential_trace_constant,
 };
-use gronwall::law::{PiecewiseLinear, Potential};
+use gronwall::law::PiecewiseLinear;
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Scene, Source};
 use gronwall::setup::{Setup, TruthLoad, constants};
@@ -77,8 +77,11 @@ fn order([_, b, c]: [f64; 3]) -> f64 {
     (b / c).log2()
 }
 
+/// What a defect makes of S at a place.
+type Change = fn([f64; 3], f64) -> f64;
+
 /// `friction-front` with another factor of the bound.
-fn with_factor(change: fn([f64; 3], f64) -> f64) -> Setup {
+fn with_factor(change: Change) -> Setup {
     let mut setup = setup("friction-front");
     let Friction { factor, graph } = setup.model.friction.take().expect("friction");
     let factor = Box::new(move |x: [f64; 3], t: f64| change(x, factor(x, t)));
@@ -90,12 +93,16 @@ fn with_factor(change: fn([f64; 3], f64) -> f64) -> Setup {
 fn wrong_friction_leaves_the_order() {
     let sound = errors(&with_factor(|_, s| s)).expect("a sound run");
     assert!((order(sound) - 1.0).abs() < 0.15, "{sound:?}");
-    let wrong: [(&str, fn([f64; 3], f64) -> f64); 4] = [
+    let wrong: [(&str, Change); 4] = [
         ("against the other direction", |_, s| -s),
         ("half of it", |_, s| 0.5 * s),
         ("twice of it", |_, s| 2.0 * s),
         ("every second vertex of n = 8 sticks", |x, s| {
-            if (8.0 * x[0]).fract() == 0.0 && (8.0 * x[0]) as u32 % 2 == 0 { 1e3 } else { s }
+            if (8.0 * x[0]).fract() == 0.0 && ((8.0 * x[0]) as u32).is_multiple_of(2) {
+                1e3
+            } else {
+                s
+            }
         }),
     ];
     for (what, change) in wrong {
@@ -270,13 +277,13 @@ fn refusal(name: &str, from: &str, to: &str) -> String {
 
 #[test]
 fn what_is_wrong_is_refused() {
-    let slip = "points = [[0.0, 0.02], [0.05, 0.01]]";
-    let front = "bound = \"0.02*(1 + t/2)\"";
+    let slip = "points = [[0.0, 0.05], [0.1, 0.03]]";
+    let front = "bound = \"0.05*(1 + t/2)\"";
     for (name, from, to, words) in [
         ("friction-front", front, "bound = \"0.02 - 0.03*t\"", "`bound` is -0.0"),
         ("friction-front", front, "bound = \"1/x\"", "`bound` is inf"),
         ("friction-front", front, "bound = \"0.01\"", "beyond the bound"),
-        ("friction-front", front, "bound = \"0.03*(1 + t/2)\"", "slips and the bound"),
+        ("friction-front", front, "bound = \"0.06*(1 + t/2)\"", "slips and the bound"),
         ("friction-front", "friction = \"s\"", "friction = \"-s\"", "slips and the bound"),
         ("friction-front", front, "bound = { kind = \"slide\" }", "did you mean `slip`"),
         ("friction-falling", slip, "points = [[0.0, 0.02], [0.05, -0.01]]", "must not be negative"),

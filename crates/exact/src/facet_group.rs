@@ -28,6 +28,12 @@ pub(super) struct FacetGroup {
     friction: Option<(FrictionOnSide, Sampled)>,
 }
 
+/// The tangent, and s at some points.
+pub(super) struct Sliding {
+    pub(super) tangent: [f64; 2],
+    pub(super) s: Vec<f64>,
+}
+
 impl FacetGroup {
     /// [u_ν, c, g, ξ, λ] at the points.
     pub(super) fn contact_values(
@@ -40,15 +46,11 @@ impl FacetGroup {
         points.evaluate(mesh, (&self.formulas.program, 5), t, &names)
     }
 
-    /// The tangent, and s at the points of the error rule.
-    pub(super) fn friction(
-        &self,
-        mesh: &Mesh,
-        t: f64,
-    ) -> Result<Option<([f64; 2], Vec<f64>)>, LoadError> {
+    /// The friction stress at the points of the error rule.
+    pub(super) fn friction(&self, mesh: &Mesh, t: f64) -> Result<Option<Sliding>, LoadError> {
         let Some((friction, points)) = &self.friction else { return Ok(None) };
         let mut values = points.evaluate(mesh, (&friction.program, 3), t, &["s".into()])?;
-        Ok(Some((friction.tangent, values.swap_remove(0))))
+        Ok(Some(Sliding { tangent: friction.tangent, s: values.swap_remove(0) }))
     }
 }
 

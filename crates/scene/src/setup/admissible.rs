@@ -208,8 +208,7 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
         let &[s, u_tau, bound] = values else { return Ok(()) };
         let scene = &setup.scene;
         let slack = ROUNDING * bound.abs().max(f64::MIN_POSITIVE);
-        // Written so that a NaN is refused.
-        if !(s.abs() <= bound + slack) {
+        if s.is_nan() || bound.is_nan() || s.abs() > bound + slack {
             let message = format!(
                 "the friction stress is {s:.6} {}, beyond the bound {bound:.6}",
                 place(setup, at)
