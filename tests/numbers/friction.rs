@@ -77,7 +77,7 @@ fn order([_, b, c]: [f64; 3]) -> f64 {
     (b / c).log2()
 }
 
-/// What becomes of the bound at a place.
+/// What a defect makes of S at a place.
 type Change = fn([f64; 3], f64) -> f64;
 
 /// `friction-front` with another factor of the bound.
@@ -277,13 +277,13 @@ fn refusal(name: &str, from: &str, to: &str) -> String {
 
 #[test]
 fn what_is_wrong_is_refused() {
-    let slip = "points = [[0.0, 0.02], [0.05, 0.01]]";
-    let front = "bound = \"0.02*(1 + t/2)\"";
+    let slip = "points = [[0.0, 0.05], [0.1, 0.03]]";
+    let front = "bound = \"0.05*(1 + t/2)\"";
     for (name, from, to, words) in [
         ("friction-front", front, "bound = \"0.02 - 0.03*t\"", "`bound` is -0.0"),
         ("friction-front", front, "bound = \"1/x\"", "`bound` is inf"),
         ("friction-front", front, "bound = \"0.01\"", "beyond the bound"),
-        ("friction-front", front, "bound = \"0.03*(1 + t/2)\"", "slips and the bound"),
+        ("friction-front", front, "bound = \"0.06*(1 + t/2)\"", "slips and the bound"),
         ("friction-front", "friction = \"s\"", "friction = \"-s\"", "slips and the bound"),
         ("friction-front", front, "bound = { kind = \"slide\" }", "did you mean `slip`"),
         ("friction-falling", slip, "points = [[0.0, 0.02], [0.05, -0.01]]", "must not be negative"),

@@ -9,9 +9,6 @@ use fem::norms::facet_samples;
 use fem::space::quadrature::Rule;
 use formula::Variable;
 
-/// The tangent, and s = −σ_τ along it at points.
-pub(super) type AlongTangent = ([f64; 2], Vec<f64>);
-
 /// Facets with one normal.
 pub(super) struct FacetGroup {
     /// ν, padded with zeros.
@@ -31,6 +28,12 @@ pub(super) struct FacetGroup {
     friction: Option<(FrictionOnSide, Sampled)>,
 }
 
+/// The tangent, and s at some points.
+pub(super) struct Sliding {
+    pub(super) tangent: [f64; 2],
+    pub(super) s: Vec<f64>,
+}
+
 impl FacetGroup {
     /// [u_ν, c, g, ξ, λ] at the points.
     pub(super) fn contact_values(
@@ -43,11 +46,11 @@ impl FacetGroup {
         points.evaluate(mesh, (&self.formulas.program, 5), t, &names)
     }
 
-    /// s at the points of the error rule; none without friction.
-    pub(super) fn friction(&self, mesh: &Mesh, t: f64) -> Result<Option<AlongTangent>, LoadError> {
+    /// The friction stress at the points of the error rule.
+    pub(super) fn friction(&self, mesh: &Mesh, t: f64) -> Result<Option<Sliding>, LoadError> {
         let Some((friction, points)) = &self.friction else { return Ok(None) };
         let mut values = points.evaluate(mesh, (&friction.program, 3), t, &["s".into()])?;
-        Ok(Some((friction.tangent, values.swap_remove(0))))
+        Ok(Some(Sliding { tangent: friction.tangent, s: values.swap_remove(0) }))
     }
 }
 

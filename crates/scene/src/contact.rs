@@ -31,7 +31,7 @@ pub struct Contact {
     pub shift: Option<Node>,
     pub law: Option<Law>,
     pub quadrature: ContactQuadrature,
-    pub friction: Option<Friction>,
+    pub friction: Option<Box<Friction>>,
 }
 
 impl Contact {
@@ -89,7 +89,7 @@ impl Contact {
         let word = written.quadrature.as_deref().unwrap_or("vertex");
         let quadrature = quadrature(reading, word, law.as_ref(), domain)?;
         let friction = match &written.friction {
-            Some(friction) => Some(Friction::validate(reading, friction, domain, time)?),
+            Some(friction) => Some(Box::new(Friction::validate(reading, friction, domain, time)?)),
             None => None,
         };
         Ok(Contact { gap, shift, law, quadrature, friction })

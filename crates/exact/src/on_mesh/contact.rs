@@ -42,10 +42,10 @@ impl ExactOnMesh {
                             force[d * point as usize + i] += pressure * group.normal[i] * shape;
                         }
                     }
-                    let Some((tangent, s)) = &friction else { continue };
-                    let sliding = weight * measure * s[at];
+                    let Some(friction) = &friction else { continue };
+                    let sliding = weight * measure * friction.s[at];
                     for (&point, shape) in trace.facet(f).iter().zip(&rule.points[q]) {
-                        for (i, along) in tangent.iter().enumerate() {
+                        for (i, along) in friction.tangent.iter().enumerate() {
                             force[d * point as usize + i] += sliding * along * shape;
                         }
                     }

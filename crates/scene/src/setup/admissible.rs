@@ -208,7 +208,6 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
         let &[s, u_tau, bound] = values else { return Ok(()) };
         let scene = &setup.scene;
         let slack = ROUNDING * bound.abs().max(f64::MIN_POSITIVE);
-        // A NaN is refused too.
         if s.is_nan() || bound.is_nan() || s.abs() > bound + slack {
             let message = format!(
                 "the friction stress is {s:.6} {}, beyond the bound {bound:.6}",

@@ -153,7 +153,7 @@ pub(super) fn alpha_nu(setup: &Setup) -> f64 {
 
 fn alpha_tau(setup: &Setup) -> f64 {
     let contact = setup.body.contact.as_ref();
-    contact.and_then(|contact| contact.friction.as_ref()).map_or(0.0, crate::Friction::alpha)
+    contact.and_then(|contact| contact.friction.as_deref()).map_or(0.0, crate::Friction::alpha)
 }
 
 fn memory_norms(setup: &Setup) -> MemoryNorms {
