@@ -151,7 +151,7 @@ pub(super) fn alpha_nu(setup: &Setup) -> f64 {
     law.map_or(0.0, crate::Law::alpha)
 }
 
-fn alpha_tau(setup: &Setup) -> f64 {
+pub(super) fn alpha_tau(setup: &Setup) -> f64 {
     let contact = setup.body.contact.as_ref();
     contact.and_then(|contact| contact.friction.as_deref()).map_or(0.0, crate::Friction::alpha)
 }

@@ -1,12 +1,12 @@
 //! The contraction factor of the decomposition of Remark 3, bounded from the scene's constants.
 
 use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
-use fem::contact::{Discretization, TraceMass, trace_constant};
+use fem::contact::{Discretization, TraceMass, tangential_trace_constant, trace_constant};
 use vhi::law::TensorField;
 
-/// α_ν c_j²/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))) and c_j² by
-/// the lumped trace mass; below one exactly if the step satisfies (2.9) with these constants. Infinite
-/// where m ≤ 0, 0 for a convex j. w is the largest weight of the last slot, k/2 by the
+/// (α_ν c_j² + α_τ c_τ²)/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))), c_j² and c_τ²
+/// by the lumped trace mass; below one exactly if the step satisfies (2.9) with these constants. Infinite
+/// where m ≤ 0, 0 for convex potentials. w is the largest weight of the last slot, k/2 by the
 /// trapezoidal rule.
 ///
 /// # Errors
@@ -17,16 +17,23 @@ pub fn decomposition_bound(
     n: u32,
     steps: u32,
 ) -> Result<f64, SetupError> {
-    if constants::alpha_nu(setup) == 0.0 {
+    let alpha_tau = constants::alpha_tau(setup);
+    if constants::alpha_nu(setup) == 0.0 && alpha_tau == 0.0 {
         return Ok(0.0);
     }
-    let c_j = trace_constant(space, &TensorField::identity(), TraceMass::Lumped)
-        .map_err(|source| SetupError::Constant { n, source })?;
+    let failed = |source| SetupError::Constant { n, source };
+    let tangential = match alpha_tau > 0.0 {
+        true => {
+            alpha_tau * tangential_trace_constant(space, TraceMass::Lumped).map_err(failed)?.value
+        }
+        false => 0.0,
+    };
+    let c_j = trace_constant(space, &TensorField::identity(), TraceMass::Lumped).map_err(failed)?;
     let constants = with_trace_constant(setup, c_j.value);
     let bounds = constants.step_bounds(setup.model.time_rule.as_ref());
     let last = bounds.last_share * setup.grid(steps).largest_step() * bounds.destabilizing;
     let m = constants.m_elastic - last;
-    Ok(quotient(constants.alpha_nu * c_j.value, m))
+    Ok(quotient(constants.alpha_nu * c_j.value + tangential, m))
 }
 
 /// The same for an abstract problem: α_j c_j²/(m_A - α_φ - w β_φ‖R‖‖q(t,t)‖).
