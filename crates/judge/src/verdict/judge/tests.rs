@@ -30,19 +30,15 @@ fn table(ns: &[u32], steps: &[u32], error: impl Fn(f64, f64) -> f64) -> Vec<Case
         .map(|(h, k)| record(Point { h, k, error: error(h, k), floor }))
         .collect()
 }
-
 fn predict(variable: Variable, order: f64) -> Prediction {
     Prediction { why: "(5.26)".into(), ..Prediction::new(V_MAX, variable, order) }
 }
-
 fn keys(records: &[CaseRecord]) -> Vec<Key> {
     records.iter().map(CaseRecord::key).collect()
 }
-
 fn verdict(records: &[CaseRecord], prediction: &Prediction) -> Verdict {
     judge("block", records, &keys(records), prediction, Expect::Pass)
 }
-
 const DOUBLING: [u32; 6] = [8, 16, 32, 64, 128, 256];
 
 #[test]
