@@ -43,6 +43,7 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
         let mut places = points.map(|point| data.space.mesh.point(&[point.vertex], &[1.0]));
         boundary.potential.jumps().is_empty() && places.all(|x| (boundary.gap)(x).is_infinite())
     });
+    let one_piece = one_piece && model.friction.is_none();
     zero(one_piece, "changes of the active set", info.active_set_changes as usize);
     zero(model.projection.is_none(), "assembled tangents", info.work.tangents as usize);
     zero(!volume, "residuals in the volume", info.work.residuals as usize);
