@@ -37,13 +37,13 @@ fn paid_for_nothing(setup: &Setup, data: &MeshData, info: &CaseInfo) -> Vec<Stri
     };
     let volume = plan == Plan::Newton;
     zero(setup.body.material.memory.is_empty(), "bytes of history", info.peak_history_bytes);
-    // Without bound and jumps a graph is one piece.
-    let one_piece = model.boundary.as_ref().is_none_or(|boundary| {
-        let points = data.space.trace.points.iter();
-        let mut places = points.map(|point| data.space.mesh.point(&[point.vertex], &[1.0]));
-        boundary.potential.jumps().is_empty() && places.all(|x| (boundary.gap)(x).is_infinite())
-    });
-    let one_piece = one_piece && model.friction.is_none();
+    // Without bound and jumps a graph is one piece; that of friction jumps at rest.
+    let one_piece = model.friction.is_none()
+        && model.boundary.as_ref().is_none_or(|boundary| {
+            let points = data.space.trace.points.iter();
+            let mut places = points.map(|point| data.space.mesh.point(&[point.vertex], &[1.0]));
+            boundary.potential.jumps().is_empty() && places.all(|x| (boundary.gap)(x).is_infinite())
+        });
     zero(one_piece, "changes of the active set", info.active_set_changes as usize);
     zero(model.projection.is_none(), "assembled tangents", info.work.tangents as usize);
     zero(!volume, "residuals in the volume", info.work.residuals as usize);

@@ -5,12 +5,11 @@ use formula::{Node, Point, Variable};
 use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
-use super::friction_written;
 use super::gap::points;
 use super::reading::{Reading, evenly};
 use super::time::Time;
 use super::validated::Scene;
-use super::written::Formula;
+use super::written::{self, Formula};
 
 /// Intervals of a side, and of [0, T], at whose ends the bound is examined.
 const SAMPLES: u32 = 256;
@@ -36,7 +35,7 @@ pub struct Friction {
 impl Friction {
     pub(super) fn validate(
         reading: &mut Reading,
-        written: &friction_written::Friction,
+        written: &written::Friction,
         domain: &Domain,
         time: &Time,
     ) -> Result<Self, SceneError> {
@@ -47,8 +46,8 @@ impl Friction {
         }
         one_tangent_a_vertex(reading, domain)?;
         let bound = match &written.bound {
-            friction_written::Bound::Formula(formula) => given(reading, formula, domain, time)?,
-            friction_written::Bound::Table(table) => {
+            written::Bound::Plain(formula) => given(reading, formula, domain, time)?,
+            written::Bound::Table(table) => {
                 let known = [("slip", ())];
                 reading.choice("contact.friction.bound.kind", &table.kind, &known)?;
                 FrictionBound::Slip(slip(reading, table)?)
@@ -115,10 +114,7 @@ fn given(
     Ok(FrictionBound::Given(node))
 }
 
-fn slip(
-    reading: &Reading,
-    table: &friction_written::BoundTable,
-) -> Result<Vec<[f64; 2]>, SceneError> {
+fn slip(reading: &Reading, table: &written::BoundTable) -> Result<Vec<[f64; 2]>, SceneError> {
     let key = "contact.friction.bound.points";
     let line = "points = [[0.0, 0.3], [0.1, 0.28]]";
     let written = reading.needed(key, table.points.as_ref(), &table.kind, line)?;

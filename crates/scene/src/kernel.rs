@@ -14,7 +14,7 @@ pub(super) fn formula_of(
     written: &written::Kernel,
 ) -> Result<Formula, SceneError> {
     let table = match written {
-        written::Kernel::Formula(formula) => return Ok(formula.clone()),
+        written::Kernel::Plain(formula) => return Ok(formula.clone()),
         written::Kernel::Table(table) => table,
     };
     let kinds = [("exponential", 0), ("prony", 1), ("power", 2)];

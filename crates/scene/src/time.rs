@@ -73,7 +73,7 @@ enum RuleKind {
 impl TimeRule {
     fn validate(reading: &Reading, written: &written::Rule) -> Result<TimeRule, SceneError> {
         let (key, written) = match written {
-            written::Rule::Word(kind) => (
+            written::Rule::Plain(written::RuleName(kind)) => (
                 "time.rule",
                 &written::RuleTable { kind: kind.clone(), exponent: None, order: None },
             ),

@@ -8,6 +8,8 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, de};
 
+use super::or_table::{OrTable, Plain};
+
 /// A formula as text; a bare TOML number is a formula too.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Formula(pub String);
@@ -18,13 +20,13 @@ impl<'de> Deserialize<'de> for Formula {
     }
 }
 
-pub(crate) struct FormulaVisitor;
+struct FormulaVisitor;
 
 impl de::Visitor<'_> for FormulaVisitor {
     type Value = Formula;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a formula in quotes or a number")
+        f.write_str(Formula::IS)
     }
 
     fn visit_str<E>(self, text: &str) -> Result<Formula, E> {
@@ -38,6 +40,10 @@ impl de::Visitor<'_> for FormulaVisitor {
     fn visit_i64<E>(self, value: i64) -> Result<Formula, E> {
         Ok(Formula(value.to_string()))
     }
+}
+
+impl Plain for Formula {
+    const IS: &'static str = "a formula in quotes or a number";
 }
 
 /// The whole file.
@@ -117,10 +123,15 @@ pub struct Time {
 }
 
 /// `rule = "left"`, or `rule = { kind = "corrected-end", exponent = 0.5 }`
-#[derive(Debug, Clone)]
-pub enum Rule {
-    Word(String),
-    Table(RuleTable),
+pub type Rule = OrTable<RuleName, RuleTable>;
+
+/// A rule that takes no numbers, by its name.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(transparent)]
+pub struct RuleName(pub String);
+
+impl Plain for RuleName {
+    const IS: &'static str = "the name of a rule";
 }
 
 /// A rule with what belongs to its kind.
@@ -130,31 +141,6 @@ pub struct RuleTable {
     pub kind: String,
     pub exponent: Option<f64>,
     pub order: Option<i64>,
-}
-
-impl<'de> Deserialize<'de> for Rule {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Rule, D::Error> {
-        deserializer.deserialize_any(RuleVisitor)
-    }
-}
-
-struct RuleVisitor;
-
-impl<'de> de::Visitor<'de> for RuleVisitor {
-    type Value = Rule;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("the name of a rule, or a table with a kind")
-    }
-
-    fn visit_str<E: de::Error>(self, word: &str) -> Result<Rule, E> {
-        Ok(Rule::Word(word.into()))
-    }
-
-    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Rule, A::Error> {
-        let table = de::value::MapAccessDeserializer::new(map);
-        RuleTable::deserialize(table).map(Rule::Table)
-    }
 }
 
 /// `grid = { kind = "graded", exponent = 2.0 }`
@@ -226,11 +212,7 @@ pub struct Memory {
 }
 
 /// A memory kernel: a formula in t, or a table.
-#[derive(Debug, Clone)]
-pub enum Kernel {
-    Formula(Formula),
-    Table(KernelTable),
-}
+pub type Kernel = OrTable<Formula, KernelTable>;
 
 /// `kernel = { kind = "prony", terms = [[-0.5, 0.2], [-0.3, 2.0]] }`
 #[derive(Debug, Clone, Deserialize)]
@@ -241,40 +223,6 @@ pub struct KernelTable {
     pub time: Option<f64>,
     pub exponent: Option<f64>,
     pub terms: Option<Vec<Vec<f64>>>,
-}
-
-impl<'de> Deserialize<'de> for Kernel {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Kernel, D::Error> {
-        deserializer.deserialize_any(KernelVisitor)
-    }
-}
-
-struct KernelVisitor;
-
-impl<'de> de::Visitor<'de> for KernelVisitor {
-    type Value = Kernel;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        FormulaVisitor.expecting(f)?;
-        f.write_str(", or a table with a kind")
-    }
-
-    fn visit_str<E: de::Error>(self, text: &str) -> Result<Kernel, E> {
-        FormulaVisitor.visit_str(text).map(Kernel::Formula)
-    }
-
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Kernel, E> {
-        FormulaVisitor.visit_f64(value).map(Kernel::Formula)
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Kernel, E> {
-        FormulaVisitor.visit_i64(value).map(Kernel::Formula)
-    }
-
-    fn visit_map<A: de::MapAccess<'de>>(self, map: A) -> Result<Kernel, A::Error> {
-        let table = de::value::MapAccessDeserializer::new(map);
-        KernelTable::deserialize(table).map(Kernel::Table)
-    }
 }
 
 /// `[material.projection]`
@@ -293,7 +241,25 @@ pub struct Contact {
     pub shift: Option<Formula>,
     pub law: Option<Law>,
     pub quadrature: Option<String>,
-    pub friction: Option<super::friction_written::Friction>,
+    pub friction: Option<Friction>,
+}
+
+/// `[contact.friction]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Friction {
+    pub bound: Bound,
+}
+
+/// The bound of the friction stress: a formula in x, y, t, or a table.
+pub type Bound = OrTable<Formula, BoundTable>;
+
+/// `bound = { kind = "slip", points = [[0.0, 0.3], [0.1, 0.28]] }`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BoundTable {
+    pub kind: String,
+    pub points: Option<Vec<Vec<f64>>>,
 }
 
 /// `law = { kind = "piecewise-linear", points = [[0.0, 0.0], …], slope_before = 0.0, slope_after = 0.0 }`, or of

@@ -58,11 +58,16 @@ pub struct MemoryNorms {
 }
 
 impl Constants {
+    /// α_ν c_j² + α_τ c_τ²: what laws that fall take from the monotonicity of the elasticity.
+    pub fn concave(&self) -> f64 {
+        self.alpha_nu * self.c_j_squared + self.alpha_tau * self.c_tau_squared
+    }
+
     /// These constants with c_τ² of the friction.
     #[must_use]
     pub fn with_friction(self, c_tau_squared: f64) -> Self {
-        let taken = self.alpha_nu * self.c_j_squared + self.alpha_tau * c_tau_squared;
-        Self { c_tau_squared, m0: monotonicity(self.m_elastic, taken), ..self }
+        let with = Self { c_tau_squared, ..self };
+        Self { m0: monotonicity(with.m_elastic, with.concave()), ..with }
     }
 
     /// The bounds on the step size that follow.
@@ -151,7 +156,7 @@ pub(super) fn alpha_nu(setup: &Setup) -> f64 {
     law.map_or(0.0, crate::Law::alpha)
 }
 
-pub(super) fn alpha_tau(setup: &Setup) -> f64 {
+fn alpha_tau(setup: &Setup) -> f64 {
     let contact = setup.body.contact.as_ref();
     contact.and_then(|contact| contact.friction.as_deref()).map_or(0.0, crate::Friction::alpha)
 }

@@ -17,23 +17,24 @@ pub fn decomposition_bound(
     n: u32,
     steps: u32,
 ) -> Result<f64, SetupError> {
-    let alpha_tau = constants::alpha_tau(setup);
-    if constants::alpha_nu(setup) == 0.0 && alpha_tau == 0.0 {
-        return Ok(0.0);
-    }
     let failed = |source| SetupError::Constant { n, source };
-    let tangential = match alpha_tau > 0.0 {
+    let c_j_squared = match constants::alpha_nu(setup) > 0.0 {
         true => {
-            alpha_tau * tangential_trace_constant(space, TraceMass::Lumped).map_err(failed)?.value
+            trace_constant(space, &TensorField::identity(), TraceMass::Lumped)
+                .map_err(failed)?
+                .value
         }
         false => 0.0,
     };
-    let c_j = trace_constant(space, &TensorField::identity(), TraceMass::Lumped).map_err(failed)?;
-    let constants = with_trace_constant(setup, c_j.value);
+    let mut constants = with_trace_constant(setup, c_j_squared);
+    if constants.alpha_tau > 0.0 {
+        let c_tau = tangential_trace_constant(space, TraceMass::Lumped).map_err(failed)?;
+        constants = constants.with_friction(c_tau.value);
+    }
     let bounds = constants.step_bounds(setup.model.time_rule.as_ref());
     let last = bounds.last_share * setup.grid(steps).largest_step() * bounds.destabilizing;
     let m = constants.m_elastic - last;
-    Ok(quotient(constants.alpha_nu * c_j.value + tangential, m))
+    Ok(quotient(constants.concave(), m))
 }
 
 /// The same for an abstract problem: α_j c_j²/(m_A - α_φ - w β_φ‖R‖‖q(t,t)‖).
