@@ -41,6 +41,9 @@ const GROUPS: [(&str, Quantities); 4] = [
             ("pressure_spread", "spread of the pressure", Unit::Length),
             ("locked_vertices", "vertices at the obstacle, u_ν = g", Unit::None),
             ("jump_vertices", "vertices at a jump of the law", Unit::None),
+            ("friction_force", "friction ∫(−σ_τ) on Γ3", Unit::Force),
+            ("stick_vertices", "vertices that stick", Unit::None),
+            ("slip_vertices", "vertices that slip", Unit::None),
             ("max_normal_displacement", "largest u_ν", Unit::Length),
             ("min_normal_gap", "smallest distance g − u_ν", Unit::Length),
         ],
@@ -74,7 +77,7 @@ const GROUPS: [(&str, Quantities); 4] = [
             ("fixed_point_iterations", "applications of Λ", Unit::None),
             ("convex_problems", "convex problems", Unit::None),
             ("contraction", "largest quotient of changes", Unit::None),
-            ("contraction_bound", "  its bound α_ν c_j²/m", Unit::None),
+            ("contraction_bound", "  its bound, (α_ν c_j² + α_τ c_τ²)/m", Unit::None),
             ("linear_solver", "linear solver", Unit::None),
             ("factorizations", "factorizations", Unit::None),
             ("linear_solves", "linear solves", Unit::None),
@@ -87,8 +90,11 @@ const GROUPS: [(&str, Quantities); 4] = [
     ),
 ];
 
-/// Keys that say nothing where they are zero: another solver, a law without jumps.
-const ZERO_IS_NOTHING: [&str; 5] = [
+/// Keys that say nothing where they are zero: another solver, a law without jumps, no friction.
+const ZERO_IS_NOTHING: [&str; 8] = [
+    "friction_force",
+    "stick_vertices",
+    "slip_vertices",
     "fixed_point_iterations",
     "convex_problems",
     "linear_iterations",
@@ -158,6 +164,9 @@ fn shown(key: &str, value: &Value, unit: Unit) -> Option<String> {
         Unit::Seconds => digits(value, 3),
         _ => digits(value, 7),
     };
+    if ZERO_IS_NOTHING.contains(&key) && is_zero(value) {
+        return None;
+    }
     match value {
         Value::Null => None,
         Value::String(text) => Some(text.clone()),
@@ -170,13 +179,18 @@ fn shown(key: &str, value: &Value, unit: Unit) -> Option<String> {
                 .collect();
             (!parts.is_empty()).then(|| parts.join(", "))
         }
-        other => {
-            let silent = ZERO_IS_NOTHING.contains(&key) && other.as_f64() == Some(0.0);
-            (!silent).then(|| match other.as_u64() {
-                Some(count) if !matches!(unit, Unit::Bytes) => count.to_string(),
-                _ => other.as_f64().map_or_else(|| "–".into(), number),
-            })
-        }
+        other => Some(match other.as_u64() {
+            Some(count) if !matches!(unit, Unit::Bytes) => count.to_string(),
+            _ => other.as_f64().map_or_else(|| "–".into(), number),
+        }),
+    }
+}
+
+/// A number that is zero, or a vector of such.
+fn is_zero(value: &Value) -> bool {
+    match value {
+        Value::Array(items) => items.iter().all(is_zero),
+        other => other.as_f64() == Some(0.0),
     }
 }
 
@@ -205,6 +219,7 @@ fn words_of(unit: Unit, dimension: usize) -> String {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Solve;
     use super::*;
     use serde_json::json;
 
@@ -214,6 +229,7 @@ mod tests {
         let pressed = json!({
             "contact_force": 0.25, "locked_vertices": 1, "normal_displacement": rows,
             "strain_norm": 0.5, "min_normal_gap": null, "jump_vertices": 0, "kkt_residual": 1e-16,
+            "friction_force": [0.0, 0.0], "stick_vertices": 0,
             "seconds": 0.5, "peak_resident_bytes": 1_048_576,
         });
         let text = in_words("punch, n = 2, N = 1", &pressed, 2);
@@ -221,11 +237,40 @@ mod tests {
         assert!(first.contains("force is 0.25") && first.contains("1 of 2 contact"), "{first}");
         assert!(text.contains("0.25         stress · length\n"), "{text}");
         assert!(!text.contains("null") && !text.contains("jump") && !text.contains("distance"));
+        assert!(!text.contains("friction") && !text.contains("stick"), "{text}");
         assert!(in_words("box", &pressed, 3).contains("stress · length²"));
         // Without Γ3 its zeros are no contact.
         let free = json!({ "contact_force": 0.0, "normal_displacement": [], "strain_norm": 0.5 });
         let text = in_words("free", &free, 2);
         assert!(text.starts_with("free: ‖ε(u)‖ = 0.5, no contact side") && !text.contains("force"));
+    }
+
+    /// Keys of the document that have no words: lists of vertices.
+    const LISTS: [&str; 2] = ["normal_displacement", "compliance_pressure"];
+
+    /// The help names every key of the document, which a test of the program holds; so does this page in words.
+    #[test]
+    fn every_key_of_a_body_has_words() {
+        let command = <Solve as clap::Args>::augment_args(clap::Command::new("solve"));
+        let help = command.get_after_help().expect("a help text").to_string();
+        let keys = help.split("JSON keys with --json: ").nth(1).expect("keys");
+        let keys = keys.split(" (all at t = T").next().expect("keys");
+        let mut depth = 0;
+        let plain: String = keys
+            .chars()
+            .filter(|own| {
+                depth += i32::from(*own == '(');
+                let outside = depth == 0;
+                depth -= i32::from(*own == ')');
+                outside
+            })
+            .collect();
+        let keys: Vec<&str> = plain.split([',', ' ']).filter(|key| !key.is_empty()).collect();
+        let keys: Vec<&str> = keys.into_iter().filter(|key| *key != "and").collect();
+        let known: Vec<&str> = GROUPS.iter().flat_map(|group| group.1).map(|own| own.0).collect();
+        let without: Vec<&&str> =
+            keys.iter().filter(|key| !known.contains(key) && !LISTS.contains(key)).collect();
+        assert!(keys.len() > 25 && without.is_empty(), "{without:?} of {keys:?}");
     }
 
     #[test]
