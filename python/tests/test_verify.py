@@ -169,6 +169,7 @@ def test_verdicts_that_do_not_pass_name_the_solver_first():
         ("viscoelastik", exact, "viscoelastic"),
         ("punch", exact, "no exact solution"),
         ("abstract-smooth", exact, "R\\^m"),
+        ("friction-front", exact, "does not treat friction"),
     ],
 )
 def test_what_cannot_be_judged_is_refused(scene, solve, says):

@@ -72,7 +72,6 @@ impl Audit {
             return self.ledger(scenes);
         };
         let scene = scenes.scene(scene)?;
-        scene.without_friction("sweep audit")?;
         admit_constants(&scene, true, &self.allowance.limit())?;
         let mut setup = Setup::new(scene)?;
         let (ns, steps) = self.grids(&setup)?;

@@ -35,7 +35,6 @@ pub(crate) struct DiagnoseCommand {
 impl DiagnoseCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        scene.without_friction("sweep diagnose")?;
         admit_diagnosis(&scene, processors(), &self.allowance.limit())?;
         let cases = scene.sweep.as_ref().map_or(0, |sweep| sweep.n.len() * sweep.steps.len());
         super::progress::note(&format!(

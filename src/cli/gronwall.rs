@@ -45,7 +45,6 @@ const MOST_STEPS: u32 = 1024;
 impl Gronwall {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        scene.without_friction("sweep gronwall")?;
         let plan = self.plan(&scene)?;
         if let Some(n) = plan.n.filter(|_| scene.as_contact().is_some()) {
             scene.check_cells(n)?;

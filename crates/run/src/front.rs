@@ -187,6 +187,7 @@ impl Sweep {
         let subject = match (self.solver, self.scene.as_contact().is_some()) {
             (None, _) => Subject::new(self.scene)?,
             (Some(scheme), true) => {
+                scheme.takes(&self.scene)?;
                 Subject::Contact(Box::new(Setup { scheme, ..Setup::new(self.scene)? }))
             }
             (Some(_), false) => return Err(FrontError::NoBody { name }),

@@ -1,8 +1,9 @@
 //! A solver in this process as a [`Scheme`]: it gets a case as arrays and gives displacements of all levels back.
 
-use super::{Given, show};
+use super::{Given, show, takes};
 use fem::contact::{CaseError, CaseInfo, Observer};
 use scene::setup::{MeshData, Scheme, Setup};
+use scene::{Scene, SceneError};
 
 /// What a solver gives back.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +28,10 @@ pub trait Solve: Send + Sync {
 pub struct InProcess<S>(pub S);
 
 impl<S: Solve> Scheme for InProcess<S> {
+    fn takes(&self, scene: &Scene) -> Result<(), SceneError> {
+        takes(scene)
+    }
+
     fn march(
         &self,
         setup: &Setup,

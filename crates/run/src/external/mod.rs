@@ -35,6 +35,7 @@ use algebra::linalg::axpy;
 use fem::contact::{CaseError, CaseInfo, Discretization, Observer, StepView, strain_norm};
 use files::{remove_if_there, shortened};
 use scene::setup::{MeshData, SceneModel, Scheme, Setup};
+use scene::{Scene, SceneError};
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Convolution, Projection};
 
@@ -63,7 +64,16 @@ pub struct ExternalSolver {
     pub pressures: bool,
 }
 
+/// What a case gives to its solver says nothing of friction.
+fn takes(scene: &Scene) -> Result<(), SceneError> {
+    scene.without_friction("sweep verify")
+}
+
 impl Scheme for ExternalSolver {
+    fn takes(&self, scene: &Scene) -> Result<(), SceneError> {
+        takes(scene)
+    }
+
     fn march(
         &self,
         setup: &Setup,

@@ -1,11 +1,20 @@
 //! The solver under test: whatever marches a scene through the levels of a time grid.
 
 use super::{MeshData, Setup};
+use crate::{Scene, SceneError};
 use fem::contact::{CaseError, CaseInfo, Observer};
 use vhi::Newton;
 
 /// A solver of Problem 14 on a given mesh and time grid. A sweep measures and judges what it shows.
 pub trait Scheme: Send + Sync {
+    /// Refuses scenes with a term that this solver cannot have; none unless it says so.
+    ///
+    /// # Errors
+    /// At the key of the term.
+    fn takes(&self, _scene: &Scene) -> Result<(), SceneError> {
+        Ok(())
+    }
+
     /// Solves the scene with `steps` steps on its own grid and shows every level, n = 0 first, to
     /// `observe`.
     ///

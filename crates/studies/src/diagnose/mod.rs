@@ -54,6 +54,7 @@ pub fn diagnose(
     prepare: &Prepare<'_>,
     always: bool,
 ) -> Result<Diagnosis, SetupError> {
+    scene.without_friction("sweep diagnose")?;
     has_exact_solution(scene)?;
     let outcome::Cases { plan, records, .. } = outcome::run_cases(scene, prepare)?;
     let foreseen = foresee(&plan.subject, &records);

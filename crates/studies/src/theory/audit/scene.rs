@@ -8,7 +8,7 @@ use super::constants::AuditConstants;
 use super::lines::{Relation, Standing, Statement};
 use fem::contact::BoundaryRule;
 use judge::fit::{Sample, power_law};
-use scene::setup::{MeshData, Setup};
+use scene::setup::{MeshData, Setup, SetupError};
 use serde::Serialize;
 
 /// An audited scene.
@@ -67,6 +67,7 @@ impl SceneAudit {
     /// # Errors
     /// [`AuditError`]: no exact solution, a run without result.
     pub fn new(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Self, AuditError> {
+        setup.scene.without_friction("sweep audit").map_err(SetupError::from)?;
         if setup.scene.dimension != 2 {
             return Err(AuditError::Dimension { scene: setup.scene.name.clone() });
         }

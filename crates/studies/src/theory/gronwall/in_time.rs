@@ -6,7 +6,7 @@ use super::contact_scene::ContactInTime;
 use super::estimate::Estimate;
 use super::finite_scene::FiniteInTime;
 use super::measure::TemporalRun;
-use scene::setup::Subject;
+use scene::setup::{SetupError, Subject};
 use vhi::history::TimeGrid;
 
 /// A scene with its truth in time, ready to run on any of the grids it was prepared for. Vectors are
@@ -67,6 +67,7 @@ pub fn prepare<'a>(
     n: Option<u32>,
     steps: &[u32],
 ) -> Result<Box<dyn InTime + 'a>, GronwallError> {
+    subject.scene().without_friction("sweep gronwall").map_err(SetupError::from)?;
     match (subject, n) {
         (Subject::Contact(setup), Some(n)) => Ok(Box::new(ContactInTime::new(setup, n, steps)?)),
         (Subject::Abstract(setup), None) => Ok(Box::new(FiniteInTime::new(setup)?)),
