@@ -251,7 +251,7 @@ mod tests {
     /// The help names every key of the document, which a test of the program holds; so does this page in words.
     #[test]
     fn every_key_of_a_body_has_words() {
-        let command = <Solve as clap::Args>::augment_args(clap::Command::new("solve"));
+        let command = <Solve as clap::Args>::augment_args(clap::Command::default());
         let help = command.get_after_help().expect("a help text").to_string();
         let keys = help.split("JSON keys with --json: ").nth(1).expect("keys");
         let keys = keys.split(" (all at t = T").next().expect("keys");
