@@ -40,7 +40,7 @@ const POLYGON: (&str, &str) = (
     SQUARE,
     "shape = \"polygon\"\nvertices = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]\nsides = [\"bottom\", \"right\", \"top\", \"left\"]",
 );
-const FILE: (&str, &str) = (SQUARE, "shape = \"gmsh\"\nfile = \"square.msh\"");
+const FILE: (&str, &str) = (SQUARE, "shape = \"mesh\"\nfile = \"square.msh\"");
 const MOVED: (&str, &str) = (
     SQUARE,
     "shape = \"rectangle\"\nsize = [1.0, 1.0]\nmesh = { kind = \"perturbed\", amplitude = 1e-6, seed = 1 }",
@@ -91,6 +91,10 @@ fn setup(change: &Change, edits: &[(&str, &str)], folder: &Path) -> Setup {
     for (old, new) in edits {
         assert!(text.contains(old), "{}: no `{old}` to replace", change.scene);
         text = text.replacen(old, new, 1);
+    }
+    // Moved vertices do not nest, which a reference run would need; nothing is judged here.
+    if text.contains("judge = false") {
+        text.truncate(text.find("[sweep]").unwrap_or(text.len()));
     }
     let source = Source::from_text(folder.join(format!("{}.toml", change.scene)), text);
     let scene = Scene::from_source(source).unwrap_or_else(|error| panic!("{error}"));

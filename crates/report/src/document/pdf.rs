@@ -23,7 +23,7 @@ const FACE: &str = "font-family=\"DejaVu Sans\"";
 ///
 /// # Errors
 /// [`ReportError::Typesetting`].
-pub(crate) fn pdf(document: &Document, date: Option<&str>) -> Result<Vec<u8>, ReportError> {
+pub fn pdf(document: &Document, date: Option<&str>) -> Result<Vec<u8>, ReportError> {
     let world = Sheets::new(document, date)?;
     let set = typst::compile::<PagedDocument>(&world).output;
     let paged = set.map_err(|errors| refused(&errors))?;
