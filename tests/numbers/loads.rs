@@ -9,11 +9,10 @@ use std::sync::Arc;
 use crate::shipped::{bodies, edited, on_mesh, relative, setup, setup_of, text, v_max};
 use gronwall::contact::{BoundaryRule, Discretization, LoadError, stress_force};
 use gronwall::manufactured::{Exact, ExactData, ExactOnMesh, LoadForm, Truth};
-use gronwall::mesh::Mesh;
 use gronwall::norms::Moments;
 use gronwall::scene::Data;
 use gronwall::setup::{MeshData, Setup, side_numbers};
-use gronwall::space::quadrature::{Rule, TruthRules, triangle_product};
+use gronwall::space::quadrature::TruthRules;
 
 /// Both load vectors on the mesh n at t, and the largest nodal force.
 fn loads(
@@ -261,31 +260,6 @@ fn fields_in_parts_are_those_of_each_time() {
     }
 }
 
-fn space_on(setup: &Setup, mesh: Mesh) -> Arc<Discretization> {
-    let domain = &setup.body.domain;
-    let [clamped, contact] = [&domain.clamped, &domain.contact].map(|sides| side_numbers(sides));
-    let space = Discretization::new(mesh, &clamped, &contact);
-    Arc::new(space.unwrap_or_else(|error| panic!("{error}")))
-}
-
-/// The same mesh with the corner opposite to a side along y second in each cell, and rules whose chords shrink towards the
-/// second corner: the points along columns and rows are then the points of the rule.
-fn with_chords_upright(setup: &Setup, mut mesh: Mesh) -> (Arc<Discretization>, TruthRules) {
-    let x = mesh.coordinates.iter().step_by(2).copied().collect::<Vec<f64>>();
-    for cell in mesh.cells.chunks_exact_mut(3) {
-        let upright = |cell: &[u32]| x[cell[0] as usize] == x[cell[2] as usize];
-        let turn = (0..3).find(|_| {
-            cell.rotate_left(1);
-            upright(cell)
-        });
-        assert!(turn.is_some(), "a cell without a side along y");
-    }
-    let rules = TruthRules::of(2);
-    assert_eq!([&rules.error, &rules.stress].map(Rule::degree), [6, 6]);
-    let rule = triangle_product(4);
-    (space_on(setup, mesh), TruthRules { error: rule.clone(), stress: rule, ..rules })
-}
-
 /// Memory by a multiple of 𝒜 is a matter of factors in time; by other numbers it has parts of its own. With a multiple that
 /// is not the material's σ is another.
 #[test]
@@ -318,71 +292,33 @@ fn memory_that_is_a_multiple_has_no_parts() {
     assert!(off > 1e-3, "{off:e}");
 }
 
-/// Loads and moments by the shorter ways of a scene, in parts and at each time on its own, against point by point. Whether
-/// the ways were along rows.
-fn shorter_ways_are_those_of_each_point(setup: &Setup, exact: &Arc<Exact>, mesh: Mesh) -> bool {
-    let name = &setup.scene.name;
-    let sides = side_numbers(&setup.body.domain.traction);
-    let in_rows = exact.rows(&mesh, &exact.cell_regions(&mesh)).is_some();
-    let (space, rules) = match in_rows {
-        true => with_chords_upright(setup, mesh),
-        false => (space_on(setup, mesh), TruthRules::of(setup.scene.dimension)),
-    };
-    let kept = exact.rows(&space.mesh, &exact.cell_regions(&space.mesh)).is_some();
-    assert_eq!(kept, in_rows, "{name}: rows whichever corner is first");
-    let horizon = setup.scene.time.horizon;
-    let [early, late] = [0.31 * horizon, 0.32 * horizon];
-    for form in [LoadForm::Weak, LoadForm::Strong] {
-        let new = || ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
-        for short in [new(), new().time_by_time()] {
-            let points = new().time_by_time().point_by_point();
-            for t in [0.0, early, horizon] {
-                let off = truths_apart(&short, &points, [t, t]);
-                // Sums over 16 points and a few products of numbers of order one; remainders are squares of small differences.
-                assert!(off < 1e-11, "{name}, {form:?}, t = {t}: {off:e}");
-            }
-            let load = |truth: &ExactOnMesh, t: f64| {
-                truth.load(t).unwrap_or_else(|error| panic!("{error}"))
-            };
-            let moves = load(&points, early) != load(&points, late);
-            let off = apart(&load(&short, early), &load(&points, late));
-            assert!(off > 1e-4 || !moves, "{name}: another time, {off:e}");
-        }
-    }
-    in_rows
-}
-
-/// On meshes in rows products of (x, t) and y are integrated along columns and rows, and a strain that is the same
-/// everywhere is evaluated once: the same as point by point. What is projected, and what is no such product, is not.
+/// Fields that separate are integrated in parts, and a strain that is the same everywhere is evaluated once: loads and
+/// moments are those of each point at each time.
 #[test]
 fn shorter_ways_to_the_moments_are_those_of_each_point() {
-    let mut along = Vec::new();
     for (setup, exact, space) in integrated() {
-        if shorter_ways_are_those_of_each_point(&setup, &exact, space.mesh.clone()) {
-            along.push(setup.scene.name);
+        let name = &setup.scene.name;
+        let sides = side_numbers(&setup.body.domain.traction);
+        let rules = TruthRules::of(setup.scene.dimension);
+        let horizon = setup.scene.time.horizon;
+        let [early, late] = [0.31 * horizon, 0.32 * horizon];
+        for form in [LoadForm::Weak, LoadForm::Strong] {
+            let new = || ExactOnMesh::new(exact.clone(), space.clone(), form, &sides, &rules);
+            for short in [new(), new().time_by_time()] {
+                let points = new().time_by_time().point_by_point();
+                for t in [0.0, early, horizon] {
+                    let off = truths_apart(&short, &points, [t, t]);
+                    // Sums over 12 points and a few products of numbers of order one; remainders are squares of small differences.
+                    assert!(off < 1e-11, "{name}, {form:?}, t = {t}: {off:e}");
+                }
+                let load = |truth: &ExactOnMesh, t: f64| {
+                    truth.load(t).unwrap_or_else(|error| panic!("{error}"))
+                };
+                let moves = load(&points, early) != load(&points, late);
+                let off = apart(&load(&short, early), &load(&points, late));
+                assert!(off > 1e-4 || !moves, "{name}: another time, {off:e}");
+            }
         }
-    }
-    for name in ["compliance", "law-linear", "layered", "signorini", "viscoelastic", "zone-appears"]
-    {
-        assert!(along.iter().any(|own| own == name), "{name} is a sum of products: {along:?}");
-    }
-    for name in ["corner", "oblique-trapezium", "pure-box", "pure-mild"] {
-        assert!(along.iter().all(|own| own != name), "{name} is none");
-    }
-}
-
-/// Columns and rows have widths of their own, and there are more of the ones than of the others: scenes are squares.
-#[test]
-fn rows_of_any_widths_are_those_of_each_point() {
-    for name in ["compliance", "layered", "signorini", "viscoelastic"] {
-        let size = ("size = [1.0, 1.0]", "size = [2.0, 1.0]");
-        let setup = setup_of(edited(&text(name), size.0, size.1));
-        let mut mesh = setup.body.domain.mesh(6);
-        for at in mesh.coordinates.chunks_exact_mut(mesh.dimension) {
-            // Keeps y = 0, 1/2 and 1.
-            (at[0], at[1]) = (at[0].powf(1.3), at[1] + 1.2 * at[1] * (1.0 - at[1]) * (at[1] - 0.5));
-        }
-        assert!(shorter_ways_are_those_of_each_point(&setup, &exact(&setup), mesh), "{name}");
     }
 }
 

@@ -7,7 +7,6 @@ use super::constitutive::{Tensor, mandel, stress};
 use super::cuts::{Cut, Cuts};
 use super::parts::Parts;
 use super::reduction::{deviations, remainders};
-use super::rows::HALVES;
 use fem::norms::Moments;
 use fem::space::quadrature::Rule;
 
@@ -26,50 +25,40 @@ struct CellMoments<const D: usize, const N: usize, const C: usize> {
     rest: [f64; 3],
 }
 
-/// The rules by which moments are taken.
-#[derive(Clone, Copy)]
-pub(super) struct RulesOfCells<'a> {
-    /// Of those that are there: in cells of even number, and of odd.
-    pub whole: [&'a Rule; HALVES],
-    /// On each piece of a cell.
-    pub pieces: &'a Rule,
-}
-
-/// Takes the moments of cells that are cut from the rules on their pieces; returns the means of σ that were there.
+/// Takes the moments of cells that are cut from `rule` on their pieces; returns the means of σ that were there.
 ///
 /// Values that are not finite, which the rule of the whole cell did not meet, leave the cell as it is.
 pub(super) fn correct<const D: usize>(
     cuts: &Cuts,
     parts: &Parts<'_>,
-    rules: RulesOfCells<'_>,
+    rule: &Rule,
     moments: &mut Moments,
 ) -> Vec<(usize, Vec<f64>)> {
     match D {
-        2 => Correction::<D, 3, 3> { parts, rules, moments }.all(cuts),
-        _ => Correction::<D, 6, 4> { parts, rules, moments }.all(cuts),
+        2 => Correction::<D, 3, 3> { parts, rule, moments }.all(cuts),
+        _ => Correction::<D, 6, 4> { parts, rule, moments }.all(cuts),
     }
 }
 
 /// For tensors of N numbers and cells of C corners.
 struct Correction<'a, const D: usize, const N: usize, const C: usize> {
     parts: &'a Parts<'a>,
-    rules: RulesOfCells<'a>,
+    rule: &'a Rule,
     moments: &'a mut Moments,
 }
 
 impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
     fn all(mut self, cuts: &Cuts) -> Vec<(usize, Vec<f64>)> {
-        let cut = cuts.rules(&self.parts.space.mesh, self.rules.pieces, self.parts.t);
-        let whole = self.rules.whole;
-        let rules = cut.iter().flat_map(|Cut { simplex, rule }| {
-            [whole[simplex % whole.len()], rule].map(|rule| (*simplex, rule))
-        });
+        let whole = self.rule;
+        let cut = cuts.rules(&self.parts.space.mesh, whole, self.parts.t);
+        let rules =
+            cut.iter().flat_map(|Cut { simplex, rule }| [whole, rule].map(|rule| (*simplex, rule)));
         let points = cuts.points(&self.parts.space.mesh, rules);
         let mut values = vec![Vec::new(); self.parts.fields()];
         self.parts.exact.interior.bind(&points).evaluate(self.parts.t, 0.0, &mut values);
         let (mut first, mut before) = (0, Vec::new());
         for Cut { simplex, rule } in &cut {
-            let [whole, pieces] = [whole[simplex % whole.len()], rule].map(|rule| {
+            let [whole, pieces] = [whole, rule].map(|rule| {
                 let own = self.of_cell(*simplex, rule, &values, first);
                 first += rule.weights.len();
                 own

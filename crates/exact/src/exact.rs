@@ -6,7 +6,7 @@ use super::curve::CurveNumbers;
 use super::friction::FrictionFormulas;
 use super::lanes::Number;
 use super::zeta_domain::Domain;
-use super::{Products, Rows, Separation, symbolic};
+use super::{Separation, symbolic};
 use fem::mesh::{CoarseMesh, Mesh};
 use formula::{Graph, Node, Program, Variable};
 
@@ -140,8 +140,6 @@ pub struct Exact {
     pub forces: Program,
     /// ζ(t).
     pub zeta: AccumulatedStrain,
-    /// [u, ε, H_1, …] as sums of few products of (x, t) and y, where σ is linear in ε and the formulas show one.
-    pub products: Option<Products>,
     /// The fields as sums of few products of time and space, where σ is linear in ε and the formulas show one.
     pub separation: Option<Separation>,
 }
@@ -168,20 +166,7 @@ impl Exact {
         // σ is linear in ε without the projection.
         let is_linear = data.kappa.is_none();
         let separation = is_linear.then(|| Separation::of(&data, &strain)).flatten();
-        let products =
-            is_linear.then(|| Products::of(&data.graph, &outputs, data.horizon)).flatten();
-        Self {
-            strain,
-            memory,
-            stress,
-            body_force,
-            interior,
-            forces,
-            zeta,
-            products,
-            separation,
-            data,
-        }
+        Self { strain, memory, stress, body_force, interior, forces, zeta, separation, data }
     }
 
     /// Space dimension.
@@ -232,17 +217,6 @@ impl Exact {
         regions.iter().all(|region| *region == regions[0])
             && !guards.into_iter().any(varies)
             && !self.strain.iter().chain(&self.memory).any(|&node| varies(node))
-    }
-
-    /// The rows of a mesh, of one material each, where the fields are products along them; `regions` are those of its
-    /// cells.
-    pub fn rows(&self, mesh: &Mesh, regions: &[usize]) -> Option<Rows> {
-        let separated =
-            self.separation.as_ref().and_then(|separation| separation.products.as_ref());
-        self.products.as_ref().or(separated)?;
-        let rows = Rows::of(mesh)?;
-        let mut of_rows = regions.chunks_exact(rows.length());
-        of_rows.all(|row| row.iter().all(|region| *region == row[0])).then_some(rows)
     }
 
     /// The region of each of some facets of a mesh, that of its centroid.

@@ -13,8 +13,6 @@
 //!   against values from outside.
 
 mod accumulated;
-mod bands;
-mod bound_products;
 mod check;
 pub mod constitutive;
 mod contact_samples;
@@ -32,15 +30,10 @@ pub mod lanes;
 pub mod linear;
 pub mod nodal_force;
 mod on_mesh;
-mod on_rows;
 mod part_moments;
 mod parts;
-mod products;
 mod reduction;
 mod remainders;
-mod row_half;
-mod row_places;
-mod rows;
 mod running_integral;
 mod sampled;
 mod separation;
@@ -67,8 +60,6 @@ pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unreso
 pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;
-pub use products::Products;
-pub use rows::Rows;
 pub use separation::Separation;
 pub use sign_changes::sign_changes;
 pub use truth::Truth;

@@ -8,18 +8,14 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use self::contact::ContactMoments;
-use super::bands::Bands;
 use super::contact_samples::StatePoints;
-use super::cut_cells::{self, RulesOfCells};
+use super::cut_cells;
 use super::cuts::Cuts;
 use super::exact::{Exact, LoadForm};
 use super::facet_group::{FacetGroup, facet_groups};
 use super::nodal_force::force_of_means;
 use super::part_moments::{PartMoments, combined, forget_zeros};
 use super::parts::Parts;
-use super::products::Products;
-use super::row_places::rules_of_halves;
-use super::rows::{HALVES, Rows};
 use super::sampled::Sampled;
 use super::separation::Separation;
 use super::truth::{ByTime, Truth};
@@ -59,13 +55,6 @@ pub struct ExactOnMesh {
     /// Whether strain and law are the same everywhere; the fields then.
     is_uniform: bool,
     uniform: OnceLock<Uniform>,
-    /// The rows of the mesh where it has some, of one material each; the fields at one time on them.
-    rows: Option<Rows>,
-    /// The rules of moments along rows, in the two halves of a square.
-    rules_of_halves: Option<[Rule; HALVES]>,
-    bands: OnceLock<Arc<Bands>>,
-    /// The fields at the points of σ in the weak form, where these are others.
-    stress_bands: OnceLock<Arc<Bands>>,
     state_points: OnceLock<StatePoints>,
 }
 
@@ -108,7 +97,6 @@ impl ExactOnMesh {
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
         let regions = exact.cell_regions(&space.mesh);
         let is_uniform = exact.is_uniform(&regions);
-        let rows = exact.rows(&space.mesh, &regions);
         let fields = [&exact.data.u[..], &exact.strain].concat();
         let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
         let graph = &exact.data.graph;
@@ -119,8 +107,6 @@ impl ExactOnMesh {
             force_points: cell_points(&rules.load),
             error_points: cell_points(&rules.error),
             regions,
-            rules_of_halves: rows.as_ref().map(|rows| rules_of_halves(rows, &rules.error)),
-            rows,
             contact,
             traction: facet_groups(&exact, &space, &free, &rules.side),
             exact,
@@ -136,8 +122,6 @@ impl ExactOnMesh {
             in_parts: true,
             is_uniform,
             uniform: OnceLock::new(),
-            bands: OnceLock::new(),
-            stress_bands: OnceLock::new(),
             state_points: OnceLock::new(),
         }
     }
@@ -148,9 +132,9 @@ impl ExactOnMesh {
         self
     }
 
-    /// Evaluates all fields at all points: a check on the shortcuts.
+    /// Evaluates all fields at all points, where they are the same everywhere too: a check on that shortcut.
     pub fn point_by_point(mut self) -> Self {
-        (self.is_uniform, self.rows) = (false, None);
+        self.is_uniform = false;
         self
     }
 
@@ -162,7 +146,6 @@ impl ExactOnMesh {
             regions: &self.regions,
             interior: &self.exact.interior,
             forces: &self.exact.forces,
-            products: self.exact.products.as_ref(),
             count: 1,
             remembered_alone: &[],
             again: true,
@@ -177,7 +160,6 @@ impl ExactOnMesh {
         Parts {
             interior: &separation.interior,
             forces: &separation.forces,
-            products: separation.products.as_ref(),
             count: separation.factors.parts,
             remembered_alone: &separation.remembered_alone,
             again: false,
@@ -202,11 +184,10 @@ impl ExactOnMesh {
     /// Nodal vectors of all loads but the pressure on Γ3, by part.
     fn volume_forces<const D: usize>(&self, parts: &Parts<'_>) -> Result<Vec<Vec<f64>>, LoadError> {
         if self.form == LoadForm::Weak {
-            if let Some(means) = self.stress_means::<D>(parts) {
-                return Ok(means
-                    .iter()
-                    .map(|means| force_of_means::<D>(&self.space, means))
-                    .collect());
+            let uniform = self.uniform(parts).and_then(|uniform| uniform.moments::<D>(parts));
+            if let Some(moments) = uniform {
+                let means = moments.stress_means().iter();
+                return Ok(means.map(|means| force_of_means::<D>(&self.space, means)).collect());
             }
             let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
             return parts.stress_forces::<D>(points);
@@ -264,41 +245,10 @@ impl ExactOnMesh {
         (self.is_uniform && parts.again).then(|| self.uniform.get_or_init(new))
     }
 
-    /// Products along the rows of the mesh at the points of a rule, where it and the fields have them; `known` keeps those
-    /// that are evaluated again.
-    fn by_rows<'a>(
-        &self,
-        parts: &Parts<'a>,
-        rule: &Rule,
-        known: &OnceLock<Arc<Bands>>,
-    ) -> Option<(Arc<Bands>, &'a Products)> {
-        let (rows, products) = (self.rows.as_ref()?, parts.products?);
-        let new = || Arc::new(Bands::new(products, rows, &self.regions, rule));
-        let bands = if parts.again { known.get_or_init(new).clone() } else { new() };
-        Some((bands, products))
-    }
-
     /// Moments in the cells of all parts.
     fn part_moments<const D: usize>(&self, parts: &Parts<'_>) -> Result<PartMoments, LoadError> {
-        let points = &self.error_points;
         let uniform = self.uniform(parts).and_then(|uniform| uniform.moments::<D>(parts));
-        let short = uniform.or_else(|| {
-            let (rows, products) = self.by_rows(parts, &points.rule, &self.bands)?;
-            rows.moments(parts, products)
-        });
-        short.map_or_else(|| parts.moments::<D>(points), Ok)
-    }
-
-    /// The means of σ, where they take no points in the cells.
-    fn stress_means<const D: usize>(&self, parts: &Parts<'_>) -> Option<Vec<Vec<f64>>> {
-        let uniform = self.uniform(parts).and_then(|uniform| uniform.stress_means::<D>(parts));
-        uniform.or_else(|| {
-            let (rows, products) = match &self.stress_points {
-                Some(points) => self.by_rows(parts, &points.rule, &self.stress_bands)?,
-                None => self.by_rows(parts, &self.error_points.rule, &self.bands)?,
-            };
-            rows.stress_means(parts, products)
-        })
+        uniform.map_or_else(|| parts.moments::<D>(&self.error_points), Ok)
     }
 
     /// Moments in the cells from the parts; none where there are none, or a number is not finite.
@@ -323,23 +273,12 @@ impl ExactOnMesh {
         }
         let known = self.moments.get_or(t, || {
             let at = self.at(t);
-            let (mut cells, by_rows) = match self.moments_from_parts::<D>(t) {
-                Some(cells) => {
-                    let parts = self.moment_parts.get().and_then(Option::as_ref);
-                    (cells, parts.is_some_and(|parts| parts.by_rows))
-                }
-                None => {
-                    let cells = self.part_moments::<D>(&at)?;
-                    let by_rows = cells.by_rows;
-                    (cells.single(), by_rows)
-                }
+            let mut cells = match self.moments_from_parts::<D>(t) {
+                Some(cells) => cells,
+                None => self.part_moments::<D>(&at)?.single(),
             };
-            let correct = |cuts| {
-                let pieces = &self.error_points.rule;
-                let halves = self.rules_of_halves.as_ref().filter(|_| by_rows);
-                let whole = halves.map_or([pieces; HALVES], |[a, b]| [a, b]);
-                cut_cells::correct::<D>(cuts, &at, RulesOfCells { whole, pieces }, &mut cells)
-            };
+            let rule = &self.error_points.rule;
+            let correct = |cuts| cut_cells::correct::<D>(cuts, &at, rule, &mut cells);
             let of_loads = self.cuts.as_ref().map_or(Vec::new(), correct);
             let moments = Arc::new(with(cells, (*on_contact()?).clone()));
             Ok(KnownMoments { moments, of_loads })

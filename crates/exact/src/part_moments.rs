@@ -23,8 +23,7 @@ impl Parts<'_> {
         let lengths = [self.exact.strain.len() * cells, D * (D + 1) * cells];
         let [strain, stress, displacement] = [lengths[0], lengths[0], lengths[1]]
             .map(|numbers| PartFamily::with_room(self.count, numbers));
-        let by_rows = false;
-        let mut sums = PartMoments { strain, stress, displacement, lengths, by_rows };
+        let mut sums = PartMoments { strain, stress, displacement, lengths };
         match D {
             2 => self.add_moments::<D, 3>(points, &mut sums)?,
             _ => self.add_moments::<D, 6>(points, &mut sums)?,
@@ -228,8 +227,6 @@ pub(super) struct PartMoments {
     pub(super) displacement: PartFamily,
     /// Numbers of ε, and of u.
     pub(super) lengths: [usize; 2],
-    /// Whether the rules are those of rows, in place of one for all cells.
-    pub(super) by_rows: bool,
 }
 
 impl PartMoments {
@@ -245,23 +242,6 @@ impl PartMoments {
         let (corner, rest) = self.displacement.combined(factors, corners)?;
         let displacement = Piecewise { corner, rest };
         Some(Moments { strain, stress, displacement, ..Moments::default() })
-    }
-
-    /// The moments on these cells and, after them, on others; products are those of both.
-    pub(crate) fn followed_by(mut self, other: Self) -> Self {
-        let families = [
-            (&mut self.strain, other.strain),
-            (&mut self.stress, other.stress),
-            (&mut self.displacement, other.displacement),
-        ];
-        for (family, other) in families {
-            let vectors = family.vectors.iter_mut().zip(other.vectors);
-            vectors.for_each(|(vector, other)| vector.extend(other));
-            let products = family.products.iter_mut().zip(other.products);
-            products.for_each(|(product, other)| *product += other);
-        }
-        self.lengths = [0, 1].map(|i| self.lengths[i] + other.lengths[i]);
-        self
     }
 
     /// The means of σ of each part, in order of the cells.

@@ -12,7 +12,6 @@ use super::exact::Exact;
 use super::facet_group::FacetGroup;
 use super::lanes::{Lanes, WIDTH};
 use super::nodal_force::{add_means, facet_measure};
-use super::products::Products;
 use super::reduction::mean;
 use super::sampled::{Sampled, tensor_names, vector_names};
 use fem::contact::{Discretization, LoadError};
@@ -31,8 +30,6 @@ pub(super) struct Parts<'a> {
     /// [u, ε, H_1, …] and f0 of one part after another.
     pub interior: &'a Program,
     pub forces: &'a Program,
-    /// [u, ε, H_1, …] of one part after another as products of (x, t) and y, where they are.
-    pub products: Option<&'a Products>,
     pub count: usize,
     /// Which of them have neither u nor ε; others where the list ends.
     pub remembered_alone: &'a [bool],

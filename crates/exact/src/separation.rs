@@ -3,8 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::exact::{ExactData, MaterialNumbers, RegionNumbers};
+use super::symbolic;
 use super::truth::ByTime;
-use super::{Products, symbolic};
 use formula::{Bound, Graph, Node, Program, Variable};
 
 /// Longer sums are evaluated time by time: a part costs as much as a time.
@@ -76,8 +76,6 @@ pub struct Separation {
     pub interior: Program,
     /// The S_m of f0.
     pub forces: Program,
-    /// The S_m of [u, ε, H_1, …] as products of x and y, where they are.
-    pub products: Option<Products>,
     /// Which parts have neither u nor ε: they occur in the memory alone.
     pub remembered_alone: Vec<bool>,
 }
@@ -105,10 +103,9 @@ impl Separation {
         let of_stress = of_stress.map(|factors| times(&factors));
         let factors = times(&factors);
         let remembered_alone = (0..parts.len()).map(|m| m >= present).collect();
-        let products = Products::of(&graph, &inside, data.horizon);
         let [interior, forces] =
             [inside, forces].map(|all| Program::compile_once(&mut graph, &all, data.horizon));
-        Some(Self { factors, of_stress, interior, forces, products, remembered_alone })
+        Some(Self { factors, of_stress, interior, forces, remembered_alone })
     }
 
     /// The factors of σ and f0.

@@ -30,11 +30,6 @@ impl Uniform {
         }
     }
 
-    /// The means of σ alone, to the last bit those of [`Self::moments`].
-    pub(crate) fn stress_means<const D: usize>(&self, parts: &Parts<'_>) -> Option<Vec<Vec<f64>>> {
-        Some(self.moments::<D>(parts)?.stress.vectors)
-    }
-
     fn of_numbers<const D: usize, const N: usize>(&self, parts: &Parts<'_>) -> Option<PartMoments> {
         let mut fields = vec![Vec::new(); parts.fields()];
         let lock = || self.vertices.lock().unwrap_or_else(PoisonError::into_inner);
@@ -57,6 +52,6 @@ impl Uniform {
         let lengths = [N * mesh.cell_count(), corner.len()];
         let displacement = PartFamily { vectors: vec![corner], products: vec![0.0] };
         let (strain, stress) = (everywhere(&strain), everywhere(&sigma));
-        Some(PartMoments { strain, stress, displacement, lengths, by_rows: false })
+        Some(PartMoments { strain, stress, displacement, lengths })
     }
 }

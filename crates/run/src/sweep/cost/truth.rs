@@ -1,6 +1,6 @@
 //! What loads and exact fields cost: formulas at quadrature points once a time, or once a mesh where they separate.
 
-use exact::{Exact, Products};
+use exact::Exact;
 use fem::contact::Discretization;
 use fem::space::quadrature::TruthRules;
 use scene::setup::Setup;
@@ -8,7 +8,7 @@ use scene::{Data, LoadForm};
 
 /// Seconds a point and time in the formulas of 8 fields: u, ε and its memory in the plane. In space they are 15.
 const POINT: f64 = 0.09e-6;
-/// The part of it where fields are products along the rows of a mesh, or their strain is uniform.
+/// The part of it where the strain is the same everywhere.
 const SHORTER: f64 = 0.1;
 /// Rules are compared at two times, by one of about twice the points.
 const COMPARED: f64 = 4.0;
@@ -92,15 +92,8 @@ pub(super) fn load_bytes(setup: &Setup, space: &Discretization) -> f64 {
 fn shorter_way(setup: &Setup, exact: &Exact, space: &Discretization) -> Option<f64> {
     let (mesh, horizon) = (&space.mesh, setup.scene.time.horizon);
     let regions = exact.cell_regions(mesh);
-    if exact.is_uniform(&regions) {
-        return Some(exact.interior.bytes(mesh.vertices() as f64, mesh.dimension, horizon));
-    }
-    let rows = exact.rows(mesh, &regions)?;
-    // Gauss points of the columns, as many as the degree of the rule takes.
-    let degree = TruthRules::of(mesh.dimension).error.degree();
-    let abscissae = (degree / 2 + 1) as f64 * rows.columns as f64;
-    let bytes = |products: &Products| products.along_x.bytes(abscissae, 1, horizon);
-    Some(exact.products.as_ref().map_or(0.0, bytes))
+    let bytes = || exact.interior.bytes(mesh.vertices() as f64, mesh.dimension, horizon);
+    exact.is_uniform(&regions).then(bytes)
 }
 
 /// Bytes that the formulas of an exact solution keep for so many points.
