@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::exact::{ExactData, MaterialNumbers, RegionNumbers};
 use super::symbolic;
 use super::truth::ByTime;
-use formula::{Bound, Graph, Node, Program, Variable};
+use formula::{Bound, Graph, Node, Program};
 
 /// Longer sums are evaluated time by time: a part costs as much as a time.
 const MOST_PARTS: usize = 8;
@@ -49,7 +49,7 @@ impl TimeFactors {
 /// The a_m of formulas, and the S_m of all of them, of one part after another; none if one of them does not show a short
 /// sum.
 fn short_sum(graph: &mut Graph, formulas: &[Node]) -> Option<(Vec<Node>, Vec<Vec<Node>>)> {
-    let together = graph.separate_together(Variable::T, formulas)?;
+    let together = graph.separate_together(formulas)?;
     if together.factors.len() > MOST_PARTS {
         return None;
     }

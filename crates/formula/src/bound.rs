@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::abscissae::Abscissae;
 use super::block::{BLOCK, Registers};
 use super::past::Past;
-use super::program::{Plan, StageTape};
+use super::program::{EvaluationPlan, StageTape};
 use super::sampler::Surroundings;
 use super::stage::Stages;
 use super::tape::{Register, Source};
@@ -20,7 +20,7 @@ use super::tape::{Register, Source};
 /// a coordinate are interpolated between some of them, to 1e-13.
 #[derive(Clone, Debug)]
 pub struct Bound {
-    plan: Arc<Plan>,
+    plan: Arc<EvaluationPlan>,
     points: usize,
     stages: Stages,
     slots: Vec<Vec<f64>>,
@@ -55,23 +55,23 @@ enum Output {
 }
 
 impl Bound {
-    pub(super) fn new(plan: Arc<Plan>, points: &[[f64; 3]]) -> Self {
+    pub(super) fn new(plan: Arc<EvaluationPlan>, points: &[[f64; 3]]) -> Self {
         Self::of(plan, points, true)
     }
 
     /// The same, integrals of all points taken one by one.
-    pub(super) fn one_by_one(plan: Arc<Plan>, points: &[[f64; 3]]) -> Self {
+    pub(super) fn one_by_one(plan: Arc<EvaluationPlan>, points: &[[f64; 3]]) -> Self {
         Self::of(plan, points, false)
     }
 
-    /// The integrals of a group over an interval at all points, which differ along its only axis.
-    pub(super) fn integrals(&mut self, group: usize, interval: [f64; 2], zeta: f64) -> Vec<f64> {
-        let Self { plan, stages, slots, pasts, .. } = self;
-        let (below, rest) = pasts.split_at_mut(group);
-        rest[0].over(below, Surroundings { plan, stages, slots, zeta }, interval)
+    /// The integrals of a group at all points, which differ along its only axis.
+    pub(super) fn integrals(&mut self, group: usize, t: f64, zeta: f64) -> Vec<f64> {
+        self.take_zeta(zeta);
+        self.values_of(group, t, zeta);
+        self.values.clone()
     }
 
-    fn of(plan: Arc<Plan>, points: &[[f64; 3]], interpolates: bool) -> Self {
+    fn of(plan: Arc<EvaluationPlan>, points: &[[f64; 3]], interpolates: bool) -> Self {
         let (masks, pairs) = plan.stages();
         let stages = Stages::new(points, &masks, &pairs);
         // Nothing reads slots of the last stage but outputs.
@@ -197,39 +197,50 @@ impl Bound {
     }
 
     /// Puts the hereditary integrals at time t into their slots.
-    fn recall(&mut self, plan: &Arc<Plan>, t: f64, zeta: f64) {
+    fn recall(&mut self, plan: &Arc<EvaluationPlan>, t: f64, zeta: f64) {
         let now = [t.to_bits(), zeta.to_bits()];
         if self.recalled_at == Some(now) || plan.recalled.is_empty() || self.points == 0 {
             return;
         }
         self.recalled_at = Some(now);
-        if self.zeta != zeta.to_bits() {
-            self.zeta = zeta.to_bits();
-            for (past, history) in self.pasts.iter_mut().zip(&plan.histories) {
-                if history.on_zeta {
-                    past.reset();
-                }
-            }
-        }
+        self.take_zeta(zeta);
         let mut last = None;
         for &(group, member, slot) in &plan.recalled {
             let history = &plan.histories[group];
             if last != Some(group) {
                 last = Some(group);
-                let count = self.stages.count(history.mask);
-                self.tuples.clear();
-                self.tuples.extend(0..count as u32);
-                self.times.clear();
-                self.times.resize(count, t);
-                let all = Surroundings { plan, stages: &self.stages, slots: &self.slots, zeta };
-                let (below, rest) = self.pasts.split_at_mut(group);
-                rest[0].values(below, all, &self.tuples, &self.times, &mut self.values);
+                self.values_of(group, t, zeta);
             }
             let values = self.values.iter().skip(member);
             let values = values.step_by(history.members.len());
             let pairs = self.slots[slot].iter_mut().zip(values);
             pairs.for_each(|(slot, value)| *slot = *value);
         }
+    }
+
+    /// Forgets what belongs to another zeta.
+    fn take_zeta(&mut self, zeta: f64) {
+        if self.zeta == zeta.to_bits() {
+            return;
+        }
+        self.zeta = zeta.to_bits();
+        for (past, history) in self.pasts.iter_mut().zip(&self.plan.histories) {
+            if history.on_zeta {
+                past.reset();
+            }
+        }
+    }
+
+    /// Puts the integrals of a group at all its tuples into `values`.
+    fn values_of(&mut self, group: usize, t: f64, zeta: f64) {
+        let Self { plan, stages, slots, pasts, tuples, times, values, .. } = self;
+        let count = stages.count(plan.histories[group].mask);
+        tuples.clear();
+        tuples.extend(0..count as u32);
+        times.clear();
+        times.resize(count, t);
+        let (below, rest) = pasts.split_at_mut(group);
+        rest[0].values(below, Surroundings { plan, stages, slots, zeta }, tuples, times, values);
     }
 
     /// Runs the tape of one stage over all its tuples.
@@ -290,7 +301,7 @@ impl Inputs<'_> {
     }
 }
 
-impl Plan {
+impl EvaluationPlan {
     /// The sets of space variables in use, and the pairs to be mapped.
     fn stages(&self) -> (Vec<u8>, Vec<(u8, u8)>) {
         let mut masks = self.masks.clone();

@@ -77,12 +77,7 @@ impl Dependence {
 
     /// Nothing but t, if that.
     pub(super) fn at_most_time(self) -> bool {
-        self.at_most(Variable::T)
-    }
-
-    /// Nothing but one variable, if that.
-    pub(super) fn at_most(self, variable: Variable) -> bool {
-        self.0 & !Self::HISTORY & !Self::of(variable).0 == 0
+        self.0 & !Self::HISTORY & !Self::of(Variable::T).0 == 0
     }
 }
 

@@ -16,7 +16,7 @@ const DISTINCT_RATES: f64 = 1e-4;
 
 /// The kernel of an integral over the past.
 #[derive(Clone, Copy)]
-enum Memory {
+enum PastKernel {
     /// exp(-c (t-s))
     Exponential(f64),
     /// b(t-s)
@@ -26,7 +26,7 @@ enum Memory {
 impl Graph {
     /// Integral over 0 < s < t of exp(-c (t-s)) f(x,y,z,s) ds.
     pub(crate) fn relax(&mut self, c: f64, f: Node) -> Node {
-        self.integrate(Memory::Exponential(c + 0.0), f)
+        self.integrate(PastKernel::Exponential(c + 0.0), f)
     }
 
     /// Integral over 0 < s < t of b(t-s) f(x,y,z,s) ds for a smooth kernel b
@@ -37,7 +37,7 @@ impl Graph {
             return self.constant(f64::NAN);
         }
         let Some(exponentials) = self.exponential_sum(kernel) else {
-            return self.integrate(Memory::General(kernel), f);
+            return self.integrate(PastKernel::General(kernel), f);
         };
         let mut sum = self.constant(0.0);
         for (a, c) in exponentials {
@@ -49,7 +49,7 @@ impl Graph {
         sum
     }
 
-    fn integrate(&mut self, memory: Memory, f: Node) -> Node {
+    fn integrate(&mut self, memory: PastKernel, f: Node) -> Node {
         // Terms with the same factor in space are summed before it multiplies.
         let mut groups: Vec<(Node, Node)> = Vec::new();
         for term in self.terms_in_time(f) {
@@ -70,13 +70,15 @@ impl Graph {
     }
 
     /// The integral of a product of factors that all depend on t, or of 1.
-    fn integrate_moving(&mut self, memory: Memory, f: Node) -> Node {
+    fn integrate_moving(&mut self, memory: PastKernel, f: Node) -> Node {
         match (memory, self.op(f)) {
-            (Memory::Exponential(c), Op::Constant(_)) => {
+            (PastKernel::Exponential(c), Op::Constant(_)) => {
                 let unit = self.relaxed_unit(c);
                 self.mul(f, unit)
             }
-            (Memory::Exponential(a), Op::Relax(bits, g)) if distinct(a, f64::from_bits(bits)) => {
+            (PastKernel::Exponential(a), Op::Relax(bits, g))
+                if distinct(a, f64::from_bits(bits)) =>
+            {
                 let b = f64::from_bits(bits);
                 let faster = self.relax(a, g);
                 let difference = self.sub(f, faster);
@@ -88,8 +90,8 @@ impl Graph {
                 let q = self.integrate(memory, q);
                 self.select_less(a, b, p, q)
             }
-            (Memory::Exponential(c), _) => self.intern(Op::Relax(c.to_bits(), f)),
-            (Memory::General(kernel), _) => self.intern(Op::Convolve(kernel, f)),
+            (PastKernel::Exponential(c), _) => self.intern(Op::Relax(c.to_bits(), f)),
+            (PastKernel::General(kernel), _) => self.intern(Op::Convolve(kernel, f)),
         }
     }
 

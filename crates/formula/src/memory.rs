@@ -20,7 +20,7 @@ struct Panel {
 
 /// The panels so far, and the weights of unbroken panels for one time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Memory {
+pub(super) struct PastPanels {
     panels: Vec<Panel>,
     time: Option<u64>,
     whole: Vec<Vec<f64>>,
@@ -46,7 +46,7 @@ impl HistoryPlan {
     }
 }
 
-impl Memory {
+impl PastPanels {
     /// Keeps the integrands on piece k of those sampled, in any order, until [`Self::put_away`].
     pub(super) fn keep(
         &mut self,

@@ -13,11 +13,11 @@
 
 use std::sync::Arc;
 
-use super::abscissae::Abscissae;
+use super::abscissae::{Abscissae, Nodes};
 use super::bound::Bound;
 use super::breaks::{Breaks, Lane, Piece};
 use super::history::{HistoryPlan, Kernel};
-use super::memory::Memory;
+use super::memory::PastPanels;
 use super::quadrature::{GAUSS, ORDER};
 use super::resolution::{Mark, Resolution, last};
 use super::sampler::{Sampler, Surroundings};
@@ -32,13 +32,14 @@ const BATCH: usize = 4096;
 pub(super) struct Past {
     group: usize,
     tuples: usize,
-    /// Of very many tuples, where integrals are interpolated.
+    /// Of very many tuples, where integrals are interpolated between those at nodes.
     abscissae: Option<Abscissae>,
+    nodes: Nodes<Bound>,
     /// For each edge the values of all members at all tuples.
     edges: Vec<Vec<f64>>,
     /// What these may lack; empty where it is nothing.
     remainders: Vec<Vec<f64>>,
-    memory: Memory,
+    memory: PastPanels,
     breaks: Breaks,
     sampler: Sampler,
     weights: Weights,
@@ -68,9 +69,10 @@ impl Past {
             group,
             tuples,
             abscissae,
+            nodes: Nodes::default(),
             edges: vec![vec![0.0; tuples * plan.members.len()]],
             remainders: vec![Vec::new()],
-            memory: Memory::default(),
+            memory: PastPanels::default(),
             breaks: Breaks::new(&nested),
             sampler: Sampler::new(&nested),
             weights: Weights::default(),
@@ -85,7 +87,7 @@ impl Past {
     pub(super) fn reset(&mut self) {
         self.edges.truncate(1);
         self.remainders.truncate(1);
-        self.memory = Memory::default();
+        self.memory = PastPanels::default();
     }
 
     /// The members' values at lanes of tuple and time: `out[lane * members +
@@ -99,6 +101,13 @@ impl Past {
         out: &mut Vec<f64>,
     ) {
         let plan = &all.plan.histories[self.group];
+        // Tuples are asked for in order, so that as many as there are are all.
+        let same = tuples.len() == self.tuples && times.windows(2).all(|pair| pair[0] == pair[1]);
+        if let Some(&t) = times.first().filter(|_| same)
+            && self.interpolate(plan, all, t, out)
+        {
+            return;
+        }
         let finite = |t: &f64| if t.is_finite() { *t } else { 0.0 };
         let last = times.iter().map(finite).fold(0.0, f64::max);
         self.extend(plan, below, all, plan.panel(last));
@@ -116,11 +125,7 @@ impl Past {
         lacking.clear();
         lacking.resize(out.len(), 0.0);
         let mut sums = Sums { values: out, lacking: &mut lacking };
-        // Tuples are asked for in order, so that as many as there are are all.
-        let same = lanes.len() == self.tuples && times.iter().all(|t| *t == times[0]);
-        if !(same && self.interpolate(plan, below, all, &lanes, &mut sums)) {
-            self.integrate(plan, below, all, &lanes, &mut sums, None);
-        }
+        self.integrate(plan, below, all, &lanes, &mut sums, None);
         let parts = out.chunks_mut(members.max(1)).zip(lacking.chunks_mut(members.max(1)));
         for ((lane, time), (values, lacking)) in lanes.iter().zip(times).zip(parts) {
             if time.is_finite() {
@@ -167,9 +172,7 @@ impl Past {
             // Pages of zeros that nothing is added to are none.
             let [mut values, mut lacking] = [(); 2].map(|()| vec![0.0; lanes.len() * members]);
             let mut sums = Sums { values: &mut values, lacking: &mut lacking };
-            if !(count == 1 && self.interpolate(plan, below, all, &lanes, &mut sums)) {
-                self.integrate(plan, below, all, &lanes, &mut sums, Some(first));
-            }
+            self.integrate(plan, below, all, &lanes, &mut sums, Some(first));
             if count == 1 {
                 self.add_edge(plan, values, lacking);
                 continue;
@@ -181,54 +184,27 @@ impl Past {
         }
     }
 
-    /// Adds to `sums` the integrals over one interval, which is that of all lanes, one per tuple; false where they are no
-    /// smooth functions of few enough pieces, or not many.
+    /// The values of all tuples at one time by those at nodes; false where they are no smooth functions of few enough
+    /// pieces, or not many.
     fn interpolate(
         &mut self,
         plan: &HistoryPlan,
-        below: &mut [Past],
         all: Surroundings,
-        lanes: &[Lane],
-        sums: &mut Sums<'_>,
+        t: f64,
+        out: &mut Vec<f64>,
     ) -> bool {
-        let Some(abscissae) = &self.abscissae else { return false };
-        let Lane { from, to, .. } = lanes[0];
-        let members = plan.members.len();
-        let sample = |places: &[f64]| {
-            let points: Vec<[f64; 3]> = places.iter().map(|&x| abscissae.point(x)).collect();
-            let mut bound = Bound::one_by_one(Arc::clone(all.plan), &points);
-            bound.integrals(self.group, [from, to], all.zeta)
-        };
-        let Some(left) = abscissae.interpolate(members, sample, sums.values) else {
-            sums.values.fill(0.0);
+        let Some(abscissae) = self.abscissae.as_ref().filter(|_| t.is_finite()) else {
             return false;
         };
-        let lanes: Vec<Lane> = left.iter().map(|&tuple| Lane { tuple, from, to }).collect();
-        let mut own = vec![0.0; members * left.len()];
-        let mut lacking = own.clone();
-        let mut of_left = Sums { values: &mut own, lacking: &mut lacking };
-        self.integrate(plan, below, all, &lanes, &mut of_left, None);
-        for (&tuple, own) in left.iter().zip(own.chunks(members)) {
-            sums.values[members * tuple as usize..][..members].copy_from_slice(own);
-        }
-        true
-    }
-
-    /// The integrals over one interval at all tuples.
-    pub(super) fn over(
-        &mut self,
-        below: &mut [Past],
-        all: Surroundings,
-        [from, to]: [f64; 2],
-    ) -> Vec<f64> {
-        let plan = &all.plan.histories[self.group];
-        let lanes: Vec<Lane> =
-            (0..self.tuples as u32).map(|tuple| Lane { tuple, from, to }).collect();
-        let mut values = vec![0.0; lanes.len() * plan.members.len()];
-        let mut lacking = values.clone();
-        let mut sums = Sums { values: &mut values, lacking: &mut lacking };
-        self.integrate(plan, below, all, &lanes, &mut sums, None);
-        values
+        let members = plan.members.len();
+        out.clear();
+        out.resize(members * self.tuples, 0.0);
+        let bind = |places: &[f64]| {
+            let points: Vec<[f64; 3]> = places.iter().map(|&x| abscissae.point(x)).collect();
+            Bound::one_by_one(Arc::clone(all.plan), &points)
+        };
+        let sample = |bound: &mut Bound| bound.integrals(self.group, t, all.zeta);
+        abscissae.interpolate(members, &mut self.nodes, bind, sample, out)
     }
 
     /// Adds an edge by the integrals over the panel before it, and what these may lack.

@@ -26,7 +26,7 @@ const CHEAP: u32 = 16;
 /// Expressions prepared for evaluation; bind to points to evaluate.
 #[derive(Clone, Debug)]
 pub struct Program {
-    plan: Arc<Plan>,
+    plan: Arc<EvaluationPlan>,
 }
 
 /// The tape of one stage and the slots its results go to.
@@ -39,7 +39,7 @@ pub(super) struct StageTape {
 
 /// All that does not depend on the points.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Plan {
+pub(super) struct EvaluationPlan {
     /// The space variables of each slot.
     pub(super) masks: Vec<u8>,
     /// Slots of coordinates, with their axis.
@@ -217,11 +217,11 @@ impl<'a> Compiler<'a> {
         }
     }
 
-    fn plan(self, outputs: &[Place]) -> (Plan, Slots) {
-        let mut plan = Plan {
+    fn plan(self, outputs: &[Place]) -> (EvaluationPlan, Slots) {
+        let mut plan = EvaluationPlan {
             masks: self.stored.iter().map(|(_, mask)| *mask).collect(),
             outputs: outputs.iter().filter_map(|place| self.slots.get(place).copied()).collect(),
-            ..Plan::default()
+            ..EvaluationPlan::default()
         };
         for (slot, &(node, _)) in self.stored.iter().enumerate() {
             plan.coordinates.extend(axis(self.graph, node).map(|axis| (slot, axis)));
@@ -302,7 +302,7 @@ mod tests {
     use super::*;
 
     /// Space variables of the slots that are computed, at binding and at each evaluation.
-    fn computed(plan: &Plan) -> [Vec<u8>; 2] {
+    fn computed(plan: &EvaluationPlan) -> [Vec<u8>; 2] {
         [&plan.fixed, &plan.moving].map(|stages| {
             let slots = stages.iter().flat_map(|stage| &stage.slots);
             slots.map(|&slot| plan.masks[slot]).collect()

@@ -4,14 +4,14 @@ use std::sync::Arc;
 
 use super::block::{BLOCK, Registers};
 use super::past::Past;
-use super::program::Plan;
+use super::program::EvaluationPlan;
 use super::stage::Stages;
 use super::tape::{Source, Tape};
 
 /// What integrals may read: all of it fixed while they run.
 #[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
-    pub(super) plan: &'a Arc<Plan>,
+    pub(super) plan: &'a Arc<EvaluationPlan>,
     pub(super) stages: &'a Stages,
     pub(super) slots: &'a [Vec<f64>],
     pub(super) zeta: f64,

@@ -1,4 +1,4 @@
-//! Separation of one variable, time or a coordinate, from the others.
+//! Separation of time from the other variables.
 
 use std::collections::HashMap;
 
@@ -12,13 +12,13 @@ const MOST_TERMS: usize = 128;
 /// in 1e-300 t (x/1e150).
 const MOVED: std::ops::RangeInclusive<f64> = 1e-80..=1e80;
 
-/// The list (a, f) of sum a(v) f, v the variable and f of the others.
+/// The list (a, f) of sum a(t) f, f of the other variables.
 type Separated = Vec<(Node, Node)>;
 
-/// Several formulas separated with common factors in one variable.
+/// Several formulas separated with common factors in time.
 #[derive(Clone, Debug, Default)]
 pub struct Together {
-    /// The a_m(v).
+    /// The a_m(t).
     pub factors: Vec<Node>,
     /// For each formula its terms (m, g), each m at most once.
     pub shapes: Vec<Vec<(usize, Node)>>,
@@ -30,17 +30,12 @@ impl Graph {
     /// and branches decided by space or by time alone.  `None` where the form
     /// of `f` does not show one; zero is the empty sum.
     pub fn separate(&mut self, f: Node) -> Option<Vec<(Node, Node)>> {
-        self.separate_from(Variable::T, f)
-    }
-
-    /// [`Self::separate`] with another variable in place of time.
-    fn separate_from(&mut self, v: Variable, f: Node) -> Option<Separated> {
         let mut known: HashMap<Node, Option<Separated>> = HashMap::new();
-        for node in self.reachable(&[f], |n| !self.is_pure(v, n)) {
-            let sum = if self.is_pure(v, node) {
-                Some(self.pure(v, node))
+        for node in self.reachable(&[f], |n| !self.is_pure(n)) {
+            let sum = if self.is_pure(node) {
+                Some(self.pure(node))
             } else {
-                self.separate_one(v, node, &known)
+                self.separate_one(node, &known)
             };
             let sum = sum.and_then(|sum| self.collected(sum));
             known.insert(node, sum);
@@ -48,12 +43,10 @@ impl Graph {
         known.remove(&f).flatten()
     }
 
-    /// The factors a_m(v), v being time or a coordinate, and, for each of several formulas, its list of (m, g) with
-    /// f = sum a_m(v) g, g of the other variables: factors that differ by a number are one, and a sum is none where its
+    /// The factors a_m(t) and, for each of several formulas, its list of (m, g) with f = sum a_m(t) g(x,y,z,zeta): factors that differ by a number are one, and a sum is none where its
     /// addends are fewer in all.  `None` if a formula does not separate.
-    pub fn separate_together(&mut self, v: Variable, formulas: &[Node]) -> Option<Together> {
-        let sums: Option<Vec<Separated>> =
-            formulas.iter().map(|&f| self.separate_from(v, f)).collect();
+    pub fn separate_together(&mut self, formulas: &[Node]) -> Option<Together> {
+        let sums: Option<Vec<Separated>> = formulas.iter().map(|&f| self.separate(f)).collect();
         let sums = sums?;
         let addends: Vec<Separated> = sums.iter().map(|sum| self.in_addends(sum)).collect();
         let [whole, split] = [sums, addends].map(|sums| self.with_common_factors(&sums));
@@ -108,16 +101,16 @@ impl Graph {
         }
     }
 
-    /// The variable alone or the others alone.
-    fn is_pure(&self, v: Variable, f: Node) -> bool {
-        self.dependence(f).at_most(v) || !self.depends_on(f, v)
+    /// Time alone or the others alone.
+    fn is_pure(&self, f: Node) -> bool {
+        self.dependence(f).at_most_time() || !self.depends_on(f, Variable::T)
     }
 
-    fn pure(&mut self, v: Variable, f: Node) -> Separated {
+    fn pure(&mut self, f: Node) -> Separated {
         let one = self.constant(1.0);
         if self.value_of_constant(f) == Some(0.0) {
             Vec::new()
-        } else if self.depends_on(f, v) {
+        } else if self.depends_on(f, Variable::T) {
             vec![(f, one)]
         } else {
             vec![(one, f)]
@@ -126,7 +119,6 @@ impl Graph {
 
     fn separate_one(
         &mut self,
-        v: Variable,
         f: Node,
         known: &HashMap<Node, Option<Separated>>,
     ) -> Option<Separated> {
@@ -161,11 +153,11 @@ impl Graph {
                 let (mut first, mut second) = (self.constant(1.0), self.constant(1.0));
                 for (a, g) in of(a)? {
                     let exponent = self.mul(a, g);
-                    if !self.is_pure(v, exponent) {
+                    if !self.is_pure(exponent) {
                         return None;
                     }
                     let factor = self.exp(exponent);
-                    if self.dependence(exponent).at_most(v) {
+                    if self.dependence(exponent).at_most_time() {
                         first = self.mul(first, factor);
                     } else {
                         second = self.mul(second, factor);
@@ -173,19 +165,13 @@ impl Graph {
                 }
                 Some(vec![(first, second)])
             }
-            Op::Less([a, b, p, q]) => self.separate_branches(v, [a, b], of(p)?, of(q)?),
+            Op::Less([a, b, p, q]) => self.separate_branches([a, b], of(p)?, of(q)?),
             Op::Relax(c, a) => {
-                let relax = |(a, g): (Node, Node)| match v {
-                    Variable::T => (self.relax(f64::from_bits(c), a), g),
-                    _ => (a, self.relax(f64::from_bits(c), g)),
-                };
+                let relax = |(a, g): (Node, Node)| (self.relax(f64::from_bits(c), a), g);
                 Some(of(a)?.into_iter().map(relax).collect())
             }
             Op::Convolve(kernel, a) => {
-                let convolve = |(a, g): (Node, Node)| match v {
-                    Variable::T => (self.convolve(kernel, a), g),
-                    _ => (a, self.convolve(kernel, g)),
-                };
+                let convolve = |(a, g): (Node, Node)| (self.convolve(kernel, a), g);
                 Some(of(a)?.into_iter().map(convolve).collect())
             }
             _ => None,
@@ -195,13 +181,12 @@ impl Graph {
     /// A branch decided in one of the two factors is taken there.
     fn separate_branches(
         &mut self,
-        v: Variable,
         [a, b]: [Node; 2],
         then: Separated,
         otherwise: Separated,
     ) -> Option<Separated> {
-        let in_first = self.dependence(a).at_most(v) && self.dependence(b).at_most(v);
-        if !in_first && (self.depends_on(a, v) || self.depends_on(b, v)) {
+        let in_first = self.dependence(a).at_most_time() && self.dependence(b).at_most_time();
+        if !in_first && [a, b].iter().any(|&n| self.depends_on(n, Variable::T)) {
             return None;
         }
         let zero = self.constant(0.0);

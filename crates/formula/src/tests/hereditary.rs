@@ -254,7 +254,7 @@ fn integrals_at_many_places_are_those_at_each() {
             many.evaluate(t, 0.0, &mut found);
             few.evaluate(t, 0.0, &mut known);
             for (k, (a, b)) in found[0].iter().step_by(7).zip(&known[0]).enumerate() {
-                // 1e-13 of each panel, of integrals below one.
+                // 1e-13 of the largest integral, and these are below one.
                 assert!((a - b).abs() < 1e-12, "{text} t = {t} {:?}: {a} {b}", some[k]);
             }
         }

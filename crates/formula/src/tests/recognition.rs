@@ -74,7 +74,7 @@ fn several_formulas_share_their_factors_in_time() {
     let mut graph = Graph::new();
     let texts = ["2*t*sin(x)", "x*cos(t) - 3*t*y", "t/7", "4", "0"];
     let formulas = texts.map(|text| node(&mut graph, &everything(), text));
-    let together = graph.separate_together(Variable::T, &formulas).expect("sums of products");
+    let together = graph.separate_together(&formulas).expect("sums of products");
     assert_eq!(together.factors.len(), 3, "t, cos t and 1");
     let at = Point { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
     for ((text, f), shapes) in texts.iter().zip(formulas).zip(&together.shapes) {
@@ -85,7 +85,7 @@ fn several_formulas_share_their_factors_in_time() {
         assert_close(terms.sum(), graph.evaluate(f, &at), 1e-15, text);
     }
     let moving = node(&mut graph, &everything(), "sin(x*t)");
-    assert!(graph.separate_together(Variable::T, &[formulas[0], moving]).is_none());
+    assert!(graph.separate_together(&[formulas[0], moving]).is_none());
 }
 
 /// Of t, t + sin t and 2t - sin t two are enough; of t + sin t and y alone the sum is.
@@ -99,7 +99,7 @@ fn sums_of_factors_of_others_are_none_of_their_own() {
     ] {
         let mut graph = Graph::new();
         let formulas = texts.map(|text| node(&mut graph, &everything(), text));
-        let together = graph.separate_together(Variable::T, &formulas).expect("sums of products");
+        let together = graph.separate_together(&formulas).expect("sums of products");
         assert_eq!(together.factors.len(), factors, "{texts:?}");
         for ((text, f), shapes) in texts.iter().zip(formulas).zip(&together.shapes) {
             let term = |&(m, shape): &(usize, Node)| {
@@ -110,29 +110,6 @@ fn sums_of_factors_of_others_are_none_of_their_own() {
             let alone = |(m, _): &(usize, Node)| shapes.iter().filter(|(n, _)| n == m).count() == 1;
             assert!(shapes.iter().all(alone), "{text}: a factor comes once");
         }
-    }
-}
-
-/// f(x, t) g(y): integrals over the past go to the first factor.
-#[test]
-fn an_ordinate_separates_from_the_rest() {
-    let mut graph = Graph::new();
-    let texts = ["x*t*y^2 - 3*sin(x*t)*(1 - y)", "relax(2, max(t - x, 0)*y)", "exp(y - x*t)", "x"];
-    let formulas = texts.map(|text| node(&mut graph, &everything(), text));
-    let together = graph.separate_together(Variable::Y, &formulas).expect("sums of products");
-    let at = Point { x: 0.3, y: 0.8, z: 0.1, t: 0.7, zeta: 0.0 };
-    for ((text, f), shapes) in texts.iter().zip(formulas).zip(&together.shapes) {
-        let terms = shapes.iter().map(|&(m, shape)| {
-            let factor = together.factors[m];
-            assert!(!graph.depends_on(shape, Variable::Y), "{text}");
-            assert!([Variable::X, Variable::T].iter().all(|&v| !graph.depends_on(factor, v)));
-            graph.evaluate(factor, &at) * graph.evaluate(shape, &at)
-        });
-        assert_close(terms.sum(), graph.evaluate(f, &at), 1e-13, text);
-    }
-    for text in ["sin(x*y)", "if(x < y, x, y)", "max(y - t, 0)"] {
-        let mixed = node(&mut graph, &everything(), text);
-        assert!(graph.separate_together(Variable::Y, &[mixed]).is_none(), "{text}");
     }
 }
 
