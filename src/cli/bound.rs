@@ -6,7 +6,7 @@ use super::machine::Allowance;
 use super::{CliError, Scenes, study};
 use clap::Args;
 use scene::setup::Subject;
-use studies::theory::bound::Bound;
+use studies::theory::bound::BoundStudy;
 use studies::theory::bound::contact::study_runs;
 
 /// `sweep bound`.
@@ -47,12 +47,12 @@ impl BoundCommand {
                 let n = self.n.unwrap_or(MESH);
                 scene.check_cells(n)?;
                 study_runs(setup, n, steps).admit(&self.allowance.limit())?;
-                Bound::new(setup, n, steps)
+                BoundStudy::new(setup, n, steps)
             }
             // An abstract problem keeps a few numbers per level.
             Subject::Abstract(setup) => {
                 super::abstract_problem::no_mesh(scene, self.n)?;
-                Bound::of_abstract(setup, steps)
+                BoundStudy::of_abstract(setup, steps)
             }
         }
         .map_err(|error| CliError::about(&scene.name, error))?;

@@ -10,7 +10,7 @@ use super::{CliError, Scenes, create_dir, write_file};
 use run::sweep::admit_constants;
 use scene::Scene;
 use scene::setup::Subject;
-use studies::theory::gronwall::{Plan, Study, study_runs};
+use studies::theory::gronwall::{Study, StudyRuns, study_runs};
 
 /// `sweep gronwall`.
 #[derive(Args)]
@@ -65,7 +65,7 @@ impl Gronwall {
         Ok(u8::from(!study.violations.is_empty()))
     }
 
-    fn plan(&self, scene: &Scene) -> Result<Plan, CliError> {
+    fn plan(&self, scene: &Scene) -> Result<StudyRuns, CliError> {
         let sweep = scene.sweep.as_ref();
         let own = |list: &[usize]| list.iter().map(|&v| v as u32).collect::<Vec<u32>>();
         let n = self.n.or_else(|| sweep.and_then(|sweep| own(&sweep.n).first().copied()));
@@ -80,6 +80,6 @@ impl Gronwall {
         };
         steps.sort_unstable();
         steps.dedup();
-        Ok(Plan { n, steps, horizons: self.horizons.clone() })
+        Ok(StudyRuns { n, steps, horizons: self.horizons.clone() })
     }
 }

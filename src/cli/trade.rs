@@ -16,7 +16,7 @@ use run::sweep::{Overrides, ScenePlan};
 use scene::setup::Setup;
 use scene::{Norm, Scene};
 use studies::trade::{
-    Answered, Bench, Knob, Plan, Study, Table, Trial, Variant, admit_trade, own_grid,
+    Answered, Bench, Knob, Study, Table, TradeRuns, Trial, Variant, admit_trade, own_grid,
 };
 
 /// `sweep trade`.
@@ -114,7 +114,7 @@ impl TradeCommand {
     fn answer(
         &self,
         bench: &mut Bench,
-        plan: &Plan,
+        plan: &TradeRuns,
         target: f64,
         scenes: &Scenes,
         study: &Study,
@@ -165,7 +165,7 @@ impl TradeCommand {
         Ok(plain)
     }
 
-    fn plan(&self, plain: &Variant) -> Result<Plan, CliError> {
+    fn plan(&self, plain: &Variant) -> Result<TradeRuns, CliError> {
         let scene = &plain.setup.scene;
         if self.budget.is_nan() || self.budget <= 0.0 {
             return Err(CliError::other(format!("`{}` is no number of seconds", self.budget)));
@@ -180,7 +180,7 @@ impl TradeCommand {
             list.dedup();
             list
         };
-        let plan = Plan {
+        let plan = TradeRuns {
             n: listed(&self.n, &own[0]),
             steps: listed(&self.steps, &own[1]),
             budget: self.budget,

@@ -8,8 +8,8 @@ use crate::shipped::edited;
 use gronwall::record::{CaseRecord, Key, NormError, Status, V_MAX};
 use gronwall::setup::{NewtonMarch, Scheme};
 use gronwall::verdict::{
-    Baseline, Comparison, Constant, Expect, Kind, Prediction, Run, Variable, Verdict, compare_owed,
-    compare_with_baseline, judge,
+    Baseline, Comparison, Constant, DeviationKind, Expect, Prediction, Run, Variable, Verdict,
+    compare_owed, compare_with_baseline, judge,
 };
 
 /// affine with orders in time of V_max and of L2_max; both are 2.
@@ -99,7 +99,7 @@ fn record(error: f64, floor: f64) -> CaseRecord {
 }
 
 /// What deviates of an error that is `factor` times the recorded one.
-fn deviating(floor: f64, factor: f64) -> Vec<Kind> {
+fn deviating(floor: f64, factor: f64) -> Vec<DeviationKind> {
     let baseline = Baseline::of(&[record(1e-3, floor)], &[("block", "hash")]);
     let now = record(factor * 1e-3, floor);
     let run = Run {
@@ -119,7 +119,7 @@ fn an_error_counts_from_its_tolerance_on() {
         for sign in [-1.0, 1.0] {
             let (inside, outside) = (1.0 + sign * 0.9 * tolerance, 1.0 + sign * 1.1 * tolerance);
             assert_eq!(deviating(floor, inside), [], "{floor:e} {inside}");
-            assert_eq!(deviating(floor, outside), [Kind::Error], "{floor:e} {outside}");
+            assert_eq!(deviating(floor, outside), [DeviationKind::Error], "{floor:e} {outside}");
         }
     }
 }
@@ -311,7 +311,7 @@ fn gates_that_forget_are_red() {
         let lines = found.lines().join("\n");
         assert_eq!((found.exit_code(), found.deviations.len()), (1, count), "{lines}");
         assert!(lines.contains(said), "{lines}");
-        assert!(found.deviations.iter().all(|deviation| deviation.kind == Kind::Owed));
+        assert!(found.deviations.iter().all(|deviation| deviation.kind == DeviationKind::Owed));
     }
 }
 

@@ -12,7 +12,7 @@ use gronwall::report::StudyDocument;
 use gronwall::setup::Subject;
 use gronwall::theory::audit::{AtLevel, SceneAudit};
 use gronwall::theory::bound::Bound;
-use gronwall::theory::gronwall::{Plan, Study};
+use gronwall::theory::gronwall::{Study, StudyRuns};
 use gronwall::theory::ledger;
 
 /// The document is sound without the defect, and says `words` with it.
@@ -44,7 +44,7 @@ fn a_bound_says_what_is_violated() {
 #[test]
 fn a_chain_says_which_link_fails() {
     let subject = Subject::Contact(Box::new(setup("affine")));
-    let plan = Plan { n: Some(4), steps: vec![8], horizons: Vec::new() };
+    let plan = StudyRuns { n: Some(4), steps: vec![8], horizons: Vec::new() };
     let mut study = Study::run(&subject, plan).expect("a study");
     let sound = study.document().expect("a document");
     let violation = gronwall::theory::gronwall::Violation {

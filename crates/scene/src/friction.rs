@@ -46,8 +46,8 @@ impl Friction {
         }
         one_tangent_a_vertex(reading, domain)?;
         let bound = match &written.bound {
-            written::Bound::Plain(formula) => given(reading, formula, domain, time)?,
-            written::Bound::Table(table) => {
+            written::FrictionBound::Plain(formula) => given(reading, formula, domain, time)?,
+            written::FrictionBound::Table(table) => {
                 let known = [("slip", ())];
                 reading.choice("contact.friction.bound.kind", &table.kind, &known)?;
                 FrictionBound::Slip(slip(reading, table)?)
@@ -114,7 +114,10 @@ fn given(
     Ok(FrictionBound::Given(node))
 }
 
-fn slip(reading: &Reading, table: &written::BoundTable) -> Result<Vec<[f64; 2]>, SceneError> {
+fn slip(
+    reading: &Reading,
+    table: &written::FrictionBoundTable,
+) -> Result<Vec<[f64; 2]>, SceneError> {
     let key = "contact.friction.bound.points";
     let line = "points = [[0.0, 0.3], [0.1, 0.28]]";
     let written = reading.needed(key, table.points.as_ref(), &table.kind, line)?;

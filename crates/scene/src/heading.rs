@@ -55,17 +55,17 @@ impl Hypothesis {
 
 /// What a file states a problem of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum SceneKind {
     /// Problem 12: a body in contact.
     Contact,
     /// Problem 1 in ℝ^m.
     Abstract,
 }
 
-impl Kind {
+impl SceneKind {
     /// The kind that a file names, contact if it names none.
-    pub(crate) fn validate(reading: &Reading, word: Option<&str>) -> Result<Kind, SceneError> {
-        let known = [("contact", Kind::Contact), ("abstract", Kind::Abstract)];
+    pub(crate) fn validate(reading: &Reading, word: Option<&str>) -> Result<SceneKind, SceneError> {
+        let known = [("contact", SceneKind::Contact), ("abstract", SceneKind::Abstract)];
         reading.choice("scene.kind", word.unwrap_or("contact"), &known)
     }
 }
@@ -84,7 +84,7 @@ impl Heading {
     pub(crate) fn validate(
         reading: &Reading,
         written: &written::Heading,
-        kind: Kind,
+        kind: SceneKind,
     ) -> Result<Heading, SceneError> {
         Ok(Heading {
             name: name(reading, &written.name)?,
@@ -124,10 +124,10 @@ fn name(reading: &Reading, name: &str) -> Result<String, SceneError> {
     ))
 }
 
-fn dimension(reading: &Reading, dimension: i64, kind: Kind) -> Result<usize, SceneError> {
+fn dimension(reading: &Reading, dimension: i64, kind: SceneKind) -> Result<usize, SceneError> {
     match dimension {
-        1..=MOST if kind == Kind::Abstract => Ok(dimension.unsigned_abs() as usize),
-        _ if kind == Kind::Abstract => Err(reading.error(
+        1..=MOST if kind == SceneKind::Abstract => Ok(dimension.unsigned_abs() as usize),
+        _ if kind == SceneKind::Abstract => Err(reading.error(
             "scene.dimension",
             format!("{dimension} is no dimension of an abstract problem"),
             format!("X = R^m with m from 1 to {MOST}: matrices are dense"),

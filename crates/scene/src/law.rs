@@ -23,7 +23,7 @@ pub struct Law {
 
 /// The kinds of law, before their numbers are known.
 #[derive(Clone, Copy)]
-enum Kind {
+enum LawKind {
     None,
     Linear,
     PiecewiseLinear,
@@ -40,22 +40,22 @@ impl Law {
     ) -> Result<Option<Law>, SceneError> {
         let key = |name: &str| format!("{table}.{name}");
         let known = [
-            ("none", Kind::None),
-            ("linear", Kind::Linear),
-            ("piecewise-linear", Kind::PiecewiseLinear),
-            ("rational", Kind::Rational),
-            ("exponential", Kind::Exponential),
-            ("power", Kind::Power),
+            ("none", LawKind::None),
+            ("linear", LawKind::Linear),
+            ("piecewise-linear", LawKind::PiecewiseLinear),
+            ("rational", LawKind::Rational),
+            ("exponential", LawKind::Exponential),
+            ("power", LawKind::Power),
         ];
         let kind = reading.choice(&key("kind"), &written.kind, &known)?;
-        if matches!(kind, Kind::None) {
+        if matches!(kind, LawKind::None) {
             reading.surplus(&key("scale"), written.scale.as_ref(), &written.kind)?;
         }
-        let decays = matches!(kind, Kind::Rational | Kind::Exponential);
-        if !decays && !matches!(kind, Kind::Linear) {
+        let decays = matches!(kind, LawKind::Rational | LawKind::Exponential);
+        if !decays && !matches!(kind, LawKind::Linear) {
             reading.surplus(&key("stiffness"), written.stiffness.as_ref(), &written.kind)?;
         }
-        if !matches!(kind, Kind::PiecewiseLinear) {
+        if !matches!(kind, LawKind::PiecewiseLinear) {
             reading.surplus(&key("points"), written.points.as_ref(), &written.kind)?;
             reading.surplus(&key("slope_before"), written.slope_before.as_ref(), &written.kind)?;
             reading.surplus(&key("slope_after"), written.slope_after.as_ref(), &written.kind)?;
@@ -63,22 +63,22 @@ impl Law {
         if !decays {
             reading.surplus(&key("length"), written.length.as_ref(), &written.kind)?;
         }
-        if !matches!(kind, Kind::Power) {
+        if !matches!(kind, LawKind::Power) {
             reading.surplus(&key("coefficient"), written.coefficient.as_ref(), &written.kind)?;
             reading.surplus(&key("exponent"), written.exponent.as_ref(), &written.kind)?;
             reading.surplus(&key("until"), written.until.as_ref(), &written.kind)?;
         }
-        if !decays && !matches!(kind, Kind::Power) {
+        if !decays && !matches!(kind, LawKind::Power) {
             reading.surplus(&key("jump"), written.jump.as_ref(), &written.kind)?;
         }
         let curved = |curve: Curve| Law::curved(reading, table, written, curve).map(Some);
         match kind {
-            Kind::None => Ok(None),
-            Kind::Linear => Law::linear(reading, table, written).map(Some),
-            Kind::PiecewiseLinear => Law::piecewise_linear(reading, table, written).map(Some),
-            Kind::Rational => curved(Curve::rational(reading, table, written)?),
-            Kind::Exponential => curved(Curve::exponential(reading, table, written)?),
-            Kind::Power => curved(Curve::power(reading, table, written)?),
+            LawKind::None => Ok(None),
+            LawKind::Linear => Law::linear(reading, table, written).map(Some),
+            LawKind::PiecewiseLinear => Law::piecewise_linear(reading, table, written).map(Some),
+            LawKind::Rational => curved(Curve::rational(reading, table, written)?),
+            LawKind::Exponential => curved(Curve::exponential(reading, table, written)?),
+            LawKind::Power => curved(Curve::power(reading, table, written)?),
         }
     }
 

@@ -126,7 +126,7 @@ impl TimeRule {
 
 /// The kinds of grid, before their numbers are known.
 #[derive(Clone, Copy)]
-enum Kind {
+enum GridKind {
     Uniform,
     Graded,
     Random,
@@ -154,18 +154,21 @@ impl Time {
 
 impl TimeGrid {
     fn validate(reading: &Reading, written: &written::Grid) -> Result<TimeGrid, SceneError> {
-        let known =
-            [("uniform", Kind::Uniform), ("graded", Kind::Graded), ("random", Kind::Random)];
+        let known = [
+            ("uniform", GridKind::Uniform),
+            ("graded", GridKind::Graded),
+            ("random", GridKind::Random),
+        ];
         let kind = reading.choice("time.grid.kind", &written.kind, &known)?;
-        if !matches!(kind, Kind::Graded) {
+        if !matches!(kind, GridKind::Graded) {
             reading.surplus("time.grid.exponent", written.exponent.as_ref(), &written.kind)?;
         }
-        if !matches!(kind, Kind::Random) {
+        if !matches!(kind, GridKind::Random) {
             reading.surplus("time.grid.seed", written.seed.as_ref(), &written.kind)?;
         }
         match kind {
-            Kind::Uniform => Ok(TimeGrid::Uniform),
-            Kind::Graded => {
+            GridKind::Uniform => Ok(TimeGrid::Uniform),
+            GridKind::Graded => {
                 let exponent = reading.needed(
                     "time.grid.exponent",
                     written.exponent,
@@ -174,7 +177,7 @@ impl TimeGrid {
                 )?;
                 graded(reading, exponent)
             }
-            Kind::Random => {
+            GridKind::Random => {
                 let seed =
                     reading.needed("time.grid.seed", written.seed, &written.kind, "seed = 1")?;
                 Ok(TimeGrid::Random { seed: reading.seed("time.grid.seed", seed)? })

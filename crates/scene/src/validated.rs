@@ -15,7 +15,7 @@ use super::data::Data;
 use super::definitions::parameters;
 use super::diagnostic::SceneError;
 use super::domain::{Domain, with_mesh};
-use super::heading::{Expectation, Heading, Hypothesis, Kind};
+use super::heading::{Expectation, Heading, Hypothesis, SceneKind};
 use super::material::Material;
 use super::prediction::Prediction;
 use super::reading::Reading;
@@ -97,13 +97,13 @@ impl Scene {
         }
         let table = DeTable::parse(&source.text).map_err(|e| wording::syntax(&source, &e))?;
         let spans = Spans::of(table.get_ref());
-        let kind = Kind::validate(&Reading::new(&source, &spans), kind_of(table.get_ref()))?;
+        let kind = SceneKind::validate(&Reading::new(&source, &spans), kind_of(table.get_ref()))?;
         match kind {
-            Kind::Contact => {
+            SceneKind::Contact => {
                 let file = structured(table, &source, &spans)?;
                 validate_contact(file, source, spans)
             }
-            Kind::Abstract => {
+            SceneKind::Abstract => {
                 let file = structured(table, &source, &spans)?;
                 validate_abstract(file, source, spans)
             }
@@ -152,7 +152,7 @@ fn validate_contact(
 ) -> Result<Scene, SceneError> {
     let source = with_mesh(source, &spans, &file.domain)?;
     let mut reading = Reading::new(&source, &spans);
-    let heading = Heading::validate(&reading, &file.scene, Kind::Contact)?;
+    let heading = Heading::validate(&reading, &file.scene, SceneKind::Contact)?;
     reading.violates.clone_from(&heading.violates);
     let domain = Domain::validate(&reading, &file.domain, heading.dimension)?;
     let time = Time::validate(&reading, &file.time)?;
@@ -181,7 +181,7 @@ fn validate_abstract(
     spans: Spans,
 ) -> Result<Scene, SceneError> {
     let mut reading = Reading::new(&source, &spans);
-    let heading = Heading::validate(&reading, &file.scene, Kind::Abstract)?;
+    let heading = Heading::validate(&reading, &file.scene, SceneKind::Abstract)?;
     reading.violates.clone_from(&heading.violates);
     let time = Time::validate(&reading, &file.time)?;
     reading.parameters = parameters(&mut reading, &file.exact.parameters)?;

@@ -248,16 +248,16 @@ pub struct Contact {
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
-    pub bound: Bound,
+    pub bound: FrictionBound,
 }
 
 /// The bound of the friction stress: a formula in x, y, t, or a table.
-pub type Bound = OrTable<Formula, BoundTable>;
+pub type FrictionBound = OrTable<Formula, FrictionBoundTable>;
 
 /// `bound = { kind = "slip", points = [[0.0, 0.3], [0.1, 0.28]] }`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BoundTable {
+pub struct FrictionBoundTable {
     pub kind: String,
     pub points: Option<Vec<Vec<f64>>>,
 }

@@ -17,8 +17,8 @@ use crate::record::{CaseRecord, Status};
 
 pub use crate::fit::Decision;
 pub use baseline::{
-    Baseline, BaselineError, Comparison, Deviation, Kind, Owed, Owing, Recorded, RecordedCase, Run,
-    compare_owed, compare_with_baseline,
+    Baseline, BaselineError, Comparison, Deviation, DeviationKind, Owed, Owing, Recorded,
+    RecordedCase, Run, compare_owed, compare_with_baseline,
 };
 pub use constants::{Foreseen, ForeseenConstant, LeadingLine, LeadingPoint};
 pub use document::{

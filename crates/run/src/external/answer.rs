@@ -4,7 +4,7 @@
 use std::io::{BufReader, Read};
 use std::path::{Path, PathBuf};
 
-use super::bounded::{Bound, Timed, Until, open_bounded};
+use super::bounded::{SizeLimit, Timed, Until, open_bounded};
 use super::npy::{NpyError, head, length, numbers};
 use super::series::{COLLECTION, SeriesError, each_level, indexed, numbered, read_levels};
 use super::vtu::VtuError;
@@ -153,7 +153,7 @@ fn finite(path: &Path, numbers: &[f64], levels: usize) -> Result<(), AnswerError
 }
 
 /// Two counters and three numbers of 25 letters take 95; blanks may stand between.
-const BYTES_A_ROW: Bound = Bound { first: 1 << 12, each: 1 << 8 };
+const BYTES_A_ROW: SizeLimit = SizeLimit { first: 1 << 12, each: 1 << 8 };
 
 /// Rows n, vertex, components in any order; each pair once.
 fn read_table(

@@ -9,14 +9,14 @@ use files::open_file;
 
 /// The most bytes of a file with so many parts.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Bound {
+pub(crate) struct SizeLimit {
     /// For what is there once.
     pub first: u64,
     /// For each part.
     pub each: u64,
 }
 
-impl Bound {
+impl SizeLimit {
     /// Of a file with `count` parts.
     pub(crate) fn of(self, count: usize) -> u64 {
         self.first.saturating_add(self.each.saturating_mul(count as u64))

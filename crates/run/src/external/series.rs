@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::answer::{AnswerError, Wanted};
-use super::bounded::{Bound, Until, is_below, read_bounded};
+use super::bounded::{SizeLimit, Until, is_below, read_bounded};
 use super::places::Places;
 use super::vtu::{Snapshot, VtuError, read_vtu, xml};
 
@@ -15,7 +15,7 @@ const NUMBERED: (&str, &str) = ("displacement_", ".vtu");
 /// Times written with six digits, as many programs do, are off by 5e-6 of the largest at most.
 const NEAR: f64 = 1e-5;
 /// The most of an index: a level takes a line with a name.
-const BYTES_A_LEVEL: Bound = Bound { first: 1 << 16, each: 1 << 12 };
+const BYTES_A_LEVEL: SizeLimit = SizeLimit { first: 1 << 16, each: 1 << 12 };
 
 /// Why files are not those of the levels.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -11,7 +11,7 @@ use std::path::Path;
 use roxmltree::{Document, Node, ParsingOptions};
 
 use self::array::{Binary, numbers};
-use super::bounded::{Bound, Until, is_below, read_bounded};
+use super::bounded::{SizeLimit, Until, is_below, read_bounded};
 use files::counted;
 
 /// Names of the point data that are looked for, the first that is there.
@@ -87,7 +87,7 @@ pub(crate) struct Snapshot {
 
 /// A point and the cells around it take some 60 numbers with their connectivity in space; as text, at 25 letters each,
 /// with another 600 of a solver's own fields beside, they are below this.
-const BYTES_A_POINT: Bound = Bound { first: 1 << 20, each: 1 << 14 };
+const BYTES_A_POINT: SizeLimit = SizeLimit { first: 1 << 20, each: 1 << 14 };
 /// Elements of the XML: a piece with its arrays has a few dozen.
 const MOST_NODES: u32 = 1 << 16;
 

@@ -43,7 +43,7 @@ impl MeshFamily {
 const STEEPEST: f64 = 8.0;
 
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum MeshKind {
     Structured,
     Perturbed,
     Graded,
@@ -58,21 +58,22 @@ pub(super) fn family(
         return Ok(MeshFamily::Structured);
     };
     let known = [
-        ("structured", Kind::Structured),
-        ("perturbed", Kind::Perturbed),
-        ("graded", Kind::Graded),
+        ("structured", MeshKind::Structured),
+        ("perturbed", MeshKind::Perturbed),
+        ("graded", MeshKind::Graded),
     ];
     let kind = reading.choice("domain.mesh.kind", &mesh.kind, &known)?;
-    if kind != Kind::Perturbed {
+    if kind != MeshKind::Perturbed {
         reading.surplus("domain.mesh.amplitude", mesh.amplitude.as_ref(), &mesh.kind)?;
         reading.surplus("domain.mesh.seed", mesh.seed.as_ref(), &mesh.kind)?;
         reading.surplus("domain.mesh.axes", mesh.axes.as_ref(), &mesh.kind)?;
     }
-    if kind != Kind::Graded {
+    if kind != MeshKind::Graded {
         reading.surplus("domain.mesh.corner", mesh.corner.as_ref(), &mesh.kind)?;
         reading.surplus("domain.mesh.exponent", mesh.exponent.as_ref(), &mesh.kind)?;
     }
-    if kind != Kind::Structured && matches!(domain.shape, Shape::Refined(CoarseMesh::Space(_))) {
+    if kind != MeshKind::Structured && matches!(domain.shape, Shape::Refined(CoarseMesh::Space(_)))
+    {
         let message =
             format!("meshes of kind `{}` are not made of tetrahedra from a file", mesh.kind);
         let hint =
@@ -80,9 +81,9 @@ pub(super) fn family(
         return Err(reading.error("domain.mesh.kind", message, hint));
     }
     match kind {
-        Kind::Structured => Ok(MeshFamily::Structured),
-        Kind::Perturbed => perturbed(reading, mesh, domain.dimension()),
-        Kind::Graded => graded(reading, mesh, domain),
+        MeshKind::Structured => Ok(MeshFamily::Structured),
+        MeshKind::Perturbed => perturbed(reading, mesh, domain.dimension()),
+        MeshKind::Graded => graded(reading, mesh, domain),
     }
 }
 

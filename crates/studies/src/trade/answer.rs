@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::as_json;
 use super::document::megabytes;
 use super::{
-    Answer, Bench, Candidates, Choices, Knob, MOST, NoAnswer, Optimum, Plan, Price, Study,
+    Answer, Bench, Candidates, Choices, Knob, MOST, NoAnswer, Optimum, Price, Study, TradeRuns,
     cheapest, knobs, optimum,
 };
 use judge::fit::FLOORS_ABOVE;
@@ -76,7 +76,7 @@ impl Answered {
     pub fn new(
         bench: &Bench,
         study: &Study,
-        plan: &Plan,
+        plan: &TradeRuns,
         target: f64,
         limit: &MemoryLimit,
     ) -> Result<Self, AnswerError> {

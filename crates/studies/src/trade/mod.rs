@@ -35,6 +35,6 @@ pub use optimum::{Coupling, Optimum, along_path, coupling, optimum};
 pub use pareto::{front, front_of_three};
 pub use picture::Resource;
 pub use prices::Price;
-pub use study::{Plan, Study, TradeError};
+pub use study::{Study, TradeError, TradeRuns};
 pub use target::{Answer, AtSteps, Choices, NoAnswer, cheapest};
 pub use trial::{Outcome, Table, TableError, Trial};

@@ -14,7 +14,7 @@ use serde::Serialize;
 
 /// What a trade runs.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
+pub struct TradeRuns {
     /// Cells per unit length.
     pub n: Vec<u32>,
     /// Numbers of steps.
@@ -94,7 +94,7 @@ impl Study {
     /// [`TradeError`]; a run that fails is a row.
     pub fn run(
         bench: &mut Bench,
-        plan: &Plan,
+        plan: &TradeRuns,
         table: &mut Table,
         heard: &mut Heard<'_>,
     ) -> Result<Self, TradeError> {
@@ -150,7 +150,7 @@ impl Study {
         Ok(study)
     }
 
-    fn of(bench: &Bench, mut trials: Vec<Trial>, prices: Vec<Price>, plan: &Plan) -> Self {
+    fn of(bench: &Bench, mut trials: Vec<Trial>, prices: Vec<Price>, plan: &TradeRuns) -> Self {
         mark_fronts(&mut trials, &prices);
         let setup = &bench.plain.setup;
         let on_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
@@ -227,7 +227,7 @@ fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u3
 
 /// C k^q without space error on the finest mesh, from runs with k and k/r: ‖u_k - u_{k/r}‖ = C k^q (1 - r^-q). The
 /// factor is that of the order which the differences themselves show.
-fn differences(bench: &Bench, plan: &Plan) -> Vec<Sample> {
+fn differences(bench: &Bench, plan: &TradeRuns) -> Vec<Sample> {
     let Some(&n) = plan.n.last() else { return Vec::new() };
     let ratio = |pair: &[u32]| pair[1].is_multiple_of(pair[0]).then(|| pair[1] / pair[0]);
     let Some(r) = plan.steps.windows(2).next().and_then(ratio) else { return Vec::new() };

@@ -28,7 +28,7 @@ pub(super) fn allowed(error: f64, floor: f64) -> f64 {
 /// What deviates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub enum DeviationKind {
     /// An error differs from its recorded value, or is no number.
     Error,
     /// A recorded case or norm was not measured.
@@ -41,12 +41,15 @@ pub enum Kind {
     Owed,
 }
 
-impl Kind {
+impl DeviationKind {
     /// A changed scene leaves the question open; everything else fails.
     pub(crate) fn decision(self) -> Decision {
         match self {
-            Kind::Stale => Decision::Unresolved,
-            Kind::Error | Kind::Missing | Kind::Cost | Kind::Owed => Decision::Fail,
+            DeviationKind::Stale => Decision::Unresolved,
+            DeviationKind::Error
+            | DeviationKind::Missing
+            | DeviationKind::Cost
+            | DeviationKind::Owed => Decision::Fail,
         }
     }
 }
@@ -66,7 +69,7 @@ pub struct Deviation {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub variable: Option<Variable>,
     /// What deviates.
-    pub kind: Kind,
+    pub kind: DeviationKind,
     /// As recorded.
     pub recorded: Option<f64>,
     /// As found; absent if it is no number.
@@ -180,7 +183,13 @@ fn compare_scene(
                 Some(Status::Failed { reason }) => format!("failed: {reason}"),
                 Some(_) => "was skipped".to_owned(),
             };
-            comparison.deviations.push(at.deviation(Kind::Missing, None, None, None, &what));
+            comparison.deviations.push(at.deviation(
+                DeviationKind::Missing,
+                None,
+                None,
+                None,
+                &what,
+            ));
             continue;
         };
         comparison.compared += case.errors.len();
@@ -196,10 +205,10 @@ fn stale(scene: &str) -> Deviation {
         steps: None,
         norm: None,
         variable: None,
-        kind: Kind::Stale,
+        kind: DeviationKind::Stale,
         recorded: None,
         found: None,
-        verdict: Kind::Stale.decision(),
+        verdict: DeviationKind::Stale.decision(),
         reason: format!(
             "{scene}: the scene file changed after it was recorded: nothing to compare"
         ),
@@ -218,7 +227,7 @@ impl Place<'_> {
         for (norm, &recorded) in &self.case.errors {
             let allowed = self.case.allowed.get(norm).copied().unwrap_or(REPEATED_WITHIN);
             let Some(error) = found.norm(norm).and_then(|entry| entry.error) else {
-                let (kind, norm) = (Kind::Missing, Some(norm.as_str()));
+                let (kind, norm) = (DeviationKind::Missing, Some(norm.as_str()));
                 deviations.push(self.deviation(
                     kind,
                     norm,
@@ -238,7 +247,13 @@ impl Place<'_> {
                     false => format!("is {error}, recorded {recorded:.6e}"),
                 };
                 let values = (Some(recorded), Some(error).filter(|error| error.is_finite()));
-                deviations.push(self.deviation(Kind::Error, Some(norm), values.0, values.1, &what));
+                deviations.push(self.deviation(
+                    DeviationKind::Error,
+                    Some(norm),
+                    values.0,
+                    values.1,
+                    &what,
+                ));
             }
         }
         deviations
@@ -261,14 +276,14 @@ impl Place<'_> {
             .map(|(name, recorded, now)| {
                 let what = format!("rose from {recorded} to {now}: the same result costs more");
                 let values = (Some(recorded as f64), Some(now as f64));
-                self.deviation(Kind::Cost, Some(name), values.0, values.1, &what)
+                self.deviation(DeviationKind::Cost, Some(name), values.0, values.1, &what)
             })
             .collect()
     }
 
     fn deviation(
         &self,
-        kind: Kind,
+        kind: DeviationKind,
         norm: Option<&str>,
         recorded: Option<f64>,
         found: Option<f64>,

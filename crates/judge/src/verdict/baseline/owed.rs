@@ -4,7 +4,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::compare::{Comparison, Deviation, Kind, Run, compare_with_baseline};
+use super::compare::{Comparison, Deviation, DeviationKind, Run, compare_with_baseline};
 use super::{Baseline, Recorded};
 use crate::record::CaseRecord;
 use crate::verdict::{Variable, Verdict};
@@ -135,10 +135,10 @@ fn deviation(scene: &str, owed: &Owed, what: &str) -> Deviation {
         steps: None,
         norm: Some(owed.norm.clone()),
         variable: Some(owed.variable),
-        kind: Kind::Owed,
+        kind: DeviationKind::Owed,
         recorded: None,
         found: None,
-        verdict: Kind::Owed.decision(),
+        verdict: DeviationKind::Owed.decision(),
         reason: format!("{scene}: {}: {what}", owed.name()),
     }
 }
@@ -155,7 +155,7 @@ impl Comparison {
             ));
         }
         if self.owed.verdicts > 0 {
-            let left = self.deviations.iter().filter(|d| d.kind == Kind::Owed).count();
+            let left = self.deviations.iter().filter(|d| d.kind == DeviationKind::Owed).count();
             let found = match left {
                 0 => "all judged".to_owned(),
                 left => format!("{left} not as owed"),

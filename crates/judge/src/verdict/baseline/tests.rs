@@ -59,37 +59,46 @@ fn every_seeded_deviation_is_found() {
         only(&comparison).clone()
     };
     let error = seeded(|records| records[0].errors[0].error = Some(1.01 * 1.23456789e-2));
-    assert_eq!((error.kind, error.verdict), (Kind::Error, Decision::Fail));
+    assert_eq!((error.kind, error.verdict), (DeviationKind::Error, Decision::Fail));
     assert!(
         error.reason.contains("block, n = 8, steps = 4: V_max") && error.reason.contains("+1.0 %"),
         "{}",
         error.reason
     );
     let smaller = seeded(|records| records[1].errors[0].error = Some(0.5 * 3.1e-3));
-    assert_eq!(smaller.kind, Kind::Error);
+    assert_eq!(smaller.kind, DeviationKind::Error);
     assert!(smaller.reason.contains("-50.0 %"), "{}", smaller.reason);
     let nan = seeded(|records| records[0].errors[0].error = Some(f64::NAN));
-    assert_eq!((nan.kind, nan.found), (Kind::Error, None));
+    assert_eq!((nan.kind, nan.found), (DeviationKind::Error, None));
     let infinite = seeded(|records| records[0].errors[0].error = Some(f64::INFINITY));
-    assert_eq!((infinite.kind, infinite.found), (Kind::Error, None));
+    assert_eq!((infinite.kind, infinite.found), (DeviationKind::Error, None));
     let no_norm = seeded(|records| records[0].errors.clear());
-    assert_eq!(no_norm.kind, Kind::Missing);
+    assert_eq!(no_norm.kind, DeviationKind::Missing);
     let no_case = seeded(|records| {
         records.pop();
     });
-    assert_eq!((no_case.kind, no_case.steps), (Kind::Missing, Some(8)));
+    assert_eq!((no_case.kind, no_case.steps), (DeviationKind::Missing, Some(8)));
     let failed = seeded(|records| {
         records[1].status = Status::Failed { reason: "no convergence".into() };
     });
-    assert!(failed.kind == Kind::Missing && failed.reason.contains("no convergence"));
+    assert!(failed.kind == DeviationKind::Missing && failed.reason.contains("no convergence"));
     let costly = seeded(|records| records[0].newton_iterations = 60);
-    assert_eq!((costly.kind, costly.norm.as_deref()), (Kind::Cost, Some("newton_iterations")));
+    assert_eq!(
+        (costly.kind, costly.norm.as_deref()),
+        (DeviationKind::Cost, Some("newton_iterations"))
+    );
     let refactored = seeded(|records| records[0].factorizations = 40);
-    assert_eq!((refactored.kind, refactored.verdict), (Kind::Cost, Decision::Fail));
+    assert_eq!((refactored.kind, refactored.verdict), (DeviationKind::Cost, Decision::Fail));
     let restless = seeded(|records| records[0].active_set_changes = 9);
-    assert_eq!((restless.kind, restless.norm.as_deref()), (Kind::Cost, Some("active_set_changes")));
+    assert_eq!(
+        (restless.kind, restless.norm.as_deref()),
+        (DeviationKind::Cost, Some("active_set_changes"))
+    );
     let hoarding = seeded(|records| records[0].peak_history_bytes = 1152);
-    assert_eq!((hoarding.kind, hoarding.norm.as_deref()), (Kind::Cost, Some("peak_history_bytes")));
+    assert_eq!(
+        (hoarding.kind, hoarding.norm.as_deref()),
+        (DeviationKind::Cost, Some("peak_history_bytes"))
+    );
 }
 
 /// What an older baseline does not hold is not compared.
@@ -138,7 +147,7 @@ fn changes_have_the_digits_that_show_them() {
 fn a_changed_scene_is_unresolved_and_never_green() {
     let comparison = compared(&records(), "another", true);
     let deviation = only(&comparison);
-    assert_eq!((deviation.kind, deviation.verdict), (Kind::Stale, Decision::Unresolved));
+    assert_eq!((deviation.kind, deviation.verdict), (DeviationKind::Stale, Decision::Unresolved));
     assert_eq!((comparison.exit_code(), comparison.compared), (1, 0));
     assert!(comparison.lines().iter().any(|line| line.contains("sweep baseline")));
 }

@@ -1,6 +1,6 @@
 //! A step-size study in words and tables.
 
-use super::Bound;
+use super::BoundStudy;
 use super::constants::Constant;
 use super::ladder::{Outcome, Rung};
 use super::run::AtLevel;
@@ -8,7 +8,7 @@ use super::sampled::Sampled;
 use super::threshold::Crossing;
 use report::{Chapter, ReportError, Run, StudyDocument, digits, held, number, precise, sides};
 
-impl Bound {
+impl BoundStudy {
     /// The study as a document.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::Bound;
+use super::BoundStudy;
 use super::constants::{Constant, Provenance};
 use super::ladder::BoundError;
 use super::run::{self, AtWorst, Study};
@@ -16,7 +16,7 @@ const SAMPLES: u32 = 2000;
 /// Their components lie within this, as those in which slopes are sampled.
 const REACH: f64 = 10.0;
 
-impl Bound {
+impl BoundStudy {
     /// Studies an abstract scene along a run with `steps` steps.
     ///
     /// # Errors

@@ -34,7 +34,7 @@ use vhi::StepBounds;
 
 /// Everything that `sweep bound` says of a scene.
 #[derive(Debug, Clone, Serialize)]
-pub struct Bound {
+pub struct BoundStudy {
     /// Name of the scene.
     pub scene: String,
     /// Fingerprint of the scene's text.
@@ -69,7 +69,7 @@ const SAMPLE_MESH: u32 = 4;
 /// The bound is called attained if the measured factor comes this close.
 const ATTAINED: f64 = 1e-6;
 
-impl Bound {
+impl BoundStudy {
     /// Studies a scene on the mesh `n`, along a run with `steps` steps.
     ///
     /// # Errors

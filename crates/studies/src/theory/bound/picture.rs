@@ -1,11 +1,11 @@
 //! The picture of a step-size study: factors against k, with bounds and thresholds.
 
-use super::Bound;
+use super::BoundStudy;
 use super::ladder::Rung;
 use super::threshold::Crossing;
 use report::{Axis, Chart, Key, Mark, Part, ReportError, Scale, Series};
 
-impl Bound {
+impl BoundStudy {
     /// Factors of Λ against k with their bounds; none if no number can be drawn.
     ///
     /// # Errors

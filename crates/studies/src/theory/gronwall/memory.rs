@@ -1,7 +1,7 @@
 //! What the study of a body takes of the memory.
 
 use super::horizon::whole_steps;
-use super::study::Plan;
+use super::study::StudyRuns;
 use super::truth::REFERENCE_STEPS;
 use fem::contact::Discretization;
 use run::sweep::{Runs, lowest_common_multiple};
@@ -13,7 +13,7 @@ const PERTURBED: f64 = 6.0;
 
 /// The runs of a study of `setup` on the mesh n. Whether u(t) lies in V^h is known on the mesh alone: unless the scene
 /// says so, the truth counts as a run with more steps.
-pub fn study_runs<'a>(setup: &'a Setup, n: u32, plan: &Plan) -> Runs<'a> {
+pub fn study_runs<'a>(setup: &'a Setup, n: u32, plan: &StudyRuns) -> Runs<'a> {
     let finest = plan.steps.iter().copied().max().unwrap_or(1);
     let common = plan.steps.iter().copied().fold(1, lowest_common_multiple);
     let k = setup.scene.time.horizon / f64::from(finest);

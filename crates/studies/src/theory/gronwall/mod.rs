@@ -37,5 +37,5 @@ pub use recurrence::{
     unprimed_closed, weighted,
 };
 pub use stability::{Perturbation, SIZES, Shape, perturbations};
-pub use study::{Effectivity, FailedLink, Plan, StudiedGrid, Study};
+pub use study::{Effectivity, FailedLink, StudiedGrid, Study, StudyRuns};
 pub use truth::{Level, ReferenceLevels, TemporalTruth};

@@ -12,7 +12,7 @@ use serde::Serialize;
 
 /// What is asked of a scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Plan {
+pub struct StudyRuns {
     /// Mesh cells per unit length; none for abstract scenes.
     pub n: Option<u32>,
     /// Numbers N of steps.
@@ -147,7 +147,7 @@ impl Study {
     ///
     /// # Errors
     /// [`GronwallError`].
-    pub fn run(subject: &Subject, plan: Plan) -> Result<Self, GronwallError> {
+    pub fn run(subject: &Subject, plan: StudyRuns) -> Result<Self, GronwallError> {
         let scene = subject.scene();
         let in_time = prepare(subject, plan.n, &plan.steps)?;
         let mut grids = Vec::new();
