@@ -13,7 +13,7 @@ mod mixture;
 mod next_term;
 
 use super::{Direction, Exclusion, FitError, Interval, Point, screen};
-use evidence::Gram;
+use evidence::{Base, Noise};
 use mixture::{Mixture, Part};
 use next_term::{Family, NODES};
 
@@ -109,11 +109,10 @@ pub fn infer(levels: &[Level], noise: Option<f64>, log: f64) -> Result<Posterior
     let [sound, floored] = [false, true].map(|own| Mixture::of(&parts, |part| part.floored == own));
     let all = sound.union(&floored);
     let floor = floored.weight / all.weight;
-    let mut beyond = vec![0.0; levels.len()];
-    for part in &parts {
-        beyond[..=part.coarse].iter_mut().for_each(|sum| *sum += part.weight / all.weight);
-    }
-    let coarse_left_out = beyond[1..].iter().take_while(|share| **share > 0.5).count();
+    let mut leaving = vec![0.0; levels.len()];
+    parts.iter().for_each(|part| leaving[part.coarse] += part.weight);
+    let beyond = |coarse: &usize| leaving[*coarse..].iter().sum::<f64>() > 0.5 * all.weight;
+    let coarse_left_out = (1..levels.len()).take_while(beyond).count();
     Ok(Posterior {
         order: all.quantile(0.5),
         interval: Interval { lo: all.quantile(0.025), hi: all.quantile(0.975) },
@@ -223,7 +222,7 @@ impl Table {
     /// All readings, their weights relative to the likeliest.
     fn parts(&self) -> Vec<Part> {
         let levels = self.x.len();
-        let mut parts = Vec::new();
+        let mut found = Readings { parts: Vec::new(), largest: f64::NEG_INFINITY };
         for (fine, prior) in FINE.iter().enumerate() {
             if fine + FEWEST > levels || (fine > 0 && !self.breaks(fine)) {
                 continue;
@@ -233,10 +232,10 @@ impl Table {
                 let halved = 0.5f64.powi(coarse.saturating_sub(last) as i32);
                 let left_out = (coarse + fine) as f64 * LEFT.ln();
                 let log_prior = (prior * COARSE[coarse.min(last)] * halved).ln() + left_out;
-                self.read(coarse, fine, log_prior, &mut parts);
+                self.read(coarse, fine, log_prior, &mut found);
             }
         }
-        let largest = parts.iter().map(|part| part.weight).fold(f64::NEG_INFINITY, f64::max);
+        let Readings { mut parts, largest } = found;
         // What is dropped has together less than a thousandth of the likeliest reading.
         parts.retain(|part| part.weight > largest - LEAST);
         parts.iter_mut().for_each(|part| part.weight = (part.weight - largest).exp());
@@ -244,11 +243,13 @@ impl Table {
     }
 
     /// The readings of the levels that stay; their weights as logarithms.
-    fn read(&self, coarse: usize, fine: usize, log_prior: f64, parts: &mut Vec<Part>) {
+    fn read(&self, coarse: usize, fine: usize, log_prior: f64, found: &mut Readings) {
         let kept = coarse..self.x.len() - fine;
         let (coarsest, finest) = (self.sizes[kept.start], self.sizes[kept.end - 1]);
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        let centre = [mean(&self.x[kept.clone()]), mean(&self.y[kept.clone()])];
+        let of = |values: &'_ [f64]| values[kept.clone()].to_vec();
+        let (observed, base) = Base::new(&of(&self.x), &of(&self.y), &of(&self.scales));
+        let noise = self.noise.iter().map(|(s, share)| base.noise(*s, log_prior + share.ln()));
+        let noise: Vec<Noise> = noise.collect();
         // Neighbouring nodes have one power: powers of the steps are taken once for all of them.
         let mut terms: Vec<[f64; 2]> = Vec::new();
         let mut power = None;
@@ -262,22 +263,28 @@ impl Table {
                 let sizes = self.sizes[kept.clone()].iter();
                 terms = sizes.map(|h| node.powers(h / coarsest, h / finest)).collect();
             }
-            let mut gram = Gram::default();
-            for (i, term) in kept.clone().zip(&terms) {
-                let [g, smoothing, after] = node.terms(*term);
-                let row = [self.x[i] - centre[0], self.y[i] - g - centre[1], smoothing, after];
-                gram.add(row, self.scales[i]);
-            }
-            for (noise, share) in &self.noise {
-                let found = gram.component(*noise, node.order());
-                parts.push(Part {
-                    weight: log_prior + node.log_prior + share.ln() + found.log_evidence,
-                    mean: found.mean,
-                    deviation: found.deviation,
-                    floored: floored || fine > 0,
-                    coarse,
-                });
+            let nexts = terms.iter().map(|term| node.terms(*term));
+            let gram = base.gram(observed.iter().copied().zip(nexts));
+            for noise in &noise {
+                let least = found.largest - LEAST - node.log_prior;
+                if let Some(own) = base.component(&gram, noise, node.order(), least) {
+                    let weight = node.log_prior + own.log_evidence;
+                    found.largest = found.largest.max(weight);
+                    found.parts.push(Part {
+                        weight,
+                        mean: own.mean,
+                        deviation: own.deviation,
+                        floored: floored || fine > 0,
+                        coarse,
+                    });
+                }
             }
         }
     }
+}
+
+/// Readings that may count, and the largest of their weights, on logarithms.
+struct Readings {
+    parts: Vec<Part>,
+    largest: f64,
 }

@@ -1,0 +1,334 @@
+//! The evidence of every pair of orders of a grid, in closed form.
+//!
+//! Columns h^p, k^q and their next terms, divided by the observed errors, against one. The two terms are eliminated once a
+//! pair; what is left of the next terms is a matrix of two by two for each noise.
+
+use crate::fit::Point;
+
+/// Orders are multiples of this, up to the largest.
+pub(super) const STEP: f64 = 0.05;
+pub(super) const ORDERS: usize = 79;
+/// Powers of next terms in multiples of `STEP`, with their weights.
+const NEXT: [(usize, f64); 3] = [(10, 0.15), (20, 0.55), (40, 0.30)];
+/// Standard deviation of D.
+const BEND: f64 = 0.3;
+/// Readings whose evidence is smaller by more than exp(-30) are left out: all of them have less than 1e-7 together.
+const LEAST: f64 = 30.0;
+/// Every so many orders are looked at first, for what is likely.
+const STRIDE: usize = 4;
+/// The order with this index.
+pub(super) fn order(index: usize) -> f64 {
+    STEP * (index + 1) as f64
+}
+
+/// Sums over the points for all powers of h and k that occur.
+pub(super) struct Model {
+    /// 1 for errors that add, 2 for squares.
+    exponent: usize,
+    points: f64,
+    /// Column i of h against itself and against the columns of its next terms; the same of k.
+    own: [Vec<[f64; 4]>; 2],
+    next: [Vec<f64>; 2],
+    /// Columns against one.
+    ones: [Vec<f64>; 2],
+    /// Columns of h against those of k.
+    mixed: Vec<f64>,
+}
+
+/// Columns: the orders, and next terms beyond the last of them.
+const COLUMNS: usize = ORDERS + NEXT[2].0;
+
+impl Model {
+    pub(super) fn new(points: &[Point], exponent: i32) -> Self {
+        let largest = |f: fn(&Point) -> f64| points.iter().map(f).fold(0.0, f64::max);
+        let scale = [largest(|p| p.h), largest(|p| p.k)];
+        let rows: Vec<[f64; 3]> = points
+            .iter()
+            .map(|p| [p.h / scale[0], p.k / scale[1], p.error].map(|value| value.powi(exponent)))
+            .collect();
+        let columns = |which: usize| -> Vec<Vec<f64>> {
+            let factors: Vec<f64> = rows.iter().map(|row| row[which].powf(STEP)).collect();
+            let first = rows.iter().zip(&factors).map(|(row, factor)| factor / row[2]).collect();
+            // By products: 119 of them are off by 1e-14.
+            let times = |column: &Vec<f64>| {
+                Some(column.iter().zip(&factors).map(|(value, factor)| value * factor).collect())
+            };
+            std::iter::successors(Some(first), times).take(COLUMNS).collect()
+        };
+        let of = [columns(0), columns(1)];
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+        let shifts = NEXT.map(|(shift, _)| shift / exponent as usize);
+        let own = |columns: &[Vec<f64>]| -> Vec<[f64; 4]> {
+            let at = |i: usize, shift: usize| dot(&columns[i], &columns[i + shift]);
+            (0..ORDERS)
+                .map(|i| [at(i, 0), at(i, shifts[0]), at(i, shifts[1]), at(i, shifts[2])])
+                .collect()
+        };
+        let next = |columns: &[Vec<f64>]| columns.iter().map(|c| dot(c, c)).collect();
+        let ones = |columns: &[Vec<f64>]| columns.iter().map(|c| c.iter().sum()).collect();
+        let mixed = of[0].iter().flat_map(|a| of[1].iter().map(move |b| dot(a, b))).collect();
+        Self {
+            exponent: exponent as usize,
+            points: rows.len() as f64,
+            own: [own(&of[0]), own(&of[1])],
+            next: [next(&of[0]), next(&of[1])],
+            ones: [ones(&of[0]), ones(&of[1])],
+            mixed,
+        }
+    }
+
+    /// Adds exp(log prior) times the evidence of every pair, on logarithms.
+    pub(super) fn add(&self, log_prior: f64, noises: &[(f64, f64)], evidence: &mut [f64]) {
+        let noises: Vec<Noise> = noises.iter().map(|own| self.noise(*own, log_prior)).collect();
+        let mut largest = evidence.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        // The first pass has a sixteenth of the pairs, and says which readings of the second cannot count.
+        for step in [STRIDE, 1] {
+            for i in (step - 1..ORDERS).step_by(step) {
+                for j in (step - 1..ORDERS).step_by(step) {
+                    let Some(pair) = self.pair(i, j) else { continue };
+                    let own = self.evidence(&pair, &noises, largest - LEAST);
+                    largest = largest.max(own);
+                    if step == 1 {
+                        let entry = &mut evidence[i * ORDERS + j];
+                        *entry = log_sum(*entry, own);
+                    }
+                }
+            }
+        }
+    }
+
+    fn noise(&self, (noise, share): (f64, f64), log_prior: f64) -> Noise {
+        let noise = noise * self.exponent as f64;
+        let variance = noise * noise;
+        let log = log_prior + share.ln() - (self.points - 4.0) * noise.ln();
+        Noise { variance, precision: 1.0 / variance, log, most: log - variance.ln() }
+    }
+
+    /// A pair of orders without next terms; none unless both terms are positive.
+    fn pair(&self, i: usize, j: usize) -> Option<Pair> {
+        let (a, b, d) = (self.own[0][i][0], self.mixed[i * COLUMNS + j], self.own[1][j][0]);
+        let determinant = a * d - b * b;
+        let inverse = [d, -b, a].map(|entry| entry / determinant);
+        let (f, g) = (self.ones[0][i], self.ones[1][j]);
+        let sizes = [inverse[0] * f + inverse[1] * g, inverse[1] * f + inverse[2] * g];
+        if !sizes.iter().all(|size| *size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        let bends = sizes.map(|size| BEND * self.exponent as f64 * size);
+        Some(Pair {
+            at: [i, j],
+            inverse,
+            determinant,
+            sizes,
+            explained: f * sizes[0] + g * sizes[1],
+            ridges: bends.map(|bend| 1.0 / (bend * bend)),
+            // C is flat on its logarithm, C D normal with the standard deviation 0.3 C.
+            log: -bends.iter().chain(&sizes).map(|size| size.ln()).sum::<f64>(),
+        })
+    }
+
+    /// The column of a next term of h or k, less what the two terms of a pair have of it.
+    fn next(&self, pair: &Pair, which: usize, reading: usize) -> Next {
+        let place = pair.at[which] + NEXT[reading].0 / self.exponent;
+        let own = self.own[which][pair.at[which]][reading + 1];
+        let other = match which {
+            0 => self.mixed[place * COLUMNS + pair.at[1]],
+            _ => self.mixed[pair.at[0] * COLUMNS + place],
+        };
+        let along = if which == 0 { [own, other] } else { [other, own] };
+        let by = [
+            pair.inverse[0] * along[0] + pair.inverse[1] * along[1],
+            pair.inverse[1] * along[0] + pair.inverse[2] * along[1],
+        ];
+        Next {
+            place,
+            by,
+            along,
+            norm: self.next[which][place] - along[0] * by[0] - along[1] * by[1],
+            one: self.ones[which][place] - along[0] * pair.sizes[0] - along[1] * pair.sizes[1],
+        }
+    }
+
+    /// The logarithm of the evidence of all readings of a pair that may be above `least`.
+    fn evidence(&self, pair: &Pair, noises: &[Noise], least: f64) -> f64 {
+        let [of_h, of_k] = [0, 1].map(|which| [0, 1, 2].map(|r| self.next(pair, which, r)));
+        // Next terms have at least the determinant of their priors, noise⁴ / bends².
+        let most = -0.5 * pair.determinant.ln() - pair.sizes[0].ln() - pair.sizes[1].ln();
+        let mut evidence = f64::NEG_INFINITY;
+        for (h, (_, r_weight)) in of_h.iter().zip(&NEXT) {
+            for (k, (_, s_weight)) in of_k.iter().zip(&NEXT) {
+                let cross = self.mixed[h.place * COLUMNS + k.place]
+                    - h.along[0] * k.by[0]
+                    - h.along[1] * k.by[1];
+                let two = Two { h: h.norm, cross, k: k.norm, ones: [h.one, k.one] };
+                let (explained, _) = two.solve([0.0; 2]);
+                // Rounding makes what is singular explain anything; what is explained without a prior is the most.
+                let left =
+                    if explained >= 0.0 { self.points - pair.explained - explained } else { 0.0 };
+                for noise in noises {
+                    if noise.most + most - 0.5 * left.max(0.0) * noise.precision < least {
+                        continue;
+                    }
+                    let log = self.reading(pair, &two, noise) + (r_weight * s_weight).ln();
+                    evidence = log_sum(evidence, log);
+                }
+            }
+        }
+        evidence
+    }
+
+    /// The logarithm of the evidence of one pair with one next term each and one noise.
+    fn reading(&self, pair: &Pair, two: &Two, noise: &Noise) -> f64 {
+        let (explained, determinant) = two.solve(pair.ridges.map(|ridge| ridge * noise.variance));
+        let left = self.points - pair.explained - explained;
+        let determinants = pair.determinant * determinant;
+        if determinants > 0.0 {
+            // Four parameters are integrated: |M| of the precision M = gram / s² + prior is s⁻⁸ times the determinants.
+            noise.log + pair.log - 0.5 * (left * noise.precision + determinants.ln())
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
+}
+
+/// One noise.
+struct Noise {
+    variance: f64,
+    precision: f64,
+    /// What evidence has of it before any error is looked at; and at most, whatever the next terms are.
+    log: f64,
+    most: f64,
+}
+
+/// A pair of orders.
+struct Pair {
+    at: [usize; 2],
+    /// Of the Gram matrix of both terms: its inverse, and determinant.
+    inverse: [f64; 3],
+    determinant: f64,
+    /// C_h and C_k by least squares, and what they explain of the observations, which are all one.
+    sizes: [f64; 2],
+    explained: f64,
+    /// Precisions of the priors of the next terms.
+    ridges: [f64; 2],
+    log: f64,
+}
+
+/// A next term: products of its column with those of the pair, these by the inverse, with itself and with one.
+struct Next {
+    place: usize,
+    along: [f64; 2],
+    by: [f64; 2],
+    norm: f64,
+    one: f64,
+}
+
+/// The Gram matrix of two next terms, and their products with one.
+struct Two {
+    h: f64,
+    cross: f64,
+    k: f64,
+    ones: [f64; 2],
+}
+
+impl Two {
+    /// What they explain with these precisions added, and the determinant.
+    fn solve(&self, ridges: [f64; 2]) -> (f64, f64) {
+        let (a, b, d) = (self.h + ridges[0], self.cross, self.k + ridges[1]);
+        let [f, g] = self.ones;
+        let determinant = a * d - b * b;
+        ((d * f * f - 2.0 * b * f * g + a * g * g) / determinant, determinant)
+    }
+}
+
+/// log(exp a + exp b).
+fn log_sum(a: f64, b: f64) -> f64 {
+    let (large, small) = (a.max(b), a.min(b));
+    if small == f64::NEG_INFINITY { large } else { large + (small - large).exp().ln_1p() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fit::inference::grid::NOISE;
+
+    fn grid(error: impl Fn(f64, f64) -> f64) -> Vec<Point> {
+        let step = |i: i32| 0.125 * 0.5f64.powi(i);
+        let pairs = (0..3).flat_map(|i| (0..3).map(move |j| (step(i), 4.0 * step(j))));
+        pairs.map(|(h, k)| Point { h, k, error: error(h, k), floor: 0.0 }).collect()
+    }
+
+    /// The evidence by four columns as they are defined and a dense factor, against the one by stored sums.
+    #[test]
+    fn closed_forms_agree_with_dense_matrices() {
+        let points = grid(|h, k| h + k * k);
+        for exponent in [1, 2] {
+            let model = Model::new(&points, exponent);
+            let (i, j, r, s) = (19, 38, 0, 2);
+            let power = |base: f64, at: usize, shift: usize| {
+                base.powi(exponent).powf(order(at) + STEP * (shift / exponent as usize) as f64)
+            };
+            let gram = nalgebra::DMatrix::from_fn(points.len(), 4, |row, column| {
+                let point = points[row];
+                let (h, k) = (point.h / 0.125, point.k / 0.5);
+                let top = match column {
+                    0 => power(h, i, 0),
+                    1 => power(k, j, 0),
+                    2 => power(h, i, NEXT[r].0),
+                    _ => power(k, j, NEXT[s].0),
+                };
+                top / point.error.powi(exponent)
+            });
+            let pair = model.pair(i, j).expect("both terms are positive");
+            let ones = nalgebra::DVector::from_element(points.len(), 1.0);
+            let sizes = gram.columns(0, 2).into_owned().svd(true, true);
+            let sizes = sizes.solve(&ones, 0.0).expect("two sizes");
+            let bends = [0, 1].map(|at| BEND * f64::from(exponent) * sizes[at]);
+            let [h, k] = [(0, r), (1, s)].map(|(which, reading)| model.next(&pair, which, reading));
+            let cross = model.mixed[h.place * COLUMNS + k.place]
+                - h.along[0] * k.by[0]
+                - h.along[1] * k.by[1];
+            let two = Two { h: h.norm, cross, k: k.norm, ones: [h.one, k.one] };
+            for (s, share) in NOISE {
+                let noise = s * f64::from(exponent);
+                let mut precision = gram.transpose() * &gram / (noise * noise);
+                precision[(2, 2)] += 1.0 / (bends[0] * bends[0]);
+                precision[(3, 3)] += 1.0 / (bends[1] * bends[1]);
+                let along = gram.transpose() * &ones / (noise * noise);
+                let factor = precision.cholesky().expect("a precision");
+                let log_determinant = 2.0 * factor.l().diagonal().map(f64::ln).sum();
+                let left = points.len() as f64 / (noise * noise) - along.dot(&factor.solve(&along));
+                let expected = share.ln()
+                    - points.len() as f64 * noise.ln()
+                    - 0.5 * (left + log_determinant)
+                    - (bends[0] * bends[1] * sizes[0] * sizes[1]).ln();
+                let found = model.reading(&pair, &two, &model.noise((s, share), 0.0));
+                // Rounding of nine over the square of the noise.
+                assert!((found - expected).abs() < 1e-6, "{exponent} {s}: {found} {expected}");
+            }
+        }
+    }
+
+    /// What is left out has no part in the answer.
+    #[test]
+    fn readings_that_are_left_out_do_not_count() {
+        let points = grid(|h, k| (0.6 * h * (1.0 - h) + k * k) * (1.0 + 0.01 * (9.0 * h).sin()));
+        for exponent in [1, 2] {
+            let model = Model::new(&points, exponent);
+            let mut found = vec![f64::NEG_INFINITY; ORDERS * ORDERS];
+            model.add(0.0, &NOISE, &mut found);
+            let noises = NOISE.map(|noise| model.noise(noise, 0.0));
+            let all = |at: usize| {
+                let pair = model.pair(at / ORDERS, at % ORDERS);
+                pair.map_or(f64::NEG_INFINITY, |pair| {
+                    model.evidence(&pair, &noises, f64::NEG_INFINITY)
+                })
+            };
+            let all: Vec<f64> = (0..ORDERS * ORDERS).map(all).collect();
+            let largest = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let sum = |logs: &[f64]| logs.iter().map(|log| (log - largest).exp()).sum::<f64>();
+            // 36 readings of 6,241 pairs, each below exp(-30).
+            assert!((sum(&all) - sum(&found)).abs() < 2.3e5 * (-LEAST).exp() * sum(&all));
+        }
+    }
+}
