@@ -1,9 +1,9 @@
 //! f0 in the body and the given part of σν on its boundary, from the formulas of a scene: f2 on Γ2, and on Γ3 what a
 //! manufactured solution adds to the contact pressure.
 
-use formula::{Bound, Graph, Node, Program};
 use fem::contact::Discretization;
 use fem::space::quadrature::{Rule, edge, triangle_degree_8};
+use formula::{Bound, Graph, Node, Program};
 use scene::Data;
 use scene::setup::Setup;
 
@@ -59,7 +59,11 @@ impl Densities {
     ///
     /// # Errors
     /// [`GuaranteeError::Refused`] for loads that have no density.
-    pub(super) fn new(setup: &Setup, space: &Discretization, edges: &Edges) -> Result<Self, GuaranteeError> {
+    pub(super) fn new(
+        setup: &Setup,
+        space: &Discretization,
+        edges: &Edges,
+    ) -> Result<Self, GuaranteeError> {
         let (inside, outside) = (triangle_degree_8(), edge(ON_EDGES));
         let mesh = &space.mesh;
         let cells = (0..mesh.cell_count()).map(|c| mesh.cell(c));
@@ -72,7 +76,9 @@ impl Densities {
                 let normal = [part.normal[0], part.normal[1]];
                 let members = part.members.iter().map(|&at| facets[at]);
                 let own: Vec<(u32, [u32; 2])> = members.filter_map(|f| edges.on_facet(f)).collect();
-                let places = own.iter().flat_map(|(_, ends)| outside.points.iter().map(|b| mesh.point(ends, b)));
+                let places = own
+                    .iter()
+                    .flat_map(|(_, ends)| outside.points.iter().map(|b| mesh.point(ends, b)));
                 let traction = program(&normal).bind(&places.collect::<Vec<_>>());
                 sides.push(Side { edges: own, normal, traction, kind });
             }
@@ -97,7 +103,9 @@ impl Densities {
             }
             (Data::Exact { .. }, Some(exact)) => {
                 let graph = &exact.data.graph;
-                let numbers = |sides: &[scene::Side]| -> Vec<u32> { sides.iter().map(|side| side.0).collect() };
+                let numbers = |sides: &[scene::Side]| -> Vec<u32> {
+                    sides.iter().map(|side| side.0).collect()
+                };
                 add(&numbers(&domain.traction), Kind::Stress, &|_| compile(graph, &exact.stress));
                 add(&numbers(&domain.contact), Kind::StressAndPressure, &|normal| {
                     let formulas = exact.boundary(normal);
@@ -115,7 +123,12 @@ impl Densities {
     ///
     /// # Errors
     /// [`GuaranteeError::NotFinite`].
-    pub(super) fn at(&mut self, space: &Discretization, edges: &Edges, t: f64) -> Result<Loads, GuaranteeError> {
+    pub(super) fn at(
+        &mut self,
+        space: &Discretization,
+        edges: &Edges,
+        t: f64,
+    ) -> Result<Loads, GuaranteeError> {
         let mut body = vec![Vec::new(); 2];
         self.body.evaluate(t, 0.0, &mut body);
         if body.iter().flatten().any(|f| !f.is_finite()) {
@@ -124,7 +137,9 @@ impl Densities {
         let count = self.inside.weights.len();
         let moments = (0..space.mesh.cell_count()).map(|c| {
             let mut own = Moments::zeros();
-            for (q, (weight, shapes)) in self.inside.weights.iter().zip(&self.inside.points).enumerate() {
+            for (q, (weight, shapes)) in
+                self.inside.weights.iter().zip(&self.inside.points).enumerate()
+            {
                 let share = weight * space.geometry.measure[c];
                 for (a, shape) in shapes.iter().enumerate() {
                     for i in 0..2 {
@@ -164,7 +179,8 @@ impl Densities {
         let mut sum = 0.0;
         for c in 0..mesh.cell_count() {
             let (mut rest, corner) = (0.0, &loads.corners[c]);
-            for (q, (weight, b)) in self.inside.weights.iter().zip(&self.inside.points).enumerate() {
+            for (q, (weight, b)) in self.inside.weights.iter().zip(&self.inside.points).enumerate()
+            {
                 for i in 0..2 {
                     let linear: f64 = (0..3).map(|a| b[a] * corner[2 * a + i]).sum();
                     let missed = loads.body[i][count * c + q] - linear;
@@ -228,7 +244,8 @@ impl Side {
                     (0..2).for_each(|i| means[end][i] += weight * shape * at(q)[i]);
                 }
             }
-            let ends = [0, 1].map(|end: usize| [0, 1].map(|i| 4.0 * means[end][i] - 2.0 * means[1 - end][i]));
+            let ends = [0, 1]
+                .map(|end: usize| [0, 1].map(|i| 4.0 * means[end][i] - 2.0 * means[1 - end][i]));
             for (end, own) in ends.iter().enumerate() {
                 (0..2).for_each(|i| tractions[4 * *free as usize + 2 * end + i] += own[i]);
             }

@@ -65,7 +65,8 @@ impl<'a> Equilibrium<'a> {
         }
         let pattern = pattern(&edges);
         let mut values = vec![0.0; pattern.entries()];
-        let couplings = |(triangle, _): &(Triangle, Inside)| triangle.traction_matrix() * triangle.of_edges;
+        let couplings =
+            |(triangle, _): &(Triangle, Inside)| triangle.traction_matrix() * triangle.of_edges;
         let couplings: Vec<_> = shapes.iter().map(couplings).collect();
         for (c, &shape) in shape.iter().enumerate() {
             let local = &couplings[shape as usize];
@@ -183,7 +184,8 @@ impl<'a> Equilibrium<'a> {
 /// The edges of a triangle from its first corner, to a part in 1e12 of its size.
 fn key(corners: &[[f64; 2]; 3], measure: f64) -> [i64; 4] {
     let unit = 1e-12 * measure.sqrt();
-    let edge = |corner: usize, i: usize| ((corners[corner][i] - corners[0][i]) / unit).round() as i64;
+    let edge =
+        |corner: usize, i: usize| ((corners[corner][i] - corners[0][i]) / unit).round() as i64;
     [edge(1, 0), edge(1, 1), edge(2, 0), edge(2, 1)]
 }
 

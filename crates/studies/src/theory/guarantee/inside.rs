@@ -45,12 +45,13 @@ impl Inside {
         let asked = asked * without_rigid_forces(triangle);
         let inverse = SMatrix::<f64, 6, 6>::from_fn(|i, j| MASS[i][j]).try_inverse()?;
         let scale = triangle.area / 540.0;
-        let part = |matrix: &dyn Fn(usize, usize) -> f64, tensor: &[[f64; 3]; 3], i: usize, j: usize| {
-            match i / 18 == j / 18 {
-                true => matrix(i % 18 / 3, j % 18 / 3) * tensor[i % 3][j % 3],
-                false => 0.0,
-            }
-        };
+        let part =
+            |matrix: &dyn Fn(usize, usize) -> f64, tensor: &[[f64; 3]; 3], i: usize, j: usize| {
+                match i / 18 == j / 18 {
+                    true => matrix(i % 18 / 3, j % 18 / 3) * tensor[i % 3][j % 3],
+                    false => 0.0,
+                }
+            };
         let mass = SMatrix::<f64, SIZE, SIZE>::from_fn(|i, j| {
             scale * part(&|k, l| MASS[k][l], &triangle.compliance, i, j)
         });
@@ -77,7 +78,8 @@ impl Inside {
 
     /// ∫ 𝒜⁻¹(σ + τ):(σ + τ) less that of σ.
     pub(super) fn added_energy(&self, stress: &Stress, load: &Unbalanced) -> f64 {
-        2.0 * (stress.transpose() * self.product * load)[0] + (load.transpose() * self.square * load)[0]
+        2.0 * (stress.transpose() * self.product * load)[0]
+            + (load.transpose() * self.square * load)[0]
     }
 }
 
@@ -150,7 +152,8 @@ fn embedding() -> SMatrix<f64, SIZE, 27> {
     for part in 0..3 {
         for i in 0..3 {
             for node in 0..6 {
-                let corners = if node < 3 { [node, node] } else { [(node - 2) % 3, (node - 1) % 3] };
+                let corners =
+                    if node < 3 { [node, node] } else { [(node - 2) % 3, (node - 1) % 3] };
                 for corner in corners {
                     matrix[(18 * part + 3 * node + i, 9 * part + 3 * corner + i)] += 0.5;
                 }

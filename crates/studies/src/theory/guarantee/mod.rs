@@ -26,8 +26,8 @@ mod on_contact;
 mod oscillation;
 #[cfg(test)]
 mod tests;
-mod truth;
 mod triangle;
+mod truth;
 
 use algebra::linalg::FactorError;
 use fem::contact::{CaseError, Discretization, StepView};
@@ -153,7 +153,9 @@ fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
         return refuse("it is made for bodies in the plane");
     }
     if model.projection.is_some() {
-        return refuse("the projection depends on ζ, the whole past, and its term is not convex in u");
+        return refuse(
+            "the projection depends on ζ, the whole past, and its term is not convex in u",
+        );
     }
     if model.friction.is_some() {
         return refuse("σ_τ = 0 on Γ3 is assumed; this scene has friction");
@@ -178,7 +180,11 @@ struct Levels<'a> {
 }
 
 impl<'a> Levels<'a> {
-    fn new(setup: &'a Setup, space: &'a Discretization, grid: TimeGrid) -> Result<Self, GuaranteeError> {
+    fn new(
+        setup: &'a Setup,
+        space: &'a Discretization,
+        grid: TimeGrid,
+    ) -> Result<Self, GuaranteeError> {
         let elasticity = &setup.model.elasticity;
         let clamped = side_numbers(&setup.body.domain.clamped);
         let equilibrium = Equilibrium::new(space, elasticity, &clamped)?;
@@ -194,16 +200,21 @@ impl<'a> Levels<'a> {
             strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), u)
         };
         let elastic = |c: usize| elasticity.on(space.region(c)).apply(&strain(c, view.u));
-        let start: Vec<[f64; 3]> = (0..space.mesh.cell_count()).map(|c| {
-            let mut stress = elastic(c);
-            for (term, history) in model.memory.iter().zip(view.history) {
-                let own = term.tensor.on(space.region(c)).apply(&strain(c, history));
-                (0..3).for_each(|i| stress[i] += own[i]);
-            }
-            stress
-        }).collect();
+        let start: Vec<[f64; 3]> = (0..space.mesh.cell_count())
+            .map(|c| {
+                let mut stress = elastic(c);
+                for (term, history) in model.memory.iter().zip(view.history) {
+                    let own = term.tensor.on(space.region(c)).apply(&strain(c, history));
+                    (0..3).for_each(|i| stress[i] += own[i]);
+                }
+                stress
+            })
+            .collect();
         let size: f64 = (0..space.mesh.cell_count())
-            .map(|c| space.geometry.measure[c] * algebra::tensor::contract(&elastic(c), &strain(c, view.u)))
+            .map(|c| {
+                space.geometry.measure[c]
+                    * algebra::tensor::contract(&elastic(c), &strain(c, view.u))
+            })
             .sum();
         let edges = &self.equilibrium.edges;
         let mut loads = self.densities.at(space, edges, view.t)?;
@@ -224,9 +235,11 @@ impl<'a> Levels<'a> {
         let square = self.equilibrium.distance(&stresses, &start, &loads.corners);
         let residual = square.max(0.0).sqrt();
         let least = |c: usize| *self.least.get(space.region(c)).unwrap_or(&self.least[0]);
-        let oscillation = self.densities.oscillation(space, &self.equilibrium.edges, &loads, &least);
+        let oscillation =
+            self.densities.oscillation(space, &self.equilibrium.edges, &loads, &least);
         let bound = self.bound(model, view.n, residual + oscillation, gap)?;
-        let error = self.truth.as_mut().map(|truth| truth.distance(space, elasticity, view.u, view.t));
+        let error =
+            self.truth.as_mut().map(|truth| truth.distance(space, elasticity, view.u, view.t));
         self.found.push(BoundedLevel {
             n: view.n,
             t: view.t,
@@ -241,7 +254,13 @@ impl<'a> Levels<'a> {
     }
 
     /// The larger zero of (1 - β_nn) e² - a e - G, a = `own` + Σ_{j<n} β_nj e_j.
-    fn bound(&self, model: &SceneModel, n: usize, own: f64, gap: f64) -> Result<f64, GuaranteeError> {
+    fn bound(
+        &self,
+        model: &SceneModel,
+        n: usize,
+        own: f64,
+        gap: f64,
+    ) -> Result<f64, GuaranteeError> {
         let weights = self.memory_weights(model, n);
         let last = weights.last().copied().unwrap_or(0.0);
         let t = self.grid.time(n);
@@ -250,7 +269,8 @@ impl<'a> Levels<'a> {
                 "the memory of the step that ends at t = {t} has the weight {last:.2}, which must be below 1: take smaller steps"
             )));
         }
-        let past: f64 = weights.iter().zip(&self.found).map(|(weight, level)| weight * level.bound).sum();
+        let past: f64 =
+            weights.iter().zip(&self.found).map(|(weight, level)| weight * level.bound).sum();
         let linear = own + past;
         let keep = 1.0 - last;
         let bound = (linear + (linear * linear + 4.0 * keep * gap).sqrt()) / (2.0 * keep);
@@ -297,7 +317,11 @@ fn relative_norm(tensor: &TensorField, elasticity: &TensorField) -> f64 {
 }
 
 /// ξ + λ at the points of the trace; at a clamped one the pressure of the graph that is nearest to its neighbour's.
-fn pressures(space: &Discretization, boundary: &fem::contact::Boundary, view: &StepView<'_>) -> Vec<f64> {
+fn pressures(
+    space: &Discretization,
+    boundary: &fem::contact::Boundary,
+    view: &StepView<'_>,
+) -> Vec<f64> {
     use vhi::law::Potential;
     let trace = &space.trace;
     let mut pressure: Vec<f64> =
@@ -318,7 +342,12 @@ fn pressures(space: &Discretization, boundary: &fem::contact::Boundary, view: &S
 }
 
 /// Adds -p ν on Γ3.
-fn add_pressures(space: &Discretization, edges: &edges::Edges, pressure: &[f64], tractions: &mut [f64]) {
+fn add_pressures(
+    space: &Discretization,
+    edges: &edges::Edges,
+    pressure: &[f64],
+    tractions: &mut [f64],
+) {
     let trace = &space.trace;
     for (f, &facet) in trace.mesh_facet.iter().enumerate() {
         let Some((free, ends)) = edges.on_facet(facet) else { continue };
@@ -326,7 +355,8 @@ fn add_pressures(space: &Discretization, edges: &edges::Edges, pressure: &[f64],
             let own = &trace.points[point as usize];
             let end = usize::from(ends[1] == own.vertex);
             for i in 0..2 {
-                tractions[4 * free as usize + 2 * end + i] -= pressure[point as usize] * own.normal[i];
+                tractions[4 * free as usize + 2 * end + i] -=
+                    pressure[point as usize] * own.normal[i];
             }
         }
     }

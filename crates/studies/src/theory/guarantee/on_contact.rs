@@ -13,7 +13,12 @@ const PIECES: usize = 8;
 const ROUNDING: f64 = 1e-12;
 
 /// G of `u`, and of pressures p at the points of the trace; infinite where u_ν > g or the law never has the pressure p.
-pub(super) fn duality_gap(space: &Discretization, boundary: &Boundary, u: &[f64], pressure: &[f64]) -> f64 {
+pub(super) fn duality_gap(
+    space: &Discretization,
+    boundary: &Boundary,
+    u: &[f64],
+    pressure: &[f64],
+) -> f64 {
     let rule = edge(4);
     let trace = &space.trace;
     let mut sum = 0.0;
@@ -57,7 +62,8 @@ fn at_point(law: &dyn Potential, gap: f64, r: f64, p: f64) -> f64 {
 /// ∫ |p - ∂j_ν| from r in a direction to where the law has the pressure p, or to `end`.
 fn walk(law: &dyn Potential, r: f64, end: f64, p: f64, direction: f64) -> f64 {
     let ahead = |at: f64| direction * (at - r) > 0.0 && direction * (end - at) > 0.0;
-    let mut stops: Vec<f64> = law.kinks().iter().chain(law.jumps()).copied().filter(|&at| ahead(at)).collect();
+    let mut stops: Vec<f64> =
+        law.kinks().iter().chain(law.jumps()).copied().filter(|&at| ahead(at)).collect();
     stops.sort_by(|a, b| (direction * a).total_cmp(&(direction * b)));
     stops.push(end);
     let short = |at: f64| direction * (p - law.value_and_slope(at).0);
@@ -79,7 +85,10 @@ fn walk(law: &dyn Potential, r: f64, end: f64, p: f64, direction: f64) -> f64 {
         let until = if short(nearly) >= 0.0 { 1.0 } else { crossing(|share| short(inside(share))) };
         let width = until * (reach - from).abs();
         let gauss = gauss_legendre(8);
-        sum += gauss.iter().map(|(z, w)| 0.5 * w * width * short(inside(0.5 * (1.0 + z) * until)).max(0.0)).sum::<f64>();
+        sum += gauss
+            .iter()
+            .map(|(z, w)| 0.5 * w * width * short(inside(0.5 * (1.0 + z) * until)).max(0.0))
+            .sum::<f64>();
         if until < 1.0 || !stop.is_finite() {
             return sum;
         }

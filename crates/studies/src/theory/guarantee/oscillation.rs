@@ -27,9 +27,8 @@ impl Constants {
         let [a, b, c] = *corners;
         let twice = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
         let around: f64 = sides.iter().sum();
-        let incentre: [f64; 2] = std::array::from_fn(|i| {
-            (0..3).map(|s| sides[s] * corners[s][i]).sum::<f64>() / around
-        });
+        let incentre: [f64; 2] =
+            std::array::from_fn(|i| (0..3).map(|s| sides[s] * corners[s][i]).sum::<f64>() / around);
         let inner = twice / around;
         let outer = corners.iter().map(|&corner| distance(corner, incentre)).fold(0.0, f64::max);
         let beta = inner / (2.0 * outer);
@@ -60,7 +59,9 @@ mod tests {
         };
         let (inside, along) = (triangle_product(6), edge(6));
         let mut most = 0.0f64;
-        for (powers, component) in (0..=3).flat_map(|i| (0..=3 - i).map(move |j| (i, j))).flat_map(|p| [(p, 0), (p, 1)]) {
+        for (powers, component) in
+            (0..=3).flat_map(|i| (0..=3 - i).map(move |j| (i, j))).flat_map(|p| [(p, 0), (p, 1)])
+        {
             let v = |x: [f64; 2]| x[0].powi(powers.0) * x[1].powi(powers.1);
             let gradient = |x: [f64; 2]| {
                 let (i, j) = powers;
@@ -97,9 +98,14 @@ mod tests {
             for s in 0..3 {
                 let [from, to] = [corners[(s + 1) % 3], corners[(s + 2) % 3]];
                 let length = (from[0] - to[0]).hypot(from[1] - to[1]);
-                let on: f64 = along.weights.iter().zip(&along.points).map(|(w, b)| {
-                    w * length * square(std::array::from_fn(|i| b[0] * from[i] + b[1] * to[i]))
-                }).sum();
+                let on: f64 = along
+                    .weights
+                    .iter()
+                    .zip(&along.points)
+                    .map(|(w, b)| {
+                        w * length * square(std::array::from_fn(|i| b[0] * from[i] + b[1] * to[i]))
+                    })
+                    .sum();
                 let area = 0.5 * ((0.5 * 0.4) - (0.1 * 0.1));
                 most = most.max((on / (strain * area)).sqrt() / constants.on_edge[s]);
             }

@@ -20,7 +20,9 @@ fn covered_scenes() -> Vec<Setup> {
     let registry = Registry::open(&folder).unwrap();
     let known = registry.names().filter_map(setup);
     let covered = known.filter(|setup| setup.exact.is_some() && covered(setup).is_ok());
-    covered.filter(|setup| !matches!(&setup.body.data, scene::Data::Exact { interpolated: true, .. })).collect()
+    covered
+        .filter(|setup| !matches!(&setup.body.data, scene::Data::Exact { interpolated: true, .. }))
+        .collect()
 }
 
 /// Displacements of a run.
@@ -66,7 +68,8 @@ fn the_bound_holds_on_every_scene_and_level() {
         for level in &found.levels {
             let difference: Vec<f64> =
                 own[level.n].iter().zip(&fine[4 * level.n]).map(|(a, b)| a - b).collect();
-            let in_time = 4.0 / 3.0 * energy_norm(&data.space, &setup.model.elasticity, &difference);
+            let in_time =
+                4.0 / 3.0 * energy_norm(&data.space, &setup.model.elasticity, &difference);
             let error = level.error.unwrap();
             // Rounding of a norm of strains of this size.
             let rounding = 1e-12 * level.size;
@@ -192,7 +195,8 @@ fn imbalance_against_polynomials(
             let Some((free, ends)) = equilibrium.edges.on_facet(f as u32) else { continue };
             let length = fem::contact::facet_measure(mesh, f);
             for (weight, b) in along.weights.iter().zip(&along.points) {
-                let own = |end: usize| loads.given.tractions[4 * free as usize + 2 * end + component];
+                let own =
+                    |end: usize| loads.given.tractions[4 * free as usize + 2 * end + component];
                 add(-weight * length * (b[0] * own(0) + b[1] * own(1)) * v(mesh.point(&ends, b)));
             }
         }

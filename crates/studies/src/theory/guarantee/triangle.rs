@@ -141,10 +141,7 @@ impl Triangle {
     }
 
     /// M⁻¹ of columns, M being ∫ 𝒜⁻¹σ:τ: |T|/36 (1 + δ) on the corners of a part, times 𝒜⁻¹.
-    fn inverse_mass<const C: usize>(
-        &self,
-        columns: SMatrix<f64, 27, C>,
-    ) -> SMatrix<f64, 27, C> {
+    fn inverse_mass<const C: usize>(&self, columns: SMatrix<f64, 27, C>) -> SMatrix<f64, 27, C> {
         let mut out = SMatrix::zeros();
         for c in 0..C {
             for part in 0..3 {

@@ -28,7 +28,13 @@ impl Strains {
     }
 
     /// (𝒜ε(u - u^h), ε(u - u^h))^{1/2} at t.
-    pub(super) fn distance(&mut self, space: &Discretization, elasticity: &TensorField, u: &[f64], t: f64) -> f64 {
+    pub(super) fn distance(
+        &mut self,
+        space: &Discretization,
+        elasticity: &TensorField,
+        u: &[f64],
+        t: f64,
+    ) -> f64 {
         let mut values = vec![Vec::new(); self.outputs];
         self.fields.evaluate(t, 0.0, &mut values);
         let count = self.rule.weights.len();
@@ -41,7 +47,9 @@ impl Strains {
                 let [xx, xy, yy] = [2, 3, 4].map(|output| values[output][at]);
                 let exact = [xx, yy, std::f64::consts::SQRT_2 * xy];
                 let off: [f64; 3] = std::array::from_fn(|i| exact[i] - own[i]);
-                sum += weight * space.geometry.measure[c] * algebra::tensor::contract(&tensor.apply(&off), &off);
+                sum += weight
+                    * space.geometry.measure[c]
+                    * algebra::tensor::contract(&tensor.apply(&off), &off);
             }
         }
         sum.max(0.0).sqrt()
