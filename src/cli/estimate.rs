@@ -7,8 +7,10 @@ use serde_json::{Value, json};
 use super::{CliError, print_json, print_text};
 pub(super) use advice::Wanted;
 use judge::fit::Interval;
+use report::digits;
 use scene::Norm;
 use scene::setup::Setup;
+use studies::theory::guarantee::{Guarantee, GuaranteeError, guarantee};
 use studies::trade::estimate::{
     Companions, Estimate, Part, QuantityEstimate, companions, norm_estimate, quantity,
 };
@@ -28,6 +30,10 @@ pub(super) fn execute(
         .iter()
         .map(|own| quantity(&own.name, own.space, own.time, own.value))
         .collect();
+    let bound = match guarantee(setup, n, steps) {
+        Err(GuaranteeError::Refused { reason }) => Err(reason),
+        other => Ok(other.map_err(CliError::other)?),
+    };
     let advice = wanted.map(|wanted| (wanted.norm(), wanted.advise(setup, [n, steps], &found)));
     if as_json {
         let mut document = json!({
@@ -37,6 +43,7 @@ pub(super) fn execute(
             "norms": estimates.iter().map(|(norm, own)| norm_json(&found, *norm, own)).collect::<Vec<_>>(),
             "quantities": quantities.iter().map(quantity_json).collect::<Vec<_>>(),
             "state": found.state,
+            "bound": bound_json(&bound),
         });
         if let Some((norm, advice)) = &advice {
             document["recommendation"] = advice::json(advice, &found, *norm);
@@ -46,6 +53,7 @@ pub(super) fn execute(
         let name = &setup.scene.name;
         print_text(&format!("{name} n = {n}, N = {steps}: estimated error of this run"));
         print(&found, &estimates, &quantities);
+        print_text(&format!("\n{}", bound_words(&bound)));
     }
     // What is known of the run is printed before a target is refused.
     let Some((norm, advice)) = advice else { return Ok(0) };
@@ -113,6 +121,41 @@ fn quantity_words(own: &QuantityEstimate) -> String {
             let reason = own.reason.as_deref().unwrap_or("no companions");
             format!("{:<24} {:.8}  unknown: {reason}", own.name, own.value)
         }
+    }
+}
+
+/// The guaranteed bound where it is largest, or why there is none.
+fn bound_words(bound: &Result<Guarantee, String>) -> String {
+    let Some((found, level)) = bound.as_ref().ok().and_then(|own| Some((own, own.largest()?)))
+    else {
+        let reason = bound.as_ref().err().map_or("no level was solved", String::as_str);
+        return format!("no guaranteed bound: {reason}");
+    };
+    let part = match level.size > 0.0 {
+        true => format!(", {:.2} % of the norm of u", 100.0 * level.bound / level.size),
+        false => String::new(),
+    };
+    let mut words = format!(
+        "guaranteed: error in space <= {:.3e} in the energy norm at all t_n (largest at t = {}{part}); not bounded: the error in time",
+        level.bound,
+        digits(level.t, 4)
+    );
+    if let (Some(error), Some(quotient)) = (level.error, found.effectivity()) {
+        words += &format!(
+            "\nexact solution: error {error:.3e} there, time included; bound / error {quotient:.2} in the median over t_n"
+        );
+    }
+    words
+}
+
+fn bound_json(bound: &Result<Guarantee, String>) -> Value {
+    match bound {
+        Ok(found) => json!({
+            "largest": found.largest(),
+            "effectivity": found.effectivity(),
+            "levels": found.levels,
+        }),
+        Err(reason) => json!({ "refused": reason }),
     }
 }
 

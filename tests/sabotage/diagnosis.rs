@@ -20,7 +20,8 @@ fn right(term: Term) -> &'static [Suspect] {
         Term::Load => &[Suspect::Loads, Suspect::Space],
         Term::Dirichlet => &[Suspect::Space],
         Term::Solver => &[Suspect::Solver],
-        Term::Abstract | Term::Measurement | Term::Record | Term::Judging => &[],
+        // `sweep diagnose` refuses friction.
+        Term::Friction | Term::Abstract | Term::Measurement | Term::Record | Term::Judging => &[],
     }
 }
 

@@ -80,7 +80,13 @@ const REFUTED: &[(&str, &str)] = &[
     ("order = 1.5", "order = 2.0"),
 ];
 
-const ROWS: [Row; 26] = [
+/// Space alone, as above.
+const FRONT_IN_SPACE: &[(&str, &str)] = &[(
+    "[[predicts]]\nnorm = \"V_time_max\"\nvariable = \"k\"\norder = 2.0\nwindow_n = [16, 16]                      # one mesh: each case there needs a run with 8 N steps beside it\nwhy = \"Theorem 7, (3.17), on the space V^h of a fixed mesh\"\n",
+    "",
+)];
+
+const ROWS: [Row; 31] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -104,6 +110,11 @@ const ROWS: [Row; 26] = [
     ("signorini", &[], &[8, 16, 32], &[8]),
     ("pure-mild", SPACE, &[8, 16, 32], &[8]),
     ("pure-concave-gap", &[], &[8, 16, 32], &[4]),
+    ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
+    ("friction-front", FRONT_IN_SPACE, &[4, 8, 16], &[8]),
+    ("left-rule", &[], &[2], &[32, 64, 128]),
+    ("gregory-three", &[], &[2], &[16, 32, 64, 128]),
+    ("gregory-four", &[], &[2], &[8, 16, 32, 64]),
     ("abstract-smooth", &[], &[], &[16, 32, 64, 128]),
     ("abstract-contact", &[], &[], &[16, 32, 64, 128]),
     ("broken-kernel", REFUTED, &[], &[64, 128, 256, 512]),

@@ -6,6 +6,7 @@
 
 mod abstract_problem;
 mod contact;
+mod friction;
 mod judging;
 mod levels;
 mod load;
@@ -42,6 +43,7 @@ pub enum Term {
     Elasticity,
     Compliance,
     Gap,
+    Friction,
     Load,
     Dirichlet,
     Solver,
@@ -62,6 +64,7 @@ impl Term {
             Self::Elasticity => "elasticity",
             Self::Compliance => "compliance",
             Self::Gap => "gap",
+            Self::Friction => "friction",
             Self::Load => "load",
             Self::Dirichlet => "Dirichlet",
             Self::Solver => "solver",
@@ -171,6 +174,7 @@ pub fn all() -> Vec<Defect> {
     list.extend(projection::defects());
     list.extend(material::defects());
     list.extend(contact::defects());
+    list.extend(friction::defects());
     list.extend(load::defects());
     list.extend(solver::defects());
     list.extend(paths::defects());

@@ -3,6 +3,8 @@
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::HistoryKernel;
 
+use gronwall::setup::Setup;
+
 use super::{Defect, Term};
 
 /// Weights by a function, for ζ and for the memory.
@@ -77,6 +79,26 @@ macro_rules! ruled {
     };
 }
 
+/// The rule of a Gregory scene with each weight changed by a function of it, n and j; other scenes keep their rules.
+fn corrected(mut setup: Setup, change: fn(f64, &TimeGrid, usize, usize) -> f64) -> Setup {
+    if matches!(setup.scene.time.rule, gronwall::scene::TimeRule::Gregory { .. }) {
+        let sound = std::mem::replace(&mut setup.model.time_rule, Box::new(Trapezoid));
+        setup.model.time_rule = Box::new(Corrected { sound, change });
+    }
+    setup
+}
+
+struct Corrected {
+    sound: Box<dyn TimeRule>,
+    change: fn(f64, &TimeGrid, usize, usize) -> f64,
+}
+
+impl TimeRule for Corrected {
+    fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        (self.change)(self.sound.weight(grid, n, j), grid, n, j)
+    }
+}
+
 /// Levels that a shortened history keeps.
 const KEPT: usize = 8;
 
@@ -125,6 +147,38 @@ pub fn defects() -> Vec<Defect> {
                 let step = grid.time(grid.steps()) / grid.steps() as f64;
                 let ends = usize::from(j > 0) + usize::from(j < n);
                 0.5 * step * ends as f64
+            })
+        ),
+        Defect::of(Term::TimeRule, "Gregory's correction at the end of t_n left out", |setup| {
+            corrected(setup, |weight, grid, n, j| match n - j {
+                0..=2 if n > 5 => sound(grid, n, j),
+                _ => weight,
+            })
+        }),
+        Defect::of(Term::TimeRule, "Gregory's correction at t = 0 left out", |setup| {
+            corrected(setup, |weight, grid, n, j| match j {
+                0..=2 if n > 5 => sound(grid, n, j),
+                _ => weight,
+            })
+        }),
+        Defect::of(Term::TimeRule, "Gregory's corrections with the wrong sign", |setup| {
+            corrected(setup, |weight, grid, n, j| 2.0 * sound(grid, n, j) - weight)
+        }),
+        Defect::of(
+            Term::TimeRule,
+            "Gregory's weights halfway to the trapezoidal rule's",
+            |setup| corrected(setup, |weight, grid, n, j| 0.5 * (sound(grid, n, j) + weight)),
+        ),
+        ruled!(
+            Term::TimeRule,
+            "midpoint weights: the even levels skipped",
+            Weights(|grid, n, j| match (j % 2, n % 2) {
+                (1, 0) => 2.0 * grid.step(j),
+                (_, 0) => 0.0,
+                // An odd number of steps: the last one by the trapezoidal rule.
+                (1, _) if j < n => 2.0 * grid.step(j),
+                _ if j + 1 >= n => 0.5 * grid.step(n),
+                _ => 0.0,
             })
         ),
         ruled!(Term::Zeta, "ζ explicit: its last weight on the level before", ZetaWeights(lagged)),

@@ -49,7 +49,7 @@ impl BlockPattern {
     }
 
     /// Pattern of matrices over nodes with the given sorted larger neighbours, which nothing is scattered to.
-    pub(crate) fn of_neighbours(dimension: usize, lists: &[Vec<u32>]) -> Self {
+    pub fn of_neighbours(dimension: usize, lists: &[Vec<u32>]) -> Self {
         let mut pattern = Self::new(&[], dimension, lists.len());
         pattern.first = vec![0];
         for list in lists {

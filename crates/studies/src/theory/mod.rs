@@ -4,4 +4,5 @@ pub mod audit;
 pub mod bound;
 pub mod corner;
 pub mod gronwall;
+pub mod guarantee;
 pub mod ledger;

@@ -1,0 +1,159 @@
+//! The duality gap on Γ3: G = ∫ ĵ(u_ν) + ĵ*(p) - p u_ν, ĵ = j_ν with the constraint u_ν ≤ g, for linear u_ν and p on
+//! each edge.
+//!
+//! At a point it is ∫ (p - ∂j_ν(r)) dr from u_ν to a displacement that has the pressure p: no potential is needed.
+
+use fem::contact::{Boundary, Discretization};
+use fem::space::quadrature::{edge, gauss_legendre};
+use vhi::law::Potential;
+
+/// Pieces of an edge, with four Gauss points each: kinks of the integrand lie anywhere.
+const PIECES: usize = 8;
+/// u_ν may exceed g by rounding: this part of the size of both.
+const ROUNDING: f64 = 1e-12;
+
+/// G of `u`, and of pressures p at the points of the trace; infinite where u_ν > g or the law never has the pressure p.
+pub(super) fn duality_gap(
+    space: &Discretization,
+    boundary: &Boundary,
+    u: &[f64],
+    pressure: &[f64],
+) -> f64 {
+    let rule = edge(4);
+    let trace = &space.trace;
+    let mut sum = 0.0;
+    for f in 0..trace.measure.len() {
+        let ends = [trace.facet(f)[0] as usize, trace.facet(f)[1] as usize];
+        let vertices = ends.map(|i| trace.points[i].vertex);
+        let normal = ends.map(|i| trace.normal(i, u));
+        for piece in 0..PIECES {
+            for (weight, b) in rule.weights.iter().zip(&rule.points) {
+                let second = (piece as f64 + b[1]) / PIECES as f64;
+                let at = [1.0 - second, second];
+                let x = space.mesh.point(&vertices, &at);
+                let mix = |values: [f64; 2]| at[0] * values[0] + at[1] * values[1];
+                let (law, shift) = (boundary.potential_at(x), (boundary.shift)(x));
+                let (r, p) = (mix(normal) - shift, mix(ends.map(|i| pressure[i])));
+                let own = at_point(&law, (boundary.gap)(x) - shift, r, p);
+                sum += weight * trace.measure[f] / PIECES as f64 * own;
+            }
+        }
+    }
+    sum
+}
+
+/// ĵ(r) + ĵ*(p) - p r of a monotone law with the constraint r ≤ g.
+fn at_point(law: &dyn Potential, gap: f64, r: f64, p: f64) -> f64 {
+    let rounding = ROUNDING * (gap.abs().min(f64::MAX) + r.abs()).min(1e300);
+    if r > gap + rounding {
+        return f64::INFINITY;
+    }
+    let r = r.min(gap);
+    let (lo, hi) = law.subdifferential(r);
+    if p > hi && r < gap {
+        return walk(law, r, gap, p, 1.0);
+    }
+    if p < lo {
+        return walk(law, r, f64::NEG_INFINITY, p, -1.0);
+    }
+    0.0
+}
+
+/// ∫ |p - ∂j_ν| from r in a direction to where the law has the pressure p, or to `end`.
+fn walk(law: &dyn Potential, r: f64, end: f64, p: f64, direction: f64) -> f64 {
+    let ahead = |at: f64| direction * (at - r) > 0.0 && direction * (end - at) > 0.0;
+    let mut stops: Vec<f64> =
+        law.kinks().iter().chain(law.jumps()).copied().filter(|&at| ahead(at)).collect();
+    stops.sort_by(|a, b| (direction * a).total_cmp(&(direction * b)));
+    stops.push(end);
+    let short = |at: f64| direction * (p - law.value_and_slope(at).0);
+    let (mut from, mut sum) = (r, 0.0);
+    for stop in stops {
+        let mut reach = if stop.is_finite() { stop } else { from + direction * (1.0 + from.abs()) };
+        // An open end: as far as the law asks for, if it ever does.
+        let mut doublings = 0;
+        while !stop.is_finite() && short(reach) > 0.0 {
+            doublings += 1;
+            if doublings > 60 {
+                return f64::INFINITY;
+            }
+            reach += direction * (reach - from).abs();
+        }
+        let inside = |share: f64| from + share * (reach - from);
+        // The law is monotone on the piece: at its far end it may have jumped already.
+        let nearly = inside(1.0 - 1e-12);
+        let until = if short(nearly) >= 0.0 { 1.0 } else { crossing(|share| short(inside(share))) };
+        let width = until * (reach - from).abs();
+        let gauss = gauss_legendre(8);
+        sum += gauss
+            .iter()
+            .map(|(z, w)| 0.5 * w * width * short(inside(0.5 * (1.0 + z) * until)).max(0.0))
+            .sum::<f64>();
+        if until < 1.0 || !stop.is_finite() {
+            return sum;
+        }
+        from = reach;
+        let (lo, hi) = law.subdifferential(from);
+        if from == end || (lo <= p && p <= hi) {
+            return sum;
+        }
+    }
+    sum
+}
+
+/// Where a falling function of [0, 1] has its zero.
+fn crossing(f: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if f(middle) > 0.0 { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use vhi::law::PiecewiseLinear;
+
+    /// p(r) = 2 r₊ up to 0.5, a jump of 1 there, slope 2 beyond: j and j* by hand.
+    fn law() -> PiecewiseLinear {
+        PiecewiseLinear::new(vec![(0.0, 0.0), (0.5, 1.0), (0.5, 2.0)], 0.0, 2.0).unwrap()
+    }
+
+    fn close(found: f64, expected: f64) -> bool {
+        (found - expected).abs() < 1e-10
+    }
+
+    #[test]
+    fn the_gap_is_that_of_hand_computed_conjugates() {
+        let free = f64::INFINITY;
+        // On the graph: zero. r = 0.2: j = 0.04, p = 0.4.
+        assert!(close(at_point(&law(), free, 0.2, 0.4), 0.0));
+        // r = 0.2, p = 0.8: j*(p) = p²/4 = 0.16, 0.04 + 0.16 - 0.16 = 0.04.
+        assert!(close(at_point(&law(), free, 0.2, 0.8), 0.04));
+        // r = 0.2, p = 1.5, in the jump: j* = 1.5·0.5 - 0.25 = 0.5; 0.04 + 0.5 - 0.3 = 0.24.
+        assert!(close(at_point(&law(), free, 0.2, 1.5), 0.24));
+        // r = 0.7, p = 0.4: j(0.7) = 0.25 + 2·0.2 + 0.04 = 0.69, j*(0.4) = 0.04; 0.73 - 0.28 = 0.45.
+        assert!(close(at_point(&law(), free, 0.7, 0.4), 0.45));
+        // r = 0.7, p = 0: j = 0.69.
+        assert!(close(at_point(&law(), free, 0.7, 0.0), 0.69));
+    }
+
+    #[test]
+    fn the_constraint_takes_any_larger_pressure_at_the_gap() {
+        // g = 0.3, r = g: the law has 0.6, all beyond is λ.
+        assert!(close(at_point(&law(), 0.3, 0.3, 5.0), 0.0));
+        // r = 0.2, p = 5: ĵ*(5) = 1.5 - 0.09, ĵ(0.2) = 0.04, p r = 1: 0.45.
+        assert!(close(at_point(&law(), 0.3, 0.2, 5.0), 0.45));
+        assert!(at_point(&law(), 0.3, 0.31, 5.0).is_infinite());
+    }
+
+    #[test]
+    fn a_pressure_that_the_law_never_has_gives_no_bound() {
+        let bounded = PiecewiseLinear::new(vec![(0.0, 0.0), (0.5, 1.0)], 0.0, 0.0).unwrap();
+        assert!(at_point(&bounded, f64::INFINITY, 0.2, 1.1).is_infinite());
+        assert!(at_point(&bounded, f64::INFINITY, 0.2, -0.1).is_infinite());
+        assert!(close(at_point(&bounded, f64::INFINITY, 0.5, 1.0), 0.0));
+    }
+}

@@ -1,0 +1,57 @@
+//! The distance of a run to the exact solution in the energy norm, by a rule of its own.
+
+use std::sync::Arc;
+
+use exact::Exact;
+use fem::contact::Discretization;
+use fem::space::quadrature::{Rule, triangle_degree_8};
+use fem::space::strain_of;
+use formula::Bound;
+use vhi::law::TensorField;
+
+/// ε of the exact solution at the points of a mesh.
+pub(super) struct Strains {
+    rule: Rule,
+    fields: Bound,
+    outputs: usize,
+}
+
+impl Strains {
+    /// Binds the formulas.
+    pub(super) fn new(exact: &Arc<Exact>, space: &Discretization) -> Self {
+        let (rule, mesh) = (triangle_degree_8(), &space.mesh);
+        let cells = (0..mesh.cell_count()).map(|c| mesh.cell(c));
+        let points: Vec<[f64; 3]> =
+            cells.flat_map(|cell| rule.points.iter().map(|b| mesh.point(cell, b))).collect();
+        let outputs = 2 + exact.strain.len() + exact.memory.len();
+        Self { rule, fields: exact.interior.bind(&points), outputs }
+    }
+
+    /// (𝒜ε(u - u^h), ε(u - u^h))^{1/2} at t.
+    pub(super) fn distance(
+        &mut self,
+        space: &Discretization,
+        elasticity: &TensorField,
+        u: &[f64],
+        t: f64,
+    ) -> f64 {
+        let mut values = vec![Vec::new(); self.outputs];
+        self.fields.evaluate(t, 0.0, &mut values);
+        let count = self.rule.weights.len();
+        let mut sum = 0.0;
+        for c in 0..space.mesh.cell_count() {
+            let own = strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), u);
+            let tensor = elasticity.on(space.region(c));
+            for (q, weight) in self.rule.weights.iter().enumerate() {
+                let at = count * c + q;
+                let [xx, xy, yy] = [2, 3, 4].map(|output| values[output][at]);
+                let exact = [xx, yy, std::f64::consts::SQRT_2 * xy];
+                let off: [f64; 3] = std::array::from_fn(|i| exact[i] - own[i]);
+                sum += weight
+                    * space.geometry.measure[c]
+                    * algebra::tensor::contract(&tensor.apply(&off), &off);
+            }
+        }
+        sum.max(0.0).sqrt()
+    }
+}

@@ -1,0 +1,69 @@
+//! Wrong friction: its bound, its direction, where it sticks.
+
+use std::sync::Arc;
+
+use gronwall::contact::Friction;
+use gronwall::law::{PiecewiseLinear, Potential};
+use gronwall::setup::Setup;
+
+use super::{Defect, Term};
+
+/// The setup with its bound of friction changed: c(x, t), x, t.
+fn bounded(setup: Setup, change: fn(&dyn Fn([f64; 3], f64) -> f64, [f64; 3], f64) -> f64) -> Setup {
+    changed(setup, |friction| {
+        let sound = friction.factor;
+        Friction { factor: Box::new(move |x, t| change(&sound, x, t)), graph: friction.graph }
+    })
+}
+
+fn changed(mut setup: Setup, change: impl Fn(Friction) -> Friction) -> Setup {
+    setup.model.friction = setup.model.friction.map(change);
+    setup
+}
+
+/// A graph that pushes along with the slip, S at a slip of a tenth: the wrong sign, without the jump that would have no
+/// solution.
+fn pushing() -> Arc<dyn Potential> {
+    let points = vec![(-0.1, 1.0), (0.0, 0.0), (0.1, -1.0)];
+    Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).expect("a graph"))
+}
+
+/// A graph that resists in proportion to the slip, without sticking.
+fn viscous() -> Arc<dyn Potential> {
+    let points = vec![(-0.1, -1.0), (0.0, 0.0), (0.1, 1.0)];
+    Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).expect("a graph"))
+}
+
+pub fn defects() -> Vec<Defect> {
+    vec![
+        Defect::of(Term::Friction, "friction pushes along with the slip", |setup| {
+            changed(setup, |own| Friction { factor: own.factor, graph: pushing() })
+        }),
+        Defect::of(Term::Friction, "friction in proportion to the slip: nothing sticks", |setup| {
+            changed(setup, |own| Friction { factor: own.factor, graph: viscous() })
+        }),
+        Defect::of(Term::Friction, "friction left out", |mut setup| {
+            setup.model.friction = None;
+            setup
+        }),
+        Defect::of(Term::Friction, "friction bound 10 % too large", |setup| {
+            bounded(setup, |sound, x, t| 1.1 * sound(x, t))
+        }),
+        Defect::of(Term::Friction, "friction bound of t = 0 at all times", |setup| {
+            bounded(setup, |sound, x, _| sound(x, 0.0))
+        }),
+        Defect::of(Term::Friction, "friction bound at x + 1/16", |setup| {
+            bounded(setup, |sound, [x, y, z], t| sound([x + 0.0625, y, z], t))
+        }),
+        Defect::of(Term::Friction, "half of Γ3 sticks", |setup| {
+            bounded(setup, |sound, x, t| sound(x, t) * if x[0] > 0.5 { 1e6 } else { 1.0 })
+        }),
+        Defect::of(Term::Friction, "no friction on every second vertex", |setup| {
+            bounded(setup, |sound, x, t| {
+                // Vertices at multiples of 1/16: the odd ones of the finest mesh of the suite.
+                let odd = (16.0 * x[0]).round() as i64 % 2 == 1;
+                if odd { 0.0 } else { sound(x, t) }
+            })
+        }),
+    ]
+}
