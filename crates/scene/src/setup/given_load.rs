@@ -1,5 +1,6 @@
 //! Loads given as formulas f0, f2, and the reference run that stands for their solution.
 
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -140,31 +141,37 @@ impl Term {
     /// Adds the integral at time t to a nodal vector.
     fn add_to(&self, t: f64, space: &Discretization, rules: &TruthRules, force: &mut [f64]) {
         let mesh = &space.mesh;
-        let (rule, simplices): (_, Vec<(&[u32], f64)>) = match self.part {
+        let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
+        // Corners, measure and nodes.
+        let (rule, simplices): (_, Vec<(&[u32], f64, Cow<'_, [u32]>)>) = match self.part {
             Part::Body => {
-                let cells = 0..mesh.cell_count();
-                let sized = cells.map(|c| (mesh.cell(c), space.geometry.measure[c]));
-                (&rules.load, sized.collect())
+                let of = |c: usize| {
+                    let nodes = Cow::Borrowed(space.cell_nodes(c));
+                    (mesh.cell(c), space.geometry.measure[c], nodes)
+                };
+                (&rules.load, (0..mesh.cell_count()).map(of).collect())
             }
             Part::Side(side) => {
-                let sides = [side];
-                let sized = mesh.facets_on(&sides).map(|f| (mesh.facet(f), facet_measure(mesh, f)));
-                (&rules.traction, sized.collect())
+                let of = |f: usize| {
+                    let nodes = space.nodes.on_facet(f).iter().map(node).collect();
+                    (mesh.facet(f), facet_measure(mesh, f), Cow::Owned(nodes))
+                };
+                (&rules.traction, mesh.facets_on(&[side]).map(of).collect())
             }
         };
+        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| space.element.values(b)).collect();
         let points: Vec<[f64; 3]> = simplices
             .iter()
-            .flat_map(|(simplex, _)| rule.points.iter().map(|b| mesh.point(simplex, b)))
+            .flat_map(|(simplex, ..)| rule.points.iter().map(|b| mesh.point(simplex, b)))
             .collect();
         let mut out = vec![Vec::new()];
         self.program.bind(&points).evaluate(t, 0.0, &mut out);
         let count = rule.weights.len();
-        for (s, (simplex, measure)) in simplices.iter().enumerate() {
+        for (s, (_, measure, nodes)) in simplices.iter().enumerate() {
             for (q, weight) in rule.weights.iter().enumerate() {
                 let value = weight * measure * out[0][count * s + q];
-                for (&vertex, shape) in simplex.iter().zip(&rule.points[q]) {
-                    let node = space.nodes.of_vertex[vertex as usize] as usize;
-                    force[space.nodes.dimension * node + self.component] += shape * value;
+                for (&node, shape) in nodes.iter().zip(&shapes[q]) {
+                    force[space.nodes.dimension * node as usize + self.component] += shape * value;
                 }
             }
         }
