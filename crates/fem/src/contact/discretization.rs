@@ -99,7 +99,7 @@ impl Discretization {
     }
 
     /// Patterns and transfers of coarser meshes, made when they are first asked for; none where the mesh refines
-    /// nothing that is known, or their analysis fails.
+    /// nothing that is known, its element is not linear, or their analysis fails.
     pub fn levels(&self) -> Option<&Levels> {
         self.levels.get_or_init(|| levels(self, &self.nesting)).as_ref().ok()?.as_ref()
     }
@@ -127,9 +127,9 @@ impl Discretization {
         StrainPoints::new(&self.geometry, &self.nodes)
     }
 
-    /// Point p of them.
-    pub fn point(&self, p: usize) -> StrainPoint<'_> {
-        StrainPoints::at(&self.geometry, &self.nodes, p)
+    /// Those of cell c.
+    pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> {
+        StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
     }
 
     /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components.

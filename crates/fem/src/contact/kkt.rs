@@ -134,17 +134,22 @@ fn add_contact_forces<P: Projection>(
 }
 
 impl StepView<'_> {
-    /// σ_n^{kh} at strain point p, from (5.1) with the discrete history.
+    /// The mean of σ_n^{kh} over cell c.
     pub fn stress<P: Projection, const S: usize>(
         &self,
         space: &Discretization,
         model: &Model<P>,
-        p: usize,
+        c: usize,
     ) -> [f64; S] {
-        self.stress_at(space, model, &space.point(p))
+        let mut mean = [0.0; S];
+        for (at, share) in space.points_of(c).zip(&space.geometry.shares) {
+            let stress = self.stress_at::<P, S>(space, model, &at);
+            mean.iter_mut().zip(stress).for_each(|(mean, s)| *mean += share * s);
+        }
+        mean
     }
 
-    /// The same at a point that is at hand.
+    /// σ_n^{kh} at a strain point, from (5.1) with the discrete history.
     #[inline]
     pub(crate) fn stress_at<P: Projection, const S: usize>(
         &self,
@@ -181,14 +186,22 @@ impl StepView<'_> {
         stress
     }
 
-    /// True where the projection acts at strain point p.
+    /// True where the projection acts somewhere on cell c.
     pub fn yields<P: Projection, const S: usize>(
         &self,
         space: &Discretization,
         model: &Model<P>,
-        p: usize,
+        c: usize,
     ) -> bool {
-        let strain = space.point(p).strain::<S>(self.u);
+        space.points_of(c).any(|at| self.yields_at::<P, S>(model, &at))
+    }
+
+    fn yields_at<P: Projection, const S: usize>(
+        &self,
+        model: &Model<P>,
+        at: &StrainPoint<'_>,
+    ) -> bool {
+        let strain = at.strain::<S>(self.u);
         model.projection.stress(&strain, self.kappa).is_some()
     }
 }

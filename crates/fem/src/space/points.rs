@@ -41,10 +41,9 @@ impl<'a> StrainPoints<'a> {
         Self { geometry, nodes, next: 0, cell: 0, local: 0 }
     }
 
-    /// Point p alone.
-    pub(crate) fn at(geometry: &'a Geometry, nodes: &'a Nodes, p: usize) -> StrainPoint<'a> {
-        let count = geometry.shares.len();
-        Self { geometry, nodes, next: p, cell: p / count, local: p % count }.here()
+    /// Those of a cell and the cells behind it.
+    pub(crate) fn from_cell(geometry: &'a Geometry, nodes: &'a Nodes, cell: usize) -> Self {
+        Self { geometry, nodes, next: geometry.shares.len() * cell, cell, local: 0 }
     }
 
     #[inline]
