@@ -52,3 +52,6 @@ status=0
 
 echo "friction by coordinate descent: the values that the tests compare with"
 "$python" tests/independent/tresca.py 8 6 tests/fixtures/tresca.json
+
+echo "quadratic elements by scikit-fem: the values that the tests compare with"
+"$python" tests/independent/quadratic.py 4 6 tests/fixtures/quadratic.json

@@ -152,6 +152,7 @@ impl Verify {
     fn plan(&self, scenes: &Scenes) -> Result<ScenePlan, CliError> {
         let mut scene = scenes.scene(&self.scene)?;
         scene.without_friction("sweep verify")?;
+        scene.with_linear_elements("sweep verify")?;
         self.grid.check(&scene)?;
         scene.predicts.retain(|prediction| self.tells(prediction.norm));
         let mut plan =

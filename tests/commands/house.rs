@@ -54,7 +54,7 @@ const FEM_OF_EXACT: &[&str] = &[
     "contact::Discretization",
     "contact::LoadError",
     "mesh::*",
-    "norms::CellConstants",
+    "norms::AtPoints",
     "norms::ContactSamples",
     "norms::ContactState",
     "norms::Moments",

@@ -140,7 +140,7 @@ impl Truth for Seeded {
 
     fn moments(&self, t: f64) -> Result<Arc<Moments>, LoadError> {
         let mut moments = (*self.sound.moments(t)?).clone();
-        moments.strain.mean.iter_mut().for_each(|e| *e += self.strain);
+        moments.strain.at.iter_mut().for_each(|e| *e += self.strain);
         Ok(Arc::new(moments))
     }
 }

@@ -102,7 +102,7 @@ fn assemblies_differ(scene: &str, distort: impl Fn([f64; 3]) -> [f64; 3]) -> f64
     let load = data.truth.load(t).unwrap_or_else(|error| panic!("{error}"));
     let moments = data.truth.moments(t).unwrap_or_else(|error| panic!("{error}"));
     let mut force = vec![0.0; space.nodes.len()];
-    for (c, stress) in moments.stress.mean.chunks_exact(3).enumerate() {
+    for (c, stress) in moments.stress.at.chunks_exact(3).enumerate() {
         let stress = distort([stress[0], stress[1], stress[2]]);
         let stress = stress.map(|s| s * space.geometry.measure[c]);
         let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
@@ -194,20 +194,20 @@ fn truths_apart(a: &dyn Truth, b: &dyn Truth, [t, s]: [f64; 2]) -> f64 {
         let size = |values: &[f64]| values.iter().fold(f64::MIN_POSITIVE, |s, v| s.max(v.abs()));
         let Moments { strain, stress, displacement, .. } = moments;
         [
-            (strain.rest.sqrt(), size(&strain.mean)),
-            (stress.rest.sqrt(), size(&stress.mean)),
-            (displacement.rest.sqrt(), size(&displacement.corner)),
+            (strain.rest.sqrt(), size(&strain.at)),
+            (stress.rest.sqrt(), size(&stress.at)),
+            (displacement.rest.sqrt(), size(&displacement.node)),
         ]
     };
     let rests =
         rests(&m).into_iter().zip(rests(&l)).map(|((a, _), (b, size))| (a - b).abs() / size);
     [
         apart(&load(a, t), &load(b, s)),
-        apart(&m.strain.mean, &l.strain.mean),
-        apart(&m.stress.mean, &l.stress.mean),
-        apart(&m.displacement.corner, &l.displacement.corner),
-        apart(&m.normal.corner, &l.normal.corner),
-        apart(&m.pressure.corner, &l.pressure.corner),
+        apart(&m.strain.at, &l.strain.at),
+        apart(&m.stress.at, &l.stress.at),
+        apart(&m.displacement.node, &l.displacement.node),
+        apart(&m.normal.node, &l.normal.node),
+        apart(&m.pressure.node, &l.pressure.node),
     ]
     .into_iter()
     .chain(rests)

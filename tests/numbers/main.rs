@@ -34,6 +34,7 @@ mod paths;
 mod plans;
 #[path = "../program/mod.rs"]
 mod program;
+mod quadratic;
 mod second_integral;
 mod separate_evaluation;
 #[path = "../shipped/mod.rs"]

@@ -5,8 +5,8 @@
 
 use super::constitutive::{Tensor, mandel, stress};
 use super::cuts::{Cut, Cuts};
+use super::onto::Onto;
 use super::parts::Parts;
-use super::reduction::{deviations, remainders};
 use fem::norms::Moments;
 use fem::space::quadrature::Rule;
 
@@ -17,11 +17,12 @@ struct Fields<const D: usize, const N: usize> {
     displacement: Vec<[f64; D]>,
 }
 
-/// What P1 functions have of the fields on one cell, and the mean square of what they have not, of ε, σ and u.
-struct CellMoments<const D: usize, const N: usize, const C: usize> {
-    strain: [f64; N],
-    stress: [f64; N],
-    displacement: [[f64; C]; D],
+/// What the element has of the fields on one cell, and the mean square of what it has not, of ε, σ and u.
+#[derive(Default)]
+struct CellMoments<const D: usize, const N: usize> {
+    strain: Vec<[f64; N]>,
+    stress: Vec<[f64; N]>,
+    displacement: Vec<[f64; D]>,
     rest: [f64; 3],
 }
 
@@ -77,7 +78,7 @@ impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
         rule: &Rule,
         values: &[Vec<f64>],
         first: usize,
-    ) -> CellMoments<D, N, C> {
+    ) -> CellMoments<D, N> {
         let exact = self.parts.exact;
         let material = exact.material_in(self.parts.regions[c]);
         let mut fields =
@@ -90,23 +91,24 @@ impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
             fields.stress.push(mandel(&sigma));
             fields.displacement.push(std::array::from_fn(|i| values[i][p]));
         }
-        let strain = deviations(&mut fields.strain, &rule.weights);
-        let stress = deviations(&mut fields.stress, &rule.weights);
-        let displacement = remainders(&mut fields.displacement, rule);
-        let rest = [
+        let (onto, mut own) = (Onto::new(self.parts.space.element, rule), CellMoments::default());
+        onto.strains(&mut fields.strain, &mut own.strain);
+        onto.strains(&mut fields.stress, &mut own.stress);
+        onto.functions::<f64, D, C>(&mut fields.displacement, &mut own.displacement);
+        own.rest = [
             mean_square(&fields.strain, &rule.weights),
             mean_square(&fields.stress, &rule.weights),
             mean_square(&fields.displacement, &rule.weights),
         ];
-        CellMoments { strain, stress, displacement, rest }
+        own
     }
 
-    /// Puts the moments of the pieces of cell c where those of the whole were; its mean of σ before.
+    /// Puts the moments of the pieces of cell c where those of the whole were; what it had of σ before.
     fn replace(
         &mut self,
         c: usize,
-        whole: &CellMoments<D, N, C>,
-        pieces: &CellMoments<D, N, C>,
+        whole: &CellMoments<D, N>,
+        pieces: &CellMoments<D, N>,
     ) -> (usize, Vec<f64>) {
         let measure = self.parts.space.geometry.measure[c];
         let Moments { strain, stress, displacement, .. } = &mut *self.moments;
@@ -115,14 +117,14 @@ impl<const D: usize, const N: usize, const C: usize> Correction<'_, D, N, C> {
             // What is left of one whose cells are all cut may be rounding, of either sign.
             *rest = (*rest + measure * (pieces - whole)).max(0.0);
         }
-        let own = N * c..N * (c + 1);
-        let before = stress.mean[own.clone()].to_vec();
-        strain.mean[own.clone()].copy_from_slice(&pieces.strain);
-        stress.mean[own].copy_from_slice(&pieces.stress);
-        let corners = &mut displacement.corner[D * C * c..D * C * (c + 1)];
-        for (a, corner) in corners.chunks_mut(D).enumerate() {
-            corner.iter_mut().enumerate().for_each(|(i, u)| *u = pieces.displacement[i][a]);
-        }
+        let numbers = N * pieces.strain.len();
+        let own = numbers * c..numbers * (c + 1);
+        let before = stress.at[own.clone()].to_vec();
+        strain.at[own.clone()].copy_from_slice(pieces.strain.as_flattened());
+        stress.at[own].copy_from_slice(pieces.stress.as_flattened());
+        let numbers = D * pieces.displacement.len();
+        let own = &mut displacement.node[numbers * c..numbers * (c + 1)];
+        own.copy_from_slice(pieces.displacement.as_flattened());
         (c, before)
     }
 }

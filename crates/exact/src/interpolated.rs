@@ -271,7 +271,7 @@ impl InterpolatedOnMesh {
     fn compute_load<const D: usize, const N: usize>(&self, t: f64) -> Result<Vec<f64>, LoadError> {
         let space = &self.space;
         let mut force = match self.moments.known(t) {
-            Some(moments) => force_of_means::<D>(space, &moments.stress.mean),
+            Some(moments) => force_of_means::<D>(space, &moments.stress.at),
             None => force_of_means::<D>(space, &self.cells::<D, N>(t)?.stress),
         };
         self.add_contact_pressure(t, &mut force);
@@ -306,18 +306,18 @@ impl InterpolatedOnMesh {
     ) -> Result<Moments, LoadError> {
         let CellFields { u, strain, stress } = self.cells::<D, N>(t)?;
         let mut moments = Moments::default();
-        (moments.strain.mean, moments.stress.mean) = (strain, stress);
+        (moments.strain.at, moments.stress.at) = (strain, stress);
         let corners = &self.space.nodes.cells;
-        moments.displacement.corner.reserve(D * corners.len());
+        moments.displacement.node.reserve(D * corners.len());
         for &node in corners {
-            moments.displacement.corner.extend_from_slice(&u.as_chunks::<D>().0[node as usize]);
+            moments.displacement.node.extend_from_slice(&u.as_chunks::<D>().0[node as usize]);
         }
         let state = self.contact_state(t);
         let samples = facet_samples(D);
         for f in 0..self.space.trace.measure.len() {
             let at = self.space.trace.facet(f).iter().map(|&i| state[i as usize]);
-            moments.normal.corner.extend(at.clone().map(|at| at[0]));
-            moments.pressure.corner.extend(at.clone().map(|at| at[1]));
+            moments.normal.node.extend(at.clone().map(|at| at[0]));
+            moments.pressure.node.extend(at.clone().map(|at| at[1]));
             for b in &samples {
                 let linear = |field: usize| -> f64 {
                     // A gap of ∞ has no part in a corner that does not count.

@@ -6,31 +6,37 @@
 use std::ops::Range;
 
 use super::constitutive::{Tensor, from_mandel};
+use super::shapes::work;
 use fem::contact::Discretization;
 use fem::mesh::Mesh;
+use fem::space::Element;
 
-/// Adds ∫_K σ:ε(φ_a e_i) for the D + 1 shape functions of cell c to the nodal vector `force`; `mean` is the mean of σ
-/// over K, `nodes` are the nodes of its vertices.
+/// Adds ∫_K σ:ε(φ_a e_i) for the shape functions of cell c to the nodal vector `force`; `stress` is the projection of σ
+/// at its strain points, the mean over K for linear elements, and `nodes` are its nodes.
 ///
 /// σ is symmetric, so the integrand is Σ_j σ_ij ∂_jφ_a, and by the divergence theorem
-/// ∫_K ∇φ_a = ∫_∂K φ_a n = -|F_a| n_a/D with F_a the facet opposite vertex a: cells are positively oriented.
+/// ∫_K ∇λ_a = ∫_∂K λ_a n = -|F_a| n_a/D with F_a the facet opposite vertex a: cells are positively oriented.
 #[inline]
 pub(crate) fn add_stress<const D: usize>(
-    mesh: &Mesh,
+    (mesh, element): (&Mesh, Element),
     c: usize,
     nodes: &[u32],
-    mean: &Tensor<D>,
+    stress: &[Tensor<D>],
     force: &mut [f64],
 ) {
     let corner = mesh.cell(c);
-    for a in 0..=D {
-        let inward: [f64; D] = inward(mesh, corner, a);
-        for i in 0..D {
-            let work: f64 = mean[i].iter().zip(&inward).map(|(s, n)| s * n).sum();
-            force[D * nodes[a] as usize + i] += work;
-        }
+    let mut inwards = [[0.0; D]; 4];
+    for (a, own) in inwards.iter_mut().enumerate().take(D + 1) {
+        *own = inward(mesh, corner, a);
     }
+    work(element, stress, &inwards[..=D], |a, work: [f64; D]| {
+        let target = &mut force[D * nodes[a] as usize..][..D];
+        target.iter_mut().zip(work).for_each(|(target, w)| *target += w);
+    });
 }
+
+/// Strain points of a cell, at most.
+const MOST_STRAINS: usize = 3;
 
 /// Adds a force of some size along a unit vector at a point of the trace.
 pub(super) fn add_force_along(
@@ -48,16 +54,20 @@ pub(super) fn add_force_along(
     }
 }
 
-/// Adds ∫ σ:ε(v) over some cells from the means of σ, in the notation of moments; there are none where σ vanishes.
+/// Adds ∫ σ:ε(v) over some cells from the projection of σ at their strain points, in the notation of moments; there are
+/// no numbers where σ vanishes.
 pub(super) fn add_means<const D: usize>(
     space: &Discretization,
     cells: Range<usize>,
     means: &[f64],
     force: &mut [f64],
 ) {
-    for (c, mean) in cells.zip(means.chunks_exact(D * (D + 1) / 2)) {
-        let mean: Tensor<D> = from_mandel(mean);
-        add_stress(&space.mesh, c, space.cell_nodes(c), &mean, force);
+    let (numbers, points) = (D * (D + 1) / 2, space.geometry.shares.len());
+    let (at, mut stress) = ((&space.mesh, space.element), [[[0.0; D]; D]; MOST_STRAINS]);
+    for (c, own) in cells.zip(means.chunks_exact(numbers * points)) {
+        let tensors = own.chunks_exact(numbers).map(from_mandel::<D>);
+        stress.iter_mut().zip(tensors).for_each(|(stress, own)| *stress = own);
+        add_stress(at, c, space.cell_nodes(c), &stress[..points], force);
     }
 }
 
@@ -111,7 +121,13 @@ mod tests {
     fn forces(mesh: &Mesh, stress: &Tensor<2>) -> Vec<f64> {
         let mut force = vec![0.0; 2 * mesh.vertices()];
         for c in 0..mesh.cell_count() {
-            add_stress(mesh, c, mesh.cell(c), stress, &mut force);
+            add_stress(
+                (mesh, Element::P1),
+                c,
+                mesh.cell(c),
+                std::slice::from_ref(stress),
+                &mut force,
+            );
         }
         force
     }
@@ -166,7 +182,13 @@ mod tests {
     fn work_in_space(mesh: &Mesh, stress: &Tensor<3>) -> f64 {
         let mut force = vec![0.0; 3 * mesh.vertices()];
         for c in 0..mesh.cell_count() {
-            add_stress(mesh, c, mesh.cell(c), stress, &mut force);
+            add_stress(
+                (mesh, Element::P1),
+                c,
+                mesh.cell(c),
+                std::slice::from_ref(stress),
+                &mut force,
+            );
         }
         let at = |v: usize| {
             let [x, y, z] = mesh.point(&[v as u32], &[1.0]);

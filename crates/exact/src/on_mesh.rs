@@ -22,6 +22,7 @@ use super::truth::{ByTime, Truth};
 use super::uniform::Uniform;
 use fem::contact::{Discretization, LoadError};
 use fem::norms::{ContactSamples, Moments};
+use fem::space::Element;
 use fem::space::quadrature::{Rule, TruthRules};
 
 /// An exact solution on one mesh of its dimension.
@@ -68,7 +69,7 @@ struct KnownMoments {
 impl KnownMoments {
     /// The means of σ as the rule of loads has them.
     fn means_of_loads(&self) -> Cow<'_, [f64]> {
-        let means = &self.moments.stress.mean;
+        let means = &self.moments.stress.at;
         if self.of_loads.is_empty() {
             return Cow::Borrowed(means);
         }
@@ -96,7 +97,9 @@ impl ExactOnMesh {
         };
         let contact = facet_groups(&exact, &space, &space.trace.mesh_facet, &rules.side);
         let regions = exact.cell_regions(&space.mesh);
-        let is_uniform = exact.is_uniform(&regions);
+        // The shortcuts give what linear elements have of the fields.
+        let is_linear = space.element == Element::P1;
+        let is_uniform = is_linear && exact.is_uniform(&regions);
         let fields = [&exact.data.u[..], &exact.strain].concat();
         let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
         let graph = &exact.data.graph;

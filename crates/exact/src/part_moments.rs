@@ -1,4 +1,4 @@
-//! Moments of exact fields, part by part: what P1 functions can have of them, and the products of what they cannot.
+//! Moments of exact fields, part by part: what the element can have of them, and the products of what it cannot.
 
 use std::ops::Range;
 
@@ -6,11 +6,11 @@ use pulp::{Simd, WithSimd};
 
 use super::constitutive::mandel;
 use super::lanes::{Lanes, WIDTH};
-use super::parts::{Parts, append};
-use super::reduction::{deviations, remainders};
+use super::onto::{Onto, append};
+use super::parts::Parts;
 use super::sampled::Sampled;
 use fem::contact::LoadError;
-use fem::norms::{CellConstants, Moments, Piecewise};
+use fem::norms::{AtPoints, Moments, Piecewise};
 use fem::space::quadrature::Rule;
 
 impl Parts<'_> {
@@ -19,8 +19,8 @@ impl Parts<'_> {
         &self,
         points: &Sampled,
     ) -> Result<PartMoments, LoadError> {
-        let cells = self.space.mesh.cell_count();
-        let lengths = [self.exact.strain.len() * cells, D * (D + 1) * cells];
+        let nodes = D * self.space.nodes.cells.len();
+        let lengths = [self.exact.strain.len() * self.space.geometry.points(), nodes];
         let [strain, stress, displacement] = [lengths[0], lengths[0], lengths[1]]
             .map(|numbers| PartFamily::with_room(self.count, numbers));
         let mut sums = PartMoments { strain, stress, displacement, lengths };
@@ -39,10 +39,11 @@ impl Parts<'_> {
     ) -> Result<(), LoadError> {
         let (mesh, mut room) = (&self.space.mesh, Remainders::<D, N>::new(self.count));
         let (program, names) = self.inside();
-        let at = (self.t, 0.0);
+        let (at, onto) = ((self.t, 0.0), &Onto::new(self.space.element, &points.rule));
         points.each_block(mesh, program, at, self.again, &names, |cells, values| {
             pulp::Arch::new().dispatch(Add::<D, N> {
                 parts: self,
+                onto,
                 rule: &points.rule,
                 cells,
                 values,
@@ -53,7 +54,7 @@ impl Parts<'_> {
     }
 }
 
-/// What P1 functions cannot have of ε, σ and u in a few cells, of each part: numbers point by point.
+/// What the element cannot have of ε, σ and u in a few cells, of each part: numbers point by point.
 struct Remainders<const D: usize, const N: usize> {
     strain: Vec<Vec<[Lanes; N]>>,
     stress: Vec<Vec<[Lanes; N]>>,
@@ -70,6 +71,7 @@ impl<const D: usize, const N: usize> Remainders<D, N> {
 /// Adds the moments on some cells, on the widest vectors of the processor.
 struct Add<'a, const D: usize, const N: usize> {
     parts: &'a Parts<'a>,
+    onto: &'a Onto<'a>,
     rule: &'a Rule,
     cells: Range<usize>,
     values: &'a [&'a [f64]],
@@ -82,7 +84,8 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { parts, rule, cells, values, sums, room } = self;
+        let Self { parts, onto, rule, cells, values, sums, room } = self;
+        let (mut at_points, mut at_nodes) = (Vec::new(), Vec::new());
         let (count, points, mut memory) = (cells.len(), rule.weights.len(), Vec::new());
         for first in (0..count).step_by(WIDTH) {
             let own = first..count.min(first + WIDTH);
@@ -101,15 +104,15 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
                     strains.push(mandel(&strain));
                     stresses.push(mandel(&sigma));
                 }
-                let mean = deviations(stresses, &rule.weights);
-                append(&mut sums.stress.vectors[m], own.len(), &mean);
+                onto.strains(stresses, &mut at_points);
+                append(&mut sums.stress.vectors[m], own.len(), &at_points);
                 if !parts.is_present(m) {
                     // Empty, as what vanishes is.
                     strains.clear();
                     continue;
                 }
-                let mean = deviations(strains, &rule.weights);
-                append(&mut sums.strain.vectors[m], own.len(), &mean);
+                onto.strains(strains, &mut at_points);
+                append(&mut sums.strain.vectors[m], own.len(), &at_points);
                 let displacements = &mut room.displacement[m];
                 displacements.clear();
                 for q in 0..points {
@@ -119,11 +122,11 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
                     }
                     displacements.push(displacement);
                 }
-                let vector = &mut sums.displacement.vectors[m];
                 match D {
-                    2 => append_corners::<D, 3>(vector, own.len(), displacements, rule),
-                    _ => append_corners::<D, 4>(vector, own.len(), displacements, rule),
+                    2 => onto.functions::<_, D, 3>(displacements, &mut at_nodes),
+                    _ => onto.functions::<_, D, 4>(displacements, &mut at_nodes),
                 }
+                append(&mut sums.displacement.vectors[m], own.len(), &at_nodes);
             }
             let measures = &parts.space.geometry.measure[global];
             sums.strain.add_products(&room.strain, &rule.weights, measures);
@@ -133,30 +136,10 @@ impl<const D: usize, const N: usize> WithSimd for Add<'_, D, N> {
     }
 }
 
-/// Appends what linear functions can have of u in a few cells, by its values at the C corners; what they cannot stays.
-#[inline(always)]
-fn append_corners<const D: usize, const C: usize>(
-    vector: &mut Vec<f64>,
-    cells: usize,
-    displacements: &mut [[Lanes; D]],
-    rule: &Rule,
-) {
-    let corners: [[Lanes; C]; D] = remainders(displacements, rule);
-    for l in 0..cells {
-        for a in 0..C {
-            let mut own = [0.0; D];
-            for i in 0..D {
-                own[i] = corners[i][a].0[l];
-            }
-            vector.extend_from_slice(&own);
-        }
-    }
-}
-
-/// A field of several parts: what P1 functions can have of each, and the products of what they cannot.
+/// A field of several parts: what the element can have of each, and the products of what it cannot.
 #[derive(Debug, Default)]
 pub(super) struct PartFamily {
-    /// Cell means, or linear projections by their values at the corners; empty where they vanish.
+    /// Projections by their values at strain points, or at nodes; empty where they vanish.
     pub(super) vectors: Vec<Vec<f64>>,
     /// Σ_K ∫_K r_m·r_l of the remainders, row by row.
     pub(super) products: Vec<f64>,
@@ -232,15 +215,15 @@ pub(super) struct PartMoments {
 impl PartMoments {
     /// The moments of Σ_m a_m S_m in the cells, σ with factors `of_stress`; none if a number is not finite.
     pub(crate) fn at(&self, factors: &[f64], of_stress: &[f64]) -> Option<Moments> {
-        let [tensors, corners] = self.lengths;
+        let [tensors, nodes] = self.lengths;
         let constants = |family: &PartFamily, factors: &[f64]| {
-            let (mean, rest) = family.combined(factors, tensors)?;
-            Some(CellConstants { mean, rest })
+            let (at, rest) = family.combined(factors, tensors)?;
+            Some(AtPoints { at, rest })
         };
         let strain = constants(&self.strain, factors)?;
         let stress = constants(&self.stress, of_stress)?;
-        let (corner, rest) = self.displacement.combined(factors, corners)?;
-        let displacement = Piecewise { corner, rest };
+        let (node, rest) = self.displacement.combined(factors, nodes)?;
+        let displacement = Piecewise { node, rest };
         Some(Moments { strain, stress, displacement, ..Moments::default() })
     }
 
@@ -253,8 +236,8 @@ impl PartMoments {
     pub(crate) fn single(self) -> Moments {
         let [strain, stress, displacement] = [self.strain, self.stress, self.displacement]
             .map(|mut family| (family.vectors.swap_remove(0), family.products[0]));
-        let constants = |(mean, rest)| CellConstants { mean, rest };
-        let displacement = Piecewise { corner: displacement.0, rest: displacement.1 };
+        let constants = |(at, rest)| AtPoints { at, rest };
+        let displacement = Piecewise { node: displacement.0, rest: displacement.1 };
         let (strain, stress) = (constants(strain), constants(stress));
         Moments { strain, stress, displacement, ..Moments::default() }
     }

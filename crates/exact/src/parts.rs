@@ -12,14 +12,12 @@ use super::exact::Exact;
 use super::facet_group::FacetGroup;
 use super::lanes::{Lanes, WIDTH};
 use super::nodal_force::{add_means, facet_measure};
-use super::reduction::mean;
+use super::onto::{Onto, append};
 use super::sampled::{Sampled, tensor_names, vector_names};
+use super::shapes::{MOST_NODES, shapes};
 use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::Rule;
 use formula::Program;
-
-/// Corners of a tetrahedron.
-const MOST_CORNERS: usize = 4;
 
 /// Where the fields come from.
 pub(super) struct Parts<'a> {
@@ -84,18 +82,21 @@ impl Parts<'_> {
         &self,
         points: &Sampled,
     ) -> Result<Vec<Vec<f64>>, LoadError> {
-        let (space, rule) = (self.space, &points.rule);
+        let (space, onto) = (self.space, &Onto::new(self.space.element, &points.rule));
         let (mut forces, mut means) = (self.zeros(), vec![Vec::new(); self.count]);
+        let rule = &points.rule;
         let (program, names) = self.inside();
         let at = (self.t, 0.0);
         points.each_block(&space.mesh, program, at, self.again, &names, |cells, values| {
             let (parts, cells, means) = (self, &cells, &mut means[..]);
             match D {
                 2 => {
-                    pulp::Arch::new().dispatch(Means::<D, 3> { parts, rule, cells, values, means })
+                    let own = Means::<D, 3> { parts, rule, onto, cells, values, means };
+                    pulp::Arch::new().dispatch(own)
                 }
                 _ => {
-                    pulp::Arch::new().dispatch(Means::<D, 6> { parts, rule, cells, values, means })
+                    let own = Means::<D, 6> { parts, rule, onto, cells, values, means };
+                    pulp::Arch::new().dispatch(own)
                 }
             }
             for (mean, force) in means.iter().zip(&mut forces) {
@@ -112,16 +113,17 @@ impl Parts<'_> {
     ) -> Result<Vec<Vec<f64>>, LoadError> {
         let space = self.space;
         let (mut forces, rule) = (self.zeros(), &points.rule);
+        let shape: Vec<_> = rule.points.iter().map(|b| shapes(space.element, b)).collect();
         let names = self.of_all(vector_names("f0", D), D);
         let at = (self.t, self.zeta);
         points.each_block(&space.mesh, self.forces, at, self.again, &names, |cells, values| {
             for (force, part) in forces.iter_mut().zip(values.chunks_exact(D)) {
                 for (index, c) in cells.clone().enumerate() {
-                    let mut own = [[0.0; D]; MOST_CORNERS];
+                    let mut own = [[0.0; D]; MOST_NODES];
                     for (q, weight) in rule.weights.iter().enumerate() {
                         let value: [f64; D] =
                             std::array::from_fn(|i| weight * part[i][cells.len() * q + index]);
-                        for (own, shape) in own.iter_mut().zip(&rule.points[q]) {
+                        for (own, shape) in own.iter_mut().zip(&shape[q]) {
                             own.iter_mut()
                                 .zip(&value)
                                 .for_each(|(own, value)| *own += shape * value);
@@ -145,6 +147,7 @@ impl Parts<'_> {
         forces: &mut [Vec<f64>],
     ) -> Result<(), LoadError> {
         let (space, rule, mut memory) = (self.space, &group.strains.rule, Vec::new());
+        let shape: Vec<_> = rule.points.iter().map(|b| shapes(space.element, b)).collect();
         let (program, names) = self.inside();
         let at = (self.t, 0.0);
         let visit = |facets: Range<usize>, values: &[&[f64]]| {
@@ -161,7 +164,7 @@ impl Parts<'_> {
                             row.iter().zip(&group.normal).map(|(s, n)| s * n).sum()
                         };
                         let traction = sigma.map(|row| weight * measure * along(row));
-                        let nodes = space.mesh.facet(facet).iter().zip(&rule.points[q]);
+                        let nodes = space.nodes.on_facet(facet).iter().zip(&shape[q]);
                         for (&vertex, shape) in nodes {
                             let node = space.nodes.of_vertex[vertex as usize] as usize;
                             let own = force[D * node..][..D].iter_mut();
@@ -172,18 +175,6 @@ impl Parts<'_> {
             }
         };
         group.strains.each_block(&space.mesh, program, at, self.again, &names, visit)
-    }
-}
-
-/// Appends the numbers of the first cells, cell by cell.
-#[inline(always)]
-pub(super) fn append<const N: usize>(all: &mut Vec<f64>, cells: usize, numbers: &[Lanes; N]) {
-    for l in 0..cells {
-        let mut own = [0.0; N];
-        for i in 0..N {
-            own[i] = numbers[i].0[l];
-        }
-        all.extend_from_slice(&own);
     }
 }
 
@@ -210,10 +201,11 @@ fn by_region<const D: usize>(
     all
 }
 
-/// Means of σ on some cells, on the widest vectors of the processor.
+/// What strains have of σ on some cells, its means for linear elements, on the widest vectors of the processor.
 struct Means<'a, const D: usize, const N: usize> {
     parts: &'a Parts<'a>,
     rule: &'a Rule,
+    onto: &'a Onto<'a>,
     cells: &'a Range<usize>,
     values: &'a [&'a [f64]],
     /// Of each part, cell by cell, in the notation of moments.
@@ -225,8 +217,9 @@ impl<const D: usize, const N: usize> WithSimd for Means<'_, D, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { parts, rule, cells, values, means } = self;
+        let Self { parts, rule, onto, cells, values, means } = self;
         let (count, mut memory, mut sigmas) = (cells.len(), Vec::new(), Vec::new());
+        let mut own: Vec<[Lanes; N]> = Vec::new();
         for (part, means) in values.chunks(parts.fields()).zip(means) {
             means.clear();
             for first in (0..count).step_by(WIDTH) {
@@ -239,8 +232,8 @@ impl<const D: usize, const N: usize> WithSimd for Means<'_, D, N> {
                     let (_, sigma) = parts.of_cells::<D>(regions, field, &mut memory);
                     sigmas.push(mandel(&sigma));
                 }
-                let mean: [Lanes; N] = mean(&sigmas, &rule.weights);
-                append(means, end - first, &mean);
+                onto.of_strains(&sigmas, &mut own);
+                append(means, end - first, &own);
             }
         }
     }

@@ -15,6 +15,7 @@ mod curve;
 mod data;
 mod definitions;
 mod diagnostic;
+mod discretization;
 mod domain;
 mod elastic;
 mod examples;

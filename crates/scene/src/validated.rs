@@ -6,6 +6,7 @@ use std::path::Path;
 use serde::Deserialize;
 use toml::de::{DeTable, Deserializer};
 
+use fem::space::Element;
 use formula::Graph;
 
 use super::abstract_scene::AbstractScene;
@@ -14,6 +15,7 @@ use super::contact::Contact;
 use super::data::Data;
 use super::definitions::parameters;
 use super::diagnostic::SceneError;
+use super::discretization::{Parts, element};
 use super::domain::{Domain, with_mesh};
 use super::heading::{Expectation, Heading, Hypothesis, SceneKind};
 use super::material::Material;
@@ -68,6 +70,7 @@ pub struct ContactScene {
     pub material: Material,
     pub contact: Option<Contact>,
     pub data: Data,
+    pub element: Element,
 }
 
 impl Scene {
@@ -169,8 +172,13 @@ fn validate_contact(
     states_are_known(&reading, known, sweep.as_ref(), &predicts)?;
     has_truth(&reading, file.scene.judge, &data, sweep.as_ref())?;
     is_judged_by_something(&reading, file.scene.judge, &predicts)?;
+    let (contact_of, sweep_of) = (contact.as_ref(), sweep.as_ref());
+    let parts =
+        Parts { dimension: heading.dimension, contact: contact_of, data: &data, sweep: sweep_of };
+    let element = element(&reading, file.discretization.as_ref(), &parts)?;
     let formulas = reading.formulas;
-    let body = Body::Contact(Box::new(ContactScene { domain, material, contact, data }));
+    let body = ContactScene { domain, material, contact, data, element };
+    let body = Body::Contact(Box::new(body));
     let content = Content { source, spans, time, body, predicts, sweep, formulas };
     Ok(heading.scene(file.scene, content))
 }

@@ -55,11 +55,19 @@ pub(crate) struct File {
     pub time: Time,
     pub material: Material,
     pub contact: Option<Contact>,
+    pub discretization: Option<Discretization>,
     pub loads: Option<Loads>,
     pub exact: Option<Exact>,
     pub sweep: Option<Sweep>,
     #[serde(default)]
     pub predicts: Vec<Prediction>,
+}
+
+/// `[discretization]`
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Discretization {
+    pub element: Option<String>,
 }
 
 /// `[scene]`

@@ -60,7 +60,7 @@ fn of_truth(name: &str, t: f64) -> [f64; 2] {
     let setup = setup(name);
     let data = on_mesh(&setup, 2);
     let moments = data.truth.moments(t).unwrap_or_else(|error| panic!("{error}"));
-    let mean = &moments.stress.mean;
+    let mean = &moments.stress.at;
     [mean[1], mean[2] / std::f64::consts::SQRT_2]
 }
 

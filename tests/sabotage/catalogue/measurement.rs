@@ -1,7 +1,7 @@
 //! Wrong measures of a right solution.
 
 use gronwall::contact::{LoadError, StepView};
-use gronwall::norms::{CellConstants, Moments};
+use gronwall::norms::{AtPoints, Moments};
 use gronwall::setup::Setup;
 use gronwall::space::strain_of;
 use std::sync::Arc;
@@ -54,7 +54,7 @@ fn at_centroids(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
         let mean = (0..points.len())
             .flat_map(|c| [out[2][c], out[4][c], std::f64::consts::SQRT_2 * out[3][c]])
             .collect();
-        moments.strain = CellConstants { mean, rest: 0.0 };
+        moments.strain = AtPoints { at: mean, rest: 0.0 };
     }
     Ok(moments)
 }
@@ -78,7 +78,7 @@ fn of_interpolant(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
                 strain_of::<3>(site.space.geometry.gradients(c), site.space.cell_nodes(c), &u)
             })
             .collect();
-        moments.strain = CellConstants { mean, rest: 0.0 };
+        moments.strain = AtPoints { at: mean, rest: 0.0 };
     }
     Ok(moments)
 }

@@ -213,7 +213,7 @@ mod tests {
             .flat_map(|i| (0..11).map(move |j| 12 * i + j))
             .flat_map(|v| [v, v + 1, v + 13, v, v + 13, v + 12])
             .collect();
-        let pattern = BlockPattern::new(&cells, 2, 144);
+        let pattern = BlockPattern::new(&cells, 3, 2, 144);
         let coordinates: Vec<f64> =
             (0..144).flat_map(|v| [f64::from(v % 12), f64::from(v / 12)]).collect();
         let mut values = vec![0.0; pattern.entries()];

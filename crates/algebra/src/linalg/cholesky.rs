@@ -227,7 +227,7 @@ mod tests {
 
     fn laplacian() -> (BlockPattern, Vec<f64>, Vec<f64>) {
         let cells: Vec<u32> = (0..28).flat_map(|i| [i, i + 1, i + 2]).collect();
-        let pattern = BlockPattern::new(&cells, 2, 30);
+        let pattern = BlockPattern::new(&cells, 3, 2, 30);
         let mut values = vec![0.0; pattern.entries()];
         for dof in 0..60 {
             values[pattern.diagonal(dof)] = 5.0;

@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn the_order_is_a_permutation_and_keeps_components_together() {
         let cells: Vec<u32> = (0..98).flat_map(|i| [i, i + 1, i + 2]).collect();
-        let pattern = BlockPattern::new(&cells, 2, 100);
+        let pattern = BlockPattern::new(&cells, 3, 2, 100);
         let coordinates: Vec<f64> = (0..200).map(|i| f64::from(i / 2)).collect();
         let order = nested_dissection(&pattern, &coordinates, &[]);
         let mut seen = order.clone();

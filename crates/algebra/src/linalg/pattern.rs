@@ -10,6 +10,8 @@ use sprs::CsMatI;
 #[derive(Debug, Clone)]
 pub struct BlockPattern {
     dimension: usize,
+    /// Nodes a cell.
+    stride: usize,
     /// Column starts of the lower triangle.
     pub columns: Vec<u32>,
     /// Row numbers, sorted within a column.
@@ -26,13 +28,13 @@ const NONE: u32 = u32::MAX;
 
 impl BlockPattern {
     /// Pattern of matrices over `free` nodes with `dimension` components coupled by `cells`
-    /// (`dimension` + 1 node numbers each; numbers from `free` on are clamped and left out).
-    pub fn new(cells: &[u32], dimension: usize, free: usize) -> Self {
-        let (first, neighbours) = larger_neighbours(cells, dimension + 1, free);
+    /// (`stride` node numbers each; numbers from `free` on are clamped and left out).
+    pub fn new(cells: &[u32], stride: usize, dimension: usize, free: usize) -> Self {
+        let (first, neighbours) = larger_neighbours(cells, stride, free);
         let (columns, rows) = columns(dimension, &first, &neighbours);
-        let mut slots = Vec::with_capacity(cells.len() * dimension / 2);
-        for cell in cells.chunks_exact(dimension + 1) {
-            for b in 1..=dimension {
+        let mut slots = Vec::with_capacity(cells.len() * (stride - 1) / 2);
+        for cell in cells.chunks_exact(stride) {
+            for b in 1..stride {
                 for a in 0..b {
                     let (low, high) = (cell[a].min(cell[b]), cell[a].max(cell[b]));
                     slots.push(if high as usize >= free {
@@ -45,12 +47,12 @@ impl BlockPattern {
                 }
             }
         }
-        Self { dimension, columns, rows, first, neighbours, slots }
+        Self { dimension, stride, columns, rows, first, neighbours, slots }
     }
 
     /// Pattern of matrices over nodes with the given sorted larger neighbours, which nothing is scattered to.
     pub fn of_neighbours(dimension: usize, lists: &[Vec<u32>]) -> Self {
-        let mut pattern = Self::new(&[], dimension, lists.len());
+        let mut pattern = Self::new(&[], dimension + 1, dimension, lists.len());
         pattern.first = vec![0];
         for list in lists {
             pattern.neighbours.extend(list);
@@ -89,7 +91,7 @@ impl BlockPattern {
     }
 
     /// Adds `weight`·`local` to `values`, where `local[(a, i), (b, j)]` is the symmetric matrix of
-    /// cell `c` over its `nodes`, row-major of order `V`·`D`, V = D + 1.
+    /// cell `c` over its `nodes`, row-major of order V·`D` for V of them.
     #[inline]
     pub fn scatter<const D: usize>(
         &self,
@@ -98,7 +100,7 @@ impl BlockPattern {
         local: &[f64],
         values: &mut [f64],
     ) {
-        let vertices = D + 1;
+        let vertices = self.stride;
         let order = D * vertices;
         let free = (self.first.len() - 1) as u32;
         for (a, &node) in nodes.iter().enumerate() {
@@ -111,7 +113,7 @@ impl BlockPattern {
                 }
             }
         }
-        let pairs = vertices * D / 2;
+        let pairs = vertices * (vertices - 1) / 2;
         let slots = &self.slots[pairs * c..pairs * (c + 1)];
         let mut pair = 0;
         for b in 1..vertices {
@@ -250,7 +252,7 @@ mod tests {
     #[test]
     fn scatter_agrees_with_a_dense_assembly() {
         let cells = [2u32, 0, 1, 1, 3, 2];
-        let pattern = BlockPattern::new(&cells, 2, 3);
+        let pattern = BlockPattern::new(&cells, 3, 2, 3);
         let mut values = vec![0.0; pattern.entries()];
         let mut dense = vec![vec![0.0; 6]; 6];
         for c in 0..2 {

@@ -304,7 +304,7 @@ mod tests {
     fn chain(diagonal: f64) -> (BlockPattern, Vec<f64>, Vec<f64>) {
         let nodes = 3000;
         let cells: Vec<u32> = (0..nodes - 2).flat_map(|i| [i, i + 1, i + 2]).collect();
-        let pattern = BlockPattern::new(&cells, 2, nodes as usize);
+        let pattern = BlockPattern::new(&cells, 3, 2, nodes as usize);
         let mut values = vec![0.0; pattern.entries()];
         for dof in 0..pattern.order() {
             values[pattern.diagonal(dof)] = diagonal;

@@ -309,7 +309,7 @@ mod tests {
 
     fn chain(last: &[u32]) -> (BlockPattern, Vec<f64>, Analysis) {
         let cells: Vec<u32> = (0..68).flat_map(|i| [i, i + 1, i + 2]).collect();
-        let pattern = BlockPattern::new(&cells, 2, 70);
+        let pattern = BlockPattern::new(&cells, 3, 2, 70);
         let mut values = vec![0.0; pattern.entries()];
         for dof in 0..140 {
             values[pattern.diagonal(dof)] = 5.0 + (dof as f64).sin();

@@ -2,7 +2,8 @@
 
 use super::ExactOnMesh;
 use crate::nodal_force::facet_measure;
-use crate::reduction::remainders;
+use crate::onto::Onto;
+use crate::shapes::shapes;
 use fem::contact::LoadError;
 use fem::norms::{Piecewise, facet_samples, is_locked};
 
@@ -32,19 +33,20 @@ impl ExactOnMesh {
             let values = group.contact_values(&self.space.mesh, &group.points, t)?;
             let friction = group.friction(&self.space.mesh, t)?;
             let rule = &group.points.rule;
+            let shape: Vec<_> = rule.points.iter().map(|b| shapes(self.space.element, b)).collect();
             for (index, (&f, &facet)) in group.facets.iter().zip(&group.mesh_facets).enumerate() {
                 let measure = facet_measure(&self.space.mesh, facet);
                 for (q, weight) in rule.weights.iter().enumerate() {
                     let at = rule.weights.len() * index + q;
                     let pressure = weight * measure * values[1][at];
-                    for (&point, shape) in trace.facet(f).iter().zip(&rule.points[q]) {
+                    for (&point, shape) in trace.facet(f).iter().zip(&shape[q]) {
                         for i in 0..d {
                             force[d * point as usize + i] += pressure * group.normal[i] * shape;
                         }
                     }
                     let Some(friction) = &friction else { continue };
                     let sliding = weight * measure * friction.s[at];
-                    for (&point, shape) in trace.facet(f).iter().zip(&rule.points[q]) {
+                    for (&point, shape) in trace.facet(f).iter().zip(&shape[q]) {
                         for (i, along) in friction.tangent.iter().enumerate() {
                             force[d * point as usize + i] += sliding * along * shape;
                         }
@@ -60,7 +62,8 @@ impl ExactOnMesh {
         t: f64,
     ) -> Result<ContactMoments, LoadError> {
         let facets = self.space.trace.measure.len();
-        let flat = || Piecewise { corner: vec![0.0; D * facets], rest: 0.0 };
+        let nodes = self.space.trace.stride;
+        let flat = || Piecewise { node: vec![0.0; nodes * facets], rest: 0.0 };
         let (mut normal, mut pressure) = (flat(), flat());
         let mut locked = vec![false; facets * facet_samples(D).len()];
         for group in &self.contact {
@@ -68,14 +71,16 @@ impl ExactOnMesh {
             let samples = group.contact_values(&self.space.mesh, &group.samples, t)?;
             let (rule, sampled) = (&group.points.rule, group.samples.rule.points.len());
             let count = rule.weights.len();
+            let (onto, mut of_nodes) = (Onto::new(self.space.element, rule), Vec::new());
             let mut at = vec![[0.0]; count];
             for (index, &f) in group.facets.iter().enumerate() {
                 let measure = self.space.trace.measure[f];
                 for (field, target) in [(0, &mut normal), (1, &mut pressure)] {
                     let own = &values[field][count * index..count * (index + 1)];
                     at.iter_mut().zip(own).for_each(|(at, value)| *at = [*value]);
-                    let linear: [[f64; D]; 1] = remainders(&mut at, rule);
-                    target.corner[D * f..D * (f + 1)].copy_from_slice(linear.as_flattened());
+                    onto.functions::<f64, 1, D>(&mut at, &mut of_nodes);
+                    let own = &mut target.node[nodes * f..nodes * (f + 1)];
+                    own.copy_from_slice(of_nodes.as_flattened());
                     let squares = at.iter().zip(&rule.weights).map(|([rest], w)| w * rest * rest);
                     target.rest += measure * squares.sum::<f64>();
                 }

@@ -1,9 +1,10 @@
-//! Cell integrals: Bᵀσ, BᵀCB and their scatter.
+//! Bᵀσ and BᵀCB at the points where strains live, and their scatter.
 
 use super::{Discretization, Frames};
+use crate::space::StrainPoint;
 use vhi::law::TensorField;
 
-/// The columns of B on a cell: the Mandel strain of each unit displacement, (d+1)·d of them.
+/// The columns of B at a point of a cell: the Mandel strain of each unit displacement.
 #[inline]
 pub(crate) fn strain_columns<const D: usize, const S: usize>(
     gradients: &[f64],
@@ -29,16 +30,39 @@ pub(crate) fn strain_columns<const D: usize, const S: usize>(
     }
 }
 
-/// `local` ← weight · Bᵀ C B, row-major of order D(D+1).
+/// Unknowns of a cell, at most: those of a tetrahedron with 4 nodes, or of a triangle with 6.
+const MOST_UNKNOWNS: usize = 12;
+
+/// Room for the matrix of a cell.
+pub(crate) const ROOM: usize = MOST_UNKNOWNS * MOST_UNKNOWNS;
+
+/// The leading part of `room` ← weight · Bᵀ C B of a point, row-major of order D times the nodes of its cell.
 #[inline]
-pub(crate) fn cell_stiffness<const D: usize, const S: usize>(
+pub(crate) fn point_stiffness<'a, const D: usize, const S: usize>(
+    at: &StrainPoint<'_>,
+    law: &[[f64; S]; S],
+    room: &'a mut [f64; ROOM],
+) -> &'a mut [f64] {
+    let order = at.gradients.len();
+    let local = &mut room[..order * order];
+    // The order of linear elements as a constant: loops are unrolled.
+    if order == D * (D + 1) {
+        of_order::<D, S>(D * (D + 1), at.gradients, law, at.weight, local);
+    } else {
+        of_order::<D, S>(order, at.gradients, law, at.weight, local);
+    }
+    local
+}
+
+#[inline(always)]
+fn of_order<const D: usize, const S: usize>(
+    order: usize,
     gradients: &[f64],
     law: &[[f64; S]; S],
     weight: f64,
     local: &mut [f64],
 ) {
-    let order = D * (D + 1);
-    let mut columns = [[0.0; S]; 12];
+    let mut columns = [[0.0; S]; MOST_UNKNOWNS];
     strain_columns::<D, S>(gradients, &mut columns[..order]);
     for j in 0..order {
         let mut stress = [0.0; S];
@@ -58,8 +82,8 @@ pub(crate) fn cell_stiffness<const D: usize, const S: usize>(
     }
 }
 
-/// Adds ∫_cell σ:ε(v) to the nodal vector `force`, for a constant stress of the cell times its
-/// measure, `stress`.
+/// Adds the work σ:ε(v) of a point of a cell to the nodal vector `force`, for the stress there times the weight of the
+/// point, `stress`.
 #[inline]
 pub fn stress_force<const D: usize, const S: usize>(
     gradients: &[f64],
@@ -95,15 +119,12 @@ pub fn stiffness_of<const D: usize, const S: usize>(
     law: &TensorField,
     values: &mut [f64],
 ) {
-    let order = D * (D + 1);
-    let mut local = [0.0; 144];
-    for c in 0..space.mesh.cell_count() {
-        let measure = space.geometry.measure[c];
-        let gradients = space.geometry.gradients(c);
-        let matrix = law.on(space.region(c)).matrix::<S>();
-        cell_stiffness::<D, S>(gradients, &matrix, measure, &mut local[..order * order]);
-        frames.rotate_cell(space.cell_nodes(c), &mut local[..order * order]);
-        space.pattern.scatter::<D>(c, space.cell_nodes(c), &local[..order * order], values);
+    let mut room = [0.0; ROOM];
+    for at in space.points() {
+        let matrix = law.on(space.region(at.cell)).matrix::<S>();
+        let local = point_stiffness::<D, S>(&at, &matrix, &mut room);
+        frames.rotate_cell(at.nodes, local);
+        space.pattern.scatter::<D>(at.cell, at.nodes, local, values);
     }
 }
 

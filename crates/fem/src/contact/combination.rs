@@ -11,7 +11,6 @@ use super::kkt::internal_force;
 use super::linear::strain_norm;
 use super::march::StepView;
 use super::model::Model;
-use crate::space::strain_of;
 use algebra::linalg::{axpy, is_sound_sum, larger, largest};
 use algebra::tensor::contract;
 use vhi::law::Projection;
@@ -138,12 +137,7 @@ fn sum<'a>(
 /// (ε(v), ε(w)) of nodal vectors.
 fn strain_product(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
-        let cell = |c| {
-            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-            let strain = |v| strain_of::<S>(gradients, nodes, v);
-            space.geometry.measure[c] * contract(&strain(v), &strain(w))
-        };
-        (0..space.mesh.cell_count()).map(cell).sum()
+        space.points().map(|at| at.weight * contract(&at.strain::<S>(v), &at.strain(w))).sum()
     }
     match space.mesh.dimension {
         2 => sum::<3>(space, v, w),

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::mesh::{Mesh, Nesting};
-use crate::space::{Geometry, Nodes};
+use crate::space::{Element, Geometry, Nodes, StrainPoint, StrainPoints};
 use algebra::linalg::{Analysis, BlockPattern, FactorError, Levels, Precision, nested_dissection};
 use vhi::law::TensorField;
 
@@ -14,11 +14,13 @@ use super::{ContactTrace, Frames, LinearSolver, stiffness_of};
 /// V^h on one mesh: nodes, geometry, matrix pattern with its analysis, the trace on Γ3.
 #[derive(Debug)]
 pub struct Discretization {
+    /// The element of displacements.
+    pub element: Element,
     /// The mesh.
     pub mesh: Mesh,
     /// Node numbers, clamped nodes last.
     pub nodes: Nodes,
-    /// Shape gradients and measures.
+    /// Shape gradients at the points of strains, and measures.
     pub geometry: Geometry,
     /// Pattern of the tangent.
     pub pattern: BlockPattern,
@@ -42,19 +44,33 @@ pub struct Discretization {
 }
 
 impl Discretization {
-    /// Discretizes `mesh` with displacements fixed on the sides `clamped` and Γ3 on `contact`.
+    /// Discretizes `mesh` by linear elements, with displacements fixed on the sides `clamped` and Γ3 on `contact`.
     ///
     /// # Errors
     /// The symbolic factorization's.
     pub fn new(mesh: Mesh, clamped: &[u32], contact: &[u32]) -> Result<Self, FactorError> {
-        let nodes = Nodes::new(&mesh, clamped);
-        let geometry = Geometry::new(&mesh);
-        let pattern = BlockPattern::new(&nodes.cells, mesh.dimension, nodes.free);
-        let (trace, frames) = ContactTrace::new(&mesh, &nodes, contact);
+        Self::of(Element::P1, mesh, clamped, contact)
+    }
+
+    /// The same by any element.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn of(
+        element: Element,
+        mut mesh: Mesh,
+        clamped: &[u32],
+        contact: &[u32],
+    ) -> Result<Self, FactorError> {
+        let nodes = Nodes::new(&mut mesh, element, clamped);
+        let geometry = Geometry::new(&mesh, element);
+        let pattern = BlockPattern::new(&nodes.cells, nodes.a_cell, mesh.dimension, nodes.free);
+        let (trace, frames) = ContactTrace::new(&mesh, element, &nodes, contact);
         let analysis = analysis(&mesh, &nodes, &pattern, &[])?;
         let (regions, nesting, linear_solver) = (Vec::new(), Nesting::Unknown, None);
         let (levels, condensing) = (OnceLock::new(), OnceLock::new());
         Ok(Self {
+            element,
             mesh,
             nodes,
             geometry,
@@ -83,7 +99,7 @@ impl Discretization {
     }
 
     /// Patterns and transfers of coarser meshes, made when they are first asked for; none where the mesh refines
-    /// nothing that is known, or their analysis fails.
+    /// nothing that is known, its element is not linear, or their analysis fails.
     pub fn levels(&self) -> Option<&Levels> {
         self.levels.get_or_init(|| levels(self, &self.nesting)).as_ref().ok()?.as_ref()
     }
@@ -102,8 +118,18 @@ impl Discretization {
     /// Nodes of cell c.
     #[inline]
     pub fn cell_nodes(&self, c: usize) -> &[u32] {
-        let stride = self.mesh.dimension + 1;
-        &self.nodes.cells[stride * c..stride * (c + 1)]
+        self.nodes.of_cell(c)
+    }
+
+    /// The points where strain, stress and projection live.
+    #[inline]
+    pub fn points(&self) -> StrainPoints<'_> {
+        StrainPoints::new(&self.geometry, &self.nodes)
+    }
+
+    /// Those of cell c.
+    pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> {
+        StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
     }
 
     /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components.

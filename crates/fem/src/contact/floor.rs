@@ -2,7 +2,6 @@
 //! norm. An upper estimate; `sweep floors` measures what it stands for.
 
 use super::{Discretization, Model, StepView, linear::strain_norm};
-use crate::space::strain_of;
 use vhi::law::Projection;
 
 /// Floors of the error norms.
@@ -53,8 +52,9 @@ impl Floors {
     ) -> Self {
         let scale = accepted.scale();
         let size = u.iter().fold(0.0f64, |size, value| size.max(value.abs()));
-        // Strains are differences of nodal values over h: they round to ε‖u‖/h.
-        let rounding = f64::EPSILON * size * f64::from(space.mesh.n);
+        // Strains are differences of nodal values over the distance of nodes: they round to ε‖u‖/h.
+        let rounding =
+            f64::EPSILON * size * f64::from(space.mesh.n) * space.element.degree() as f64;
         let v = scale * strain_norm(space, delta) + rounding;
         let lightest =
             space.trace.points.iter().map(|point| point.weight).fold(f64::INFINITY, f64::min);
@@ -108,7 +108,7 @@ impl Floors {
 pub struct LevelFields {
     /// u_n as a nodal vector.
     pub u: Vec<f64>,
-    /// σ_n, the numbers of a cell one after another (Mandel).
+    /// σ_n at the strain points, the numbers of each one after another (Mandel).
     pub stress: Vec<f64>,
     /// ξ_n + λ_n at the points of the trace.
     pub pressure: Vec<f64>,
@@ -119,7 +119,7 @@ fn stresses<P: Projection, const S: usize>(
     model: &Model<P>,
     view: &StepView<'_>,
 ) -> Vec<f64> {
-    (0..space.mesh.cell_count()).flat_map(|c| view.stress::<P, S>(space, model, c)).collect()
+    space.points().flat_map(|at| view.stress_at::<P, S>(space, model, &at)).collect()
 }
 
 impl LevelFields {
@@ -146,9 +146,9 @@ impl LevelFields {
             |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
         let u = minus(&self.u, &other.u);
         let stress = minus(&self.stress, &other.stress);
-        let numbers = stress.len() / space.mesh.cell_count().max(1);
-        let cells = stress.chunks(numbers.max(1)).zip(&space.geometry.measure);
-        let squares = cells.map(|(s, measure)| measure * s.iter().map(|s| s * s).sum::<f64>());
+        let numbers = stress.len() / space.geometry.points().max(1);
+        let points = stress.chunks(numbers.max(1)).zip(space.points());
+        let squares = points.map(|(s, at)| at.weight * s.iter().map(|s| s * s).sum::<f64>());
         let pressure = minus(&self.pressure, &other.pressure);
         let points = space.trace.points.iter().zip(&pressure);
         Floors {
@@ -164,14 +164,13 @@ impl LevelFields {
 /// ‖v‖ of a nodal vector.
 fn l2_norm(space: &Discretization, v: &[f64]) -> f64 {
     let d = space.mesh.dimension;
-    let scale = 1.0 / ((d + 1) * (d + 2)) as f64;
-    let mut sum = 0.0;
+    let square = space.element.mean_square(d + 1);
+    let (mut sum, mut own) = (0.0, Vec::new());
     for c in 0..space.mesh.cell_count() {
         for i in 0..d {
-            let at = |node: &u32| v[d * *node as usize + i];
-            let total: f64 = space.cell_nodes(c).iter().map(at).sum();
-            let squares: f64 = space.cell_nodes(c).iter().map(|node| at(node).powi(2)).sum();
-            sum += space.geometry.measure[c] * scale * (squares + total * total);
+            own.clear();
+            own.extend(space.cell_nodes(c).iter().map(|node| [v[d * *node as usize + i]]));
+            sum += square.over(space.geometry.measure[c], &own);
         }
     }
     sum.sqrt()
@@ -187,11 +186,10 @@ fn trace_norm(space: &Discretization, v: &[f64]) -> f64 {
 pub fn strain_distance(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
         let mut sum = 0.0;
-        for c in 0..space.mesh.cell_count() {
-            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-            let (a, b) = (strain_of::<S>(gradients, nodes, v), strain_of::<S>(gradients, nodes, w));
+        for at in space.points() {
+            let (a, b) = (at.strain::<S>(v), at.strain::<S>(w));
             let square: f64 = a.iter().zip(&b).map(|(x, y)| (x - y).powi(2)).sum();
-            sum += space.geometry.measure[c] * square;
+            sum += at.weight * square;
         }
         sum
     }

@@ -5,7 +5,7 @@ use super::assembly::stress_force;
 use super::kkt_compliance::{add_exact, add_gauss};
 use super::march::StepView;
 use super::{BoundaryRule, Discretization, Model, friction};
-use crate::space::strain_of;
+use crate::space::StrainPoint;
 use algebra::linalg::{larger, largest};
 use vhi::law::{Projection, graph_distance};
 
@@ -58,10 +58,9 @@ fn internal_force_in<P: Projection, const D: usize, const S: usize>(
 ) {
     force.clear();
     force.resize(space.nodes.len(), 0.0);
-    for c in 0..space.mesh.cell_count() {
-        let stress = view.stress::<P, S>(space, model, c).map(|s| s * space.geometry.measure[c]);
-        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-        stress_force::<D, S>(gradients, nodes, &stress, force);
+    for at in space.points() {
+        let stress = view.stress_at::<P, S>(space, model, &at).map(|s| s * at.weight);
+        stress_force::<D, S>(at.gradients, at.nodes, &stress, force);
     }
 }
 
@@ -135,31 +134,45 @@ fn add_contact_forces<P: Projection>(
 }
 
 impl StepView<'_> {
-    /// σ_n^{kh} on cell c, from (5.1) with the discrete history.
+    /// The mean of σ_n^{kh} over cell c.
     pub fn stress<P: Projection, const S: usize>(
         &self,
         space: &Discretization,
         model: &Model<P>,
         c: usize,
     ) -> [f64; S] {
-        let strain = strain_of(space.geometry.gradients(c), space.cell_nodes(c), self.u);
-        self.stress_of(space, model, c, &strain)
+        let mut mean = [0.0; S];
+        for (at, share) in space.points_of(c).zip(&space.geometry.shares) {
+            let stress = self.stress_at::<P, S>(space, model, &at);
+            mean.iter_mut().zip(stress).for_each(|(mean, s)| *mean += share * s);
+        }
+        mean
     }
 
-    /// The same where ε(u_n^{kh}) on the cell is known.
+    /// σ_n^{kh} at a strain point, from (5.1) with the discrete history.
+    #[inline]
+    pub(crate) fn stress_at<P: Projection, const S: usize>(
+        &self,
+        space: &Discretization,
+        model: &Model<P>,
+        at: &StrainPoint<'_>,
+    ) -> [f64; S] {
+        self.stress_of(space, model, at, &at.strain(self.u))
+    }
+
+    /// The same where ε(u_n^{kh}) is known there.
     #[inline]
     pub(crate) fn stress_of<P: Projection, const S: usize>(
         &self,
         space: &Discretization,
         model: &Model<P>,
-        c: usize,
+        at: &StrainPoint<'_>,
         strain: &[f64; S],
     ) -> [f64; S] {
-        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-        let region = space.region(c);
+        let region = space.region(at.cell);
         let mut stress = model.elasticity.on(region).apply(strain);
         for (memory, history) in model.memory.iter().zip(self.history) {
-            let remembered = strain_of::<S>(gradients, nodes, history);
+            let remembered = at.strain::<S>(history);
             let part = memory.tensor.on(region).apply(&remembered);
             for (target, value) in stress.iter_mut().zip(part) {
                 *target += value;
@@ -173,15 +186,22 @@ impl StepView<'_> {
         stress
     }
 
-    /// True where the projection acts on cell c.
+    /// True where the projection acts somewhere on cell c.
     pub fn yields<P: Projection, const S: usize>(
         &self,
         space: &Discretization,
         model: &Model<P>,
         c: usize,
     ) -> bool {
-        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-        let strain = strain_of::<S>(gradients, nodes, self.u);
+        space.points_of(c).any(|at| self.yields_at::<P, S>(model, &at))
+    }
+
+    fn yields_at<P: Projection, const S: usize>(
+        &self,
+        model: &Model<P>,
+        at: &StrainPoint<'_>,
+    ) -> bool {
+        let strain = at.strain::<S>(self.u);
         model.projection.stress(&strain, self.kappa).is_some()
     }
 }

@@ -9,7 +9,7 @@ use super::march::{CaseError, CaseInfo, Observer, StepView};
 use super::path::of_storage;
 use super::volume::Volume;
 use super::{Discretization, LinearSolver, Load, Model, Unknowns};
-use crate::space::strain_of;
+use crate::space::StrainPoint;
 use algebra::linalg::{FactorError, axpy, is_sound_sum, norm, root_of_squares};
 use algebra::tensor::contract;
 use vhi::history::{Accumulated, Memory, TimeGrid};
@@ -117,12 +117,11 @@ fn failed(n: usize, t: f64, source: FactorError) -> FailedStep {
 /// ‖ε(v)‖ of a nodal vector.
 pub fn strain_norm(space: &Discretization, v: &[f64]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, v: &[f64], scale: f64) -> f64 {
-        let cell = |c| {
-            let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), v);
-            let scaled = strain.map(|e| scale * e);
-            space.geometry.measure[c] * contract(&scaled, &scaled)
+        let square = |at: StrainPoint<'_>| {
+            let scaled = at.strain::<S>(v).map(|e| scale * e);
+            at.weight * contract(&scaled, &scaled)
         };
-        (0..space.mesh.cell_count()).map(cell).sum()
+        space.points().map(square).sum()
     }
     root_of_squares(|scale| match space.mesh.dimension {
         2 => sum::<3>(space, v, scale),

@@ -2,6 +2,7 @@
 
 use super::{Discretization, Model, Plan};
 use crate::mesh::Nesting;
+use crate::space::Element;
 use algebra::linalg::{
     FactorError, Levels, MultigridSequence, NodeFrame, SequenceSolver, TangentSolver,
 };
@@ -99,6 +100,10 @@ pub(super) fn levels(
     space: &Discretization,
     nesting: &Nesting,
 ) -> Result<Option<Levels>, FactorError> {
+    // Transfers are those of linear functions.
+    if space.element != Element::P1 {
+        return Ok(None);
+    }
     let d = space.mesh.dimension;
     let (mut parents, mut nesting) = (Vec::new(), nesting.clone());
     let mut unknowns = space.dofs();

@@ -3,7 +3,6 @@
 use super::assembly::stress_force;
 use super::last_slot::LastSlot;
 use super::{CaseError, Discretization, Evolution, Model};
-use crate::space::strain_of;
 use algebra::linalg::{Factor, FactorError, Front, axpy, dot};
 use vhi::history::TimeGrid;
 use vhi::law::{Projection, TensorField};
@@ -146,12 +145,11 @@ fn force_by_limit<P: Projection>(
         kappa: f64,
         out: &mut [f64],
     ) {
-        for c in 0..space.mesh.cell_count() {
-            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-            let strain = strain_of::<S>(gradients, nodes, nodal);
+        for at in space.points() {
+            let strain = at.strain::<S>(nodal);
             if let Some(response) = model.projection.response(&strain, kappa) {
-                let stress = response.by_limit.map(|s| s * space.geometry.measure[c]);
-                stress_force::<D, S>(gradients, nodes, &stress, out);
+                let stress = response.by_limit.map(|s| s * at.weight);
+                stress_force::<D, S>(at.gradients, at.nodes, &stress, out);
             }
         }
     }

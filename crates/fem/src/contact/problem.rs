@@ -7,14 +7,13 @@
 
 use std::time::Instant;
 
-use super::assembly::{cell_stiffness, stress_force};
+use super::assembly::{ROOM, point_stiffness, stress_force};
 use super::boundary::boundary_graph;
 use super::compliance::FacetCompliance;
 use super::last_slot::{LastSlot, TangentOf};
 use super::linear::strain_norm_from;
 use super::work::Work;
 use super::{Discretization, LinearSolver, Model};
-use crate::space::strain_of;
 use algebra::linalg::{FactorError, RankOne, TangentSolver, norm, root_of_squares};
 use algebra::tensor::contract;
 use vhi::law::{Projection, TensorField};
@@ -86,7 +85,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             cartesian: vec![0.0; if space.frames.is_empty() { 0 } else { space.nodes.len() }],
             nodal_force: vec![0.0; space.nodes.len()],
             strains: if model.projection.limit().is_some() {
-                vec![0.0; tensor * space.mesh.cell_count()]
+                vec![0.0; tensor * space.geometry.points()]
             } else {
                 Vec::new()
             },
@@ -189,48 +188,43 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
 
     fn linear_force<const D: usize, const S: usize>(&mut self) {
         let mut sum = 0.0;
-        for c in 0..self.space.mesh.cell_count() {
-            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
-            let measure = self.space.geometry.measure[c];
-            let strain = strain_of::<S>(gradients, nodes, self.displacements());
-            sum += measure * contract(&strain, &strain);
-            let law = self.linear_law.on(self.space.region(c));
-            let stress = law.apply(&strain).map(|s| measure * s);
-            stress_force::<D, S>(gradients, nodes, &stress, &mut self.nodal_force);
+        for at in self.space.points() {
+            let strain = at.strain::<S>(self.displacements());
+            sum += at.weight * contract(&strain, &strain);
+            let law = self.linear_law.on(self.space.region(at.cell));
+            let stress = law.apply(&strain).map(|s| at.weight * s);
+            stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut self.nodal_force);
         }
         self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
     }
 
     fn compute_strains<const S: usize>(&mut self) {
         let mut sum = 0.0;
-        for c in 0..self.space.mesh.cell_count() {
-            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
-            let strain = strain_of::<S>(gradients, nodes, self.displacements());
-            self.strains[S * c..S * (c + 1)].copy_from_slice(&strain);
-            sum += self.space.geometry.measure[c] * contract(&strain, &strain);
+        for at in self.space.points() {
+            let strain = at.strain::<S>(self.displacements());
+            self.strains[S * at.index..S * (at.index + 1)].copy_from_slice(&strain);
+            sum += at.weight * contract(&strain, &strain);
         }
         self.strain_norm = strain_norm_from(sum, self.space, self.displacements());
     }
 
-    fn cell_strain<const S: usize>(&self, c: usize) -> [f64; S] {
+    fn strain_at<const S: usize>(&self, p: usize) -> [f64; S] {
         let mut strain = [0.0; S];
-        strain.copy_from_slice(&self.strains[S * c..S * (c + 1)]);
+        strain.copy_from_slice(&self.strains[S * p..S * (p + 1)]);
         strain
     }
 
     fn projected_force<const D: usize, const S: usize>(&mut self, kappa: f64) {
-        for c in 0..self.space.mesh.cell_count() {
-            let strain = self.cell_strain::<S>(c);
-            let measure = self.space.geometry.measure[c];
-            let mut stress = self.linear_law.on(self.space.region(c)).apply(&strain);
+        for at in self.space.points() {
+            let strain = self.strain_at::<S>(at.index);
+            let mut stress = self.linear_law.on(self.space.region(at.cell)).apply(&strain);
             if let Some(extra) = self.model.projection.stress(&strain, kappa) {
                 for (target, value) in stress.iter_mut().zip(extra) {
                     *target += value;
                 }
             }
-            let stress = stress.map(|s| measure * s);
-            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
-            stress_force::<D, S>(gradients, nodes, &stress, &mut self.nodal_force);
+            let stress = stress.map(|s| at.weight * s);
+            stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut self.nodal_force);
         }
     }
 
@@ -251,26 +245,22 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
                 vector.resize(self.space.nodes.len(), 0.0);
             }
         }
-        let order = D * (D + 1);
-        let mut local = [0.0; 144];
-        for c in 0..self.space.mesh.cell_count() {
-            let strain = self.cell_strain::<S>(c);
-            let (gradients, nodes) = (self.space.geometry.gradients(c), self.space.cell_nodes(c));
-            let measure = self.space.geometry.measure[c];
+        let mut local = [0.0; ROOM];
+        for at in self.space.points() {
+            let strain = self.strain_at::<S>(at.index);
             if let Some(response) = self.model.projection.response(&strain, kappa) {
-                let local = &mut local[..order * order];
-                cell_stiffness::<D, S>(gradients, &response.tangent, measure, local);
-                self.space.frames.rotate_cell(nodes, local);
-                self.space.pattern.scatter::<D>(c, nodes, local, tangent);
+                let local = point_stiffness::<D, S>(&at, &response.tangent, &mut local);
+                self.space.frames.rotate_cell(at.nodes, local);
+                self.space.pattern.scatter::<D>(at.cell, at.nodes, local, tangent);
                 if coupled {
-                    let scale = self.slot.zeta * slope * measure;
+                    let scale = self.slot.zeta * slope * at.weight;
                     let stress = response.by_limit.map(|s| scale * s);
-                    stress_force::<D, S>(gradients, nodes, &stress, &mut a);
+                    stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut a);
                 }
             }
             if coupled {
-                let stress = strain.map(|e| measure * e / self.strain_norm);
-                stress_force::<D, S>(gradients, nodes, &stress, &mut b);
+                let stress = strain.map(|e| at.weight * e / self.strain_norm);
+                stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut b);
             }
         }
         coupled.then(|| {

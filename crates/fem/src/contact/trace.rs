@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use super::Frames;
 use crate::mesh::Mesh;
-use crate::space::Nodes;
+use crate::space::{Element, Nodes};
 
-/// A vertex of Γ3 with one normal direction.
+/// A vertex of Γ3, or a midpoint with a node, with one normal direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TracePoint {
     /// The vertex of the mesh.
@@ -19,7 +19,7 @@ pub struct TracePoint {
     pub unknown: u32,
     /// The sign in u_ν.
     pub sign: f64,
-    /// Lumped weight ∫_{Γ3} φ (a length or an area).
+    /// ∫_{Γ3} φ (a length or an area), the weight of the vertex rule.
     pub weight: f64,
     /// True on the closure of Γ1, where u_ν = 0 is given.
     pub clamped: bool,
@@ -30,14 +30,16 @@ pub struct TracePoint {
 pub struct ContactTrace {
     /// Its vertices; a vertex between two contact sides with different normals appears once per normal.
     pub points: Vec<TracePoint>,
-    /// Facets by indices into `points`, d each.
+    /// Facets by indices into `points`, corners first.
     pub facets: Vec<u32>,
     /// The mesh facet of each.
     pub mesh_facet: Vec<u32>,
     /// Length (area) of each facet.
     pub measure: Vec<f64>,
-    /// Vertices a facet.
+    /// Points a facet.
     pub stride: usize,
+    /// Space dimension d.
+    dimension: usize,
 }
 
 /// Normals that differ by less are one direction: rounding of vertex positions over a facet.
@@ -45,14 +47,20 @@ const SAME_NORMAL: f64 = 1e-12;
 
 impl ContactTrace {
     /// The trace on `sides` of `mesh`, and the unknowns of the vertices whose normals are no axes.
-    pub(crate) fn new(mesh: &Mesh, nodes: &Nodes, sides: &[u32]) -> (Self, Frames) {
+    pub(crate) fn new(
+        mesh: &Mesh,
+        element: Element,
+        nodes: &Nodes,
+        sides: &[u32],
+    ) -> (Self, Frames) {
         let d = mesh.dimension;
-        let mut trace = Self { stride: d, ..Self::default() };
+        let (weights, sum) = element.facet_weights(d);
+        let mut trace = Self { stride: weights.len(), dimension: d, ..Self::default() };
         let mut known: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for f in mesh.facets_on(sides) {
             let normal = mesh.normal(f);
             let measure = facet_measure(mesh, f);
-            for &vertex in mesh.facet(f) {
+            for (&vertex, weight) in nodes.on_facet(f).iter().zip(&weights) {
                 let here = known.entry(vertex).or_default();
                 let same = |&at: &usize| distance(&trace.points[at].normal, &normal) < SAME_NORMAL;
                 let at = here.iter().copied().find(same).unwrap_or_else(|| {
@@ -60,7 +68,7 @@ impl ContactTrace {
                     here.push(trace.points.len() - 1);
                     trace.points.len() - 1
                 });
-                trace.points[at].weight += measure / d as f64;
+                trace.points[at].weight += measure * weight / sum;
                 trace.facets.push(at as u32);
             }
             trace.mesh_facet.push(f as u32);
@@ -119,15 +127,15 @@ impl ContactTrace {
     /// u_ν at point i of the nodal vector u.
     pub fn normal(&self, i: usize, u: &[f64]) -> f64 {
         let point = &self.points[i];
-        let own = &u[self.stride * point.node as usize..];
-        point.normal[..self.stride].iter().zip(own).map(|(n, u)| n * u).sum()
+        let own = &u[self.dimension * point.node as usize..];
+        point.normal[..self.dimension].iter().zip(own).map(|(n, u)| n * u).sum()
     }
 
     /// Adds the normal force `value` at point i to forces by nodes.
     pub fn add_normal(&self, i: usize, value: f64, force: &mut [f64]) {
         let point = &self.points[i];
-        let own = &mut force[self.stride * point.node as usize..];
-        own.iter_mut().zip(&point.normal[..self.stride]).for_each(|(f, n)| *f += value * n);
+        let own = &mut force[self.dimension * point.node as usize..];
+        own.iter_mut().zip(&point.normal[..self.dimension]).for_each(|(f, n)| *f += value * n);
     }
 }
 

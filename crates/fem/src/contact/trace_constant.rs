@@ -4,6 +4,7 @@
 //! itself whether the elastic part of a step is monotone.
 
 use super::{ContactTrace, Discretization, StiffnessInverse};
+use crate::space::Element;
 use algebra::linalg::{
     EigenError, Extreme, FactorError, LinearMap, largest_eigenvalue, signed_unit,
 };
@@ -123,6 +124,7 @@ fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]
             }
         }
         TraceMass::Consistent => {
+            assert_eq!(space.element, Element::P1, "the mass matrix of linear facets");
             let corners = trace.stride as f64;
             for f in 0..trace.measure.len() {
                 let members = trace.facet(f);

@@ -66,7 +66,7 @@ pub struct StateErrors {
     pub measure: [f64; 5],
     /// ‖u_ν - u_ν^{kh}‖ on that part.
     pub trace: [f64; 5],
-    /// ‖(ξ + λ) - (ξ + λ)^{kh}‖ on that part, the discrete pressure linear between vertices.
+    /// ‖(ξ + λ) - (ξ + λ)^{kh}‖ on that part, the discrete pressure interpolated by the element.
     pub pressure: [f64; 5],
     /// Measure of the points that are locked in one of truth and discrete solution, not in both.
     pub set_difference: f64,
@@ -79,22 +79,25 @@ pub fn state_errors(
     samples: &ContactSamples,
 ) -> StateErrors {
     let rule = state_rule();
+    let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| space.element.values(b)).collect();
     let mut errors = StateErrors::default();
     for (f, &measure) in space.trace.measure.iter().enumerate() {
-        let ends = [0, 1].map(|a| space.trace.facet(f)[a] as usize);
-        let normal = ends.map(|i| space.trace.normal(i, view.u));
-        let pressure = ends.map(|i| view.compliance[i] + view.multiplier[i]);
+        let members = || space.trace.facet(f).iter().map(|&i| i as usize);
+        let normal: Vec<f64> = members().map(|i| space.trace.normal(i, view.u)).collect();
+        let pressure: Vec<f64> =
+            members().map(|i| view.compliance[i] + view.multiplier[i]).collect();
         let locked = (0..2).all(|a| super::is_locked(normal[a], samples.gap[2 * f + a]));
-        for (q, (b, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
+        for (q, (shape, weight)) in shapes.iter().zip(&rule.weights).enumerate() {
             let at = rule.weights.len() * f + q;
             let state = samples.state[at];
             let share = measure * weight;
-            let squared = |exact: f64, ends: [f64; 2]| {
-                share * (exact - b[0] * ends[0] - b[1] * ends[1]).powi(2)
+            let squared = |exact: f64, values: &[f64]| {
+                let left = values.iter().zip(shape).fold(exact, |left, (v, s)| left - s * v);
+                share * left.powi(2)
             };
             errors.measure[state as usize] += share;
-            errors.trace[state as usize] += squared(samples.normal[at], normal);
-            errors.pressure[state as usize] += squared(samples.pressure[at], pressure);
+            errors.trace[state as usize] += squared(samples.normal[at], &normal);
+            errors.pressure[state as usize] += squared(samples.pressure[at], &pressure);
             if (state == ContactState::Locked) != locked {
                 errors.set_difference += share;
             }

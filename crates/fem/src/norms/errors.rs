@@ -2,7 +2,7 @@
 
 use super::moments::{Moments, facet_samples, hausdorff};
 use crate::contact::{Discretization, Model, StepView, TracePoint};
-use crate::space::strain_of;
+use crate::space::StrainPoint;
 use vhi::law::Projection;
 
 /// Errors at one time level.
@@ -16,7 +16,7 @@ pub struct StepErrors {
     pub stress: f64,
     /// ‖u_ν - u_ν^{kh}‖ on Γ3.
     pub trace: f64,
-    /// ‖(ξ + λ) - (ξ + λ)^{kh}‖ on Γ3, the discrete pressure linear between vertices.
+    /// ‖(ξ + λ) - (ξ + λ)^{kh}‖ on Γ3, the discrete pressure interpolated by the element between its points.
     pub pressure: f64,
     /// Hausdorff distance of the locked sets.
     pub contact_set: f64,
@@ -55,28 +55,25 @@ fn cells<P: Projection, const D: usize, const S: usize>(
 ) -> StepErrors {
     let (mut v, mut stress) = (truth.strain.rest, truth.stress.rest);
     let mut l2 = truth.displacement.rest;
-    let corners = D + 1;
-    let scale = 1.0 / (corners * (corners + 1)) as f64;
     let (strains, stresses) =
-        (truth.strain.mean.as_chunks::<S>().0, truth.stress.mean.as_chunks::<S>().0);
-    let (values, exact) = (view.u.as_chunks::<D>().0, truth.displacement.corner.as_chunks::<D>().0);
-    for c in 0..space.mesh.cell_count() {
-        let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-        let measure = space.geometry.measure[c];
-        let strain = strain_of(gradients, nodes, view.u);
-        v += measure * squared_distance(&strain, &strains[c]);
-        let discrete = view.stress_of(space, model, c, &strain);
-        stress += measure * squared_distance(&discrete, &stresses[c]);
-        let (mut total, mut squares) = ([0.0; D], 0.0);
-        for (exact, &node) in exact[corners * c..corners * (c + 1)].iter().zip(nodes) {
+        (truth.strain.at.as_chunks::<S>().0, truth.stress.at.as_chunks::<S>().0);
+    for at in space.points() {
+        let strain = at.strain(view.u);
+        v += at.weight * squared_distance(&strain, &strains[at.index]);
+        let discrete = view.stress_of(space, model, &at, &strain);
+        stress += at.weight * squared_distance(&discrete, &stresses[at.index]);
+    }
+    let (values, exact) = (view.u.as_chunks::<D>().0, truth.displacement.node.as_chunks::<D>().0);
+    let (square, mut differences) = (space.element.mean_square(D + 1), Vec::new());
+    for (c, &measure) in space.geometry.measure.iter().enumerate() {
+        let nodes = space.cell_nodes(c);
+        let exact = &exact[nodes.len() * c..nodes.len() * (c + 1)];
+        differences.clear();
+        differences.extend(exact.iter().zip(nodes).map(|(exact, &node)| {
             let value = &values[node as usize];
-            for i in 0..D {
-                let difference = exact[i] - value[i];
-                total[i] += difference;
-                squares += difference * difference;
-            }
-        }
-        l2 += measure * scale * (squares + squared_distance(&total, &[0.0; D]));
+            std::array::from_fn::<f64, D, _>(|i| exact[i] - value[i])
+        }));
+        l2 += square.over(measure, &differences);
     }
     StepErrors { v: v.sqrt(), l2: l2.sqrt(), stress: stress.sqrt(), ..StepErrors::default() }
 }
@@ -84,12 +81,10 @@ fn cells<P: Projection, const D: usize, const S: usize>(
 /// ‖ε(u - v)‖ of a nodal vector v alone, which need be no level of a run: v = 0 gives ‖ε(u)‖.
 pub fn strain_error(space: &Discretization, v: &[f64], truth: &Moments) -> f64 {
     fn squares<const S: usize>(space: &Discretization, v: &[f64], truth: &Moments) -> f64 {
-        let means = truth.strain.mean.as_chunks::<S>().0;
-        let cell = |c: usize| {
-            let strain = strain_of(space.geometry.gradients(c), space.cell_nodes(c), v);
-            space.geometry.measure[c] * squared_distance(&strain, &means[c])
-        };
-        (0..space.mesh.cell_count()).map(cell).sum()
+        let exact = truth.strain.at.as_chunks::<S>().0;
+        let square =
+            |at: StrainPoint<'_>| at.weight * squared_distance(&at.strain(v), &exact[at.index]);
+        space.points().map(square).sum()
     }
     let cells = match space.mesh.dimension {
         2 => squares::<3>(space, v, truth),
@@ -105,32 +100,27 @@ fn squared_distance<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
 
 fn facets(space: &Discretization, view: &StepView<'_>, truth: &Moments, errors: &mut StepErrors) {
     let (mut trace, mut pressure) = (truth.normal.rest, truth.pressure.rest);
-    let corners = space.trace.stride;
-    let scale = 1.0 / (corners * (corners + 1)) as f64;
-    for f in 0..space.trace.measure.len() {
-        let members = space.trace.facet(f);
-        let mut sums = [[0.0; 2]; 2];
-        for (a, &i) in members.iter().enumerate() {
-            let i = i as usize;
-            let exact = corners * f + a;
-            let differences = [
-                truth.normal.corner[exact] - space.trace.normal(i, view.u),
-                truth.pressure.corner[exact] - view.compliance[i] - view.multiplier[i],
-            ];
-            for (sum, difference) in sums.iter_mut().zip(differences) {
-                sum[0] += difference;
-                sum[1] += difference * difference;
-            }
+    let nodes = space.trace.stride;
+    let square = space.element.mean_square(space.mesh.dimension);
+    let (mut of_trace, mut of_pressure) = (Vec::new(), Vec::new());
+    for (f, &measure) in space.trace.measure.iter().enumerate() {
+        of_trace.clear();
+        of_pressure.clear();
+        for (a, &i) in space.trace.facet(f).iter().enumerate() {
+            let (i, exact) = (i as usize, nodes * f + a);
+            of_trace.push([truth.normal.node[exact] - space.trace.normal(i, view.u)]);
+            let exact = truth.pressure.node[exact];
+            of_pressure.push([exact - view.compliance[i] - view.multiplier[i]]);
         }
-        trace += space.trace.measure[f] * scale * (sums[0][1] + sums[0][0] * sums[0][0]);
-        pressure += space.trace.measure[f] * scale * (sums[1][1] + sums[1][0] * sums[1][0]);
+        trace += square.over(measure, &of_trace);
+        pressure += square.over(measure, &of_pressure);
     }
     errors.trace = trace.sqrt();
     errors.pressure = pressure.sqrt();
 }
 
 /// Hausdorff distance of the exact and the discrete locked set, on samples of the facets of Γ3. The discrete
-/// set holds its locked vertices, and the edges and triangles whose vertices are all locked.
+/// set holds its locked corners, and the edges and triangles whose corners are all locked.
 fn contact_set<P: Projection>(
     space: &Discretization,
     model: &Model<P>,
@@ -146,7 +136,7 @@ fn contact_set<P: Projection>(
         is_locked(space.trace.normal(i, view.u), gap)
     };
     let locked: Vec<bool> = space.trace.points.iter().enumerate().map(is_locked).collect();
-    let samples = facet_samples(space.trace.stride);
+    let samples = facet_samples(space.mesh.dimension);
     let facets = 0..space.trace.measure.len();
     let discrete = facets.clone().flat_map(|f| {
         let members = space.trace.facet(f);
@@ -160,7 +150,8 @@ fn contact_set<P: Projection>(
     let mut points = Vec::with_capacity(discrete.len());
     for f in facets {
         let vertex = |&i: &u32| space.trace.points[i as usize].vertex;
-        let vertices: Vec<u32> = space.trace.facet(f).iter().map(vertex).collect();
+        let corners = &space.trace.facet(f)[..space.mesh.dimension];
+        let vertices: Vec<u32> = corners.iter().map(vertex).collect();
         points.extend(samples.iter().map(|b| space.mesh.point(&vertices, b)));
     }
     hausdorff(&points, &truth.locked, &discrete, diameter(space, &points))

@@ -9,7 +9,7 @@ mod refinement;
 
 pub use contact_state::{ContactSamples, ContactState, StateErrors, state_errors, state_rule};
 pub use errors::{StepErrors, is_locked, step_errors, strain_error};
-pub use moments::{CellConstants, Moments, Piecewise, facet_samples, hausdorff, linear_projection};
+pub use moments::{AtPoints, Moments, Piecewise, facet_samples, hausdorff, linear_projection};
 pub use projection::ElasticProjection;
 pub use reference::{ReferenceError, ReferenceRun, Trajectory};
 pub use refinement::Refinement;

@@ -1,26 +1,27 @@
-//! A field reduced to what the distance to P1 functions needs.
+//! A field reduced to what the distance to discrete ones needs.
 //!
-//! On a cell the discrete strain and stress are constant and the discrete displacement is linear.
+//! On a cell the discrete strain and stress are polynomials, of degree zero for P1, given by their values at the strain
+//! points, and the discrete displacement is one of the element.
 //! For any field f and its L² projection Πf onto that space, ‖f - f_h‖² = ‖f - Πf‖² + ‖Πf - f_h‖²
 //! with the same quadrature in every term. So the quadrature of the truth is done once a mesh and
 //! time, and each case pays a few operations per cell, without cancellation.
 
 use std::ops::{Add, Mul, Sub};
 
-/// Cell means of a tensor field and the squared distance to them.
+/// L² projection of a tensor field onto the strains of an element, cell means for P1, and the squared distance to it.
 #[derive(Debug, Clone, Default)]
-pub struct CellConstants {
-    /// Means, S numbers per cell (Mandel).
-    pub mean: Vec<f64>,
-    /// Σ_K ∫_K |f - mean|².
+pub struct AtPoints {
+    /// Its values at the strain points, S numbers each (Mandel).
+    pub at: Vec<f64>,
+    /// Σ_K ∫_K |f - Πf|².
     pub rest: f64,
 }
 
-/// Piecewise linear L² projection of a field on cells or facets, by its values at the corners.
+/// L² projection of a field onto the functions of the element on cells or facets, by its values at their nodes.
 #[derive(Debug, Clone, Default)]
 pub struct Piecewise {
-    /// Values at the corners of each simplex, all components of a corner together.
-    pub corner: Vec<f64>,
+    /// Values at the nodes of each simplex, all components of a node together.
+    pub node: Vec<f64>,
     /// Σ ∫ |f - Πf|².
     pub rest: f64,
 }
@@ -29,9 +30,9 @@ pub struct Piecewise {
 #[derive(Debug, Clone, Default)]
 pub struct Moments {
     /// ε(u).
-    pub strain: CellConstants,
+    pub strain: AtPoints,
     /// σ.
-    pub stress: CellConstants,
+    pub stress: AtPoints,
     /// u.
     pub displacement: Piecewise,
     /// u_ν on the facets of Γ3.

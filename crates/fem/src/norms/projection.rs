@@ -4,7 +4,6 @@
 
 use super::Moments;
 use crate::contact::{Discretization, StiffnessInverse, Work, stress_force};
-use crate::space::strain_of;
 use algebra::linalg::FactorError;
 use vhi::law::TensorField;
 
@@ -80,15 +79,14 @@ impl<'a> ElasticProjection<'a> {
     ) -> f64 {
         let space = self.space;
         let mut force = vec![0.0; space.nodes.len()];
-        for c in 0..space.mesh.cell_count() {
-            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
-            let mut difference = strain_of::<S>(gradients, nodes, u_h);
-            for (value, mean) in difference.iter_mut().zip(&moments.strain.mean[S * c..]) {
-                *value = mean - *value;
+        for at in space.points() {
+            let mut difference = at.strain::<S>(u_h);
+            for (value, exact) in difference.iter_mut().zip(&moments.strain.at[S * at.index..]) {
+                *value = exact - *value;
             }
-            let measure = space.geometry.measure[c];
-            let stress = self.operator.on(space.region(c)).apply(&difference).map(|s| measure * s);
-            stress_force::<D, S>(gradients, nodes, &stress, &mut force);
+            let stress = self.operator.on(space.region(at.cell)).apply(&difference);
+            let stress = stress.map(|s| at.weight * s);
+            stress_force::<D, S>(at.gradients, at.nodes, &stress, &mut force);
         }
         let unknowns = &mut force[..space.dofs()];
         self.inverse.solve(unknowns);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::moments::{CellConstants, Moments, Piecewise};
+use super::moments::{AtPoints, Moments, Piecewise};
 use super::refinement::{Parents, Refinement};
 use crate::contact::{Discretization, Model, StepView};
 use crate::space::strain_of;
@@ -151,21 +151,21 @@ impl ReferenceRun {
         refinement: &Refinement,
         coarse: &Discretization,
         field: &[f64],
-    ) -> CellConstants {
+    ) -> AtPoints {
         let (fine, parent) = (&self.space, &refinement.cells.of);
         let numbers = field.len() / fine.mesh.cell_count();
-        let mut mean = vec![0.0; numbers * coarse.mesh.cell_count()];
+        let mut at = vec![0.0; numbers * coarse.mesh.cell_count()];
         let own = |p: u32| numbers * p as usize..numbers * (p as usize + 1);
         for (c, value) in field.chunks_exact(numbers).enumerate() {
             let share = fine.geometry.measure[c] / coarse.geometry.measure[parent[c] as usize];
-            mean[own(parent[c])].iter_mut().zip(value).for_each(|(m, v)| *m += share * v);
+            at[own(parent[c])].iter_mut().zip(value).for_each(|(m, v)| *m += share * v);
         }
         let mut rest = 0.0;
         for (c, value) in field.chunks_exact(numbers).enumerate() {
-            let differences = value.iter().zip(&mean[own(parent[c])]).map(|(v, m)| v - m);
+            let differences = value.iter().zip(&at[own(parent[c])]).map(|(v, m)| v - m);
             rest += fine.geometry.measure[c] * differences.map(|d| d * d).sum::<f64>();
         }
-        CellConstants { mean, rest }
+        AtPoints { at, rest }
     }
 }
 
@@ -223,6 +223,6 @@ impl Pieces<'_> {
                 }
             }
         }
-        Piecewise { corner, rest: square.max(0.0) }
+        Piecewise { node: corner, rest: square.max(0.0) }
     }
 }

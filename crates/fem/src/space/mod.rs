@@ -1,8 +1,12 @@
-//! P1 elements: shape gradients, strains, node numbering with the clamped nodes last, quadrature.
+//! Elements: nodes with the clamped ones last, shape functions, strains at the points where they live, quadrature.
 
+mod element;
 mod nodes;
+mod points;
 pub mod quadrature;
 mod shape;
 
+pub use element::{Element, MeanSquare};
 pub use nodes::Nodes;
+pub use points::{StrainPoint, StrainPoints};
 pub use shape::{Geometry, strain_of};

@@ -1,9 +1,11 @@
 //! Numbering of the nodes of V^h: free nodes first, clamped nodes (Γ1) last, so that a vector of
 //! unknowns is a prefix of a nodal vector whose tail stays zero.
 
+use super::Element;
+use super::element::Places;
 use crate::mesh::Mesh;
 
-/// Node numbers of the vertices of a mesh.
+/// Node numbers of the points of a mesh: its vertices, and midpoints where the element has nodes there.
 #[derive(Debug, Clone)]
 pub struct Nodes {
     /// Components per node: the space dimension d.
@@ -14,16 +16,23 @@ pub struct Nodes {
     pub of_vertex: Vec<u32>,
     /// Vertex of a node.
     pub vertex: Vec<u32>,
-    /// Cells by node numbers, d + 1 per cell.
+    /// Cells by node numbers.
     pub cells: Vec<u32>,
+    /// Nodes a cell.
+    pub a_cell: usize,
+    /// Boundary facets by vertices, midpoints among them.
+    facets: Vec<u32>,
+    a_facet: usize,
 }
 
 impl Nodes {
-    /// Numbers the vertices of `mesh`; those of a facet on a side in `clamped` come last.
-    pub(crate) fn new(mesh: &Mesh, clamped: &[u32]) -> Self {
+    /// Numbers the points of `mesh` at which the element has nodes; those of a facet on a side in `clamped` come last.
+    pub(crate) fn new(mesh: &mut Mesh, element: Element, clamped: &[u32]) -> Self {
+        let Places { cells, facets } = element.places(mesh);
+        let [a_cell, a_facet] = [1, 0].map(|more| element.nodes_on(mesh.dimension + more));
         let mut is_clamped = vec![false; mesh.vertices()];
         for f in mesh.facets_on(clamped) {
-            for &v in mesh.facet(f) {
+            for &v in &facets[a_facet * f..a_facet * (f + 1)] {
                 is_clamped[v as usize] = true;
             }
         }
@@ -35,8 +44,20 @@ impl Nodes {
         for (node, &v) in vertex.iter().enumerate() {
             of_vertex[v as usize] = node as u32;
         }
-        let cells = mesh.cells.iter().map(|&v| of_vertex[v as usize]).collect();
-        Self { dimension: mesh.dimension, free, of_vertex, vertex, cells }
+        let cells = cells.iter().map(|&v| of_vertex[v as usize]).collect();
+        let dimension = mesh.dimension;
+        Self { dimension, free, of_vertex, vertex, cells, a_cell, facets, a_facet }
+    }
+
+    /// Nodes of cell c.
+    #[inline]
+    pub fn of_cell(&self, c: usize) -> &[u32] {
+        &self.cells[self.a_cell * c..self.a_cell * (c + 1)]
+    }
+
+    /// The vertices of boundary facet f at which there are nodes.
+    pub fn on_facet(&self, f: usize) -> &[u32] {
+        &self.facets[self.a_facet * f..self.a_facet * (f + 1)]
     }
 
     /// Number of unknowns, d a free node.

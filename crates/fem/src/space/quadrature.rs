@@ -6,7 +6,9 @@ mod tetrahedron;
 mod triangle;
 
 pub use tetrahedron::{tetrahedron_degree_5, tetrahedron_degree_6, tetrahedron_product};
-pub use triangle::{triangle_degree_4, triangle_degree_6, triangle_degree_8, triangle_product};
+pub use triangle::{
+    triangle_degree_2, triangle_degree_4, triangle_degree_6, triangle_degree_8, triangle_product,
+};
 
 /// Points (barycentric) and weights.
 #[derive(Debug, Clone, PartialEq)]

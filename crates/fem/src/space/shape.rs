@@ -1,27 +1,35 @@
-//! Geometry of P1 shape functions: cell measures and (constant) gradients, and the strain of a
-//! nodal vector on a cell.
+//! Geometry of shape functions: cell measures, gradients at the points where strains live, and the strain of a
+//! nodal vector there.
 
+use super::Element;
 use crate::mesh::Mesh;
 
-/// Measures and shape gradients of all cells.
+/// Measures of all cells, and shape gradients at their strain points.
 #[derive(Debug, Clone)]
 pub struct Geometry {
     /// Space dimension d.
     pub dimension: usize,
     /// |K| of each cell.
     pub measure: Vec<f64>,
-    /// ∇λ_a of the d + 1 shape functions of each cell, d numbers each.
+    /// Shares of the strain points of a cell in its measure.
+    pub shares: Vec<f64>,
+    /// Gradients of the shape functions of its cell at each point, d numbers each.
     pub gradient: Vec<f64>,
+    /// Numbers a point.
+    stride: usize,
 }
 
 impl Geometry {
     /// Computes measures and gradients of `mesh`. A cell of no or negative area is a broken
     /// invariant of the mesh generators and is reported by its non-positive measure.
-    pub(crate) fn new(mesh: &Mesh) -> Self {
+    pub(crate) fn new(mesh: &Mesh, element: Element) -> Self {
         let d = mesh.dimension;
         let cells = mesh.cell_count();
+        let rule = element.strain_rule(d);
+        let stride = d * element.nodes_on(d + 1);
         let mut measure = Vec::with_capacity(cells);
-        let mut gradient = Vec::with_capacity(cells * d * (d + 1));
+        let mut gradient = Vec::with_capacity(cells * rule.points.len() * stride);
+        let mut linear = Vec::with_capacity(d * (d + 1));
         for c in 0..cells {
             let cell = mesh.cell(c);
             let origin = mesh.vertex(cell[0]);
@@ -31,25 +39,33 @@ impl Geometry {
             measure.push(edges.determinant() / factorial);
             // λ_a(x) = row a of edges⁻¹ · (x - x_0) for a ≥ 1, and the gradients sum to zero.
             let inverse = edges.try_inverse().unwrap_or_else(|| nalgebra::DMatrix::zeros(d, d));
+            linear.clear();
             for i in 0..d {
-                gradient.push(-inverse.column(i).sum());
+                linear.push(-inverse.column(i).sum());
             }
             for a in 0..d {
-                gradient.extend((0..d).map(|i| inverse[(a, i)]));
+                linear.extend((0..d).map(|i| inverse[(a, i)]));
+            }
+            for b in &rule.points {
+                element.append_gradients(b, &linear, &mut gradient);
             }
         }
-        Self { dimension: d, measure, gradient }
+        Self { dimension: d, measure, shares: rule.weights, gradient, stride }
     }
 
-    /// Shape gradients of cell c: d numbers for each of the d + 1 vertices.
+    /// Strain points in all.
+    pub fn points(&self) -> usize {
+        self.shares.len() * self.measure.len()
+    }
+
+    /// Shape gradients at strain point p, which is cell p where each has one: d numbers for each node of its cell.
     #[inline]
-    pub fn gradients(&self, c: usize) -> &[f64] {
-        let stride = self.dimension * (self.dimension + 1);
-        &self.gradient[stride * c..stride * (c + 1)]
+    pub fn gradients(&self, p: usize) -> &[f64] {
+        &self.gradient[self.stride * p..self.stride * (p + 1)]
     }
 }
 
-/// ε(v) on a cell with shape `gradients` and vertex `nodes`, from the nodal vector `v`, in Mandel
+/// ε(v) at a point with shape `gradients` of a cell with these `nodes`, from the nodal vector `v`, in Mandel
 /// notation.
 #[inline]
 pub fn strain_of<const S: usize>(gradients: &[f64], nodes: &[u32], v: &[f64]) -> [f64; S] {
@@ -90,7 +106,7 @@ mod tests {
             3,
             Family::Perturbed { amplitude: 0.2, seed: 1, axes: [true; 3] },
         );
-        let geometry = Geometry::new(&mesh);
+        let geometry = Geometry::new(&mesh, Element::P1);
         // v = (2x + 3y, -x + 5y): ε = (2, 5, (3-1)/2).
         let v: Vec<f64> = (0..mesh.vertices() as u32)
             .flat_map(|p| {

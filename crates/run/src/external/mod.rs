@@ -64,9 +64,10 @@ pub struct ExternalSolver {
     pub pressures: bool,
 }
 
-/// What a case gives to its solver says nothing of friction.
+/// What a case gives to its solver says nothing of friction, and of vertices alone.
 fn takes(scene: &Scene) -> Result<(), SceneError> {
-    scene.without_friction("sweep verify")
+    scene.without_friction("sweep verify")?;
+    scene.with_linear_elements("sweep verify")
 }
 
 impl Scheme for ExternalSolver {

@@ -41,6 +41,7 @@ use std::sync::Arc;
 
 use exact::Exact;
 use fem::contact::Discretization;
+use fem::space::Element;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Data, Direction, Hypothesis, MeshFamily, Norm};
 
@@ -121,6 +122,9 @@ pub fn leading_errors(
 ) -> Result<LeadingErrors, NoConstant> {
     match subject {
         Subject::Abstract(setup) => of_abstract(setup, cases),
+        Subject::Contact(setup) if setup.body.element != Element::P1 => {
+            Err(NoConstant::Element { element: setup.body.element.name() })
+        }
         Subject::Contact(setup) => match measured.variable {
             Direction::H => in_space_direction(setup, measured, cases),
             Direction::K => in_time_direction(setup, measured, cases),

@@ -1,5 +1,6 @@
 //! Loads given as formulas f0, f2, and the reference run that stands for their solution.
 
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -32,24 +33,32 @@ enum Part {
     Side(u32),
 }
 
+/// Corners, measure and nodes of a simplex that loads act on.
+type Simplex<'a> = (&'a [u32], f64, Cow<'a, [u32]>);
+
 impl Part {
-    /// The rule on this part, and its simplices with their measures.
+    /// The rule on this part, and its simplices.
     fn simplices<'a>(
         self,
         space: &'a Discretization,
         rules: &'a TruthRules,
-    ) -> (&'a Rule, Vec<(&'a [u32], f64)>) {
+    ) -> (&'a Rule, Vec<Simplex<'a>>) {
         let mesh = &space.mesh;
+        let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
         match self {
             Self::Body => {
-                let cells = 0..mesh.cell_count();
-                let sized = cells.map(|c| (mesh.cell(c), space.geometry.measure[c]));
-                (&rules.load, sized.collect())
+                let of = |c: usize| {
+                    let nodes = Cow::Borrowed(space.cell_nodes(c));
+                    (mesh.cell(c), space.geometry.measure[c], nodes)
+                };
+                (&rules.load, (0..mesh.cell_count()).map(of).collect())
             }
             Self::Side(side) => {
-                let sides = [side];
-                let sized = mesh.facets_on(&sides).map(|f| (mesh.facet(f), facet_measure(mesh, f)));
-                (&rules.traction, sized.collect())
+                let of = |f: usize| {
+                    let nodes = space.nodes.on_facet(f).iter().map(node).collect();
+                    (mesh.facet(f), facet_measure(mesh, f), Cow::Owned(nodes))
+                };
+                (&rules.traction, mesh.facets_on(&[side]).map(of).collect())
             }
         }
     }
@@ -170,7 +179,7 @@ impl Term {
         let (rule, simplices) = part.simplices(space, rules);
         let points: Vec<[f64; 3]> = simplices
             .iter()
-            .flat_map(|(simplex, _)| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
+            .flat_map(|(simplex, ..)| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
             .collect();
         Self { part, component, bound: Mutex::new(program.bind(&points)) }
     }
@@ -178,15 +187,15 @@ impl Term {
     /// Adds the integral at time t to a nodal vector.
     fn add_to(&self, t: f64, space: &Discretization, rules: &TruthRules, force: &mut [f64]) {
         let (rule, simplices) = self.part.simplices(space, rules);
+        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| space.element.values(b)).collect();
         let mut out = vec![Vec::new()];
         self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
         let values = out[0].chunks_exact(rule.weights.len());
-        for ((simplex, measure), values) in simplices.iter().zip(values) {
-            for ((value, weight), shapes) in values.iter().zip(&rule.weights).zip(&rule.points) {
+        for ((_, measure, nodes), values) in simplices.iter().zip(values) {
+            for ((value, weight), shapes) in values.iter().zip(&rule.weights).zip(&shapes) {
                 let value = weight * measure * value;
-                for (&vertex, shape) in simplex.iter().zip(shapes) {
-                    let node = space.nodes.of_vertex[vertex as usize] as usize;
-                    force[space.nodes.dimension * node + self.component] += shape * value;
+                for (&node, shape) in nodes.iter().zip(shapes) {
+                    force[space.nodes.dimension * node as usize + self.component] += shape * value;
                 }
             }
         }

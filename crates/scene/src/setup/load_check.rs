@@ -177,7 +177,9 @@ impl<'a> Integrals<'a> {
             _ => ([own.load, tetrahedron_product(4)], [own.traction, triangle_degree_8()]),
         };
         let mut acting = Vec::new();
-        let mut add = |formulas: &[Node], simplices: Vec<Vec<u32>>, rules: &[Rule; 2]| {
+        let middles = middles(space);
+        let mut add = |formulas: &[Node], mut simplices: Vec<Vec<u32>>, rules: &[Rule; 2]| {
+            simplices.iter_mut().for_each(|simplex| append_middles(&middles, simplex));
             let simplices: Rc<[Vec<u32>]> = simplices.into();
             for (component, &formula) in formulas.iter().enumerate() {
                 if graph.value_of_constant(formula) != Some(0.0) {
@@ -218,9 +220,9 @@ impl<'a> Integrals<'a> {
         acting.formula.bind(&points).evaluate(t, 0.0, &mut out);
         let mut values = out[0].iter();
         for simplex in &*acting.simplices {
-            let measure = measure(space, simplex);
-            for ((weight, shapes), f) in rule.weights.iter().zip(&rule.points).zip(&mut values) {
-                for (&vertex, shape) in simplex.iter().zip(shapes) {
+            let measure = measure(space, &simplex[..rule.points[0].len()]);
+            for ((weight, b), f) in rule.weights.iter().zip(&rule.points).zip(&mut values) {
+                for (&vertex, shape) in simplex.iter().zip(&space.element.values(b)) {
                     // v vanishes on Γ1.
                     if space.nodes.of_vertex[vertex as usize] as usize >= space.nodes.free {
                         continue;
@@ -233,6 +235,35 @@ impl<'a> Integrals<'a> {
                 }
             }
         }
+    }
+}
+
+/// The vertices between two corners where the element has nodes there, from the nodes of cells.
+fn middles(space: &Discretization) -> HashMap<[u32; 2], u32> {
+    let mut found = HashMap::new();
+    for c in 0..space.mesh.cell_count() {
+        let corners = space.mesh.cell(c);
+        for &node in &space.cell_nodes(c)[corners.len()..] {
+            let vertex = space.nodes.vertex[node as usize];
+            let place = space.mesh.vertex(vertex);
+            let is_between = |p: u32, q: u32| {
+                let ends = space.mesh.vertex(p).iter().zip(space.mesh.vertex(q));
+                ends.zip(place).all(|((p, q), x)| 0.5 * p + 0.5 * q == *x)
+            };
+            let pairs = corners.iter().flat_map(|&p| corners.iter().map(move |&q| [p, q]));
+            let own = pairs.filter(|[p, q]| p < q && is_between(*p, *q));
+            found.extend(own.map(|pair| (pair, vertex)));
+        }
+    }
+    found
+}
+
+/// Appends them to the corners of an edge or triangle, in the order of shape functions.
+fn append_middles(middles: &HashMap<[u32; 2], u32>, simplex: &mut Vec<u32>) {
+    let corners = simplex.clone();
+    let edges = if corners.len() == 2 { 1 } else { corners.len() };
+    for (&p, &q) in corners.iter().zip(corners.iter().cycle().skip(1)).take(edges) {
+        simplex.extend(middles.get(&[p.min(q), p.max(q)]));
     }
 }
 

@@ -47,6 +47,7 @@ use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polytop
 use fem::contact::{
     Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
 };
+use fem::space::Element;
 use vhi::history::{
     CorrectedEnd, FastConvolution, Gregory, GregoryOrder, Left, ProductIntegration, TimeGrid,
     TimeRule, Trapezoid,
@@ -121,21 +122,40 @@ impl Setup {
     /// # Errors
     /// [`SetupError::Mesh`]; a cell that the boundary of a region cuts.
     pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
-        let mut space = self.plain_space(n)?;
+        self.with_regions(self.space_of(self.body.element, n)?, n)
+    }
+
+    /// The same by linear elements, for constants of the problem itself.
+    ///
+    /// # Errors
+    /// As [`Self::space`].
+    pub(crate) fn linear_space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
+        self.with_regions(self.plain_space(n)?, n)
+    }
+
+    fn with_regions(
+        &self,
+        mut space: Discretization,
+        n: u32,
+    ) -> Result<Arc<Discretization>, SetupError> {
         let material = &self.body.material;
         space.regions = material::cell_regions(&self.scene, material, &space.mesh, n)?;
         Ok(Arc::new(space))
     }
 
-    /// V^h without regions, for what does not depend on the material.
+    /// Linear elements without regions, for what depends on neither material nor element.
     ///
     /// # Errors
     /// [`SetupError::Mesh`].
     pub(crate) fn plain_space(&self, n: u32) -> Result<Discretization, SetupError> {
+        self.space_of(Element::P1, n)
+    }
+
+    fn space_of(&self, element: Element, n: u32) -> Result<Discretization, SetupError> {
         let domain = &self.body.domain;
         let mesh = domain.mesh(n);
         let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
-        let mut space = Discretization::new(mesh, &clamped, &contact)
+        let mut space = Discretization::of(element, mesh, &clamped, &contact)
             .map_err(|source| SetupError::Mesh { n, source })?;
         (space.nesting, space.linear_solver) = (domain.nesting(n), self.linear_solver);
         space.precision = self.precision;

@@ -8,8 +8,8 @@ use crate::{Data, LoadForm};
 use exact::Truth;
 use fem::contact::{Discretization, Floors, LevelFields, LoadError, strain_norm};
 use fem::norms::{ElasticProjection, Moments};
+use fem::space::StrainPoint;
 use fem::space::quadrature::TruthRules;
-use fem::space::strain_of;
 use vhi::law::TensorField;
 
 /// `SAFETY` times the largest answer of A = 𝒜 + μ to a difference of loads stands for all times. The
@@ -122,12 +122,13 @@ fn strain_on_contact(space: &Discretization, v: &[f64]) -> f64 {
     for point in &space.trace.points {
         on_contact[point.vertex as usize] = true;
     }
-    let touches = |c: &usize| {
-        space.mesh.cell(*c).iter().filter(|&&vertex| on_contact[vertex as usize]).count() > 1
+    let touches = |at: &StrainPoint<'_>| {
+        let corners = space.mesh.cell(at.cell).iter();
+        corners.filter(|&&vertex| on_contact[vertex as usize]).count() > 1
     };
-    let cells = (0..space.mesh.cell_count()).filter(touches).map(|c| {
-        let strain = strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), v);
-        space.geometry.measure[c] * strain.iter().map(|e| e * e).sum::<f64>()
-    });
-    (2.0 * cells.sum::<f64>() / space.mesh.h()).sqrt()
+    let squares = space
+        .points()
+        .filter(touches)
+        .map(|at| at.weight * at.strain::<3>(v).iter().map(|e| e * e).sum::<f64>());
+    (2.0 * squares.sum::<f64>() / space.mesh.h()).sqrt()
 }

@@ -31,7 +31,7 @@ pub fn trace_family(
     for &n in levels {
         let space = match tensor.is_uniform() {
             true => setup.plain_space(n).map(Arc::new)?,
-            false => setup.space(n)?,
+            false => setup.linear_space(n)?,
         };
         let found = trace_constant(&space, tensor, mass)
             .map_err(|source| SetupError::Constant { n, source })?;

@@ -199,9 +199,9 @@ fn sizes(data: &MeshData, times: &[f64]) -> Result<[f64; 2], LoadError> {
     for &t in times {
         let moments = data.truth.moments(t)?;
         for (size, field) in largest.iter_mut().zip([&moments.strain, &moments.stress]) {
-            let components = field.mean.len() / data.space.geometry.measure.len().max(1);
+            let components = field.at.len() / data.space.geometry.measure.len().max(1);
             let square: f64 = field
-                .mean
+                .at
                 .chunks(components.max(1))
                 .zip(&data.space.geometry.measure)
                 .map(|(mean, measure)| measure * mean.iter().map(|v| v * v).sum::<f64>())

@@ -6,12 +6,13 @@ use super::pressed_zone::PressedZone;
 use algebra::tensor::contract;
 use fem::contact::{Discretization, Model, StepView};
 use fem::norms::is_locked;
-use fem::space::strain_of;
 use vhi::law::Projection;
 
 /// Named quantities; the field names are the JSON keys that other programs rely on.
 #[derive(Debug, Clone, Serialize)]
 pub struct FinalState {
+    /// The element of displacements.
+    pub element: &'static str,
     /// ‖ε(u)‖.
     pub strain_norm: f64,
     /// ζ.
@@ -28,9 +29,9 @@ pub struct FinalState {
     pub multiplier_force: f64,
     /// Cells on which the projection acts.
     pub yielding_elements: usize,
-    /// Smallest u_y over all vertices.
+    /// Smallest u_y over all vertices, and midpoints with nodes.
     pub min_uy: f64,
-    /// Its vertex.
+    /// Its place.
     pub min_uy_vertex: Vec<f64>,
     /// Smallest g - u_ν on Γ3; null without a finite gap.
     pub min_normal_gap: Option<f64>,
@@ -66,6 +67,7 @@ impl FinalState {
         };
         let (min_uy, min_uy_vertex) = lowest(space, view);
         let mut state = Self {
+            element: space.element.name(),
             strain_norm: view.strain_norm,
             zeta: view.zeta,
             elastic_energy,
@@ -166,10 +168,12 @@ fn over_cells<P: Projection, const S: usize>(
     view: &StepView<'_>,
 ) -> (f64, usize) {
     let (mut energy, mut yielding) = (0.0, 0);
+    for at in space.points() {
+        let strain = at.strain::<S>(view.u);
+        let stress = model.elasticity.on(space.region(at.cell)).apply(&strain);
+        energy += 0.5 * at.weight * contract(&stress, &strain);
+    }
     for c in 0..space.mesh.cell_count() {
-        let strain = strain_of::<S>(space.geometry.gradients(c), space.cell_nodes(c), view.u);
-        let stress = model.elasticity.on(space.region(c)).apply(&strain);
-        energy += 0.5 * space.geometry.measure[c] * contract(&stress, &strain);
         yielding += usize::from(view.yields::<P, S>(space, model, c));
     }
     (energy, yielding)

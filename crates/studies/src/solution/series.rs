@@ -24,8 +24,8 @@ impl VtuSeries {
         Ok(Self { dir: dir.to_owned(), name: name.to_owned(), steps: Vec::new() })
     }
 
-    /// Writes one time level: at vertices the displacement and the contact pressure ξ + λ with its
-    /// parts (zero off Γ3); on cells the stress (xx, yy, zz, xy, yz, xz) and where the body yields.
+    /// Writes one time level: at nodes the displacement and the contact pressure ξ + λ with its
+    /// parts (zero off Γ3); on cells the mean stress (xx, yy, zz, xy, yz, xz) and where the body yields.
     ///
     /// # Errors
     /// The file system's.
@@ -49,8 +49,10 @@ impl VtuSeries {
             lambda[point.vertex as usize] += view.multiplier[i];
         }
         let pressure: Vec<f64> = xi.iter().zip(&lambda).map(|(a, b)| a + b).collect();
-        let grid =
-            Grid { points: &points, cells: &mesh.cells, vertices_per_cell: mesh.dimension + 1 };
+        let vertex = |&node: &u32| space.nodes.vertex[node as usize];
+        let cells: Vec<u32> = space.nodes.cells.iter().map(vertex).collect();
+        let vertices_per_cell = space.nodes.a_cell;
+        let grid = Grid { points: &points, cells: &cells, vertices_per_cell };
         let scalar = |name, values| Field { name, components: 1, values };
         let file = format!("{}_{:04}.vtu", self.name, view.n);
         write_vtu(

@@ -20,14 +20,14 @@ pub struct Field<'a> {
     pub values: &'a [f64],
 }
 
-/// A mesh of triangles or of tetrahedra.
+/// A mesh of triangles, of quadratic triangles or of tetrahedra.
 #[derive(Debug, Clone, Copy)]
 pub struct Grid<'a> {
     /// Coordinates; z = 0 in the plane.
     pub points: &'a [[f64; 3]],
     /// Vertices of all cells, as positions in `points`.
     pub cells: &'a [u32],
-    /// 3 for triangles, 4 for tetrahedra.
+    /// 3 for triangles, 4 for tetrahedra, 6 for triangles with the midpoints of their edges.
     pub vertices_per_cell: usize,
 }
 
@@ -55,12 +55,14 @@ pub enum VtuError {
         found: usize,
     },
     /// Neither triangles nor tetrahedra.
-    #[error("cells of {0} vertices are neither triangles (3) nor tetrahedra (4)")]
+    #[error(
+        "cells of {0} vertices are neither triangles (3, or 6 with midpoints) nor tetrahedra (4)"
+    )]
     CellShape(usize),
     /// The last cell is incomplete.
     #[error("{found} cell vertices are no multiple of {vertices_per_cell}")]
     IncompleteCell {
-        /// 3 or 4.
+        /// 3, 4 or 6.
         vertices_per_cell: usize,
         /// Number of entries in `cells`.
         found: usize,
@@ -132,6 +134,7 @@ fn cell_type(grid: &Grid<'_>) -> Result<u8, VtuError> {
     let cell_type = match grid.vertices_per_cell {
         3 => 5,
         4 => 10,
+        6 => 22,
         other => return Err(VtuError::CellShape(other)),
     };
     let (vertices_per_cell, found) = (grid.vertices_per_cell, grid.cells.len());

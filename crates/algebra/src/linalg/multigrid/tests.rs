@@ -49,7 +49,7 @@ impl Body {
                 }
             }
         }
-        let pattern = BlockPattern::new(&cells, 3, free.len());
+        let pattern = BlockPattern::new(&cells, 4, 3, free.len());
         let mut values = vec![0.0; pattern.entries()];
         let local = PATHS.map(|path| stiffness(path, lambda));
         for (c, nodes) in cells.chunks_exact(4).enumerate() {

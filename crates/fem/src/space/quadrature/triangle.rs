@@ -11,6 +11,14 @@ enum Orbit {
     Six { weight: f64, a: f64, b: f64 },
 }
 
+/// Triangle rule of 3 points, exact for degree 2: where the strains of quadratic elements live.
+pub fn triangle_degree_2() -> Rule {
+    let rule = triangle(&[Orbit::Three { weight: 1.0 / 3.0, a: 1.0 / 6.0 }]);
+    // The first point is the one near the first corner.
+    let points = [2, 1, 0].map(|a| rule.points[a].clone()).to_vec();
+    Rule { points, ..rule }
+}
+
 /// Triangle rule of 6 points, exact for degree 4: the rule of loads given or in strong form.
 pub fn triangle_degree_4() -> Rule {
     triangle(&[
@@ -107,6 +115,7 @@ mod tests {
     #[test]
     fn triangle_rules_have_exactly_their_degree() {
         let rules = [
+            (triangle_degree_2(), 2),
             (triangle_degree_4(), 4),
             (triangle_degree_6(), 6),
             (triangle_degree_8(), 8),

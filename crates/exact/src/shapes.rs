@@ -1,0 +1,109 @@
+//! Shape functions of the elements on a simplex and what σ does on them, written apart from the solver's.
+
+use super::constitutive::Tensor;
+use fem::space::Element;
+
+/// Nodes of a cell, at most.
+pub(super) const MOST_NODES: usize = 6;
+
+/// Corners of a triangle at whose common edges the midpoints lie, in the order of its nodes.
+const BETWEEN: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
+
+fn between(corners: usize) -> &'static [[usize; 2]] {
+    if corners == 2 { &BETWEEN[..1] } else { &BETWEEN }
+}
+
+/// Shape functions at barycentric coordinates: at corners, then at midpoints.
+pub(super) fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
+    match element {
+        Element::P1 => b.to_vec(),
+        Element::P2 => {
+            // A quadratic is what is linear through the corners and a bubble 4 b_i b_j of each edge, which lifts the
+            // midpoint; half of a bubble is taken from each of its ends.
+            let mut all = b.to_vec();
+            for &[i, j] in between(b.len()) {
+                let bubble = 4.0 * b[i] * b[j];
+                all[i] -= 0.5 * bubble;
+                all[j] -= 0.5 * bubble;
+                all.push(bubble);
+            }
+            all
+        }
+    }
+}
+
+/// ∫ σ·∇φ_a of all nodes of a cell: `stress` is σ at its strain points, or rather its projection there, and `inward` is
+/// ∫ ∇λ_b of its corners.
+pub(super) fn work<const D: usize>(
+    element: Element,
+    stress: &[Tensor<D>],
+    inward: &[[f64; D]],
+    mut visit: impl FnMut(usize, [f64; D]),
+) {
+    let times = |tensor: &Tensor<D>, b: usize| -> [f64; D] {
+        std::array::from_fn(|i| tensor[i].iter().zip(&inward[b]).map(|(s, n)| s * n).sum())
+    };
+    match element {
+        Element::P1 => (0..inward.len()).for_each(|a| visit(a, times(&stress[0], a))),
+        Element::P2 => {
+            // Means of σ λ_b, from values at the points where λ_b is 2/3 and 1/6.
+            let moment = |b: usize| -> Tensor<D> {
+                let of = |i: usize, j: usize| {
+                    let all: f64 = stress.iter().map(|s| s[i][j]).sum();
+                    (all / 6.0 + stress[b][i][j] / 2.0) / 3.0
+                };
+                std::array::from_fn(|i| std::array::from_fn(|j| of(i, j)))
+            };
+            let moments: Vec<Tensor<D>> = (0..inward.len()).map(moment).collect();
+            // ∇φ_a = ∇λ_a - 2 Σ_b ∇(λ_a λ_b), ∇φ_ab = 4 ∇(λ_a λ_b), and Σ λ_b is one.
+            for a in 0..inward.len() {
+                let mut own = [0.0; D];
+                for (b, moment) in moments.iter().enumerate() {
+                    let factor = if b == a { 3.0 } else { -1.0 };
+                    own.iter_mut().zip(times(moment, a)).for_each(|(own, w)| *own += factor * w);
+                }
+                visit(a, own);
+            }
+            for (edge, &[a, b]) in between(inward.len()).iter().enumerate() {
+                let (p, q) = (times(&moments[a], b), times(&moments[b], a));
+                visit(inward.len() + edge, std::array::from_fn(|i| 4.0 * (p[i] + q[i])));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of σ = (1, x; x, y) on the unit triangle and v = (x², xy): σ:∇v = 2x + x (y + 0) + y x, of mean 2/3 + 1/6.
+    #[test]
+    fn work_on_quadratics_is_exact_for_linear_stresses() {
+        let place = |b: [f64; 3]| [b[1], b[2]];
+        let near =
+            [0, 1, 2].map(|c| std::array::from_fn(|a| if a == c { 2.0 / 3.0 } else { 1.0 / 6.0 }));
+        let stress = near.map(|b| {
+            let [x, y] = place(b);
+            [[1.0, x], [x, y]]
+        });
+        let inward = [[-0.5, -0.5], [0.5, 0.0], [0.0, 0.5]];
+        let nodes = [
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.5, 0.5, 0.0],
+            [0.0, 0.5, 0.5],
+            [0.5, 0.0, 0.5],
+        ];
+        let mut sum = 0.0;
+        work(Element::P2, &stress, &inward, |a, force: [f64; 2]| {
+            let [x, y] = place(nodes[a]);
+            sum += force[0] * x * x + force[1] * x * y;
+        });
+        assert!((sum - 0.5 * (2.0 / 3.0 + 1.0 / 6.0)).abs() < 1e-15, "{sum}");
+        for (a, b) in nodes.iter().enumerate() {
+            let at = shapes(Element::P2, b);
+            assert!(at.iter().enumerate().all(|(i, s)| *s == f64::from(u8::from(i == a))));
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! `[discretization]`: the element of displacements.
+
+use fem::space::Element;
+
+use super::contact::Contact;
+use super::data::Data;
+use super::diagnostic::SceneError;
+use super::reading::Reading;
+use super::sweep::Sweep;
+use super::validated::Scene;
+use super::written;
+use crate::ContactQuadrature;
+
+/// The parts of a scene on which it depends whether an element can have it.
+pub(super) struct Parts<'a> {
+    pub dimension: usize,
+    pub contact: Option<&'a Contact>,
+    pub data: &'a Data,
+    pub sweep: Option<&'a Sweep>,
+}
+
+const KEY: &str = "discretization.element";
+
+/// The element of a scene; P1 where it names none.
+///
+/// # Errors
+/// An element that is unknown, or cannot have a part of the scene.
+pub(super) fn element(
+    reading: &Reading,
+    written: Option<&written::Discretization>,
+    parts: &Parts<'_>,
+) -> Result<Element, SceneError> {
+    let Some(word) = written.and_then(|written| written.element.as_ref()) else {
+        return Ok(Element::P1);
+    };
+    let element = reading.choice(KEY, word, &Element::ALL.map(|own| (own.name(), own)))?;
+    if element == Element::P1 {
+        return Ok(element);
+    }
+    let refused = |message: &str, hint: &str| Err(reading.error(KEY, message, hint));
+    if parts.dimension != 2 {
+        return refused("P2 is an element on triangles", "take P1 for a body in space");
+    }
+    if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
+        let message = "interpolated = true takes the piecewise linear interpolant of u, which is no truth for P2";
+        return refused(message, "remove `interpolated`, or take P1");
+    }
+    if parts.contact.is_some_and(|contact| contact.quadrature != ContactQuadrature::Vertex) {
+        let message =
+            "P2 integrates the contact law by Simpson's rule: vertices and midpoints carry it";
+        return refused(message, "say quadrature = \"vertex\" in [contact], or take P1");
+    }
+    if parts.sweep.is_some_and(|sweep| sweep.reference.is_some()) {
+        let message = "a finer run is compared with P1 functions alone";
+        return refused(message, "give an exact solution, or take P1");
+    }
+    Ok(element)
+}
+
+impl Scene {
+    /// Refuses a scene with another element than P1 for a command that knows constant strains alone.
+    ///
+    /// # Errors
+    /// At `discretization.element`.
+    pub fn with_linear_elements(&self, command: &str) -> Result<(), SceneError> {
+        let Some(body) = self.as_contact().filter(|body| body.element != Element::P1) else {
+            return Ok(());
+        };
+        let message = format!("`{command}` does not treat {} elements", body.element.name());
+        let hint = "list, check, explain, run, gate and solve do; for this command remove [discretization], which leaves P1";
+        Err(self.error(KEY, message, hint))
+    }
+}

@@ -1,0 +1,222 @@
+//! Source: tests/fixtures/quadratic.json by tests/independent/quadratic.py with scikit-fem; interpolation by quadratics.
+//! Goal: P2 is what another program has; quadratic displacements are reproduced; the tangent is the derivative of the
+//!   residual; nodes, weights and points of another element are driven off their order or their constant.
+//! Mesh: n × n squares cut from lower left to upper right, with their vertices moved for the reproduction.
+//! Data: the scenes quadratic-…; a body that holds a quadratic displacement at all times.
+
+use std::sync::Arc;
+
+use crate::shipped::{edited, errors, fixture, on_mesh, run, setup, setup_of, text, v_max};
+use gronwall::contact::{ContactProblem, Discretization, LastSlot, StepView, march};
+use gronwall::linalg::signed_unit;
+use gronwall::norms::step_errors;
+use gronwall::scene::{Scene, Source};
+use gronwall::setup::{Setup, TruthLoad};
+use gronwall::space::Element;
+use gronwall::vhi::{Newton, StepInequality};
+
+fn independent(name: &str) -> Setup {
+    let path = format!("{}/tests/independent/quadratic-{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    setup_of(std::fs::read_to_string(path).expect("a scene"))
+}
+
+/// Every displacement to 1e-9 of the largest: both solve the same discrete problem, to 1e-13.
+#[test]
+fn scikit_fem_finds_the_same() {
+    let known = fixture("quadratic");
+    let [n, steps] = ["n", "steps"].map(|key| known[key].as_u64().expect("a count") as u32);
+    for name in ["elastic", "projection", "contact"] {
+        let setup = independent(name);
+        let (data, mut u) = (on_mesh(&setup, n), Vec::new());
+        let info = run(&setup, &setup.model, &data, steps, |view| u = view.u.to_vec())
+            .unwrap_or_else(|error| panic!("{error}"));
+        assert!(info.kkt_residual < 1e-13, "{name}: {:e}", info.kkt_residual);
+        let (space, largest) = (&data.space, u.iter().fold(0.0f64, |m, v| m.max(v.abs())));
+        let rows = known["nodes"][name].as_array().expect("rows");
+        assert_eq!(rows.len(), space.mesh.vertices());
+        for row in rows {
+            let [x, y, p, q] = [0, 1, 2, 3].map(|i| row[i].as_f64().expect("a number"));
+            let here = |v: &u32| {
+                let own = space.mesh.vertex(*v);
+                (own[0] - x).hypot(own[1] - y) < 1e-12
+            };
+            let v = (0..rows.len() as u32).find(here).expect("a node there");
+            let own = &u[2 * space.nodes.of_vertex[v as usize] as usize..][..2];
+            let off = (own[0] - p).abs().max((own[1] - q).abs());
+            assert!(off <= 1e-9 * largest, "{name} at ({x}, {y}): {off:e}");
+        }
+    }
+}
+
+/// Every term that P2 has, and a displacement that is quadratic on every mesh.
+fn reproduced() -> Setup {
+    let scene = text("quadratic-compliance");
+    let start = scene.find("[exact]").expect("an exact solution");
+    let moved =
+        "contact = [\"bottom\"]\nmesh = { kind = \"perturbed\", amplitude = 0.2, seed = 3 }";
+    let scene = edited(&scene[..start], "contact = [\"bottom\"]", moved);
+    let scene = edited(&scene, "rule = { kind = \"gregory\", order = 4 }\n", "");
+    let exact = "[exact]\nu = [\"(1 - y)*(x + 2*y)\", \"-0.3*(1 - y)*(x - 0.4 + y)\"]\n";
+    let sweep = "[sweep]\nn = [3]\nsteps = [2]\n";
+    let predicts =
+        "[[predicts]]\nnorm = \"V_max\"\nvariable = \"h\"\norder = 2.0\nwhy = \"none\"\n";
+    let scene = edited(&scene, "kernel = \"-exp(-t)\"", "kernel = \"-1\"");
+    setup_of(format!("{scene}{exact}{sweep}{predicts}"))
+}
+
+/// u does not depend on time and the kernel neither, so the trapezoidal rule is exact; the law at the nodes is integrated by
+/// Simpson's rule, exactly where u_ν² times a quadratic is a cubic and no more: on the bottom u_ν is linear, and positive.
+#[test]
+fn quadratic_displacements_are_reproduced() {
+    let setup = reproduced();
+    let data = on_mesh(&setup, 3);
+    assert_eq!(data.space.element, Element::P2);
+    for step in errors(&setup, &setup.model, &data, 2) {
+        // Rounding: strains of size 1, by 1e2 of the condition.
+        assert!(step.v < 1e-12 && step.l2 < 1e-12 && step.trace < 1e-12, "{step:?}");
+        assert!(step.stress < 1e-11, "{step:?}");
+    }
+    let linear = setup_of(edited(&setup.scene.source.text, "element = \"P2\"", "element = \"P1\""));
+    assert!(v_max(&linear, &linear.model, &on_mesh(&linear, 3), 2) > 1e-2);
+}
+
+/// ‖J⁻¹(F(u + s d) - F(u - s d))/2s - d‖/‖d‖ where the body yields in part and κ follows ζ.
+#[test]
+fn the_tangent_at_quadrature_points_is_the_derivative() {
+    const STEP: f64 = 1e-6;
+    let setup = setup_of(edited(&text("quadratic-memory"), "0.02 + 0.05*zeta", "0.10 + 0.05*zeta"));
+    let space = on_mesh(&setup, 3).space;
+    let free = &space.nodes.vertex[..space.nodes.free];
+    let u: Vec<f64> = free
+        .iter()
+        .flat_map(|&v| {
+            let [x, y, _] = space.mesh.point(&[v], &[1.0]);
+            [(1.0 - y) * (0.25 * x - 0.02), -(1.0 - y) * (0.013 + 0.06 * x)]
+        })
+        .collect();
+    let memory = setup.model.memory.iter().map(|term| 0.125 * term.kernel.value(0.0)).collect();
+    let slot = LastSlot { zeta: 0.125, memory };
+    let mut problem = ContactProblem::new(&space, &setup.model);
+    problem.begin(&slot, 0.1, &vec![0.0; space.dofs()], &[]);
+    let mut seed = 5;
+    let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
+    let mut forces = |sign: f64| {
+        let at: Vec<f64> = u.iter().zip(&d).map(|(u, d)| u + sign * STEP * d).collect();
+        let mut out = vec![0.0; u.len()];
+        problem.residual(&at, &mut out);
+        out
+    };
+    let (plus, minus) = (forces(1.0), forces(-1.0));
+    let mut x: Vec<f64> = plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * STEP)).collect();
+    problem.residual(&u, &mut vec![0.0; u.len()]);
+    problem.linearize(&[], &[]).expect("a positive definite tangent");
+    problem.solve(&mut x, 1e-10).expect("a solve");
+    let off: f64 = x.iter().zip(&d).map(|(x, d)| (x - d).powi(2)).sum();
+    let size: f64 = d.iter().map(|d| d * d).sum();
+    // As in tests/numbers/tangent.rs: truncation and rounding.
+    assert!((off / size).sqrt() < 1e-7, "{:e}", (off / size).sqrt());
+}
+
+/// A change of the space on which a scene is solved.
+type Change = fn(&mut Discretization);
+
+/// V_max on n = 4, 8, 16 of a march on a changed space, measured on the sound one; none where a run fails.
+fn driven(name: &str, change: Change) -> Option<[f64; 3]> {
+    let setup = setup(name);
+    let of = |n: u32| {
+        let data = on_mesh(&setup, n);
+        let mut space =
+            Arc::into_inner(setup.space(n).expect("a mesh")).expect("nobody else has it");
+        change(&mut space);
+        let (mut load, mut worst) = (TruthLoad(&*data.truth), 0.0f64);
+        let mut see = |view: &StepView<'_>| {
+            let truth = data.truth.moments(view.t)?;
+            worst = worst.max(step_errors(&data.space, &setup.model, view, &truth).v);
+            Ok(())
+        };
+        let newton = Newton::default();
+        let done = march(&space, &setup.model, &setup.grid(16), &mut load, &newton, &mut see);
+        done.is_ok().then_some(worst)
+    };
+    let [a, b, c] = [4, 8, 16].map(of);
+    Some([a?, b?, c?])
+}
+
+fn order([_, b, c]: [f64; 3]) -> f64 {
+    (b / c).log2()
+}
+
+/// Weights of the vertex rule by the shares of a facet in its corners and its midpoint.
+fn weights(space: &mut Discretization, [corner, middle]: [f64; 2]) {
+    let trace = &mut space.trace;
+    trace.points.iter_mut().for_each(|point| point.weight = 0.0);
+    for f in 0..trace.measure.len() {
+        for (a, i) in trace.facet(f).to_vec().into_iter().enumerate() {
+            let share = if a < 2 { corner } else { middle };
+            trace.points[i as usize].weight += share * trace.measure[f];
+        }
+    }
+}
+
+#[test]
+fn nodes_weights_and_points_of_another_element_are_seen() {
+    let sound = driven("quadratic-compliance", |_| {}).expect("a sound run");
+    assert!((order(sound) - 2.0).abs() < 0.15, "{sound:?}");
+    let wrong: [(&str, &str, Change); 5] = [
+        ("equal weights on edges", "quadratic-compliance", |s| weights(s, [1.0 / 3.0; 2])),
+        ("vertices alone carry the law", "quadratic-compliance", |s| weights(s, [0.5, 0.0])),
+        ("midpoints alone carry the law", "quadratic-compliance", |s| weights(s, [0.0, 1.0])),
+        ("one point a cell", "quadratic-elastic", |s| s.geometry.shares = vec![1.0, 0.0, 0.0]),
+        ("weights of points", "quadratic-elastic", |s| s.geometry.shares = vec![0.5, 0.25, 0.25]),
+    ];
+    for (name, scene, change) in wrong {
+        // No answer at all is caught, too.
+        let Some(found) = driven(scene, change) else { continue };
+        assert!((order(found) - 2.0).abs() > 0.15, "{name}: {found:?}");
+    }
+}
+
+/// Midpoints that follow their corners make linear functions of quadratic ones.
+#[test]
+fn midpoints_between_their_corners_have_order_one() {
+    let setup = setup("quadratic-elastic");
+    let error = |n: u32| {
+        let data = on_mesh(&setup, n);
+        let (space, mut worst) = (&data.space, 0.0f64);
+        run(&setup, &setup.model, &data, 4, |view| {
+            let mut u = view.u.to_vec();
+            for nodes in space.nodes.cells.chunks_exact(6) {
+                for (middle, [a, b]) in [(3, [0, 1]), (4, [1, 2]), (5, [2, 0])] {
+                    let at = |a: usize| 2 * nodes[a] as usize;
+                    (0..2).for_each(|i| u[at(middle) + i] = 0.5 * (u[at(a) + i] + u[at(b) + i]));
+                }
+            }
+            let truth = data.truth.moments(view.t).expect("a truth");
+            let seen = StepView { u: &u, ..*view };
+            worst = worst.max(step_errors(space, &setup.model, &seen, &truth).v);
+        })
+        .unwrap_or_else(|error| panic!("{error}"));
+        worst
+    };
+    let found = [4, 8, 16].map(error);
+    assert!((order(found) - 1.0).abs() < 0.15, "{found:?}");
+}
+
+/// What P2 cannot have, and what knows linear elements alone, says so at the key.
+#[test]
+fn what_has_no_quadratic_form_is_refused() {
+    let scene = text("quadratic-compliance");
+    let refused = |text: String| {
+        let read = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
+        read.expect_err("a refusal").to_string()
+    };
+    let p3 = refused(edited(&scene, "element = \"P2\"", "element = \"P3\""));
+    assert!(p3.contains("unknown value `P3` of `element`") && p3.contains("P1, P2"), "{p3}");
+    let gauss = refused(edited(&scene, "quadrature = \"vertex\"", "quadrature = \"gauss\""));
+    assert!(gauss.contains("Simpson") && gauss.contains("take P1"), "{gauss}");
+    let interpolated = edited(&scene, "u = [", "interpolated = true\nu = [");
+    assert!(refused(interpolated).contains("no truth for P2"));
+    let setup = setup_of(scene);
+    let told = setup.scene.with_linear_elements("sweep audit").expect_err("a refusal").to_string();
+    assert!(told.contains("`sweep audit` does not treat P2 elements"), "{told}");
+}
