@@ -11,7 +11,7 @@ use gronwall::extremes::{Climbed, Standing, UnderTest, catalogue, judge};
 use gronwall::report::StudyDocument;
 use gronwall::setup::Subject;
 use gronwall::theory::audit::{AtLevel, SceneAudit};
-use gronwall::theory::bound::Bound;
+use gronwall::theory::bound::BoundStudy;
 use gronwall::theory::gronwall::{Study, StudyRuns};
 use gronwall::theory::ledger;
 
@@ -24,8 +24,8 @@ fn shows(sound: &StudyDocument, defect: &StudyDocument, words: &str) {
 
 #[test]
 fn a_bound_says_what_is_violated() {
-    let sound = Bound::new(&setup("memory-minus-identity"), 4, 4).expect("a study");
-    let document = |bound: &Bound| bound.document().expect("a document");
+    let sound = BoundStudy::new(&setup("memory-minus-identity"), 4, 4).expect("a study");
+    let document = |bound: &BoundStudy| bound.document().expect("a document");
     let mut defect = sound.clone();
     defect.violations.push(gronwall::theory::bound::gate::Violation {
         k: Some(0.5),

@@ -7,7 +7,7 @@ use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Scene, Source};
 use gronwall::setup::{AbstractLoad, AbstractSetup};
-use gronwall::theory::bound::Bound;
+use gronwall::theory::bound::BoundStudy;
 use gronwall::vhi::{FixedPoint, HistoryInequality, Newton, StepInequality, StepSolver, StepState};
 use nalgebra::DVector;
 
@@ -251,7 +251,7 @@ fn what_is_no_solution_is_refused_with_its_place() {
 fn the_study_of_the_step_size_holds_and_its_defects_are_seen() {
     for name in ["abstract-smooth", "abstract-contact"] {
         let mut setup = shipped(name);
-        let bound = Bound::of_abstract(&setup, 8).unwrap_or_else(|error| panic!("{error}"));
+        let bound = BoundStudy::of_abstract(&setup, 8).unwrap_or_else(|error| panic!("{error}"));
         assert!(bound.holds(), "{name}: {:?}", bound.violations);
         let smallest = &bound.study.rungs[0];
         // Finite perturbations of 1e-6 have seven digits.
@@ -260,7 +260,7 @@ fn the_study_of_the_step_size_holds_and_its_defects_are_seen() {
         // A constant that promises ten times too much is caught.
         setup.constants.m0 *= 10.0;
         setup.constants.m_a *= 10.0;
-        let wrong = Bound::of_abstract(&setup, 8).unwrap_or_else(|error| panic!("{error}"));
+        let wrong = BoundStudy::of_abstract(&setup, 8).unwrap_or_else(|error| panic!("{error}"));
         assert!(!wrong.holds(), "{name}");
     }
 }
@@ -272,7 +272,7 @@ fn a_single_unknown_attains_the_sharpened_bound() {
         "dimension = 1\n[time]\nhorizon = 1.0\n[operator]\nmatrix = [[2.0]]\n[history]\nkernels = [{ q = \"0.6 + 0*t\" }]\n[exact]\nu = [\"sin(t)\"]\n[sweep]\nsteps = [4]",
     )
     .unwrap_or_else(|error| panic!("{error}"));
-    let bound = Bound::of_abstract(&setup, 4).unwrap_or_else(|error| panic!("{error}"));
+    let bound = BoundStudy::of_abstract(&setup, 4).unwrap_or_else(|error| panic!("{error}"));
     assert!(bound.holds() && bound.attained, "{:?}", bound.violations);
     let rung = &bound.study.rungs[3];
     assert!((rung.norm - 0.5 * rung.k * 0.6 / 2.0).abs() < 1e-12, "{rung:?}");

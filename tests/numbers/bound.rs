@@ -17,7 +17,7 @@ use gronwall::theory::bound::gate::violations;
 use gronwall::theory::bound::ladder::{BoundError, Ladder, Outcome, Rung};
 use gronwall::theory::bound::run::Study;
 use gronwall::theory::bound::threshold::Crossing;
-use gronwall::theory::bound::{Bound, sampled};
+use gronwall::theory::bound::{BoundStudy, sampled};
 use gronwall::vhi::{
     BoundaryGraph, FixedPoint, FrozenDerivative, HistoryInequality, Newton, Scratch, StepBounds,
     StepError, StepInequality, StepState,
@@ -95,7 +95,7 @@ fn linear_punch_has_half_of_the_sharpened_factor() {
 #[test]
 fn punch_keeps_the_order_of_things() {
     let setup = setup("punch");
-    let bound = Bound::new(&setup, N, 8).unwrap_or_else(|error| panic!("{error}"));
+    let bound = BoundStudy::new(&setup, N, 8).unwrap_or_else(|error| panic!("{error}"));
     assert!(bound.holds(), "{:?}", bound.violations);
     assert!(bound.samples.len() >= 9 && bound.study.starts.same >= 20);
     assert_eq!(bound.study.starts.distinct, 0);
