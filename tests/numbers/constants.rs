@@ -10,7 +10,6 @@ use gronwall::law::MemoryKernel;
 use gronwall::leading_error::{
     Case, InterpolationError, Measured, interpolation_constant, leading_errors,
 };
-use gronwall::mesh::{Family, rectangle};
 use gronwall::record::{CaseRecord, Key};
 use gronwall::scene::{Direction, Norm, Scene, Source};
 use gronwall::setup::{AbstractSetup, Setup, Subject};
@@ -319,8 +318,8 @@ fn interpolation_errors_tend_to_the_integral_of_second_derivatives() {
     let exact = setup.exact.as_ref().expect("an exact solution");
     let limit = interpolation_constant(exact, &[1.0, 1.0], 0.7);
     let off = |n: u32| {
-        let mesh = rectangle([1.0, 1.0], n, Family::Structured);
-        InterpolationError::new(exact, &mesh).at(0.7) * f64::from(n) / limit - 1.0
+        let space = setup.space(n).expect("a mesh");
+        InterpolationError::new(exact, &space).at(0.7) * f64::from(n) / limit - 1.0
     };
     let (coarse, fine) = (off(16), off(32));
     println!("interpolation: {coarse:.2e} off the limit at n = 16, {fine:.2e} at n = 32");

@@ -132,7 +132,10 @@ fn long_no_shipped_scene_violates_the_chain() {
                 | GronwallError::Smallness { .. }
                 | GronwallError::NotLipschitz { .. },
             ) => refused.push(name.to_string()),
-            Err(GronwallError::Setup(_)) if subject.scene().without_friction("").is_err() => {
+            Err(GronwallError::Setup(_))
+                if subject.scene().without_friction("").is_err()
+                    || subject.scene().with_linear_elements("").is_err() =>
+            {
                 refused.push(name.to_string());
             }
             Err(other) => panic!("{name}: {other}"),

@@ -11,6 +11,7 @@ use super::{BLOCK, ORIGIN, Tie, block, near, value, with};
 pub const TIES: &[Tie] = &[
     (&["contact.gap", "contact.shift"], gap_and_shift),
     (&["contact.quadrature"], quadrature),
+    (&["discretization.element"], element),
     (&["contact.law.kind", "contact.law.stiffness"], linear),
     (
         &["contact.law.points", "contact.law.slope_before", "contact.law.slope_after"],
@@ -64,6 +65,15 @@ fn quadrature() {
         ));
         assert_eq!(setup.body.contact.as_ref().expect("a contact").quadrature, read);
         assert_eq!(setup.model.boundary.as_ref().expect("a boundary").rule, built);
+    }
+}
+
+/// Unknowns of 2 × 2 squares below a clamped top: nodes at the vertices, and at the midpoints of edges.
+fn element() {
+    let written = crate::shipped::text("quadratic-elastic");
+    for (line, nodes) in [("element = \"P1\"", 9 - 3), ("element = \"P2\"", 25 - 5), ("", 9 - 3)] {
+        let setup = crate::shipped::setup_of(with(&written, &[("element = \"P2\"", line)]));
+        assert_eq!(setup.space(2).expect("a mesh").dofs(), 2 * nodes, "{line}");
     }
 }
 

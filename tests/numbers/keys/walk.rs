@@ -44,6 +44,8 @@ kind = "none"
 [contact.friction]
 [contact.friction.bound]
 kind = "slip"
+[discretization]
+element = "P1"
 [loads]
 body = []
 [exact]

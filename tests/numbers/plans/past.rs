@@ -108,6 +108,9 @@ fn long_all_sums_over_the_past_have_the_same_solution() {
         "left-rule-graded",
         "product-integrated",
         "product-integrated-graded",
+        "quadratic-compliance",
+        "quadratic-friction",
+        "quadratic-memory",
     ];
     assert_eq!(direct_alone, own);
     assert!(recursive >= 40 && interpolated > recursive, "{recursive} {interpolated}");

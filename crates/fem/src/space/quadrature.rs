@@ -5,6 +5,8 @@
 mod tetrahedron;
 mod triangle;
 
+use super::Element;
+
 pub use tetrahedron::{tetrahedron_degree_5, tetrahedron_degree_6, tetrahedron_product};
 pub use triangle::{
     triangle_degree_2, triangle_degree_4, triangle_degree_6, triangle_degree_8, triangle_product,
@@ -89,6 +91,29 @@ impl TruthRules {
             }
         };
         Self { load, stress: error.clone(), error, side, traction }
+    }
+
+    /// The rules for an element: for quadratic ones two degrees more in the cells, and as many points as keep what a kink
+    /// leaves out far below the smaller error.
+    pub fn for_element(element: Element, dimension: usize) -> Self {
+        let linear = Self::of(dimension);
+        match element {
+            Element::P1 => linear,
+            Element::P2 => linear.with_cells(triangle_degree_6(), triangle_product(5)),
+        }
+    }
+
+    /// The next rule of each of [`Self::for_element`].
+    pub fn stronger_for(element: Element, dimension: usize) -> Self {
+        let linear = Self::stronger(dimension);
+        match element {
+            Element::P1 => linear,
+            Element::P2 => linear.with_cells(triangle_degree_8(), triangle_product(7)),
+        }
+    }
+
+    fn with_cells(self, load: Rule, error: Rule) -> Self {
+        Self { load, stress: error.clone(), error, ..self }
     }
 
     /// The next rule of each: what the usual one leaves out shows in the difference.

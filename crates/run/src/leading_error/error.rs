@@ -21,8 +21,8 @@ pub enum NoConstant {
     /// Both directions at once.
     #[error("both steps are refined: constants are predicted along h alone and along k alone")]
     Joint,
-    /// Interpolants and tangents here are those of P1.
-    #[error("{element} has no predicted constant: the leading error is that of P1")]
+    /// Stresses of interpolants and tangents here are those of P1.
+    #[error("{element} has a predicted constant for V_max in h alone")]
     Element { element: &'static str },
     /// I_h u is not closer to u_h than to u.
     #[error("the mesh is no grid of translated simplices, so the interpolant is not superclose")]

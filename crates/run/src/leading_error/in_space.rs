@@ -111,7 +111,7 @@ impl<const S: usize> InSpace<S> {
 
     /// Whether u(t) ∈ V^h, to rounding, at times that no scene has reason to single out.
     pub(super) fn holds_the_solution(&self, horizon: f64) -> bool {
-        let mut interpolation = InterpolationError::new(&self.exact, &self.space.mesh);
+        let mut interpolation = InterpolationError::new(&self.exact, &self.space);
         [0.37, 0.83, 1.0].iter().all(|share| {
             let t = share * horizon;
             let strain: Vec<Mandel<S>> = strains(&self.space, &self.own_history().displacement(t));

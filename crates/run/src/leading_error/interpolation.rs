@@ -9,8 +9,9 @@ use super::{Case, LeadingError, LeadingErrors, NoConstant, along_the_interpolant
 use exact::Exact;
 use exact::constitutive::{Tensor, full};
 use exact::linear::gradient_of;
-use fem::contact::LoadError;
+use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
+use fem::space::Element;
 use fem::space::quadrature::{Rule, gauss_legendre, tetrahedron_degree_5, triangle_degree_4};
 use formula::{Bound, Program, Variable};
 use scene::Shape;
@@ -95,8 +96,8 @@ fn simplices_of_a_cube<const D: usize>() -> Vec<QuadraticError<D>> {
 
 /// ‖ε(u(t) - I_h u(t))‖ on one mesh.
 pub struct InterpolationError<'a> {
-    mesh: &'a Mesh,
-    /// u at the vertices.
+    space: &'a Discretization,
+    /// u at the vertices, and midpoints that have nodes.
     nodal: Bound,
     /// ε(u) at the points of the cells.
     strain: Bound,
@@ -104,10 +105,10 @@ pub struct InterpolationError<'a> {
 }
 
 impl<'a> InterpolationError<'a> {
-    /// Binds u to the vertices of a mesh, ε(u) to the points of a rule of degree 4 or 5 a cell: the square of what
-    /// interpolation leaves of a quadratic's strain is of degree 2.
-    pub fn new(exact: &Exact, mesh: &'a Mesh) -> Self {
-        let mut graph = exact.data.graph.clone();
+    /// Binds u to the nodes of a mesh, ε(u) to the points of a rule of degree 4 or 5 a cell: the square of what linear
+    /// interpolation leaves of a quadratic's strain is of degree 2, quadratic of a cubic's 4.
+    pub fn new(exact: &Exact, space: &'a Discretization) -> Self {
+        let (mesh, mut graph) = (&space.mesh, exact.data.graph.clone());
         let horizon = exact.data.horizon;
         let vertices: Vec<[f64; 3]> =
             (0..mesh.vertices() as u32).map(|v| mesh.point(&[v], &[1.0])).collect();
@@ -117,12 +118,12 @@ impl<'a> InterpolationError<'a> {
             .collect();
         let nodal = Program::compile(&mut graph, &exact.data.u, horizon).bind(&vertices);
         let strain = Program::compile(&mut graph, &exact.strain, horizon).bind(&points);
-        Self { mesh, nodal, strain, rule }
+        Self { space, nodal, strain, rule }
     }
 
     /// The error at time t.
     pub fn at(&mut self, t: f64) -> f64 {
-        match self.mesh.dimension {
+        match self.space.mesh.dimension {
             2 => self.at_in::<2>(t),
             _ => self.at_in::<3>(t),
         }
@@ -134,10 +135,16 @@ impl<'a> InterpolationError<'a> {
         let mut strain = vec![Vec::new(); D * (D + 1) / 2];
         self.strain.evaluate(t, 0.0, &mut strain);
         let mut sum = 0.0;
-        for c in 0..self.mesh.cell_count() {
-            let (interpolant, measure) = strain_of_interpolant::<D>(self.mesh, c, &nodal);
-            for (q, weight) in self.rule.weights.iter().enumerate() {
+        let cell_points = self.rule.points.iter().zip(&self.rule.weights);
+        for c in 0..self.space.mesh.cell_count() {
+            let edges = edges_of::<D>(&self.space.mesh, c);
+            let measure = measure(&edges);
+            let at = |b: &[f64]| strain_of_interpolant(self.space, (c, b), &edges, &nodal);
+            // The strain of a linear function is the same everywhere.
+            let constant = (self.space.element == Element::P1).then(|| at(&self.rule.points[0]));
+            for (q, (b, weight)) in cell_points.clone().enumerate() {
                 let p = c * self.rule.weights.len() + q;
+                let interpolant: Tensor<D> = constant.unwrap_or_else(|| at(b));
                 let own: Tensor<D> = full(|k| strain[k][p]);
                 let pairs = own.as_flattened().iter().zip(interpolant.as_flattened());
                 sum += weight * measure * pairs.map(|(e, i)| (e - i).powi(2)).sum::<f64>();
@@ -147,23 +154,39 @@ impl<'a> InterpolationError<'a> {
     }
 }
 
-/// ε of the linear function with the nodal values of a cell, and the measure of the cell.
-fn strain_of_interpolant<const D: usize>(
-    mesh: &Mesh,
-    c: usize,
-    nodal: &[Vec<f64>],
-) -> (Tensor<D>, f64) {
+/// The edges of a cell from its first corner.
+fn edges_of<const D: usize>(mesh: &Mesh, c: usize) -> [[f64; D]; D] {
     let cell = mesh.cell(c);
     let corner = |a: usize| mesh.vertex(cell[a]);
-    let edges: [[f64; D]; D] =
-        std::array::from_fn(|a| std::array::from_fn(|i| corner(a + 1)[i] - corner(0)[i]));
+    std::array::from_fn(|a| std::array::from_fn(|i| corner(a + 1)[i] - corner(0)[i]))
+}
+
+/// ε at barycentric coordinates of a cell of the function of the element with these nodal values.
+fn strain_of_interpolant<const D: usize>(
+    space: &Discretization,
+    (c, b): (usize, &[f64]),
+    edges: &[[f64; D]; D],
+    nodal: &[Vec<f64>],
+) -> Tensor<D> {
+    let vertex = |a: usize| space.nodes.vertex[space.cell_nodes(c)[a] as usize] as usize;
     let gradient: [[f64; D]; D] = std::array::from_fn(|i| {
-        let rise = |a: usize| nodal[i][cell[a + 1] as usize] - nodal[i][cell[0] as usize];
-        gradient_of(&edges, &std::array::from_fn(rise))
+        let slope = |a: usize| slope(space.element, b, a, |node| nodal[i][vertex(node)]);
+        gradient_of(edges, &std::array::from_fn(|a| slope(a + 1) - slope(0)))
     });
-    let strain =
-        std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (gradient[i][j] + gradient[j][i])));
-    (strain, measure(&edges))
+    std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (gradient[i][j] + gradient[j][i])))
+}
+
+/// The derivative of a function by barycentric coordinate `a`, the others being held. A quadratic one is
+/// Σ v_a b_a (2 b_a - 1) + 4 Σ v_ij b_i b_j, its midpoints in the order 01, 12, 20.
+fn slope(element: Element, b: &[f64], a: usize, value: impl Fn(usize) -> f64) -> f64 {
+    match element {
+        Element::P1 => value(a),
+        Element::P2 => {
+            let (next, before) = ((a + 1) % 3, (a + 2) % 3);
+            let of_edges = b[next] * value(3 + a) + b[before] * value(3 + before);
+            (4.0 * b[a] - 1.0) * value(a) + 4.0 * of_edges
+        }
+    }
 }
 
 /// The measure of a positively oriented simplex by its edges from one corner.
@@ -210,7 +233,7 @@ pub(super) fn over_cases(
                 tried.iter().map(at).collect::<Result<_, LoadError>>()?
             }
             false => {
-                let mut strain = InterpolationError::new(exact, &space.mesh);
+                let mut strain = InterpolationError::new(exact, &space);
                 tried.iter().map(|&t| (t, strain.at(t))).collect()
             }
         };
@@ -221,8 +244,9 @@ pub(super) fn over_cases(
         points.push(LeadingError { case, h, k, error });
     }
     let domain = &setup.body.domain;
-    // The integral of second derivatives is over a rectangle or box.
-    let at = worst.first().filter(|_| domain.shape == Shape::Box && !of_stress);
+    // The integral of second derivatives is over a rectangle or box, and the limit of linear interpolation.
+    let linear = setup.body.element == Element::P1;
+    let at = worst.first().filter(|_| domain.shape == Shape::Box && !of_stress && linear);
     let limit = at.map(|&(t, _)| interpolation_constant(exact, &domain.size, t));
     let finest = points.iter().filter_map(|point| point.h).fold(f64::INFINITY, f64::min);
     let tolerance = along_the_interpolant(setup, finest);

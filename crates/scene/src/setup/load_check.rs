@@ -72,8 +72,9 @@ fn of_forms(
     // By the usual rules, and by the next. Those in the strong form are the scene's own loads: what is wrong in `truth`
     // must not widen what it may be off by.
     let by_both = |form| -> Result<[Vec<Sums>; 2], LoadError> {
-        let d = space.mesh.dimension;
-        Ok([by(form, TruthRules::of(d))?, by(form, TruthRules::stronger(d))?])
+        let (element, d) = (space.element, space.mesh.dimension);
+        let next = by(form, TruthRules::stronger_for(element, d))?;
+        Ok([by(form, TruthRules::for_element(element, d))?, next])
     };
     let (strong, weak) = (by_both(LoadForm::Strong)?, by_both(LoadForm::Weak)?);
     let missed =
@@ -171,7 +172,7 @@ impl<'a> Integrals<'a> {
         space: &'a Discretization,
     ) -> Self {
         let (mesh, mut graph) = (&space.mesh, scene.formulas.clone());
-        let own = TruthRules::of(mesh.dimension);
+        let own = TruthRules::for_element(space.element, mesh.dimension);
         let (inside, outside) = match mesh.dimension {
             2 => ([own.load, triangle_product(5)], [own.traction, edge(7)]),
             _ => ([own.load, tetrahedron_product(4)], [own.traction, triangle_degree_8()]),

@@ -59,7 +59,7 @@ impl MeshData {
         n: u32,
         reference: Option<Arc<ReferenceRun>>,
     ) -> Result<Self, SetupError> {
-        let rules = TruthRules::of(setup.scene.dimension);
+        let rules = TruthRules::for_element(setup.body.element, setup.scene.dimension);
         let space = setup.space(n)?;
         let truth = truth(setup, setup.exact.as_ref(), &space, reference, &rules, true)?;
         let mut data = Self::with_truth(space, truth);

@@ -68,8 +68,9 @@ pub(super) fn rule_check(
     let loads = |truth: &dyn Truth| -> Result<Vec<Arc<Vec<f64>>>, LoadError> {
         times.iter().map(|&t| truth.load(t)).collect()
     };
-    let own = own.map_or_else(|| truth(&TruthRules::of(setup.scene.dimension), false), Ok)?;
-    let next = || truth(&TruthRules::stronger(setup.scene.dimension), true);
+    let (element, d) = (space.element, setup.scene.dimension);
+    let own = own.map_or_else(|| truth(&TruthRules::for_element(element, d), false), Ok)?;
+    let next = || truth(&TruthRules::stronger_for(element, d), true);
     let mut stronger = next()?;
     let moments = match setup.exact.is_some() {
         // Moments of a reference run are exact.

@@ -57,8 +57,8 @@ pub(super) fn truth(setup: &Setup, space: &Discretization) -> TruthCost {
     let a_time = 8.0 * (moments as f64 + dofs);
     let exact = setup.exact.as_ref().filter(|_| !is_interpolated(setup));
     let Some(exact) = exact else { return TruthCost { a_time, ..TruthCost::default() } };
-    let [load, error] = points(setup, &TruthRules::of(d));
-    let [next_load, next_error] = points(setup, &TruthRules::stronger(d));
+    let [load, error] = points(setup, &TruthRules::for_element(space.element, d));
+    let [next_load, next_error] = points(setup, &TruthRules::stronger_for(space.element, d));
     let shorter = shorter_way(setup, exact, space);
     let of_moments = |points: f64| match shorter {
         Some(bytes) => bytes * points / error,
@@ -83,7 +83,7 @@ pub(super) fn load_bytes(setup: &Setup, space: &Discretization) -> f64 {
     if let Some(separation) = exact.and_then(|exact| exact.separation.as_ref()) {
         return 8.0 * (separation.factors.parts * space.dofs()) as f64;
     }
-    let [load, _] = points(setup, &TruthRules::of(setup.scene.dimension));
+    let [load, _] = points(setup, &TruthRules::for_element(space.element, setup.scene.dimension));
     let shorter = exact.filter(|_| is_shared(setup));
     let shorter = shorter.and_then(|exact| shorter_way(setup, exact, space));
     shorter.unwrap_or_else(|| formulas(setup, load * space.mesh.cell_count() as f64))
