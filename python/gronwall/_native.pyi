@@ -17,6 +17,7 @@ def fit(
     tolerance: float | None,
     log: float,
 ) -> dict[str, Any]: ...
+def settles(levels: int, decision: str, probability: float | None, before: str | None) -> bool: ...
 def verify(
     scene: str,
     solve: Callable[[dict[str, Any]], Any],

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import Any
 
+from . import _native
 from ._fit import demand, fit
 from ._verdict import Decision, Verdict
 
@@ -88,17 +89,18 @@ class Study:
         self.h = [2.0**-i for i in range(1, MOST + 1)] if h is None else sorted(map(float, h), reverse=True)
 
     def __call__(self) -> Results:
-        """Run levels, the cheapest first, until every order is decided.
+        """Run levels, the cheapest first, until every order is settled.
 
-        A failure is confirmed by one level more: coarse levels may not show the order yet. No level is begun that
-        would not fit into the budget if its cost grew as that of the last two.
+        A pass needs four levels and a failure five, of which the last two fail: fewer pass or fail wrong orders too
+        often when each of them is judged. No level is begun that would not fit into the budget if its cost grew as that
+        of the last two.
         """
         orders = self.order if isinstance(self.order, Mapping) else {"error": self.order}
         run: list[float] = []
         seconds: list[float] = []
         errors: dict[str, list[float]] = {name: [] for name in orders}
         verdicts: dict[str, Verdict] = {}
-        failed_before, stopped = False, "all were run"
+        stopped = "all were run"
         for h in self.h:
             if len(run) >= FEWEST and seconds[-1] + sum(seconds) + _growth(seconds) > self.budget:
                 stopped = f"h = {h:.4g} would leave the budget of {self.budget:g} s"
@@ -111,12 +113,11 @@ class Study:
                 errors[name].append(value)
             if len(run) < self.fewest:
                 continue
+            before = verdicts
             verdicts = {name: fit(run, errors[name], order, name=name, **self.options) for name, order in orders.items()}
-            decisions = {verdict.decision for verdict in verdicts.values()}
-            if decisions == {"pass"} or ("unresolved" not in decisions and failed_before):
+            if all(_settled(verdict, before.get(name)) for name, verdict in verdicts.items()):
                 stopped = "decided"
                 break
-            failed_before = "fail" in decisions and "unresolved" not in decisions
         if not verdicts:
             verdicts = {name: fit(run, errors[name], order, name=name, **self.options) for name, order in orders.items()}
         return Results(verdicts, tuple(run), tuple(seconds), stopped)
@@ -159,6 +160,12 @@ def study(
     'pass'
     """
     return lambda solve: Study(solve, order, budget, h, fewest, options)
+
+
+def _settled(verdict: Verdict, before: Verdict | None) -> bool:
+    """Whether no further level is needed, by the rule of ``sweep run --until-resolved``."""
+    earlier = before.decision if before else None
+    return _native.settles(len(verdict.h), verdict.decision, verdict.probability, earlier)
 
 
 def _growth(seconds: list[float]) -> float:

@@ -1,6 +1,7 @@
 //! The judge for one table.
 
-use gronwall::fit::{Claim, FitError, Level, TOLERANCE, infer};
+use gronwall::fit::{self, Claim, FitError, Level, TOLERANCE, infer};
+use gronwall::verdict::Decision;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -51,6 +52,24 @@ pub fn fit<'py>(
         let ruling = posterior.decide(&claim);
         found.set_item("decision", ruling.decision.name())?;
         found.set_item("reason", ruling.reason)?;
+        found.set_item("probability", ruling.probability)?;
     }
     Ok(found)
+}
+
+/// Whether a table that grows level by level may end with this decision, after that of a level before.
+#[pyfunction]
+pub fn settles(
+    levels: usize,
+    decision: &str,
+    probability: Option<f64>,
+    before: Option<&str>,
+) -> PyResult<bool> {
+    let own = |name: &str| {
+        let all = [Decision::Pass, Decision::Fail, Decision::Unresolved];
+        let found = all.into_iter().find(|own| own.name() == name);
+        found.ok_or_else(|| refused(format!("`{name}` is no decision")))
+    };
+    let before = before.map(own).transpose()?;
+    Ok(fit::settles(levels, own(decision)?, probability, before))
 }

@@ -15,15 +15,23 @@ def test_the_cheapest_levels_first_and_no_more_than_decide():
 
     results = solve()
     assert results.decision == "pass" and results.stopped == "decided"
-    assert asked == [0.5, 0.25, 0.125] and set(results) == {"L2", "H1"}
+    assert asked == [0.5, 0.25, 0.125, 0.0625] and set(results) == {"L2", "H1"}
     assert results.demand() is results and solve.__name__ == "solve"
 
 
 def test_a_failure_is_confirmed_by_one_level_more():
     results = gronwall.study(order=2)(lambda h: h)()
-    assert results.decision == "fail" and len(results.h) == 4
+    assert results.decision == "fail" and len(results.h) == 5
     with pytest.raises(AssertionError, match="FAIL"):
         results.demand()
+
+
+def test_three_levels_that_agree_by_chance_end_nothing():
+    # Slopes of 1.25 twice, then of 1: each is a pass where the first three levels are all there is.
+    errors = dict(zip([2.0**-i for i in range(1, 8)], [1, 2**-1.25, 2**-2.5, 2**-3.5, 2**-4.5, 2**-5.5, 2**-6.5]))
+    three = list(errors)[:3]
+    assert gronwall.fit(three, [errors[h] for h in three], order=1.25).decision == "pass"
+    assert gronwall.study(order=1.25, h=errors)(errors.__getitem__)().decision != "pass"
 
 
 def test_a_late_order_gets_more_levels():

@@ -34,6 +34,7 @@ mod study;
 mod swept;
 mod target;
 mod trade;
+mod until_resolved;
 mod verify;
 
 use ::run::sweep::Build;

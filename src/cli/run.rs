@@ -11,14 +11,14 @@ use super::interrupt::on_interrupt;
 use super::machine::{Allowance, processors, seconds};
 use super::output::copy_named;
 use super::swept::Swept;
-use super::{CliError, Scenes, print_json, print_text};
+use super::{CliError, Scenes, print_json, print_text, until_resolved};
 use files::quoted;
-use judge::record::{CaseRecord, RecordError};
+use judge::record::{CaseRecord, Key, RecordError};
 use judge::verdict::{Baseline, Verdict, write_json};
 use report::write_junit;
 use run::sweep::{
-    Machine, OutputDirectory, Provenance, ScenePlan, SweepError, foresee, judge_scene,
-    reference_error, run_more, run_sweep,
+    Machine, NotRun, OutputDirectory, Provenance, ScenePlan, Stepwise, SweepError, foresee,
+    judge_scene, reference_error, run_more, run_sweep,
 };
 
 /// The default directory of reports.
@@ -29,7 +29,7 @@ pub(super) const BASELINE: &str = "reports/baseline.json";
 /// `sweep run`.
 #[derive(Args)]
 #[command(
-    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, owed with verdicts and constants, owed_not_said, deviations with scene, n, steps, norm, variable, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error)."
+    after_help = "JSON keys with --json are those of verdict.json (provenance, verdicts, failures; baseline, where the run was compared with reports/baseline.json: scenes, compared, not_recorded, owed with verdicts and constants, owed_not_said, deviations with scene, n, steps, norm, variable, kind, recorded, found, verdict, reason), and references, for scenes with given loads: scene and order, measured_order, reference_error, finest (measured, with the reference's error). With --until-resolved, not_run: scene, cases (n, steps), seconds (as predicted)."
 )]
 pub(crate) struct Run {
     #[command(flatten)]
@@ -73,6 +73,10 @@ pub(super) struct What {
     // A case above the limit is recorded as failed, and others wait until they fit.
     #[command(flatten)]
     allowance: Allowance,
+    /// Begin with the three cheapest cases of every claim, and run a further one only where a claim is not settled: a
+    /// pass by four levels, or by three with the predicted constant, a failure by five
+    #[arg(long)]
+    until_resolved: bool,
     /// Run the cases that unresolved verdicts name as well, for three rounds at most
     #[arg(long)]
     extend: bool,
@@ -84,6 +88,12 @@ pub(super) struct What {
     /// `sweep baseline` writes it]
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
+}
+
+/// The verdicts of a scene on its records.
+fn judged(plan: &ScenePlan, records: &[CaseRecord]) -> Vec<Verdict> {
+    let foreseen = foresee(&plan.subject, records);
+    judge_scene(plan.scene(), records, &plan.keys(), &foreseen)
 }
 
 /// What added cases may take unless --budget says more: as much as the main job.
@@ -160,6 +170,7 @@ impl What {
             out,
             jobs,
             allowance,
+            until_resolved: false,
             extend: false,
             budget: BUDGET,
             baseline: None,
@@ -195,27 +206,59 @@ impl What {
         if resume {
             restore_added(&mut plans, &self.out)?;
         }
-        let mut records = run_sweep(&plans, &out, &machine, resume, &progress).map_err(stopped)?;
-        let judged = |plans: &[ScenePlan], records: &[CaseRecord]| -> Vec<Verdict> {
-            let of = |plan: &ScenePlan| {
-                let foreseen = foresee(&plan.subject, records);
-                judge_scene(plan.scene(), records, &plan.keys(), &foreseen)
-            };
-            plans.iter().flat_map(of).collect()
+        let mut stepwise = match self.until_resolved {
+            true => Some(until_resolved::hold(&mut plans, resume.then_some(&*self.out))?),
+            false => None,
         };
-        let mut verdicts = judged(&plans, &records);
-        while self.extend && super::extension::extended(&mut plans, &verdicts, self.budget)? {
+        let mut records = run_sweep(&plans, &out, &machine, resume, &progress).map_err(stopped)?;
+        let mut verdicts: Vec<Vec<Verdict>> =
+            plans.iter().map(|plan| judged(plan, &records)).collect();
+        while let Some(changed) = self.more(&mut plans, &verdicts.concat(), stepwise.as_mut())? {
             let progress = super::progress::Display::new();
             records = run_more(&plans, records, &out, &machine, &progress).map_err(stopped)?;
-            verdicts = judged(&plans, &records);
+            let judging = plans.iter().zip(&mut verdicts).zip(changed);
+            for ((plan, own), _) in judging.filter(|(_, changed)| *changed) {
+                *own = judged(plan, &records);
+            }
         }
+        let verdicts = verdicts.concat();
+        let not_run = match &stepwise {
+            Some(stepwise) => stepwise.not_run(&plans)?,
+            None => Vec::new(),
+        };
         let provenance = Provenance::of_run(&plans, &machine).json();
-        let comparison =
-            baseline.map(|baseline| baseline.compare(&self.runs(&plans), &records, &verdicts));
+        let comparison = baseline.map(|baseline| {
+            let held: Vec<Key> = not_run.iter().flat_map(NotRun::keys).collect();
+            baseline.without(&held).compare(&self.runs(&plans), &records, &verdicts)
+        });
         let found =
             |plan: &ScenePlan| Some((plan.scene().name.clone(), reference_error(plan, &records)?));
         let references = plans.iter().filter_map(found).collect();
-        Ok(Swept { plans, records, verdicts, provenance, comparison, references, _out: out })
+        Ok(Swept {
+            plans,
+            records,
+            verdicts,
+            provenance,
+            comparison,
+            references,
+            not_run,
+            _out: out,
+        })
+    }
+
+    /// Adds the cases that open claims need; of which plans, or none if there is nothing to add.
+    fn more(
+        &self,
+        plans: &mut [ScenePlan],
+        verdicts: &[Verdict],
+        stepwise: Option<&mut Stepwise>,
+    ) -> Result<Option<Vec<bool>>, CliError> {
+        let asked = stepwise.map(|own| own.go_on(plans, verdicts));
+        if let Some(changed) = asked.filter(|changed| changed.contains(&true)) {
+            return Ok(Some(changed));
+        }
+        let extended = self.extend && super::extension::extended(plans, verdicts, self.budget)?;
+        Ok(extended.then(|| vec![true; plans.len()]))
     }
 
     /// The baseline of this run. That of the default folder knows nothing of scenes elsewhere; scenes inside the program
@@ -276,7 +319,12 @@ impl What {
             ("--budget", self.extend.then(|| self.budget.to_string())),
         ];
         let given = options.into_iter().filter_map(|(name, value)| Some([name.into(), value?]));
-        let flags = [("--all", self.chosen.all), ("--extend", self.extend), ("--resume", resume)];
+        let flags = [
+            ("--all", self.chosen.all),
+            ("--until-resolved", self.until_resolved),
+            ("--extend", self.extend),
+            ("--resume", resume),
+        ];
         let set = flags.into_iter().filter(|(_, set)| *set).map(|(name, _)| name.into());
         given.flatten().chain(set).collect()
     }

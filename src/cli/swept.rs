@@ -10,7 +10,7 @@ use judge::fit::AgainstReference;
 use judge::record::CaseRecord;
 use judge::verdict::{Comparison, Verdict, document, exit_code, failures};
 use report::{SceneSummary, write_all};
-use run::sweep::{OutputDirectory, ScenePlan, reference_in_words, scene_summary};
+use run::sweep::{NotRun, OutputDirectory, ScenePlan, reference_in_words, scene_summary};
 
 /// Records of all cases of the plans, and what was judged from them.
 pub(super) struct Swept {
@@ -21,6 +21,8 @@ pub(super) struct Swept {
     pub(super) comparison: Option<Comparison>,
     /// Scenes with given loads, and what their reference runs hide.
     pub(super) references: Vec<(String, AgainstReference)>,
+    /// What --until-resolved left.
+    pub(super) not_run: Vec<NotRun>,
     /// The report is written to it as well.
     pub(super) _out: OutputDirectory,
 }
@@ -48,6 +50,9 @@ impl Swept {
         if !self.references.is_empty() {
             document["references"] = json!(self.references);
         }
+        if !self.not_run.is_empty() {
+            document["not_run"] = super::until_resolved::as_json(&self.not_run);
+        }
         document
     }
 
@@ -65,6 +70,9 @@ impl Swept {
         };
         let cases = counted(self.records.len(), "case");
         print_text(&format!("{cases}, {failed} failed{judged}"));
+        if !self.not_run.is_empty() {
+            print_text(&super::until_resolved::in_words(&self.not_run, self.records.len()));
+        }
         if let Some(comparison) = &self.comparison {
             print_text(&comparison.lines().join("\n"));
         }

@@ -218,6 +218,7 @@ impl Verify {
             provenance,
             comparison: None,
             references: Vec::new(),
+            not_run: Vec::new(),
             _out: out,
         })
     }

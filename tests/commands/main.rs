@@ -29,3 +29,4 @@ mod scene_keys;
 mod shipped;
 mod study_documents;
 mod unfinished;
+mod until_resolved;

@@ -21,6 +21,7 @@ mod path;
 mod power_law;
 mod richardson;
 mod screen;
+mod stopping;
 mod values;
 
 pub use against_reference::{AgainstReference, against_reference};
@@ -41,6 +42,7 @@ pub use path::{Path, path};
 pub use power_law::{PowerLaw, power_law};
 pub use richardson::{Triple, ValueSample};
 pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen, value_samples};
+pub use stopping::{SETTLED, settles};
 pub use values::infer_values;
 
 /// Two steps are one level if they differ by rounding only: tables carry 1/3 as 0.333333333.

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 pub use compare::{Comparison, Deviation, DeviationKind, Run, compare_with_baseline};
 pub use owed::{Owed, Owing, compare_owed};
 
-use crate::record::{CaseRecord, NormError};
+use crate::record::{CaseRecord, Key, NormError};
 use files::{read_at_most, write_named};
 
 /// The longest baseline that is read, in bytes (256 MiB): a case takes a few hundred.
@@ -106,6 +106,19 @@ impl Baseline {
             (name.to_owned(), Recorded { hash: hash.to_owned(), owes: None, cases: cases(name) })
         });
         Self { scenes: scenes.collect() }
+    }
+
+    /// The same without cases that were not to be run.
+    #[must_use]
+    pub fn without(mut self, held: &[Key]) -> Self {
+        for (scene, recorded) in &mut self.scenes {
+            let is_held = |case: &RecordedCase| {
+                let own = |key: &&Key| (key.n, key.steps) == (case.n, case.steps);
+                held.iter().filter(own).any(|key| key.scene == *scene)
+            };
+            recorded.cases.retain(|case| !is_held(case));
+        }
+        self
     }
 
     /// Reads a baseline; none if there is no file.

@@ -7,6 +7,7 @@ mod joint;
 mod judge;
 mod next;
 mod selection;
+mod stopping;
 mod table;
 
 use std::collections::BTreeMap;

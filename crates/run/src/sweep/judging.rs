@@ -62,24 +62,8 @@ pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
     let scene = plan.scene();
     let one = |written: &Prediction| {
         let prediction = prediction(scene, written);
-        let inside = |window: Option<[u32; 2]>, value: u32| {
-            window.is_none_or(|[first, last]| (first..=last).contains(&value))
-        };
-        let serves = |case: &&CasePlan| {
-            case.norms.contains(&written.norm)
-                && inside(prediction.window_steps, case.steps)
-                && case.n.is_none_or(|n| inside(prediction.window_n, n))
-        };
-        let cases: Vec<&CasePlan> = plan.cases.iter().filter(serves).collect();
-        let steps = cases.iter().map(|case| case.steps).max();
-        let finest = cases.iter().filter_map(|case| case.n).max();
-        let on_line = |case: &&&CasePlan| match written.variable {
-            Direction::H => Some(case.steps) == steps,
-            Direction::K => case.n == finest,
-            Direction::Joint | Direction::Path => true,
-        };
-        let case = |case: &&CasePlan| Case { n: case.n, steps: case.steps };
-        let cases: Vec<Case> = cases.iter().filter(on_line).map(case).collect();
+        let case = |case: &CasePlan| Case { n: case.n, steps: case.steps };
+        let cases: Vec<Case> = line_cases(plan, written).into_iter().map(case).collect();
         ForeseenConstant {
             scene: scene.name.clone(),
             norm: prediction.norm,
@@ -88,6 +72,28 @@ pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
         }
     };
     scene.predicts.iter().map(one).collect()
+}
+
+/// The cases of a plan that a prediction rests on.
+pub(super) fn line_cases<'a>(plan: &'a ScenePlan, written: &Prediction) -> Vec<&'a CasePlan> {
+    let prediction = prediction(plan.scene(), written);
+    let inside = |window: Option<[u32; 2]>, value: u32| {
+        window.is_none_or(|[first, last]| (first..=last).contains(&value))
+    };
+    let serves = |case: &&CasePlan| {
+        case.norms.contains(&written.norm)
+            && inside(prediction.window_steps, case.steps)
+            && case.n.is_none_or(|n| inside(prediction.window_n, n))
+    };
+    let cases: Vec<&CasePlan> = plan.cases.iter().filter(serves).collect();
+    let steps = cases.iter().map(|case| case.steps).max();
+    let finest = cases.iter().filter_map(|case| case.n).max();
+    let on_line = |case: &&CasePlan| match written.variable {
+        Direction::H => Some(case.steps) == steps,
+        Direction::K => case.n == finest,
+        Direction::Joint | Direction::Path => true,
+    };
+    cases.into_iter().filter(on_line).collect()
 }
 
 /// What is known beforehand of the constant of one prediction on the given cases.

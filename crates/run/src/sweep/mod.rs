@@ -22,6 +22,7 @@ mod resume;
 mod run;
 mod schedule;
 mod shared;
+mod stepwise;
 
 pub use abstract_case::run_abstract_case;
 pub use admission::{Beside, Refused, Runs, admit_constants, admit_plan};
@@ -44,3 +45,4 @@ pub use provenance::Provenance;
 pub use reference_error::{reference_error, reference_in_words};
 pub use resume::{ResumeError, Resumed, resume};
 pub use run::{Machine, Progress, SweepError, run_more, run_sweep};
+pub use stepwise::{NotRun, Stepwise};

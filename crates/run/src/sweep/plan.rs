@@ -133,7 +133,12 @@ impl ScenePlan {
     /// # Errors
     /// [`SetupError::Mesh`].
     pub fn costs(&self) -> Result<PlanCost, SetupError> {
-        problem(&self.subject).costs(&self.cases, self.reference, self.kept_steps())
+        self.costs_of(&self.cases)
+    }
+
+    /// The same of other cases of the scene.
+    pub(super) fn costs_of(&self, cases: &[CasePlan]) -> Result<PlanCost, SetupError> {
+        problem(&self.subject).costs(cases, self.reference, self.kept_steps())
     }
 
     /// Every part of the floor of a case, measured: four to six marches, more where a reference has to be run again.

@@ -7,6 +7,8 @@ use super::{Claim, Level, TOLERANCE, infer};
 use crate::fit::Decision;
 use crate::fit::{FitError, student_quantile};
 
+mod stopping;
+
 /// xorshift64*, uniform and normal numbers.
 struct Random(u64);
 

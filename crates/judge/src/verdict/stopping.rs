@@ -1,0 +1,111 @@
+//! When the verdicts of a sweep that grows case by case need no further case.
+
+use super::{Constant, Decision, Expect, Variable, Verdict};
+use crate::fit::{FEWEST, same_level, settles};
+
+impl Verdict {
+    /// Whether no further case would change it, as far as that can be told: by [`settles`], or by three levels that pass
+    /// with the constant that was predicted. `before` is the verdict before the last cases were added. What a scene is
+    /// built not to get settles nothing, and a case that failed stays one.
+    pub fn settled(&self, before: Option<&Self>) -> bool {
+        if !self.complete {
+            return true;
+        }
+        let as_built = self.expect == Expect::Pass || self.decision == self.expect.decision();
+        let levels = self.levels();
+        let before = before.filter(|before| before.levels() < levels).map(|own| own.decision);
+        let agrees = self.decision == Decision::Pass && self.constants_agree();
+        as_built
+            && (settles(levels, self.decision, self.probability, before)
+                || agrees && levels >= FEWEST)
+    }
+
+    /// Different steps of the points that served; none of a grid, of which every case is needed.
+    fn levels(&self) -> usize {
+        let mut steps: Vec<f64> = match self.variable {
+            Variable::H | Variable::Path => self.points_used.iter().map(|point| point.h).collect(),
+            Variable::K => self.points_used.iter().map(|point| point.k).collect(),
+            Variable::Joint => Vec::new(),
+        };
+        steps.sort_by(f64::total_cmp);
+        steps.dedup_by(|a, b| same_level(*a, *b));
+        steps.len()
+    }
+
+    /// Whether constants are known beforehand, and all those measured are these.
+    fn constants_agree(&self) -> bool {
+        let known = |own: &Constant| Some((own.ratio?, own.tolerance?));
+        let known: Vec<_> = self.constants.values().filter_map(known).collect();
+        !known.is_empty()
+            && known.iter().all(|(ratio, tolerance)| (ratio - 1.0).abs() <= *tolerance)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::record::{CaseRecord, Key, NormError, V_MAX};
+    use crate::verdict::{Prediction, judge};
+
+    /// A verdict on halvings from n = 4 on.
+    fn on(levels: u32, order: f64, expect: Expect) -> Verdict {
+        let records: Vec<CaseRecord> = (0..levels)
+            .map(|i| {
+                let n = 4 << i;
+                let h = 1.0 / f64::from(n);
+                let norm = NormError { norm: V_MAX.into(), error: Some(h), floor: None };
+                CaseRecord {
+                    h: Some(h),
+                    errors: vec![norm],
+                    status: crate::record::Status::Converged,
+                    ..CaseRecord::without_work("line", Some(n), 8, 0.125)
+                }
+            })
+            .collect();
+        let keys: Vec<Key> = records.iter().map(CaseRecord::key).collect();
+        judge("line", &records, &keys, &Prediction::new(V_MAX, Variable::H, order), expect)
+    }
+
+    #[test]
+    fn a_pass_needs_four_levels_and_a_failure_a_second_one() {
+        let pass = |levels| on(levels, 1.0, Expect::Pass);
+        assert_eq!(pass(3).decision, Decision::Pass);
+        assert!(!pass(3).settled(None) && pass(4).settled(None));
+        let fail = |levels| on(levels, 1.5, Expect::Pass);
+        assert_eq!(fail(3).decision, Decision::Fail);
+        assert!(!fail(4).settled(Some(&fail(3))));
+        assert!(fail(5).settled(Some(&fail(4))));
+        // Cases of other claims are no further level of this one.
+        assert!(!fail(5).settled(Some(&fail(5))) && !fail(5).settled(None));
+        assert!(!fail(5).settled(Some(&pass(4))));
+        // A lower order is left open.
+        assert!(!on(6, 0.5, Expect::Pass).settled(Some(&on(5, 0.5, Expect::Pass))));
+    }
+
+    #[test]
+    fn what_a_scene_is_not_built_for_settles_nothing() {
+        assert!(!on(6, 1.0, Expect::Fail).settled(Some(&on(5, 1.0, Expect::Fail))));
+        assert!(!on(6, 1.0, Expect::Unresolved).settled(None));
+        assert!(on(5, 1.5, Expect::Fail).settled(Some(&on(4, 1.5, Expect::Fail))));
+        let grid = Verdict { variable: Variable::Joint, ..on(6, 1.0, Expect::Pass) };
+        assert!(!grid.settled(None));
+        assert!(Verdict { complete: false, ..on(3, 1.0, Expect::Pass) }.settled(None));
+    }
+
+    #[test]
+    fn three_levels_are_enough_with_the_constant_that_was_predicted() {
+        let with = |ratio| {
+            let own = Constant {
+                ratio: Some(ratio),
+                tolerance: Some(1e-4),
+                ..Constant::fitted(1.0, [1.0, 1.0], 1.0)
+            };
+            let constants = BTreeMap::from([("C_h", own)]);
+            Verdict { constants, ..on(3, 1.0, Expect::Pass) }
+        };
+        assert!(with(1.00005).settled(None));
+        assert!(!with(1.0002).settled(None) && !with(f64::NAN).settled(None));
+    }
+}

@@ -1,0 +1,166 @@
+//! Sweeps that end when their claims are settled: cheapest cases first, and one more for each claim that is open.
+
+use super::judging::line_cases;
+use super::plan::{CasePlan, ScenePlan};
+use judge::fit::FEWEST;
+use judge::record::Key;
+use judge::verdict::{Decision, NextCase, Verdict};
+use scene::setup::SetupError;
+use scene::{Direction, Expectation};
+
+/// Cases of plans that are held back until a claim asks for them.
+pub struct Stepwise {
+    scenes: Vec<Waiting>,
+}
+
+/// One scene.
+struct Waiting {
+    /// Every case in the order of the plan; and of each claim its cases, from the cheapest on.
+    all: Vec<CasePlan>,
+    claims: Vec<Claim>,
+    /// Why nothing is held back.
+    whole: Option<&'static str>,
+}
+
+struct Claim {
+    cases: Vec<NextCase>,
+    /// The verdict before the last cases were added, and the decision by which it was settled.
+    before: Option<Verdict>,
+    settled: Option<Decision>,
+}
+
+/// Cases of a scene that were not run.
+pub struct NotRun {
+    /// Name of the scene.
+    pub scene: String,
+    /// The cases.
+    pub cases: Vec<NextCase>,
+    /// Predicted CPU seconds of them together.
+    pub seconds: f64,
+}
+
+impl NotRun {
+    /// The keys of the cases.
+    pub fn keys(&self) -> impl Iterator<Item = Key> {
+        let key = |case: &NextCase| Key { scene: self.scene.clone(), n: case.n, steps: case.steps };
+        self.cases.iter().map(key)
+    }
+}
+
+impl Stepwise {
+    /// Leaves each plan the three cheapest cases of every claim, and those for which `recorded` says that they have been
+    /// asked for already.
+    pub fn hold(plans: &mut [ScenePlan], recorded: impl Fn(&str, &NextCase) -> bool) -> Self {
+        let hold = |plan: &mut ScenePlan| {
+            let waiting = Waiting::of(plan);
+            if waiting.whole.is_none() {
+                let first = |claim: &Claim| claim.cases.iter().copied().take(FEWEST).collect();
+                let first: Vec<Vec<NextCase>> = waiting.claims.iter().map(first).collect();
+                let first = first.concat();
+                let name = plan.scene().name.clone();
+                plan.cases.retain(|case| {
+                    let case = place(case);
+                    first.contains(&case) || recorded(&name, &case)
+                });
+            }
+            waiting
+        };
+        Self { scenes: plans.iter_mut().map(hold).collect() }
+    }
+
+    /// Gives the plans the next case of every claim that is open. Says for which plans there is one: the others need not
+    /// be judged again. `verdicts` are those of all plans, in their order.
+    pub fn go_on(&mut self, plans: &mut [ScenePlan], verdicts: &[Verdict]) -> Vec<bool> {
+        let of_scene = |(waiting, plan): (&mut Waiting, &mut ScenePlan)| {
+            if waiting.whole.is_some() {
+                return false;
+            }
+            let own = verdicts.iter().filter(|own| own.scene == plan.scene().name);
+            let next: Vec<NextCase> = waiting
+                .claims
+                .iter_mut()
+                .zip(own)
+                .filter_map(|(claim, verdict)| claim.next(verdict, &plan.cases))
+                .collect();
+            // In the order of the whole plan; what was added to it stays behind.
+            let among = |cases: &[CasePlan], own: &CasePlan| {
+                cases.iter().any(|case| place(case) == place(own))
+            };
+            let asked = |case: &&CasePlan| next.contains(&place(case)) || among(&plan.cases, case);
+            let own = waiting.all.iter().filter(asked);
+            let added = plan.cases.iter().filter(|case| !among(&waiting.all, case));
+            plan.cases = own.chain(added).cloned().collect();
+            !next.is_empty()
+        };
+        self.scenes.iter_mut().zip(plans).map(of_scene).collect()
+    }
+
+    /// What no claim has asked for.
+    ///
+    /// # Errors
+    /// A mesh whose cost cannot be predicted.
+    pub fn not_run(&self, plans: &[ScenePlan]) -> Result<Vec<NotRun>, SetupError> {
+        let mut found = Vec::new();
+        for (waiting, plan) in self.scenes.iter().zip(plans) {
+            let held = |case: &&CasePlan| !plan.cases.iter().any(|own| place(own) == place(case));
+            let held: Vec<CasePlan> = waiting.all.iter().filter(held).cloned().collect();
+            if !held.is_empty() {
+                let scene = plan.scene().name.clone();
+                let seconds = plan.costs_of(&held)?.cases.iter().map(|cost| cost.seconds).sum();
+                found.push(NotRun { scene, cases: held.iter().map(place).collect(), seconds });
+            }
+        }
+        Ok(found)
+    }
+
+    /// Scenes that are run whole, each with the reason.
+    pub fn whole<'a>(
+        &'a self,
+        plans: &'a [ScenePlan],
+    ) -> impl Iterator<Item = (&'a str, &'static str)> {
+        let reason = |(waiting, plan): (&'a Waiting, &'a ScenePlan)| {
+            Some((plan.scene().name.as_str(), waiting.whole?))
+        };
+        self.scenes.iter().zip(plans).filter_map(reason)
+    }
+}
+
+impl Waiting {
+    fn of(plan: &ScenePlan) -> Self {
+        let scene = plan.scene();
+        let whole = match scene.expect {
+            _ if !scene.judge || scene.predicts.is_empty() => Some("nothing is judged"),
+            // It is the dearest run, and would be made again with every case that is added.
+            _ if plan.reference.is_some() => Some("its truth is a reference run"),
+            Expectation::Unresolved => Some("it has to stay open with all of them"),
+            _ if scene.predicts.iter().any(|own| own.variable == Direction::Joint) => {
+                Some("a claim rests on the whole grid")
+            }
+            Expectation::Pass | Expectation::Fail => None,
+        };
+        let claim = |written| {
+            let mut cases: Vec<NextCase> =
+                line_cases(plan, written).into_iter().map(place).collect();
+            cases.sort_unstable();
+            Claim { cases, before: None, settled: None }
+        };
+        Self { all: plan.cases.clone(), claims: scene.predicts.iter().map(claim).collect(), whole }
+    }
+}
+
+impl Claim {
+    /// The next case that the claim needs, if it is open by its new verdict.
+    fn next(&mut self, verdict: &Verdict, asked: &[CasePlan]) -> Option<NextCase> {
+        let settled = verdict.settled(self.before.as_ref());
+        // Other claims may have added a case since: a decision that it does not change stays settled.
+        let settled = settled || self.settled == Some(verdict.decision);
+        self.settled = settled.then_some(verdict.decision);
+        self.before = Some(verdict.clone());
+        let open = |case: &&NextCase| !asked.iter().any(|own| place(own) == **case);
+        self.cases.iter().find(open).copied().filter(|_| !settled)
+    }
+}
+
+fn place(case: &CasePlan) -> NextCase {
+    NextCase { n: case.n, steps: case.steps }
+}

@@ -1,0 +1,57 @@
+//! `--until-resolved`: which cases a sweep may leave, said when it has.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::CliError;
+use super::progress::note;
+use files::counted;
+use judge::verdict::NextCase;
+use run::sweep::{CasePlan, NotRun, Provenance, ScenePlan, Stepwise, planned};
+
+/// Holds back what may not be needed; with `resumed`, not what the records there were asked for.
+pub(super) fn hold(plans: &mut [ScenePlan], resumed: Option<&Path>) -> Result<Stepwise, CliError> {
+    let known = match resumed {
+        None => None,
+        Some(out) => Provenance::read(out)
+            .map_err(|(path, reason)| CliError::about(path.display(), reason))?,
+    };
+    let asked: BTreeMap<String, Vec<CasePlan>> = plans
+        .iter()
+        .map(ScenePlan::scene)
+        .filter_map(|scene| Some((scene, known.as_ref()?)))
+        .filter(|(scene, known)| known.scenes.contains_key(&scene.name))
+        .map(|(scene, known)| (scene.name.clone(), planned(scene, known)))
+        .collect();
+    let recorded = |scene: &str, case: &NextCase| {
+        let own = |other: &CasePlan| (other.n, other.steps) == (case.n, case.steps);
+        asked.get(scene).is_some_and(|cases| cases.iter().any(own))
+    };
+    let stepwise = Stepwise::hold(plans, recorded);
+    let mut whole: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    stepwise.whole(plans).for_each(|(scene, why)| whole.entry(why).or_default().push(scene));
+    for (why, scenes) in &whole {
+        note(&format!("until resolved: all cases are run of {}: {why}", scenes.join(", ")));
+    }
+    Ok(stepwise)
+}
+
+/// What was left, in a line.
+pub(super) fn in_words(left: &[NotRun], run: usize) -> String {
+    let cases: usize = left.iter().map(|own| own.cases.len()).sum();
+    let seconds: f64 = left.iter().map(|own| own.seconds).sum();
+    let scenes = counted(left.len(), "scene");
+    format!(
+        "until resolved: {cases} of {} not run, about {seconds:.1} s of CPU time: every claim of these {scenes} was settled without",
+        counted(cases + run, "case")
+    )
+}
+
+/// The same for programs.
+pub(super) fn as_json(left: &[NotRun]) -> Value {
+    let one =
+        |own: &NotRun| json!({"scene": own.scene, "cases": own.cases, "seconds": own.seconds});
+    left.iter().map(one).collect()
+}
