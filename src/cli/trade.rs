@@ -129,7 +129,7 @@ impl TradeCommand {
         // The words stand on their own if the run is refused.
         self.admit(&scenes.scene(&self.scene)?, [&[answer.choice.n], &[answer.choice.steps]])?;
         let real = Confirmed::run(&answer, bench, scenes, &self.scene)?;
-        document.words(real.words());
+        document.below_answer(real.words());
         Ok((answer, Some(real)))
     }
 

@@ -5,8 +5,6 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{LineStyle, Table};
 use serde_json::{Value, json};
 
 use super::chosen::Grid;
@@ -14,10 +12,10 @@ use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::swept::Swept;
-use super::{CliError, Scenes, no_case, print_json, print_text, subject, verdict_table};
+use super::{CliError, Scenes, no_case, print_json, print_text, subject, verdict_table, width};
 use files::shortened;
 use judge::record::CaseRecord;
-use judge::verdict::{Failure, failures};
+use judge::verdict::{Failure, TABLE_WIDTH, failures};
 use report::write_junit;
 use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first, write_case};
 use run::sweep::{
@@ -310,18 +308,17 @@ fn compare(solver: &[CaseRecord], own: &[CaseRecord]) -> Vec<Beside> {
 }
 
 fn table(rows: &[Beside]) -> String {
-    let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-    table.set_header(["n", "N", "norm", "error", "own error", "difference"]);
-    for row in rows {
-        table.add_row([
+    let cells = |row: &Beside| {
+        vec![
             row.n.map_or(String::new(), |n| n.to_string()),
             row.steps.to_string(),
             row.norm.clone(),
             format!("{:.6e}", row.solver),
             format!("{:.6e}", row.own),
             format!("{:.1e}", row.difference()),
-        ]);
-    }
-    table.to_string()
+        ]
+    };
+    let rows: Vec<Vec<String>> = rows.iter().map(cells).collect();
+    let heads = [">n", ">N", "norm", ">error", ">own error", ">difference"];
+    report::text_table(&heads, &rows, width(TABLE_WIDTH))
 }

@@ -182,6 +182,7 @@ fn of_run(run: &Run) -> String {
     let text = escaped(&run.text).replace('\n', "<br>");
     let text = match run.tone {
         Tone::Plain => text,
+        Tone::Formula => raised(&text),
         Tone::Strong => format!("<b>{text}</b>"),
         Tone::Code => format!("<code>{text}</code>"),
         Tone::Pass => format!("<span class=\"pass\">{text}</span>"),

@@ -4,6 +4,7 @@
 
 mod answers;
 mod chapter;
+mod columns;
 mod content;
 mod equation;
 mod evidence;
@@ -19,9 +20,11 @@ mod terminal;
 mod typst;
 
 use crate::Picture;
+use crate::symbols::{in_line, symbols};
 use serde::{Deserialize, Serialize};
 
 pub(super) use content::{Report, document, group};
+pub use columns::text_table;
 pub use equation::{Equation, Terms, equations};
 pub(super) use html::page;
 pub(super) use latex::tables;
@@ -97,6 +100,8 @@ pub enum Tone {
     Strong,
     /// What is typed.
     Code,
+    /// A formula: `_` and `^` are before what stands low and high.
+    Formula,
     /// As expected.
     Pass,
     /// Not as expected.
@@ -146,6 +151,19 @@ impl Run {
     /// Words that do not stand out.
     pub fn plain(text: impl Into<String>) -> Self {
         Self::of(text, Tone::Plain)
+    }
+
+    /// A formula that files spell in ASCII.
+    pub fn formula(ascii: &str) -> Self {
+        Self::of(symbols(ascii), Tone::Formula)
+    }
+
+    /// The words where nothing can stand low or high.
+    fn in_line(&self) -> std::borrow::Cow<'_, str> {
+        match self.tone {
+            Tone::Formula => in_line(&self.text).into(),
+            _ => self.text.as_str().into(),
+        }
     }
 
     pub(super) fn code(text: impl Into<String>) -> Self {

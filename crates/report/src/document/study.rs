@@ -122,6 +122,11 @@ impl StudyDocument {
         self.blocks.insert(0, Block::Text(vec![Run::plain(text)]));
     }
 
+    /// A paragraph below the answer: what bears it out.
+    pub fn below_answer(&mut self, text: impl Into<String>) {
+        self.blocks.insert(1.min(self.blocks.len()), Block::Text(vec![Run::plain(text)]));
+    }
+
     /// A table, where it has rows. Heads of columns whose numbers end at the right begin with `>`.
     pub fn table(&mut self, caption: impl Into<String>, heads: &[&str], rows: Vec<Vec<Run>>) {
         if !rows.is_empty() {

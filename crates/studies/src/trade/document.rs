@@ -19,15 +19,12 @@ impl Study {
             self.norm.name(),
             digits(self.size, 5)
         ));
-        own.table(
-            "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
-            &[
-                "knob", ">n", ">N", ">error", ">CPU s", ">spread", ">in loads", ">memory", "front",
-                "status",
-            ],
-            self.trials.iter().map(trial).collect(),
-        );
         self.models(&mut own);
+        own.table(
+            "Price list, one knob at a time: times within a round, with the 95 % interval over the rounds.",
+            &["what a knob changes"],
+            self.prices.iter().map(|price: &Price| vec![Run::plain(&*price.words)]).collect(),
+        );
         let cost = |value: Option<f64>| {
             Run::plain(value.map_or("unknown".into(), |value| format!("E^-{value:.2}")))
         };
@@ -44,9 +41,12 @@ impl Study {
         );
         self.extrapolated.iter().for_each(|found| extrapolated(&mut own, found));
         own.table(
-            "Price list, one knob at a time: times within a round, with the 95 % interval over the rounds.",
-            &["what a knob changes"],
-            self.prices.iter().map(|price: &Price| vec![Run::plain(&*price.words)]).collect(),
+            "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
+            &[
+                "knob", ">n", ">N", ">error", ">CPU s", ">spread", ">in loads", ">memory", "front",
+                "status",
+            ],
+            self.trials.iter().map(trial).collect(),
         );
         for (stem, shows, resource) in [
             ("trade", "error against CPU seconds", Resource::Time),

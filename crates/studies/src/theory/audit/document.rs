@@ -176,13 +176,6 @@ impl Checklist<'_> {
             all.dedup();
             all.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
         };
-        own.words(format!(
-            "{}; boundary rule {}; runs with n = {} and N = {}.",
-            self.theorem,
-            self.rule,
-            grid(|case| case.n),
-            grid(|case| case.steps)
-        ));
         let held_lines = self.lines.iter().filter(|line| line.standing == Standing::Holds).count();
         let all = format!("{held_lines} of {} lines hold in all runs.", self.lines.len());
         let mut failures = self.violations.clone();
@@ -192,6 +185,13 @@ impl Checklist<'_> {
         }
         let holds = self.holds && held_lines == self.lines.len() && failures.is_empty();
         own.verdict(holds, &all, failures);
+        own.words(format!(
+            "{}; boundary rule {}; runs with n = {} and N = {}.",
+            self.theorem,
+            self.rule,
+            grid(|case| case.n),
+            grid(|case| case.steps)
+        ));
         own.table(
             "The lines of the proof, the tightest first: both sides where they are tightest over all levels and runs; left − right, of an \
              identity its magnitude; what rounding and quadrature allow; the tightness, left/right or, of an identity, difference over \
@@ -241,6 +241,11 @@ impl Listed<'_> {
     }
 }
 
+/// What a line says, with the signs of sums and integrals; the rest is letters.
+pub(super) fn in_signs(says: &str) -> String {
+    says.replace("sum_j", "Σ_j").replace("sum w", "Σ w").replace("int lambda", "∫ lambda")
+}
+
 fn line(line: &Summary) -> Vec<Run> {
     let sign = if line.relation == Relation::Equal { "=" } else { "≤" };
     let short = |value: Option<f64>| Run::plain(value.map_or_else(|| "–".into(), |v| digits(v, 3)));
@@ -253,7 +258,7 @@ fn line(line: &Summary) -> Vec<Run> {
         line.tightest.map_or((line.left, line.right), |(_, at)| (at.left, at.right));
     vec![
         Run::plain(line.statement.name),
-        Run::plain(line.statement.says),
+        Run::formula(&in_signs(line.statement.says)),
         number(left),
         Run::plain(sign),
         number(Some(right).filter(|right| right.is_finite())),
