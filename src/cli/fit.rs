@@ -103,6 +103,20 @@ struct Part {
     decision: Option<Decision>,
 }
 
+/// The norms that a table has, for a message about one that it has not.
+fn norms_there(groups: &[Group]) -> String {
+    let mut names: Vec<&str> = groups.iter().filter_map(|own| own.norm.as_deref()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let list = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    match names.len() {
+        0 => ": the errors of the table have no name; an order without one is theirs, as in --p 2"
+            .into(),
+        1 => format!("; there is {list}"),
+        _ => format!("; there are {list}"),
+    }
+}
+
 impl Fit {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
         let mut tables = self.tables()?;
@@ -110,7 +124,8 @@ impl Fit {
             let known =
                 |norm: &str| tables.groups.iter().any(|own| own.norm.as_deref() == Some(norm));
             if let Some(norm) = claims.norms().find(|norm| !known(norm)) {
-                return Err(CliError::about(self.name(), format!("no norm `{norm}` to judge")));
+                let words = format!("no norm `{norm}` to judge{}", norms_there(&tables.groups));
+                return Err(CliError::about(self.name(), words));
             }
         }
         let noisy = self.noise.is_some_and(|noise| !(noise.is_finite() && noise > 0.0));
@@ -188,7 +203,7 @@ fn tables(file: &Path, reading: &Reading) -> Result<Tables, CliError> {
 pub struct Fitted {
     /// The tables with their local orders, then a text a table and direction.
     pub texts: Vec<String>,
-    /// The same as JSON, without headings.
+    /// The parts as JSON, without headings.
     pub objects: Vec<serde_json::Value>,
     /// No order that is predicted fails or is unresolved.
     pub all_pass: bool,

@@ -119,7 +119,6 @@ fn table(measured: &[Measured]) -> String {
             ]
         })
     });
-    let heads =
-        [">n", ">N", "norm", "part", ">error", ">measured", ">estimated", ">ratio"];
+    let heads = [">n", ">N", "norm", "part", ">error", ">measured", ">estimated", ">ratio"];
     report::text_table(&heads, &rows.collect::<Vec<_>>(), width(TABLE_WIDTH))
 }

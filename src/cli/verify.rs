@@ -1,4 +1,4 @@
-//! `sweep verify`: another program's solver under the same sweep, measured and judged as this program's own.
+//! `sweep verify`: another program's solver under the same sweep, measured and judged as the built-in one is.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -63,7 +63,7 @@ pub(crate) struct Verify {
     /// Judge orders alone and not their constants: for other elements or time rules
     #[arg(long)]
     orders_only: bool,
-    /// Run this program's own solver as well, and compare the errors
+    /// Run the built-in solver as well, and compare the errors
     #[arg(long)]
     beside: bool,
     /// Directory for records and report
@@ -115,7 +115,7 @@ impl Verify {
             self.print_failures(&judged);
             print_text(&format!("report: {}", self.out.join("index.html").display()));
             if let (Some(own), Some(rows)) = (&beside, &compared) {
-                print_text(&format!("own solver:\n{}", verdict_table(&own.verdicts)));
+                print_text(&format!("built-in solver:\n{}", verdict_table(&own.verdicts)));
                 print_text(&table(rows));
             }
         }
@@ -136,7 +136,8 @@ impl Verify {
         let log = |Failure { scene, n, steps, .. }: &Failure| {
             let log = case_dir(&self.out.join("cases"), scene, (*n)?, *steps).join(LOG);
             let lines = last_lines(&log);
-            (!lines.is_empty()).then_some((log, lines))
+            // What a reason has said already is not said again.
+            (!lines.iter().all(|line| named(line))).then_some((log, lines))
         };
         if let Some((path, lines)) = failed.iter().find_map(log) {
             let shown = lines[lines.len().saturating_sub(LINES_SHOWN)..].iter();
@@ -319,6 +320,6 @@ fn table(rows: &[Beside]) -> String {
         ]
     };
     let rows: Vec<Vec<String>> = rows.iter().map(cells).collect();
-    let heads = [">n", ">N", "norm", ">error", ">own error", ">difference"];
+    let heads = [">n", ">N", "norm", ">error", ">built-in", ">difference"];
     report::text_table(&heads, &rows, width(TABLE_WIDTH))
 }

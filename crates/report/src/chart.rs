@@ -34,9 +34,9 @@ pub enum Part {
     Dashed(Vec<Datum>),
     /// A line of dots.
     Dotted(Vec<Datum>),
-    /// A marker a point.
+    /// A marker at each point.
     Points(Vec<Datum>),
-    /// A hollow marker a point: what is shown and does not count.
+    /// A hollow marker at each point: what is shown and does not count.
     Hollow(Vec<Datum>),
     /// A light area with these corners.
     Band(Vec<Datum>),

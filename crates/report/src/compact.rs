@@ -3,7 +3,7 @@
 //! It writes an element a line, a text on three. Lines of one style that follow each other become one path: a dashed line
 //! is as many elements as it has strokes.
 
-/// The same picture.
+/// The picture in fewer bytes.
 pub(super) fn compact(svg: &str) -> String {
     let mut out = String::with_capacity(svg.len() / 2);
     let mut path: Option<(String, String)> = None;
@@ -189,7 +189,9 @@ mod tests {
              u<tspan dy=\"30\" font-size=\"72\">hν</tspan><tspan dy=\"-30\">‖</tspan> on \
              Γ<tspan dy=\"30\" font-size=\"72\">3</tspan>"
         );
-        assert!(set("E_{φ1}² ≤").starts_with("E<tspan dy=\"30\" font-size=\"72\">φ1</tspan><tspan"));
+        assert!(
+            set("E_{φ1}² ≤").starts_with("E<tspan dy=\"30\" font-size=\"72\">φ1</tspan><tspan")
+        );
         assert_eq!(set("c_j²").matches('j').count(), 1);
         assert!(set("c_j²").contains(">j</tspan>"));
         // What is escaped stays whole.

@@ -12,11 +12,7 @@ const BESIDE: f64 = 56.0;
 ///
 /// # Errors
 /// [`ReportError::Drawing`].
-pub(super) fn draw(
-    canvas: &Canvas<'_>,
-    chart: &Chart,
-    frame: &Frame,
-) -> Result<f64, ReportError> {
+pub(super) fn draw(canvas: &Canvas<'_>, chart: &Chart, frame: &Frame) -> Result<f64, ReportError> {
     let end = |at: usize| -> Option<(usize, Place)> {
         let series = &chart.series[at];
         let runs = series.parts.iter().flat_map(|part| chart.runs(frame, part));

@@ -44,8 +44,8 @@ pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Document, Equation, Run, StudyDocument, Terms, Tone, digits, equations, held, number,
-    precise, sides, text_table,
+    Chapter, Document, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, held,
+    number, precise, sides, text_table,
 };
 pub use github::{Place, annotations, step_summary};
 pub use group::Group;

@@ -130,7 +130,7 @@ impl Baseline {
             .map_err(|source| BaselineError::Json { path: path.to_owned(), source })
     }
 
-    /// Writes it in one piece, a line a case, in the order of scenes, n and steps.
+    /// Writes it in one piece, a line per case, in the order of scenes, n and steps.
     ///
     /// # Errors
     /// [`BaselineError`].

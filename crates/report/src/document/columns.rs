@@ -30,6 +30,16 @@ pub fn text_table(heads: &[&str], rows: &[Vec<String>], width: u16) -> String {
     apart(&columns, rows, width)
 }
 
+/// Words beside their label, which takes so many columns; later lines stand below the words.
+pub fn beside(label: &str, room: usize, words: &str, width: u16) -> String {
+    let lines = wrapped(words, usize::from(width).saturating_sub(room).max(NARROWEST), usize::MAX);
+    let line = |(at, line): (usize, &String)| match at {
+        0 => format!("{label:<room$}{line}"),
+        _ => format!("{:<room$}{line}", ""),
+    };
+    lines.iter().enumerate().map(line).collect::<Vec<_>>().join("\n")
+}
+
 /// A column and what it needs.
 struct Column {
     at: usize,
@@ -135,7 +145,8 @@ fn prose_of(row: &[String], prose: &[&Column], width: usize) -> Vec<String> {
     });
     let indented = |text: String| {
         let lines = wrapped(&text, width.saturating_sub(6), usize::MAX);
-        let indent = |(at, line)| if at == 0 { format!("    {line}") } else { format!("      {line}") };
+        let indent =
+            |(at, line)| if at == 0 { format!("    {line}") } else { format!("      {line}") };
         lines.into_iter().enumerate().map(indent).collect::<Vec<_>>()
     };
     cells.flat_map(indented).collect()
@@ -190,6 +201,15 @@ mod tests {
             let longest = text.lines().map(length).max().unwrap_or(0);
             assert!(longest <= usize::from(width).max(60), "{width}: {longest}\n{text}");
         }
+    }
+
+    #[test]
+    fn words_stand_beside_their_label() {
+        let text = beside("terms", 8, &"word ".repeat(12), 40);
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2, "{text}");
+        assert!(lines[0].starts_with("terms   word") && lines[1].starts_with("        word"));
+        assert_eq!(beside("a", 3, "b c", u16::MAX), "a  b c");
     }
 
     #[test]

@@ -14,7 +14,7 @@ use serde_json::Value;
 /// What a report is made of.
 pub(crate) struct Report<'a> {
     pub(crate) scenes: &'a [SceneSummary],
-    /// A file name a scene, without ending.
+    /// A file name per scene, without ending.
     pub(crate) stems: &'a [String],
     /// File name, caption and SVG of the pictures of each scene.
     pub(crate) pictures: &'a [Vec<Picture>],

@@ -23,8 +23,8 @@ use crate::Picture;
 use crate::symbols::{in_line, symbols};
 use serde::{Deserialize, Serialize};
 
+pub use columns::{beside, text_table};
 pub(super) use content::{Report, document, group};
-pub use columns::text_table;
 pub use equation::{Equation, Terms, equations};
 pub(super) use html::page;
 pub(super) use latex::tables;
@@ -131,7 +131,7 @@ pub(super) struct Figure {
     pub(super) caption: String,
     #[serde(skip)]
     pub(super) svg: String,
-    /// The same in pieces, for a page that sets as many of them side by side as there is room for.
+    /// The picture in pieces, for a page that sets as many of them side by side as there is room for.
     #[serde(skip)]
     pub(super) pieces: Vec<String>,
 }

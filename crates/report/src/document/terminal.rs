@@ -31,8 +31,11 @@ fn table(own: &Table, width: u16) -> String {
     };
     let heads: Vec<String> = own.head.iter().zip(&own.numeric).map(head).collect();
     let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-    let rows: Vec<Vec<String>> =
-        own.rows.iter().map(|row| row.iter().map(|run| run.in_line().into_owned()).collect()).collect();
+    let rows: Vec<Vec<String>> = own
+        .rows
+        .iter()
+        .map(|row| row.iter().map(|run| run.in_line().into_owned()).collect())
+        .collect();
     text_table(&heads, &rows, width)
 }
 

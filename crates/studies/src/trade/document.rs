@@ -1,16 +1,16 @@
 //! A trade in words and tables.
 
 use super::extrapolation::{Extrapolated, LastOrder};
-use super::{Price, Resource, Study, Term, Trial};
+use super::{Answered, Price, Resource, Study, Term, Trial};
 use judge::fit::Interval;
 use report::{Chapter, ReportError, Run, StudyDocument, Tone, digits};
 
 impl Study {
-    /// The trade as a document.
+    /// The trade as a document; its pictures mark the answer, where a target was named.
     ///
     /// # Errors
     /// The drawing library's.
-    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+    pub fn document(&self, answer: Option<&Answered>) -> Result<StudyDocument, ReportError> {
         let title = format!("Cost and error: {}", self.scene);
         let mut own =
             StudyDocument::new(Chapter::Trade, title).of_scene(&self.scene, &self.fingerprint);
@@ -53,7 +53,7 @@ impl Study {
             ("trade-memory", "error against predicted memory", Resource::Memory),
         ] {
             let caption = format!("{shows}, with the Pareto front (sweep trade).");
-            own.figure(stem, &caption, self.svg(resource)?);
+            own.figure(stem, &caption, self.svg(resource, answer)?);
         }
         Ok(own)
     }

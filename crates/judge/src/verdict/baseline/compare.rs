@@ -101,7 +101,7 @@ pub struct Comparison {
     pub not_recorded: Vec<String>,
     /// What the compared scenes owe that ran on their own grids.
     pub owed: Owing,
-    /// Those of which the baseline does not say it.
+    /// Scenes for which the baseline does not say what they owe.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub owed_not_said: Vec<String>,
     /// What deviates.

@@ -84,7 +84,7 @@ impl SceneAudit {
         }
     }
 
-    /// One sentence a violated line and run: line, level, grid, both sides.
+    /// One sentence for each violated line and run: line, level, grid, both sides.
     pub fn violations(&self) -> Vec<String> {
         let rows = self.cases.iter().flat_map(|case| case.rows.iter().map(move |row| (case, row)));
         rows.filter_map(|(case, row)| {
@@ -110,7 +110,7 @@ impl SceneAudit {
         .collect()
     }
 
-    /// One sentence a line whose bound is not defined.
+    /// One sentence for each line whose bound is not defined.
     pub fn undefined(&self) -> Vec<String> {
         let m0 = self.constants.m0();
         let why = match m0 <= 0.0 {

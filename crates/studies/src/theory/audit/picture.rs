@@ -1,4 +1,4 @@
-//! How tight each line is: a bar a line.
+//! How tight each line is: a bar per line.
 
 use super::document::{by_tightness, in_signs};
 use super::lines::{Relation, Standing};

@@ -130,9 +130,8 @@ impl Study {
         let lost = |printed: Option<&Effectivity>, halved: &Effectivity| {
             Some(printed?.at_end? / halved.at_end? - 1.0)
         };
-        let envelope = self.over_step(|own| {
-            lost(own.effectivity.printed.as_ref(), &own.effectivity.primed)
-        });
+        let envelope =
+            self.over_step(|own| lost(own.effectivity.printed.as_ref(), &own.effectivity.primed));
         let closed = self.over_step(|own| {
             lost(own.effectivity.printed_closed.as_ref(), &own.effectivity.closed)
         });
@@ -144,8 +143,7 @@ impl Study {
     fn over_step(&self, value: impl Fn(&StudiedGrid) -> Option<f64>) -> Vec<Datum> {
         let mut grids: Vec<&StudiedGrid> = self.grids.iter().collect();
         grids.sort_by_key(|own| std::cmp::Reverse(own.run.steps));
-        let datum =
-            |own: &&StudiedGrid| Some((own.run.estimate.grid.largest_step(), value(own)?));
+        let datum = |own: &&StudiedGrid| Some((own.run.estimate.grid.largest_step(), value(own)?));
         grids.iter().filter_map(datum).collect()
     }
 
@@ -194,11 +192,7 @@ const PRIMED: &str = "envelope, halved ends";
 const CLOSED: &str = "its closed form";
 
 fn bounds(envelopes: &Envelopes) -> [(&'static str, &[f64]); 3] {
-    [
-        (WEIGHTED, &envelopes.weighted),
-        (PRIMED, &envelopes.primed),
-        (CLOSED, &envelopes.closed),
-    ]
+    [(WEIGHTED, &envelopes.weighted), (PRIMED, &envelopes.primed), (CLOSED, &envelopes.closed)]
 }
 
 fn horizon_curves(horizons: &Horizons, divisor: fn(f64) -> f64) -> Vec<Series> {
