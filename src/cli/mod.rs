@@ -246,7 +246,7 @@ fn said_instead(said: &clap::Error) -> Result<u8, CliError> {
 
 /// Where scenes come from.
 struct Scenes {
-    /// None: inside the program.
+    /// The folder; without one, the scenes inside the program.
     folder: Option<PathBuf>,
     /// The command line names the folder.
     named: bool,

@@ -59,7 +59,7 @@ struct State {
     done: usize,
     running: Vec<String>,
     begun: Option<Instant>,
-    /// Of the predicted seconds.
+    /// The part of the predicted seconds that is done.
     share: f64,
     /// Why the last case that failed did.
     reason: Option<String>,

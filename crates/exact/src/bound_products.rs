@@ -38,7 +38,7 @@ pub(super) struct Fields {
 pub(super) struct AlongX {
     /// Of each half the abscissae.
     pub places: [Places; HALVES],
-    /// At the distinct ones.
+    /// The shape functions at the distinct abscissae.
     shapes: Mutex<Bound>,
     /// The place of each among these.
     place: [Vec<u32>; HALVES],

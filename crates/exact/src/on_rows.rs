@@ -15,7 +15,7 @@ use fem::space::quadrature::Rule;
 pub(super) struct OnRows {
     columns: usize,
     rows: usize,
-    /// Of all its cells.
+    /// The region of all its cells.
     region: usize,
     along_x: Arc<AlongX>,
     halves: [Half; HALVES],

@@ -13,7 +13,7 @@ pub struct Products {
     pub along_y: Program,
     /// The f_m of all formulas.
     pub along_x: Program,
-    /// How many they are.
+    /// The number of shape functions.
     pub shapes: usize,
     /// Of each formula its terms: m, and the place of f_m.
     pub terms: Vec<Vec<(usize, usize)>>,

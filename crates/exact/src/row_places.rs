@@ -47,7 +47,7 @@ fn collapsed_at(corner: usize, count: usize) -> Rule {
 /// Points of a rule by their abscissae: in a triangle with a side along y several share one, in every column.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Places {
-    /// Of each point.
+    /// The place of each point.
     pub of: Vec<usize>,
     /// The abscissae, of one place after the other in all columns.
     pub x: Vec<f64>,
@@ -79,7 +79,7 @@ impl Places {
         places
     }
 
-    /// How many.
+    /// The number of places.
     pub(crate) fn count(&self) -> usize {
         self.weights.len()
     }

@@ -124,7 +124,7 @@ struct Compiler<'a> {
     histories: &'a [HistoryPlan],
     /// Whether nothing is kept for other times.
     once: bool,
-    /// Of every node.
+    /// The cost of every node.
     costs: Vec<u32>,
     slots: Slots,
     /// What is in the slots, in order.

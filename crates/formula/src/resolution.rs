@@ -28,7 +28,7 @@ const DEEPEST: usize = 600;
 pub(super) enum Mark {
     /// Its integral is right to rounding.
     Resolved,
-    /// Its halves come next.
+    /// The panel is not resolved: its halves come next.
     Halved,
     /// It is taken as it is, and what it may lack is estimated.
     Left,

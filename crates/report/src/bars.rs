@@ -17,7 +17,7 @@ pub struct Bar {
     pub says: String,
     /// Its length; 1 is the limit.
     pub length: f64,
-    /// Of the second kind.
+    /// Whether the bar is of the second kind.
     pub second: bool,
     /// It is not what it should be.
     pub fails: bool,
@@ -26,7 +26,7 @@ pub struct Bar {
 /// Bars of two kinds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
-    /// From top to bottom.
+    /// The bars from top to bottom.
     pub bars: Vec<Bar>,
     /// What the bars of the first kind measure.
     pub first: String,

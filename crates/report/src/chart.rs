@@ -70,11 +70,11 @@ pub struct Mark {
 /// What a sign of the picture means, where no series says it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Key {
-    /// Of an area.
+    /// The meaning of an area.
     Band(String),
-    /// Of hollow markers.
+    /// The meaning of hollow markers.
     Hollow(String),
-    /// Of dashed lines.
+    /// The meaning of dashed lines.
     Dashed(String),
 }
 

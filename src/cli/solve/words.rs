@@ -19,7 +19,7 @@ enum Unit {
     Energy,
     /// The norm of a strain in L²(Ω).
     Strain,
-    /// That over time.
+    /// A strain accumulated over time.
     Accumulated,
     /// Seconds of this machine.
     Seconds,

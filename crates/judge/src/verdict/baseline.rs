@@ -198,7 +198,7 @@ impl RecordedCase {
         }
     }
 
-    /// As messages name it.
+    /// The case as messages name it.
     fn name(&self) -> String {
         compare::case_name(self.n, self.steps)
     }

@@ -96,13 +96,13 @@ pub struct Run {
 pub enum Tone {
     /// Not at all.
     Plain,
-    /// By weight.
+    /// Words that stand out by weight.
     Strong,
-    /// What is typed.
+    /// Words to be typed.
     Code,
     /// A formula: `_` and `^` are before what stands low and high.
     Formula,
-    /// As expected.
+    /// What is as expected.
     Pass,
     /// Not as expected.
     Miss,

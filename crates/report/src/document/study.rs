@@ -72,11 +72,11 @@ const ENDING: &str = ".document.json";
 /// What a study says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyDocument {
-    /// Where it belongs.
+    /// The chapter where it belongs.
     pub chapter: Chapter,
     /// Its scene, where it is about one.
     pub scene: Option<String>,
-    /// Of the scene's text.
+    /// The fingerprint of the scene's text.
     pub fingerprint: Option<String>,
     /// Its title.
     pub title: String,

@@ -71,7 +71,7 @@ struct Response<const S: usize> {
     tangent: [Mandel<S>; S],
     /// What it misses beside that: minus its part from the past.
     source: Mandel<S>,
-    /// By ζ.
+    /// The derivative of the stress in ζ.
     by_zeta: Mandel<S>,
 }
 

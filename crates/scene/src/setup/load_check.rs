@@ -197,7 +197,7 @@ impl<'a> Integrals<'a> {
         Self { space, acting }
     }
 
-    /// By either rule.
+    /// The sums at a time, by either rule.
     fn at(&self, t: f64) -> [Sums; 2] {
         [0, 1].map(|which| {
             let mut sums = Sums::zero(self.space.mesh.dimension);

@@ -72,7 +72,7 @@ pub enum Part {
         /// The most that elements, rule or theorem allow towards finer steps.
         most: f64,
     },
-    /// None, and why.
+    /// There is no estimate, and why.
     Unknown(String),
 }
 
@@ -170,9 +170,9 @@ fn factors(order: f64, how: Alignment) -> Vec<f64> {
 /// The error of a run in both steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// Of h.
+    /// The error in h.
     pub space: Part,
-    /// Of k.
+    /// The error in k.
     pub time: Part,
 }
 

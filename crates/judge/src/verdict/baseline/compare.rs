@@ -67,13 +67,13 @@ pub struct Deviation {
     pub variable: Option<Variable>,
     /// What deviates.
     pub kind: Kind,
-    /// As recorded.
+    /// The recorded value.
     pub recorded: Option<f64>,
     /// As found; absent if it is no number.
     pub found: Option<f64>,
     /// Fail or unresolved.
     pub verdict: Decision,
-    /// In one sentence.
+    /// The deviation in one sentence.
     pub reason: String,
 }
 
