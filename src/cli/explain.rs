@@ -95,7 +95,7 @@ impl Explain {
             return Ok(0);
         }
         let say = |label: &str, words: &str| print_beside(label, LABEL, words);
-        say("", &format!("{}: {}", scene.name, scene.question));
+        print_beside("", 0, &format!("{}: {}", scene.name, scene.question));
         let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
         let all = format!("about {} of CPU time, to the order of magnitude", duration(sum));
         say("in all", &all);

@@ -44,8 +44,8 @@ const AXIS: (f64, f64) = (1130.0, 1560.0);
 const ROW: f64 = 50.0;
 const TOP: f64 = 110.0;
 const TEXT: f64 = 30.0;
-/// Characters of the words beside a bar.
-const CHARACTERS: usize = 58;
+/// Characters of the words beside a bar, with those that set scripts low and are not seen.
+const CHARACTERS: usize = 66;
 const CHARACTER: f64 = 16.0;
 
 impl Bars {

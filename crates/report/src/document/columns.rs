@@ -32,6 +32,7 @@ pub fn text_table(heads: &[&str], rows: &[Vec<String>], width: u16) -> String {
 
 /// Words beside their label, which takes so many columns; later lines stand below the words.
 pub fn beside(label: &str, room: usize, words: &str, width: u16) -> String {
+    let room = room.max(length(label));
     let lines = wrapped(words, usize::from(width).saturating_sub(room).max(NARROWEST), usize::MAX);
     let line = |(at, line): (usize, &String)| match at {
         0 => format!("{label:<room$}{line}"),

@@ -243,7 +243,8 @@ impl Listed<'_> {
 
 /// What a line says, with the signs of sums and integrals; the rest is letters.
 pub(super) fn in_signs(says: &str) -> String {
-    says.replace("sum_j", "Σ_j").replace("sum w", "Σ w").replace("int lambda", "∫ lambda")
+    let signs = [("sum_j", "Σ_j"), ("sum w", "Σ w"), ("int lambda", "∫ lambda"), ("Au", "A u")];
+    signs.iter().fold(says.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 fn line(line: &Summary) -> Vec<Run> {

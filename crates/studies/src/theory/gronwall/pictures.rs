@@ -119,13 +119,13 @@ impl Study {
     /// What the printed sum loses: its bounds over those with halved ends, less one.
     fn printed_over_step(&self) -> Chart {
         let question = format!(
-            "What does the printed sum of (3.24) lose against halved ends, at t = T{}? It falls like k.",
+            "By how much is the bound of the printed sum above that with halved ends, at t = T{}? It falls like k.",
             self.mesh()
         );
         let mut chart = self.chart(
             &question,
             Axis::new("time step k = T/N", Scale::Steps),
-            Axis::new("bound of the printed sum / bound with halved ends − 1", Scale::Log),
+            Axis::new("printed sum / halved ends − 1", Scale::Log),
         );
         let lost = |printed: Option<&Effectivity>, halved: &Effectivity| {
             Some(printed?.at_end? / halved.at_end? - 1.0)
