@@ -95,35 +95,47 @@ impl Explain {
             return Ok(0);
         }
         let say = |label: &str, words: &str| print_beside(label, LABEL, words);
-        print_beside("", 0, &format!("{}: {}", scene.name, scene.question));
-        let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
-        let all = format!("about {} of CPU time, to the order of magnitude", duration(sum));
-        say("in all", &all);
-        say("terms", &terms(scene).join(", "));
-        say("truth", truth(scene));
-        regions.iter().for_each(|(_, line)| say("region", line));
-        say("algorithm", &algorithm);
-        say("linear", &of_meshes(&plan, &costs, |cost| linear(&plan.subject, cost.linear_solver)));
-        say("rule", &scene.time.rule.in_words());
-        say("history", history);
-        if let (Some(reference), Some(cost)) = (&reference, &costs.reference) {
-            let [seconds, memory] = predicted(cost);
-            let run = format!("n = {}, N = {}", reference["n"], reference["steps"]);
-            say("reference", &format!("{run}: about {seconds} of CPU time, {memory}"));
-        }
-        constants.iter().for_each(|(line, _)| say("constant", line));
-        for corner in corners {
-            say("corner", &corner.in_words());
-        }
-        if let Some(order) = least_order(corners) {
-            let words = format!(
-                "order in h at least {order:.4} by the corners, and (5.26) promises 1 for u in H2 alone; loads that do not excite the strongest term do better"
-            );
-            say("", &words);
-        }
-        print_text(&case_table(&plan, &costs));
+        let constants: Vec<&str> = constants.iter().map(|(line, _)| line.as_str()).collect();
+        print_in_words(&plan, &costs, &asked, (&algorithm, &constants));
         Ok(0)
     }
+}
+
+/// What `sweep explain` prints: what the scene costs in all first, its cases last.
+fn print_in_words(
+    plan: &ScenePlan,
+    costs: &PlanCost,
+    Asked { regions, corners, history }: &Asked,
+    (algorithm, constants): (&str, &[&str]),
+) {
+    let scene = plan.scene();
+    print_beside("", 0, &format!("{}: {}", scene.name, scene.question));
+    let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
+    let all = format!("about {} of CPU time, to the order of magnitude", duration(sum));
+    say("in all", &all);
+    say("terms", &terms(scene).join(", "));
+    say("truth", truth(scene));
+    regions.iter().for_each(|(_, line)| say("region", line));
+    say("algorithm", algorithm);
+    say("linear", &of_meshes(plan, costs, |cost| linear(&plan.subject, cost.linear_solver)));
+    say("rule", &scene.time.rule.in_words());
+    say("history", history);
+    if let (Some(reference), Some(cost)) = (&plan.reference, &costs.reference) {
+        let [seconds, memory] = predicted(cost);
+        let run = format!("n = {}, N = {}", reference.n, reference.steps);
+        say("reference", &format!("{run}: about {seconds} of CPU time, {memory}"));
+    }
+    constants.iter().for_each(|line| say("constant", line));
+    for corner in corners {
+        say("corner", &corner.in_words());
+    }
+    if let Some(order) = least_order(corners) {
+        let words = format!(
+            "order in h at least {order:.4} by the corners, and (5.26) promises 1 for u in H2 alone; loads that do not excite the strongest term do better"
+        );
+        say("", &words);
+    }
+    print_text(&case_table(plan, costs));
 }
 
 /// What a scene asks for beside its cases.

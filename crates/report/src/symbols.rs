@@ -37,7 +37,9 @@ pub fn symbols(ascii: &str) -> String {
             out += &letters(&rest[..end].iter().collect::<String>());
             at += end;
         } else if "_^".contains(sign) && at > 0 {
-            let end = 1 + rest[1..].iter().take_while(|c| c.is_ascii_alphanumeric()).count();
+            // A power behind an index is not part of it.
+            let belongs = |c: &&char| c.is_alphanumeric() && **c != '²';
+            let end = 1 + rest[1..].iter().take_while(belongs).count();
             // `u_h,nu` has two indices.
             let second: String = rest[end..].iter().take(3).collect();
             let end = if second == ",nu" { end + 3 } else { end };
@@ -81,6 +83,32 @@ fn letters(word: &str) -> String {
     named.unwrap_or_else(|| word.to_owned())
 }
 
+/// Words with what stands low and high in them: `a_b` and `a^b` are symbols where one letter has an index of one or two signs
+/// (a power of letters, as `h^0.99` is a number) and ends with it, so that `V_max` and `cases_by_n` stay names.
+pub(crate) fn indexed(words: &str, set: impl Fn(char, &str) -> String) -> String {
+    let characters: Vec<char> = words.chars().collect();
+    let ends = |c: Option<&char>| c.is_none_or(|c| !c.is_alphanumeric() && *c != '_' || *c == '²');
+    let (mut out, mut at) = (String::new(), 0);
+    while at < characters.len() {
+        let base = characters[at].is_alphabetic() && (at == 0 || ends(characters.get(at - 1)));
+        out.push(characters[at]);
+        at += 1;
+        let Some(sign) = characters.get(at).filter(|c| base && "_^".contains(**c)) else {
+            continue;
+        };
+        let belongs = |c: &&char| match sign {
+            '_' => c.is_alphanumeric() && **c != '²',
+            _ => c.is_alphabetic(),
+        };
+        let end = at + 1 + characters[at + 1..].iter().take_while(belongs).count();
+        if (at + 2..=at + 3).contains(&end) && ends(characters.get(end)) {
+            out += &set(*sign, &characters[at + 1..end].iter().collect::<String>());
+            at = end;
+        }
+    }
+    out
+}
+
 /// A formula where nothing can stand low or high: without the braces.
 pub(crate) fn in_line(formula: &str) -> String {
     formula.replace(['{', '}'], "")
@@ -100,10 +128,33 @@ mod tests {
             ("E_j~ <= sqrt(delta)", "Ẽ_j ≤ √(δ)"),
             ("v^h, the number of numbers", "v^h, the number of numbers"),
             ("sqrt|Omega|", "√|Ω|"),
+            ("β_φ and c_j², with m0", "β_φ and c_j², with m0"),
             ("energy constant, n = 8", "energy constant, n = 8"),
         ] {
             assert_eq!(symbols(ascii), written);
         }
         assert_eq!(in_line("E_{φ1} ≤ α_φ"), "E_φ1 ≤ α_φ");
+    }
+
+    #[test]
+    fn symbols_among_words_have_their_index() {
+        let set = |words: &str| indexed(words, |sign, index| format!("{sign}<{index}>"));
+        assert_eq!(set("e_n is at t_n, c_j² ≤ 1, u_hν"), "e_<n> is at t_<n>, c_<j>² ≤ 1, u_<hν>");
+        assert_eq!(set("exact u(t) in V^h, k ~ h^s"), "exact u(t) in V^<h>, k ~ h^<s>");
+        for name in [
+            "V_max in k",
+            "cases_by_n",
+            "L2_max",
+            "a_",
+            "_a",
+            "m_A_b",
+            "",
+            "x_abc",
+            "h^0.99",
+            "E^-1.5",
+            "h^(1/2)",
+        ] {
+            assert_eq!(set(name), name);
+        }
     }
 }

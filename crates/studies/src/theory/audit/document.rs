@@ -237,7 +237,7 @@ impl Listed<'_> {
             ("‖R‖‖q‖", c.history),
             ("m0", self.m0),
         ];
-        named.map(|(name, value)| vec![Run::plain(name), precise(value, 7)]).into()
+        named.map(|(name, value)| vec![Run::formula(name), precise(value, 7)]).into()
     }
 }
 

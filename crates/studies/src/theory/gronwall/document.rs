@@ -96,9 +96,22 @@ impl Study {
             ("β_φ", c.beta),
             ("Lipschitz constant of S", c.lipschitz),
         ];
-        let details = c.details.iter().map(|(name, value)| (*name, *value));
-        let row = |(name, value): (&str, f64)| vec![Run::plain(name), precise(value, 7)];
+        let details = c.details.iter().map(|(name, value)| (written(name), *value));
+        let row = |(name, value): (&str, f64)| vec![Run::formula(name), precise(value, 7)];
         named.into_iter().chain(details).map(row).collect()
+    }
+}
+
+/// A constant as a reader writes it, by its key in files.
+fn written(key: &'static str) -> &'static str {
+    match key {
+        "yielding" => "μ L_κ √|Ω|",
+        "memory_norm" => "‖ℬ‖",
+        "c_j_squared_bound" => "c_j², upper bound",
+        "c_j_squared" => "c_j²",
+        "r_norm" => "‖R‖",
+        "q_norm" => "‖q‖",
+        other => other,
     }
 }
 
