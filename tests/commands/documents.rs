@@ -222,6 +222,18 @@ fn every_page_names_its_reader_and_is_in_the_book() {
         assert!(!names_no_reader(&read(&format!("docs/{name}"))), "{name} names no reader");
         assert!(book.contains(&format!("({name})")), "{name} is not in docs/SUMMARY.md");
     }
+    for page in [
+        "README.md",
+        "CHANGELOG.md",
+        "CONTRIBUTING.md",
+        "benches/README.md",
+        "examples/python/README.md",
+        "manufactured/REFERENCES.md",
+        "python/README.md",
+        "reports/README.md",
+    ] {
+        assert!(!names_no_reader(&read(page)), "{page} names no reader");
+    }
     assert!(names_no_reader("# Title\n\nWhat it is.\n"));
 }
 
