@@ -63,7 +63,7 @@ impl CaseCommand {
         }
     }
 
-    /// The same command.
+    /// The command line that runs these cases again.
     fn again(&self) -> String {
         let jobs: Vec<String> = self.job.iter().map(usize::to_string).collect();
         let mut words = vec!["sweep case".to_owned()];

@@ -3,7 +3,7 @@
 use clap::Args;
 
 use super::machine::Allowance;
-use super::{CliError, Scenes, abstract_problem, meshes_fit, print_json, print_text};
+use super::{CliError, Scenes, abstract_problem, meshes_fit, print_beside, print_json};
 use exact::{Finding, Status, check};
 use run::sweep::admit_constants;
 use scene::setup::{Constants, Setup, Subject, constants, sides, trace_levels};
@@ -54,7 +54,7 @@ impl Check {
         } else {
             for finding in &findings {
                 let Finding { subject, status, text, .. } = finding;
-                print_text(&format!("{:<28} {:<9} {text}", subject, status.name()));
+                print_beside(&format!("{subject:<28} {:<9} ", status.name()), 39, text);
             }
         }
         Ok(u8::from(failed))

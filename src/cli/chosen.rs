@@ -34,7 +34,7 @@ impl<const STEPS: i64> Grid<STEPS> {
         scene.check_grid(&listed(&self.n), &listed(&self.steps))
     }
 
-    /// For a plan.
+    /// The grid as overrides of a plan.
     pub(super) fn overrides(&self) -> Overrides {
         Overrides { n: self.n.clone(), steps: self.steps.clone() }
     }

@@ -4,7 +4,7 @@ use files::counted;
 use judge::verdict::{Foreseen, ForeseenConstant, Variable};
 use run::sweep::{ScenePlan, foresee_plan};
 
-/// One line and one JSON object a prediction.
+/// One line and one JSON object per prediction.
 pub(crate) fn predicted_constants(plan: &ScenePlan) -> Vec<(String, serde_json::Value)> {
     let orders = plan.scene().predicts.iter().map(|prediction| prediction.order);
     foresee_plan(plan).iter().zip(orders).map(|(known, order)| one(known, order)).collect()
@@ -25,7 +25,7 @@ fn one(known: &ForeseenConstant, order: f64) -> (String, serde_json::Value) {
     let line = match foreseen {
         Foreseen::Nothing { not_predicted } => {
             json["not_predicted"] = serde_json::json!(not_predicted);
-            format!("constant   {norm} in {letter}: none, {not_predicted}")
+            format!("{norm} in {letter}: none, {not_predicted}")
         }
         Foreseen::Leading(line) => {
             let step = |p: &judge::verdict::LeadingPoint| match variable {
@@ -40,7 +40,7 @@ fn one(known: &ForeseenConstant, order: f64) -> (String, serde_json::Value) {
             let constant = constant.map_or("-".into(), |constant| format!("{constant:.4e}"));
             let points = counted(line.points.len(), "case");
             format!(
-                "constant   {norm} in {letter}: {name} = {constant} of order {order} on the finest of {points}{limit}"
+                "{norm} in {letter}: {name} = {constant} of order {order} on the finest of {points}{limit}"
             )
         }
     };

@@ -1,8 +1,6 @@
 //! `sweep diagnose`: the term whose removal restores what a scene should show.
 
 use clap::Args;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::{Allowance, processors};
 use super::{CliError, Scenes, print_json, print_text, verdict_table, width};
@@ -61,15 +59,13 @@ impl DiagnoseCommand {
 
 /// The table of trials.
 fn trials(outcomes: &[Outcome]) -> String {
-    let mut table = Table::new();
-    table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
-    table.set_width(width(WIDTH)).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-    table.set_header(["trial", "terms", "must show", "observed", "verdict"]);
-    table.add_rows(outcomes.iter().map(|outcome| {
+    let row = |outcome: &Outcome| {
         let [name, terms] = [outcome.name.clone(), outcome.terms.clone()];
         [name, terms, asked(outcome), observed(outcome), outcome.decision.name().to_owned()]
-    }));
-    table.trim_fmt()
+    };
+    let rows: Vec<Vec<String>> = outcomes.iter().map(|outcome| row(outcome).into()).collect();
+    let heads = ["trial", "terms", "must show", "observed", "verdict"];
+    report::text_table(&heads, &rows, width(WIDTH))
 }
 
 /// What a trial had to show.

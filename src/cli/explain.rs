@@ -7,9 +7,10 @@ use clap::Args;
 use super::constants::predicted_constants;
 use super::list::{terms, truth};
 use super::machine::Allowance;
-use super::{CliError, Scenes, meshes_fit, print_json, print_text};
+use super::{CliError, Scenes, meshes_fit, print_beside, print_json, print_text, width};
 use fem::contact::{LinearSolver, Plan};
-use run::sweep::{Cost, Overrides, PlanCost, ScenePlan};
+use judge::verdict::TABLE_WIDTH;
+use run::sweep::{CasePlan, Cost, Overrides, PlanCost, ScenePlan};
 use scene::setup::{Setup, Subject};
 use scene::{Data, Memory};
 use studies::theory::corner::{Corner, corners};
@@ -93,45 +94,48 @@ impl Explain {
             }))?;
             return Ok(0);
         }
-        print_text(&format!("{}: {}", scene.name, scene.question));
-        print_text(&format!("terms      {}", terms(scene).join(", ")));
-        print_text(&format!("truth      {}", truth(scene)));
-        regions.iter().for_each(|(_, line)| print_text(&format!("region     {line}")));
-        print_text(&format!("algorithm  {algorithm}"));
-        let linear = of_meshes(&plan, &costs, |cost| linear(&plan.subject, cost.linear_solver));
-        print_text(&format!("linear     {linear}"));
-        print_text(&format!("rule       {}", scene.time.rule.in_words()));
-        print_text(&format!("history    {history}"));
-        if let (Some(reference), Some(cost)) = (&reference, &costs.reference) {
-            let run = format!("n = {}, N = {}", reference["n"], reference["steps"]);
-            print_text(&format!("reference  {run}: {}", predicted(cost)));
-        }
-        for (case, cost) in cases.iter().zip(&costs.cases) {
-            let n = case["n"].as_u64().map_or_else(String::new, |n| format!("n = {n}, "));
-            print_text(&format!(
-                "case       {n}N = {}: {} unknowns, {} bytes of history; {}",
-                case["steps"],
-                cost.dofs,
-                case["history_bytes"],
-                predicted(cost)
-            ));
-        }
-        constants.iter().for_each(|(line, _)| print_text(line));
-        for corner in corners {
-            print_text(&format!("corner     {}", corner.in_words()));
-        }
-        if let Some(order) = least_order(corners) {
-            print_text(&format!(
-                "order in h at least {order:.4} by the corners, and (5.26) promises 1 for u in H2 alone; loads that do not excite the strongest term do better"
-            ));
-        }
-        let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
-        print_text(&format!(
-            "in all     about {} of CPU time, to the order of magnitude",
-            duration(sum)
-        ));
+        let say = |label: &str, words: &str| print_beside(label, LABEL, words);
+        let constants: Vec<&str> = constants.iter().map(|(line, _)| line.as_str()).collect();
+        print_in_words(&plan, &costs, &asked, (&algorithm, &constants));
         Ok(0)
     }
+}
+
+/// What `sweep explain` prints: what the scene costs in all first, its cases last.
+fn print_in_words(
+    plan: &ScenePlan,
+    costs: &PlanCost,
+    Asked { regions, corners, history }: &Asked,
+    (algorithm, constants): (&str, &[&str]),
+) {
+    let scene = plan.scene();
+    print_beside("", 0, &format!("{}: {}", scene.name, scene.question));
+    let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
+    let all = format!("about {} of CPU time, to the order of magnitude", duration(sum));
+    say("in all", &all);
+    say("terms", &terms(scene).join(", "));
+    say("truth", truth(scene));
+    regions.iter().for_each(|(_, line)| say("region", line));
+    say("algorithm", algorithm);
+    say("linear", &of_meshes(plan, costs, |cost| linear(&plan.subject, cost.linear_solver)));
+    say("rule", &scene.time.rule.in_words());
+    say("history", history);
+    if let (Some(reference), Some(cost)) = (&plan.reference, &costs.reference) {
+        let [seconds, memory] = predicted(cost);
+        let run = format!("n = {}, N = {}", reference.n, reference.steps);
+        say("reference", &format!("{run}: about {seconds} of CPU time, {memory}"));
+    }
+    constants.iter().for_each(|line| say("constant", line));
+    for corner in corners {
+        say("corner", &corner.in_words());
+    }
+    if let Some(order) = least_order(corners) {
+        let words = format!(
+            "order in h at least {order:.4} by the corners, and (5.26) promises 1 for u in H2 alone; loads that do not excite the strongest term do better"
+        );
+        say("", &words);
+    }
+    print_text(&case_table(plan, costs));
 }
 
 /// What a scene asks for beside its cases.
@@ -171,8 +175,26 @@ fn least_order(corners: &[Corner]) -> Option<f64> {
     corners.iter().map(Corner::order).reduce(f64::min)
 }
 
-fn predicted(cost: &Cost) -> String {
-    format!("about {} of CPU time, {:.0} MB", duration(cost.seconds), cost.memory_bytes / 1e6)
+/// CPU time and memory.
+fn predicted(cost: &Cost) -> [String; 2] {
+    [duration(cost.seconds), format!("{:.0} MB", cost.memory_bytes / 1e6)]
+}
+
+/// Columns of a label.
+const LABEL: usize = 11;
+
+/// The cases, with what each is predicted to take.
+fn case_table(plan: &ScenePlan, costs: &PlanCost) -> String {
+    let row = |(case, cost): (&CasePlan, &Cost)| {
+        let history = history_vectors(&plan.subject, case.steps) * cost.dofs * size_of::<f64>();
+        let n = case.n.map_or_else(|| "-".into(), |n| n.to_string());
+        let numbers = [n, case.steps.to_string(), cost.dofs.to_string()];
+        let [seconds, memory] = predicted(cost);
+        numbers.into_iter().chain([seconds, memory, history.to_string()]).collect::<Vec<_>>()
+    };
+    let rows: Vec<Vec<String>> = plan.cases.iter().zip(&costs.cases).map(row).collect();
+    let heads = [">n", ">N", ">unknowns", ">CPU time", ">memory", ">bytes of history"];
+    report::text_table(&heads, &rows, width(TABLE_WIDTH))
 }
 
 /// What all runs have, or the meshes with each of it.

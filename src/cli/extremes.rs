@@ -3,8 +3,6 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{ContentArrangement, LineStyle, Table};
 
 use super::machine::Allowance;
 use super::study::deliver;
@@ -97,13 +95,11 @@ fn csv_file(dir: &Path) -> Result<csv::Writer<std::fs::File>, CliError> {
 }
 
 fn listed(ladders: &[Ladder]) -> String {
-    let mut table = Table::new();
-    table.set_content_arrangement(ContentArrangement::Dynamic).force_no_tty();
-    table.set_width(width(WIDTH)).load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-    table.set_header(["ladder", "parameter", "rungs", "measured", "expected because"]);
-    table.add_rows(ladders.iter().map(|ladder| {
+    let row = |ladder: &Ladder| {
         let rungs = ladder.rungs.len().to_string();
         [ladder.name, ladder.parameter, &rungs, ladder.quantity, ladder.why].map(str::to_owned)
-    }));
-    table.trim_fmt()
+    };
+    let rows: Vec<Vec<String>> = ladders.iter().map(|ladder| row(ladder).into()).collect();
+    let heads = ["ladder", "parameter", ">rungs", "measured", "expected because"];
+    report::text_table(&heads, &rows, width(WIDTH))
 }

@@ -41,7 +41,7 @@ sweep fit errors.csv --p 2                              is it second order?\n  \
 program | sweep fit - --dimension 2 --p L2=2,H1=1       a printed table, h from its cells\n  \
 sweep fit errors.csv --p 1 --window 0.01,0.1            of some meshes alone\n  \
 sweep fit errors.csv --latex --svg errors.svg           the table and the picture for a paper\n\n\
-JSON keys with --json: one object a table and direction, with scene, norm, variable (h, k, joint, path), \
+JSON keys with --json: one object per table and direction, with scene, norm, variable (h, k, joint, path), \
 predicted, observed (order is the same), interval, verdict, reason, at_least, exact, tolerance, and
   h, k of errors: probability, local_slopes, coarse_left_out, floor_from, log, constant, constant_interval, next, points_used, points_left_out
   joint: probability, predicted_k, observed_k, interval_k, models, better, constants
@@ -103,6 +103,20 @@ struct Part {
     decision: Option<Decision>,
 }
 
+/// The norms that a table has, for a message about one that it has not.
+fn norms_there(groups: &[Group]) -> String {
+    let mut names: Vec<&str> = groups.iter().filter_map(|own| own.norm.as_deref()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let list = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    match names.len() {
+        0 => ": the errors of the table have no name; an order without one is theirs, as in --p 2"
+            .into(),
+        1 => format!("; there is {list}"),
+        _ => format!("; there are {list}"),
+    }
+}
+
 impl Fit {
     pub(super) fn execute(&self) -> Result<u8, CliError> {
         let mut tables = self.tables()?;
@@ -110,7 +124,8 @@ impl Fit {
             let known =
                 |norm: &str| tables.groups.iter().any(|own| own.norm.as_deref() == Some(norm));
             if let Some(norm) = claims.norms().find(|norm| !known(norm)) {
-                return Err(CliError::about(self.name(), format!("no norm `{norm}` to judge")));
+                let words = format!("no norm `{norm}` to judge{}", norms_there(&tables.groups));
+                return Err(CliError::about(self.name(), words));
             }
         }
         let noisy = self.noise.is_some_and(|noise| !(noise.is_finite() && noise > 0.0));
@@ -188,7 +203,7 @@ fn tables(file: &Path, reading: &Reading) -> Result<Tables, CliError> {
 pub struct Fitted {
     /// The tables with their local orders, then a text a table and direction.
     pub texts: Vec<String>,
-    /// The same as JSON, without headings.
+    /// The parts as JSON, without headings.
     pub objects: Vec<serde_json::Value>,
     /// No order that is predicted fails or is unresolved.
     pub all_pass: bool,

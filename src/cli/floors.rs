@@ -4,12 +4,13 @@ use std::cmp::Reverse;
 use std::path::PathBuf;
 
 use clap::Args;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{LineStyle, Table};
 
 use super::chosen::Grid;
 use super::machine::Allowance;
-use super::{CliError, Scenes, create_dir, no_case, print_json, print_text, subject, write_json};
+use super::{
+    CliError, Scenes, create_dir, no_case, print_json, print_text, subject, width, write_json,
+};
+use judge::verdict::TABLE_WIDTH;
 use run::sweep::{CasePlan, Cost, FloorRow, ScenePlan, admit_plan, floors_beside};
 
 /// `sweep floors`.
@@ -103,14 +104,10 @@ fn document(scene: &str, measured: &[Measured]) -> serde_json::Value {
 }
 
 fn table(measured: &[Measured]) -> String {
-    let mut table = Table::new();
-    table.force_no_tty();
-    table.load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-    table.set_header(["n", "N", "norm", "part", "error", "measured", "estimated", "ratio"]);
-    for case in measured {
-        for row in &case.rows {
-            let text = |value: f64| format!("{value:.1e}");
-            table.add_row([
+    let text = |value: f64| format!("{value:.1e}");
+    let rows = measured.iter().flat_map(|case| {
+        case.rows.iter().map(move |row| {
+            vec![
                 case.n.map_or("-".into(), |n| n.to_string()),
                 case.steps.to_string(),
                 row.norm.name().into(),
@@ -119,8 +116,9 @@ fn table(measured: &[Measured]) -> String {
                 text(row.measured),
                 text(row.estimated),
                 text(row.estimated / row.measured),
-            ]);
-        }
-    }
-    table.trim_fmt()
+            ]
+        })
+    });
+    let heads = [">n", ">N", "norm", "part", ">error", ">measured", ">estimated", ">ratio"];
+    report::text_table(&heads, &rows.collect::<Vec<_>>(), width(TABLE_WIDTH))
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{CliError, Scenes, create_dir, print_json, print_text, write_file};
+use super::{CliError, Scenes, create_dir, print_beside, print_json, print_text, write_file};
 use files::counted;
 use run::sweep::scene_picture;
 use scene::{Body, Data, Scene};
@@ -15,6 +15,11 @@ use scene::{Body, Data, Scene};
     after_help = "JSON keys with --json: name, question, terms, truth, predicts, long, judge, file (null where the scene is inside the program)."
 )]
 pub(crate) struct List {
+    /// Names of scenes, or paths of TOML files [default: all]
+    scene: Vec<String>,
+    /// Print the file of one scene, to copy and to change: `sweep list affine --text > mine.toml`
+    #[arg(long, requires = "scene", conflicts_with_all = ["json", "markdown", "pictures"])]
+    text: bool,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -31,7 +36,10 @@ const PAGE: &str = "# All scenes\n\nFor readers who look for a scene. Printed by
 
 impl List {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
-        let all = scenes.select(&[])?;
+        if self.text {
+            return self.text_of(scenes);
+        }
+        let all = scenes.select(&self.scene)?;
         if let Some(folder) = &self.pictures {
             return pictures(&all, folder);
         }
@@ -46,14 +54,28 @@ impl List {
             return Ok(0);
         }
         for scene in &all {
-            print_text(&format!("{:<16} {}", scene.name, scene.question));
-            print_text(&format!("{:<16} terms: {}; {}", "", terms(scene).join(", "), truth(scene)));
             let orders = predictions(scene);
             let orders =
                 if orders.is_empty() { "nothing judged".into() } else { orders.join("; ") };
-            print_text(&format!("{:<16} {orders}", ""));
+            print_beside(&format!("{:<16} ", scene.name), 17, &scene.question);
+            let terms = format!("terms: {}; {}", terms(scene).join(", "), truth(scene));
+            print_beside("", 17, &terms);
+            print_beside("", 17, &orders);
         }
         print_text(&format!("{} {}", counted(all.len(), "scene"), scenes.place()));
+        Ok(0)
+    }
+}
+
+impl List {
+    /// The text of a scene as it stands in its file.
+    fn text_of(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let [name] = &self.scene[..] else {
+            let message = "--text prints one scene, so that what it prints is a scene file";
+            return Err(CliError::other(format!("{message}; {} are named", self.scene.len())));
+        };
+        let text = scenes.scene(name)?.source.text;
+        print_text(text.strip_suffix('\n').unwrap_or(&text));
         Ok(0)
     }
 }

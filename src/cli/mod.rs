@@ -48,8 +48,8 @@ pub use fit::{Fitted, fitted};
 
 use clap::{Parser, Subcommand};
 use output::{
-    create_dir, delivered, megabytes, print_as_it_is, print_error, print_json, print_text,
-    print_verdicts, verdict_table, width, write_file, write_json,
+    create_dir, delivered, megabytes, print_as_it_is, print_beside, print_error, print_json,
+    print_text, print_verdicts, verdict_table, width, write_file, write_json,
 };
 
 use ::run::sweep::{MemoryLimit, admit_constants, admit_run};
@@ -125,7 +125,7 @@ enum Command {
     Verify(verify::Verify),
     /// Write a sweep as jobs for many processes or machines, with predicted time and memory
     Plan(plan::PlanCommand),
-    /// Run cases of a plan in this process, and leave their records in a directory of their own
+    /// Run cases of a plan in this process, and leave their records in a separate directory
     Case(case::CaseCommand),
     /// Merge the records of many processes, and judge them as those of one
     Merge(merge::MergeCommand),
@@ -247,7 +247,7 @@ fn said_instead(said: &clap::Error) -> Result<u8, CliError> {
 
 /// Where scenes come from.
 struct Scenes {
-    /// None: inside the program.
+    /// The folder; without one, the scenes inside the program.
     folder: Option<PathBuf>,
     /// The command line names the folder.
     named: bool,

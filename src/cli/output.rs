@@ -61,6 +61,11 @@ pub(crate) fn print_error(line: &str) {
     let _ = writeln!(io::stderr().lock(), "{}", harmless(line));
 }
 
+/// Prints words beside their label, broken where a terminal ends; a file and a pipe get whole lines.
+pub(crate) fn print_beside(label: &str, room: usize, words: &str) {
+    print_text(&report::beside(label, room, words, width(u16::MAX)));
+}
+
 /// Columns for a table: those of the terminal, else those of COLUMNS, else as many as usual.
 pub fn width(usual: u16) -> u16 {
     let terminal = || comfy_table::Table::new().width();

@@ -59,8 +59,10 @@ struct State {
     done: usize,
     running: Vec<String>,
     begun: Option<Instant>,
-    /// Of the predicted seconds.
+    /// The part of the predicted seconds that is done.
     share: f64,
+    /// Why the last case that failed did.
+    reason: Option<String>,
 }
 
 /// Parts of the bar: shares of the predicted work, as a case may take a thousand times as long as another.
@@ -72,6 +74,15 @@ impl State {
         let cases = format!("{}/{} cases", self.done, self.total);
         let left = self.begun.and_then(|begun| left(begun.elapsed().as_secs_f64(), self.share));
         left.map_or(cases.clone(), |left| format!("{cases}, about {} s left", left.ceil()))
+    }
+
+    /// A failure in words; a reason that was just given is not given again.
+    fn failed(&mut self, reason: &str) -> String {
+        if self.reason.as_deref() == Some(reason) {
+            return "failed for the same reason".into();
+        }
+        self.reason = Some(reason.into());
+        format!("failed: {reason}")
     }
 }
 
@@ -132,7 +143,7 @@ impl Progress for Display {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.running.retain(|running| running != what);
         let failure = record.and_then(|record| match &record.status {
-            Status::Failed { reason } => Some(reason),
+            Status::Failed { reason } => Some(state.failed(reason)),
             _ => None,
         });
         if record.is_some() {
@@ -142,8 +153,8 @@ impl Progress for Display {
             record.map_or(String::new(), |record| format!(" {:.2} s", record.seconds_total));
         match &self.bar {
             Some(bar) => {
-                if let Some(reason) = failure {
-                    bar.println(harmless(&format!("{what} failed: {reason}")).as_ref());
+                if let Some(failure) = failure {
+                    bar.println(harmless(&format!("{what} {failure}")).as_ref());
                 } else if loudness() == Loudness::Verbose {
                     bar.println(format!("{what} done{seconds}"));
                 }
@@ -153,7 +164,7 @@ impl Progress for Display {
             }
             None if loudness() == Loudness::Quiet => {}
             None => {
-                let outcome = failure.map_or("done".into(), |reason| format!("failed: {reason}"));
+                let outcome = failure.unwrap_or_else(|| "done".into());
                 print_error(&format!("[{}/{}] {what} {outcome}{seconds}", state.done, state.total));
             }
         }
@@ -184,5 +195,12 @@ mod tests {
         let (total, done, begun) = (12, 0, Some(Instant::now()));
         let state = State { total, done, begun, ..State::default() };
         assert_eq!(state.in_words(), "0/12 cases", "nothing is claimed before anything is known");
+    }
+
+    #[test]
+    fn a_reason_is_given_once() {
+        let mut state = State::default();
+        let said = ["no solver", "no solver", "too slow"].map(|reason| state.failed(reason));
+        assert_eq!(said, ["failed: no solver", "failed for the same reason", "failed: too slow"]);
     }
 }

@@ -28,7 +28,7 @@ pub(super) struct Swept {
 }
 
 impl Swept {
-    /// That of the verdicts; a deviation from the baseline is 1 at least.
+    /// The exit code of the verdicts; a deviation from the baseline is 1 at least.
     pub(super) fn exit_code(&self) -> u8 {
         let compared = self.comparison.as_ref().map_or(0, Comparison::exit_code);
         exit_code(&self.records, &self.verdicts).max(compared)

@@ -87,7 +87,7 @@ impl TradeCommand {
         let mut heard = |trial: &Trial| super::progress::note(&row(trial));
         let study =
             Study::run(&mut bench, &plan, &mut table, &mut heard).map_err(CliError::other)?;
-        let mut document = study.document()?;
+        let mut document = study.document(None)?;
         let mut found = Found { study: &study, answer: None, confirmed: None };
         // What was measured is on disk before a target can be refused.
         write(&found, &document, Some(&self.out))?;
@@ -122,15 +122,15 @@ impl TradeCommand {
         document: &mut StudyDocument,
     ) -> Result<(Answered, Option<Confirmed>), CliError> {
         let answer = Answered::new(bench, study, plan, target, &self.allowance.limit())?;
-        let words = answer.words(study);
-        document.answer(&*words);
+        *document = study.document(Some(&answer))?;
+        document.answer(answer.words(study));
         if !self.confirm {
             return Ok((answer, None));
         }
         // The words stand on their own if the run is refused.
         self.admit(&scenes.scene(&self.scene)?, [&[answer.choice.n], &[answer.choice.steps]])?;
         let real = Confirmed::run(&answer, bench, scenes, &self.scene)?;
-        document.words(real.words());
+        document.below_answer(real.words());
         Ok((answer, Some(real)))
     }
 

@@ -1,12 +1,10 @@
-//! `sweep verify`: another program's solver under the same sweep, measured and judged as this program's own.
+//! `sweep verify`: another program's solver under the same sweep, measured and judged as the built-in one is.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
 use clap::Args;
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{LineStyle, Table};
 use serde_json::{Value, json};
 
 use super::chosen::Grid;
@@ -14,10 +12,10 @@ use super::github::{annotate, on_github};
 use super::interrupt::on_interrupt;
 use super::machine::Allowance;
 use super::swept::Swept;
-use super::{CliError, Scenes, no_case, print_json, print_text, subject, verdict_table};
+use super::{CliError, Scenes, no_case, print_json, print_text, subject, verdict_table, width};
 use files::shortened;
 use judge::record::CaseRecord;
-use judge::verdict::{Failure, failures};
+use judge::verdict::{Failure, TABLE_WIDTH, failures};
 use report::write_junit;
 use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first, write_case};
 use run::sweep::{
@@ -65,7 +63,7 @@ pub(crate) struct Verify {
     /// Judge orders alone and not their constants: for other elements or time rules
     #[arg(long)]
     orders_only: bool,
-    /// Run this program's own solver as well, and compare the errors
+    /// Run the built-in solver as well, and compare the errors
     #[arg(long)]
     beside: bool,
     /// Directory for records and report
@@ -117,7 +115,7 @@ impl Verify {
             self.print_failures(&judged);
             print_text(&format!("report: {}", self.out.join("index.html").display()));
             if let (Some(own), Some(rows)) = (&beside, &compared) {
-                print_text(&format!("own solver:\n{}", verdict_table(&own.verdicts)));
+                print_text(&format!("built-in solver:\n{}", verdict_table(&own.verdicts)));
                 print_text(&table(rows));
             }
         }
@@ -138,7 +136,8 @@ impl Verify {
         let log = |Failure { scene, n, steps, .. }: &Failure| {
             let log = case_dir(&self.out.join("cases"), scene, (*n)?, *steps).join(LOG);
             let lines = last_lines(&log);
-            (!lines.is_empty()).then_some((log, lines))
+            // What a reason has said already is not said again.
+            (!lines.iter().all(|line| named(line))).then_some((log, lines))
         };
         if let Some((path, lines)) = failed.iter().find_map(log) {
             let shown = lines[lines.len().saturating_sub(LINES_SHOWN)..].iter();
@@ -312,18 +311,17 @@ fn compare(solver: &[CaseRecord], own: &[CaseRecord]) -> Vec<Beside> {
 }
 
 fn table(rows: &[Beside]) -> String {
-    let mut table = Table::new();
-    table.load_style(UTF8_HORIZONTAL_ONLY.row_separator(LineStyle::none()));
-    table.set_header(["n", "N", "norm", "error", "own error", "difference"]);
-    for row in rows {
-        table.add_row([
+    let cells = |row: &Beside| {
+        vec![
             row.n.map_or(String::new(), |n| n.to_string()),
             row.steps.to_string(),
             row.norm.clone(),
             format!("{:.6e}", row.solver),
             format!("{:.6e}", row.own),
             format!("{:.1e}", row.difference()),
-        ]);
-    }
-    table.to_string()
+        ]
+    };
+    let rows: Vec<Vec<String>> = rows.iter().map(cells).collect();
+    let heads = [">n", ">N", "norm", ">error", ">built-in", ">difference"];
+    report::text_table(&heads, &rows, width(TABLE_WIDTH))
 }

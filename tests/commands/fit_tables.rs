@@ -506,7 +506,7 @@ fn printed_tables_are_judged_a_norm_at_a_time() {
     for (aim, words) in [
         (["--p", "nan"], "no finite order"),
         (["--q", "inf"], "no finite order"),
-        (["--p", "H2=1"], "no norm `H2`"),
+        (["--p", "H2=1"], "no norm `H2` to judge; there are `H1`, `L2`"),
     ] {
         let output = fit(&aim);
         assert_eq!((code(&output), stderr(&output).contains(words)), (2, true), "{aim:?}");

@@ -49,6 +49,11 @@ fn the_chain_of_a_scene_holds() {
             std::fs::read_to_string(folder.at(&format!("out/affine-gronwall-{name}.svg"))).unwrap();
         assert!(svg.contains("weighted envelope"), "{name}");
     }
+    let lost = std::fs::read_to_string(folder.at("out/affine-gronwall-printed-k.svg")).unwrap();
+    assert!(
+        lost.contains("closed forms") && lost.contains("halved ends"),
+        "what curves that coincide differ by"
+    );
 }
 
 /// L_κ is sampled every 0.05 in ζ and towards 0. A yield limit that rises with slope 4 between two samples has L_κ = 4,

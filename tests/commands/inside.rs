@@ -37,6 +37,32 @@ fn the_scenes_inside_are_those_of_the_folder() {
     assert_eq!(baseline().expect("a baseline"), recorded);
 }
 
+/// What `--text` prints is a scene file: that of the repository, byte for byte, and one that runs under another name.
+#[test]
+fn the_text_of_a_scene_is_its_file() {
+    let folder = Folder::new("inside-text");
+    let printed = |name: &str| there(&folder, &["list", name, "--text"]);
+    for name in scenes().names() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("manufactured/{name}.toml"));
+        let output = printed(name);
+        assert_eq!(code(&output), 0, "{name}");
+        assert!(output.stdout == std::fs::read(file).expect("a scene"), "{name}");
+    }
+    let mine = folder.file("mine.toml", &stdout(&printed("affine")));
+    assert_eq!(code(&there(&folder, &["check", &mine])), 0);
+    let listed = stdout(&there(&folder, &["list", "affine", "steady"]));
+    assert!(listed.ends_with("2 scenes inside this program\n"), "{listed}");
+    for (arguments, says) in [
+        (&["list", "affine", "steady", "--text"][..], "--text prints one scene"),
+        (&["list", "afine", "--text"], "affine"),
+        (&["list", "--text"], "SCENE"),
+    ] {
+        let output = there(&folder, arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}");
+        assert!(stderr(&output).contains(says), "{arguments:?}: {}", stderr(&output));
+    }
+}
+
 #[test]
 fn a_folder_goes_before_the_scenes_inside() {
     let folder = Folder::new("inside");

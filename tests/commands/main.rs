@@ -16,6 +16,7 @@ mod fit_tables;
 mod gronwall_command;
 mod house;
 mod inside;
+mod ladders;
 mod next_cases;
 mod owed;
 #[path = "../program/mod.rs"]

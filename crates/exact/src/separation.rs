@@ -12,7 +12,7 @@ const MOST_PARTS: usize = 8;
 
 /// Formulas as Σ_m a_m(t) S_m(x): the a_m.
 pub struct TimeFactors {
-    /// How many parts.
+    /// The number of parts.
     pub parts: usize,
     bound: Mutex<Bound>,
     known: ByTime<Vec<f64>>,

@@ -25,7 +25,7 @@ pub fn harmless(text: &str) -> Cow<'_, str> {
     Cow::Owned(lines.join("\n"))
 }
 
-/// The same for JSON, whose meaning stays: such characters stand within strings alone, where JSON has codes for them.
+/// [`harmless`] for JSON, whose meaning stays: such characters stand within strings alone, where JSON has codes for them.
 pub fn harmless_json(text: &str) -> String {
     let mut result = String::with_capacity(text.len());
     for character in text.chars() {

@@ -59,7 +59,7 @@ impl Bound {
         Self::of(plan, points, true)
     }
 
-    /// The same, integrals of all points taken one by one.
+    /// Binds as [`Self::new`] does, with the integrals of all points taken one by one.
     pub(super) fn one_by_one(plan: Arc<EvaluationPlan>, points: &[[f64; 3]]) -> Self {
         Self::of(plan, points, false)
     }
@@ -149,7 +149,7 @@ impl Bound {
     /// and for each output its values there.
     ///
     /// # Errors
-    /// That of `visit`, which is not called again.
+    /// The error of `visit`, which is not called again.
     pub fn evaluate_in_blocks<E>(
         &mut self,
         t: f64,

@@ -26,7 +26,7 @@ impl Graph {
     }
 }
 
-/// That of one operation.
+/// The cost of one operation, without its operands.
 fn own_cost(op: Op) -> u32 {
     match op {
         Op::Constant(_) | Op::Variable(_) => 0,

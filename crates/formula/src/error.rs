@@ -20,7 +20,7 @@ impl ParseError {
         Self { span, message: message.into(), hint: None }
     }
 
-    /// The same fault with a hint.
+    /// The fault with a hint.
     pub(super) fn hinted(mut self, hint: impl Into<String>) -> Self {
         self.hint = Some(hint.into());
         self

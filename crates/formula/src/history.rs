@@ -11,7 +11,7 @@ use super::tape::{Source, Tape};
 /// Panels of the horizon, unless fast relaxation asks for more.  Where an
 /// integrand is not resolved its part of a panel is halved.
 const PANELS: f64 = 16.0;
-/// The same where a kernel is no exponential: it is not asked whether that
+/// Panels where a kernel is no exponential: it is not asked whether that
 /// is resolved.
 const PANELS_OF_GENERAL: f64 = 64.0;
 /// Intervals of the horizon over which guards are watched, at least.

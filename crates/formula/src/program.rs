@@ -66,7 +66,7 @@ impl Program {
         Self::of(graph, outputs, horizon, false)
     }
 
-    /// The same for one time at any points: what does not depend on time is computed with the rest, and not kept.
+    /// Compiles for one time at any points: what does not depend on time is computed with the rest, and not kept.
     pub fn compile_once(graph: &mut Graph, outputs: &[Node], horizon: f64) -> Self {
         Self::of(graph, outputs, horizon, true)
     }
@@ -124,7 +124,7 @@ struct Compiler<'a> {
     histories: &'a [HistoryPlan],
     /// Whether nothing is kept for other times.
     once: bool,
-    /// Of every node.
+    /// The cost of every node.
     costs: Vec<u32>,
     slots: Slots,
     /// What is in the slots, in order.

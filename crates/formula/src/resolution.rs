@@ -11,7 +11,7 @@ use super::quadrature::{GAUSS, ORDER};
 /// The last two coefficients of a resolved integrand over its largest value. They then fall by the tenth root of this
 /// or faster, and what the rule, exact to degree 23, leaves out is below the rounding.
 pub(super) const RESOLVED: f64 = 1e-8;
-/// The same where the polynomial through the values is integrated against a kernel: what it leaves out is as large as
+/// The accuracy where the polynomial through the values is integrated against a kernel: what it leaves out is as large as
 /// the next coefficient, not its square.
 const INTERPOLATED: f64 = 1e-12;
 /// A share of an integral that is lost in its rounding, whose unit is 1.1e-16: the estimates below are upper ones.
@@ -28,7 +28,7 @@ const DEEPEST: usize = 600;
 pub(super) enum Mark {
     /// Its integral is right to rounding.
     Resolved,
-    /// Its halves come next.
+    /// The panel is not resolved: its halves come next.
     Halved,
     /// It is taken as it is, and what it may lack is estimated.
     Left,

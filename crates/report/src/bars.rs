@@ -17,7 +17,7 @@ pub struct Bar {
     pub says: String,
     /// Its length; 1 is the limit.
     pub length: f64,
-    /// Of the second kind.
+    /// Whether the bar is of the second kind.
     pub second: bool,
     /// It is not what it should be.
     pub fails: bool,
@@ -26,7 +26,7 @@ pub struct Bar {
 /// Bars of two kinds.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bars {
-    /// From top to bottom.
+    /// The bars from top to bottom.
     pub bars: Vec<Bar>,
     /// What the bars of the first kind measure.
     pub first: String,
@@ -44,8 +44,8 @@ const AXIS: (f64, f64) = (1130.0, 1560.0);
 const ROW: f64 = 50.0;
 const TOP: f64 = 110.0;
 const TEXT: f64 = 30.0;
-/// Characters of the words beside a bar.
-const CHARACTERS: usize = 58;
+/// Characters of the words beside a bar, with those that set scripts low and are not seen.
+const CHARACTERS: usize = 66;
 const CHARACTER: f64 = 16.0;
 
 impl Bars {

@@ -2,6 +2,7 @@
 
 use super::ReportError;
 use super::canvas::{Anchor, Canvas, Place, SIZE};
+use super::direct;
 use super::frame::{Frame, RIGHT, TITLE_ROOM};
 use super::legend::{Legend, Sample, Stroke};
 use super::marks::{draw_marks, mark_entries};
@@ -33,9 +34,9 @@ pub enum Part {
     Dashed(Vec<Datum>),
     /// A line of dots.
     Dotted(Vec<Datum>),
-    /// A marker a point.
+    /// A marker at each point.
     Points(Vec<Datum>),
-    /// A hollow marker a point: what is shown and does not count.
+    /// A hollow marker at each point: what is shown and does not count.
     Hollow(Vec<Datum>),
     /// A light area with these corners.
     Band(Vec<Datum>),
@@ -69,11 +70,11 @@ pub struct Mark {
 /// What a sign of the picture means, where no series says it.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Key {
-    /// Of an area.
+    /// The meaning of an area.
     Band(String),
-    /// Of hollow markers.
+    /// The meaning of hollow markers.
     Hollow(String),
-    /// Of dashed lines.
+    /// The meaning of dashed lines.
     Dashed(String),
 }
 
@@ -100,6 +101,8 @@ pub struct Chart {
     pub keys: Vec<Key>,
     /// Words at the end of the legend.
     pub note: String,
+    /// The names of series stand at the ends of their lines, and not in the legend.
+    pub direct: bool,
 }
 
 impl Axis {
@@ -179,6 +182,7 @@ impl Chart {
             labels: Vec::new(),
             keys: Vec::new(),
             note: String::new(),
+            direct: false,
         }
     }
 
@@ -213,7 +217,7 @@ impl Chart {
             };
             canvas.text(words, (x, y + LABEL.1), anchor)?;
         }
-        self.draw_legend(&canvas, !slopes.is_empty())?;
+        self.draw_legend(&canvas, &frame, !slopes.is_empty())?;
         canvas.finish()?;
         let svg = if self.title.is_empty() { without_head(&svg) } else { svg };
         Ok(Some(with_sheet(&svg)))
@@ -241,7 +245,7 @@ impl Chart {
     }
 
     /// Colour and shape of each series.
-    fn inks(&self) -> Vec<(RGBColor, usize)> {
+    pub(super) fn inks(&self) -> Vec<(RGBColor, usize)> {
         let mut next = 0;
         let ink = |series: &Series| {
             if series.grey {
@@ -286,10 +290,18 @@ impl Chart {
         Ok(())
     }
 
-    fn draw_legend(&self, canvas: &Canvas<'_>, triangles: bool) -> Result<(), ReportError> {
+    fn draw_legend(
+        &self,
+        canvas: &Canvas<'_>,
+        frame: &Frame,
+        triangles: bool,
+    ) -> Result<(), ReportError> {
         let mut legend = Legend::new(canvas);
+        if self.direct {
+            legend.below(direct::draw(canvas, self, frame)?);
+        }
         for (series, (ink, shape)) in self.series.iter().zip(self.inks()) {
-            if !series.name.is_empty() {
+            if !series.name.is_empty() && !self.direct {
                 legend.entry(series.sample(shape), ink, &series.name)?;
                 for words in series.detail.lines() {
                     legend.entry(Sample::Text, INK, words)?;

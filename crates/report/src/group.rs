@@ -9,6 +9,8 @@ pub enum Group {
     Whole,
     /// Contact with some of the terms.
     Contact,
+    /// Beyond the paper's problem: friction.
+    Friction,
     /// No contact.
     #[default]
     Materials,
@@ -22,16 +24,25 @@ pub enum Group {
 
 impl Group {
     /// All groups in their order.
-    pub(crate) const ALL: [Self; 6] =
-        [Self::Whole, Self::Contact, Self::Materials, Self::Abstract, Self::Broken, Self::External];
+    pub(crate) const ALL: [Self; 7] = [
+        Self::Whole,
+        Self::Contact,
+        Self::Friction,
+        Self::Materials,
+        Self::Abstract,
+        Self::Broken,
+        Self::External,
+    ];
 
     /// The group of a scene with these terms.
     pub fn of(terms: Terms, breaks: bool) -> Self {
-        let Terms { is_abstract, projection, memory, contact, gap, law, .. } = terms;
+        let Terms { is_abstract, projection, memory, contact, gap, law, friction } = terms;
         if breaks {
             Self::Broken
         } else if is_abstract {
             Self::Abstract
+        } else if friction {
+            Self::Friction
         } else if projection && memory && gap && law {
             Self::Whole
         } else if contact {
@@ -46,6 +57,7 @@ impl Group {
         match self {
             Self::Whole => "Every term of the paper",
             Self::Contact => "Laws, states, gaps",
+            Self::Friction => "Friction",
             Self::Materials => "Materials and memory",
             Self::Abstract => "Abstract inequality",
             Self::Broken => "Broken, or at the limit",
@@ -65,6 +77,8 @@ mod tests {
         assert_eq!(Group::of(whole, false), Group::Whole);
         assert_eq!(Group::of(whole, true), Group::Broken);
         assert_eq!(Group::of(contact, false), Group::Contact);
+        // Friction is not the paper's, whatever else a scene has.
+        assert_eq!(Group::of(Terms { friction: true, ..whole }, false), Group::Friction);
         assert_eq!(
             Group::of(Terms { contact: false, gap: false, ..whole }, false),
             Group::Materials

@@ -40,6 +40,11 @@ impl<'a, 'b> Legend<'a, 'b> {
         Self { canvas, y: TOP + 22.0 }
     }
 
+    /// Goes on below this height.
+    pub(super) fn below(&mut self, y: f64) {
+        self.y = self.y.max(y + LINE);
+    }
+
     /// One entry: a sample, and its words in at most six lines. What does not fit the picture
     /// is left to the table.
     pub(super) fn entry(

@@ -10,6 +10,7 @@ mod chart;
 mod compact;
 mod convergence;
 mod curve;
+mod direct;
 mod document;
 mod forest;
 mod frame;
@@ -27,6 +28,7 @@ mod sketch;
 mod slope;
 mod space_time;
 mod split;
+mod symbols;
 mod thumbnail;
 mod ticks;
 mod written;
@@ -42,8 +44,8 @@ pub use convergence::convergence_svg;
 #[cfg(feature = "pdf")]
 pub use document::pdf;
 pub use document::{
-    Chapter, Document, Equation, Run, StudyDocument, Terms, Tone, digits, equations, held, number,
-    precise, sides,
+    Chapter, Document, Equation, Run, StudyDocument, Terms, Tone, beside, digits, equations, held,
+    number, precise, sides, text_table,
 };
 pub use github::{Place, annotations, step_summary};
 pub use group::Group;
@@ -54,6 +56,7 @@ pub use sketch::{Ink, Sketch, Stroke};
 pub use slope::Slope;
 pub use space_time::{Panel, SpaceTime, Zone};
 pub use split::split_svg;
+pub use symbols::symbols;
 pub use written::remove_earlier;
 
 use document::{DATA, Report, TEMPLATE, data, document, group, markdown, page, tables};

@@ -1,4 +1,4 @@
-//! A map: one row of cells a line, each cell with words of its own and a colour that says how it ended.
+//! A map: one row of cells per line, each cell with its words and a colour that says how it ended.
 
 use plotters::style::RGBColor;
 

@@ -15,7 +15,7 @@ const TEXT: f64 = 22.0;
 const ROOM: (f64, f64, f64, f64) = (24.0, 16.0, 432.0, 276.0);
 /// Where words at the left margin begin.
 const MARGIN: f64 = 1.0;
-/// Of the legend: entries a line, the first line and the distance of lines.
+/// Of the legend: entries per line, the height of the first line and the distance of lines.
 const ENTRIES: usize = 2;
 const FIRST_LINE: f64 = 322.0;
 const NEXT_LINE: f64 = 32.0;

@@ -11,7 +11,7 @@ use super::{Direction, SceneSummary};
 use judge::record::CaseRecord;
 use judge::verdict::{Variable, Verdict};
 
-/// That of sketches, beside which it stands.
+/// The size of sketches, beside which a thumbnail stands.
 const SIZE: (u32, u32) = (480, 404);
 const TEXT: f64 = 22.0;
 /// Left, top, right, bottom of the axes.

@@ -20,7 +20,7 @@ pub enum SceneError {
     #[error("cannot read {}: {reason}\n  = give the path of a TOML file or the name of a scene (`sweep list` prints them)", path.display())]
     Unreadable { path: PathBuf, reason: String },
     #[error(
-        "{} is empty\n  = a scene has the parts [scene], [domain], [time], [material], and [exact] or [loads]\n  = start from a shipped one: copy manufactured/affine.toml (exact solution) or manufactured/punch.toml (loads)",
+        "{} is empty\n  = a scene has the parts [scene], [domain], [time], [material], and [exact] or [loads]\n  = start from a shipped one: `sweep list affine --text > mine.toml` (exact solution), or punch (loads)",
         path.display()
     )]
     Empty { path: PathBuf },
@@ -56,7 +56,7 @@ impl SceneError {
         }))
     }
 
-    /// The same error with one more remark, printed before the way out.
+    /// The error with one more remark, printed before the way out.
     #[must_use]
     pub(crate) fn with_note(mut self, note: impl Into<String>) -> SceneError {
         if let SceneError::Text(diagnosis) = &mut self {

@@ -13,7 +13,7 @@ use super::written::Formula;
 
 /// Intervals of a side at whose ends the gap is examined.
 const SAMPLES: u32 = 256;
-/// The same along each edge of a face in space.
+/// Samples along each edge of a face in space.
 const SAMPLES_OF_A_FACE: u32 = 32;
 /// Second differences below this part of the gap's size are rounding.
 const ROUNDING: f64 = 1e-12;

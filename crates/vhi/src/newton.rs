@@ -164,7 +164,7 @@ type PieceKey = Option<Chosen>;
 enum Chosen {
     /// Between jumps, above so many of them.
     Free(usize),
-    /// At a value.
+    /// The unknown is pinned at a value.
     Pinned(f64),
 }
 

@@ -8,7 +8,7 @@ use super::asked::Asked;
 use super::{eoc, step_name};
 use crate::cli::CliError;
 
-/// One series a table, in the first direction that the file refines, with triangles of the orders that are predicted.
+/// One series per table, in the first direction that the file refines, with triangles of the orders that are predicted.
 pub(super) fn svg(
     groups: &[Group],
     asked: impl Fn(Option<&str>) -> Asked,
@@ -20,7 +20,8 @@ pub(super) fn svg(
     let nothing = || CliError::other("nothing to draw: no errors at two sizes");
     let direction = directions.into_iter().find(refined).ok_or_else(nothing)?;
     let x = Axis::new(step_name(direction), Scale::Steps);
-    let mut chart = Chart::new("Errors", "", x, Axis::new("error", Scale::Log));
+    let chart = Chart::new("", "", x, Axis::new("error", Scale::Log));
+    let mut chart = Chart { direct: true, ..chart };
     for group in errors {
         let mut points: Vec<Datum> = eoc::line(group, direction)
             .iter()

@@ -1,5 +1,6 @@
 //! What a solve says on the terminal: the answer in a sentence, then each quantity in words with what it is measured in.
 
+use super::super::width;
 use report::digits;
 use serde_json::Value;
 
@@ -18,7 +19,7 @@ enum Unit {
     Energy,
     /// The norm of a strain in L²(Ω).
     Strain,
-    /// That over time.
+    /// A strain accumulated over time.
     Accumulated,
     /// Seconds of this machine.
     Seconds,
@@ -104,7 +105,8 @@ const ZERO_IS_NOTHING: [&str; 8] = [
 
 /// The document of a run, `case` being its scene and grid, in words. What has no value in this scene is left out.
 pub(in crate::cli) fn in_words(case: &str, document: &Value, dimension: usize) -> String {
-    let mut lines = vec![format!("{case}: {}", answer(document))];
+    let wide = width(u16::MAX);
+    let mut lines = vec![report::beside("", 0, &format!("{case}: {}", answer(document)), wide)];
     for (title, quantities) in GROUPS {
         let rows: Vec<(&str, String, String)> = quantities
             .iter()
@@ -121,14 +123,19 @@ pub(in crate::cli) fn in_words(case: &str, document: &Value, dimension: usize) -
         lines.push(format!("\n{title}"));
         lines.extend(rows.iter().map(|(words, value, unit)| {
             let gap = " ".repeat(WORDS.saturating_sub(words.chars().count()));
-            format!("  {words}{gap}{value:<12} {unit}").trim_end().to_owned()
+            let label = format!("  {words}{gap}");
+            match value.chars().count() > VALUE {
+                true => report::beside(&label, WORDS + 2, &format!("{value} {unit}"), wide),
+                false => format!("{label}{value:<VALUE$} {unit}").trim_end().to_owned(),
+            }
         }));
     }
     lines.join("\n")
 }
 
-/// Width of the words before a value.
+/// Width of the words before a value, and of a value.
 const WORDS: usize = 36;
+const VALUE: usize = 12;
 
 fn has_contact(document: &Value) -> bool {
     document["normal_displacement"].as_array().is_some_and(|rows| !rows.is_empty())

@@ -240,6 +240,22 @@ fn a_traceback_is_shown_once_and_as_it_was_written() {
     assert!(words.contains("exit status: 1: KeyError: 'gap'"), "{said}");
 }
 
+/// A solver that is not found fails in every case and every norm for one reason.
+#[test]
+fn one_reason_of_many_cases_is_said_once() {
+    let folder = Folder::new("external-one-reason");
+    let path = folder.file("missing.sh", "echo 'no module named skfem' >&2\nexit 2\n");
+    let (out, command) = (folder.argument("out"), format!("sh {path}"));
+    let output = sweep(&["verify", "prony", "--solver", &command, "--out", &out]);
+    let reason = "no module named skfem";
+    assert_eq!(code(&output), 2);
+    let (said, noted) = (stdout(&output), stderr(&output));
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(said.matches(reason).count(), 1, "{said}");
+    assert!(said.contains("3 more for the same reason"), "{said}");
+    assert_eq!(noted.matches(reason).count(), 1, "{noted}");
+}
+
 #[test]
 fn an_answer_of_before_does_not_pass_for_one_of_now() {
     let folder = Folder::new("external-stale");

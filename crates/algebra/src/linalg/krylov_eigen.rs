@@ -66,7 +66,7 @@ const LIMIT: usize = 600;
 const SETTLED: f64 = 1e-13;
 /// And when ‖Tx - θx‖ is below this share of θ. The error of θ is of the order of its square.
 const RESIDUAL: f64 = 1e-6;
-/// The same for maps that are not self-adjoint, where errors are not squared.
+/// The accuracy for maps that are not self-adjoint, where errors are not squared.
 const SETTLED_RADIUS: f64 = 1e-9;
 /// What is still accepted of any map when the iteration has run out, where many eigenvalues lie close to the
 /// largest: factors are printed to six digits.

@@ -25,7 +25,7 @@ const ESTIMATE: f64 = 1e-3;
 pub struct MultigridSequence<'a> {
     cycle: Multigrid<'a>,
     pattern: &'a BlockPattern,
-    /// The present K, whether the cycle is made of it, and the unknowns held by an own equation.
+    /// The present K, whether the cycle is made of it, and the unknowns held by an equation each.
     values: Vec<f64>,
     ready: bool,
     held: Vec<usize>,

@@ -47,7 +47,7 @@ pub struct Finding {
     pub status: Status,
     /// The number behind it, NaN where there is none.
     pub value: f64,
-    /// In words.
+    /// The finding in words.
     pub text: String,
 }
 

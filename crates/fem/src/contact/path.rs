@@ -83,15 +83,15 @@ paths! {
     Multigrid = "multigrid",
     /// Compliance at the vertices.
     AtVertices = "compliance at vertices",
-    /// The same with a factor.
+    /// Compliance at vertices, with a factor that depends on place.
     AtVerticesScaled = "compliance at vertices with a factor",
     /// Compliance at Gauss points.
     AtGaussPoints = "compliance at Gauss points",
-    /// The same with a factor.
+    /// Compliance at Gauss points, with a factor that depends on place.
     AtGaussPointsScaled = "compliance at Gauss points with a factor",
     /// Compliance integrated exactly.
     Exactly = "compliance integrated exactly",
-    /// The same with a factor.
+    /// Compliance integrated exactly, with a factor that depends on place.
     ExactlyScaled = "compliance integrated exactly with a factor",
     /// Loads of an exact solution in the weak form, in the plane.
     WeakInPlane = "weak form in the plane",

@@ -53,7 +53,7 @@ pub(super) fn check_clip(points: &[Point], shape: Shape) -> Result<(), NotIdenti
     check_levels(points, shape.parameters(), needed)
 }
 
-/// The same where the next term of each expansion is fitted as well: one level more.
+/// Whether the points tell the parameters where the next term of each expansion is fitted as well: one level more.
 pub(super) fn check_bends(points: &[Point], parameters: usize) -> Result<(), NotIdentifiable> {
     check_levels(points, parameters, LEVELS + 1)
 }

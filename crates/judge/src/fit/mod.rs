@@ -97,7 +97,7 @@ pub enum FitError {
         /// Points needed.
         needed: usize,
     },
-    /// The same step twice: no ratio, no slope.
+    /// A step that occurs twice has no ratio and no slope.
     #[error("the step {step:e} occurs twice")]
     RepeatedStep {
         /// The step.

@@ -108,7 +108,7 @@ pub struct CaseRecord {
     pub seconds_total: f64,
     /// Largest storage of the history term, in bytes.
     pub peak_history_bytes: u64,
-    /// One entry a norm.
+    /// One entry per norm.
     pub errors: Vec<NormError>,
 }
 

@@ -143,7 +143,7 @@ impl Baseline {
             .map_err(|source| BaselineError::Json { path: path.to_owned(), source })
     }
 
-    /// Writes it in one piece, a line a case, in the order of scenes, n and steps.
+    /// Writes it in one piece, a line per case, in the order of scenes, n and steps.
     ///
     /// # Errors
     /// [`BaselineError`].
@@ -211,7 +211,7 @@ impl RecordedCase {
         }
     }
 
-    /// As messages name it.
+    /// The case as messages name it.
     fn name(&self) -> String {
         compare::case_name(self.n, self.steps)
     }

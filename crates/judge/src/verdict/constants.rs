@@ -47,7 +47,7 @@ pub enum Foreseen {
     },
 }
 
-/// The same with the prediction it belongs to.
+/// What is known beforehand, with the prediction to which it belongs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForeseenConstant {
     /// Name of the scene.

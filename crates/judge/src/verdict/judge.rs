@@ -62,7 +62,7 @@ pub fn judge(
     judge_foreseen(scene, records, expected_cases, prediction, None, expect)
 }
 
-/// The same with what is known beforehand of the constant: an order that is right with a constant that is not is a
+/// Judges with what is known beforehand of the constant: an order that is right with a constant that is not is a
 /// `fail`.
 pub fn judge_foreseen(
     scene: &str,
@@ -156,9 +156,24 @@ fn compare_with(
 /// Gaps that are named before the rest is counted.
 const NAMED_GAPS: usize = 3;
 
+/// Gaps by their places; a reason that several cases share is said once.
 fn gaps_in_words(gaps: &[String]) -> String {
-    let named = gaps.iter().take(NAMED_GAPS).cloned().collect::<Vec<_>>().join("; ");
-    match gaps.len().saturating_sub(NAMED_GAPS) {
+    let reason = |gap: &str| gap.split_once(" failed: ").map(|(_, reason)| reason.to_owned());
+    let mut said: Vec<(&String, Option<String>, usize)> = Vec::new();
+    for gap in gaps {
+        let own = reason(gap);
+        match said.iter_mut().find(|(_, other, _)| own.is_some() && *other == own) {
+            Some((_, _, others)) => *others += 1,
+            None => said.push((gap, own, 0)),
+        }
+    }
+    let words = |(gap, _, others): &(&String, Option<String>, usize)| match others {
+        0 => (*gap).clone(),
+        others => format!("{gap}; {others} more for the same reason"),
+    };
+    let named = said.iter().take(NAMED_GAPS).map(words).collect::<Vec<_>>().join("; ");
+    let left: usize = said.iter().skip(NAMED_GAPS).map(|(_, _, others)| 1 + others).sum();
+    match left {
         0 => named,
         more => format!("{named}; and {more} more"),
     }

@@ -199,7 +199,7 @@ pub struct Constant {
     pub interval: [f64; 2],
     /// The order it belongs to.
     pub order: f64,
-    /// The same of the leading errors that are known beforehand.
+    /// The constant of the leading errors, where they are known beforehand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted: Option<f64>,
     /// What error over step tends to, where that is known apart from the cases.

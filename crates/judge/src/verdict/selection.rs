@@ -159,7 +159,7 @@ enum Line {
     None,
     /// Those with so many steps.
     Steps(u32),
-    /// Those on one mesh.
+    /// The cases on one mesh.
     Mesh(Option<u32>),
     All,
 }

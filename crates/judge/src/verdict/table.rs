@@ -40,13 +40,23 @@ pub fn render_table(verdicts: &[Verdict], width: u16) -> String {
             _ => column,
         };
     }
-    let reasons = verdicts.iter().filter(|verdict| !is_plain_pass(verdict)).map(|verdict| {
-        let Verdict { scene, norm, variable, reason, .. } = verdict;
-        let name = verdict.decision.name();
-        wrapped(&format!("{scene} {norm} in {}: {name}: {reason}", variable.name()), width.into())
-    });
-    let blocks: Vec<String> = [table.trim_fmt()].into_iter().chain(reasons).collect();
+    let blocks: Vec<String> =
+        [table.trim_fmt()].into_iter().chain(reasons(verdicts, width.into())).collect();
     blocks.join("\n")
+}
+
+/// The reasons of all that is no plain pass; one that orders of a scene share is said once.
+fn reasons(verdicts: &[Verdict], width: usize) -> Vec<String> {
+    let own: Vec<&Verdict> = verdicts.iter().filter(|verdict| !is_plain_pass(verdict)).collect();
+    let shared =
+        own.chunk_by(|a, b| (&a.scene, a.decision, &a.reason) == (&b.scene, b.decision, &b.reason));
+    let words = |group: &[&Verdict]| {
+        let Verdict { scene, decision, reason, .. } = group[0];
+        let orders = group.iter().map(|own| format!("{} in {}", own.norm, own.variable.name()));
+        let orders = orders.collect::<Vec<_>>().join(", ");
+        wrapped(&format!("{scene} {orders}: {}: {reason}", decision.name()), width)
+    };
+    shared.map(words).collect()
 }
 
 /// The heads of the columns.

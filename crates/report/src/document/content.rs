@@ -14,7 +14,7 @@ use serde_json::Value;
 /// What a report is made of.
 pub(crate) struct Report<'a> {
     pub(crate) scenes: &'a [SceneSummary],
-    /// A file name a scene, without ending.
+    /// A file name per scene, without ending.
     pub(crate) stems: &'a [String],
     /// File name, caption and SVG of the pictures of each scene.
     pub(crate) pictures: &'a [Vec<Picture>],
@@ -195,7 +195,7 @@ fn introduction() -> Section {
     section.text(vec![Run::plain(
         "Each scene asks one question. Errors are maxima over the time levels in the norm named; V_max is the norm of the paper, ‖ε(u − u_h)‖ in L²(Ω). \
          h is 1/n with n cells per unit length, or the longest edge of an imported mesh; k = T/N with N steps. Lengths, stresses and times are in the units of the scene. \
-         A local order is that between two neighbouring points that served; a floor is what of an error is not the discretisation.",
+         A local order is that between two neighbouring points that were used; a floor is the part of an error that is not the discretisation.",
     )]);
     section
 }

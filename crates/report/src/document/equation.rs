@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A formula with its number in the paper.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Equation {
-    /// In characters.
+    /// The formula in characters.
     pub plain: String,
     /// In Typst's notation of formulas.
     pub typst: String,

@@ -2,6 +2,7 @@
 
 use super::{Block, Card, Document, Equation, Figure, Run, Section, Table, Tone};
 use crate::sheet;
+use crate::symbols::indexed;
 use files::harmless;
 
 /// Light, and dark where the reader's system is.
@@ -112,6 +113,14 @@ fn formula(equation: &Equation) -> String {
     format!("<p><span>{set}</span> <span>{}</span></p>\n", escaped(&equation.number))
 }
 
+/// Words whose symbols have their index low or high.
+fn with_indices(text: &str) -> String {
+    indexed(text, |sign, index| {
+        let tag = if sign == '_' { "sub" } else { "sup" };
+        format!("<{tag}>{index}</{tag}>")
+    })
+}
+
 /// `a_b`, `a_{bc}` and `a^{bc}` with what is meant to be low or high.
 fn raised(text: &str) -> String {
     let (mut result, mut rest) = (String::new(), text);
@@ -135,14 +144,16 @@ fn of_table(table: &Table) -> String {
         .head
         .iter()
         .enumerate()
-        .map(|(column, head)| format!("<th scope=\"col\"{}>{}</th>", class(column), escaped(head)))
+        .map(|(column, head)| {
+            format!("<th scope=\"col\"{}>{}</th>", class(column), with_indices(&escaped(head)))
+        })
         .collect();
     let row = |cells: &Vec<Run>| {
         let cell = |(column, run)| format!("<td{}>{}</td>", class(column), of_run(run));
         format!("<tr>{}</tr>\n", cells.iter().enumerate().map(cell).collect::<String>())
     };
     let rows: String = table.rows.iter().map(row).collect();
-    let caption = format!("Table {number}. {}", escaped(&table.caption));
+    let caption = format!("Table {number}. {}", with_indices(&escaped(&table.caption)));
     let rows = format!(
         "<div class=\"scroll\" tabindex=\"0\"><table aria-label=\"{}\">\n\
          <thead><tr>{head}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table></div>\n",
@@ -181,7 +192,9 @@ fn joined(runs: &[Run]) -> String {
 fn of_run(run: &Run) -> String {
     let text = escaped(&run.text).replace('\n', "<br>");
     let text = match run.tone {
+        Tone::Plain | Tone::Pass if run.target.is_none() => with_indices(&text),
         Tone::Plain => text,
+        Tone::Formula => raised(&text),
         Tone::Strong => format!("<b>{text}</b>"),
         Tone::Code => format!("<code>{text}</code>"),
         Tone::Pass => format!("<span class=\"pass\">{text}</span>"),

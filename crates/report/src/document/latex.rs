@@ -37,7 +37,7 @@ fn table(table: &Table) -> String {
     let (size, columns) = columns(table);
     let line = |cells: Vec<String>| format!("{} \\\\\n", cells.join(" & "));
     let head = line(table.head.iter().map(|head| escaped(head)).collect());
-    let cell = |run: &Run| escaped(&run.text);
+    let cell = |run: &Run| escaped(&run.in_line());
     let rows: String = table.rows.iter().map(|row| line(row.iter().map(cell).collect())).collect();
     // The number is set by hand: it stays that of the report when tables are left out.
     format!(
@@ -111,6 +111,9 @@ fn command(character: char) -> Option<&'static str> {
         '\n' => "; ",
         '–' => "--",
         '−' => "$-$",
+        '⟨' => "$\\langle$",
+        '⟩' => "$\\rangle$",
+        'Ẽ' => "\\~E",
         '×' => "$\\times$",
         '·' => "$\\cdot$",
         '≥' => "$\\geq$",

@@ -65,7 +65,7 @@ fn of_run(run: &Run) -> String {
             let words = run.text.trim_end();
             format!("**{}**{}", plain(words), &run.text[words.len()..])
         }
-        Tone::Plain | Tone::Pass => plain(&run.text),
+        Tone::Plain | Tone::Pass | Tone::Formula => plain(&run.in_line()),
     };
     match &run.target {
         Some(target) => format!("[{text}](<{target}>)"),

@@ -4,6 +4,7 @@
 
 mod answers;
 mod chapter;
+mod columns;
 mod content;
 mod equation;
 mod evidence;
@@ -19,8 +20,10 @@ mod terminal;
 mod typst;
 
 use crate::Picture;
+use crate::symbols::{in_line, symbols};
 use serde::{Deserialize, Serialize};
 
+pub use columns::{beside, text_table};
 pub(super) use content::{Report, document, group};
 pub use equation::{Equation, Terms, equations};
 pub(super) use html::page;
@@ -93,11 +96,13 @@ pub struct Run {
 pub enum Tone {
     /// Not at all.
     Plain,
-    /// By weight.
+    /// Words that stand out by weight.
     Strong,
-    /// What is typed.
+    /// Words to be typed.
     Code,
-    /// As expected.
+    /// A formula: `_` and `^` are before what stands low and high.
+    Formula,
+    /// What is as expected.
     Pass,
     /// Not as expected.
     Miss,
@@ -126,7 +131,7 @@ pub(super) struct Figure {
     pub(super) caption: String,
     #[serde(skip)]
     pub(super) svg: String,
-    /// The same in pieces, for a page that sets as many of them side by side as there is room for.
+    /// The picture in pieces, for a page that sets as many of them side by side as there is room for.
     #[serde(skip)]
     pub(super) pieces: Vec<String>,
 }
@@ -146,6 +151,19 @@ impl Run {
     /// Words that do not stand out.
     pub fn plain(text: impl Into<String>) -> Self {
         Self::of(text, Tone::Plain)
+    }
+
+    /// A formula that files spell in ASCII.
+    pub fn formula(ascii: &str) -> Self {
+        Self::of(symbols(ascii), Tone::Formula)
+    }
+
+    /// The words where nothing can stand low or high.
+    fn in_line(&self) -> std::borrow::Cow<'_, str> {
+        match self.tone {
+            Tone::Formula => in_line(&self.text).into(),
+            _ => self.text.as_str().into(),
+        }
     }
 
     pub(super) fn code(text: impl Into<String>) -> Self {

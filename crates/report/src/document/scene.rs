@@ -1,5 +1,6 @@
 //! The section of a scene: at a glance, and all that its verdicts rest on.
 
+use super::chapter::numbered;
 use super::content::{Numbers, Report, tone};
 use super::evidence::{cases, points};
 use super::{Block, Card, Figure, Run, Section, Table, Tone};
@@ -15,6 +16,10 @@ pub(super) fn of_scene(report: &Report<'_>, at: usize, numbers: &mut Numbers) ->
     section.text(vec![Run::plain(&*scene.question)]);
     for remark in &scene.remarks {
         section.text(vec![Run::plain(remark)]);
+    }
+    if !scene.violates.is_empty() {
+        let names: Vec<String> = scene.violates.iter().map(|name| numbered(name)).collect();
+        section.text(vec![Run::plain(format!("Broken on purpose: {}.", names.join(", ")))]);
     }
     if !scene.equations.is_empty() {
         section.blocks.push(Block::Formulas(scene.equations.clone()));

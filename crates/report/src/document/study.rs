@@ -72,11 +72,11 @@ const ENDING: &str = ".document.json";
 /// What a study says.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct StudyDocument {
-    /// Where it belongs.
+    /// The chapter where it belongs.
     pub chapter: Chapter,
     /// Its scene, where it is about one.
     pub scene: Option<String>,
-    /// Of the scene's text.
+    /// The fingerprint of the scene's text.
     pub fingerprint: Option<String>,
     /// Its title.
     pub title: String,
@@ -120,6 +120,11 @@ impl StudyDocument {
     /// A paragraph before all others: the answer to what was asked.
     pub fn answer(&mut self, text: impl Into<String>) {
         self.blocks.insert(0, Block::Text(vec![Run::plain(text)]));
+    }
+
+    /// A paragraph below the answer: what bears it out.
+    pub fn below_answer(&mut self, text: impl Into<String>) {
+        self.blocks.insert(1.min(self.blocks.len()), Block::Text(vec![Run::plain(text)]));
     }
 
     /// A table, where it has rows. Heads of columns whose numbers end at the right begin with `>`.

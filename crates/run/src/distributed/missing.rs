@@ -12,7 +12,7 @@ pub const NAMED: usize = 10;
 /// Cases that were asked for and are in no part, or have lost rows.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub struct Missing {
-    /// How many.
+    /// The number of missing cases.
     pub number: usize,
     /// The first of them, with the job that runs it where there is a plan.
     pub first: Vec<(String, Option<usize>)>,

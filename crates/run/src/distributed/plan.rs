@@ -92,7 +92,7 @@ pub struct CaseRow {
     pub n: Option<u32>,
     /// Number of steps.
     pub steps: u32,
-    /// Predicted CPU seconds in a process of its own, without a reference run.
+    /// Predicted CPU seconds in a separate process, without a reference run.
     pub seconds: f64,
     /// Predicted peak memory of that process.
     pub bytes: f64,

@@ -84,7 +84,7 @@ impl SortedCases {
     }
 }
 
-/// Sorts cases into a table of their own.
+/// Sorts cases into a separate table.
 fn written(cases: &mut Vec<CaseRecord>, path: &Path) -> Result<Source, RecordError> {
     cases.sort_by_cached_key(CaseRecord::key);
     let mut table = TableWriter::create(path)?;

@@ -12,7 +12,7 @@ use files::open_file;
 pub(crate) struct SizeLimit {
     /// For what is there once.
     pub first: u64,
-    /// For each part.
+    /// The most bytes of each part.
     pub each: u64,
 }
 

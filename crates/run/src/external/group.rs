@@ -114,7 +114,7 @@ fn end(leaders: &[u32], mut meanwhile: impl FnMut()) {
 enum Signal {
     /// Nothing: asks whether there is anybody.
     None,
-    /// To end.
+    /// The process is asked to end.
     End,
     /// Nothing, it is ended.
     Kill,

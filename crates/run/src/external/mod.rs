@@ -56,7 +56,7 @@ pub enum Way {
 /// A solver outside this program.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExternalSolver {
-    /// How.
+    /// How the displacements come back.
     pub way: Way,
     /// The cases stand below, [`case_dir`].
     pub folder: PathBuf,

@@ -16,7 +16,7 @@ pub(crate) struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    /// For these vertices.
+    /// Finds these vertices by their places.
     pub(crate) fn new(vertices: &'a [[f64; 3]]) -> Self {
         let largest = vertices.iter().flatten().fold(0.0f64, |largest, x| largest.max(x.abs()));
         let mut places = Self { vertices, near: NEAR * largest, boxes: FxHashMap::default() };

@@ -71,7 +71,7 @@ struct Response<const S: usize> {
     tangent: [Mandel<S>; S],
     /// What it misses beside that: minus its part from the past.
     source: Mandel<S>,
-    /// By ζ.
+    /// The derivative of the stress in ζ.
     by_zeta: Mandel<S>,
 }
 
@@ -166,7 +166,7 @@ impl<const S: usize> InSpace<S> {
         OwnHistory::new(&self.exact, &self.space, &self.kernels, self.slope.is_some())
     }
 
-    /// That of the time to which `history` and `sums` have come.
+    /// The state at the time that `history` and `sums` have reached.
     fn state(&self, t: f64, history: &mut OwnHistory<'_, S>, sums: &Sums) -> State<S> {
         let u = history.displacement(t);
         let strain: Vec<Mandel<S>> = strains(&self.space, &u);

@@ -13,7 +13,7 @@ pub(super) struct Level<const S: usize> {
     pub(super) strain: Vec<Mandel<S>>,
     /// The leading part of σ^k - σ on the cells.
     pub(super) stress: Vec<Mandel<S>>,
-    /// That of (ξ + λ)^k - (ξ + λ) at the points of the trace.
+    /// The error of the pressure, (ξ + λ)^k - (ξ + λ), at the points of the trace.
     pub(super) pressure: Vec<f64>,
 }
 

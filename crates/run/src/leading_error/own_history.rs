@@ -26,7 +26,7 @@ pub(super) struct OwnHistory<'a, const S: usize> {
 }
 
 impl<'a, const S: usize> OwnHistory<'a, S> {
-    /// That of `exact` at t = 0.
+    /// The history of `exact` at t = 0.
     pub(super) fn new(
         exact: &Exact,
         space: &'a Discretization,

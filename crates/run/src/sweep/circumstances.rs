@@ -16,7 +16,7 @@ pub struct Build {
 }
 
 impl Build {
-    /// That of a program that does not tell.
+    /// The build of a program that does not tell it.
     pub const UNKNOWN: Self =
         Self { commit: "unknown", compiler: "unknown", target: "unknown", optimisation: "unknown" };
 }

@@ -67,7 +67,7 @@ pub struct FloorRow {
 const NORMS: [Norm; 5] =
     [Norm::VMax, Norm::L2Max, Norm::TraceL2Max, Norm::PressureL2Max, Norm::StressL2Max];
 
-/// The same scene with the direct sum in place of a recursion; none where there is no recursion.
+/// The scene with the direct sum in place of a recursion; none where there is no recursion.
 pub fn direct_history(setup: Setup) -> Option<Setup> {
     let trapezoidal = setup.model.time_rule.is_trapezoidal();
     let recursive = setup.model.memory.iter().any(|term| term.kernel.exponentials().is_some());

@@ -44,7 +44,7 @@ impl MemoryLimit {
         available(Path::new("/")).map_or(Self::NONE, |bytes| Self { bytes, given: false })
     }
 
-    /// In bytes.
+    /// The limit in bytes.
     pub fn bytes(&self) -> f64 {
         self.bytes
     }

@@ -179,7 +179,7 @@ fn contains(scene: &Scene, mesh: &Mesh, c: usize, place: Place) -> bool {
     }
 }
 
-/// The same lines moved by u(T) and the obstacle at the distance g from the contact sides, both in one scale of one digit,
+/// The sides moved by u(T) and the obstacle at the distance g from the contact sides, both in one scale of one digit,
 /// and the entries of the legend.
 fn moved(
     scene: &Scene,

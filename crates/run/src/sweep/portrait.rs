@@ -73,9 +73,6 @@ fn remarks(scene: &Scene) -> Vec<String> {
         None => "The solution is known; the problem has no body and no mesh.",
     };
     let mut remarks = vec![truth.to_owned()];
-    if !scene.violates.is_empty() {
-        remarks.push("A hypothesis of the theory is broken here on purpose.".into());
-    }
     remarks.extend(match (scene.judge, scene.expect) {
         (false, _) => Some("It is measured and not judged: the theory promises no order here.".into()),
         (true, Expectation::Pass) => None,

@@ -22,7 +22,7 @@ pub enum MeshFamily {
 }
 
 impl MeshFamily {
-    /// The same as the mesh generators name it.
+    /// The family as the mesh generators name it.
     pub(super) fn of_mesh(self) -> Family {
         match self {
             MeshFamily::Structured => Family::Structured,

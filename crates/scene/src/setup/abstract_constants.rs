@@ -36,7 +36,7 @@ pub struct AbstractConstants {
 }
 
 impl AbstractConstants {
-    /// The same as a bound on the step size. The last slot may act in any direction, so all of it
+    /// The bounds on the step size. The last slot may act in any direction, so all of it
     /// counts against the monotonicity of a step.
     pub fn step_bounds(&self, rule: &dyn TimeRule) -> StepBounds {
         let (lipschitz, now) = (self.r_norm * self.q_norm, self.r_norm * self.q_norm_now);

@@ -37,7 +37,7 @@ pub fn decomposition_bound(
     Ok(quotient(constants.concave(), m))
 }
 
-/// The same for an abstract problem: α_j c_j²/(m_A - α_φ - w β_φ‖R‖‖q(t,t)‖).
+/// The contraction factor of the decomposition for an abstract problem: α_j c_j²/(m_A - α_φ - w β_φ‖R‖‖q(t,t)‖).
 pub fn abstract_decomposition_bound(setup: &AbstractSetup, steps: u32) -> f64 {
     let c = &setup.constants;
     let bounds = c.step_bounds(setup.model.time_rule.as_ref());

@@ -1,4 +1,4 @@
-//! Total force and first moments of a load against an integral of its own: a load that is not that of its formulas
+//! Total force and first moments of a load against an independent integral: a load that is not that of its formulas
 //! drives a sound solver to a wrong answer, and no order need move.
 //!
 //! The sums are Σ F_i m(x_i) over the unknowns, for each component and m = 1, x, y, z: total force, and among the first
@@ -200,7 +200,7 @@ impl<'a> Integrals<'a> {
         Self { space, acting }
     }
 
-    /// By either rule.
+    /// The sums at a time, by either rule.
     fn at(&self, t: f64) -> [Sums; 2] {
         [0, 1].map(|which| {
             let mut sums = Sums::zero(self.space.mesh.dimension);

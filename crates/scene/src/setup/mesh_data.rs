@@ -125,7 +125,7 @@ impl MeshData {
     }
 
     /// Solves the scene with `steps` steps on its own grid and shows every level to `observe`. The first time, total
-    /// force and moments of given loads and of those in the strong form are compared with integrals of their own.
+    /// force and moments of given loads and of those in the strong form are compared with independent integrals.
     ///
     /// # Errors
     /// The solver's; [`LoadError::Resultant`].

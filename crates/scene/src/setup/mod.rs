@@ -184,7 +184,7 @@ impl Setup {
         time_grid(&self.scene.time, steps)
     }
 
-    /// The same scene with kernels that are no sums of exponentials interpolated to an error; without one, the same
+    /// The scene with kernels that are no sums of exponentials interpolated to an error; without one, the scene
     /// with direct sums over the past for all kernels.
     pub fn with_history(mut self, interpolated_to: Option<f64>) -> Self {
         let by_sums = |term: MemoryTerm| match (term.kernel.exponentials(), interpolated_to) {
@@ -229,7 +229,7 @@ impl Setup {
         self.model.boundary.as_ref().map_or(BoundaryRule::Vertex, |boundary| boundary.rule)
     }
 
-    /// The same as the manufactured side names it.
+    /// The boundary rule as the manufactured side names it.
     pub fn compliance_rule(&self) -> ComplianceRule {
         match self.rule() {
             BoundaryRule::Vertex => ComplianceRule::Vertex,

@@ -20,7 +20,7 @@ const SAFETY: f64 = 1.5;
 /// Parts of [0, T] at whose ends rules are compared: once fronts are on their way, once at the end,
 /// where some scenes have no front left.
 const TIMES: u32 = 2;
-/// The same on meshes of few cells: a front passes through few of them, and two times may both miss it.
+/// Times that are checked on meshes of few cells: a front passes through few of them, and two times may both miss it.
 const TIMES_ON_FEW: u32 = 4;
 const FEW: usize = 4096;
 

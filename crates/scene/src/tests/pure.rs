@@ -1,4 +1,4 @@
-//! The manufactured contact states, checked against the law at points of the bottom, by quadrature of its own:
+//! The manufactured contact states, checked against the law at points of the bottom, by an independent quadrature:
 //! -σ_ν = p(u_ν) + λ and σ_τ = 0 on Γ3 (pure scenes), u = 0 on Γ1, u_ν ≤ g, λ ≥ 0, λ (u_ν - g) = 0.
 
 use super::shipped::shipped;

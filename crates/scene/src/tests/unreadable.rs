@@ -29,10 +29,7 @@ fn files_that_hold_no_scene() {
     let missing = Scene::read(Path::new("/nowhere/scene.toml")).unwrap_err().to_string();
     let directory = Scene::read(&folder).unwrap_err().to_string();
     std::fs::remove_dir_all(&folder).unwrap();
-    assert!(
-        empty.contains("is empty") && empty.contains("copy manufactured/affine.toml"),
-        "{empty}"
-    );
+    assert!(empty.contains("is empty") && empty.contains("sweep list affine --text"), "{empty}");
     assert!(latin.contains("latin.toml:2:12: byte 0xe9 is not UTF-8"), "{latin}");
     assert!(large.contains("larger than 1 MiB"), "{large}");
     assert!(missing.contains("cannot read /nowhere/scene.toml"), "{missing}");

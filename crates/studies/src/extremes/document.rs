@@ -12,7 +12,7 @@ use serde::Serialize;
 pub struct Climbed {
     /// What was turned, and why something was expected.
     pub ladders: Vec<Ladder>,
-    /// One row a rung.
+    /// One row per rung.
     pub rungs: Vec<Row>,
 }
 
@@ -36,7 +36,7 @@ impl Climbed {
         own.verdict(self.holds(), &all, failures.collect());
         own.table(
             "Ladders: what is turned, what is measured, why it is expected, and how many rungs were as expected, refused as expected, or not as expected.",
-            &["ladder", "parameter", "measured", "because", ">as exp.", ">refused", ">not"],
+            &["ladder", "parameter", "measured", "because", ">as expected", ">refused", ">not"],
             self.ladders.iter().map(|ladder| self.ladder(ladder)).collect(),
         );
         own.table(

@@ -32,7 +32,7 @@ pub fn by_recursion(rate: f64, k: f64, steps: usize) -> f64 {
     past[0] + 0.5 * k * value(steps)
 }
 
-/// The same sum in full, with Neumaier's compensation.
+/// The sum in full, with Neumaier's compensation.
 fn in_full(rate: f64, k: f64, steps: usize) -> f64 {
     let weight = |j: usize| if j == 0 || j == steps { 0.5 * k } else { k };
     let term = |j: usize| weight(j) * (-rate * ((steps - j) as f64 * k)).exp() * value(j);

@@ -27,7 +27,7 @@ impl Standing {
         matches!(self, Self::AsExpected | Self::RefusedAsExpected)
     }
 
-    /// In words.
+    /// The outcome in words.
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::AsExpected => "as expected",

@@ -39,7 +39,7 @@ impl Measured {
         Self { iterations: Some(iterations), kkt: Some(answer.kkt), ..Self::number(value) }
     }
 
-    /// With a remark.
+    /// What was measured, with a remark.
     pub(crate) fn noted(self, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..self }
     }

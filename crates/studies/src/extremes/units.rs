@@ -23,12 +23,12 @@ impl Default for Units {
 }
 
 impl Units {
-    /// Of strains and κ.
+    /// The unit of strains and κ.
     pub(crate) fn strain(&self) -> f64 {
         self.displacement / self.length
     }
 
-    /// Of stresses and pressures.
+    /// The unit of stresses and pressures.
     pub(crate) fn stress(&self) -> f64 {
         self.stiffness * self.strain()
     }

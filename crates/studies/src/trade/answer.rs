@@ -43,7 +43,7 @@ pub enum AnswerError {
         n: u32,
         /// Steps.
         steps: u32,
-        /// By how much.
+        /// By how much it is too large.
         source: TooLarge,
     },
 }

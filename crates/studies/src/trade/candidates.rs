@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use scene::setup::{Setup, SetupError, Subject, check_step_sizes};
 
-/// No larger n or N is proposed: `sweep solve` takes no larger n, and N beyond it is a campaign of its own.
+/// No larger n or N is proposed: `sweep solve` takes no larger n, and N beyond it is a separate campaign.
 pub const MOST: [u32; 2] = [4096, 100_000];
 
 /// The numbers of a scene, with their steps.

@@ -1,16 +1,16 @@
 //! A trade in words and tables.
 
 use super::extrapolation::{Extrapolated, LastOrder};
-use super::{Price, Resource, Study, Term, Trial};
+use super::{Answered, Price, Resource, Study, Term, Trial};
 use judge::fit::Interval;
 use report::{Chapter, ReportError, Run, StudyDocument, Tone, digits};
 
 impl Study {
-    /// The trade as a document.
+    /// The trade as a document; its pictures mark the answer, where a target was named.
     ///
     /// # Errors
     /// The drawing library's.
-    pub fn document(&self) -> Result<StudyDocument, ReportError> {
+    pub fn document(&self, answer: Option<&Answered>) -> Result<StudyDocument, ReportError> {
         let title = format!("Cost and error: {}", self.scene);
         let mut own =
             StudyDocument::new(Chapter::Trade, title).of_scene(&self.scene, &self.fingerprint);
@@ -19,15 +19,12 @@ impl Study {
             self.norm.name(),
             digits(self.size, 5)
         ));
-        own.table(
-            "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
-            &[
-                "knob", ">n", ">N", ">error", ">CPU s", ">spread", ">in loads", ">memory", "front",
-                "status",
-            ],
-            self.trials.iter().map(trial).collect(),
-        );
         self.models(&mut own);
+        own.table(
+            "Price list, one knob at a time: times within a round, with the 95 % interval over the rounds.",
+            &["what a knob changes"],
+            self.prices.iter().map(|price: &Price| vec![Run::plain(&*price.words)]).collect(),
+        );
         let cost = |value: Option<f64>| {
             Run::plain(value.map_or("unknown".into(), |value| format!("E^-{value:.2}")))
         };
@@ -44,16 +41,19 @@ impl Study {
         );
         self.extrapolated.iter().for_each(|found| extrapolated(&mut own, found));
         own.table(
-            "Price list, one knob at a time: times within a round, with the 95 % interval over the rounds.",
-            &["what a knob changes"],
-            self.prices.iter().map(|price: &Price| vec![Run::plain(&*price.words)]).collect(),
+            "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
+            &[
+                "knob", ">n", ">N", ">error", ">CPU s", ">spread", ">in loads", ">memory", "front",
+                "status",
+            ],
+            self.trials.iter().map(trial).collect(),
         );
         for (stem, shows, resource) in [
             ("trade", "error against CPU seconds", Resource::Time),
             ("trade-memory", "error against predicted memory", Resource::Memory),
         ] {
             let caption = format!("{shows}, with the Pareto front (sweep trade).");
-            own.figure(stem, &caption, self.svg(resource)?);
+            own.figure(stem, &caption, self.svg(resource, answer)?);
         }
         Ok(own)
     }

@@ -46,7 +46,7 @@ pub struct Reading {
     pub value: f64,
     /// p towards coarser steps, where the companions are.
     pub order: f64,
-    /// The same towards finer steps, where nothing was run: at most the order of elements and rule.
+    /// The order towards finer steps, where nothing was run: at most the order of elements and rule.
     pub finer: f64,
 }
 
@@ -72,7 +72,7 @@ pub enum Part {
         /// The most that elements, rule or theorem allow towards finer steps.
         most: f64,
     },
-    /// None, and why.
+    /// There is no estimate, and why.
     Unknown(String),
 }
 
@@ -170,9 +170,9 @@ fn factors(order: f64, how: Alignment) -> Vec<f64> {
 /// The error of a run in both steps.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
-    /// Of h.
+    /// The error in h.
     pub space: Part,
-    /// Of k.
+    /// The error in k.
     pub time: Part,
 }
 
@@ -183,7 +183,7 @@ impl Estimate {
         self.at([1.0; 2])
     }
 
-    /// The same at other steps, `ratios` = \[h/h₀, k/k₀\] to those of the run: E² = (e_h (h/h₀)^p)² + (e_k (k/k₀)^q)².
+    /// The error at other steps, `ratios` = \[h/h₀, k/k₀\] to those of the run: E² = (e_h (h/h₀)^p)² + (e_k (k/k₀)^q)².
     pub(crate) fn at(&self, ratios: [f64; 2]) -> Option<(f64, Interval)> {
         let (h, space) = self.space.at(ratios[0])?;
         let (k, time) = self.time.at(ratios[1])?;

@@ -12,7 +12,7 @@ use vhi::law::INTERPOLATED_TO;
 /// One departure from the scene as written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Knob {
-    /// None.
+    /// No knob is turned.
     AsWritten,
     /// Newton's method ends at this residual, relative to the forces.
     Tolerance(f64),
@@ -123,7 +123,7 @@ impl Knob {
 
 /// A scene with one knob turned.
 pub struct Variant {
-    /// Which.
+    /// The knob that is turned.
     pub knob: Knob,
     /// The scene that way.
     pub setup: Setup,

@@ -92,7 +92,7 @@ impl Bench {
         (rounds, all)
     }
 
-    /// The row of a case that was run in rounds; its error is measured in a run of its own.
+    /// The row of a case that was run in rounds; its error is measured in a separate run.
     pub(super) fn after_rounds(
         &mut self,
         (variant, n, steps): Case<'_>,

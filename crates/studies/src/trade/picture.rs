@@ -1,9 +1,10 @@
-//! Error against CPU time or memory, a marker a run, with the Pareto front of both.
+//! Error against CPU time or memory, a marker per run, with the Pareto front of both.
 
 use super::pareto::{TIE, front};
-use super::{Knob, Study, Trial};
+use super::{Answered, Knob, Study, Trial};
 use judge::record::norm_label;
-use report::{Axis, Chart, Datum, Key, Part, ReportError, Scale, Series};
+use report::digits;
+use report::{Axis, Chart, Datum, Key, Mark, Part, ReportError, Scale, Series};
 
 /// What a run costs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,8 +20,16 @@ impl Study {
     ///
     /// # Errors
     /// [`ReportError::Drawing`].
-    pub(crate) fn svg(&self, resource: Resource) -> Result<Option<String>, ReportError> {
-        self.chart(resource).svg()
+    pub(crate) fn svg(
+        &self,
+        resource: Resource,
+        answer: Option<&Answered>,
+    ) -> Result<Option<String>, ReportError> {
+        let mut chart = self.chart(resource);
+        if let Some(answer) = answer {
+            mark(&mut chart, resource, answer);
+        }
+        chart.svg()
     }
 
     fn chart(&self, resource: Resource) -> Chart {
@@ -84,6 +93,20 @@ impl Study {
         }
         chart
     }
+}
+
+/// The error that was asked for, and the run that is to have it.
+fn mark(chart: &mut Chart, resource: Resource, answer: &Answered) {
+    let cost = match resource {
+        Resource::Time => answer.choice.seconds,
+        Resource::Memory => 1e-6 * answer.bytes,
+    };
+    let label = format!("target {}", digits(answer.target, 4));
+    chart.horizontals.push(Mark { at: answer.target, label });
+    let name =
+        format!("recommended, predicted: n = {}, N = {}", answer.choice.n, answer.choice.steps);
+    let place = vec![(cost, answer.choice.error)];
+    chart.series.push(Series::new(name, vec![Part::Points(place)]));
 }
 
 /// Grid and, where it is not as written, the knob.

@@ -35,7 +35,7 @@ pub enum TradeError {
     /// Not one run came to its end.
     #[error("every run failed; the first: {first}")]
     AllFailed {
-        /// What the first said.
+        /// The message of the first run.
         first: String,
     },
 }
@@ -48,7 +48,7 @@ pub(crate) type Heard<'a> = dyn FnMut(&Trial) + 'a;
 pub struct Path {
     /// s.
     pub exponent: f64,
-    /// Of the models.
+    /// The exponent by the models.
     pub modelled: Option<f64>,
     /// Between the coarsest and the finest run of the grid on the path.
     pub measured: Option<f64>,
@@ -59,7 +59,7 @@ pub struct Path {
 pub struct Study {
     /// The scene's name.
     pub scene: String,
-    /// Of its text.
+    /// The fingerprint of the scene's text.
     pub fingerprint: String,
     /// The norm of the errors.
     #[serde(serialize_with = "as_json::norm")]
@@ -71,7 +71,7 @@ pub struct Study {
     /// The error of the scene as written, or why it was not fitted.
     #[serde(rename = "error_model", serialize_with = "or_reason")]
     pub error: Result<ErrorModel, String>,
-    /// What it costs, likewise.
+    /// The model of the cost, likewise.
     #[serde(rename = "cost_model", serialize_with = "or_reason")]
     pub cost: Result<CostModel, String>,
     /// The cost as a sum of parts, for predictions.

@@ -20,7 +20,7 @@ enum Beside {
 /// as far as `halves` names them. Rows of knobs go to `keep`; those of runs as written get the times of these rounds too.
 ///
 /// # Errors
-/// That of `keep`.
+/// The error of `keep`.
 pub(super) fn turn(
     bench: &mut Bench,
     variants: &[Variant],

@@ -23,7 +23,7 @@ const NODES: [usize; 7] = [4, 6, 8, 12, 16, 20, MOST];
 const MOST: usize = 24;
 /// Of the nodes that the rate asks for so many suffice where a kernel is smooth: 16 for 1e-13.
 const SMOOTH: f64 = 0.92;
-/// The same for kernels without a singularity anywhere, whose error falls faster: 12 for 1e-13.
+/// The ratio for kernels without a singularity anywhere, whose error falls faster: 12 for 1e-13.
 const ENTIRE: f64 = 0.65;
 /// Direct sums of N steps are N/2 vectors per step in the mean; interpolation by r nodes is some 10 r.
 const PAYS_FROM: usize = 21;

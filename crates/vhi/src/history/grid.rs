@@ -96,7 +96,7 @@ pub trait TimeRule: Send + Sync {
     fn weight(&self, grid: &TimeGrid, n: usize, j: usize) -> f64;
 
     /// The weight of v(t_j) in ∫_0^{t_n} q(t_n, s) v(s) ds: w_{nj} q(t_n, t_j), unless the rule
-    /// integrates the kernel in a way of its own.
+    /// integrates the kernel in another way.
     fn kernel_weight(
         &self,
         kernel: &dyn HistoryKernel,

@@ -9,7 +9,7 @@ use algebra::tensor::Symmetric;
 /// A symmetric fourth-order tensor on S^d (a stress).
 #[derive(Debug, PartialEq)]
 pub enum FourthOrder {
-    /// By its Lamé numbers.
+    /// An isotropic tensor by its Lamé numbers.
     Isotropic(Isotropic),
     /// By its symmetric S×S matrix in Mandel notation, the leading block of this one.
     Full(Box<[[f64; 6]; 6]>),

@@ -70,13 +70,13 @@ pub struct Deviation {
     pub variable: Option<Variable>,
     /// What deviates.
     pub kind: DeviationKind,
-    /// As recorded.
+    /// The recorded value.
     pub recorded: Option<f64>,
     /// As found; absent if it is no number.
     pub found: Option<f64>,
     /// Fail or unresolved.
     pub verdict: Decision,
-    /// In one sentence.
+    /// The deviation in one sentence.
     pub reason: String,
 }
 
@@ -104,7 +104,7 @@ pub struct Comparison {
     pub not_recorded: Vec<String>,
     /// What the compared scenes owe that ran on their own grids.
     pub owed: Owing,
-    /// Those of which the baseline does not say it.
+    /// Scenes for which the baseline does not say what they owe.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub owed_not_said: Vec<String>,
     /// What deviates.

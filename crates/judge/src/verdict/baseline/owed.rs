@@ -59,7 +59,7 @@ impl Owed {
 }
 
 impl Baseline {
-    /// The same with what its scenes owe: what these verdicts judged and compared.
+    /// The baseline with what its scenes owe: what these verdicts judged and compared.
     #[must_use]
     pub fn owing(mut self, verdicts: &[Verdict]) -> Self {
         for (scene, recorded) in &mut self.scenes {

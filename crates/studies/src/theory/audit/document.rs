@@ -84,7 +84,7 @@ impl SceneAudit {
         }
     }
 
-    /// One sentence a violated line and run: line, level, grid, both sides.
+    /// One sentence for each violated line and run: line, level, grid, both sides.
     pub fn violations(&self) -> Vec<String> {
         let rows = self.cases.iter().flat_map(|case| case.rows.iter().map(move |row| (case, row)));
         rows.filter_map(|(case, row)| {
@@ -110,7 +110,7 @@ impl SceneAudit {
         .collect()
     }
 
-    /// One sentence a line whose bound is not defined.
+    /// One sentence for each line whose bound is not defined.
     pub fn undefined(&self) -> Vec<String> {
         let m0 = self.constants.m0();
         let why = match m0 <= 0.0 {
@@ -176,13 +176,6 @@ impl Checklist<'_> {
             all.dedup();
             all.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")
         };
-        own.words(format!(
-            "{}; boundary rule {}; runs with n = {} and N = {}.",
-            self.theorem,
-            self.rule,
-            grid(|case| case.n),
-            grid(|case| case.steps)
-        ));
         let held_lines = self.lines.iter().filter(|line| line.standing == Standing::Holds).count();
         let all = format!("{held_lines} of {} lines hold in all runs.", self.lines.len());
         let mut failures = self.violations.clone();
@@ -192,6 +185,13 @@ impl Checklist<'_> {
         }
         let holds = self.holds && held_lines == self.lines.len() && failures.is_empty();
         own.verdict(holds, &all, failures);
+        own.words(format!(
+            "{}; boundary rule {}; runs with n = {} and N = {}.",
+            self.theorem,
+            self.rule,
+            grid(|case| case.n),
+            grid(|case| case.steps)
+        ));
         own.table(
             "The lines of the proof, the tightest first: both sides where they are tightest over all levels and runs; left − right, of an \
              identity its magnitude; what rounding and quadrature allow; the tightness, left/right or, of an identity, difference over \
@@ -237,8 +237,14 @@ impl Listed<'_> {
             ("‖R‖‖q‖", c.history),
             ("m0", self.m0),
         ];
-        named.map(|(name, value)| vec![Run::plain(name), precise(value, 7)]).into()
+        named.map(|(name, value)| vec![Run::formula(name), precise(value, 7)]).into()
     }
+}
+
+/// What a line says, with the signs of sums and integrals; the rest is letters.
+pub(super) fn in_signs(says: &str) -> String {
+    let signs = [("sum_j", "Σ_j"), ("sum w", "Σ w"), ("int lambda", "∫ lambda"), ("Au", "A u")];
+    signs.iter().fold(says.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 fn line(line: &Summary) -> Vec<Run> {
@@ -253,7 +259,7 @@ fn line(line: &Summary) -> Vec<Run> {
         line.tightest.map_or((line.left, line.right), |(_, at)| (at.left, at.right));
     vec![
         Run::plain(line.statement.name),
-        Run::plain(line.statement.says),
+        Run::formula(&in_signs(line.statement.says)),
         number(left),
         Run::plain(sign),
         number(Some(right).filter(|right| right.is_finite())),

@@ -5,7 +5,7 @@
 //! apart from the solver; of a run only u_j^{kh} and the multipliers are read. The load of the truth
 //! enters in strong form (f0 by differentiation), so that the two forms of E_n, over the body and on the
 //! contact side, are two computations. What a run's own quadrature (boundary rule, load vector) adds to
-//! (4.9) is a term of its own there, E_q.
+//! (4.9) is a separate term there, E_q.
 
 mod case;
 mod constants;

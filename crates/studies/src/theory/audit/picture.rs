@@ -1,9 +1,9 @@
-//! How tight each line is: a bar a line.
+//! How tight each line is: a bar per line.
 
-use super::document::by_tightness;
+use super::document::{by_tightness, in_signs};
 use super::lines::{Relation, Standing};
 use super::scene::{SceneAudit, Summary};
-use report::{Bar, Bars, ReportError};
+use report::{Bar, Bars, ReportError, symbols};
 
 impl SceneAudit {
     /// The tightness of every line over all runs, the tightest first; none without a line that has one.
@@ -16,7 +16,7 @@ impl SceneAudit {
             let [name, says] = [line.statement.name, line.statement.says];
             let second = line.relation == Relation::Equal;
             let fails = line.standing != Standing::Holds;
-            Some(Bar { name: name.into(), says: says.into(), length, second, fails })
+            Some(Bar { name: name.into(), says: symbols(&in_signs(says)), length, second, fails })
         };
         let lines = self.summaries();
         Bars {

@@ -31,7 +31,7 @@ pub struct SceneAudit {
 /// A line over all runs of a scene.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
-    /// Which line.
+    /// The line of the proof.
     #[serde(flatten)]
     pub statement: Statement,
     /// How its sides are related.

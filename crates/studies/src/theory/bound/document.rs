@@ -21,20 +21,21 @@ impl BoundStudy {
             Some(_) => "–".into(),
             None => crossing(self.thresholds.radius_one),
         });
-        let worst = &self.study.worst;
-        own.words(format!(
-            "A run with {}; at its level {} (t = {}), where the factor is largest, the last step is taken again with other k.",
-            self.grids(),
-            worst.level,
-            digits(worst.t, 5)
-        ));
+        own.words(self.answer());
+        own.table("The bound in four numbers, k below each.", &["number", ">k"], self.numbers());
         let violated = self.violations.iter().map(|v| {
             let at = v.k.map_or_else(String::new, |k| format!("k = {}: ", digits(k, 7)));
             format!("{at}{}: {}", v.what, sides(v.left, v.right))
         });
         let all = "Every inequality between measured and proved factors holds, and every declared constant.";
         own.verdict(self.holds(), all, violated.collect());
-        own.table("The bound in four numbers, k below each.", &["number", ">k"], self.numbers());
+        let worst = &self.study.worst;
+        own.words(format!(
+            "Measured in a run with {}; at its level {} (t = {}), where the factor is largest, the last step is taken again with other k.",
+            self.grids(),
+            worst.level,
+            digits(worst.t, 5)
+        ));
         self.ladder(&mut own);
         own.table(
             "Constants, how each was obtained, and whether the true one is certainly on the safe side.",
@@ -52,6 +53,37 @@ impl BoundStudy {
             self.svg()?,
         );
         Ok(own)
+    }
+
+    /// The four numbers in a sentence each.
+    fn answer(&self) -> String {
+        let found = &self.thresholds;
+        let below = |k: f64| match k {
+            k if k.is_infinite() => "for every k".into(),
+            k if k > 0.0 => format!("for k < {}", digits(k, 4)),
+            _ => "for no k".into(),
+        };
+        let proved = format!(
+            "Proved: Λ contracts {} by (3.4), {} by the sharpened bound; one solution per step is guaranteed {}.",
+            below(found.theorem),
+            below(found.sharpened),
+            below(found.solvable)
+        );
+        let measured = match (&found.not_followed, found.norm_one) {
+            (Some(reason), _) => format!("Measured: nothing, {reason}."),
+            (None, crossing) => {
+                let ends = match crossing {
+                    None => "at every k".into(),
+                    Some(Crossing::Between(low, high)) => {
+                        format!("up to k = {}", digits(0.5 * (low + high), 4))
+                    }
+                    Some(Crossing::Beyond(k)) => format!("at least up to k = {}", digits(k, 4)),
+                    Some(Crossing::Before(k)) => format!("for no k above {}", digits(k, 4)),
+                };
+                format!("Measured: it contracts {ends}.")
+            }
+        };
+        format!("{proved} {measured}")
     }
 
     /// The last step taken with other k.
@@ -164,14 +196,14 @@ fn rung(rung: &Rung) -> Vec<Run> {
         Outcome::Failed(_) => Run::plain("fails"),
     };
     vec![
-        precise(rung.k, 8),
-        precise(rung.radius, 8),
-        precise(rung.norm, 8),
-        precise(rung.finite_worst, 8),
-        precise(rung.finite_random, 8),
-        precise(rung.sharpened, 8),
-        precise(rung.theorem, 8),
-        precise(rung.paper, 8),
+        precise(rung.k, 5),
+        precise(rung.radius, 5),
+        precise(rung.norm, 5),
+        precise(rung.finite_worst, 5),
+        precise(rung.finite_random, 5),
+        precise(rung.sharpened, 5),
+        precise(rung.theorem, 5),
+        precise(rung.paper, 5),
         solved(&rung.newton),
         solved(&rung.fixed_point),
         Run::plain(rung.starts.distinct.to_string()),
@@ -181,17 +213,17 @@ fn rung(rung: &Rung) -> Vec<Run> {
 fn constant(own: &Constant) -> Vec<Run> {
     let side = if own.safe { "safe side" } else { "no bound" };
     vec![
-        Run::plain(&*own.name),
+        Run::formula(&own.name),
         precise(own.value, 11),
         Run::plain(own.uncertainty.map_or_else(|| "–".into(), |off| format!("{off:.1e}"))),
         Run::plain(format!("{}, {side}", own.how.name())),
-        Run::plain(&*own.note),
+        Run::formula(&own.note),
     ]
 }
 
 fn sampled(own: &Sampled) -> Vec<Run> {
     vec![
-        Run::plain(&*own.what),
+        Run::formula(&own.what),
         precise(own.declared, 9),
         precise(own.needed, 9),
         number(f64::from(own.samples)),

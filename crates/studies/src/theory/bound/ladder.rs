@@ -185,7 +185,7 @@ pub enum BoundError {
     /// The run to the level failed.
     #[error("the run to the level: {0}")]
     Run(#[from] fem::contact::CaseError),
-    /// The same in ℝ^m.
+    /// A level of an abstract problem in ℝ^m failed.
     #[error("the run to the level: {0}")]
     Finite(#[from] vhi::finite::FiniteError),
     /// A step of the run failed.

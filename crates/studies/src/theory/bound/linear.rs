@@ -11,7 +11,7 @@ use vhi::law::{FourthOrder, Projection};
 pub struct LinearLoss {
     /// With tensors of S^d: λ_min(𝒜 + (k/2)ℬ(0)) = 0.
     pub tensors: f64,
-    /// With strains of V^h.
+    /// The k with strains of V^h.
     pub mesh: f64,
 }
 

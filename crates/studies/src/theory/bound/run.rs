@@ -33,7 +33,7 @@ pub struct Study {
     pub levels: Vec<AtLevel>,
     /// The level of the ladder: the one with the largest factor.
     pub worst: AtLevel,
-    /// The same level on this and other meshes; empty without a mesh.
+    /// That level on this and other meshes; empty without a mesh.
     pub meshes: Vec<AtLevel>,
     /// Uniqueness at the run's own step size, by many starts.
     pub starts: starts::Starts,

@@ -65,7 +65,7 @@ pub struct Thresholds {
     pub not_followed: Option<String>,
     /// Linear scenes: 𝒜 + (k/2)ℬ(0) singular on S^d.
     pub loss_tensors: Option<f64>,
-    /// The same on V^h.
+    /// The k at which 𝒜 + (k/2)ℬ(0) is singular on V^h.
     pub loss_mesh: Option<f64>,
 }
 

@@ -6,10 +6,14 @@ use super::study::{Effectivity, StudiedGrid, Study};
 use report::{Chapter, ReportError, Run, StudyDocument, digits, number, precise, sides};
 
 /// What each picture shows, by the rest of its file name.
-const PICTURES: [(&str, &str); 5] = [
+const PICTURES: [(&str, &str); 6] = [
     ("gronwall-envelope", "measured error and the envelopes of (3.24) over t (sweep gronwall)."),
     ("gronwall-effectivity-t", "bound over measured error, over t (sweep gronwall)."),
     ("gronwall-effectivity-k", "bound over measured error, over k (sweep gronwall)."),
+    (
+        "gronwall-printed-k",
+        "what the printed sum of (3.24) loses against halved ends, over k (sweep gronwall).",
+    ),
     ("gronwall-horizon", "error and bounds over the horizon (sweep gronwall --horizons)."),
     (
         "gronwall-effectivity-horizon",
@@ -26,8 +30,6 @@ impl Study {
         let title = format!("Envelopes: {}", self.scene);
         let mut own =
             StudyDocument::new(Chapter::Gronwall, title).of_scene(&self.scene, &self.fingerprint);
-        let mesh = self.n.map_or_else(String::new, |n| format!("n = {n}; "));
-        own.words(format!("{mesh}the truth is: {}.", self.truth));
         let failures = self.violations.iter().map(|failed| {
             let v = &failed.violation;
             let sides = sides(v.left, v.right);
@@ -36,7 +38,11 @@ impl Study {
         let all = "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run.";
         let holds = self.violations.is_empty() && !self.grids.is_empty();
         own.verdict(holds, all, failures.collect());
-        own.table("Constants of the inequality.", &["constant", ">value"], self.constants());
+        if let Some(finest) = self.grids.iter().max_by_key(|grid| grid.run.steps) {
+            own.words(answer(finest));
+        }
+        let mesh = self.n.map_or_else(String::new, |n| format!("n = {n}; "));
+        own.words(format!("{mesh}the truth is: {}.", self.truth));
         own.table(
             "Bound over error at t = T for N steps; e and g at T.",
             &[
@@ -73,6 +79,7 @@ impl Study {
             ],
             self.perturbations.iter().map(perturbed).collect(),
         );
+        own.table("Constants of the inequality.", &["constant", ">value"], self.constants());
         for (stem, svg) in self.pictures()? {
             let shows = PICTURES.iter().find(|(own, _)| *own == stem);
             own.figure(stem, shows.map_or("", |(_, shows)| shows), Some(svg));
@@ -89,10 +96,36 @@ impl Study {
             ("β_φ", c.beta),
             ("Lipschitz constant of S", c.lipschitz),
         ];
-        let details = c.details.iter().map(|(name, value)| (*name, *value));
-        let row = |(name, value): (&str, f64)| vec![Run::plain(name), precise(value, 7)];
+        let details = c.details.iter().map(|(name, value)| (written(name), *value));
+        let row = |(name, value): (&str, f64)| vec![Run::formula(name), precise(value, 7)];
         named.into_iter().chain(details).map(row).collect()
     }
+}
+
+/// A constant as a reader writes it, by its key in files.
+fn written(key: &'static str) -> &'static str {
+    match key {
+        "yielding" => "μ L_κ √|Ω|",
+        "memory_norm" => "‖ℬ‖",
+        "c_j_squared_bound" => "c_j², upper bound",
+        "c_j_squared" => "c_j²",
+        "r_norm" => "‖R‖",
+        "q_norm" => "‖q‖",
+        other => other,
+    }
+}
+
+/// How far each bound is above the error at the end of the finest run.
+fn answer(finest: &StudiedGrid) -> String {
+    let e = &finest.effectivity;
+    let times = |of: &Effectivity| digits(of.at_end.unwrap_or(f64::NAN), 3);
+    format!(
+        "At t = T and N = {} the weighted envelope is {} times the measured error, the envelope with halved ends {} times, its closed form {} times.",
+        finest.run.steps,
+        times(&e.weighted),
+        times(&e.primed),
+        times(&e.closed)
+    )
 }
 
 fn grid(grid: &StudiedGrid) -> Vec<Run> {

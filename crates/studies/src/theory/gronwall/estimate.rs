@@ -52,7 +52,7 @@ impl Estimate {
         self.c1() * self.lipschitz()
     }
 
-    /// The same up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
+    /// The estimate up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
     /// horizon.
     pub(crate) fn up_to(&self, last: usize) -> Self {
         let kept = |values: &[f64]| values[..=last].to_vec();

@@ -1,4 +1,5 @@
-//! The pictures of a study.
+//! The pictures of a study. For small k the bounds of the printed sum cover those with halved ends: a picture of their
+//! own shows by how much they differ.
 
 use super::estimate::{Envelopes, Estimate, effectivities};
 use super::horizon::Horizons;
@@ -23,6 +24,7 @@ impl Study {
             charts.push(("gronwall-effectivity-t", self.ratios_over_time(estimate, envelopes)));
         }
         charts.push(("gronwall-effectivity-k", self.ratios_over_step()));
+        charts.push(("gronwall-printed-k", self.printed_over_step()));
         if let Some(horizons) = &self.horizons {
             charts.push(("gronwall-horizon", self.over_horizon(horizons)));
             charts.push(("gronwall-effectivity-horizon", self.ratios_over_horizon(horizons)));
@@ -41,7 +43,8 @@ impl Study {
     }
 
     fn chart(&self, question: &str, x: Axis, y: Axis) -> Chart {
-        Chart::new(&format!("{}: Gronwall", self.scene), question, x, y)
+        let title = format!("{}: Gronwall", self.scene);
+        Chart { direct: true, ..Chart::new(&title, question, x, y) }
     }
 
     fn over_time(&self, estimate: &Estimate, envelopes: &Envelopes) -> Chart {
@@ -60,7 +63,7 @@ impl Study {
             times.iter().copied().zip(values.iter().copied()).skip(1).collect()
         };
         for (name, values) in bounds(envelopes) {
-            chart.series.push(Series::new(name, vec![stroke(name, data(values))]));
+            chart.series.push(Series::new(name, vec![Part::Line(data(values))]));
         }
         let measured = Part::Dashed(data(&estimate.error));
         chart.series.push(Series { grey: true, ..Series::new(MEASURED, vec![measured]) });
@@ -87,7 +90,7 @@ impl Study {
                 .zip(ratios)
                 .map(|(t, ratio)| (*t, ratio.unwrap_or(f64::NAN)))
                 .collect();
-            chart.series.push(Series::new(name, vec![stroke(name, data)]));
+            chart.series.push(Series::new(name, vec![Part::Line(data)]));
         }
         chart
     }
@@ -102,29 +105,51 @@ impl Study {
             Axis::new("time step k = T/N", Scale::Steps),
             Axis::new("effectivity: bound / measured error at T", Scale::Log),
         );
-        let mut grids: Vec<&StudiedGrid> = self.grids.iter().collect();
-        grids.sort_by_key(|own| std::cmp::Reverse(own.run.steps));
-        let names = grids.iter().flat_map(|own| bounds(&own.envelopes)).map(|(name, _)| name);
-        let mut known: Vec<&str> = Vec::new();
-        for name in names {
-            if !known.contains(&name) {
-                known.push(name);
-            }
-        }
-        for name in known {
-            let data = grids.iter().filter_map(|own| {
-                let (_, values) = bounds(&own.envelopes).into_iter().find(|b| b.0 == name)?;
-                let k = own.run.estimate.grid.largest_step();
-                Some((k, Effectivity::new(values, &own.run.estimate).at_end?))
-            });
-            chart.series.push(curve(name, data.collect()));
+        let at_end: [(&str, fn(&StudiedGrid) -> &Effectivity); 3] = [
+            (WEIGHTED, |own| &own.effectivity.weighted),
+            (PRIMED, |own| &own.effectivity.primed),
+            (CLOSED, |own| &own.effectivity.closed),
+        ];
+        for (name, of) in at_end {
+            chart.series.push(curve(name, self.over_step(|own| of(own).at_end)));
         }
         chart
     }
 
+    /// What the printed sum loses: its bounds over those with halved ends, less one.
+    fn printed_over_step(&self) -> Chart {
+        let question = format!(
+            "By how much is the bound of the printed sum above that with halved ends, at t = T{}? It falls like k.",
+            self.mesh()
+        );
+        let mut chart = self.chart(
+            &question,
+            Axis::new("time step k = T/N", Scale::Steps),
+            Axis::new("printed sum / halved ends − 1", Scale::Log),
+        );
+        let lost = |printed: Option<&Effectivity>, halved: &Effectivity| {
+            Some(printed?.at_end? / halved.at_end? - 1.0)
+        };
+        let envelope =
+            self.over_step(|own| lost(own.effectivity.printed.as_ref(), &own.effectivity.primed));
+        let closed = self.over_step(|own| {
+            lost(own.effectivity.printed_closed.as_ref(), &own.effectivity.closed)
+        });
+        chart.series = vec![curve("envelopes", envelope), curve("closed forms", closed)];
+        chart
+    }
+
+    /// A value of each grid over its step, from the smallest step.
+    fn over_step(&self, value: impl Fn(&StudiedGrid) -> Option<f64>) -> Vec<Datum> {
+        let mut grids: Vec<&StudiedGrid> = self.grids.iter().collect();
+        grids.sort_by_key(|own| std::cmp::Reverse(own.run.steps));
+        let datum = |own: &&StudiedGrid| Some((own.run.estimate.grid.largest_step(), value(own)?));
+        grids.iter().filter_map(datum).collect()
+    }
+
     fn over_horizon(&self, horizons: &Horizons) -> Chart {
         let question = format!(
-            "Error and bounds over the horizon at the fixed step k = {}: uniform in T, or like e^(C2 T)?",
+            "Error and bounds over the horizon at the fixed step k = {}: uniform in T, or like exp(C₂T)?",
             horizons.k
         );
         let mut chart = self.chart(
@@ -157,12 +182,7 @@ impl Study {
 }
 
 fn curve(name: &str, data: Vec<Datum>) -> Series {
-    Series::new(name, vec![stroke(name, data.clone()), Part::Points(data)])
-}
-
-/// The bounds of the printed sum are dashed: for small k they cover the others.
-fn stroke(name: &str, data: Vec<Datum>) -> Part {
-    if [PRINTED, PRINTED_CLOSED].contains(&name) { Part::Dashed(data) } else { Part::Line(data) }
+    Series::new(name, vec![Part::Line(data.clone()), Part::Points(data)])
 }
 
 const MEASURED: &str = "measured error";
@@ -170,30 +190,19 @@ const MEASURED: &str = "measured error";
 const WEIGHTED: &str = "weighted envelope";
 const PRIMED: &str = "envelope, halved ends";
 const CLOSED: &str = "its closed form";
-const PRINTED: &str = "envelope of the printed sum";
-const PRINTED_CLOSED: &str = "closed form of the printed sum";
 
-fn bounds(envelopes: &Envelopes) -> Vec<(&'static str, &[f64])> {
-    let mut all: Vec<(&'static str, &[f64])> = vec![
-        (WEIGHTED, &envelopes.weighted),
-        (PRIMED, &envelopes.primed),
-        (CLOSED, &envelopes.closed),
-    ];
-    all.extend(envelopes.printed.as_deref().map(|values| (PRINTED, values)));
-    all.extend(envelopes.printed_closed.as_deref().map(|values| (PRINTED_CLOSED, values)));
-    all
+fn bounds(envelopes: &Envelopes) -> [(&'static str, &[f64]); 3] {
+    [(WEIGHTED, &envelopes.weighted), (PRIMED, &envelopes.primed), (CLOSED, &envelopes.closed)]
 }
 
 fn horizon_curves(horizons: &Horizons, divisor: fn(f64) -> f64) -> Vec<Series> {
-    let data = |value: fn(&super::HorizonRow) -> Option<f64>| -> Vec<Datum> {
+    let data = |value: fn(&super::HorizonRow) -> f64| -> Vec<Datum> {
         let rows = horizons.rows.iter();
-        rows.filter_map(|row| Some((row.horizon, value(row)? / divisor(row.error)))).collect()
+        rows.map(|row| (row.horizon, value(row) / divisor(row.error))).collect()
     };
     vec![
-        curve(WEIGHTED, data(|row| Some(row.weighted))),
-        curve(PRIMED, data(|row| Some(row.primed))),
-        curve(CLOSED, data(|row| Some(row.closed))),
-        curve(PRINTED, data(|row| row.printed)),
-        curve(PRINTED_CLOSED, data(|row| row.printed_closed)),
+        curve(WEIGHTED, data(|row| row.weighted)),
+        curve(PRIMED, data(|row| row.primed)),
+        curve(CLOSED, data(|row| row.closed)),
     ]
 }

@@ -163,7 +163,7 @@ impl HistoryPart {
 /// κ(n, j) on the grid.
 #[derive(Debug, Clone, PartialEq)]
 pub enum KernelNorms {
-    /// The same number for all n and j.
+    /// One number for all n and j.
     Constant(f64),
     /// κ(n, j) = `values[n - j]`: a convolution on a uniform grid.
     Lags(Vec<f64>),

@@ -63,9 +63,9 @@ pub struct Scalar {
 pub struct NormDifferences {
     /// The norm.
     pub norm: Norm,
-    /// In h; NaN where there are no companions.
+    /// The changes in h; NaN where there are no companions.
     pub space: [f64; 2],
-    /// In k, likewise.
+    /// The changes of the quantity in k, likewise.
     pub time: [f64; 2],
     /// What solver and rounding leave in any of the runs.
     pub floor: f64,

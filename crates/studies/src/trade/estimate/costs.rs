@@ -5,7 +5,7 @@ use crate::trade::{Composition, CostSample};
 use run::sweep::run_cost;
 use scene::setup::{Setup, SetupError};
 
-/// A run has a time of its own from here on, in CPU seconds: page faults and a cold cache are about a millisecond, a
+/// From here on a run has a time that can be told from noise, in CPU seconds: page faults and a cold cache are about a millisecond, a
 /// tenth of it.
 const TIMED: f64 = 0.01;
 

@@ -1,0 +1,61 @@
+//! Names of series at the ends of their lines, where a legend would send the eye to and fro.
+
+use super::ReportError;
+use super::canvas::{Anchor, Canvas, Place};
+use super::chart::Chart;
+use super::frame::{BOTTOM, Frame, LINE, RIGHT, TOP};
+
+/// From the frame to the words.
+const BESIDE: f64 = 56.0;
+
+/// Writes the names; gives the height of the lowest one, or the top where there is none.
+///
+/// # Errors
+/// [`ReportError::Drawing`].
+pub(super) fn draw(canvas: &Canvas<'_>, chart: &Chart, frame: &Frame) -> Result<f64, ReportError> {
+    let end = |at: usize| -> Option<(usize, Place)> {
+        let series = &chart.series[at];
+        let runs = series.parts.iter().flat_map(|part| chart.runs(frame, part));
+        let last = runs.filter_map(|run| run.last().copied()).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (!series.name.is_empty()).then_some((at, last))
+    };
+    let mut ends: Vec<(usize, Place)> = (0..chart.series.len()).filter_map(end).collect();
+    ends.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
+    let heights = spread(&ends.iter().map(|(_, place)| place.1).collect::<Vec<_>>());
+    for ((at, place), y) in ends.iter().zip(&heights) {
+        let beside = [*place, (RIGHT + 0.3 * BESIDE, *y), (RIGHT + 0.8 * BESIDE, *y)];
+        canvas.line(&beside, chart.inks()[*at].0, 2)?;
+        canvas.text(&chart.series[*at].name, (RIGHT + BESIDE, *y), Anchor::Left)?;
+    }
+    Ok(heights.last().copied().unwrap_or(TOP))
+}
+
+/// Heights in ascending order, moved apart to a line each, within the frame as far as there is room.
+fn spread(wanted: &[f64]) -> Vec<f64> {
+    let mut heights = wanted.to_vec();
+    let mut least = TOP;
+    for height in &mut heights {
+        *height = height.max(least);
+        least = *height + LINE;
+    }
+    let mut most = BOTTOM;
+    for height in heights.iter_mut().rev() {
+        *height = height.min(most);
+        most = *height - LINE;
+    }
+    heights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stand_a_line_apart_and_near_their_ends() {
+        assert_eq!(spread(&[300.0, 500.0]), [300.0, 500.0]);
+        assert_eq!(spread(&[300.0, 300.0, 310.0]), [300.0, 300.0 + LINE, 300.0 + 2.0 * LINE]);
+        let low = spread(&[BOTTOM, BOTTOM]);
+        assert_eq!(low, [BOTTOM - LINE, BOTTOM]);
+        assert!(spread(&[]).is_empty());
+    }
+}
