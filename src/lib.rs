@@ -51,6 +51,10 @@
 pub mod cli;
 pub mod shipped;
 
+#[cfg(doctest)]
+#[doc = include_str!("../docs/EXTENDING.md")]
+mod extending {}
+
 pub use algebra::{linalg, tensor};
 pub use exact as manufactured;
 pub use fem::{contact, mesh, norms, space};
