@@ -7,7 +7,7 @@ use crate::Side;
 use exact::Truth;
 use fem::contact::{Discretization, LoadError, facet_measure};
 use fem::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
-use fem::space::quadrature::{Rule, TruthRules};
+use fem::space::quadrature::TruthRules;
 use formula::{Bound, Graph, Node, Point, Program};
 
 /// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.
@@ -30,29 +30,6 @@ pub struct GivenLoad {
 enum Part {
     Body,
     Side(u32),
-}
-
-impl Part {
-    /// The rule on this part, and its simplices with their measures.
-    fn simplices<'a>(
-        self,
-        space: &'a Discretization,
-        rules: &'a TruthRules,
-    ) -> (&'a Rule, Vec<(&'a [u32], f64)>) {
-        let mesh = &space.mesh;
-        match self {
-            Self::Body => {
-                let cells = 0..mesh.cell_count();
-                let sized = cells.map(|c| (mesh.cell(c), space.geometry.measure[c]));
-                (&rules.load, sized.collect())
-            }
-            Self::Side(side) => {
-                let sides = [side];
-                let sized = mesh.facets_on(&sides).map(|f| (mesh.facet(f), facet_measure(mesh, f)));
-                (&rules.traction, sized.collect())
-            }
-        }
-    }
 }
 
 impl GivenLoad {
@@ -87,10 +64,9 @@ impl GivenLoad {
         if self.graph.value_of_constant(formula) == Some(0.0) {
             return;
         }
-        let rules = self.rules.clone();
         let term = |graph: &mut Graph, formula, horizon| {
             let program = Program::compile(graph, &[formula], horizon);
-            Term::new((part, component), &program, space, &rules)
+            Term { part, component, program, bound: OnceLock::new() }
         };
         let Some(terms) = self.graph.separate(formula) else {
             self.rest.push(term(&mut self.graph, formula, self.horizon));
@@ -153,38 +129,46 @@ impl GivenLoad {
     }
 }
 
-/// ∫ f v_component over a part of the body or its boundary, with f bound to the points of a rule.
+/// ∫ f v_component over a part of the body or its boundary, with f compiled.
 struct Term {
     part: Part,
     component: usize,
-    bound: Mutex<Bound>,
+    program: Program,
+    /// The formula at the points of the rule.
+    bound: OnceLock<Mutex<Bound>>,
 }
 
 impl Term {
-    fn new(
-        (part, component): (Part, usize),
-        program: &Program,
-        space: &Discretization,
-        rules: &TruthRules,
-    ) -> Self {
-        let (rule, simplices) = part.simplices(space, rules);
-        let points: Vec<[f64; 3]> = simplices
-            .iter()
-            .flat_map(|(simplex, _)| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
-            .collect();
-        Self { part, component, bound: Mutex::new(program.bind(&points)) }
-    }
-
     /// Adds the integral at time t to a nodal vector.
     fn add_to(&self, t: f64, space: &Discretization, rules: &TruthRules, force: &mut [f64]) {
-        let (rule, simplices) = self.part.simplices(space, rules);
+        let mesh = &space.mesh;
+        let (rule, simplices): (_, Vec<(&[u32], f64)>) = match self.part {
+            Part::Body => {
+                let cells = 0..mesh.cell_count();
+                let sized = cells.map(|c| (mesh.cell(c), space.geometry.measure[c]));
+                (&rules.load, sized.collect())
+            }
+            Part::Side(side) => {
+                let sides = [side];
+                let sized = mesh.facets_on(&sides).map(|f| (mesh.facet(f), facet_measure(mesh, f)));
+                (&rules.traction, sized.collect())
+            }
+        };
+        let bind = || {
+            let points: Vec<[f64; 3]> = simplices
+                .iter()
+                .flat_map(|(simplex, _)| rule.points.iter().map(|b| mesh.point(simplex, b)))
+                .collect();
+            Mutex::new(self.program.bind(&points))
+        };
         let mut out = vec![Vec::new()];
-        self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
-        let values = out[0].chunks_exact(rule.weights.len());
-        for ((simplex, measure), values) in simplices.iter().zip(values) {
-            for ((value, weight), shapes) in values.iter().zip(&rule.weights).zip(&rule.points) {
-                let value = weight * measure * value;
-                for (&vertex, shape) in simplex.iter().zip(shapes) {
+        let bound = self.bound.get_or_init(bind);
+        bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        let count = rule.weights.len();
+        for (s, (simplex, measure)) in simplices.iter().enumerate() {
+            for (q, weight) in rule.weights.iter().enumerate() {
+                let value = weight * measure * out[0][count * s + q];
+                for (&vertex, shape) in simplex.iter().zip(&rule.points[q]) {
                     let node = space.nodes.of_vertex[vertex as usize] as usize;
                     force[space.nodes.dimension * node + self.component] += shape * value;
                 }
