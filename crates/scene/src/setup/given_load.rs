@@ -8,7 +8,7 @@ use crate::Side;
 use exact::Truth;
 use fem::contact::{Discretization, LoadError, facet_measure};
 use fem::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
-use fem::space::quadrature::{Rule, TruthRules};
+use fem::space::quadrature::TruthRules;
 use formula::{Bound, Graph, Node, Point, Program};
 
 /// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.
@@ -96,10 +96,9 @@ impl GivenLoad {
         if self.graph.value_of_constant(formula) == Some(0.0) {
             return;
         }
-        let rules = self.rules.clone();
         let term = |graph: &mut Graph, formula, horizon| {
             let program = Program::compile(graph, &[formula], horizon);
-            Term::new((part, component), &program, space, &rules)
+            Term { part, component, program, bound: OnceLock::new() }
         };
         let Some(terms) = self.graph.separate(formula) else {
             self.rest.push(term(&mut self.graph, formula, self.horizon));
@@ -162,34 +161,30 @@ impl GivenLoad {
     }
 }
 
-/// ∫ f v_component over a part of the body or its boundary, with f bound to the points of a rule.
+/// ∫ f v_component over a part of the body or its boundary, with f compiled.
 struct Term {
     part: Part,
     component: usize,
-    bound: Mutex<Bound>,
+    program: Program,
+    /// The formula at the points of the rule.
+    bound: OnceLock<Mutex<Bound>>,
 }
 
 impl Term {
-    fn new(
-        (part, component): (Part, usize),
-        program: &Program,
-        space: &Discretization,
-        rules: &TruthRules,
-    ) -> Self {
-        let (rule, simplices) = part.simplices(space, rules);
-        let points: Vec<[f64; 3]> = simplices
-            .iter()
-            .flat_map(|(simplex, ..)| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
-            .collect();
-        Self { part, component, bound: Mutex::new(program.bind(&points)) }
-    }
-
     /// Adds the integral at time t to a nodal vector.
     fn add_to(&self, t: f64, space: &Discretization, rules: &TruthRules, force: &mut [f64]) {
         let (rule, simplices) = self.part.simplices(space, rules);
         let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| space.element.values(b)).collect();
+        let bind = || {
+            let points: Vec<[f64; 3]> = simplices
+                .iter()
+                .flat_map(|(simplex, ..)| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
+                .collect();
+            Mutex::new(self.program.bind(&points))
+        };
         let mut out = vec![Vec::new()];
-        self.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
+        let bound = self.bound.get_or_init(bind);
+        bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
         let values = out[0].chunks_exact(rule.weights.len());
         for ((_, measure, nodes), values) in simplices.iter().zip(values) {
             for ((value, weight), shapes) in values.iter().zip(&rule.weights).zip(&shapes) {
