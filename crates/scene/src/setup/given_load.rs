@@ -130,6 +130,13 @@ impl GivenLoad {
     }
 }
 
+/// A cell or facet under a load.
+struct Loaded<'a> {
+    corners: &'a [u32],
+    measure: f64,
+    nodes: Cow<'a, [u32]>,
+}
+
 /// ∫ f v_component over a part of the body or its boundary, with f compiled.
 struct Term {
     part: Part,
@@ -142,19 +149,20 @@ impl Term {
     fn add_to(&self, t: f64, space: &Discretization, rules: &TruthRules, force: &mut [f64]) {
         let mesh = &space.mesh;
         let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
-        // Corners, measure and nodes.
-        let (rule, simplices): (_, Vec<(&[u32], f64, Cow<'_, [u32]>)>) = match self.part {
+        let (rule, simplices): (_, Vec<Loaded<'_>>) = match self.part {
             Part::Body => {
                 let of = |c: usize| {
                     let nodes = Cow::Borrowed(space.cell_nodes(c));
-                    (mesh.cell(c), space.geometry.measure[c], nodes)
+                    let (corners, measure) = (mesh.cell(c), space.geometry.measure[c]);
+                    Loaded { corners, measure, nodes }
                 };
                 (&rules.load, (0..mesh.cell_count()).map(of).collect())
             }
             Part::Side(side) => {
                 let of = |f: usize| {
-                    let nodes = space.nodes.on_facet(f).iter().map(node).collect();
-                    (mesh.facet(f), facet_measure(mesh, f), Cow::Owned(nodes))
+                    let nodes = Cow::Owned(space.nodes.on_facet(f).iter().map(node).collect());
+                    let (corners, measure) = (mesh.facet(f), facet_measure(mesh, f));
+                    Loaded { corners, measure, nodes }
                 };
                 (&rules.traction, mesh.facets_on(&[side]).map(of).collect())
             }
@@ -162,12 +170,12 @@ impl Term {
         let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| space.element.values(b)).collect();
         let points: Vec<[f64; 3]> = simplices
             .iter()
-            .flat_map(|(simplex, ..)| rule.points.iter().map(|b| mesh.point(simplex, b)))
+            .flat_map(|own| rule.points.iter().map(|b| mesh.point(own.corners, b)))
             .collect();
         let mut out = vec![Vec::new()];
         self.program.bind(&points).evaluate(t, 0.0, &mut out);
         let count = rule.weights.len();
-        for (s, (_, measure, nodes)) in simplices.iter().enumerate() {
+        for (s, Loaded { measure, nodes, .. }) in simplices.iter().enumerate() {
             for (q, weight) in rule.weights.iter().enumerate() {
                 let value = weight * measure * out[0][count * s + q];
                 for (&node, shape) in nodes.iter().zip(&shapes[q]) {
