@@ -288,12 +288,13 @@ const SOLVED: [&str; 17] = [
     "dofs",
 ];
 /// Later additions.
-const ADDED: [&str; 18] = [
+const ADDED: [&str; 19] = [
     "compliance_pressure",
     "contact_half_width",
     "contraction",
     "contraction_bound",
     "convex_problems",
+    "element",
     "factorizations",
     "fixed_point_iterations",
     "friction_force",

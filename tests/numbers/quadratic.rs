@@ -61,11 +61,13 @@ fn reproduced() -> Setup {
     let predicts =
         "[[predicts]]\nnorm = \"V_max\"\nvariable = \"h\"\norder = 2.0\nwhy = \"none\"\n";
     let scene = edited(&scene, "kernel = \"-exp(-t)\"", "kernel = \"-1\"");
+    let power = "{ kind = \"power\", coefficient = 4.0, exponent = 2.0, until = 0.2 }";
+    let scene = edited(&scene, power, "{ kind = \"linear\", stiffness = 0.5 }");
     setup_of(format!("{scene}{exact}{sweep}{predicts}"))
 }
 
-/// u does not depend on time and the kernel neither, so the trapezoidal rule is exact; the law at the nodes is integrated by
-/// Simpson's rule, exactly where u_ν² times a quadratic is a cubic and no more: on the bottom u_ν is linear, and positive.
+/// u does not depend on time and the kernel neither, so the trapezoidal rule is exact; on the bottom u_ν is linear, so
+/// Simpson's rule is exact for a linear law.
 #[test]
 fn quadratic_displacements_are_reproduced() {
     let setup = reproduced();

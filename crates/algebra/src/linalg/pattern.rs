@@ -100,7 +100,22 @@ impl BlockPattern {
         local: &[f64],
         values: &mut [f64],
     ) {
-        let vertices = self.stride;
+        // The nodes of linear elements as a constant: loops are unrolled.
+        match self.stride {
+            linear if linear == D + 1 => self.scatter_of::<D>(D + 1, c, nodes, local, values),
+            vertices => self.scatter_of::<D>(vertices, c, nodes, local, values),
+        }
+    }
+
+    #[inline(always)]
+    fn scatter_of<const D: usize>(
+        &self,
+        vertices: usize,
+        c: usize,
+        nodes: &[u32],
+        local: &[f64],
+        values: &mut [f64],
+    ) {
         let order = D * vertices;
         let free = (self.first.len() - 1) as u32;
         for (a, &node) in nodes.iter().enumerate() {

@@ -210,6 +210,15 @@ impl MeanSquare {
                 |a, row: &[f64]| v.iter().zip(row).map(|(b, m)| m * product(a, b)).sum::<f64>();
             return measure * rows.map(|(a, own)| row(a, own)).sum::<f64>();
         }
+        // Corners of a triangle as a constant: loops are unrolled.
+        match v.first_chunk::<3>().filter(|_| v.len() == 3) {
+            Some(v) => self.linear(measure, v),
+            None => self.linear(measure, v),
+        }
+    }
+
+    #[inline(always)]
+    fn linear<const D: usize>(&self, measure: f64, v: &[[f64; D]]) -> f64 {
         let (mut total, mut squares) = ([0.0; D], 0.0);
         for value in v {
             for i in 0..D {

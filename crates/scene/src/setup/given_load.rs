@@ -33,30 +33,29 @@ enum Part {
     Side(u32),
 }
 
-/// Corners, measure and nodes of a simplex that loads act on.
-type Simplex<'a> = (&'a [u32], f64, Cow<'a, [u32]>);
-
 impl Part {
     /// The rule on this part, and its simplices.
     fn simplices<'a>(
         self,
         space: &'a Discretization,
         rules: &'a TruthRules,
-    ) -> (&'a Rule, Vec<Simplex<'a>>) {
+    ) -> (&'a Rule, Vec<Loaded<'a>>) {
         let mesh = &space.mesh;
         let node = |&vertex: &u32| space.nodes.of_vertex[vertex as usize];
         match self {
             Self::Body => {
                 let of = |c: usize| {
                     let nodes = Cow::Borrowed(space.cell_nodes(c));
-                    (mesh.cell(c), space.geometry.measure[c], nodes)
+                    let (corners, measure) = (mesh.cell(c), space.geometry.measure[c]);
+                    Loaded { corners, measure, nodes }
                 };
                 (&rules.load, (0..mesh.cell_count()).map(of).collect())
             }
             Self::Side(side) => {
                 let of = |f: usize| {
-                    let nodes = space.nodes.on_facet(f).iter().map(node).collect();
-                    (mesh.facet(f), facet_measure(mesh, f), Cow::Owned(nodes))
+                    let nodes = Cow::Owned(space.nodes.on_facet(f).iter().map(node).collect());
+                    let (corners, measure) = (mesh.facet(f), facet_measure(mesh, f));
+                    Loaded { corners, measure, nodes }
                 };
                 (&rules.traction, mesh.facets_on(&[side]).map(of).collect())
             }
@@ -161,6 +160,13 @@ impl GivenLoad {
     }
 }
 
+/// A cell or facet under a load.
+struct Loaded<'a> {
+    corners: &'a [u32],
+    measure: f64,
+    nodes: Cow<'a, [u32]>,
+}
+
 /// ∫ f v_component over a part of the body or its boundary, with f compiled.
 struct Term {
     part: Part,
@@ -178,7 +184,7 @@ impl Term {
         let bind = || {
             let points: Vec<[f64; 3]> = simplices
                 .iter()
-                .flat_map(|(simplex, ..)| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
+                .flat_map(|own| rule.points.iter().map(|b| space.mesh.point(own.corners, b)))
                 .collect();
             Mutex::new(self.program.bind(&points))
         };
@@ -186,7 +192,7 @@ impl Term {
         let bound = self.bound.get_or_init(bind);
         bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
         let values = out[0].chunks_exact(rule.weights.len());
-        for ((_, measure, nodes), values) in simplices.iter().zip(values) {
+        for (Loaded { measure, nodes, .. }, values) in simplices.iter().zip(values) {
             for ((value, weight), shapes) in values.iter().zip(&rule.weights).zip(&shapes) {
                 let value = weight * measure * value;
                 for (&node, shape) in nodes.iter().zip(shapes) {
