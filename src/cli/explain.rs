@@ -94,7 +94,6 @@ impl Explain {
             }))?;
             return Ok(0);
         }
-        let say = |label: &str, words: &str| print_beside(label, LABEL, words);
         let constants: Vec<&str> = constants.iter().map(|(line, _)| line.as_str()).collect();
         print_in_words(&plan, &costs, &asked, (&algorithm, &constants));
         Ok(0)
@@ -109,6 +108,7 @@ fn print_in_words(
     (algorithm, constants): (&str, &[&str]),
 ) {
     let scene = plan.scene();
+    let say = |label: &str, words: &str| print_beside(label, LABEL, words);
     print_beside("", 0, &format!("{}: {}", scene.name, scene.question));
     let sum = costs.cases.iter().chain(&costs.reference).map(|cost| cost.seconds).sum::<f64>();
     let all = format!("about {} of CPU time, to the order of magnitude", duration(sum));
