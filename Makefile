@@ -40,8 +40,8 @@ verify-examples: ## scikit-fem under `sweep verify`, sound and with a deliberate
 	$(CARGO) build --release --bin sweep
 	tests/verify_examples.sh target/release/sweep $(COMPARE)/bin/python
 
-# Packages that build and test it are in target/. The wheel is built from the source distribution, unpacked, so that nothing
-# of this clone is missing from it, and installed into an environment that has nothing else. NGSolve is 80 MB to fetch.
+# Packages that build and test it are in target/. The source distribution says its commit, as one by cargo does. The wheel is
+# built from it, unpacked, so that nothing of this clone is missing from it, and installed into an environment that has nothing else. NGSolve is 80 MB to fetch.
 WHEELS := target/wheels
 UNPACKED := target/sdist
 BUILDER := target/maturin
@@ -53,6 +53,7 @@ python: ## the Python package: source distribution and wheel in target/wheels, i
 	$(BUILDER)/bin/maturin sdist --manifest-path python/Cargo.toml --out $(WHEELS) 2>&1 | tail -n 3
 	mkdir $(UNPACKED) && tar -xzmf $(WHEELS)/gronwall-*.tar.gz -C $(UNPACKED) --strip-components 1
 	printf '{"git":{"sha1":"%s"}}' "$$(git rev-parse HEAD)" > $(UNPACKED)/.cargo_vcs_info.json
+	sdist=$$(basename $(WHEELS)/gronwall-*.tar.gz .tar.gz) && tar -czf $(WHEELS)/$$sdist.tar.gz --transform "s,^sdist,$$sdist," -C target sdist
 	cmp LICENSE-APACHE $(UNPACKED)/LICENSE-APACHE && cmp LICENSE-MIT $(UNPACKED)/LICENSE-MIT
 	cd $(UNPACKED) && CARGO_TARGET_DIR=$(CURDIR)/target $(CURDIR)/$(BUILDER)/bin/maturin build --release --locked --out $(CURDIR)/$(WHEELS)
 	$(PYTHON) -m venv $(CLEAN)

@@ -1,6 +1,6 @@
 //! The judge for one table.
 
-use gronwall::fit::{self, Claim, FitError, Level, TOLERANCE, infer};
+use gronwall::fit::{Claim, FitError, Level, TOLERANCE, infer};
 use gronwall::verdict::Decision;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -71,5 +71,5 @@ pub fn settles(
         found.ok_or_else(|| refused(format!("`{name}` is no decision")))
     };
     let before = before.map(own).transpose()?;
-    Ok(fit::settles(levels, own(decision)?, probability, before))
+    Ok(gronwall::fit::settles(levels, own(decision)?, probability, before))
 }

@@ -44,7 +44,7 @@ pub(super) fn in_words(left: &[NotRun], run: usize) -> String {
     let seconds: f64 = left.iter().map(|own| own.seconds).sum();
     let scenes = counted(left.len(), "scene");
     format!(
-        "until resolved: {cases} of {} not run, about {seconds:.1} s of CPU time: every claim of these {scenes} was settled without",
+        "until resolved: {cases} of {} not run, about {seconds:.1} s of CPU time: the claims of {scenes} were settled without",
         counted(cases + run, "case")
     )
 }

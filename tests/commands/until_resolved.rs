@@ -31,9 +31,10 @@ fn the_predicted_constant_settles_three_levels_and_errors_alone_four() {
     let said = run(&affine(&folder, "affine.toml", &[]), "out");
     assert_eq!(steps(&folder, "out"), ["4", "8", "16"]);
     assert!(said.contains("until resolved: 2 of 5 cases not run, about"), "{said}");
-    let without = [("order = 2.0\n", "order = 2.0\nconstant = false\n")];
+    let finer = ("steps = [4, 8, 16, 32, 64]", "steps = [16, 32, 64, 128, 256]");
+    let without = [("order = 2.0\n", "order = 2.0\nconstant = false\n"), finer];
     run(&affine(&folder, "alone.toml", &without), "alone");
-    assert_eq!(steps(&folder, "alone"), ["4", "8", "16", "32"]);
+    assert_eq!(steps(&folder, "alone"), ["16", "32", "64", "128"]);
 }
 
 #[test]
@@ -47,7 +48,8 @@ fn what_is_left_is_missing_to_nobody() {
     let same = lasting(&folder.at("out/verdict.json"));
     let report = sweep(&["report", &out]);
     assert_eq!(code(&report), 0, "{}", stderr(&report));
-    let resumed = sweep(&["run", "affine", "--until-resolved", "--resume", "--json", "--out", &out]);
+    let resumed =
+        sweep(&["run", "affine", "--until-resolved", "--resume", "--json", "--out", &out]);
     assert_eq!(code(&resumed), 0, "{}", stderr(&resumed));
     let left = &json(&resumed)["not_run"][0];
     assert_eq!((&left["scene"], &left["cases"][0]["steps"]), (&"affine".into(), &32.into()));

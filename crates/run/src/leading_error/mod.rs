@@ -42,6 +42,7 @@ use std::sync::Arc;
 use exact::Exact;
 use fem::contact::Discretization;
 use fem::space::Element;
+use measures::Largest;
 use scene::setup::{AbstractSetup, Setup, Subject};
 use scene::{Data, Direction, Hypothesis, MeshFamily, Norm};
 
@@ -111,6 +112,19 @@ pub struct Measured {
     pub time_reference: u32,
 }
 
+/// Errors in time that have been computed: they are those of all norms, and the predictions of a scene ask for the same
+/// cases.
+#[derive(Debug, Default)]
+pub(crate) struct InTime(Vec<OfMesh>);
+
+/// The cases of one mesh, whether u(t) had to be in V^h, and the largest step and errors of each case that has them.
+#[derive(Debug)]
+struct OfMesh {
+    cases: Vec<Case>,
+    in_space: bool,
+    errors: Vec<(Case, f64, Largest)>,
+}
+
 /// The leading errors of `cases` of a scene.
 ///
 /// # Errors
@@ -120,11 +134,24 @@ pub fn leading_errors(
     measured: &Measured,
     cases: &[Case],
 ) -> Result<LeadingErrors, NoConstant> {
+    leading_errors_beside(subject, measured, cases, &mut InTime::default())
+}
+
+/// The same with what has been computed for other norms of the scene.
+///
+/// # Errors
+/// As [`leading_errors`].
+pub(crate) fn leading_errors_beside(
+    subject: &Subject,
+    measured: &Measured,
+    cases: &[Case],
+    known: &mut InTime,
+) -> Result<LeadingErrors, NoConstant> {
     match subject {
         Subject::Abstract(setup) => of_abstract(setup, cases),
         Subject::Contact(setup) => match measured.variable {
             Direction::H => in_space_direction(setup, measured, cases),
-            Direction::K => in_time_direction(setup, measured, cases),
+            Direction::K => in_time_direction(setup, measured, cases, known),
             Direction::Joint | Direction::Path => Err(NoConstant::Joint),
         },
     }
@@ -169,6 +196,7 @@ fn in_time_direction(
     setup: &Setup,
     measured: &Measured,
     cases: &[Case],
+    known: &mut InTime,
 ) -> Result<LeadingErrors, NoConstant> {
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
     if setup.body.element != Element::P1 {
@@ -193,40 +221,60 @@ fn in_time_direction(
     };
     let in_space = measured.norm != Norm::VTimeMax && !interpolated;
     for n in ns {
-        let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
         let own: Vec<Case> = cases.iter().copied().filter(|case| case.n == Some(n)).collect();
-        let on_mesh = match space.mesh.dimension {
-            2 => time_errors::<3>,
-            _ => time_errors::<6>,
-        };
-        points.extend(
-            on_mesh(setup, exact, space, measured.norm, &own, in_space)?
-                .into_iter()
-                .map(|point| LeadingError { error: share * point.error, ..point }),
-        );
+        let h = Some(1.0 / f64::from(n));
+        for &(case, k, errors) in known.of_mesh(setup, exact, own, in_space)? {
+            let norm = measured.norm;
+            let error = errors.of(norm).ok_or(NoConstant::Norm { norm: norm.name() })?;
+            points.push(LeadingError { case, h, k, error: share * error });
+        }
     }
     Ok(LeadingErrors { points, limit: None, tolerance })
 }
 
-/// The leading time errors of the cases of one mesh; where `in_space`, u(t) must be in V^h.
+impl InTime {
+    /// The errors of the cases of one mesh; where `in_space`, u(t) must be in V^h.
+    fn of_mesh(
+        &mut self,
+        setup: &Setup,
+        exact: &Arc<Exact>,
+        cases: Vec<Case>,
+        in_space: bool,
+    ) -> Result<&[(Case, f64, Largest)], NoConstant> {
+        let same = |known: &OfMesh| known.cases == cases && known.in_space == in_space;
+        let at = match self.0.iter().position(same) {
+            Some(at) => at,
+            None => {
+                let n = cases.first().and_then(|case| case.n).unwrap_or_default();
+                let space = setup.space(n).map_err(|error| NoConstant::Setup(error.to_string()))?;
+                let on_mesh = match space.mesh.dimension {
+                    2 => time_errors::<3>,
+                    _ => time_errors::<6>,
+                };
+                let errors = on_mesh(setup, exact, space, &cases, in_space)?;
+                self.0.push(OfMesh { cases, in_space, errors });
+                self.0.len() - 1
+            }
+        };
+        Ok(&self.0[at].errors)
+    }
+}
+
+/// The leading time errors of the cases of one mesh with the largest step of each.
 fn time_errors<const S: usize>(
     setup: &Setup,
     exact: &Arc<Exact>,
     space: Arc<Discretization>,
-    norm: Norm,
     cases: &[Case],
     in_space: bool,
-) -> Result<Vec<LeadingError>, NoConstant> {
+) -> Result<Vec<(Case, f64, Largest)>, NoConstant> {
     let body = in_space::InSpace::<S>::new(exact.clone(), space, setup.scene.time.rule);
     if in_space && !body.holds_the_solution(setup.scene.time.horizon) {
         return Err(NoConstant::NotInSpace);
     }
     let error = |&case: &Case| {
         let times = time::times(&setup.scene.time, case.steps);
-        let largest = body.largest_errors(&times)?;
-        let error = largest.of(norm).ok_or(NoConstant::Norm { norm: norm.name() })?;
-        let h = case.n.map(|n| 1.0 / f64::from(n));
-        Ok(LeadingError { case, h, k: time::largest_step(&times), error })
+        Ok((case, time::largest_step(&times), body.largest_errors(&times)?))
     };
     of_few_steps(cases, body.most_steps()).map(error).collect()
 }

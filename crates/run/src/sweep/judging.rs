@@ -1,7 +1,7 @@
 //! From a scene's predictions to verdicts on records.
 
 use super::plan::{CasePlan, ScenePlan, TIME_REFERENCE};
-use crate::leading_error::{Case, Measured, NoConstant, leading_errors};
+use crate::leading_error::{Case, InTime, Measured, NoConstant, leading_errors_beside};
 use judge::record::{CaseRecord, Key};
 use judge::verdict::{
     self, Expect, FloorSource, Foreseen, ForeseenConstant, LeadingLine, LeadingPoint, Variable,
@@ -41,7 +41,7 @@ pub fn judge_scene(
 
 /// What is known beforehand of the constants of a judged scene, on the cases that its predictions rest on.
 pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstant> {
-    let scene = subject.scene();
+    let (scene, mut known) = (subject.scene(), InTime::default());
     let one = |written: &Prediction| {
         let prediction = prediction(scene, written);
         let keys = verdict::line_keys(&scene.name, records, &prediction);
@@ -50,7 +50,7 @@ pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstan
             scene: scene.name.clone(),
             norm: prediction.norm,
             variable: prediction.variable,
-            foreseen: foreseen(subject, written, &cases),
+            foreseen: foreseen(subject, written, &cases, &mut known),
         }
     };
     let judged = scene.predicts.iter().filter(|_| scene.judge);
@@ -59,7 +59,7 @@ pub fn foresee(subject: &Subject, records: &[CaseRecord]) -> Vec<ForeseenConstan
 
 /// What is known beforehand of the constants of a scene, on the cases of a plan: before anything is solved.
 pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
-    let scene = plan.scene();
+    let (scene, mut known) = (plan.scene(), InTime::default());
     let one = |written: &Prediction| {
         let prediction = prediction(scene, written);
         let case = |case: &CasePlan| Case { n: case.n, steps: case.steps };
@@ -68,7 +68,7 @@ pub fn foresee_plan(plan: &ScenePlan) -> Vec<ForeseenConstant> {
             scene: scene.name.clone(),
             norm: prediction.norm,
             variable: prediction.variable,
-            foreseen: foreseen(&plan.subject, written, &cases),
+            foreseen: foreseen(&plan.subject, written, &cases, &mut known),
         }
     };
     scene.predicts.iter().map(one).collect()
@@ -97,7 +97,12 @@ pub(super) fn line_cases<'a>(plan: &'a ScenePlan, written: &Prediction) -> Vec<&
 }
 
 /// What is known beforehand of the constant of one prediction on the given cases.
-fn foreseen(subject: &Subject, written: &Prediction, cases: &[Case]) -> Foreseen {
+fn foreseen(
+    subject: &Subject,
+    written: &Prediction,
+    cases: &[Case],
+    known: &mut InTime,
+) -> Foreseen {
     let measured = Measured {
         norm: written.norm,
         variable: written.variable,
@@ -105,7 +110,7 @@ fn foreseen(subject: &Subject, written: &Prediction, cases: &[Case]) -> Foreseen
         time_reference: TIME_REFERENCE,
     };
     let leading = match written.constant {
-        true => leading_errors(subject, &measured, cases),
+        true => leading_errors_beside(subject, &measured, cases, known),
         false => Err(NoConstant::OptedOut),
     };
     match leading {

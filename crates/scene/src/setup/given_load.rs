@@ -8,7 +8,7 @@ use crate::Side;
 use exact::Truth;
 use fem::contact::{Discretization, LoadError, facet_measure};
 use fem::norms::{Moments, ReferenceError, ReferenceRun, Refinement};
-use fem::space::quadrature::TruthRules;
+use fem::space::quadrature::{Rule, TruthRules};
 use formula::{Bound, Graph, Node, Point, Program};
 
 /// F(t)(v) = ∫ f0·v + ∫_{Γ2} f2·v on one mesh, as Σ_i a_i(t) F_i.

@@ -147,6 +147,7 @@ pub fn guarantee(setup: &Setup, n: u32, steps: u32) -> Result<Guarantee, Guarant
 
 /// The hypotheses of the theorem that a scene can fail before it is solved.
 fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
+    setup.scene.with_linear_elements("the guaranteed bound").map_err(SetupError::from)?;
     let refuse = |reason: &str| Err(GuaranteeError::refused(reason));
     let model = &setup.model;
     if setup.scene.dimension != 2 {
