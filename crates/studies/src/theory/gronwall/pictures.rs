@@ -105,14 +105,13 @@ impl Study {
             Axis::new("time step k = T/N", Scale::Steps),
             Axis::new("effectivity: bound / measured error at T", Scale::Log),
         );
-        let at_end: [(&str, fn(&StudiedGrid) -> &Effectivity); 3] = [
-            (WEIGHTED, |own| &own.effectivity.weighted),
-            (PRIMED, |own| &own.effectivity.primed),
-            (CLOSED, |own| &own.effectivity.closed),
+        let [weighted, primed, closed] = [
+            self.over_step(|own| own.effectivity.weighted.at_end),
+            self.over_step(|own| own.effectivity.primed.at_end),
+            self.over_step(|own| own.effectivity.closed.at_end),
         ];
-        for (name, of) in at_end {
-            chart.series.push(curve(name, self.over_step(|own| of(own).at_end)));
-        }
+        chart.series =
+            vec![curve(WEIGHTED, weighted), curve(PRIMED, primed), curve(CLOSED, closed)];
         chart
     }
 
