@@ -9,8 +9,8 @@ pub enum Group {
     Whole,
     /// Contact with some of the terms.
     Contact,
-    /// Beyond the paper's problem: friction.
-    Friction,
+    /// Beyond the paper: friction, elements of higher degree.
+    Beyond,
     /// No contact.
     #[default]
     Materials,
@@ -27,7 +27,7 @@ impl Group {
     pub(crate) const ALL: [Self; 7] = [
         Self::Whole,
         Self::Contact,
-        Self::Friction,
+        Self::Beyond,
         Self::Materials,
         Self::Abstract,
         Self::Broken,
@@ -36,13 +36,14 @@ impl Group {
 
     /// The group of a scene with these terms.
     pub fn of(terms: Terms, breaks: bool) -> Self {
-        let Terms { is_abstract, projection, memory, contact, gap, law, friction } = terms;
+        let Terms { is_abstract, projection, memory, contact, gap, law, friction, quadratic } =
+            terms;
         if breaks {
             Self::Broken
         } else if is_abstract {
             Self::Abstract
-        } else if friction {
-            Self::Friction
+        } else if friction || quadratic {
+            Self::Beyond
         } else if projection && memory && gap && law {
             Self::Whole
         } else if contact {
@@ -57,7 +58,7 @@ impl Group {
         match self {
             Self::Whole => "Every term of the paper",
             Self::Contact => "Laws, states, gaps",
-            Self::Friction => "Friction",
+            Self::Beyond => "Elements and friction",
             Self::Materials => "Materials and memory",
             Self::Abstract => "Abstract inequality",
             Self::Broken => "Broken, or at the limit",
@@ -78,7 +79,8 @@ mod tests {
         assert_eq!(Group::of(whole, true), Group::Broken);
         assert_eq!(Group::of(contact, false), Group::Contact);
         // Friction is not the paper's, whatever else a scene has.
-        assert_eq!(Group::of(Terms { friction: true, ..whole }, false), Group::Friction);
+        assert_eq!(Group::of(Terms { friction: true, ..whole }, false), Group::Beyond);
+        assert_eq!(Group::of(Terms { quadratic: true, ..whole }, false), Group::Beyond);
         assert_eq!(
             Group::of(Terms { contact: false, gap: false, ..whole }, false),
             Group::Materials

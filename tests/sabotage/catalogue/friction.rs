@@ -8,8 +8,11 @@ use gronwall::setup::Setup;
 
 use super::{Defect, Term};
 
-/// The setup with its bound of friction changed: c(x, t), x, t.
-fn bounded(setup: Setup, change: fn(&dyn Fn([f64; 3], f64) -> f64, [f64; 3], f64) -> f64) -> Setup {
+/// c(x, t) of the scene.
+type Bound<'a> = &'a dyn Fn([f64; 3], f64) -> f64;
+
+/// The setup with another c(x, t), made of the scene's, x and t.
+fn bounded(setup: Setup, change: fn(Bound<'_>, [f64; 3], f64) -> f64) -> Setup {
     changed(setup, |friction| {
         let sound = friction.factor;
         Friction { factor: Box::new(move |x, t| change(&sound, x, t)), graph: friction.graph }

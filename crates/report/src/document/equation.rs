@@ -30,6 +30,8 @@ pub struct Terms {
     pub law: bool,
     /// Friction.
     pub friction: bool,
+    /// Elements beyond linear ones.
+    pub quadratic: bool,
 }
 
 impl Equation {

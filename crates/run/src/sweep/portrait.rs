@@ -52,6 +52,7 @@ fn terms(scene: &Scene) -> Terms {
             gap: body.contact.as_ref().is_some_and(|contact| contact.gap.is_some()),
             law: body.contact.as_ref().is_some_and(|contact| contact.law.is_some()),
             friction: body.contact.as_ref().is_some_and(|contact| contact.friction.is_some()),
+            quadratic: body.element.degree() > 1,
         },
         Body::Abstract(problem) => {
             Terms { is_abstract: true, memory: !problem.kernels.is_empty(), ..Terms::default() }
