@@ -384,8 +384,8 @@ fn what_is_tightest_stands_first() {
     let last = audit.cases[0].rows.len() - 1;
     let place = |audit: &SceneAudit| {
         let text = audit.checklist().document(None).text(132);
-        let rows = text.find("\n line").expect("a table");
-        text[rows..].find("\n (4.20)").expect("a row")
+        let rows = text.find("\nline ").expect("a table");
+        text[rows..].find("\n(4.20) ").expect("a row")
     };
     let before = place(&audit);
     assert_eq!(audit.cases[0].rows[last].statement.name, "(4.20)");

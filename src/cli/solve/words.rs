@@ -73,6 +73,7 @@ const GROUPS: [(&str, Quantities); 4] = [
     (
         "solver, all levels",
         &[
+            ("element", "element of displacements", Unit::None),
             ("dofs", "unknowns of a level", Unit::None),
             ("newton_iterations", "Newton iterations", Unit::None),
             ("fixed_point_iterations", "applications of Λ", Unit::None),

@@ -6,6 +6,7 @@ use cpu_time::ThreadTime;
 use serde_json::Value;
 
 use crate::solution::FinalState;
+use crate::theory::guarantee;
 use crate::trade::NORMS;
 use fem::contact::{
     CaseError, CaseInfo, Discretization, Floors, LevelFields, LoadError, Observer, StepView,
@@ -179,7 +180,8 @@ pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
         let d = space.mesh.dimension;
         let stresses = d * (d + 1) / 2 * space.mesh.cell_count();
         let compared = steps / stride(steps, steps) + 2;
-        3.0 * 2.0 * 8.0 * f64::from(compared) * (space.nodes.len() + stresses) as f64
+        let held = 3.0 * 2.0 * 8.0 * f64::from(compared) * (space.nodes.len() + stresses) as f64;
+        held + guarantee::bytes(setup, space.mesh.cell_count())
     };
     Runs { setup, grid: vec![(n, steps)], beside: Box::new(beside) }
 }
