@@ -55,9 +55,6 @@ pub fn defects() -> Vec<Defect> {
         Defect::of(Term::Friction, "friction bound of t = 0 at all times", |setup| {
             bounded(setup, |sound, x, _| sound(x, 0.0))
         }),
-        Defect::of(Term::Friction, "friction bound at x + 1/16", |setup| {
-            bounded(setup, |sound, [x, y, z], t| sound([x + 0.0625, y, z], t))
-        }),
         Defect::of(Term::Friction, "half of Γ3 sticks", |setup| {
             bounded(setup, |sound, x, t| sound(x, t) * if x[0] > 0.5 { 1e6 } else { 1.0 })
         }),
