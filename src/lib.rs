@@ -44,7 +44,7 @@
 //! | `report` | `judge`, `files` | [`report`]: pictures, page, PDF, LaTeX, JUnit |
 //! | `scene` | all above but `judge` and `report` | [`scene`]: scene files, as written and as validated; [`setup`]: a scene made computable, constants and hypotheses |
 //! | `run` | all above | [`external`]: a solver in another program as a scheme; [`leading_error`]: the error of a sound scheme to leading order, from the exact solution alone; [`sweep`]: cases, threads, records, resume; [`distributed`]: a sweep in many processes |
-//! | `studies` | all above | [`solution`]: named quantities and VTU files of a case; [`trade`]: speed against accuracy; [`theory`]: the theorems' constants, bounds and inequalities as runs; [`diagnose`]: variants of a scene that name the term at fault; [`extremes`]: ladders of one parameter each |
+//! | `studies` | all above | [`solution`]: named quantities and VTU files of a case; [`trade`]: speed against accuracy; [`theory`]: the theorems' constants, bounds and inequalities as runs; [`diagnose`]: variants of a scene that name the term at fault; [`extremes`]: ladders of one parameter each; [`guarantee`]: a guaranteed bound of the error in space |
 //! | `gronwall` | all | [`cli`]: the commands |
 #![doc = include_str!("../docs/LIBRARY.md")]
 
@@ -61,6 +61,6 @@ pub use fem::{contact, mesh, norms, space};
 pub use judge::{fit, record, verdict};
 pub use run::{Sweep, Swept, distributed, external, leading_error, sweep};
 pub use scene::setup;
-pub use studies::{diagnose, extremes, solution, theory, trade};
+pub use studies::{diagnose, extremes, guarantee, solution, theory, trade};
 pub use vhi::{finite, history, law};
 pub use {files, formula, report, scene, vhi};

@@ -10,7 +10,7 @@ use judge::fit::Interval;
 use report::digits;
 use scene::Norm;
 use scene::setup::Setup;
-use studies::theory::guarantee::{Guarantee, GuaranteeError, guarantee};
+use studies::guarantee::{Guarantee, GuaranteeError, guarantee};
 use studies::trade::estimate::{
     Companions, Estimate, Part, QuantityEstimate, companions, norm_estimate, quantity,
 };

@@ -29,7 +29,7 @@ const HOUSE: [(&str, &[&str], &[&str]); 11] = [
     (
         "studies",
         &["algebra", "exact", "fem", "files", "formula", "judge", "report", "run", "scene", "vhi"],
-        &["solution", "trade", "theory", "diagnose", "extremes"],
+        &["guarantee", "solution", "trade", "theory", "diagnose", "extremes"],
     ),
 ];
 

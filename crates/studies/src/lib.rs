@@ -2,6 +2,7 @@
 
 pub mod diagnose;
 pub mod extremes;
+pub mod guarantee;
 pub mod solution;
 pub mod theory;
 pub mod trade;

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use serde_json::Value;
 
+use crate::guarantee;
 use crate::solution::FinalState;
-use crate::theory::guarantee;
 use crate::trade::NORMS;
 use fem::contact::{
     CaseError, CaseInfo, Discretization, Floors, LevelFields, LoadError, Observer, StepView,
