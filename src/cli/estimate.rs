@@ -142,9 +142,13 @@ fn bound_words(bound: &Result<Guarantee, String>) -> String {
         digits(level.t, 4)
     );
     if let (Some(error), Some(quotient)) = (level.error, found.effectivity()) {
-        words += &format!(
-            "\nexact solution: error {error:.3e} there, time included; bound / error {quotient:.2} in the median over t_n"
-        );
+        // The bound knows nothing of the error in time.
+        words += &match error > level.bound {
+            true => format!("\nexact solution: error {error:.3e} there, most of it in time"),
+            false => format!(
+                "\nexact solution: error {error:.3e} there, time included; bound / error {quotient:.2} in the median over t_n"
+            ),
+        };
     }
     words
 }

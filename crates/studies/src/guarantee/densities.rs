@@ -5,12 +5,13 @@ use fem::contact::Discretization;
 use fem::space::quadrature::{Rule, edge, triangle_degree_8};
 use formula::{Bound, Graph, Node, Program};
 use scene::Data;
-use scene::setup::Setup;
+use scene::setup::{Setup, side_numbers};
+use vhi::law::TensorField;
 
+use super::GuaranteeError;
 use super::edges::Edges;
-use super::equilibrium::Given;
+use super::equilibrium::{Equilibrium, Given};
 use super::triangle::Moments;
-use super::{GuaranteeError, oscillation};
 
 /// Gauss points on an edge.
 const ON_EDGES: usize = 8;
@@ -103,11 +104,10 @@ impl Densities {
             }
             (Data::Exact { .. }, Some(exact)) => {
                 let graph = &exact.data.graph;
-                let numbers = |sides: &[scene::Side]| -> Vec<u32> {
-                    sides.iter().map(|side| side.0).collect()
-                };
-                add(&numbers(&domain.traction), Kind::Stress, &|_| compile(graph, &exact.stress));
-                add(&numbers(&domain.contact), Kind::StressAndPressure, &|normal| {
+                add(&side_numbers(&domain.traction), Kind::Stress, &|_| {
+                    compile(graph, &exact.stress)
+                });
+                add(&side_numbers(&domain.contact), Kind::StressAndPressure, &|normal| {
                     let formulas = exact.boundary(normal);
                     let mut graph = formulas.graph.clone();
                     let pressure = graph.add(formulas.xi, formulas.lambda);
@@ -170,14 +170,14 @@ impl Densities {
     pub(super) fn oscillation(
         &self,
         space: &Discretization,
-        edges: &Edges,
+        equilibrium: &Equilibrium<'_>,
         loads: &Loads,
-        least: &dyn Fn(usize) -> f64,
+        elasticity: &TensorField,
     ) -> f64 {
-        let mesh = &space.mesh;
-        let count = self.inside.weights.len();
-        let mut sum = 0.0;
-        for c in 0..mesh.cell_count() {
+        let (count, edges) = (self.inside.weights.len(), &equilibrium.edges);
+        let least: Vec<f64> =
+            elasticity.regions().iter().map(|tensor| tensor.eigenvalues(2).0).collect();
+        let cell = |c: usize| {
             let (mut rest, corner) = (0.0, &loads.corners[c]);
             for (q, (weight, b)) in self.inside.weights.iter().zip(&self.inside.points).enumerate()
             {
@@ -187,20 +187,17 @@ impl Densities {
                     rest += weight * space.geometry.measure[c] * missed * missed;
                 }
             }
-            let corners = std::array::from_fn(|a| {
-                let x = mesh.vertex(mesh.cell(c)[a]);
-                [x[0], x[1]]
-            });
-            let constants = oscillation::Constants::of(&corners);
+            let constants = equilibrium.constants(c);
             let mut missed = constants.inside * rest.sqrt();
             for (s, &edge) in edges.of_cell[c].iter().enumerate() {
                 if let Some(free) = edges.free[edge as usize] {
                     missed += constants.on_edge[s] * loads.rough_edges[free as usize].sqrt();
                 }
             }
-            sum += missed * missed / least(c);
-        }
-        sum.sqrt()
+            // One tensor for all regions, or one each.
+            missed * missed / least.get(space.region(c)).unwrap_or(&least[0])
+        };
+        (0..space.mesh.cell_count()).map(cell).sum::<f64>().sqrt()
     }
 }
 

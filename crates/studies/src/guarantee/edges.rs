@@ -10,8 +10,8 @@ pub(super) struct Edges {
     pub of_cell: Vec<[u32; 3]>,
     /// The vertices of each edge, the smaller number first.
     pub ends: Vec<[u32; 2]>,
-    /// The boundary facet of the mesh on each edge.
-    pub facet: Vec<Option<u32>>,
+    /// The edge on each boundary facet of the mesh.
+    of_facet: Vec<u32>,
     /// The number of each edge among those that are not on Γ1.
     pub free: Vec<Option<u32>>,
     /// How many these are.
@@ -35,29 +35,25 @@ impl Edges {
                 })
             }));
         }
-        let mut facet = vec![None; ends.len()];
-        for f in 0..mesh.facet_side.len() {
-            let own = mesh.facet(f);
-            if let Some(&edge) = known.get(&sorted(own[0], own[1])) {
-                facet[edge as usize] = Some(f as u32);
-            }
-        }
-        let mut free_count = 0;
-        let on_clamped = |f: &u32| clamped.contains(&mesh.facet_side[*f as usize]);
-        let free = facet.iter().map(|facet| {
-            if facet.as_ref().is_some_and(on_clamped) {
-                return None;
-            }
-            free_count += 1;
-            Some(free_count as u32 - 1)
+        let mut is_clamped = vec![false; ends.len()];
+        let of_facet = (0..mesh.facet_side.len()).map(|f| {
+            let edge = known[&sorted(mesh.facet(f)[0], mesh.facet(f)[1])];
+            is_clamped[edge as usize] |= clamped.contains(&mesh.facet_side[f]);
+            edge
         });
-        let free: Vec<Option<u32>> = free.collect();
-        Self { of_cell, ends, facet, free, free_count }
+        let of_facet = of_facet.collect();
+        let mut free_count = 0;
+        let free = is_clamped.iter().map(|is_clamped| {
+            free_count += usize::from(!is_clamped);
+            (!is_clamped).then(|| free_count as u32 - 1)
+        });
+        let free = free.collect();
+        Self { of_cell, ends, of_facet, free, free_count }
     }
 
     /// The free edge on a boundary facet, with its ends in the order of its unknowns.
     pub(super) fn on_facet(&self, facet: u32) -> Option<(u32, [u32; 2])> {
-        let edge = self.facet.iter().position(|own| *own == Some(facet))?;
+        let edge = self.of_facet[facet as usize] as usize;
         Some((self.free[edge]?, self.ends[edge]))
     }
 

@@ -12,20 +12,33 @@ use vhi::law::TensorField;
 
 use super::edges::Edges;
 use super::inside::{Inside, Unbalanced};
+use super::oscillation::Constants;
 use super::triangle::{Moments, Stress, Tractions, Triangle};
 
 /// The factorized problem on one mesh.
 pub(super) struct Equilibrium<'a> {
     space: &'a Discretization,
     pub(super) edges: Edges,
-    /// Cells that are translates of each other with one 𝒜 share what is computed for them.
-    shapes: Vec<(Triangle, Inside)>,
+    shapes: Vec<Shape>,
+    /// The shape of each cell.
     shape: Vec<u32>,
     pattern: BlockPattern,
     values: Vec<f64>,
     analysis: Analysis,
     factor: Factor,
     front: Front<f64>,
+}
+
+/// What is computed once for all cells that are translates of each other with one 𝒜.
+struct Shape {
+    triangle: Triangle,
+    inside: Inside,
+    constants: Constants,
+}
+
+/// Bytes of the shapes of a mesh; few on uniform ones, one a cell on others.
+pub(super) fn bytes_of_shapes(space: &Discretization) -> f64 {
+    (shapes(space).0.len() * size_of::<Shape>()) as f64
 }
 
 /// Loads of the dual problem.
@@ -48,25 +61,19 @@ impl<'a> Equilibrium<'a> {
     ) -> Result<Self, FactorError> {
         let (mesh, edges) = (&space.mesh, Edges::new(space, clamped));
         let corner = |v: u32| [mesh.vertex(v)[0], mesh.vertex(v)[1]];
-        let (mut shapes, mut shape, mut known) = (Vec::new(), Vec::new(), HashMap::new());
-        for c in 0..mesh.cell_count() {
+        let (firsts, shape) = shapes(space);
+        let shapes = firsts.into_iter().map(|c| {
             let corners = std::array::from_fn(|a| corner(mesh.cell(c)[a]));
-            let key = (space.region(c), key(&corners, space.geometry.measure[c]));
-            if let Some(&index) = known.get(&key) {
-                shape.push(index);
-                continue;
-            }
             let tensor = elasticity.on(space.region(c)).matrix::<3>();
             let triangle = Triangle::new(corners, tensor).ok_or(FactorError::NotFinite)?;
             let inside = Inside::new(&triangle).ok_or(FactorError::NotFinite)?;
-            known.insert(key, shapes.len() as u32);
-            shape.push(shapes.len() as u32);
-            shapes.push((triangle, inside));
-        }
+            let constants = Constants::of(&corners);
+            Ok(Shape { triangle, inside, constants })
+        });
+        let shapes = shapes.collect::<Result<Vec<Shape>, FactorError>>()?;
         let pattern = pattern(&edges);
         let mut values = vec![0.0; pattern.entries()];
-        let couplings =
-            |(triangle, _): &(Triangle, Inside)| triangle.traction_matrix() * triangle.of_edges;
+        let couplings = |Shape { triangle, .. }: &Shape| triangle.to_tractions * triangle.of_edges;
         let couplings: Vec<_> = shapes.iter().map(couplings).collect();
         for (c, &shape) in shape.iter().enumerate() {
             let local = &couplings[shape as usize];
@@ -94,8 +101,17 @@ impl<'a> Equilibrium<'a> {
         Ok(Self { space, edges, shapes, shape, pattern, values, analysis, factor, front })
     }
 
+    fn shape(&self, c: usize) -> &Shape {
+        &self.shapes[self.shape[c] as usize]
+    }
+
     fn triangle(&self, c: usize) -> &Triangle {
-        &self.shapes[self.shape[c] as usize].0
+        &self.shape(c).triangle
+    }
+
+    /// How loads that are orthogonal to linear functions act on the strains of a cell.
+    pub(super) fn constants(&self, c: usize) -> &Constants {
+        &self.shape(c).constants
     }
 
     /// The stress nearest to `start`, constant on each cell, among those in equilibrium with `given`.
@@ -106,7 +122,7 @@ impl<'a> Equilibrium<'a> {
         for c in 0..start.len() {
             let triangle = self.triangle(c);
             let stress = Triangle::constant(&start[c]) - triangle.of_moments * given.moments[c];
-            let tractions = triangle.traction_matrix() * stress;
+            let tractions = triangle.to_tractions * stress;
             let unknowns = self.edges.unknowns(mesh.cell(c), c);
             for (unknown, traction) in unknowns.iter().zip(tractions.iter()) {
                 if let Some(unknown) = unknown {
@@ -141,7 +157,7 @@ impl<'a> Equilibrium<'a> {
                 _ => divergence[(row - 6) / 2][row % 2],
             });
             let off = stresses[c] - Triangle::constant(&start[c]);
-            triangle.energy(&off) + self.shapes[self.shape[c] as usize].1.added_energy(&off, &load)
+            triangle.energy(&off) + self.shape(c).inside.added_energy(&off, &load)
         };
         (0..start.len()).map(cell).sum()
     }
@@ -153,7 +169,7 @@ impl<'a> Equilibrium<'a> {
         let mut sums: Vec<f64> = given.tractions.iter().map(|traction| -traction).collect();
         let mut largest = 0.0f64;
         for (c, stress) in stresses.iter().enumerate() {
-            let tractions = self.triangle(c).traction_matrix() * stress;
+            let tractions = self.triangle(c).to_tractions * stress;
             let unknowns = self.edges.unknowns(mesh.cell(c), c);
             for (unknown, traction) in unknowns.iter().zip(tractions.iter()) {
                 largest = algebra::linalg::larger(largest, traction.abs());
@@ -162,7 +178,7 @@ impl<'a> Equilibrium<'a> {
                 }
             }
         }
-        let inside = self.shapes.iter().map(|(_, inside)| inside.missed);
+        let inside = self.shapes.iter().map(|shape| shape.inside.missed);
         let inside = inside.fold(0.0, algebra::linalg::larger);
         let jump = algebra::linalg::largest(&sums);
         algebra::linalg::larger(inside, if largest > 0.0 { jump / largest } else { jump })
@@ -181,12 +197,24 @@ impl<'a> Equilibrium<'a> {
     }
 }
 
-/// The edges of a triangle from its first corner, to a part in 1e12 of its size.
-fn key(corners: &[[f64; 2]; 3], measure: f64) -> [i64; 4] {
-    let unit = 1e-12 * measure.sqrt();
-    let edge =
-        |corner: usize, i: usize| ((corners[corner][i] - corners[0][i]) / unit).round() as i64;
-    [edge(1, 0), edge(1, 1), edge(2, 0), edge(2, 1)]
+/// The first cell of each shape, and the shape of each cell: the edges from its first corner, to a part in 1e12 of its
+/// size, and its region.
+fn shapes(space: &Discretization) -> (Vec<usize>, Vec<u32>) {
+    let mesh = &space.mesh;
+    let (mut firsts, mut known) = (Vec::new(), HashMap::new());
+    let shape = (0..mesh.cell_count()).map(|c| {
+        let unit = 1e-12 * space.geometry.measure[c].sqrt();
+        let [start, second, third] =
+            std::array::from_fn(|corner| mesh.vertex(mesh.cell(c)[corner]));
+        let edge = |to: &[f64], i: usize| ((to[i] - start[i]) / unit).round() as i64;
+        let edges = [edge(second, 0), edge(second, 1), edge(third, 0), edge(third, 1)];
+        *known.entry((space.region(c), edges)).or_insert_with(|| {
+            firsts.push(c);
+            firsts.len() as u32 - 1
+        })
+    });
+    let shape = shape.collect();
+    (firsts, shape)
 }
 
 /// Edges of a cell couple, four unknowns an edge.

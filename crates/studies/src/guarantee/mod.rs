@@ -22,6 +22,7 @@ mod densities;
 mod edges;
 mod equilibrium;
 mod inside;
+mod memory;
 mod on_contact;
 mod oscillation;
 #[cfg(test)]
@@ -30,13 +31,14 @@ mod triangle;
 mod truth;
 
 use algebra::linalg::FactorError;
+use algebra::tensor::contract;
+use exact::{Status, check};
 use fem::contact::{CaseError, Discretization, StepView};
-use fem::space::strain_of;
-use nalgebra::{Matrix3, SymmetricEigen};
-use scene::setup::{MeshData, SceneModel, Setup, SetupError, side_numbers};
+use fem::space::StrainPoint;
+use scene::setup::{MeshData, SceneModel, Setup, SetupError, side_numbers, sides};
 use vhi::Newton;
 use vhi::history::TimeGrid;
-use vhi::law::{Convolution, TensorField};
+use vhi::law::TensorField;
 
 use densities::Densities;
 use equilibrium::Equilibrium;
@@ -129,6 +131,7 @@ impl Guarantee {
 /// A scene that the theorem does not cover, a bound that is infinite, errors of the run.
 pub fn guarantee(setup: &Setup, n: u32, steps: u32) -> Result<Guarantee, GuaranteeError> {
     covered(setup)?;
+    has_densities(setup)?;
     let data = MeshData::new(setup, n, None)?;
     let model = &setup.model;
     let mut levels = Levels::new(setup, &data.space, setup.grid(steps))?;
@@ -147,13 +150,13 @@ pub fn guarantee(setup: &Setup, n: u32, steps: u32) -> Result<Guarantee, Guarant
 
 /// Bytes beside those of the run, by measurements on meshes of n = 32 to 128: the factor, whose entries a cell grow as the
 /// logarithm of their number, and formulas of an exact solution at 16 points a cell. None where there is no bound.
-pub(crate) fn bytes(setup: &Setup, cells: usize) -> f64 {
+pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
     if covered(setup).is_err() {
         return 0.0;
     }
-    let cells = cells as f64;
+    let cells = space.mesh.cell_count() as f64;
     let of_formulas = if setup.exact.is_some() { 5200.0 } else { 0.0 };
-    cells * (400.0 * cells.max(2.0).log2() + of_formulas)
+    cells * (400.0 * cells.max(2.0).log2() + of_formulas) + equilibrium::bytes_of_shapes(space)
 }
 
 /// The hypotheses of the theorem that a scene can fail before it is solved.
@@ -179,6 +182,19 @@ fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
     Ok(())
 }
 
+/// f0 and the tractions of an exact solution are all of its load: a stress that jumps inside the body has a part of it on a
+/// line, which no density holds.
+fn has_densities(setup: &Setup) -> Result<(), GuaranteeError> {
+    let Some(exact) = &setup.exact else { return Ok(()) };
+    let findings = check(exact, &sides(&setup.body)).into_iter();
+    let of_loads = |subject: &str| ["loads", "stress jump"].contains(&subject);
+    let mut other = findings.filter(|own| of_loads(&own.subject) && own.status != Status::Verified);
+    match other.next() {
+        Some(finding) => Err(GuaranteeError::refused(finding.text)),
+        None => Ok(()),
+    }
+}
+
 /// The levels bounded so far, with what the next one needs.
 struct Levels<'a> {
     space: &'a Discretization,
@@ -186,8 +202,6 @@ struct Levels<'a> {
     equilibrium: Equilibrium<'a>,
     densities: Densities,
     truth: Option<truth::Strains>,
-    /// The smallest eigenvalue of 𝒜 by regions.
-    least: Vec<f64>,
     found: Vec<BoundedLevel>,
 }
 
@@ -202,39 +216,20 @@ impl<'a> Levels<'a> {
         let equilibrium = Equilibrium::new(space, elasticity, &clamped)?;
         let densities = Densities::new(setup, space, &equilibrium.edges)?;
         let truth = setup.exact.as_ref().map(|exact| truth::Strains::new(exact, space));
-        let least = elasticity.regions().iter().map(|tensor| tensor.eigenvalues(2).0).collect();
-        Ok(Self { space, grid, equilibrium, densities, truth, least, found: Vec::new() })
+        Ok(Self { space, grid, equilibrium, densities, truth, found: Vec::new() })
     }
 
     fn add(&mut self, model: &SceneModel, view: &StepView<'_>) -> Result<(), GuaranteeError> {
         let (space, elasticity) = (self.space, &model.elasticity);
-        let strain = |c: usize, u: &[f64]| {
-            strain_of::<3>(space.geometry.gradients(c), space.cell_nodes(c), u)
-        };
-        let elastic = |c: usize| elasticity.on(space.region(c)).apply(&strain(c, view.u));
-        let start: Vec<[f64; 3]> = (0..space.mesh.cell_count())
-            .map(|c| {
-                let mut stress = elastic(c);
-                for (term, history) in model.memory.iter().zip(view.history) {
-                    let own = term.tensor.on(space.region(c)).apply(&strain(c, history));
-                    (0..3).for_each(|i| stress[i] += own[i]);
-                }
-                stress
-            })
-            .collect();
-        let size: f64 = (0..space.mesh.cell_count())
-            .map(|c| {
-                space.geometry.measure[c]
-                    * algebra::tensor::contract(&elastic(c), &strain(c, view.u))
-            })
-            .sum();
+        let cells = 0..space.mesh.cell_count();
+        let start: Vec<[f64; 3]> = cells.map(|c| view.stress(space, model, c)).collect();
         let edges = &self.equilibrium.edges;
         let mut loads = self.densities.at(space, edges, view.t)?;
         let mut gap = 0.0;
         if let Some(boundary) = &model.boundary {
-            let pressure = pressures(space, boundary, view);
+            let pressure = on_contact::pressures(space, boundary, view);
             gap = on_contact::duality_gap(space, boundary, view.u, &pressure);
-            add_pressures(space, edges, &pressure, &mut loads.given.tractions);
+            on_contact::add_pressures(space, edges, &pressure, &mut loads.given.tractions);
         }
         let stresses = self.equilibrium.nearest(&start, &loads.given);
         let imbalance = self.equilibrium.imbalance(&stresses, &loads.given);
@@ -246,9 +241,7 @@ impl<'a> Levels<'a> {
         }
         let square = self.equilibrium.distance(&stresses, &start, &loads.corners);
         let residual = square.max(0.0).sqrt();
-        let least = |c: usize| *self.least.get(space.region(c)).unwrap_or(&self.least[0]);
-        let oscillation =
-            self.densities.oscillation(space, &self.equilibrium.edges, &loads, &least);
+        let oscillation = self.densities.oscillation(space, &self.equilibrium, &loads, elasticity);
         let bound = self.bound(model, view.n, residual + oscillation, gap)?;
         let error =
             self.truth.as_mut().map(|truth| truth.distance(space, elasticity, view.u, view.t));
@@ -259,7 +252,7 @@ impl<'a> Levels<'a> {
             oscillation,
             gap,
             bound,
-            size: size.max(0.0).sqrt(),
+            size: energy_norm(space, elasticity, view.u),
             error,
         });
         Ok(())
@@ -273,7 +266,7 @@ impl<'a> Levels<'a> {
         own: f64,
         gap: f64,
     ) -> Result<f64, GuaranteeError> {
-        let weights = self.memory_weights(model, n);
+        let weights = memory::weights(model, &self.grid, n);
         let last = weights.last().copied().unwrap_or(0.0);
         let t = self.grid.time(n);
         if last.is_nan() || last >= 1.0 {
@@ -293,83 +286,13 @@ impl<'a> Levels<'a> {
         }
         Ok(bound)
     }
-
-    /// β_nj, j = 0, …, n; empty without memory.
-    fn memory_weights(&self, model: &SceneModel, n: usize) -> Vec<f64> {
-        let rule = model.time_rule.as_ref();
-        let Some(first) = model.memory.first() else { return Vec::new() };
-        let weight = |j: usize| {
-            let own = |term: &fem::contact::MemoryTerm| {
-                rule.kernel_weight(&Convolution(&*term.kernel), &self.grid, n, j)
-            };
-            let mut sum = first.tensor.scaled(own(first));
-            for term in &model.memory[1..] {
-                sum.add(own(term), &term.tensor, 2);
-            }
-            relative_norm(&sum, &model.elasticity)
-        };
-        (0..=n).map(weight).collect()
-    }
 }
 
-/// ‖𝒜^{-1/2} ℬ 𝒜^{-1/2}‖, the largest of all regions.
-fn relative_norm(tensor: &TensorField, elasticity: &TensorField) -> f64 {
-    let regions = tensor.regions().len().max(elasticity.regions().len());
-    let matrix = |field: &TensorField, region: usize| {
-        let rows = field.on(region).matrix::<3>();
-        Matrix3::from_fn(|i, j| rows[i][j])
+/// (𝒜ε(v), ε(v))^{1/2} of a nodal vector.
+fn energy_norm(space: &Discretization, elasticity: &TensorField, v: &[f64]) -> f64 {
+    let energy = |at: StrainPoint<'_>| {
+        let strain = at.strain::<3>(v);
+        at.weight * contract(&elasticity.on(space.region(at.cell)).apply(&strain), &strain)
     };
-    let own = |region: usize| {
-        let Some(root) = matrix(elasticity, region).cholesky() else { return f64::NAN };
-        let Some(inverse) = root.l().try_inverse() else { return f64::NAN };
-        let scaled = inverse * matrix(tensor, region) * inverse.transpose();
-        SymmetricEigen::new(scaled).eigenvalues.amax()
-    };
-    (0..regions).map(own).fold(0.0, algebra::linalg::larger)
-}
-
-/// ξ + λ at the points of the trace; at a clamped one the pressure of the graph that is nearest to its neighbour's.
-fn pressures(
-    space: &Discretization,
-    boundary: &fem::contact::Boundary,
-    view: &StepView<'_>,
-) -> Vec<f64> {
-    use vhi::law::Potential;
-    let trace = &space.trace;
-    let mut pressure: Vec<f64> =
-        view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda).collect();
-    for f in 0..trace.measure.len() {
-        let ends = [trace.facet(f)[0] as usize, trace.facet(f)[1] as usize];
-        for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
-            if !trace.points[own].clamped {
-                continue;
-            }
-            let x = space.mesh.point(&[trace.points[own].vertex], &[1.0]);
-            let (lo, hi) = boundary.potential_at(x).subdifferential(-(boundary.shift)(x));
-            let hi = if (boundary.gap)(x) > 0.0 { hi } else { f64::INFINITY };
-            pressure[own] = pressure[other].max(lo).min(hi);
-        }
-    }
-    pressure
-}
-
-/// Adds -p ν on Γ3.
-fn add_pressures(
-    space: &Discretization,
-    edges: &edges::Edges,
-    pressure: &[f64],
-    tractions: &mut [f64],
-) {
-    let trace = &space.trace;
-    for (f, &facet) in trace.mesh_facet.iter().enumerate() {
-        let Some((free, ends)) = edges.on_facet(facet) else { continue };
-        for &point in trace.facet(f) {
-            let own = &trace.points[point as usize];
-            let end = usize::from(ends[1] == own.vertex);
-            for i in 0..2 {
-                tractions[4 * free as usize + 2 * end + i] -=
-                    pressure[point as usize] * own.normal[i];
-            }
-        }
-    }
+    space.points().map(energy).sum::<f64>().sqrt()
 }

@@ -3,14 +3,61 @@
 //!
 //! At a point it is ∫ (p - ∂j_ν(r)) dr from u_ν to a displacement that has the pressure p: no potential is needed.
 
-use fem::contact::{Boundary, Discretization};
+use fem::contact::{Boundary, Discretization, StepView};
 use fem::space::quadrature::{edge, gauss_legendre};
 use vhi::law::Potential;
+
+use super::edges::Edges;
 
 /// Pieces of an edge, with four Gauss points each: kinks of the integrand lie anywhere.
 const PIECES: usize = 8;
 /// u_ν may exceed g by rounding: this part of the size of both.
 const ROUNDING: f64 = 1e-12;
+
+/// ξ + λ at the points of the trace; at a clamped one the pressure of the graph that is nearest to its neighbour's.
+pub(super) fn pressures(
+    space: &Discretization,
+    boundary: &Boundary,
+    view: &StepView<'_>,
+) -> Vec<f64> {
+    let trace = &space.trace;
+    let mut pressure: Vec<f64> =
+        view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda).collect();
+    for f in 0..trace.measure.len() {
+        let ends = [trace.facet(f)[0] as usize, trace.facet(f)[1] as usize];
+        for (own, other) in [(ends[0], ends[1]), (ends[1], ends[0])] {
+            if !trace.points[own].clamped {
+                continue;
+            }
+            let x = space.mesh.point(&[trace.points[own].vertex], &[1.0]);
+            let (lo, hi) = boundary.potential_at(x).subdifferential(-(boundary.shift)(x));
+            let hi = if (boundary.gap)(x) > 0.0 { hi } else { f64::INFINITY };
+            pressure[own] = pressure[other].max(lo).min(hi);
+        }
+    }
+    pressure
+}
+
+/// Adds -p ν on Γ3.
+pub(super) fn add_pressures(
+    space: &Discretization,
+    edges: &Edges,
+    pressure: &[f64],
+    tractions: &mut [f64],
+) {
+    let trace = &space.trace;
+    for (f, &facet) in trace.mesh_facet.iter().enumerate() {
+        let Some((free, ends)) = edges.on_facet(facet) else { continue };
+        for &point in trace.facet(f) {
+            let own = &trace.points[point as usize];
+            let end = usize::from(ends[1] == own.vertex);
+            for i in 0..2 {
+                tractions[4 * free as usize + 2 * end + i] -=
+                    pressure[point as usize] * own.normal[i];
+            }
+        }
+    }
+}
 
 /// G of `u`, and of pressures p at the points of the trace; infinite where u_ν > g or the law never has the pressure p.
 pub(super) fn duality_gap(

@@ -26,6 +26,8 @@ pub(super) struct Triangle {
     pub(super) compliance: [[f64; 3]; 3],
     /// 𝒜.
     pub(super) elasticity: [[f64; 3]; 3],
+    /// N: the tractions of a stress on the edges.
+    pub(super) to_tractions: SMatrix<f64, 12, 27>,
     /// σ that displacements of the edges cause, all conditions being zero.
     pub(super) of_edges: SMatrix<f64, 27, 12>,
     /// The smallest σ with given moments of Div σ.
@@ -41,20 +43,21 @@ impl Triangle {
         let inverse = SMatrix::<f64, 3, 3>::from_fn(|i, j| elasticity[i][j]).try_inverse()?;
         let compliance = std::array::from_fn(|i| std::array::from_fn(|j| inverse[(i, j)]));
         let (of_edges, of_moments) = (SMatrix::zeros(), SMatrix::zeros());
-        let mut own = Self { corners, area, compliance, elasticity, of_edges, of_moments };
+        let to_tractions = SMatrix::zeros();
+        let mut own =
+            Self { corners, area, compliance, elasticity, to_tractions, of_edges, of_moments };
+        own.to_tractions = own.traction_matrix();
         let conditions = own.conditions();
         // M⁻¹Gᵀ and (G M⁻¹ Gᵀ)⁻¹.
         let raised = own.inverse_mass(conditions.transpose());
         let inner = (conditions * raised).cholesky()?.inverse();
-        let to_tractions = own.traction_matrix();
-        let free = own.inverse_mass(to_tractions.transpose());
+        let free = own.inverse_mass(own.to_tractions.transpose());
         own.of_edges = free - raised * (inner * (conditions * free));
         own.of_moments = (raised * inner).fixed_columns::<6>(12).into();
         Some(own)
     }
 
-    /// N: the tractions of a stress on the edges of the triangle.
-    pub(super) fn traction_matrix(&self) -> SMatrix<f64, 12, 27> {
+    fn traction_matrix(&self) -> SMatrix<f64, 12, 27> {
         let mut matrix = SMatrix::zeros();
         for edge in 0..3 {
             for end in 0..2 {

@@ -181,7 +181,7 @@ pub fn companion_runs(setup: &Setup, n: u32, steps: u32) -> Runs<'_> {
         let stresses = d * (d + 1) / 2 * space.mesh.cell_count();
         let compared = steps / stride(steps, steps) + 2;
         let held = 3.0 * 2.0 * 8.0 * f64::from(compared) * (space.nodes.len() + stresses) as f64;
-        held + guarantee::bytes(setup, space.mesh.cell_count())
+        held + guarantee::bytes(setup, space)
     };
     Runs { setup, grid: vec![(n, steps)], beside: Box::new(beside) }
 }
