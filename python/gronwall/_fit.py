@@ -102,6 +102,7 @@ def fit(
         predicted=order,
         at_least=at_least,
         left_out=found.get("left_out", 0),
+        levels=found.get("levels", 0),
         probability=found.get("probability"),
         name=name,
     )

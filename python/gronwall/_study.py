@@ -164,8 +164,9 @@ def study(
 
 def _settled(verdict: Verdict, before: Verdict | None) -> bool:
     """Whether no further level is needed, by the rule of ``sweep run --until-resolved``."""
-    earlier = before.decision if before else None
-    return _native.settles(len(verdict.h), verdict.decision, verdict.probability, earlier)
+    # A level near its floor is none, and confirms nothing.
+    earlier = before.decision if before and before.levels < verdict.levels else None
+    return _native.settles(verdict.levels, verdict.decision, verdict.probability, earlier)
 
 
 def _growth(seconds: list[float]) -> float:

@@ -41,6 +41,8 @@ class Verdict:
         The prediction is a lower bound.
     left_out : int
         Coarse levels that the order does not rest on.
+    levels : int
+        Levels that served: those near their floor do not.
     probability : float or None
         That the order is within the tolerance of the prediction, or of a lower bound not below.
     name : str
@@ -59,6 +61,7 @@ class Verdict:
     predicted: float | None = None
     at_least: bool = False
     left_out: int = 0
+    levels: int = 0
     probability: float | None = None
     name: str = ""
     variable: str = "h"

@@ -45,6 +45,8 @@ pub fn fit<'py>(
     };
     found.set_item("order", posterior.order)?;
     found.set_item("interval", (posterior.interval.lo, posterior.interval.hi))?;
+    // A slope between neighbours of the levels that served: those near their floor do not.
+    found.set_item("levels", posterior.slopes.len() + 1)?;
     found.set_item("slopes", posterior.slopes.clone())?;
     found.set_item("left_out", posterior.coarse_left_out)?;
     found.set_item("floor_from", posterior.floor_from)?;

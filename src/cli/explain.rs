@@ -50,7 +50,6 @@ impl Explain {
             .iter()
             .zip(&costs.cases)
             .map(|(case, cost)| {
-                let vectors = history_vectors(&plan.subject, case.steps);
                 serde_json::json!({
                     "n": case.n,
                     "steps": case.steps,
@@ -59,7 +58,7 @@ impl Explain {
                     "linear_solver": cost.linear_solver.name(),
                     "factorizations": cost.work.map(|[factorizations, _]| factorizations),
                     "solves": cost.work.map(|[_, solves]| solves),
-                    "history_bytes": vectors * cost.dofs * size_of::<f64>(),
+                    "history_bytes": history_bytes(&plan.subject, case.steps, cost.dofs),
                     "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
                     "seconds_predicted": cost.seconds,
                     "memory_bytes_predicted": cost.memory_bytes.round() as u64,
@@ -186,7 +185,7 @@ const LABEL: usize = 11;
 /// The cases, with what each is predicted to take.
 fn case_table(plan: &ScenePlan, costs: &PlanCost) -> String {
     let row = |(case, cost): (&CasePlan, &Cost)| {
-        let history = history_vectors(&plan.subject, case.steps) * cost.dofs * size_of::<f64>();
+        let history = history_bytes(&plan.subject, case.steps, cost.dofs);
         let n = case.n.map_or_else(|| "-".into(), |n| n.to_string());
         let numbers = [n, case.steps.to_string(), cost.dofs.to_string()];
         let [seconds, memory] = predicted(cost);
@@ -226,15 +225,16 @@ fn linear(subject: &Subject, solver: LinearSolver) -> &'static str {
     }
 }
 
-/// Vectors of unknowns that a history keeps.
-fn history_vectors(subject: &Subject, steps: u32) -> usize {
-    match subject {
+/// Bytes of the vectors of unknowns that a history keeps.
+fn history_bytes(subject: &Subject, steps: u32, dofs: usize) -> usize {
+    let vectors = match subject {
         Subject::Contact(setup) => setup.history_vectors(steps),
         Subject::Abstract(_) => steps as usize + 1,
-    }
+    };
+    vectors * dofs * size_of::<f64>()
 }
 
-fn duration(seconds: f64) -> String {
+pub(super) fn duration(seconds: f64) -> String {
     if seconds < 1.0 { format!("{:.1} ms", 1e3 * seconds) } else { format!("{seconds:.1} s") }
 }
 

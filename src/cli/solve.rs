@@ -14,6 +14,7 @@ use super::{
     CliError, Scenes, abstract_problem, create_dir, print_json, print_text, subject, write_file,
 };
 use fem::contact::{CaseInfo, Discretization, LinearSolver, Path, StepView};
+use fem::space::Element;
 use pictures::Pictures;
 use report::digits;
 use run::sweep::admit_run;
@@ -269,6 +270,13 @@ impl Solve {
             return Ok(());
         }
         let name = &setup.scene.name;
+        if data.space.element != Element::P1 {
+            return Err(CliError::other(format!(
+                "{name}: multigrid is made for {} elements, and the scene has {}: --linear-solver direct factorizes",
+                Element::P1.name(),
+                data.space.element.name()
+            )));
+        }
         Err(CliError::other(format!(
             "{name} n = {n}: multigrid needs coarser meshes that this one refines, down to few unknowns; take an n with more factors of 2 (rectangles, boxes, polygons; {} unknowns here), or --linear-solver direct",
             data.space.dofs()

@@ -6,6 +6,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::CliError;
+use super::explain::duration;
 use super::progress::note;
 use files::counted;
 use judge::verdict::NextCase;
@@ -42,10 +43,11 @@ pub(super) fn hold(plans: &mut [ScenePlan], resumed: Option<&Path>) -> Result<St
 pub(super) fn in_words(left: &[NotRun], run: usize) -> String {
     let cases: usize = left.iter().map(|own| own.cases.len()).sum();
     let seconds: f64 = left.iter().map(|own| own.seconds).sum();
-    let scenes = counted(left.len(), "scene");
     format!(
-        "until resolved: {cases} of {} not run, about {seconds:.1} s of CPU time: the claims of {scenes} were settled without",
-        counted(cases + run, "case")
+        "until resolved: {cases} of {} not run, about {} of CPU time: no claim of {} asks for them",
+        counted(cases + run, "case"),
+        duration(seconds),
+        counted(left.len(), "scene")
     )
 }
 

@@ -150,8 +150,7 @@ impl Verify {
     /// The cases, with the norms that displacements (and pressures, where they come) tell.
     fn plan(&self, scenes: &Scenes) -> Result<ScenePlan, CliError> {
         let mut scene = scenes.scene(&self.scene)?;
-        scene.without_friction("sweep verify")?;
-        scene.with_linear_elements("sweep verify")?;
+        run::external::takes(&scene)?;
         self.grid.check(&scene)?;
         scene.predicts.retain(|prediction| self.tells(prediction.norm));
         let mut plan =

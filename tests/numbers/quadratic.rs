@@ -82,6 +82,21 @@ fn quadratic_displacements_are_reproduced() {
     assert!(v_max(&linear, &linear.model, &on_mesh(&linear, 3), 2) > 1e-2);
 }
 
+/// In a body of two materials each point has that of its cell: u is the same, and the stress jumps between them.
+#[test]
+fn two_materials_are_those_of_their_cells() {
+    let scene = reproduced().scene.source.text.clone();
+    let moved = "mesh = { kind = \"perturbed\", amplitude = 0.2, seed = 3 }";
+    let stiff = "[[material.region]]\nname = \"stiff\"\nwhere = \"y - 0.5\"\nlambda = 2.5\nmu_L = 3.0\n[contact]\n";
+    let scene = edited(&edited(&scene, moved, ""), "[contact]\n", stiff);
+    let setup = setup_of(edited(&scene, "n = [3]", "n = [4]"));
+    let data = on_mesh(&setup, 4);
+    assert!(data.space.regions.contains(&1) && data.space.regions.contains(&0));
+    for step in errors(&setup, &setup.model, &data, 2) {
+        assert!(step.v < 1e-12 && step.stress < 1e-11, "{step:?}");
+    }
+}
+
 /// ‖J⁻¹(F(u + s d) - F(u - s d))/2s - d‖/‖d‖ where the body yields in part and κ follows ζ.
 #[test]
 fn the_tangent_at_quadrature_points_is_the_derivative() {

@@ -14,7 +14,7 @@ fn between(corners: usize) -> &'static [[usize; 2]] {
 }
 
 /// Shape functions at barycentric coordinates: at corners, then at midpoints.
-pub(super) fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
+pub fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
     match element {
         Element::P1 => b.to_vec(),
         Element::P2 => {

@@ -297,11 +297,12 @@ impl Chart {
         triangles: bool,
     ) -> Result<(), ReportError> {
         let mut legend = Legend::new(canvas);
-        if self.direct {
+        let direct = self.direct && direct::fits(self);
+        if direct {
             legend.below(direct::draw(canvas, self, frame)?);
         }
         for (series, (ink, shape)) in self.series.iter().zip(self.inks()) {
-            if !series.name.is_empty() && !self.direct {
+            if !series.name.is_empty() && !direct {
                 legend.entry(series.sample(shape), ink, &series.name)?;
                 for words in series.detail.lines() {
                     legend.entry(Sample::Text, INK, words)?;

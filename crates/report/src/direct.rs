@@ -4,9 +4,17 @@ use super::ReportError;
 use super::canvas::{Anchor, Canvas, Place};
 use super::chart::Chart;
 use super::frame::{BOTTOM, Frame, LINE, RIGHT, TOP};
+use super::legend::LEGEND_CHARACTERS;
 
 /// From the frame to the words.
 const BESIDE: f64 = 56.0;
+
+/// Whether the names of a chart stand beside its lines: each in one line, and all within the frame.
+pub(super) fn fits(chart: &Chart) -> bool {
+    let names = chart.series.iter().map(|series| series.name.chars().count());
+    let lines = names.clone().filter(|count| *count > 0).count() as f64;
+    names.max().is_none_or(|longest| longest <= LEGEND_CHARACTERS) && lines * LINE <= BOTTOM - TOP
+}
 
 /// Writes the names; gives the height of the lowest one, or the top where there is none.
 ///
@@ -22,9 +30,10 @@ pub(super) fn draw(canvas: &Canvas<'_>, chart: &Chart, frame: &Frame) -> Result<
     let mut ends: Vec<(usize, Place)> = (0..chart.series.len()).filter_map(end).collect();
     ends.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
     let heights = spread(&ends.iter().map(|(_, place)| place.1).collect::<Vec<_>>());
+    let inks = chart.inks();
     for ((at, place), y) in ends.iter().zip(&heights) {
         let beside = [*place, (RIGHT + 0.3 * BESIDE, *y), (RIGHT + 0.8 * BESIDE, *y)];
-        canvas.line(&beside, chart.inks()[*at].0, 2)?;
+        canvas.line(&beside, inks[*at].0, 2)?;
         canvas.text(&chart.series[*at].name, (RIGHT + BESIDE, *y), Anchor::Left)?;
     }
     Ok(heights.last().copied().unwrap_or(TOP))
@@ -49,6 +58,8 @@ fn spread(wanted: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chart::{Axis, Series};
+    use crate::ruler::Scale;
 
     #[test]
     fn names_stand_a_line_apart_and_near_their_ends() {
@@ -57,5 +68,18 @@ mod tests {
         let low = spread(&[BOTTOM, BOTTOM]);
         assert_eq!(low, [BOTTOM - LINE, BOTTOM]);
         assert!(spread(&[]).is_empty());
+    }
+
+    #[test]
+    fn names_that_have_no_room_go_to_the_legend() {
+        let axis = || Axis::new("h", Scale::Log);
+        let with = |names: &[&str]| {
+            let mut chart = Chart::new("title", "question", axis(), axis());
+            chart.series = names.iter().map(|name| Series::new(*name, Vec::new())).collect();
+            fits(&chart)
+        };
+        assert!(with(&["measured", "", "bound"]) && with(&[]));
+        assert!(!with(&["measured", "a norm with a name of more than one line"]));
+        assert!(with(&["name"; 20]) == (20.0 * LINE <= BOTTOM - TOP) && !with(&["name"; 200]));
     }
 }

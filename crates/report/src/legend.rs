@@ -7,7 +7,7 @@ use super::canvas::{Anchor, Canvas, SIZE};
 use super::frame::{LINE, RIGHT, TOP};
 
 /// Characters of plain text in the width of the legend.
-const LEGEND_CHARACTERS: usize = 28;
+pub(super) const LEGEND_CHARACTERS: usize = 28;
 
 /// How a line is drawn: in one stroke, or in strokes and gaps of these lengths.
 #[derive(Clone, Copy)]

@@ -28,6 +28,9 @@ pub fn symbols(ascii: &str) -> String {
     let signs = [("<=", "≤"), (">=", "≥"), (" - ", " − "), (" -> ", " → ")];
     let signed = signs.iter().fold(ascii.to_owned(), |text, (from, to)| text.replace(from, to));
     let characters: Vec<char> = signed.chars().collect();
+    // Between blanks `<` compares; without them it opens a product.
+    let compares =
+        |at: usize| at > 0 && characters[at - 1] == ' ' && characters.get(at + 1) == Some(&' ');
     let (mut out, mut at) = (String::new(), 0);
     while at < characters.len() {
         let rest = &characters[at..];
@@ -36,7 +39,8 @@ pub fn symbols(ascii: &str) -> String {
             let end = rest.iter().take_while(|c| c.is_ascii_alphanumeric()).count();
             out += &letters(&rest[..end].iter().collect::<String>());
             at += end;
-        } else if "_^".contains(sign) && at > 0 {
+        } else if "_^".contains(sign) && at > 0 && rest.get(1).is_some_and(|c| c.is_alphanumeric())
+        {
             // A power behind an index is not part of it.
             let belongs = |c: &&char| c.is_alphanumeric() && **c != '²';
             let end = 1 + rest[1..].iter().take_while(belongs).count();
@@ -48,8 +52,8 @@ pub fn symbols(ascii: &str) -> String {
             at += end;
         } else {
             out.push(match sign {
-                '<' => '⟨',
-                '>' => '⟩',
+                '<' if !compares(at) => '⟨',
+                '>' if !compares(at) => '⟩',
                 other => other,
             });
             at += 1;
@@ -128,6 +132,8 @@ mod tests {
             ("E_j~ <= sqrt(delta)", "Ẽ_j ≤ √(δ)"),
             ("v^h, the number of numbers", "v^h, the number of numbers"),
             ("sqrt|Omega|", "√|Ω|"),
+            ("(2.9) asks alpha_j < 0.1", "(2.9) asks α_j < 0.1"),
+            ("h^(1/2)", "h^(1/2)"),
             ("β_φ and c_j², with m0", "β_φ and c_j², with m0"),
             ("energy constant, n = 8", "energy constant, n = 8"),
         ] {

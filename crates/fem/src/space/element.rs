@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::quadrature::{Rule, triangle_degree_2};
+use super::quadrature::{Rule, edge, triangle_degree_2, triangle_degree_4};
 use crate::mesh::Mesh;
 
 /// Polynomials on simplices, continuous over the mesh.
@@ -103,21 +103,25 @@ impl Element {
         }
     }
 
+    /// Means of products of two shape functions.
+    fn mass(self, corners: usize) -> Vec<f64> {
+        let rule = if corners == 2 { edge(3) } else { triangle_degree_4() };
+        let count = self.nodes_on(corners);
+        let mut mass = vec![0.0; count * count];
+        for (b, weight) in rule.points.iter().zip(&rule.weights) {
+            let values = self.values(b);
+            for (ab, mean) in mass.iter_mut().enumerate() {
+                *mean += weight * values[ab / count] * values[ab % count];
+            }
+        }
+        mass
+    }
+
     /// How |v|² is integrated over a simplex with so many corners.
     pub fn mean_square(self, corners: usize) -> MeanSquare {
-        let mass = match (self, corners) {
-            (Self::P1, _) => Vec::new(),
-            (Self::P2, 2) => {
-                mass(30.0, corners, |i, j| if i == j { 4.0 } else { -1.0 }, [2.0, 2.0], 16.0, 0.0)
-            }
-            (Self::P2, _) => mass(
-                180.0,
-                corners,
-                |i, j| if i == j { 6.0 } else { -1.0 },
-                [0.0, -4.0],
-                32.0,
-                16.0,
-            ),
+        let mass = match self {
+            Self::P1 => Vec::new(),
+            Self::P2 => self.mass(corners),
         };
         MeanSquare { scale: 1.0 / (corners * (corners + 1)) as f64, mass }
     }
@@ -167,30 +171,6 @@ fn with_midpoints(
     }
 }
 
-/// Means of products of quadratic shape functions, times `scale`: of corners; of a corner with the midpoint of an edge
-/// that has it, or has not; of a midpoint with itself; of two.
-fn mass(
-    scale: f64,
-    corners: usize,
-    of_corners: impl Fn(usize, usize) -> f64,
-    mixed: [f64; 2],
-    own: f64,
-    two: f64,
-) -> Vec<f64> {
-    let edges = edges(corners);
-    let count = corners + edges.len();
-    let value = |a: usize, b: usize| {
-        let [low, high] = [a.min(b), a.max(b)];
-        match (low < corners, high < corners) {
-            (true, true) => of_corners(low, high),
-            (true, false) => mixed[usize::from(!edges[high - corners].contains(&low))],
-            _ if low == high => own,
-            _ => two,
-        }
-    };
-    (0..count * count).map(|ab| value(ab / count, ab % count) / scale).collect()
-}
-
 /// The mean of |v|² over a simplex for v in its element.
 pub struct MeanSquare {
     /// Of linear functions: (Σ v_a² + (Σ v_a)²)/(N (N + 1)), N the number of corners.
@@ -234,12 +214,12 @@ impl MeanSquare {
 mod tests {
     use super::*;
     use crate::mesh::{Family, rectangle};
-    use crate::space::quadrature::{edge, triangle_degree_4};
+    use crate::space::quadrature::triangle_degree_6;
 
     #[test]
     fn means_are_those_of_a_rule_that_is_exact_for_them() {
         for element in Element::ALL {
-            for (corners, rule) in [(2, edge(3)), (3, triangle_degree_4())] {
+            for (corners, rule) in [(2, edge(5)), (3, triangle_degree_6())] {
                 let count = element.nodes_on(corners);
                 let v: Vec<[f64; 2]> =
                     (0..count).map(|a| [(a as f64 + 0.3).sin(), (2.0 * a as f64).cos()]).collect();

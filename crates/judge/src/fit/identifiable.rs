@@ -123,7 +123,11 @@ pub(super) fn clipped(points: &[Point]) -> [Vec<Point>; 2] {
 
 /// Distinct steps, from the largest to the smallest.
 fn levels(points: &[Point], direction: Direction) -> Vec<f64> {
-    let mut steps: Vec<f64> = points.iter().map(|point| direction.step(point)).collect();
+    distinct(points.iter().map(|point| direction.step(point)).collect())
+}
+
+/// Steps that differ by more than rounding, from the largest to the smallest.
+pub(crate) fn distinct(mut steps: Vec<f64>) -> Vec<f64> {
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup_by(|finer, coarser| same_level(*finer, *coarser));
     steps

@@ -29,6 +29,7 @@ pub use decision::Decision;
 pub use eca_hoekstra::{EcaHoekstra, Expansion, eca_hoekstra};
 use files::counted;
 pub use identifiable::NotIdentifiable;
+pub(crate) use identifiable::distinct;
 pub use inference::{
     Claim, ClaimError, FEWEST, GridPosterior, Level, Posterior, Ruling, TOLERANCE, infer,
     infer_grid,
@@ -42,7 +43,7 @@ pub use path::{Path, path};
 pub use power_law::{PowerLaw, power_law};
 pub use richardson::{Triple, ValueSample};
 pub use screen::{Exclusion, FLOORS_ABOVE, Sample, samples, screen, value_samples};
-pub use stopping::{SETTLED, settles};
+pub use stopping::settles;
 pub use values::infer_values;
 
 /// Two steps are one level if they differ by rounding only: tables carry 1/3 as 0.333333333.

@@ -8,7 +8,7 @@
 use super::Decision;
 
 /// With fewer levels nothing is settled by the errors alone.
-pub const SETTLED: usize = 4;
+const SETTLED: usize = 4;
 /// A pass ends a table above this probability, not above that which is enough for a table of a fixed length: with 3 % of
 /// noise 1.7 % of the tables whose order is ¼ higher than claimed would pass at one level or another, and 0.3 % do.
 const SURE: f64 = 0.90;

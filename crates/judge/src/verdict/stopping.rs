@@ -1,7 +1,7 @@
 //! When the verdicts of a sweep that grows case by case need no further case.
 
 use super::{Constant, Decision, Expect, Variable, Verdict};
-use crate::fit::{FEWEST, same_level, settles};
+use crate::fit::{FEWEST, distinct, settles};
 
 impl Verdict {
     /// Whether no further case would change it, as far as that can be told: by [`settles`], or by three levels that pass
@@ -22,14 +22,12 @@ impl Verdict {
 
     /// Different steps of the points that served; none of a grid, of which every case is needed.
     fn levels(&self) -> usize {
-        let mut steps: Vec<f64> = match self.variable {
+        let steps: Vec<f64> = match self.variable {
             Variable::H | Variable::Path => self.points_used.iter().map(|point| point.h).collect(),
             Variable::K => self.points_used.iter().map(|point| point.k).collect(),
             Variable::Joint => Vec::new(),
         };
-        steps.sort_by(f64::total_cmp);
-        steps.dedup_by(|a, b| same_level(*a, *b));
-        steps.len()
+        distinct(steps).len()
     }
 
     /// Whether constants are known beforehand, and all those measured are these.

@@ -192,7 +192,11 @@ fn joined(runs: &[Run]) -> String {
 fn of_run(run: &Run) -> String {
     let text = escaped(&run.text).replace('\n', "<br>");
     let text = match run.tone {
+        // The words of a link are those of what it leads to.
         Tone::Plain | Tone::Pass if run.target.is_none() => with_indices(&text),
+        _ => text,
+    };
+    let text = match run.tone {
         Tone::Plain => text,
         Tone::Formula => raised(&text),
         Tone::Strong => format!("<b>{text}</b>"),

@@ -8,11 +8,11 @@ use scene::setup::Setup;
 pub fn solver_first(verdicts: &mut [Verdict], setup: &Setup) {
     for verdict in verdicts.iter_mut().filter(|verdict| verdict.complete) {
         if verdict.decision != Decision::Pass && verdict.observed.is_some() {
-            let questions = match verdict.observed.is_some_and(|order| order.abs() < STUCK) {
-                true => format!("its errors do not fall, {}", of_every_solver().join(", ")),
+            let first = match verdict.observed.is_some_and(|order| order < STUCK) {
+                true => format!("its errors do not fall; {}", of_every_solver().join(", ")),
                 false => questions(setup, verdict.variable).join(", "),
             };
-            verdict.reason = format!("look at the solver first: {questions}? {}", verdict.reason);
+            verdict.reason = format!("look at the solver first: {first}? {}", verdict.reason);
         }
     }
 }

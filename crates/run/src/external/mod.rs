@@ -65,7 +65,7 @@ pub struct ExternalSolver {
 }
 
 /// What a case gives to its solver says nothing of friction, and of vertices alone.
-fn takes(scene: &Scene) -> Result<(), SceneError> {
+pub fn takes(scene: &Scene) -> Result<(), SceneError> {
     scene.without_friction("sweep verify")?;
     scene.with_linear_elements("sweep verify")
 }

@@ -183,7 +183,9 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let changes = Plan::changes_factor(model);
     let work = matrices.filter(|_| linear_solver == LinearSolver::Direct);
     let iterations = if newton { ITERATIONS } else { 1.0 };
-    let (cells, dofs) = (space.mesh.cell_count() as f64, space.dofs());
+    // As many cells of linear elements, whose matrices have one point and the corners.
+    let nodes = space.nodes.a_cell as f64 / (space.mesh.dimension + 1) as f64;
+    let (cells, dofs) = (space.geometry.points() as f64 * nodes.powi(2), space.dofs());
     let pattern = space.pattern.entries() as f64;
     let factor = space.analysis.factor_entries() as f64;
     let (solve, factorization, linear_bytes) = match linear_solver {

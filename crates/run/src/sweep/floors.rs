@@ -114,8 +114,12 @@ pub fn contact_floors(
     };
     let truth = reference.map(run).transpose()?;
     let data = MeshData::new(setup, n, truth.clone())?;
-    let stronger =
-        MeshData::with_rules(setup, n, truth, &TruthRules::stronger(setup.scene.dimension))?;
+    let stronger = MeshData::with_rules(
+        setup,
+        n,
+        truth,
+        &TruthRules::stronger_for(setup.body.element, setup.scene.dimension),
+    )?;
     let measured = measure_errors(setup, &data, &stronger, steps)?;
     let polished = levels(setup, &data, steps)?;
     let apart = |other: &[LevelFields]| distance(&data, &polished, other);

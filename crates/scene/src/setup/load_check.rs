@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::{Setup, load_form, side_numbers};
 use crate::{Data, Scene, Side};
-use exact::{Exact, ExactOnMesh, LoadForm, Truth};
+use exact::{Exact, ExactOnMesh, LoadForm, Truth, shapes};
 use fem::contact::{Discretization, LoadError};
 use fem::space::quadrature::{
     Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8, triangle_product,
@@ -220,10 +220,13 @@ impl<'a> Integrals<'a> {
         let mut out = vec![Vec::new()];
         acting.formula.bind(&points).evaluate(t, 0.0, &mut out);
         let mut values = out[0].iter();
+        // Not those of the space, by which the loads are assembled.
+        let shapes = rule.points.iter().map(|b| shapes(space.element, b));
+        let shapes: Vec<Vec<f64>> = shapes.collect();
         for simplex in &*acting.simplices {
             let measure = measure(space, &simplex[..rule.points[0].len()]);
-            for ((weight, b), f) in rule.weights.iter().zip(&rule.points).zip(&mut values) {
-                for (&vertex, shape) in simplex.iter().zip(&space.element.values(b)) {
+            for ((weight, shapes), f) in rule.weights.iter().zip(&shapes).zip(&mut values) {
+                for (&vertex, shape) in simplex.iter().zip(shapes) {
                     // v vanishes on Γ1.
                     if space.nodes.of_vertex[vertex as usize] as usize >= space.nodes.free {
                         continue;

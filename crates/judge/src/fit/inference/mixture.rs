@@ -1,9 +1,8 @@
 //! Mixtures of normal distributions of an order.
 
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::LazyLock;
 
+use rustc_hash::FxHashMap;
 use statrs::function::erf::erf;
 
 /// One reading of a table.
@@ -51,29 +50,11 @@ fn cell(part: &Part) -> u64 {
     (at as u64) << 32 | u64::from(place.cast_unsigned() ^ 1 << 31)
 }
 
-/// A hash of cells: one product, whose high bits are those of all.
-#[derive(Default)]
-struct Spread(u64);
-
-impl Hasher for Spread {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
-    }
-
-    fn write_u64(&mut self, cell: u64) {
-        self.0 = (self.0 ^ cell).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(26);
-    }
-}
-
 impl Mixture {
     /// Of the parts that `serve`; close ones are merged, so that a probability costs little.
     pub(super) fn of(parts: &[Part], serves: impl Fn(&Part) -> bool) -> Self {
         let mut weight = 0.0;
-        let mut cells: HashMap<u64, [f64; 3], BuildHasherDefault<Spread>> = HashMap::default();
+        let mut cells: FxHashMap<u64, [f64; 3]> = FxHashMap::default();
         for part in parts.iter().filter(|part| serves(part)) {
             weight += part.weight;
             let sums = cells.entry(cell(part)).or_default();

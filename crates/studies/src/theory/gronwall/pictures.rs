@@ -49,7 +49,7 @@ impl Study {
 
     fn over_time(&self, estimate: &Estimate, envelopes: &Envelopes) -> Chart {
         let question = format!(
-            "Error in time and its bounds on [0, T], N = {}{}. Each bound lies above the one before.",
+            "Error in time and its bounds on [0, T], N = {}{}. From the weighted envelope to the closed form each bound lies above the one before.",
             estimate.grid.steps(),
             self.mesh()
         );
