@@ -168,6 +168,13 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
             "proved: steepest descent of the friction bound",
         ));
         findings.push(fact("c_tau^2", c.c_tau_squared, "extrapolated as c_j^2 is; no bound"));
+        if let Some(own) = &c.coulomb {
+            let [a, b] = own.coefficients(c.alpha_nu, c.c_j_squared, c.c_tau_squared);
+            findings.push(fact("A", a, "of |v_nu|^2 in (2.9): friction follows the normal law"));
+            findings.push(fact("B", b, "of |v_tau|^2 in (2.9)"));
+            let printed = c.m_elastic - c.concave_as_printed();
+            findings.push(fact("m0 by alpha_phi", printed, "with alpha_phi = mu_f L_p c_j c_tau"));
+        }
     }
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
     let text = format!("m0 = {:.6} with the extrapolated c_j^2", c.m0);

@@ -88,9 +88,9 @@ type Change = fn([f64; 3], f64) -> f64;
 /// `friction-front` with another factor of the bound.
 fn with_factor(change: Change) -> Setup {
     let mut setup = setup("friction-front");
-    let Friction { factor, graph } = setup.model.friction.take().expect("friction");
+    let Friction { factor, graph, .. } = setup.model.friction.take().expect("friction");
     let factor = Box::new(move |x: [f64; 3], t: f64| change(x, factor(x, t)));
-    setup.model.friction = Some(Friction { factor, graph });
+    setup.model.friction = Some(Friction { factor, graph, follows_pressure: false });
     setup
 }
 
@@ -130,9 +130,9 @@ fn the_kkt_rows_see_a_wrong_friction_stress() {
         least = least.min(residual(&StepView { friction: &turned, ..*view }));
         // In balance, beyond the bound by a thousandth: the law alone.
         let mut model = setup.scene_model();
-        let Friction { factor, graph } = model.friction.take().expect("friction");
+        let Friction { factor, graph, .. } = model.friction.take().expect("friction");
         let factor = Box::new(move |x: [f64; 3], t: f64| 0.999 * factor(x, t));
-        model.friction = Some(Friction { factor, graph });
+        model.friction = Some(Friction { factor, graph, follows_pressure: false });
         worst[1] = worst[1].max(kkt_residual(&data.space, &model, view, &load));
     })
     .expect("a run");
@@ -148,7 +148,7 @@ fn the_slopes_of_a_falling_bound_are_its_differences() {
     let points = vec![(-0.2, -0.2), (0.0, -0.3), (0.0, 0.3), (0.2, 0.2)];
     let graph = Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).expect("a law"));
     let mut setup = setup("friction-falling");
-    setup.model.friction = Some(Friction { factor: Box::new(|_, _| 1.0), graph });
+    setup.model.friction = Some(Friction { factor: Box::new(|_, _| 1.0), graph, follows_pressure: false });
     let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
     let mut load = TruthLoad(&*data.truth);
     let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);

@@ -66,6 +66,17 @@ pub struct ContactFormulas {
     pub friction: Option<FrictionFormulas>,
 }
 
+impl ContactFormulas {
+    /// c p(u_ν - s); none without a law.
+    pub(super) fn compliance(&self, graph: &mut Graph, u_nu: Node) -> Option<Node> {
+        let law = self.law.as_ref()?;
+        let shift = self.shift.unwrap_or_else(|| graph.constant(0.0));
+        let r = graph.sub(u_nu, shift);
+        let p = law_formula(graph, law, r);
+        Some(self.scale.map_or(p, |scale| graph.mul(scale, p)))
+    }
+}
+
 /// Which form the loads take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadForm {
@@ -274,19 +285,10 @@ impl Exact {
         let u_nu = normal_component(&mut graph, &self.data.u, normal);
         let zero = graph.constant(0.0);
         let contact = self.data.contact.as_ref();
-        let law = contact.and_then(|contact| contact.law.as_ref());
+        let law = contact.and_then(|contact| contact.compliance(&mut graph, u_nu));
         let xi = match (contact.and_then(|contact| contact.selection), law) {
             (Some(selection), _) => selection,
-            (None, Some(law)) => {
-                let shift = contact.and_then(|contact| contact.shift).unwrap_or(zero);
-                let r = graph.sub(u_nu, shift);
-                let p = law_formula(&mut graph, law, r);
-                match contact.and_then(|contact| contact.scale) {
-                    Some(scale) => graph.mul(scale, p),
-                    None => p,
-                }
-            }
-            (None, None) => zero,
+            (None, law) => law.unwrap_or(zero),
         };
         let lambda = contact.and_then(|contact| contact.multiplier).unwrap_or(zero);
         let pressure = graph.add(xi, lambda);

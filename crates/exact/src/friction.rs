@@ -10,6 +10,8 @@ pub enum FrictionBound {
     Given(Node),
     /// (r, S(r)) over the slip r = |u_τ|, joined by lines and constant beyond the last.
     Slip(Vec<[f64; 2]>),
+    /// S = μ_f p(u_ν), p the normal law, by its coefficient μ_f.
+    Coulomb(f64),
 }
 
 /// Friction as formulas.
@@ -54,7 +56,9 @@ impl Exact {
         let friction = self.data.contact.as_ref()?.friction.as_ref()?;
         let (mut graph, tangent) = (self.data.graph.clone(), tangent(normal));
         let u_tau = normal_component(&mut graph, &self.data.u, &tangent);
-        let bound = friction.bound.formula(&mut graph, u_tau);
+        let u_nu = normal_component(&mut graph, &self.data.u, normal);
+        let p = self.data.contact.as_ref().and_then(|own| own.compliance(&mut graph, u_nu));
+        let bound = friction.bound.formula(&mut graph, u_tau, p);
         let s = friction.multiplier.unwrap_or_else(|| slipping(&mut graph, u_tau, bound));
         let mut outputs = [s, u_tau, bound];
         if let Some((axis, value)) = plane {
@@ -67,9 +71,14 @@ impl Exact {
 }
 
 impl FrictionBound {
-    fn formula(&self, graph: &mut Graph, u_tau: Node) -> Node {
+    /// S, where the normal law has the value p: 0 without one.
+    fn formula(&self, graph: &mut Graph, u_tau: Node, p: Option<Node>) -> Node {
         match self {
             Self::Given(bound) => *bound,
+            Self::Coulomb(coefficient) => {
+                let (coefficient, zero) = (graph.constant(*coefficient), graph.constant(0.0));
+                graph.mul(coefficient, p.unwrap_or(zero))
+            }
             Self::Slip(points) => {
                 let backward = graph.neg(u_tau);
                 let slip = graph.max(u_tau, backward);

@@ -89,7 +89,10 @@ impl Contact {
         let word = written.quadrature.as_deref().unwrap_or("vertex");
         let quadrature = quadrature(reading, word, law.as_ref(), domain)?;
         let friction = match &written.friction {
-            Some(friction) => Some(Box::new(Friction::validate(reading, friction, domain, time)?)),
+            Some(friction) => {
+                let normal = (law.as_ref(), quadrature);
+                Some(Box::new(Friction::validate(reading, friction, domain, time, normal)?))
+            }
             None => None,
         };
         Ok(Contact { gap, shift, law, quadrature, friction })

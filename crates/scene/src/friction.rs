@@ -1,11 +1,14 @@
-//! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3 in the plane, with a given bound S(x, t) or one that depends on the slip.
+//! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3 in the plane, with a given bound S(x, t), one that depends on the slip, or
+//! one that follows the normal law.
 
 use formula::{Node, Point, Variable};
 
+use super::contact::ContactQuadrature;
 use super::data::AXES;
 use super::diagnostic::SceneError;
 use super::domain::{Domain, Face, place};
 use super::gap::points;
+use super::law::Law;
 use super::reading::{Reading, evenly};
 use super::time::Time;
 use super::validated::Scene;
@@ -24,6 +27,8 @@ pub enum FrictionBound {
     Given(Node),
     /// (r, S(r)) over the slip r = |u_τ|, the first at r = 0, joined by lines and constant beyond the last.
     Slip(Vec<[f64; 2]>),
+    /// S = μ_f p(u_ν) with the normal law p and this μ_f.
+    Coulomb(f64),
 }
 
 /// Friction on Γ3.
@@ -38,6 +43,7 @@ impl Friction {
         written: &written::Friction,
         domain: &Domain,
         time: &Time,
+        normal: (Option<&Law>, ContactQuadrature),
     ) -> Result<Self, SceneError> {
         if domain.dimension() != 2 {
             let message = "friction on a body in space";
@@ -48,9 +54,11 @@ impl Friction {
         let bound = match &written.bound {
             written::FrictionBound::Plain(formula) => given(reading, formula, domain, time)?,
             written::FrictionBound::Table(table) => {
-                let known = [("slip", ())];
-                reading.choice("contact.friction.bound.kind", &table.kind, &known)?;
-                FrictionBound::Slip(slip(reading, table)?)
+                let known = [("slip", false), ("coulomb", true)];
+                match reading.choice("contact.friction.bound.kind", &table.kind, &known)? {
+                    true => FrictionBound::Coulomb(coulomb(reading, table, normal)?),
+                    false => FrictionBound::Slip(slip(reading, table)?),
+                }
             }
         };
         Ok(Self { bound })
@@ -63,6 +71,13 @@ impl Friction {
         let slopes =
             points.windows(2).map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
         slopes.fold(0.0, |alpha, slope| f64::max(alpha, -slope))
+    }
+}
+
+impl Friction {
+    /// μ_f of a bound that follows the normal law, 0 for others.
+    pub fn coefficient(&self) -> f64 {
+        if let FrictionBound::Coulomb(coefficient) = self.bound { coefficient } else { 0.0 }
     }
 }
 
@@ -114,10 +129,53 @@ fn given(
     Ok(FrictionBound::Given(node))
 }
 
+/// μ_f > 0, beside a law whose values are single numbers, not negative, with a steepest rise, at the vertices.
+fn coulomb(
+    reading: &mut Reading,
+    table: &written::FrictionBoundTable,
+    (law, quadrature): (Option<&Law>, ContactQuadrature),
+) -> Result<f64, SceneError> {
+    let key = "contact.friction.bound.coefficient";
+    reading.surplus("contact.friction.bound.points", table.points.as_ref(), &table.kind)?;
+    let line = "coefficient = \"0.3\"";
+    let formula = reading.needed(key, table.coefficient.as_ref(), &table.kind, line)?;
+    let scope = reading.scope(&[]);
+    let node = reading.formula(key, formula, &scope)?;
+    let coefficient = reading.formulas.evaluate(node, &Point::default());
+    let coefficient = reading.positive(key, coefficient)?;
+    let refuse = |message: &str, hint: &str| {
+        Err(reading.error("contact.friction.bound.kind", message, hint))
+    };
+    let Some(law) = law else {
+        let hint = "add law = { kind = \"linear\", stiffness = 2.0 } or another law to [contact], or give the bound";
+        return refuse("the bound mu p(u_nu) without a normal law p", hint);
+    };
+    if law.is_set_valued() {
+        let hint = "replace the jump of the normal law by a steep slope";
+        return refuse("the bound mu p(u_nu) and a law p with a jump: p is no number there", hint);
+    }
+    if law.curve.is_some() {
+        let hint = "take a law by lines: kind = \"linear\" or \"piecewise-linear\"";
+        return refuse("the bound mu p(u_nu) and a curved law p: (2.9) takes its steepest rise from lines", hint);
+    }
+    let negative = law.points.iter().any(|point| point[1] < 0.0);
+    if negative || law.slope_before > 0.0 || law.slope_after < 0.0 {
+        let hint = "let every point have p >= 0, with slope_before <= 0 and slope_after >= 0";
+        return refuse("the bound mu p(u_nu) is negative for some u_nu", hint);
+    }
+    if quadrature != ContactQuadrature::Vertex {
+        let hint = "use quadrature = \"vertex\"";
+        return refuse("the bound mu p(u_nu) takes p from the vertices", hint);
+    }
+    Ok(coefficient)
+}
+
 fn slip(
     reading: &Reading,
     table: &written::FrictionBoundTable,
 ) -> Result<Vec<[f64; 2]>, SceneError> {
+    let surplus = "contact.friction.bound.coefficient";
+    reading.surplus(surplus, table.coefficient.as_ref(), &table.kind)?;
     let key = "contact.friction.bound.points";
     let line = "points = [[0.0, 0.3], [0.1, 0.28]]";
     let written = reading.needed(key, table.points.as_ref(), &table.kind, line)?;

@@ -172,6 +172,14 @@ impl Law {
         self.scale.map_or(1.0, |scale| scale.largest) * (graph + curve)
     }
 
+    /// The steepest rise of a law without a curve, the largest factor included (a stiffness).
+    pub fn steepest_rise(&self) -> f64 {
+        let inner = self.points.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
+        let slopes = inner.map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]));
+        let steepest = slopes.chain([self.slope_before, self.slope_after]).fold(0.0, f64::max);
+        self.scale.map_or(1.0, |scale| scale.largest) * steepest
+    }
+
     /// Whether p has a jump, where a selection ξ ∈ p(r) is not determined by r.
     pub fn is_set_valued(&self) -> bool {
         self.points.windows(2).any(|pair| pair[0][0] == pair[1][0])
@@ -246,6 +254,8 @@ mod tests {
         assert!((punch.alpha() - 0.5).abs() < 1e-12);
         assert_eq!(law(&[[0.0, 0.0]], 2.0, 2.0).alpha(), 0.0);
         assert_eq!(law(&[[0.0, 0.0]], 1.0, -3.0).alpha(), 3.0);
+        assert!((punch.steepest_rise() - 2.0).abs() < 1e-12);
+        assert_eq!(law(&[[0.0, 0.0]], 1.0, -3.0).steepest_rise(), 1.0);
     }
 
     #[test]

@@ -262,12 +262,13 @@ pub struct Friction {
 /// The bound of the friction stress: a formula in x, y, t, or a table.
 pub type FrictionBound = OrTable<Formula, FrictionBoundTable>;
 
-/// `bound = { kind = "slip", points = [[0.0, 0.3], [0.1, 0.28]] }`
+/// `bound = { kind = "slip", points = [[0.0, 0.3], [0.1, 0.28]] }`, or `{ kind = "coulomb", coefficient = "0.3" }`
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionBoundTable {
     pub kind: String,
     pub points: Option<Vec<Vec<f64>>>,
+    pub coefficient: Option<Formula>,
 }
 
 /// `law = { kind = "piecewise-linear", points = [[0.0, 0.0], …], slope_before = 0.0, slope_after = 0.0 }`, or of

@@ -128,6 +128,10 @@ impl<P: StepInequality> StepInequality for Convex<'_, P> {
         }
     }
 
+    fn take_pressures(&mut self, pressures: &[f64]) {
+        self.problem.take_pressures(pressures);
+    }
+
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
         let coordinates = self.problem.graph().coordinates.iter();
         let added = coordinates.zip(self.alpha).map(|(at, alpha)| alpha * at.weight);

@@ -152,6 +152,7 @@ pub struct Scratch {
     increment: Vec<f64>,
     pieces: Vec<PieceKey>,
     slopes: Vec<f64>,
+    pressures: Vec<f64>,
     defects: Vec<f64>,
     prescribed: Vec<Option<f64>>,
 }
@@ -181,6 +182,7 @@ impl Scratch {
         self.pieces.clear();
         self.pieces.resize(graphs, None);
         self.slopes.resize(graphs, 0.0);
+        self.pressures.resize(graphs, 0.0);
         self.defects.resize(graphs, 0.0);
         self.prescribed.resize(graphs, None);
     }
@@ -243,9 +245,11 @@ impl Scratch {
         let graph = problem.graph();
         for (i, at) in graph.coordinates.iter().enumerate() {
             let (dof, normal) = (at.dof as usize, graph.normal(i, &state.u));
+            self.pressures[i] = state.pressure[i];
             (self.slopes[i], self.prescribed[i]) = match self.pieces[i] {
                 Some(Chosen::Free(below)) => {
                     let (pressure, slope) = graph.value_and_slope(i, below, normal);
+                    self.pressures[i] = pressure;
                     self.increment[dof] = -self.force[dof] - at.sign * at.weight * pressure;
                     (at.weight * slope, None)
                 }
@@ -253,6 +257,7 @@ impl Scratch {
                 None => (0.0, Some(0.0)),
             };
         }
+        problem.take_pressures(&self.pressures);
         problem.linearize(&self.slopes, &self.prescribed)?;
         problem.solve(&mut self.increment, forcing)?;
         for (u, increment) in state.u.iter_mut().zip(&self.increment) {

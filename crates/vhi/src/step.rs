@@ -26,6 +26,10 @@ pub trait StepInequality {
     /// `out` ← F(u).
     fn residual(&mut self, u: &[f64], out: &mut [f64]);
 
+    /// Takes the pressures c_i on the pieces that were chosen, before [`Self::linearize`]: graphs that depend on other
+    /// coordinates than their own have a part of the Jacobian in them. It does nothing where there are none.
+    fn take_pressures(&mut self, _pressures: &[f64]) {}
+
     /// Prepares solves with the generalized Jacobian of F at the u of the last [`Self::residual`],
     /// plus `slopes[i]` on the coordinate of graph i (a stiffness), with the increment of graph i
     /// prescribed where `prescribed[i]` says so (an increment of the dof).

@@ -15,7 +15,7 @@ type Bound<'a> = &'a dyn Fn([f64; 3], f64) -> f64;
 fn bounded(setup: Setup, change: fn(Bound<'_>, [f64; 3], f64) -> f64) -> Setup {
     changed(setup, |friction| {
         let sound = friction.factor;
-        Friction { factor: Box::new(move |x, t| change(&sound, x, t)), graph: friction.graph }
+        Friction { factor: Box::new(move |x, t| change(&sound, x, t)), ..friction }
     })
 }
 
@@ -40,10 +40,10 @@ fn viscous() -> Arc<dyn Potential> {
 pub fn defects() -> Vec<Defect> {
     vec![
         Defect::of(Term::Friction, "friction pushes along with the slip", |setup| {
-            changed(setup, |own| Friction { factor: own.factor, graph: pushing() })
+            changed(setup, |own| Friction { graph: pushing(), ..own })
         }),
         Defect::of(Term::Friction, "friction in proportion to the slip: nothing sticks", |setup| {
-            changed(setup, |own| Friction { factor: own.factor, graph: viscous() })
+            changed(setup, |own| Friction { graph: viscous(), ..own })
         }),
         Defect::of(Term::Friction, "friction left out", |mut setup| {
             setup.model.friction = None;

@@ -36,6 +36,16 @@ pub enum FactorError {
         /// Norm of the residual over that of the first one.
         residual: f64,
     },
+    /// Entries without a mirror image, which are no part of the factor, are too large for iterations.
+    #[error(
+        "friction that follows the normal law makes the tangent singular or nearly so: a residual of {relative:.1e} is left, wanted {forcing:.1e}"
+    )]
+    NotSolved {
+        /// Norm of the residual over that of the right side.
+        relative: f64,
+        /// What was asked for.
+        forcing: f64,
+    },
     /// The numbers handed in were not finite.
     #[error("the tangent matrix has an entry that is not a finite number")]
     NotFinite,

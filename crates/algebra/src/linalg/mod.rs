@@ -28,7 +28,7 @@ pub use multigrid::{Levels, NodeFrame};
 pub use multigrid_sequence::MultigridSequence;
 pub use pattern::BlockPattern;
 pub use random::signed_unit;
-pub use sequence::{LinearWork, Precision, RankOne, SequenceSolver};
+pub use sequence::{Coupling, LinearWork, Precision, RankOne, SequenceSolver};
 pub use substitution::Front;
 pub use tangent_solver::TangentSolver;
 

@@ -2,7 +2,7 @@
 
 use super::cholesky::FactorError;
 use super::multigrid_sequence::MultigridSequence;
-use super::sequence::{LinearWork, RankOne, SequenceSolver};
+use super::sequence::{Coupling, LinearWork, RankOne, SequenceSolver};
 
 /// One of the two; methods are those of [`SequenceSolver`].
 pub enum TangentSolver<'a> {
@@ -36,7 +36,22 @@ impl TangentSolver<'_> {
         }
     }
 
-    /// The Jacobian K + a bᵀ for the next solves.
+    /// C of the next Jacobians. Multigrid leaves it out: steps of Newton's method are then those of the rest of the
+    /// Jacobian, and more of them are needed.
+    pub fn couple(&mut self, couplings: impl Iterator<Item = Coupling>) {
+        if let Self::Direct(solver) = self {
+            solver.couple(couplings);
+        }
+    }
+
+    /// Turns C into its transpose, for solves with the transposed Jacobian where it has no other unsymmetric piece.
+    pub fn transpose_couplings(&mut self) {
+        if let Self::Direct(solver) = self {
+            solver.transpose_couplings();
+        }
+    }
+
+    /// The Jacobian K + a bᵀ + C for the next solves.
     ///
     /// # Errors
     /// A matrix that is not positive definite.

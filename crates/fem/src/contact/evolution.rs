@@ -224,6 +224,10 @@ impl<P: Projection> StepInequality for Evolution<'_, P> {
         self.problem.residual(u, out);
     }
 
+    fn take_pressures(&mut self, pressures: &[f64]) {
+        self.problem.take_pressures(pressures);
+    }
+
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
         self.problem.linearize(slopes, prescribed)
     }

@@ -1,30 +1,57 @@
-//! Friction on Γ3 in the plane, as it enters the discrete scheme: -σ_τ = s ∈ S ∂|u_τ|, S = c(x, t) S_0(|u_τ|).
+//! Friction on Γ3 in the plane, as it enters the discrete scheme: -σ_τ = s ∈ S ∂|u_τ|, S = c(x, t) S_0(|u_τ|), or that
+//! times p(u_ν), p = ∂j_ν.
 //!
 //! r ↦ S(|r|) sign r is the graph of a potential with one jump, at r = 0, which is a vertex that sticks. So it is solved as
-//! the normal law is: a graph on the unknown that carries u_τ, at each vertex with the weight of the vertex rule.
+//! the normal law is: a graph on the unknown that carries u_τ, at each vertex with the weight of the vertex rule. A bound
+//! that follows p is that of the state whose residual was evaluated last; its slope in u_ν is an entry of the Jacobian
+//! without a mirror image.
 
 use std::sync::Arc;
 
 use super::trace::TracePoint;
 use super::{ContactProblem, Discretization, Model, StepView};
+use algebra::linalg::Coupling;
 use vhi::law::{Potential, Projection, Scaled, graph_distance};
 use vhi::{BoundaryGraph, Coordinate};
 
 /// A function on Γ3 × [0, T].
 pub type OnContactInTime = Box<dyn Fn([f64; 3], f64) -> f64 + Send + Sync>;
 
-/// The law of friction: at x and t the graph is c(x, t) times that of S_0.
+/// The law of friction: at x and t the graph is c(x, t) times that of S_0, or c(x, t) p(u_ν) times it.
 pub struct Friction {
     /// c(x, t) ≥ 0 at a point of Γ3.
     pub factor: OnContactInTime,
-    /// r ↦ S_0(|r|) sign r (a stress), odd, with its jump at 0.
+    /// r ↦ S_0(|r|) sign r, odd, with its jump at 0: a stress, or a number where S follows p.
     pub graph: Arc<dyn Potential>,
+    /// True where S = c S_0 p(u_ν): p ≥ 0 alone, without the multiplier λ, and without jumps, by the vertex rule.
+    pub follows_pressure: bool,
 }
 
 impl Friction {
-    /// The graph at a point of Γ3.
-    pub fn at(&self, x: [f64; 3], t: f64) -> Scaled {
-        Scaled { potential: self.graph.clone(), factor: (self.factor)(x, t) }
+    /// The graph at a point of Γ3 with the factor c, where p(u_ν) = `pressure`.
+    fn scaled(&self, factor: f64, pressure: f64) -> Scaled {
+        let followed = if self.follows_pressure { pressure } else { 1.0 };
+        Scaled { potential: self.graph.clone(), factor: factor * followed }
+    }
+}
+
+/// Friction that follows p, at the open level: empty where it does not.
+#[derive(Default)]
+pub(super) struct Following {
+    /// c(x, t) at the free points of the trace.
+    factors: Vec<f64>,
+    /// The pressures of all graphs on the pieces that were chosen last.
+    pressures: Vec<f64>,
+    /// Its part of the Jacobian.
+    entries: Vec<Coupling>,
+}
+
+impl Following {
+    pub(super) fn take_pressures(&mut self, pressures: &[f64]) {
+        if !self.factors.is_empty() {
+            self.pressures.clear();
+            self.pressures.extend_from_slice(pressures);
+        }
     }
 }
 
@@ -102,13 +129,63 @@ pub(super) fn append_graphs<P: Projection>(
 }
 
 impl<P: Projection> ContactProblem<'_, P> {
-    /// Friction as it is at time t: the laws of the last graphs.
+    /// Friction as it is at time t: the laws of the last graphs, or what p is multiplied by in them.
     pub(super) fn set_friction(&mut self, t: f64) {
         let Some(friction) = &self.model.friction else { return };
         let free = self.space.trace.points.iter().filter(|point| !point.clamped);
-        for (point, law) in free.rev().zip(self.graph.potentials.iter_mut().rev()) {
-            *law = Arc::new(friction.at(self.space.mesh.point(&[point.vertex], &[1.0]), t));
+        let factor = |point: &TracePoint| {
+            (friction.factor)(self.space.mesh.point(&[point.vertex], &[1.0]), t)
+        };
+        if friction.follows_pressure {
+            self.following.factors.clear();
+            self.following.factors.extend(free.map(factor));
+            return;
         }
+        for (point, law) in free.rev().zip(self.graph.potentials.iter_mut().rev()) {
+            *law = Arc::new(friction.scaled(factor(point), 1.0));
+        }
+    }
+
+    /// Laws that follow p, as they are at the present unknowns. The graphs of the normal law come first, in the same order.
+    pub(super) fn follow_pressure(&mut self) {
+        let Some(friction) = &self.model.friction else { return };
+        let first = self.graph.coordinates.len() - self.following.factors.len();
+        for (i, &factor) in self.following.factors.iter().enumerate() {
+            let p = self.graph.value_and_slope(i, 0, self.graph.normal(i, &self.unknowns)).0;
+            let law = self.graph.coordinates[first + i].law as usize;
+            self.graph.potentials[law] = Arc::new(friction.scaled(factor, p));
+        }
+    }
+
+    /// ∂(w s)/∂u_ν = w (s/p) p'(u_ν) where the friction follows p and slips. A prescribed u_ν has its part moved to the
+    /// right side instead.
+    pub(super) fn couple(&mut self, prescribed: &[Option<f64>]) {
+        let (graph, first) = (&self.graph, self.graph.coordinates.len() - self.following.factors.len());
+        self.following.entries.clear();
+        for i in 0..self.following.factors.len() {
+            let (normal, own) = (&graph.coordinates[i], &graph.coordinates[first + i]);
+            let (p, slope) = graph.value_and_slope(i, 0, graph.normal(i, &self.unknowns));
+            let s = self.following.pressures.get(first + i).copied().unwrap_or(0.0);
+            if prescribed[first + i].is_some() || p <= 0.0 {
+                continue;
+            }
+            let value = own.sign * normal.sign * own.weight * slope * s / p;
+            match prescribed[i] {
+                Some(increment) => self.lifted.push((own.dof as usize, value * increment)),
+                None => self.following.entries.push(Coupling {
+                    row: own.dof as usize,
+                    column: normal.dof as usize,
+                    value,
+                }),
+            }
+        }
+        self.solver.couple(self.following.entries.iter().copied());
+    }
+
+    /// From then on solves are with the transposed Jacobian, or again with the Jacobian. The level is frozen: no piece of
+    /// its history makes the Jacobian unsymmetric.
+    pub(super) fn transpose(&mut self) {
+        self.solver.transpose_couplings();
     }
 }
 
@@ -135,9 +212,14 @@ pub(super) fn violation<P: Projection>(
     stiffness: f64,
 ) -> f64 {
     let Some(friction) = &model.friction else { return 0.0 };
-    let points = space.trace.points.iter().zip(view.friction).filter(|(point, _)| !point.clamped);
-    let distances = points.map(|(point, &s)| {
-        let law = friction.at(space.mesh.point(&[point.vertex], &[1.0]), view.t);
+    let points = space.trace.points.iter().zip(view.friction).enumerate();
+    let distances = points.filter(|(_, (point, _))| !point.clamped).map(|(i, (point, &s))| {
+        let x = space.mesh.point(&[point.vertex], &[1.0]);
+        let pressure = model.boundary.as_ref().map_or(0.0, |boundary| {
+            let normal = space.trace.normal(i, view.u);
+            boundary.potential_at(x).subdifferential(normal - (boundary.shift)(x)).0
+        });
+        let law = friction.scaled((friction.factor)(x, view.t), pressure);
         graph_distance(&law, [point.tangential(view.u), s], point.weight, stiffness)
     });
     distances.fold(0.0, f64::max)

@@ -80,6 +80,7 @@ impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
         let mut force = vec![0.0; state.u.len()];
         self.evolution.residual(&state.u, &mut force);
         let (slopes, prescribed) = self.evolution.graph().pieces(state);
+        self.evolution.take_pressures(&state.pressure);
         self.evolution.linearize(&slopes, &prescribed)?;
         self.by_zeta = None;
         let size = self.evolution.norm(eta);
@@ -112,11 +113,14 @@ impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
         self.evolution.solve(out, LINEAR)
     }
 
-    /// G⁻¹ (DΛ)ᵀ G x; J and ℬ₀ are symmetric.
+    /// G⁻¹ (DΛ)ᵀ G x; ℬ₀ is symmetric, and J but for the entries of friction that follows p.
     fn adjoint(&mut self, x: &[f64], out: &mut [f64]) -> Result<(), FactorError> {
         let mut force = vec![0.0; x.len()];
         self.space.pattern.multiply(&self.gram, x, &mut force);
-        self.evolution.solve(&mut force, LINEAR)?;
+        self.evolution.problem_mut().transpose();
+        let outcome = self.evolution.solve(&mut force, LINEAR);
+        self.evolution.problem_mut().transpose();
+        outcome?;
         out.fill(0.0);
         self.add_memory(&force, out);
         if let Some((by_zeta, by_eta)) = &self.by_zeta {
@@ -198,6 +202,10 @@ impl<P: Projection> StepInequality for OpenLevel<'_, P> {
 
     fn residual(&mut self, u: &[f64], out: &mut [f64]) {
         self.evolution.residual(u, out);
+    }
+
+    fn take_pressures(&mut self, pressures: &[f64]) {
+        self.evolution.take_pressures(pressures);
     }
 
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {

@@ -10,6 +10,7 @@ use std::time::Instant;
 use super::assembly::{ROOM, point_stiffness, stress_force};
 use super::boundary::boundary_graph;
 use super::compliance::FacetCompliance;
+use super::friction::Following;
 use super::last_slot::{LastSlot, TangentOf};
 use super::linear::strain_norm_from;
 use super::work::Work;
@@ -35,13 +36,13 @@ pub struct ContactProblem<'a, P> {
     /// 𝒜, as full as the terms of the memory: to it they are added in the memory that is there.
     elasticity: TensorField,
     linear: Vec<f64>,
-    solver: TangentSolver<'a>,
+    pub(super) solver: TangentSolver<'a>,
     /// What the last tangent was made of.
     last: TangentOf,
     /// Load minus memory of the past.
     load: Vec<f64>,
     /// The unknowns padded to all nodes; the displacements, where they differ; forces on all nodes.
-    unknowns: Vec<f64>,
+    pub(super) unknowns: Vec<f64>,
     cartesian: Vec<f64>,
     nodal_force: Vec<f64>,
     strains: Vec<f64>,
@@ -50,7 +51,8 @@ pub struct ContactProblem<'a, P> {
     strain_norm: f64,
     /// Prescribed increments (dof, δ), and what they move to the right side (dof, value).
     fixed: Vec<(usize, f64)>,
-    lifted: Vec<(usize, f64)>,
+    pub(super) lifted: Vec<(usize, f64)>,
+    pub(super) following: Following,
     /// Counters and times.
     work: Work,
 }
@@ -94,6 +96,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             strain_norm: 0.0,
             fixed: Vec::new(),
             lifted: Vec::new(),
+            following: Following::default(),
             work: Work::default(),
             space,
             model,
@@ -325,6 +328,7 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
     fn residual(&mut self, u: &[f64], out: &mut [f64]) {
         let start = Instant::now();
         self.unknowns[..u.len()].copy_from_slice(u);
+        self.follow_pressure();
         if !self.space.frames.is_empty() {
             self.cartesian.copy_from_slice(&self.unknowns);
             self.space.frames.to_cartesian(&mut self.cartesian);
@@ -341,6 +345,10 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
         }
         self.work.residuals += 1;
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
+    }
+
+    fn take_pressures(&mut self, pressures: &[f64]) {
+        self.following.take_pressures(pressures);
     }
 
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
@@ -365,6 +373,7 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
         }
         self.work.tangents += u32::from(self.model.projection.limit().is_some());
         self.prescribe(prescribed, &mut tangent, &mut rank_one);
+        self.couple(prescribed);
         self.solver.hold(self.fixed.iter().map(|&(dof, _)| dof));
         self.work.seconds_assemble += start.elapsed().as_secs_f64();
         self.solver.prepare(tangent, rank_one, unchanged)

@@ -12,7 +12,7 @@ use super::sums::{Kernel, Numbers, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::Weights;
 use algebra::linalg::{Front, axpy, dot};
-use exact::{ComplianceRule, Exact, InterpolatedOnMesh};
+use exact::{ComplianceRule, Exact, FrictionBound, InterpolatedOnMesh};
 use fem::contact::Discretization;
 use formula::{Node, Point, Variable};
 use scene::TimeRule;
@@ -122,6 +122,11 @@ impl<const S: usize> InSpace<S> {
     /// The largest errors on a grid, max_n ‖ε(e_n)‖ and those of the other norms.
     pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
         let weights = Weights::of(self.rule)?;
+        let contact = self.exact.data.contact.as_ref();
+        let friction = contact.and_then(|contact| contact.friction.as_ref());
+        if friction.is_some_and(|own| matches!(own.bound, FrictionBound::Coulomb(_))) {
+            return Err(NoConstant::Unsymmetric);
+        }
         let mut sums = Sums::new(weights, &self.kernels, times, self.space.nodes.len());
         // Sums over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
         let mut sizes = Numbers::new(weights);

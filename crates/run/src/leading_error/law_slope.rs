@@ -43,7 +43,8 @@ pub(super) fn sliding_answer(bound: &FrictionBound, [s, u_tau, at]: [f64; 3]) ->
         return Answer::Held;
     }
     match bound {
-        FrictionBound::Given(_) => Answer::Slope(0.0),
+        // By u_τ; the slope in u_ν of a bound that follows the normal law is no part of a symmetric matrix.
+        FrictionBound::Given(_) | FrictionBound::Coulomb(_) => Answer::Slope(0.0),
         FrictionBound::Slip(points) => {
             let pairs = points.windows(2).map(|pair| (pair[0], pair[1]));
             let mut pieces =

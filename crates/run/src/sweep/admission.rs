@@ -109,8 +109,8 @@ pub fn admit_constants(scene: &Scene, any: bool, limit: &MemoryLimit) -> Result<
     let Some(body) = scene.as_contact() else { return Ok(()) };
     let law = body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     let friction = body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
-    let falls =
-        law.is_some_and(|law| law.alpha() > 0.0) || friction.is_some_and(|own| own.alpha() > 0.0);
+    let falls = law.is_some_and(|law| law.alpha() > 0.0)
+        || friction.is_some_and(|own| own.alpha() > 0.0 || own.coefficient() > 0.0);
     if body.domain.contact.is_empty() || !(any || falls) {
         return Ok(());
     }

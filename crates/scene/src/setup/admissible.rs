@@ -57,20 +57,32 @@ fn representable(setup: &Setup) -> Result<(), SetupError> {
     Ok(())
 }
 
-/// (2.9): α_ν c_j² + α_τ c_τ² < m_𝒜.
+/// (2.9): α_ν c_j² + α_τ c_τ² < m_𝒜, or with friction that follows the normal law its sharp form.
 fn smallness(setup: &Setup) -> Result<(), SetupError> {
     let scene = &setup.scene;
     let law = setup.body.contact.as_ref().and_then(|contact| contact.law.as_ref());
     let contact = setup.body.contact.as_ref();
-    let falls =
-        contact.and_then(|contact| contact.friction.as_ref()).is_some_and(|f| f.alpha() > 0.0);
-    let monotone = law.is_none_or(|law| law.alpha() == 0.0) && !falls;
+    let friction = contact.and_then(|contact| contact.friction.as_ref());
+    let falls = friction.is_some_and(|f| f.alpha() > 0.0);
+    let follows = friction.is_some_and(|f| f.coefficient() > 0.0);
+    let monotone = law.is_none_or(|law| law.alpha() == 0.0) && !falls && !follows;
     if monotone || scene.violates.contains(&Hypothesis::Smallness) {
         return Ok(());
     }
     let constants = constants(setup)?;
     if constants.m0 > 0.0 {
         return Ok(());
+    }
+    if let Some(own) = &constants.coulomb {
+        let (c_nu, c_tau) = (constants.c_j_squared, constants.c_tau_squared);
+        let [normal, tangential] = own.coefficients(constants.alpha_nu, c_nu, c_tau);
+        let message = format!(
+            "the smallness condition (2.9) fails: A c_nu^2 + B c_tau^2 = {normal:.4} * {c_nu:.4} + {tangential:.4} * {c_tau:.4} = {:.4} is not below m_A = {:.4}",
+            constants.concave(),
+            constants.m_elastic
+        );
+        let hint = "lower the coefficient, flatten the normal law or stiffen the body (A and B are explained in docs/THEORY.md); or say violates = [\"2.9\"] in [scene] to run it all the same";
+        return Err(scene.error("contact.friction.bound.coefficient", message, hint).into());
     }
     if falls {
         let message = format!(

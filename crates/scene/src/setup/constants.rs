@@ -28,9 +28,11 @@ pub struct Constants {
     pub c_j_squared_bound: Option<f64>,
     /// α_τ of friction whose bound falls with the slip (a stiffness).
     pub alpha_tau: f64,
+    /// Friction whose bound follows the normal law; none for others.
+    pub coulomb: Option<Coulomb>,
     /// c_τ² (a length), the same for u_τ: extrapolated from meshes, no bound; 0 where it was not asked for.
     pub c_tau_squared: f64,
-    /// m0 = m_𝒜 - α_ν c_j² - α_τ c_τ² with the extrapolated c_j² and c_τ².
+    /// m0 = m_𝒜 - [`Self::concave`] with the extrapolated c_j² and c_τ².
     pub m0: f64,
     /// L_κ.
     pub lipschitz_kappa: f64,
@@ -42,6 +44,40 @@ pub struct Constants {
     pub beta_phi: f64,
     /// ℬ(t) on [0, T].
     pub memory: MemoryNorms,
+}
+
+/// S = μ_f p(u_ν).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coulomb {
+    /// μ_f.
+    pub coefficient: f64,
+    /// The steepest rise of p (a stiffness).
+    pub rise: f64,
+}
+
+impl Coulomb {
+    /// A and B with which normal law and friction together take A‖v_ν‖² + B‖v_τ‖² at most.
+    ///
+    /// For two states with differences a of u_ν and b of u_τ, p differs by q a with -α_ν ≤ q ≤ L, and the two terms by
+    /// q a² - μ_f |q||a||b| at least. Where q > 0 that is -μ_f² q b²/4 or more, else -(α_ν + θ/2) a² - μ_f² α_ν² b²/(2θ) for
+    /// any θ > 0: this θ makes the sum least.
+    pub fn coefficients(&self, alpha_nu: f64, c_j_squared: f64, c_tau_squared: f64) -> [f64; 2] {
+        let square = self.coefficient.powi(2);
+        let rising = 0.25 * square * self.rise;
+        if alpha_nu == 0.0 {
+            return [0.0, rising];
+        }
+        let best = self.coefficient * alpha_nu * (c_tau_squared / c_j_squared).sqrt();
+        // Beyond this θ the part with q > 0 is the larger one.
+        let most = if self.rise > 0.0 { 2.0 * alpha_nu.powi(2) / self.rise } else { best };
+        let theta = best.min(most);
+        [alpha_nu + 0.5 * theta, rising.max(0.5 * square * alpha_nu.powi(2) / theta)]
+    }
+
+    /// μ_f L_p with L_p = max |p'|.
+    fn largest_slope(&self, alpha_nu: f64) -> f64 {
+        self.coefficient * self.rise.max(alpha_nu)
+    }
 }
 
 /// Norms of the relaxation tensor.
@@ -58,9 +94,26 @@ pub struct MemoryNorms {
 }
 
 impl Constants {
-    /// α_ν c_j² + α_τ c_τ²: what laws that fall take from the monotonicity of the elasticity.
-    pub fn concave(&self) -> f64 {
+    /// α_ν c_j² + α_τ c_τ².
+    pub(super) fn falls(&self) -> f64 {
         self.alpha_nu * self.c_j_squared + self.alpha_tau * self.c_tau_squared
+    }
+
+    /// α_ν c_j² + α_τ c_τ², what laws that fall take from the monotonicity of the elasticity; with friction that follows
+    /// the normal law A c_j² + B c_τ² of [`Coulomb::coefficients`] in its place, which bounds λ_max(A M_ν + B M_τ).
+    pub fn concave(&self) -> f64 {
+        let [normal, tangential] = match &self.coulomb {
+            None => [self.alpha_nu, self.alpha_tau],
+            Some(own) => own.coefficients(self.alpha_nu, self.c_j_squared, self.c_tau_squared),
+        };
+        normal * self.c_j_squared + tangential * self.c_tau_squared
+    }
+
+    /// α_ν c_j² + μ_f L_p c_j c_τ: the same with α_φ = μ_f L_p c_j c_τ of (2.7b), never smaller.
+    pub fn concave_as_printed(&self) -> f64 {
+        let product = (self.c_j_squared * self.c_tau_squared).sqrt();
+        let printed = self.coulomb.map_or(0.0, |own| own.largest_slope(self.alpha_nu) * product);
+        self.falls() + printed
     }
 
     /// These constants with c_τ² of the friction.
@@ -113,10 +166,16 @@ pub fn constants(setup: &Setup) -> Result<Constants, SetupError> {
 /// # Errors
 /// A mesh whose stiffness matrix cannot be factorized.
 pub fn step_bounds(setup: &Setup) -> Result<StepBounds, SetupError> {
-    let c_j_squared = if alpha_nu(setup) == 0.0 { 0.0 } else { strain_trace_family(setup)?.limit };
+    let follows = coulomb(setup).is_some();
+    let c_j_squared = match alpha_nu(setup) == 0.0 && !follows {
+        true => 0.0,
+        false => strain_trace_family(setup)?.limit,
+    };
     let found = with_trace_constant(setup, c_j_squared);
-    let found =
-        if found.alpha_tau > 0.0 { found.with_friction(tangential_limit(setup)?) } else { found };
+    let found = match found.alpha_tau > 0.0 || follows {
+        true => found.with_friction(tangential_limit(setup)?),
+        false => found,
+    };
     Ok(found.step_bounds(setup.model.time_rule.as_ref()))
 }
 
@@ -139,6 +198,7 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
         alpha_phi: mu,
         alpha_nu,
         alpha_tau: alpha_tau(setup),
+        coulomb: coulomb(setup),
         c_tau_squared: 0.0,
         c_j_squared,
         c_j_squared_bound: proved_bound(setup),
@@ -159,6 +219,13 @@ pub(super) fn alpha_nu(setup: &Setup) -> f64 {
 fn alpha_tau(setup: &Setup) -> f64 {
     let contact = setup.body.contact.as_ref();
     contact.and_then(|contact| contact.friction.as_deref()).map_or(0.0, crate::Friction::alpha)
+}
+
+pub(super) fn coulomb(setup: &Setup) -> Option<Coulomb> {
+    let contact = setup.body.contact.as_ref()?;
+    let coefficient = contact.friction.as_deref()?.coefficient();
+    let rise = contact.law.as_ref()?.steepest_rise();
+    (coefficient > 0.0).then_some(Coulomb { coefficient, rise })
 }
 
 fn memory_norms(setup: &Setup) -> MemoryNorms {

@@ -4,7 +4,8 @@ use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
 use fem::contact::{Discretization, TraceMass, tangential_trace_constant, trace_constant};
 use vhi::law::TensorField;
 
-/// (α_ν c_j² + α_τ c_τ²)/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))), c_j² and c_τ²
+/// (α_ν c_j² + α_τ c_τ²)/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))), less
+/// μ_f L_p c_j c_τ where friction follows the normal law, c_j² and c_τ²
 /// by the lumped trace mass; below one exactly if the step satisfies (2.9) with these constants. Infinite
 /// where m ≤ 0, 0 for convex potentials. w is the largest weight of the last slot, k/2 by the
 /// trapezoidal rule.
@@ -18,7 +19,8 @@ pub fn decomposition_bound(
     steps: u32,
 ) -> Result<f64, SetupError> {
     let failed = |source| SetupError::Constant { n, source };
-    let c_j_squared = match constants::alpha_nu(setup) > 0.0 {
+    let follows = constants::coulomb(setup).is_some();
+    let c_j_squared = match constants::alpha_nu(setup) > 0.0 || follows {
         true => {
             trace_constant(space, &TensorField::identity(), TraceMass::Lumped)
                 .map_err(failed)?
@@ -27,14 +29,15 @@ pub fn decomposition_bound(
         false => 0.0,
     };
     let mut constants = with_trace_constant(setup, c_j_squared);
-    if constants.alpha_tau > 0.0 {
+    if constants.alpha_tau > 0.0 || follows {
         let c_tau = tangential_trace_constant(space, TraceMass::Lumped).map_err(failed)?;
         constants = constants.with_friction(c_tau.value);
     }
     let bounds = constants.step_bounds(setup.model.time_rule.as_ref());
     let last = bounds.last_share * setup.grid(steps).largest_step() * bounds.destabilizing;
-    let m = constants.m_elastic - last;
-    Ok(quotient(constants.concave(), m))
+    let falls = constants.falls();
+    let m = constants.m_elastic - last - (constants.concave_as_printed() - falls);
+    Ok(quotient(falls, m))
 }
 
 /// The contraction factor of the decomposition for an abstract problem: α_j c_j²/(m_A - α_φ - w β_φ‖R‖‖q(t,t)‖).

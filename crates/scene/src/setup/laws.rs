@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::formulas::boxed_in_time;
 use exact::{CurveNumbers, FrictionFormulas, LawNumbers};
-use fem::contact::Friction;
+use fem::contact::{Friction, OnContactInTime};
 use formula::{Graph, Node};
 use vhi::law::{Curve, Curved, NoPotential, PiecewiseLinear, Potential};
 
@@ -33,12 +33,17 @@ fn solver_curve(curve: crate::Curve) -> Curve {
     }
 }
 
-/// Friction for the solver: S = c(x, t) S_0(|u_τ|) with S_0 = 1 where the bound is given, c = 1 where it depends on the slip.
+/// Friction for the solver: S = c(x, t) S_0(|u_τ|) with S_0 = 1 where the bound is given, c = 1 where it depends on the slip;
+/// S = c p(u_ν) where it follows the normal law.
 pub(super) fn friction(own: &crate::Friction, graph: &Arc<Graph>) -> Friction {
     let unit = vec![[0.0, 1.0]];
     let (factor, points) = match &own.bound {
         crate::FrictionBound::Given(bound) => (boxed_in_time(graph.clone(), Some(*bound)), &unit),
         crate::FrictionBound::Slip(points) => (boxed_in_time(graph.clone(), None), points),
+        crate::FrictionBound::Coulomb(coefficient) => {
+            let coefficient = *coefficient;
+            (Box::new(move |_: [f64; 3], _: f64| coefficient) as OnContactInTime, &unit)
+        }
     };
     let backward = points.iter().rev().map(|&[r, s]| (-r, -s));
     let both = backward.chain(points.iter().map(|&[r, s]| (r, s))).collect();
@@ -47,7 +52,8 @@ pub(super) fn friction(own: &crate::Friction, graph: &Arc<Graph>) -> Friction {
         Ok(graph) => Arc::new(graph),
         Err(_) => Arc::new(NoPotential),
     };
-    Friction { factor, graph: potential }
+    let follows_pressure = matches!(own.bound, crate::FrictionBound::Coulomb(_));
+    Friction { factor, graph: potential, follows_pressure }
 }
 
 /// Friction for the manufactured side, with the scene's s.
@@ -58,6 +64,7 @@ pub(super) fn friction_formulas(
     let bound = match &own.bound {
         crate::FrictionBound::Given(bound) => exact::FrictionBound::Given(*bound),
         crate::FrictionBound::Slip(points) => exact::FrictionBound::Slip(points.clone()),
+        crate::FrictionBound::Coulomb(coefficient) => exact::FrictionBound::Coulomb(*coefficient),
     };
     FrictionFormulas { bound, multiplier }
 }

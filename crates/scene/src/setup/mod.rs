@@ -24,7 +24,7 @@ use std::sync::Arc;
 pub use abstract_constants::AbstractConstants;
 pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
 pub use admissible::admissible;
-pub use constants::{
+pub use constants::{Coulomb, 
     Constants, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
 };
 pub use contraction::{abstract_decomposition_bound, decomposition_bound};

@@ -194,10 +194,16 @@ pub(crate) fn table(
         let note = "steepest descent of the friction bound over the slip";
         rows.push(Constant { how: Provenance::Declared, ..proved("alpha_tau", c.alpha_tau, note) });
     }
+    if let Some(own) = &c.coulomb {
+        let declared = |row: Constant| Constant { how: Provenance::Declared, ..row };
+        rows.push(declared(proved("mu_f", own.coefficient, "S = mu_f p(u_nu)")));
+        let note = "steepest rise of p";
+        rows.push(declared(proved("L_p", own.rise, note)));
+    }
     if let Some(traces) = traces {
         rows.extend(trace_rows(c, traces));
     }
-    let monotone = c.alpha_nu == 0.0 && c.alpha_tau == 0.0;
+    let monotone = c.alpha_nu == 0.0 && c.alpha_tau == 0.0 && c.coulomb.is_none();
     let how = if monotone { Provenance::Proved } else { Provenance::Extrapolated };
     rows.push(Constant {
         name: "m0".into(),
@@ -207,10 +213,12 @@ pub(crate) fn table(
         safe: monotone,
         note: match setup.model.friction {
             None => "m_A - alpha_phi - alpha_j c_j^2 (2.9), with the largest c_j^2 of this table".into(),
+            Some(_) if c.coulomb.is_some() => "m_A - alpha_phi - A c_j^2 - B c_tau^2 (docs/THEORY.md), with the largest of this table".into(),
             Some(_) => "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2, with the largest of this table".into(),
         },
     });
-    if let Some(bound) = c.c_j_squared_bound.filter(|_| c.alpha_nu > 0.0 && c.alpha_tau == 0.0) {
+    let normal_alone = c.alpha_nu > 0.0 && c.alpha_tau == 0.0 && c.coulomb.is_none();
+    if let Some(bound) = c.c_j_squared_bound.filter(|_| normal_alone) {
         let value = c.m_elastic - c.alpha_nu * bound;
         rows.push(proved("m0, proved", value, "with the proved bound of c_j^2"));
     }
