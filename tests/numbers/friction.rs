@@ -148,7 +148,8 @@ fn the_slopes_of_a_falling_bound_are_its_differences() {
     let points = vec![(-0.2, -0.2), (0.0, -0.3), (0.0, 0.3), (0.2, 0.2)];
     let graph = Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).expect("a law"));
     let mut setup = setup("friction-falling");
-    setup.model.friction = Some(Friction { factor: Box::new(|_, _| 1.0), graph, follows_pressure: false });
+    setup.model.friction =
+        Some(Friction { factor: Box::new(|_, _| 1.0), graph, follows_pressure: false });
     let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
     let mut load = TruthLoad(&*data.truth);
     let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);

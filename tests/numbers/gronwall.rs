@@ -127,7 +127,7 @@ fn long_no_shipped_scene_violates_the_chain() {
             }
             Err(
                 GronwallError::NoHistory { .. }
-                | GronwallError::NotTrapezoidal { .. }
+                | GronwallError::OwnWeights { .. }
                 | GronwallError::NoTraceBound { .. }
                 | GronwallError::Smallness { .. }
                 | GronwallError::NotLipschitz { .. },

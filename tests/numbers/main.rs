@@ -9,6 +9,7 @@ mod boundary_rules;
 mod broken_effects;
 mod constants;
 mod contact_states;
+mod coulomb;
 mod coverage;
 mod diagnose;
 mod estimate;

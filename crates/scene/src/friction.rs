@@ -156,7 +156,10 @@ fn coulomb(
     }
     if law.curve.is_some() {
         let hint = "take a law by lines: kind = \"linear\" or \"piecewise-linear\"";
-        return refuse("the bound mu p(u_nu) and a curved law p: (2.9) takes its steepest rise from lines", hint);
+        return refuse(
+            "the bound mu p(u_nu) and a curved law p: (2.9) takes its steepest rise from lines",
+            hint,
+        );
     }
     let negative = law.points.iter().any(|point| point[1] < 0.0);
     if negative || law.slope_before > 0.0 || law.slope_after < 0.0 {

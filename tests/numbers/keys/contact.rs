@@ -20,7 +20,14 @@ pub const TIES: &[Tie] = &[
     (&["contact.law.length", "contact.law.jump"], decaying),
     (&["contact.law.coefficient", "contact.law.exponent", "contact.law.until"], power),
     (&["contact.law.scale"], scale),
-    (&["contact.friction.bound.kind", "contact.friction.bound.points"], friction),
+    (
+        &[
+            "contact.friction.bound.kind",
+            "contact.friction.bound.points",
+            "contact.friction.bound.coefficient",
+        ],
+        friction,
+    ),
 ];
 
 fn with_contact(text: &str) -> Setup {
@@ -122,13 +129,27 @@ fn scale() {
 fn friction() {
     given_friction();
     slip_friction();
+    coulomb_friction();
 }
 
 /// S(x, t) = 0.1 x (1 + t) on both sides of u_τ = 0, and nothing but the interval between at 0.
 fn given_friction() {
     let setup = with_contact("[contact.friction]\nbound = \"0.1*x*(1 + t)\"");
-    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0);
+    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0, 0.0);
     for (slip, [low, high]) in [(0.0, [-0.1, 0.1]), (0.02, [0.1; 2]), (-0.02, [-0.1; 2])] {
+        let own = law.subdifferential(slip);
+        near(own.0, low);
+        near(own.1, high);
+    }
+}
+
+/// 0.4 p on both sides of u_τ = 0, whatever the slip.
+fn coulomb_friction() {
+    let setup = with_contact(
+        "law = { kind = \"linear\", stiffness = 0.0 }\n[contact.friction]\nbound = { kind = \"coulomb\", coefficient = \"0.4\" }",
+    );
+    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0, 0.5);
+    for (slip, [low, high]) in [(0.0, [-0.2, 0.2]), (0.02, [0.2; 2]), (-0.3, [-0.2; 2])] {
         let own = law.subdifferential(slip);
         near(own.0, low);
         near(own.1, high);
@@ -140,7 +161,7 @@ fn slip_friction() {
     let setup = with_contact(
         "[contact.friction]\nbound = { kind = \"slip\", points = [[0.0, 0.3], [0.1, 0.28]] }",
     );
-    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0);
+    let law = setup.model.friction.as_ref().expect("friction").at([0.5, 0.0, 0.0], 1.0, 0.0);
     for (slip, [low, high]) in
         [(0.0, [-0.3, 0.3]), (0.05, [0.29; 2]), (-0.05, [-0.29; 2]), (0.4, [0.28; 2])]
     {

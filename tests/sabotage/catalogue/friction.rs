@@ -1,12 +1,74 @@
 //! Wrong friction: its bound, its direction, where it sticks.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use gronwall::contact::Friction;
 use gronwall::law::{PiecewiseLinear, Potential};
+use gronwall::linalg::FactorError;
 use gronwall::setup::Setup;
+use gronwall::vhi::{
+    BoundaryGraph, HistoryInequality, Newton, Scratch, StepError, StepInequality, StepInfo,
+    StepSolver, StepState,
+};
 
-use super::{Defect, Term};
+use super::levels::march;
+use super::{Defect, Term, marched};
+
+/// Newton's method with the laws of friction as they were at the end of the level before.
+#[derive(Default)]
+struct Late(RefCell<Option<Vec<Arc<dyn Potential>>>>);
+
+impl StepSolver for Late {
+    fn solve_level<P: HistoryInequality>(
+        &self,
+        problem: &mut P,
+        state: &mut StepState,
+        scratch: &mut Scratch,
+    ) -> Result<StepInfo, StepError> {
+        let BoundaryGraph { coordinates, potentials } = problem.graph();
+        let graph = BoundaryGraph {
+            coordinates: coordinates.clone(),
+            potentials: self.0.take().unwrap_or_else(|| potentials.clone()),
+        };
+        let info = Newton::default().solve(&mut Before { problem, graph }, state, scratch)?;
+        problem.residual(&state.u, &mut vec![0.0; state.u.len()]);
+        *self.0.borrow_mut() = Some(problem.graph().potentials.clone());
+        Ok(info)
+    }
+}
+
+/// A level with the graphs of another.
+struct Before<'p, P> {
+    problem: &'p mut P,
+    graph: BoundaryGraph,
+}
+
+impl<P: HistoryInequality> StepInequality for Before<'_, P> {
+    fn dofs(&self) -> usize {
+        self.problem.dofs()
+    }
+
+    fn graph(&self) -> &BoundaryGraph {
+        &self.graph
+    }
+
+    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
+        self.problem.residual(u, out);
+    }
+
+    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
+        self.problem.linearize(slopes, prescribed)
+    }
+
+    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+        self.problem.solve(rhs, forcing)
+    }
+
+    fn force_scale(&self, u: &[f64]) -> f64 {
+        self.problem.force_scale(u)
+    }
+}
 
 /// c(x, t) of the scene.
 type Bound<'a> = &'a dyn Fn([f64; 3], f64) -> f64;
@@ -63,6 +125,28 @@ pub fn defects() -> Vec<Defect> {
                 // Vertices at multiples of 1/16: the odd ones of the finest mesh of the suite.
                 let odd = (16.0 * x[0]).round() as i64 % 2 == 1;
                 if odd { 0.0 } else { sound(x, t) }
+            })
+        }),
+        Defect::of(Term::Friction, "friction bound of the level before", |setup| {
+            marched(setup, |setup, data, steps, observe| {
+                data.march(setup, steps, &Late::default(), observe)
+            })
+        }),
+        Defect::of(
+            Term::Friction,
+            "friction bound of the level before, KKT system not checked",
+            |setup| {
+                marched(setup, |setup, data, steps, observe| {
+                    let sound =
+                        |_: usize, own: &StepState, _: &StepState, _: &StepState| own.clone();
+                    march(setup, data, steps, observe, &Late::default(), sound, false)
+                })
+            },
+        ),
+        Defect::of(Term::Friction, "friction that follows p takes a bound of its own", |setup| {
+            changed(setup, |own| match own.follows_pressure {
+                true => Friction { factor: Box::new(|_, _| 0.02), follows_pressure: false, ..own },
+                false => own,
             })
         }),
     ]

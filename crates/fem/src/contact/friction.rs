@@ -28,7 +28,11 @@ pub struct Friction {
 }
 
 impl Friction {
-    /// The graph at a point of Γ3 with the factor c, where p(u_ν) = `pressure`.
+    /// The graph at a point of Γ3 where p(u_ν) = `pressure`.
+    pub fn at(&self, x: [f64; 3], t: f64, pressure: f64) -> Scaled {
+        self.scaled((self.factor)(x, t), pressure)
+    }
+
     fn scaled(&self, factor: f64, pressure: f64) -> Scaled {
         let followed = if self.follows_pressure { pressure } else { 1.0 };
         Scaled { potential: self.graph.clone(), factor: factor * followed }
@@ -160,7 +164,8 @@ impl<P: Projection> ContactProblem<'_, P> {
     /// ∂(w s)/∂u_ν = w (s/p) p'(u_ν) where the friction follows p and slips. A prescribed u_ν has its part moved to the
     /// right side instead.
     pub(super) fn couple(&mut self, prescribed: &[Option<f64>]) {
-        let (graph, first) = (&self.graph, self.graph.coordinates.len() - self.following.factors.len());
+        let (graph, first) =
+            (&self.graph, self.graph.coordinates.len() - self.following.factors.len());
         self.following.entries.clear();
         for i in 0..self.following.factors.len() {
             let (normal, own) = (&graph.coordinates[i], &graph.coordinates[first + i]);
@@ -219,7 +224,7 @@ pub(super) fn violation<P: Projection>(
             let normal = space.trace.normal(i, view.u);
             boundary.potential_at(x).subdifferential(normal - (boundary.shift)(x)).0
         });
-        let law = friction.scaled((friction.factor)(x, view.t), pressure);
+        let law = friction.at(x, view.t, pressure);
         graph_distance(&law, [point.tangential(view.u), s], point.weight, stiffness)
     });
     distances.fold(0.0, f64::max)

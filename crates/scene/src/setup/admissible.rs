@@ -81,7 +81,7 @@ fn smallness(setup: &Setup) -> Result<(), SetupError> {
             constants.concave(),
             constants.m_elastic
         );
-        let hint = "lower the coefficient, flatten the normal law or stiffen the body (A and B are explained in docs/THEORY.md); or say violates = [\"2.9\"] in [scene] to run it all the same";
+        let hint = "lower the coefficient, flatten the normal law or stiffen the body (A and B are explained in docs/CONTACT-LAWS.md); or say violates = [\"2.9\"] in [scene] to run it all the same";
         return Err(scene.error("contact.friction.bound.coefficient", message, hint).into());
     }
     if falls {

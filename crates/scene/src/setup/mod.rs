@@ -24,8 +24,8 @@ use std::sync::Arc;
 pub use abstract_constants::AbstractConstants;
 pub use abstract_setup::{AbstractLoad, AbstractRun, AbstractSetup};
 pub use admissible::admissible;
-pub use constants::{Coulomb, 
-    Constants, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
+pub use constants::{
+    Constants, Coulomb, MemoryNorms, constants, step_bounds, trace_levels, with_trace_constant,
 };
 pub use contraction::{abstract_decomposition_bound, decomposition_bound};
 pub use formulas::{GapFormula, KernelFormula, YieldFormula};

@@ -213,7 +213,7 @@ pub(crate) fn table(
         safe: monotone,
         note: match setup.model.friction {
             None => "m_A - alpha_phi - alpha_j c_j^2 (2.9), with the largest c_j^2 of this table".into(),
-            Some(_) if c.coulomb.is_some() => "m_A - alpha_phi - A c_j^2 - B c_tau^2 (docs/THEORY.md), with the largest of this table".into(),
+            Some(_) if c.coulomb.is_some() => "m_A - alpha_phi - A c_j^2 - B c_tau^2 (docs/CONTACT-LAWS.md), with the largest of this table".into(),
             Some(_) => "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2, with the largest of this table".into(),
         },
     });

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::GronwallError;
 use super::recurrence::{HistoryPart, KernelNorms};
+use super::rule::Weights;
 use scene::setup::{Setup, constants};
 use vhi::history::TimeGrid;
 use vhi::monotonicity;
@@ -25,6 +26,8 @@ pub struct GronwallConstants {
     pub yielding: f64,
     /// sup ‖ℬ‖ over [0, T], operator norms on S^d; zero without memory.
     pub memory: f64,
+    /// w_nj.
+    pub weights: Weights,
 }
 
 /// The constants of (3.24) of any scene.
@@ -64,14 +67,14 @@ impl GronwallConstants {
     /// The constants of `setup`.
     ///
     /// # Errors
-    /// No history, no proved bound of c_j², m0 ≤ 0, κ not Lipschitz.
+    /// A rule with weights for each kernel, no history, no proved bound of c_j², m0 ≤ 0, κ not Lipschitz.
     pub fn new(setup: &Setup) -> Result<Self, GronwallError> {
         let found = constants(setup)?;
         let scene = &setup.scene;
         let name = || scene.name.clone();
-        if scene.time.rule != scene::TimeRule::Trapezoid {
-            return Err(GronwallError::NotTrapezoidal { scene: name() });
-        }
+        let Some(weights) = Weights::of(scene.time.rule) else {
+            return Err(GronwallError::OwnWeights { scene: name() });
+        };
         let trace_bound = (found.alpha_nu > 0.0).then_some(found.c_j_squared_bound).flatten();
         if found.alpha_nu > 0.0 && trace_bound.is_none() {
             return Err(GronwallError::NoTraceBound { scene: name() });
@@ -88,7 +91,7 @@ impl GronwallConstants {
         if yielding == 0.0 && memory == 0.0 {
             return Err(GronwallError::NoHistory { scene: name() });
         }
-        Ok(Self { m0, trace_bound, beta, yielding, memory })
+        Ok(Self { m0, trace_bound, beta, yielding, memory, weights })
     }
 
     /// As every scene states them. ‖S‖ is that of the parts the scene has: 1 for ζ, plus sup ‖ℬ‖.

@@ -91,6 +91,7 @@ impl InTime for ContactInTime<'_> {
     fn blank(&self, grid: &TimeGrid) -> Estimate {
         Estimate {
             grid: grid.clone(),
+            weights: self.constants.weights,
             error: Vec::new(),
             weighted_source: Vec::new(),
             source: Vec::new(),

@@ -24,11 +24,11 @@ pub enum GronwallError {
         "scene `{scene}`: m0 = {m0:.6} is not positive with an upper bound of c_j^2; flatten the falling branch of the law"
     )]
     Smallness { scene: String, m0: f64 },
-    /// Another rule in time.
+    /// A rule whose weights depend on the kernel.
     #[error(
-        "scene `{scene}`: (3.24) is written for the trapezoidal rule; leave the rule in [time] out"
+        "scene `{scene}`: the rule has weights of its own for each kernel, and (3.24) one set for all; take \"trapezoid\", \"left\" or \"gregory\""
     )]
-    NotTrapezoidal { scene: String },
+    OwnWeights { scene: String },
     /// A body without a mesh, or a mesh without a body.
     #[error("{reason}")]
     Mesh { reason: &'static str },

@@ -2,9 +2,9 @@
 //! mesh, fills an [`Estimate`] and has its [`Envelopes`].
 
 use super::recurrence::{
-    HistoryPart, StepTooLarge, closed_limit, larger, primed, primed_closed, unprimed,
-    unprimed_closed, weighted,
+    HistoryPart, StepTooLarge, closed_limit, larger, unprimed, unprimed_closed, weighted,
 };
+use super::rule::Weights;
 use vhi::history::TimeGrid;
 
 /// A difference e_n on a time grid and the data of its bounds,
@@ -20,6 +20,8 @@ use vhi::history::TimeGrid;
 pub struct Estimate {
     /// t_0, …, t_N.
     pub grid: TimeGrid,
+    /// w_nj.
+    pub weights: Weights,
     /// e_n = ‖u_n - u_n^k‖.
     pub error: Vec<f64>,
     /// s_n (a dual norm: a stress times √|Ω| in the contact problem).
@@ -73,20 +75,20 @@ impl Estimate {
     /// The bounds, each above the one before.
     ///
     /// # Errors
-    /// C2 w_nn ≥ 1 with the halved weight. The printed sum, which needs C2 k < 1, is `None` where it
-    /// fails.
+    /// C2 w_nn ≥ 1. The printed sum, which needs C2 k < 1, is `None` where it fails, and by rules with other weights.
     pub fn envelopes(&self) -> Result<Envelopes, StepTooLarge> {
         let scaled: Vec<f64> = self.source.iter().map(|s| s / self.m0).collect();
-        let (grid, c2) = (&self.grid, self.c2());
+        let (grid, c2, weights) = (&self.grid, self.c2(), self.weights);
+        let as_printed = weights == Weights::Trapezoid;
         let floor = vec![self.floor; self.error.len()];
         Ok(Envelopes {
-            primed: primed(grid, &scaled, c2)?,
-            closed: primed_closed(grid, &scaled, c2)?,
+            primed: weights.envelope(grid, &scaled, c2)?,
+            closed: weights.closed(grid, &scaled, c2)?,
             limit: closed_limit(grid, &scaled, c2),
-            weighted: weighted(grid, &self.weighted_source, self.m0, &self.parts)?,
-            printed: unprimed(grid, &scaled, c2).ok(),
-            printed_closed: unprimed_closed(grid, &scaled, c2).ok(),
-            allowance: primed(grid, &floor, c2)?,
+            weighted: weighted(weights.rule(), grid, &self.weighted_source, self.m0, &self.parts)?,
+            printed: unprimed(grid, &scaled, c2).ok().filter(|_| as_printed),
+            printed_closed: unprimed_closed(grid, &scaled, c2).ok().filter(|_| as_printed),
+            allowance: weights.envelope(grid, &floor, c2)?,
         })
     }
 }
@@ -98,7 +100,7 @@ pub struct Envelopes {
     pub weighted: Vec<f64>,
     /// E_n = C1 g_n + C2 Σ' w_nj E_j.
     pub primed: Vec<f64>,
-    /// C1 max g/(1 - c/2) ((1 + c/2)/(1 - c/2))^{n-1}, c = C2 k.
+    /// C1 max g/(1 - c/2) ((1 + c/2)/(1 - c/2))^{n-1}, c = C2 k, or what [`Weights::closed`] says of another rule.
     pub closed: Vec<f64>,
     /// C1 max g e^{C2 t_n}.
     pub limit: Vec<f64>,

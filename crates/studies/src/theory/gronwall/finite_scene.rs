@@ -11,10 +11,11 @@ use super::estimate::Estimate;
 use super::in_time::InTime;
 use super::measure::TemporalRun;
 use super::recurrence::{HistoryPart, KernelNorms};
+use super::rule::Weights;
 use scene::setup::{AbstractLoad, AbstractSetup};
 use vhi::Newton;
 use vhi::finite::{FiniteError, FiniteLoad, FiniteModel, march};
-use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::history::TimeGrid;
 
 /// Accuracy of the exact side's histories, relative.
 const EXACT: f64 = 1e-12;
@@ -26,18 +27,19 @@ pub struct FiniteInTime<'a> {
     inverse_root: DMatrix<f64>,
     /// m0 and its kin; a test may spoil them.
     pub constants: Summary,
+    weights: Weights,
 }
 
 impl<'a> FiniteInTime<'a> {
     /// The scene with its constants.
     ///
     /// # Errors
-    /// Another rule than the trapezoidal one, no history, m0 ≤ 0.
+    /// A rule with weights for each kernel, no history, m0 ≤ 0.
     pub(crate) fn new(setup: &'a AbstractSetup) -> Result<Self, GronwallError> {
         let (found, name) = (&setup.constants, || setup.scene.name.clone());
-        if setup.scene.time.rule != scene::TimeRule::Trapezoid {
-            return Err(GronwallError::NotTrapezoidal { scene: name() });
-        }
+        let Some(weights) = Weights::of(setup.scene.time.rule) else {
+            return Err(GronwallError::OwnWeights { scene: name() });
+        };
         if found.m0.is_nan() || found.m0 <= 0.0 {
             return Err(GronwallError::Smallness { scene: name(), m0: found.m0 });
         }
@@ -60,11 +62,11 @@ impl<'a> FiniteInTime<'a> {
         }
         let scale = DMatrix::from_diagonal(&gram.eigenvalues.map(|value| value.sqrt().recip()));
         let inverse_root = &gram.eigenvectors * scale * gram.eigenvectors.transpose();
-        Ok(Self { setup, inverse_root, constants })
+        Ok(Self { setup, inverse_root, constants, weights })
     }
 
     /// Runs `model`, which a test may have changed, against the exact solution. The truncation error
-    /// is that of the scene's model with the trapezoidal rule.
+    /// is that of the scene's model with the scene's rule.
     ///
     /// # Errors
     /// The run fails.
@@ -94,7 +96,7 @@ impl<'a> FiniteInTime<'a> {
         Ok(TemporalRun { steps, truncation_zeta, truncation_memory: truncation, estimate })
     }
 
-    /// ‖S_n u - S_n^k u‖_{X*}, S_n^k u = R(Σ_l Q_l Σ'_j w_nj q_l(t_n, t_j) u_j + a_S).
+    /// ‖S_n u - S_n^k u‖_{X*}, S_n^k u = R(Σ_l Q_l Σ_j w_nj q_l(t_n, t_j) u_j + a_S).
     fn truncation(&self, grid: &TimeGrid) -> Vec<f64> {
         let model = &self.setup.model;
         let states: Vec<_> = grid.times().iter().map(|t| self.setup.state(*t)).collect();
@@ -103,7 +105,7 @@ impl<'a> FiniteInTime<'a> {
         let defect = |n: usize| {
             let mut sum = model.a_s.clone();
             for term in &model.kernels {
-                let weights = Trapezoid.kernel_row(&*term.kernel, grid, n);
+                let weights = self.weights.rule().kernel_row(&*term.kernel, grid, n);
                 let mut integral = DVector::zeros(model.dimension());
                 for (u, weight) in u.iter().zip(&weights) {
                     integral.axpy(*weight, u, 1.0);
@@ -202,6 +204,7 @@ impl InTime for FiniteInTime<'_> {
         let supremum = norms.maximum(grid.steps()).max(self.constants.lipschitz);
         Estimate {
             grid: grid.clone(),
+            weights: self.weights,
             error: Vec::new(),
             weighted_source: Vec::new(),
             source: Vec::new(),

@@ -1,9 +1,10 @@
 //! e_n and g_n of a run: the error against a truth on the same mesh, and the truncation error of the
-//! trapezoidal rule on the truth, g_n = ‖S_n u - S_n^k u‖_Y = |ζ part| + ‖memory part‖_ℋ.
+//! rule on the truth, g_n = ‖S_n u - S_n^k u‖_Y = |ζ part| + ‖memory part‖_ℋ.
 
 use super::GronwallError;
 use super::constants::GronwallConstants;
 use super::estimate::Estimate;
+use super::rule::Weights;
 use super::truth::{Level, TemporalTruth, difference};
 use algebra::linalg::axpy;
 use algebra::tensor::contract;
@@ -11,7 +12,7 @@ use fem::contact::{Discretization, MemoryTerm, Model, march, strain_distance, st
 use fem::space::strain_of;
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
-use vhi::history::{Memory, TimeGrid, TimeRule, Trapezoid};
+use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::Projection;
 
 /// One run in time with the truncation error of its grid.
@@ -60,16 +61,18 @@ impl TemporalRun {
         let size = levels.iter().map(|level| strain_norm(&data.space, &level.u));
         let floor = info.floors.v + truth.accuracy() * size.fold(0.0, f64::max);
         let truncation_zeta = match constants.has_zeta() {
-            true => truncation_of_zeta(&data.space, &grid, &levels),
+            true => truncation_of_zeta(&data.space, constants.weights, &grid, &levels),
             false => vec![0.0; levels.len()],
         };
-        let truncation_memory = truncation_of_memory(setup, &data.space, &grid, &levels);
+        let truncation_memory =
+            truncation_of_memory(setup, &data.space, constants.weights, &grid, &levels);
         let parts = constants.parts(setup, &grid);
         let both = truncation_zeta.iter().zip(&truncation_memory);
         let weighted_source = both.clone().map(|(z, b)| constants.yielding * z + b).collect();
         let source = both.map(|(z, b)| constants.beta * (z + b)).collect();
         let estimate = Estimate {
             grid,
+            weights: constants.weights,
             error,
             weighted_source,
             source,
@@ -87,22 +90,24 @@ impl TemporalRun {
     }
 }
 
-fn truncation_of_zeta(space: &Discretization, grid: &TimeGrid, levels: &[Level]) -> Vec<f64> {
-    let (mut sum, mut before) = (0.0, 0.0);
-    let mut defect = |(n, level): (usize, &Level)| {
-        let norm = strain_norm(space, &level.u);
-        if n > 0 {
-            sum += 0.5 * grid.step(n) * (before + norm);
-        }
-        before = norm;
-        (level.zeta - sum).abs()
+fn truncation_of_zeta(
+    space: &Discretization,
+    weights: Weights,
+    grid: &TimeGrid,
+    levels: &[Level],
+) -> Vec<f64> {
+    let mut accumulated = Accumulated::default();
+    let defect = |level: &Level| {
+        accumulated.commit(grid, strain_norm(space, &level.u));
+        (level.zeta - accumulated.value(weights.rule(), grid)).abs()
     };
-    levels.iter().enumerate().map(&mut defect).collect()
+    levels.iter().map(defect).collect()
 }
 
 fn truncation_of_memory(
     setup: &Setup,
     space: &Discretization,
+    weights: Weights,
     grid: &TimeGrid,
     levels: &[Level],
 ) -> Vec<f64> {
@@ -110,7 +115,7 @@ fn truncation_of_memory(
     if terms.is_empty() {
         return vec![0.0; levels.len()];
     }
-    let (rule, length) = (&Trapezoid, space.nodes.len());
+    let (rule, length) = (weights.rule(), space.nodes.len());
     let mut histories: Vec<Memory> =
         terms.iter().map(|term| Memory::new(&*term.kernel, rule, grid, length)).collect();
     let mut sum = vec![0.0; length];

@@ -17,6 +17,7 @@ mod measure;
 mod memory;
 mod pictures;
 mod recurrence;
+mod rule;
 mod stability;
 mod study;
 #[cfg(test)]
@@ -36,6 +37,7 @@ pub use recurrence::{
     HistoryPart, KernelNorms, StepTooLarge, closed_limit, primed, primed_closed, unprimed,
     unprimed_closed, weighted,
 };
+pub use rule::Weights;
 pub use stability::{Perturbation, SIZES, Shape, perturbations};
 pub use study::{Effectivity, FailedLink, StudiedGrid, Study, StudyRuns};
 pub use truth::{Level, ReferenceLevels, TemporalTruth};

@@ -4,7 +4,7 @@
 //! is an upper bound of e_n (induction over n), and E_n depends on g monotonically. Without
 //! C2 w_nn < 1 nothing follows: see [`StepTooLarge`].
 
-use vhi::history::{TimeGrid, TimeRule, Trapezoid};
+use vhi::history::{TimeGrid, TimeRule};
 
 /// The lemma's hypothesis fails: e_n stands on both sides with a factor of at least 1, so that the
 /// inequality holds for arbitrarily large e_n whatever g is. "For any C2" the lemma is false.
@@ -21,7 +21,7 @@ pub struct StepTooLarge {
     pub weight: f64,
 }
 
-fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTooLarge> {
+pub(super) fn solvable(n: usize, factor: f64, weight: f64) -> Result<f64, StepTooLarge> {
     let remaining = 1.0 - factor * weight;
     // NaN is refused as well.
     if remaining > 0.0 { Ok(remaining) } else { Err(StepTooLarge { n, factor, weight }) }
@@ -117,12 +117,13 @@ pub fn unprimed_closed(grid: &TimeGrid, source: &[f64], c2: f64) -> Result<Vec<f
     Ok(source.iter().enumerate().map(bound).collect())
 }
 
-/// m0 E_n = s_n + Σ_p ω_p Σ'_{j ≤ n} w_nj κ_p(n, j) E_j, with ω_p and κ_p of `parts`. O(N²) a part:
+/// m0 E_n = s_n + Σ_p ω_p Σ_{j ≤ n} w_nj κ_p(n, j) E_j, with ω_p and κ_p of `parts`. O(N²) a part:
 /// meant for N up to some thousands.
 ///
 /// # Errors
 /// w_nn Σ_p ω_p κ_p(n, n) ≥ m0.
 pub fn weighted(
+    rule: &dyn TimeRule,
     grid: &TimeGrid,
     source: &[f64],
     m0: f64,
@@ -133,10 +134,10 @@ pub fn weighted(
         let mut sum = *s;
         for (j, known) in envelope.iter().enumerate() {
             let factor: f64 = parts.iter().map(|part| part.factor(n, j)).sum();
-            sum += Trapezoid.weight(grid, n, j) * factor * known;
+            sum += rule.weight(grid, n, j) * factor * known;
         }
         let factor = parts.iter().map(|part| part.factor(n, n)).sum::<f64>() / m0;
-        let remaining = solvable(n, factor, Trapezoid.weight(grid, n, n))?;
+        let remaining = solvable(n, factor, rule.weight(grid, n, n))?;
         envelope.push(sum / (m0 * remaining));
     }
     Ok(envelope)

@@ -87,5 +87,5 @@ fn other_rules_are_refused() {
     setup.scene.time.rule = scene::TimeRule::ProductIntegration;
     setup.model.time_rule = Box::new(CorrectedEnd { exponent: 0.5 });
     let refused = FiniteInTime::new(&setup).err().unwrap();
-    assert!(matches!(refused, GronwallError::NotTrapezoidal { .. }));
+    assert!(matches!(refused, GronwallError::OwnWeights { .. }));
 }

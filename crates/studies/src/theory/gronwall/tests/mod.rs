@@ -2,6 +2,7 @@ mod finite;
 mod horizon;
 mod measure;
 mod recurrence;
+mod rule;
 mod stability;
 
 use std::path::Path;

@@ -97,19 +97,23 @@ fn the_weighted_form_reduces_to_the_primed_one() {
         let part = |norms| HistoryPart { coefficient: 0.5, norms, supremum: 1.0 };
         // ω κ/m0 = 0.5·1/0.25 = C2, source/m0.
         let scaled: Vec<f64> = s.iter().map(|s| s / 0.25).collect();
-        let same = weighted(&grid, &s, 0.25, &[part(KernelNorms::Constant(1.0))]).unwrap();
+        let same =
+            weighted(&Trapezoid, &grid, &s, 0.25, &[part(KernelNorms::Constant(1.0))]).unwrap();
         let primed = primed(&grid, &scaled, 2.0).unwrap();
         assert!(distance(&same, &primed) < 1e-12);
-        let fading = weighted(&grid, &s, 0.25, &[part(KernelNorms::Pairs(rows(&grid)))]).unwrap();
+        let fading =
+            weighted(&Trapezoid, &grid, &s, 0.25, &[part(KernelNorms::Pairs(rows(&grid)))])
+                .unwrap();
         assert!(fading.iter().zip(&primed).all(|(a, b)| *a <= b * (1.0 + 1e-14)));
         assert!(fading[40] < 0.5 * primed[40]);
     }
     let grid = TimeGrid::uniform(2.0, 40);
     let lags: Vec<f64> = grid.times().iter().map(|t| (-t).exp()).collect();
     let part = |norms| [HistoryPart { coefficient: 0.5, norms, supremum: 1.0 }];
-    let by_lag = weighted(&grid, &source(true), 0.25, &part(KernelNorms::Lags(lags))).unwrap();
+    let by_lag =
+        weighted(&Trapezoid, &grid, &source(true), 0.25, &part(KernelNorms::Lags(lags))).unwrap();
     let pairs = part(KernelNorms::Pairs(rows(&grid)));
-    let by_pair = weighted(&grid, &source(true), 0.25, &pairs).unwrap();
+    let by_pair = weighted(&Trapezoid, &grid, &source(true), 0.25, &pairs).unwrap();
     assert!(distance(&by_lag, &by_pair) < 1e-13);
 }
 
@@ -136,5 +140,5 @@ fn for_any_c2_the_lemma_is_false() {
     assert!(primed_closed(&grid, &g, 2.0).is_err());
     assert!(primed(&grid, &g, f64::NAN).is_err());
     let part = HistoryPart { coefficient: 1.0, norms: KernelNorms::Constant(2.0), supremum: 2.0 };
-    assert!(weighted(&grid, &g, 1.0, &[part]).is_err());
+    assert!(weighted(&Trapezoid, &grid, &g, 1.0, &[part]).is_err());
 }

@@ -1,0 +1,58 @@
+//! Envelopes with the weights of other rules than the paper's: against their definition, and under their closed forms.
+
+use super::super::*;
+use algebra::linalg::signed_unit;
+use vhi::history::{GregoryOrder, TimeGrid};
+
+const RULES: [Weights; 4] = [
+    Weights::Trapezoid,
+    Weights::Left,
+    Weights::Gregory(GregoryOrder::Three),
+    Weights::Gregory(GregoryOrder::Four),
+];
+
+fn sources() -> [Vec<f64>; 3] {
+    let mut seed = 3;
+    let random: Vec<f64> = (0..=60).map(|_| 1.0 + signed_unit(&mut seed)).collect();
+    let mut from_rest = vec![0.7; 61];
+    from_rest[0] = 0.0;
+    [random, from_rest, vec![0.7; 61]]
+}
+
+#[test]
+fn envelopes_solve_their_equations_and_stay_below_their_closed_forms() {
+    for weights in RULES {
+        for (c2, source) in [0.2, 2.0, 9.0].into_iter().flat_map(|c2| sources().map(|s| (c2, s))) {
+            let grid = TimeGrid::uniform(2.0, 60);
+            let e = weights.envelope(&grid, &source, c2).expect("a step that is small enough");
+            let closed = weights.closed(&grid, &source, c2).expect("the same");
+            for n in 0..=60 {
+                let sum: f64 = (0..=n).map(|j| weights.rule().weight(&grid, n, j) * e[j]).sum();
+                // 60 steps of rounding.
+                assert!((source[n] + c2 * sum - e[n]).abs() <= 1e-13 * e[n], "{weights:?} {n}");
+                assert!(e[n] <= closed[n] * (1.0 + 1e-13), "{weights:?} {c2} {n}");
+            }
+        }
+    }
+}
+
+/// c (1 + c)^{n-1} by the left rule, on any grid; a step without end is no step too large there, but is one by the others.
+#[test]
+fn the_left_rule_attains_its_closed_form_and_needs_no_small_step() {
+    let source = &sources()[1];
+    for grid in [TimeGrid::uniform(2.0, 60), TimeGrid::graded(2.0, 60, 2.0)] {
+        for c2 in [0.5, 100.0] {
+            let [e, closed] = [Weights::Left.envelope(&grid, source, c2), {
+                Weights::Left.closed(&grid, source, c2)
+            }]
+            .map(|bound| bound.expect("no bound of the step"));
+            assert!(e.iter().zip(&closed).all(|(a, b)| (a - b).abs() <= 1e-12 * b));
+        }
+    }
+    for weights in [RULES[0], RULES[2], RULES[3]] {
+        let grid = TimeGrid::uniform(2.0, 60);
+        let most = 30.0 / weights.rule().last_share();
+        assert!(weights.envelope(&grid, source, 1.01 * most).is_err(), "{weights:?}");
+        assert!(weights.closed(&grid, source, 1.01 * most).is_err(), "{weights:?}");
+    }
+}

@@ -1,0 +1,246 @@
+//! Source: -σ_τ ∈ S ∂|u_τ| with S = μ_f p(u_ν); the sharp form of (2.9) for it, docs/THEORY.md.
+//! Goal: the entries of the Jacobian are differences of the residual, and only the way to the solution depends on them; the
+//!   constants bound what they must; a wrong coefficient and a bound that does not follow p leave the order.
+//! Mesh: n × n squares cut from lower left to upper right.
+//! Data: friction-coulomb.
+
+use crate::shipped::{edited, on_mesh, run, setup, text, v_max};
+use gronwall::contact::{Evolution, Friction, StepView};
+use gronwall::linalg::{FactorError, signed_unit};
+use gronwall::scene::{Scene, Source};
+use gronwall::setup::{Coulomb, Setup, TruthLoad, constants};
+use gronwall::vhi::{
+    BoundaryGraph, HistoryInequality, Newton, Scratch, StepError, StepInequality, StepInfo,
+    StepSolver, StepState,
+};
+
+/// Newton's method with the symmetric part of the Jacobian alone.
+struct Symmetric(Newton);
+
+impl StepSolver for Symmetric {
+    fn solve_level<P: HistoryInequality>(
+        &self,
+        problem: &mut P,
+        state: &mut StepState,
+        scratch: &mut Scratch,
+    ) -> Result<StepInfo, StepError> {
+        self.0.solve(&mut Deaf(problem), state, scratch)
+    }
+}
+
+/// A level that is not told the pressures of its pieces.
+struct Deaf<'p, P>(&'p mut P);
+
+impl<P: HistoryInequality> StepInequality for Deaf<'_, P> {
+    fn dofs(&self) -> usize {
+        self.0.dofs()
+    }
+
+    fn graph(&self) -> &BoundaryGraph {
+        self.0.graph()
+    }
+
+    fn residual(&mut self, u: &[f64], out: &mut [f64]) {
+        self.0.residual(u, out);
+    }
+
+    fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
+        self.0.linearize(slopes, prescribed)
+    }
+
+    fn solve(&mut self, rhs: &mut [f64], forcing: f64) -> Result<(), FactorError> {
+        self.0.solve(rhs, forcing)
+    }
+
+    fn force_scale(&self, u: &[f64]) -> f64 {
+        self.0.force_scale(u)
+    }
+}
+
+/// Some iterations more, and the same displacements: a tangent is no part of the problem.
+#[test]
+fn a_symmetric_tangent_finds_the_same_later() {
+    let setup = setup("friction-coulomb");
+    let (data, grid) = (on_mesh(&setup, 8), setup.grid(8));
+    let mut found: [Vec<f64>; 2] = Default::default();
+    let whole = run(&setup, &setup.model, &data, 8, |view| found[0] = view.u.to_vec());
+    let mut load = TruthLoad(&*data.truth);
+    let mut see = |view: &StepView<'_>| {
+        found[1] = view.u.to_vec();
+        Ok(())
+    };
+    let solver = Symmetric(Newton::default());
+    let part =
+        gronwall::contact::march(&data.space, &setup.model, &grid, &mut load, &solver, &mut see);
+    let [whole, part] = [whole, part].map(|info| info.expect("a run").newton_iterations);
+    let largest = found[0].iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    // Two solutions with residuals of rounding.
+    assert!(found[0].iter().zip(&found[1]).all(|(a, b)| (a - b).abs() < 1e-11 * largest));
+    // Nine levels: a few more iterations in each.
+    assert!(part > whole + 9, "{part} iterations without the entries, {whole} with them");
+}
+
+/// Unbalanced forces at u, each graph on the side of its jump where u is.
+fn force(level: &mut Evolution<'_, impl gronwall::law::Projection>, u: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; u.len()];
+    level.residual(u, &mut out);
+    let graph = level.graph();
+    for (i, own) in graph.coordinates.iter().enumerate() {
+        out[own.dof as usize] += own.sign * own.weight * pressure(graph, i, u).0;
+    }
+    out
+}
+
+fn pressure(graph: &BoundaryGraph, i: usize, u: &[f64]) -> (f64, f64) {
+    let normal = graph.normal(i, u);
+    let jumps = graph.potentials[graph.coordinates[i].law as usize].jumps();
+    graph.value_and_slope(i, jumps.iter().filter(|jump| normal > **jump).count(), normal)
+}
+
+/// J⁻¹(F(u + s d) - F(u - s d))/2s gives back d, with vertices that slip both ways on both branches of p, and one whose
+/// u_ν is prescribed; without the entries it does not.
+#[test]
+fn the_jacobian_has_the_slopes_in_u_nu() {
+    const STEP: f64 = 1e-7;
+    let setup = setup("friction-coulomb");
+    let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
+    let mut load = TruthLoad(&*data.truth);
+    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    level.open().expect("a level");
+    let free = &data.space.nodes.vertex[..data.space.nodes.free];
+    let at = |&v: &u32| -> [f64; 2] {
+        let (x, y) = (data.space.mesh.vertex(v)[0], data.space.mesh.vertex(v)[1]);
+        [(1.0 - y) * 0.05 * (x - 0.4), -(1.0 - y) * (0.012 + 0.06 * x)]
+    };
+    let u: Vec<f64> = free.iter().flat_map(at).collect();
+    let mut seed = 5;
+    let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
+    let moved =
+        |sign: f64| -> Vec<f64> { u.iter().zip(&d).map(|(u, d)| u + sign * STEP * d).collect() };
+    let (plus, minus) = (force(&mut level, &moved(1.0)), force(&mut level, &moved(-1.0)));
+    let right: Vec<f64> = plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * STEP)).collect();
+    force(&mut level, &u);
+    let graph = level.graph();
+    let count = graph.coordinates.len();
+    let (pressures, slopes): (Vec<f64>, Vec<f64>) = (0..count)
+        .map(|i| {
+            let (value, slope) = pressure(graph, i, &u);
+            (value, graph.coordinates[i].weight * slope)
+        })
+        .unzip();
+    let both = [f64::lt as fn(&f64, &f64) -> bool, f64::gt];
+    assert!(both.iter().all(|is| pressures[count / 2..].iter().any(|s| is(s, &0.0))));
+    assert!(both.iter().all(|is| slopes[..count / 2].iter().any(|s| is(s, &0.0))));
+    for pinned in [None, Some(2)] {
+        let mut prescribed = vec![None; count];
+        if let Some(i) = pinned {
+            let dof = level.graph().coordinates[i].dof as usize;
+            prescribed[i] = Some(d[dof]);
+        }
+        let [whole, part] = [&pressures[..], &vec![0.0; count]].map(|pressures| {
+            let mut x = right.clone();
+            level.take_pressures(pressures);
+            level.linearize(&slopes, &prescribed).expect("a positive definite tangent");
+            level.solve(&mut x, 1e-12).expect("a solve");
+            let size = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();
+            size(&mut x.iter().zip(&d).map(|(x, d)| x - d)) / size(&mut d.iter().copied())
+        });
+        // Rounding 1e-16/1e-7 times a condition of 1e2.
+        assert!(whole < 1e-6 && part > 1e-2, "{pinned:?}: {whole} {part}");
+    }
+}
+
+/// q a² - μ_f |q||a||b| + A a² + B b² ≥ 0 for every slope q of p, and no smaller multiple of A and B does it.
+#[test]
+fn the_constants_bound_what_they_must() {
+    for (alpha, rise, mu) in [(0.5, 2.0, 0.4), (0.0, 2.0, 0.4), (0.5, 0.1, 0.3), (1.2, 0.0, 0.2)] {
+        let (c_nu, c_tau) = (1.0, 6.444);
+        let own = Coulomb { coefficient: mu, rise };
+        let [a, b] = own.coefficients(alpha, c_nu, c_tau);
+        let worst = |share: f64| {
+            let mut least = f64::INFINITY;
+            for q in (0..=100).map(|i| -alpha + (rise + alpha) * f64::from(i) / 100.0) {
+                for angle in (0..=4000).map(|i| f64::from(i) * std::f64::consts::FRAC_PI_2 / 4e3) {
+                    let (y, x) = angle.sin_cos();
+                    let form = q * x * x - mu * q.abs() * x * y;
+                    least = least.min(form + share * (a * x * x + b * y * y));
+                }
+            }
+            least
+        };
+        assert!(worst(1.0) > -1e-9 && worst(0.98) < 0.0, "{alpha} {rise} {mu}: {}", worst(1.0));
+        // Young's inequality with the constants as they are printed is worse.
+        let printed = alpha * c_nu + mu * rise.max(alpha) * f64::sqrt(c_nu * c_tau);
+        assert!(a * c_nu + b * c_tau <= printed + 1e-12);
+    }
+    // c_ν² = 1 and c_τ² = 6.444 (scipy): 2 - (0.5 + 0.125) - 0.04 · 2/2 ... of μ = 0.3 is 1.08, of 0.4 it is 0.86.
+    let found = constants(&setup("friction-coulomb")).expect("constants");
+    assert!((found.m0 - (2.0 - 0.625 - 0.08 * 6.444)).abs() < 1e-3, "{}", found.m0);
+    let printed = found.m_elastic - found.concave_as_printed();
+    assert!((printed - (2.0 - 0.5 - 0.8 * 6.444f64.sqrt())).abs() < 1e-3, "{printed}");
+}
+
+/// `friction-coulomb` with another friction.
+fn with(change: impl Fn(Friction) -> Friction) -> Setup {
+    let mut setup = setup("friction-coulomb");
+    setup.model.friction = setup.model.friction.take().map(change);
+    setup
+}
+
+#[test]
+fn wrong_bounds_leave_the_order() {
+    let error = |setup: &Setup, n: u32| {
+        let data = on_mesh(setup, n);
+        run(setup, &setup.model, &data, 8, |_| {}).ok()?;
+        Some(v_max(setup, &setup.model, &data, 8))
+    };
+    let order = |setup: &Setup| Some((error(setup, 16)? / error(setup, 32)?).log2());
+    let sound = order(&with(|own| own)).expect("a sound run");
+    assert!((sound - 1.0).abs() < 0.15, "{sound}");
+    let times = |factor: f64| {
+        move |own: Friction| Friction { factor: Box::new(move |_, _| 0.4 * factor), ..own }
+    };
+    let given = |own: Friction| Friction {
+        factor: Box::new(|_, _| 0.4 * 0.048),
+        follows_pressure: false,
+        ..own
+    };
+    for (what, wrong) in [
+        ("the coefficient doubled", with(times(2.0))),
+        ("the other direction", with(times(-1.0))),
+        ("the pressure of one place at all", with(given)),
+    ] {
+        // A run that does not come to an end is caught as well.
+        let found = order(&wrong);
+        assert!(found.is_none_or(|order| order < 0.8), "{what}: {found:?}");
+    }
+}
+
+#[test]
+fn what_is_wrong_is_refused() {
+    let bound = "{ kind = \"coulomb\", coefficient = \"0.4\" }";
+    let law = "[0.10, 0.05]], slope_before = 0.0, slope_after = 0.0";
+    let pieces = "kind = \"piecewise-linear\", points = [[0.0, 0.0], [0.04, 0.08], [0.10, 0.05]], slope_before = 0.0, slope_after = 0.0";
+    for (from, to, words) in [
+        (bound, "{ kind = \"coulomb\", coefficient = \"0.8\" }", "A c_nu^2 + B c_tau^2 ="),
+        (bound, "{ kind = \"coulomb\", coefficient = \"-0.1\" }", "coefficient"),
+        (bound, "{ kind = \"coulomb\", coefficient = \"x\" }", "`x`"),
+        (bound, "{ kind = \"coulomb\" }", "coefficient = \"0.3\""),
+        (bound, "{ kind = \"coulomb\", coefficient = \"0.4\", points = [[0.0, 1.0]] }", "points"),
+        (bound, "{ kind = \"slip\", coefficient = \"0.4\", points = [[0.0, 1.0]] }", "coefficient"),
+        (law, "[0.04, 0.09], [0.10, 0.05]], slope_before = 0.0, slope_after = 0.0", "a jump"),
+        (law, "[0.10, 0.05]], slope_before = 0.0, slope_after = -0.1", "is negative for some"),
+        (pieces, "kind = \"rational\", stiffness = 2.0, length = 0.1", "a curved law"),
+        (pieces, "kind = \"none\"", "without a normal law"),
+        ("quadrature = \"vertex\"", "quadrature = \"gauss\"", "from the vertices"),
+    ] {
+        let text = edited(&text("friction-coulomb"), from, to);
+        let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
+        let said = match scene.map(Setup::new) {
+            Err(error) => error.to_string(),
+            Ok(Err(error)) => error.to_string(),
+            Ok(Ok(_)) => panic!("{to} is accepted"),
+        };
+        assert!(said.contains(words), "{to}: {said}");
+    }
+}
