@@ -35,7 +35,14 @@ impl Study {
             let sides = sides(v.left, v.right);
             format!("{}: {} at n = {} (t = {}): {sides}", failed.part, v.link, v.n, v.t)
         });
-        let all = "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run.";
+        let all = match self.grids.first().is_none_or(|grid| grid.run.estimate.is_printed()) {
+            true => {
+                "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run."
+            }
+            false => {
+                "The chain error ≤ weighted ≤ primed ≤ closed, with the weights of the rule, holds at every n of every run."
+            }
+        };
         let holds = self.violations.is_empty() && !self.grids.is_empty();
         own.verdict(holds, all, failures.collect());
         if let Some(finest) = self.grids.iter().max_by_key(|grid| grid.run.steps) {
@@ -69,7 +76,7 @@ impl Study {
                 &[
                     ">T", ">error", ">weighted", ">primed", ">closed", ">(3.24)", ">growth", ">C₂",
                 ],
-                horizons.rows.iter().map(horizon).collect(),
+                horizons.rows.iter().map(|row| horizon(row, horizons.k)).collect(),
             );
         }
         own.table(
@@ -120,9 +127,10 @@ fn answer(finest: &StudiedGrid) -> String {
     let e = &finest.effectivity;
     let times = |of: &Effectivity| digits(of.at_end.unwrap_or(f64::NAN), 3);
     format!(
-        "At t = T and N = {} the weighted envelope is {} times the measured error, the envelope with halved ends {} times, its closed form {} times.",
+        "At t = T and N = {} the weighted envelope is {} times the measured error, the envelope with {} {} times, its closed form {} times.",
         finest.run.steps,
         times(&e.weighted),
+        if finest.run.estimate.is_printed() { "halved ends" } else { "one β_φ for all" },
         times(&e.primed),
         times(&e.closed)
     )
@@ -131,8 +139,9 @@ fn answer(finest: &StudiedGrid) -> String {
 fn grid(grid: &StudiedGrid) -> Vec<Run> {
     let e = &grid.effectivity;
     let at_end = |own: &Effectivity| precise(own.at_end, 7);
+    let missing = if grid.c2_k < 1.0 { "–" } else { "C₂k ≥ 1" };
     let printed =
-        |own: &Option<Effectivity>| own.as_ref().map_or_else(|| Run::plain("C₂k ≥ 1"), at_end);
+        |own: &Option<Effectivity>| own.as_ref().map_or_else(|| Run::plain(missing), at_end);
     vec![
         Run::plain(grid.steps.to_string()),
         precise(grid.c2_k, 6),
@@ -147,9 +156,10 @@ fn grid(grid: &StudiedGrid) -> Vec<Run> {
     ]
 }
 
-fn horizon(row: &HorizonRow) -> Vec<Run> {
+fn horizon(row: &HorizonRow, k: f64) -> Vec<Run> {
     let bounds = [row.error, row.weighted, row.primed, row.closed].map(number);
-    let printed = row.printed_closed.map_or_else(|| Run::plain("C₂k ≥ 1"), number);
+    let missing = if row.c2 * k < 1.0 { "–" } else { "C₂k ≥ 1" };
+    let printed = row.printed_closed.map_or_else(|| Run::plain(missing), number);
     let ends = [printed, number(row.growth), number(row.c2)];
     [number(row.horizon)].into_iter().chain(bounds).chain(ends).collect()
 }

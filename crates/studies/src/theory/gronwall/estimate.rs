@@ -54,6 +54,11 @@ impl Estimate {
         self.c1() * self.lipschitz()
     }
 
+    /// Whether (3.24) has its printed sum: its weights bound those of the trapezoidal rule.
+    pub(crate) fn is_printed(&self) -> bool {
+        self.weights == Weights::Trapezoid
+    }
+
     /// The estimate up to t_last, with the largest κ_p(n, j) of that part of the grid as suprema: a shorter
     /// horizon.
     pub(crate) fn up_to(&self, last: usize) -> Self {
@@ -79,7 +84,7 @@ impl Estimate {
     pub fn envelopes(&self) -> Result<Envelopes, StepTooLarge> {
         let scaled: Vec<f64> = self.source.iter().map(|s| s / self.m0).collect();
         let (grid, c2, weights) = (&self.grid, self.c2(), self.weights);
-        let as_printed = weights == Weights::Trapezoid;
+        let as_printed = self.is_printed();
         let floor = vec![self.floor; self.error.len()];
         Ok(Envelopes {
             primed: weights.envelope(grid, &scaled, c2)?,

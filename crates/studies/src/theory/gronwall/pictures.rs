@@ -187,7 +187,7 @@ fn curve(name: &str, data: Vec<Datum>) -> Series {
 const MEASURED: &str = "measured error";
 
 const WEIGHTED: &str = "weighted envelope";
-const PRIMED: &str = "envelope, halved ends";
+const PRIMED: &str = "primed envelope";
 const CLOSED: &str = "its closed form";
 
 fn bounds(envelopes: &Envelopes) -> [(&'static str, &[f64]); 3] {

@@ -62,37 +62,40 @@ impl Weights {
         Ok(envelope)
     }
 
-    /// Above E_n of [`Self::envelope`] for s_0 = 0: max_{j ≤ n} s_j · (1 - θ)⁻¹ Π_{m=2..n} (1 + W c_m/(1 - θ)), c_m = C2 k_m,
-    /// with θ = C2 max w_nn and W = max_{j<n} w_nj/k_{j+1}, by induction; where s_0 > 0 the product starts at m = 1. It is E_n for
-    /// constant s by the left rule. By the trapezoidal rule it is [`primed_closed`].
+    /// Above E_n of [`Self::envelope`]: max_{j ≤ n} s_j times 1/(1 - θ) · (1 + δc/(1 - θ)) · (1 + c/(1 - θ))^{n-1}, c = C2 k on
+    /// equal steps. δ and θ hold what the weights beyond one step and its tail sums beyond whole steps have: θ = c/2 and
+    /// δ = 1/12 by Gregory's rule of order 3, 13c/24 and 1/3 by that of order 4, both for c ≤ 1; 0 and 0 by the left rule, on any
+    /// grid with a product of 1 + c_m in place of the power. Where s_0 > 0 the power is n. The limit for k → 0 is e^{C2 t}.
+    /// By the trapezoidal rule it is [`primed_closed`].
     ///
     /// # Errors
-    /// θ ≥ 1.
+    /// θ ≥ 1, or c > 1 by Gregory's rules.
     pub fn closed(
         self,
         grid: &TimeGrid,
         source: &[f64],
         c2: f64,
     ) -> Result<Vec<f64>, StepTooLarge> {
-        let largest_inside = match self {
+        let (share, beyond, most) = match self {
             Self::Trapezoid => return primed_closed(grid, source, c2),
-            Self::Left => 1.0,
-            Self::Gregory(GregoryOrder::Three) => 7.0 / 6.0,
-            Self::Gregory(GregoryOrder::Four) => 4.0 / 3.0,
+            Self::Left => (0.0, 0.0, f64::INFINITY),
+            Self::Gregory(GregoryOrder::Three) => (1.0 / 2.0, 1.0 / 12.0, 1.0),
+            Self::Gregory(GregoryOrder::Four) => (13.0 / 24.0, 1.0 / 3.0, 1.0),
         };
-        let share = self.rule().last_share();
-        let remaining = solvable(1, c2, share * grid.largest_step())?;
+        let k = grid.largest_step();
+        // Beyond c = 1 the form is not shown to be a bound.
+        let weight = if c2 * k <= most { share * k } else { f64::INFINITY };
+        let remaining = solvable(1, c2, weight)?;
         let from_rest = source.first().is_none_or(|s| *s == 0.0);
         let (mut largest, mut amplification) = (0.0f64, 1.0);
         let bound = |(n, s): (usize, &f64)| {
-            if n > 0 {
-                let carried = largest_inside * c2 * grid.step(n) / remaining;
-                amplification *= match n {
-                    1 if from_rest => 1.0 / remaining,
-                    1 => (1.0 + carried) / remaining,
-                    _ => 1.0 + carried,
-                };
-            }
+            let grown = || 1.0 + c2 * grid.step(n) / remaining;
+            amplification *= match n {
+                0 => 1.0,
+                1 if from_rest => (1.0 + beyond * c2 * k / remaining) / remaining,
+                1 => grown() * (1.0 + beyond * c2 * k / remaining) / remaining,
+                _ => grown(),
+            };
             largest = larger(largest, *s);
             largest * amplification
         };

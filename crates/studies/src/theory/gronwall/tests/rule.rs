@@ -22,7 +22,9 @@ fn sources() -> [Vec<f64>; 3] {
 #[test]
 fn envelopes_solve_their_equations_and_stay_below_their_closed_forms() {
     for weights in RULES {
-        for (c2, source) in [0.2, 2.0, 9.0].into_iter().flat_map(|c2| sources().map(|s| (c2, s))) {
+        for (c2, source) in
+            [0.2, 2.0, 9.0, 29.0].into_iter().flat_map(|c2| sources().map(|s| (c2, s)))
+        {
             let grid = TimeGrid::uniform(2.0, 60);
             let e = weights.envelope(&grid, &source, c2).expect("a step that is small enough");
             let closed = weights.closed(&grid, &source, c2).expect("the same");
@@ -54,5 +56,9 @@ fn the_left_rule_attains_its_closed_form_and_needs_no_small_step() {
         let most = 30.0 / weights.rule().last_share();
         assert!(weights.envelope(&grid, source, 1.01 * most).is_err(), "{weights:?}");
         assert!(weights.closed(&grid, source, 1.01 * most).is_err(), "{weights:?}");
+        // The closed form of a fine grid is that of the continuous inequality.
+        let (fine, s) = (TimeGrid::uniform(2.0, 20_000), vec![1.0; 20_001]);
+        let closed = weights.closed(&fine, &s, 1.3).expect("small steps");
+        assert!((closed[20_000] / f64::exp(2.6) - 1.0).abs() < 1e-3, "{weights:?}");
     }
 }
