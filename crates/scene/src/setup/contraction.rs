@@ -4,8 +4,8 @@ use super::{AbstractSetup, Setup, SetupError, constants, with_trace_constant};
 use fem::contact::{Discretization, TraceMass, tangential_trace_constant, trace_constant};
 use vhi::law::TensorField;
 
-/// (α_ν c_j² + α_τ c_τ²)/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))), less
-/// μ_f L_p c_j c_τ where friction follows the normal law, c_j² and c_τ²
+/// (α_ν c_j² + α_τ c_τ²)/m on this mesh and grid, with m = m_𝒜 - w(μ L_κ √|Ω| + max(0, -λ_min ℬ(0))), less what
+/// friction that follows the normal law adds to α_ν c_j² in (2.9), (A - α_ν) c_j² + B c_τ²; c_j² and c_τ²
 /// by the lumped trace mass; below one exactly if the step satisfies (2.9) with these constants. Infinite
 /// where m ≤ 0, 0 for convex potentials. w is the largest weight of the last slot, k/2 by the
 /// trapezoidal rule.
@@ -36,7 +36,7 @@ pub fn decomposition_bound(
     let bounds = constants.step_bounds(setup.model.time_rule.as_ref());
     let last = bounds.last_share * setup.grid(steps).largest_step() * bounds.destabilizing;
     let falls = constants.falls();
-    let m = constants.m_elastic - last - (constants.concave_as_printed() - falls);
+    let m = constants.m_elastic - last - (constants.concave() - falls);
     Ok(quotient(falls, m))
 }
 
