@@ -313,7 +313,7 @@ fn long_the_right_term_is_named() {
     assert!(defects.len() >= 10 && 10 * right >= 8 * defects.len());
 }
 
-/// The judged scenes of the contact problem that have an exact solution and are among these.
+/// The judged scenes with an exact solution that `diagnose` takes and that are among these.
 fn nothing_is_said(among: &dyn Fn(&str) -> bool, at_least: usize) {
     let folder = crate::shipped::path("affine").parent().expect("a folder").to_owned();
     let registry = Registry::open(&folder).unwrap_or_else(|error| panic!("{error}"));
@@ -321,8 +321,8 @@ fn nothing_is_said(among: &dyn Fn(&str) -> bool, at_least: usize) {
     for name in registry.names() {
         let scene = shipped_scene(name);
         let exact = scene.as_contact().is_some_and(|b| matches!(b.data, Data::Exact { .. }));
-        let is_linear = scene.with_linear_elements("").is_ok();
-        if !exact || !scene.judge || !is_linear || !among(name) {
+        let is_taken = scene.with_linear_elements("").is_ok() && scene.without_friction("").is_ok();
+        if !exact || !scene.judge || !is_taken || !among(name) {
             continue;
         }
         let (outcomes, finding) = examine(&scene, &|setup| setup, false);
