@@ -87,6 +87,7 @@ impl Mesh {
     }
 
     /// Coordinates of a vertex.
+    #[inline]
     pub fn vertex(&self, v: u32) -> &[f64] {
         let d = self.dimension;
         &self.coordinates[d * v as usize..d * (v as usize + 1)]
@@ -139,6 +140,7 @@ impl Mesh {
 
     /// Point with the given barycentric coordinates on a simplex of vertices (cell or facet),
     /// padded with zeros to three numbers.
+    #[inline]
     pub fn point(&self, simplex: &[u32], barycentric: &[f64]) -> [f64; 3] {
         let mut x = [0.0; 3];
         for (&v, &b) in simplex.iter().zip(barycentric) {

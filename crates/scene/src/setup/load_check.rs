@@ -41,12 +41,14 @@ pub(super) fn check(
     match (&setup.body.data, &setup.exact) {
         (Data::Loads { body, traction }, _) => {
             let integrals = Integrals::new(&setup.scene, body, traction, space);
-            times.iter().try_for_each(|&t| {
-                let [by_own, by_other] = integrals.at(t);
-                let rules = Sums::largest_difference(&by_own, &by_other);
-                let sums = Sums::of(space, &truth.load(t)?);
-                sums.compare(&by_other, BY_RULES * rules, t)
-            })
+            let [by_own, by_other] = [0, 1].map(|rule| integrals.at(times, rule));
+            times.iter().zip(by_own.iter().zip(&by_other)).try_for_each(
+                |(&t, (by_own, by_other))| {
+                    let rules = Sums::largest_difference(by_own, by_other);
+                    let sums = Sums::of(space, &truth.load(t)?);
+                    sums.compare(by_other, BY_RULES * rules, t)
+                },
+            )
         }
         (Data::Exact { form, .. }, Some(exact)) if load_form(*form) == LoadForm::Strong => {
             of_forms(setup, exact, space, truth, times)
@@ -200,44 +202,67 @@ impl<'a> Integrals<'a> {
         Self { space, acting }
     }
 
-    /// The sums at a time, by either rule.
-    fn at(&self, t: f64) -> [Sums; 2] {
-        [0, 1].map(|which| {
-            let mut sums = Sums::zero(self.space.mesh.dimension);
-            for acting in &self.acting {
-                self.add(acting, &acting.rules[which], t, &mut sums);
-            }
-            Sums::new(sums)
-        })
+    /// The sums at the times, by one of the two rules.
+    fn at(&self, times: [f64; 2], which: usize) -> [Sums; 2] {
+        let mut sums = [(); 2].map(|()| Sums::zero(self.space.mesh.dimension));
+        for acting in &self.acting {
+            self.add(acting, &acting.rules[which], times, &mut sums);
+        }
+        sums.map(Sums::new)
     }
 
-    fn add(&self, acting: &Acting, rule: &Rule, t: f64, sums: &mut (Vec<f64>, Vec<f64>)) {
-        let (space, d) = (self.space, self.space.mesh.dimension);
+    fn add(
+        &self,
+        acting: &Acting,
+        rule: &Rule,
+        times: [f64; 2],
+        sums: &mut [(Vec<f64>, Vec<f64>); 2],
+    ) {
+        let space = self.space;
         let simplices = acting.simplices.iter();
         let points: Vec<[f64; 3]> = simplices
             .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
             .collect();
-        let mut out = vec![Vec::new()];
-        acting.formula.bind(&points).evaluate(t, 0.0, &mut out);
-        let mut values = out[0].iter();
         // Not those of the space, by which the loads are assembled.
-        let shapes = rule.points.iter().map(|b| shapes(space.element, b));
-        let shapes: Vec<Vec<f64>> = shapes.collect();
-        for simplex in &*acting.simplices {
-            let measure = measure(space, &simplex[..rule.points[0].len()]);
-            for ((weight, shapes), f) in rule.weights.iter().zip(&shapes).zip(&mut values) {
-                for (&vertex, shape) in simplex.iter().zip(shapes) {
+        let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| shapes(space.element, b)).collect();
+        let corners = rule.points[0].len();
+        let measures: Vec<f64> =
+            acting.simplices.iter().map(|simplex| measure(space, &simplex[..corners])).collect();
+        let mut formula = acting.formula.bind(&points);
+        let mut values = vec![Vec::new()];
+        for (t, sums) in times.into_iter().zip(sums) {
+            formula.evaluate(t, 0.0, &mut values);
+            let of_simplices = values[0].chunks_exact(rule.points.len());
+            for ((simplex, measure), f) in acting.simplices.iter().zip(&measures).zip(of_simplices)
+            {
+                for (a, &vertex) in simplex.iter().enumerate() {
                     // v vanishes on Γ1.
                     if space.nodes.of_vertex[vertex as usize] as usize >= space.nodes.free {
                         continue;
                     }
-                    for (m, at) in moments(space.mesh.vertex(vertex)).enumerate() {
-                        let share = weight * measure * f * shape * at;
-                        sums.0[(d + 1) * acting.component + m] += share;
-                        sums.1[(d + 1) * acting.component + m] += share.abs();
+                    let (mut force, mut size) = (0.0, 0.0);
+                    for ((weight, shapes), f) in rule.weights.iter().zip(&shapes).zip(f) {
+                        let share = weight * measure * f * shapes[a];
+                        force += share;
+                        size += share.abs();
                     }
+                    self.add_moments(acting.component, vertex, [force, size], sums);
                 }
             }
+        }
+    }
+
+    fn add_moments(
+        &self,
+        component: usize,
+        vertex: u32,
+        [force, size]: [f64; 2],
+        sums: &mut (Vec<f64>, Vec<f64>),
+    ) {
+        let first = (self.space.mesh.dimension + 1) * component;
+        for (m, at) in moments(self.space.mesh.vertex(vertex)).enumerate() {
+            sums.0[first + m] += force * at;
+            sums.1[first + m] += size * at.abs();
         }
     }
 }
