@@ -44,6 +44,8 @@ impl Report {
         }
         let _held = self.hold()?;
         let Found { mut records, torn } = self.records()?;
+        // The order in which cases ended is chance.
+        records.sort_by_key(CaseRecord::key);
         let document = self.dir.join("verdict.json");
         let mut foreseen = Vec::new();
         if document.exists() {

@@ -62,6 +62,22 @@ fn report_rebuilds_what_run_wrote() {
     rebuilds(&folder, 0);
 }
 
+/// Rows stand in the order in which cases ended; the page does not depend on it.
+#[test]
+fn the_order_of_records_leaves_no_trace() {
+    let folder = Folder::new("report-order");
+    assert_eq!(run(&folder, "run", &["steady"], &STEADY), 0);
+    let (table, page) = (folder.at("out").join("cases.csv"), folder.at("out").join("index.html"));
+    let before = std::fs::read(&page).expect("a page");
+    let rows = std::fs::read_to_string(&table).expect("a table");
+    let (header, rows) = rows.split_once('\n').expect("a header");
+    let reversed: Vec<&str> = rows.lines().rev().collect();
+    std::fs::write(&table, format!("{header}\n{}\n", reversed.join("\n"))).expect("written");
+    let output = sweep(&["report", &folder.argument("out")]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(std::fs::read(&page).expect("a page") == before);
+}
+
 /// The text is kept with the records: neither the file nor the shipped scene of that name counts.
 #[test]
 fn report_needs_no_file_of_the_scene() {
