@@ -7,7 +7,7 @@ use super::quadrature::{Rule, edge, triangle_degree_2, triangle_degree_4};
 use crate::mesh::Mesh;
 
 /// Polynomials on simplices, continuous over the mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Element {
     /// Linear: nodes at the vertices, one strain a cell.
     #[default]
