@@ -13,7 +13,6 @@ use crate::ContactQuadrature;
 
 /// The parts of a scene on which it depends whether an element can have it.
 pub(super) struct Parts<'a> {
-    pub dimension: usize,
     pub contact: Option<&'a Contact>,
     pub data: &'a Data,
     pub sweep: Option<&'a Sweep>,
@@ -45,16 +44,12 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
     if element == Element::P1 {
         return None;
     }
-    if parts.dimension != 2 {
-        return Some(["P2 is an element on triangles", "take P1 for a body in space"]);
-    }
     if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
         let message = "interpolated = true takes the piecewise linear interpolant of u, which is no truth for P2";
         return Some([message, "remove `interpolated`, or take P1"]);
     }
     if parts.contact.is_some_and(|contact| contact.quadrature != ContactQuadrature::Vertex) {
-        let message =
-            "P2 integrates the contact law by Simpson's rule: vertices and midpoints carry it";
+        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
     }
     if parts.sweep.is_some_and(|sweep| sweep.reference.is_some()) {
@@ -73,7 +68,6 @@ impl Scene {
         let mut scene = self.clone();
         if let Body::Contact(body) = &mut scene.body {
             let parts = Parts {
-                dimension: self.dimension,
                 contact: body.contact.as_ref(),
                 data: &body.data,
                 sweep: self.sweep.as_ref(),
