@@ -89,7 +89,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 32] = [
+const ROWS: [Row; 34] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -116,6 +116,8 @@ const ROWS: [Row; 32] = [
     ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-front", FRONT_IN_SPACE, &[4, 8, 16], &[8]),
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
+    ("quadratic-elastic", &[], &[4, 8, 16], &[4]),
+    ("quadratic-compliance", &[], &[4, 8, 16], &[16]),
     ("left-rule", &[], &[2], &[32, 64, 128]),
     ("gregory-three", &[], &[2], &[16, 32, 64, 128]),
     ("gregory-four", &[], &[2], &[8, 16, 32, 64]),
