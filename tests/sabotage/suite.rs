@@ -89,7 +89,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 32] = [
+const ROWS: [Row; 33] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -101,6 +101,7 @@ const ROWS: [Row; 32] = [
     ("graded-sums", &[], &[2], &[8, 16, 32, 64, 128]),
     ("graded-end", &[], &[2], &[16, 32, 64, 128]),
     ("product-integrated-graded", &[], &[2], &[16, 32, 64, 128]),
+    ("singular-contact", &[], &[2], &[16, 32, 64, 128]),
     ("loads-apart", &[], &[4], &[8, 16, 32, 64]),
     ("strong-scaled", &[], &[4, 8, 16, 32], &[8]),
     ("strong-corner", &[], &[4, 8, 16, 32], &[4]),
