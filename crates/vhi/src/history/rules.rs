@@ -61,15 +61,17 @@ impl TimeRule for CorrectedEnd {
 pub struct ProductIntegration;
 
 impl ProductIntegration {
-    /// The weights of v at both ends of the step that ends at t_i.
+    /// The weights at both ends of the step that ends at t_i: of v, or of b v.
     fn step(kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize, i: usize) -> (f64, f64) {
-        let a = kernel.power();
-        if a == 0.0 {
-            return Self::whole(kernel, grid, n, i);
+        match kernel.power() {
+            0.0 => Self::whole(kernel, grid, n, i),
+            a => powers::moments(a, grid.lag(n, i), grid.step(i)),
         }
-        let (t, moments) = (grid.time(n), powers::moments(a, grid.lag(n, i), grid.step(i)));
-        let factor = |j: usize| kernel.factor(t, grid.time(j));
-        (factor(i - 1) * moments.0, factor(i) * moments.1)
+    }
+
+    /// b(t_n, t_j), or 1.
+    fn factor(kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        if kernel.power() == 0.0 { 1.0 } else { kernel.factor(grid.time(n), grid.time(j)) }
     }
 
     /// ∫ q(t_n, s) over the step that ends at t_i, against the hat functions of its two ends.
@@ -106,7 +108,7 @@ impl TimeRule for ProductIntegration {
     ) -> f64 {
         let before = if j > 0 { Self::step(kernel, grid, n, j).1 } else { 0.0 };
         let after = if j < n { Self::step(kernel, grid, n, j + 1).0 } else { 0.0 };
-        before + after
+        (before + after) * Self::factor(kernel, grid, n, j)
     }
 
     fn kernel_row(&self, kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize) -> Vec<f64> {
@@ -115,6 +117,9 @@ impl TimeRule for ProductIntegration {
             let (left, right) = Self::step(kernel, grid, n, i);
             row[i - 1] += left;
             row[i] += right;
+        }
+        for (j, weight) in row.iter_mut().enumerate() {
+            *weight *= Self::factor(kernel, grid, n, j);
         }
         row
     }
