@@ -123,8 +123,8 @@ pub(crate) fn abstract_constants(
     let m0 = monotonicity(m_a, alpha_phi + alpha_j * c_j_squared);
     let r_norm = norm(&(&inverse_half * &model.r * &half));
     let horizon = scene.time.horizon;
-    let (q_norm, q_norm_now) = kernel_norms(horizon, model, 0.0, &to_dual);
-    let (power, b_norm, b_norm_now) = singular_norms(horizon, model, &to_dual);
+    let (q_norm, q_norm_now) = kernel_norms(horizon, model, 0.0, to_dual);
+    let (power, b_norm, b_norm_now) = singular_norms(horizon, model, to_dual);
     Ok(AbstractConstants {
         m_a,
         l_a: norm(&to_dual(&model.matrix)) + norm(&bends),
