@@ -59,7 +59,7 @@ pub use exact::{
     Polytope, RegionNumbers,
 };
 pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
-pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide};
+pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide, Sliding};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;
 pub use separation::Separation;
