@@ -221,7 +221,8 @@ mod tests {
     fn tangents_in_space_are_orthonormal() {
         for normal in [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.48, -0.6, 0.64], [0.0, 0.6, -0.8]] {
             let [p, q] = tangents(&normal);
-            let dot = |a: [f64; 3], b: [f64; 3]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+            let dot =
+                |a: [f64; 3], b: [f64; 3]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
             for (product, wanted) in [
                 (dot(p, p), 1.0),
                 (dot(q, q), 1.0),

@@ -4,10 +4,10 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::Sliding;
 use super::constitutive::{self, Tensor, mandel};
 use super::contact_samples::StatePoints;
 use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
-use super::Sliding;
 use super::exact::Exact;
 use super::linear::edge_slopes;
 use super::nodal_force::{add_force_along, facet_measure, force_of_means};

@@ -130,7 +130,11 @@ fn exact_solution(
             }
             (_, 2) => {
                 let hint = "in the plane it is one formula, along the tangent: friction = \"0.1\"";
-                Err(reading.error("exact.friction", "a friction stress of several components", hint))
+                Err(reading.error(
+                    "exact.friction",
+                    "a friction stress of several components",
+                    hint,
+                ))
             }
             _ => {
                 let hint = "in space it is a vector: friction = [\"0.1\", \"0\", \"0\"]";

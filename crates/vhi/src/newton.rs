@@ -196,7 +196,8 @@ impl Scratch {
         let mut changes = 0;
         for i in graph.laws() {
             let (line, z) = graph.line(i, &state.u, &state.pressure);
-            let turned = self.lines[i].along[0] * line.along[0] + self.lines[i].along[1] * line.along[1];
+            let turned =
+                self.lines[i].along[0] * line.along[0] + self.lines[i].along[1] * line.along[1];
             let chosen = match (graph.piece(i, z), self.pieces[i]) {
                 (Piece::Pinned { value, .. }, _) => Chosen::Pinned(value),
                 // A vector that would turn back goes by way of 0, as a number does.
@@ -273,7 +274,8 @@ impl Scratch {
             let (dof, normal) = (at.dof as usize, graph.normal(i, &state.u));
             self.prescribed[i] = match self.pieces[i] {
                 Some(Chosen::Free(_)) => {
-                    self.increment[dof] = -self.force[dof] - at.sign * at.weight * self.pressures[i];
+                    self.increment[dof] =
+                        -self.force[dof] - at.sign * at.weight * self.pressures[i];
                     None
                 }
                 Some(Chosen::Pinned(value)) => Some(at.sign * (value - normal)),

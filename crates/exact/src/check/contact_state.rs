@@ -1,9 +1,9 @@
 //! Contact state on Γ3: signs, complementarity, which states occur, and whether h3 vanishes.
 
 use super::polytope;
-use crate::Sliding;
 use super::sliding::SlidingExtremes;
 use super::{Finding, SideOfBox, Status, places};
+use crate::Sliding;
 use crate::constitutive::stress;
 use crate::{ContactFormulas, Exact};
 use fem::norms::is_locked;

@@ -149,8 +149,17 @@ impl TracePoint {
         let node = nodes.of_vertex[vertex as usize];
         let clamped = node as usize >= nodes.free;
         let (tangents, dimension) = ([[0.0; 3]; 2], d as u8);
-        let mut point =
-            Self { vertex, node, normal, unknown: 0, sign: 1.0, weight: 0.0, clamped, tangents, dimension };
+        let mut point = Self {
+            vertex,
+            node,
+            normal,
+            unknown: 0,
+            sign: 1.0,
+            weight: 0.0,
+            clamped,
+            tangents,
+            dimension,
+        };
         match d {
             2 => {
                 let [x, y] = point.tangent();

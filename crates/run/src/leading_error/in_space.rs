@@ -329,14 +329,18 @@ impl<const S: usize> InSpace<S> {
                 continue;
             }
             let block = match sliding_answer(&friction.bound, own) {
-                Answer::Slope(slope) => turning(own, slope).map(|row| row.map(|k| point.weight * k)),
+                Answer::Slope(slope) => {
+                    turning(own, slope).map(|row| row.map(|k| point.weight * k))
+                }
                 Answer::Held => [[HELD * stiffness, 0.0], [0.0, HELD * stiffness]],
             };
             let tangents = &own.tangents[..d - 1];
             for i in 0..d {
                 for j in 0..=i {
                     let first = d * point.node as usize;
-                    let Some(at) = self.space.pattern.position(first + i, first + j) else { continue };
+                    let Some(at) = self.space.pattern.position(first + i, first + j) else {
+                        continue;
+                    };
                     for (p, row) in tangents.iter().zip(&block) {
                         for (q, answer) in tangents.iter().zip(row) {
                             values[at] += answer * p[i] * q[j];

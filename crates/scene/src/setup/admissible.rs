@@ -239,7 +239,9 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
             );
             let hint = match d {
                 2 => "s = S sign(u_tau) wherever u_tau is not zero, and u_tau = 0 wherever |s| < S",
-                _ => "s = S u_tau/|u_tau| wherever u_tau is not zero, and u_tau = 0 wherever |s| < S",
+                _ => {
+                    "s = S u_tau/|u_tau| wherever u_tau is not zero, and u_tau = 0 wherever |s| < S"
+                }
             };
             return Err(scene.error("exact.friction", message, hint).into());
         }
