@@ -116,6 +116,7 @@ const ROWS: [Row; 33] = [
     ("pure-concave-gap", &[], &[8, 16, 32], &[4]),
     ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-front", FRONT_IN_SPACE, &[4, 8, 16], &[8]),
+    ("friction-box", &[], &[2, 3, 4, 6], &[2]),
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
     ("left-rule", &[], &[2], &[32, 64, 128]),
     ("gregory-three", &[], &[2], &[16, 32, 64, 128]),

@@ -61,7 +61,7 @@ pub use exact::{
 pub use finite_exact::{
     FiniteData, FiniteExact, FiniteState, FiniteTrace, KernelFormulas, Unresolved,
 };
-pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide};
+pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide, Sliding};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;
 pub use separation::Separation;

@@ -11,6 +11,7 @@ mod graph;
 pub mod history;
 mod history_inequality;
 pub mod law;
+mod line;
 mod newton;
 mod polished;
 mod step;

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use super::NoConstant;
 use super::cells::{Mandel, add_force, add_stiffness, inner, product, strains};
 use super::interpolation::InterpolationError;
-use super::law_slope::{Answer, answer, sliding_answer};
+use super::law_slope::{Answer, answer, sliding_answer, turning};
 use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
 use super::sums::{Kernel, Numbers, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::Weights;
 use algebra::linalg::{Front, axpy, dot};
-use exact::{ComplianceRule, Exact, FrictionBound, InterpolatedOnMesh};
+use exact::{ComplianceRule, Exact, FrictionBound, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
 use formula::{Node, Point, Variable};
 use scene::{Memory, TimeRule};
@@ -43,8 +43,8 @@ struct State<const S: usize> {
     zeta: f64,
     /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
     contact: Vec<[f64; 5]>,
-    /// The tangent and [s, u_τ, S] there; none without friction.
-    friction: Option<Vec<([f64; 2], [f64; 3])>>,
+    /// The friction there; none without.
+    friction: Option<Vec<Sliding>>,
 }
 
 /// The past of a level: Σ' over exact values, and over the errors of earlier levels.
@@ -334,17 +334,28 @@ impl<const S: usize> InSpace<S> {
         let friction = self.exact.data.contact.as_ref().and_then(|own| own.friction.as_ref());
         let Some((friction, state)) = friction.zip(state.friction.as_ref()) else { return };
         let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
-        for (point, (tangent, own)) in self.space.trace.points.iter().zip(state) {
-            let answer = match sliding_answer(&friction.bound, *own) {
-                _ if point.clamped => continue,
-                Answer::Slope(slope) => point.weight * slope,
-                Answer::Held => HELD * stiffness,
+        let d = self.space.mesh.dimension;
+        for (point, own) in self.space.trace.points.iter().zip(state) {
+            if point.clamped {
+                continue;
+            }
+            let block = match sliding_answer(&friction.bound, own) {
+                Answer::Slope(slope) => {
+                    turning(own, slope).map(|row| row.map(|k| point.weight * k))
+                }
+                Answer::Held => [[HELD * stiffness, 0.0], [0.0, HELD * stiffness]],
             };
-            for i in 0..2 {
+            let tangents = &own.tangents[..d - 1];
+            for i in 0..d {
                 for j in 0..=i {
-                    let first = 2 * point.node as usize;
-                    if let Some(at) = self.space.pattern.position(first + i, first + j) {
-                        values[at] += answer * tangent[i] * tangent[j];
+                    let first = d * point.node as usize;
+                    let Some(at) = self.space.pattern.position(first + i, first + j) else {
+                        continue;
+                    };
+                    for (p, row) in tangents.iter().zip(&block) {
+                        for (q, answer) in tangents.iter().zip(row) {
+                            values[at] += answer * p[i] * q[j];
+                        }
                     }
                 }
             }

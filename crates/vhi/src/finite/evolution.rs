@@ -62,6 +62,7 @@ impl<'a> FiniteEvolution<'a> {
             shift: 0.0,
             // γ α_i below one is what makes z one to one along the graph: half of what (2.9) allows.
             gamma: 0.5 * functional.weight / stiffness[(i, i)].abs().max(f64::MIN_POSITIVE),
+            span: 1,
         });
         let graph = BoundaryGraph {
             coordinates: positions.collect(),
