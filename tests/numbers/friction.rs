@@ -295,12 +295,6 @@ fn what_is_wrong_is_refused() {
         ("friction-falling", slip, "points = [[0.0, 0.02], [0.05, -0.01]]", "must not be negative"),
         ("friction-falling", slip, "points = [[0.1, 0.02]]", "points start at r = 0"),
         ("friction-falling", slip, "points = [[0.0, 0.3], [0.1, 0.2]]", "alpha_tau c_tau^2"),
-        (
-            "punch-box",
-            "[contact]\n",
-            "[contact]\nfriction = { bound = 0.1 }\n",
-            "works in the plane",
-        ),
     ] {
         let said = refusal(name, from, to);
         assert!(said.contains(words), "{name}, {to}: {said}");

@@ -20,6 +20,7 @@ mod fixtures_punch;
 mod fixtures_pure_strong;
 mod floors;
 mod friction;
+mod friction_space;
 mod gronwall;
 mod histories;
 mod keys;
@@ -40,6 +41,7 @@ mod second_integral;
 mod separate_evaluation;
 #[path = "../shipped/mod.rs"]
 mod shipped;
+mod singular;
 mod step_size;
 mod tangent;
 mod three_dimensions;

@@ -48,6 +48,7 @@ fn small(
         law: 0,
         shift: 0.0,
         gamma: WEIGHT / matrix[(i, i)],
+        span: 1,
     };
     let coordinates = (0..order).map(coordinate).collect();
     Small {

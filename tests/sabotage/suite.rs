@@ -89,7 +89,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 34] = [
+const ROWS: [Row; 35] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -101,6 +101,7 @@ const ROWS: [Row; 34] = [
     ("graded-sums", &[], &[2], &[8, 16, 32, 64, 128]),
     ("graded-end", &[], &[2], &[16, 32, 64, 128]),
     ("product-integrated-graded", &[], &[2], &[16, 32, 64, 128]),
+    ("singular-contact", &[], &[2], &[16, 32, 64, 128]),
     ("loads-apart", &[], &[4], &[8, 16, 32, 64]),
     ("strong-scaled", &[], &[4, 8, 16, 32], &[8]),
     ("strong-corner", &[], &[4, 8, 16, 32], &[4]),
@@ -115,6 +116,7 @@ const ROWS: [Row; 34] = [
     ("pure-concave-gap", &[], &[8, 16, 32], &[4]),
     ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-front", FRONT_IN_SPACE, &[4, 8, 16], &[8]),
+    ("friction-box", &[], &[2, 3, 4, 6], &[2]),
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
     ("quadratic-elastic", &[], &[4, 8, 16], &[4]),
     ("quadratic-compliance", &[], &[4, 8, 16], &[16]),

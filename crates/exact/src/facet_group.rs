@@ -1,7 +1,7 @@
 //! The facets of Γ2 and Γ3 of an exact solution, in groups of one outward normal.
 
 use super::exact::{BoundaryFormulas, Exact};
-use super::friction::FrictionOnSide;
+use super::friction::{FrictionOnSide, Sliding};
 use super::sampled::Sampled;
 use fem::contact::{Discretization, LoadError};
 use fem::mesh::Mesh;
@@ -28,11 +28,8 @@ pub(super) struct FacetGroup {
     friction: Option<(FrictionOnSide, Sampled)>,
 }
 
-/// The tangent, and s at some points.
-pub(super) struct Sliding {
-    pub(super) tangent: [f64; 2],
-    pub(super) s: Vec<f64>,
-}
+/// A tangent, and s along it at some points.
+pub(super) type AlongTangent = ([f64; 3], Vec<f64>);
 
 impl FacetGroup {
     /// [u_ν, c, g, ξ, λ] at the points.
@@ -46,11 +43,14 @@ impl FacetGroup {
         points.evaluate(mesh, (&self.formulas.program, 5), t, &names)
     }
 
-    /// The friction stress at the points of the error rule.
-    pub(super) fn friction(&self, mesh: &Mesh, t: f64) -> Result<Option<Sliding>, LoadError> {
-        let Some((friction, points)) = &self.friction else { return Ok(None) };
-        let mut values = points.evaluate(mesh, (&friction.program, 3), t, &["s".into()])?;
-        Ok(Some(Sliding { tangent: friction.tangent, s: values.swap_remove(0) }))
+    /// The friction stress at the points of the error rule: each tangent, and s along it.
+    pub(super) fn friction(&self, mesh: &Mesh, t: f64) -> Result<Vec<AlongTangent>, LoadError> {
+        let Some((friction, points)) = &self.friction else { return Ok(Vec::new()) };
+        let d = mesh.dimension;
+        let names = vec![String::from("s"); d - 1];
+        let outputs = Sliding::numbers(d);
+        let values = points.evaluate(mesh, (&friction.program, outputs), t, &names)?;
+        Ok(friction.tangents.into_iter().zip(values).take(d - 1).collect())
     }
 }
 

@@ -1,4 +1,4 @@
-//! Friction of an exact solution in the plane: s = -σ_τ along the tangent, |s| ≤ S, s = S where u_τ slips.
+//! Friction of an exact solution: s = -σ_τ along d - 1 tangents, |s| ≤ S, s = S u_τ/|u_τ| where u_τ slips.
 
 use super::exact::{Exact, LawNumbers, law_formula, normal_component};
 use formula::{Graph, Node, Program, Variable};
@@ -19,26 +19,94 @@ pub enum FrictionBound {
 pub struct FrictionFormulas {
     /// S.
     pub bound: FrictionBound,
-    /// s(x, t); none where it is S sign u_τ, and 0 where nothing slips.
-    pub multiplier: Option<Node>,
+    /// s(x, t): in the plane one formula, along the tangent; in space three, of which the part across ν counts. None where
+    /// it is S u_τ/|u_τ|, and 0 where nothing slips.
+    pub multiplier: Option<Vec<Node>>,
 }
 
 /// Friction on a part of Γ3 with one normal.
 pub struct FrictionOnSide {
-    /// The unit tangent: towards growing x, on a side along y towards growing y.
-    pub tangent: [f64; 2],
-    /// [s, u_τ, S].
+    /// The unit tangents.
+    pub tangents: Tangents,
+    /// [s, u_τ, S], s and u_τ along the tangents.
     pub program: Program,
+}
+
+/// Unit tangents, orthogonal to each other. In the plane the first alone, the second being zero: towards growing x, on a
+/// side along y towards growing y.
+pub type Tangents = [[f64; 3]; 2];
+
+/// The state at one point; second numbers are 0 in the plane.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Sliding {
+    /// The tangents.
+    pub tangents: Tangents,
+    /// s along them.
+    pub s: [f64; 2],
+    /// u_τ along them.
+    pub slip: [f64; 2],
+    /// S.
+    pub bound: f64,
+}
+
+impl Sliding {
+    /// Numbers of a program in dimension d.
+    pub fn numbers(d: usize) -> usize {
+        2 * (d - 1) + 1
+    }
+
+    /// The state that the numbers of a program in dimension d say.
+    pub fn new(tangents: Tangents, d: usize, number: impl Fn(usize) -> f64) -> Self {
+        let m = d - 1;
+        let pair = |first: usize| [number(first), if m > 1 { number(first + 1) } else { 0.0 }];
+        Self { tangents, s: pair(0), slip: pair(m), bound: number(2 * m) }
+    }
+
+    /// s as a vector.
+    pub fn stress(&self) -> [f64; 3] {
+        let [[a, b, c], [d, e, f]] = self.tangents;
+        let [s, q] = self.s;
+        [s * a + q * d, s * b + q * e, s * c + q * f]
+    }
+
+    /// |s|.
+    pub fn size(&self) -> f64 {
+        length(self.s)
+    }
+
+    /// |u_τ|.
+    pub fn slipped(&self) -> f64 {
+        length(self.slip)
+    }
+
+    /// S |u_τ| - s·u_τ, not negative where |s| ≤ S.
+    pub fn unaligned(&self) -> f64 {
+        let [s, u] = [self.s, self.slip];
+        self.bound * self.slipped() - (s[0] * u[0] + s[1] * u[1])
+    }
+}
+
+/// The length of a vector, and in the plane the number without its sign.
+fn length([a, b]: [f64; 2]) -> f64 {
+    if b == 0.0 { a.abs() } else { a.hypot(b) }
 }
 
 /// A component of a unit vector that is zero but for rounding.
 const ALONG_AXIS: f64 = 1e-12;
 
-/// The tangent of a side with the normal ν.
-fn tangent(normal: &[f64]) -> [f64; 2] {
+/// The tangents of a side with the normal ν. In space the first lies along the axis that is furthest from ν.
+fn tangents(normal: &[f64]) -> Tangents {
+    if let &[a, b, c] = normal {
+        let axis = (0..3).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs())).unwrap_or(0);
+        let mut first = normal.iter().map(|own| -normal[axis] * own).collect::<Vec<f64>>();
+        first[axis] += 1.0;
+        let size = first.iter().map(|own| own * own).sum::<f64>().sqrt();
+        let [p, q, r] = [0, 1, 2].map(|i| first[i] / size);
+        return [[p, q, r], [b * r - c * q, c * p - a * r, a * q - b * p]];
+    }
     let backward = normal[1] > ALONG_AXIS || (normal[1].abs() <= ALONG_AXIS && normal[0] < 0.0);
     let sign = if backward { -1.0 } else { 1.0 };
-    [-sign * normal[1], sign * normal[0]]
+    [[-sign * normal[1], sign * normal[0], 0.0], [0.0; 3]]
 }
 
 impl Exact {
@@ -54,25 +122,37 @@ impl Exact {
         plane: Option<(Variable, f64)>,
     ) -> Option<FrictionOnSide> {
         let friction = self.data.contact.as_ref()?.friction.as_ref()?;
-        let (mut graph, tangent) = (self.data.graph.clone(), tangent(normal));
-        let u_tau = normal_component(&mut graph, &self.data.u, &tangent);
+        let (mut graph, tangents) = (self.data.graph.clone(), tangents(normal));
+        let d = normal.len();
+        let along = |graph: &mut Graph, vector: &[Node]| -> Vec<Node> {
+            let own = tangents[..d - 1].iter();
+            own.map(|tangent| normal_component(graph, vector, &tangent[..d])).collect()
+        };
+        let u_tau = along(&mut graph, &self.data.u);
+        let slip = length_formula(&mut graph, &u_tau);
         let u_nu = normal_component(&mut graph, &self.data.u, normal);
         let p = self.data.contact.as_ref().and_then(|own| own.compliance(&mut graph, u_nu));
-        let bound = friction.bound.formula(&mut graph, u_tau, p);
-        let s = friction.multiplier.unwrap_or_else(|| slipping(&mut graph, u_tau, bound));
-        let mut outputs = [s, u_tau, bound];
+        let bound = friction.bound.formula(&mut graph, slip, p);
+        let s = match &friction.multiplier {
+            None => slipping(&mut graph, (&u_tau, slip), bound),
+            Some(own) if d == 2 => own.clone(),
+            Some(own) => along(&mut graph, own),
+        };
+        let mut outputs = [&s[..], &u_tau, &[bound]].concat();
         if let Some((axis, value)) = plane {
             let value = graph.constant(value);
-            outputs = outputs.map(|formula| graph.substitute(formula, axis, value));
+            for formula in &mut outputs {
+                *formula = graph.substitute(*formula, axis, value);
+            }
         }
         let program = Program::compile(&mut graph, &outputs, self.data.horizon);
-        Some(FrictionOnSide { tangent, program })
+        Some(FrictionOnSide { tangents, program })
     }
 }
 
 impl FrictionBound {
     /// S, where the normal law has the value p: 0 without one.
-    fn formula(&self, graph: &mut Graph, u_tau: Node, p: Option<Node>) -> Node {
+    fn formula(&self, graph: &mut Graph, slip: Node, p: Option<Node>) -> Node {
         match self {
             Self::Given(bound) => *bound,
             Self::Coulomb(coefficient) => {
@@ -80,8 +160,6 @@ impl FrictionBound {
                 graph.mul(coefficient, p.unwrap_or(zero))
             }
             Self::Slip(points) => {
-                let backward = graph.neg(u_tau);
-                let slip = graph.max(u_tau, backward);
                 let (points, slope_before, slope_after) = (points.clone(), 0.0, 0.0);
                 let law = LawNumbers { points, slope_before, slope_after, curve: None };
                 law_formula(graph, &law, slip)
@@ -90,11 +168,33 @@ impl FrictionBound {
     }
 }
 
-/// S sign u_τ.
-fn slipping(graph: &mut Graph, u_tau: Node, bound: Node) -> Node {
-    let (zero, backward) = (graph.constant(0.0), graph.neg(bound));
-    let not_forward = graph.select_less(u_tau, zero, backward, zero);
-    graph.select_less(zero, u_tau, bound, not_forward)
+/// |u_τ|.
+fn length_formula(graph: &mut Graph, u_tau: &[Node]) -> Node {
+    if let &[u] = u_tau {
+        let backward = graph.neg(u);
+        return graph.max(u, backward);
+    }
+    let mut squares = graph.constant(0.0);
+    for &u in u_tau {
+        let square = graph.powi(u, 2);
+        squares = graph.add(squares, square);
+    }
+    let half = graph.constant(0.5);
+    graph.pow(squares, half)
+}
+
+/// S u_τ/|u_τ|, 0 at rest.
+fn slipping(graph: &mut Graph, (u_tau, slip): (&[Node], Node), bound: Node) -> Vec<Node> {
+    let zero = graph.constant(0.0);
+    if let &[u] = u_tau {
+        let backward = graph.neg(bound);
+        let not_forward = graph.select_less(u, zero, backward, zero);
+        return vec![graph.select_less(zero, u, bound, not_forward)];
+    }
+    let one = graph.constant(1.0);
+    let size = graph.select_less(zero, slip, slip, one);
+    let per_length = graph.div(bound, size);
+    u_tau.iter().map(|&u| graph.mul(per_length, u)).collect()
 }
 
 #[cfg(test)]
@@ -112,8 +212,27 @@ mod tests {
             ([0.6, 0.8], [0.8, -0.6]),
             ([-0.6, -0.8], [0.8, -0.6]),
         ] {
-            let own = tangent(&normal);
+            let own = tangents(&normal)[0];
             assert!((0..2).all(|i| (own[i] - along[i]).abs() < 1e-15), "{normal:?}: {own:?}");
+        }
+    }
+
+    #[test]
+    fn tangents_in_space_are_orthonormal() {
+        for normal in [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.48, -0.6, 0.64], [0.0, 0.6, -0.8]] {
+            let [p, q] = tangents(&normal);
+            let dot =
+                |a: [f64; 3], b: [f64; 3]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+            for (product, wanted) in [
+                (dot(p, p), 1.0),
+                (dot(q, q), 1.0),
+                (dot(p, q), 0.0),
+                (dot(p, normal), 0.0),
+                (dot(q, normal), 0.0),
+            ] {
+                // Rounding of sums of three products of numbers below one.
+                assert!((product - wanted).abs() < 1e-15, "{normal:?}: {p:?} {q:?}");
+            }
         }
     }
 }

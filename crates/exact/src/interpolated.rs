@@ -4,6 +4,7 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
+use super::Sliding;
 use super::constitutive::{self, Tensor, mandel};
 use super::contact_samples::StatePoints;
 use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
@@ -181,14 +182,12 @@ impl InterpolatedOnMesh {
         state
     }
 
-    /// The tangent and [s, u_τ, S] at the points of the trace; `None` without friction.
-    pub fn friction_state(&self, t: f64) -> Option<Vec<([f64; 2], [f64; 3])>> {
-        let mut state = vec![([0.0; 2], [0.0; 3]); self.space.trace.points.len()];
+    /// The friction at the points of the trace; `None` without.
+    pub fn friction_state(&self, t: f64) -> Option<Vec<Sliding>> {
+        let mut state = vec![Sliding::default(); self.space.trace.points.len()];
         for side in &self.boundary {
-            let (tangent, values) = side.friction(t)?;
-            for (p, &i) in side.members.iter().enumerate() {
-                state[i] = (tangent, [0, 1, 2].map(|field: usize| values[field][p]));
-            }
+            let own = side.friction(t, self.space.mesh.dimension)?;
+            side.members.iter().zip(own).for_each(|(&i, own)| state[i] = own);
         }
         (!self.boundary.is_empty()).then_some(state)
     }
@@ -207,10 +206,10 @@ impl InterpolatedOnMesh {
             {
                 add_force_along(&self.space, i, side.normal, weight * pressure, force);
             }
-            if let Some(([a, b], values)) = side.friction(t) {
-                let members = side.members.iter().zip(&side.weights);
-                for ((&i, weight), s) in members.zip(&values[0]) {
-                    add_force_along(&self.space, i, [a, b, 0.0], weight * s, force);
+            for own in side.friction(t, self.space.mesh.dimension).iter().flatten().enumerate() {
+                let (i, weight) = (side.members[own.0], side.weights[own.0]);
+                for (tangent, s) in own.1.tangents.into_iter().zip(own.1.s) {
+                    add_force_along(&self.space, i, tangent, weight * s, force);
                 }
             }
             let Some(law) = on_facets else { continue };

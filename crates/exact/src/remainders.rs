@@ -9,10 +9,12 @@ impl Exact {
     /// points and times.
     pub fn with_remainders(&self, points: &[[f64; 3]], times: &[f64]) -> Option<Self> {
         let mut data = self.data.clone();
-        let friction =
-            |c: &ContactFormulas| c.friction.as_ref().and_then(|friction| friction.multiplier);
-        let contact =
-            data.contact.iter().flat_map(|c| [c.multiplier, c.selection, friction(c)]).flatten();
+        let friction = |c: &ContactFormulas| -> Vec<Node> {
+            c.friction.iter().flat_map(|own| own.multiplier.clone().unwrap_or_default()).collect()
+        };
+        let contact = data.contact.iter();
+        let contact = contact
+            .flat_map(|c| [c.multiplier, c.selection].into_iter().flatten().chain(friction(c)));
         let fields = [&data.u, &self.strain, &self.memory, &self.body_force];
         let all: Vec<Node> = fields.into_iter().flatten().copied().chain(contact).collect();
         if !all.iter().any(|&node| data.graph.remembers(node)) {

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
 use super::exact::Exact;
+use super::friction::{Sliding, Tangents};
 use super::nodal_force::facet_measure;
 use fem::contact::Discretization;
 use fem::mesh::PlanePart;
@@ -19,7 +20,7 @@ pub(super) struct SidePoints {
     /// ∫ φ over the side, of each member.
     pub(super) weights: Vec<f64>,
     bound: Mutex<Bound>,
-    friction: Option<([f64; 2], Mutex<Bound>)>,
+    friction: Option<(Tangents, Mutex<Bound>)>,
 }
 
 impl SidePoints {
@@ -30,12 +31,13 @@ impl SidePoints {
         out
     }
 
-    /// The tangent, and s, u_τ, S at t; `None` without friction.
-    pub(super) fn friction(&self, t: f64) -> Option<([f64; 2], Vec<Vec<f64>>)> {
-        let (tangent, bound) = self.friction.as_ref()?;
-        let mut out = vec![Vec::new(); 3];
+    /// The friction at t in dimension d; `None` without.
+    pub(super) fn friction(&self, t: f64, d: usize) -> Option<Vec<Sliding>> {
+        let (tangents, bound) = self.friction.as_ref()?;
+        let mut out = vec![Vec::new(); Sliding::numbers(d)];
         bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
-        Some((*tangent, out))
+        let state = |p: usize| Sliding::new(*tangents, d, |i| out[i][p]);
+        Some((0..self.members.len()).map(state).collect())
     }
 }
 
@@ -63,7 +65,7 @@ pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoin
         let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();
         let bound = Mutex::new(formulas.program.bind(&points));
         let friction = exact.friction(&normal[..d]);
-        let friction = friction.map(|own| (own.tangent, Mutex::new(own.program.bind(&points))));
+        let friction = friction.map(|own| (own.tangents, Mutex::new(own.program.bind(&points))));
         SidePoints { normal, facets, weights, bound, members, friction }
     };
     mesh.plane_parts(&trace.mesh_facet).into_iter().map(of_part).collect()

@@ -8,7 +8,7 @@ use super::diagnostic::SceneError;
 use super::domain::{Domain, Side, place};
 use super::reading::{Reading, evenly};
 use super::time::Time;
-use super::written;
+use super::written::{self, FrictionStress};
 
 /// The space variables in order.
 pub(super) const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
@@ -35,8 +35,8 @@ pub enum Data {
         multiplier: Option<Node>,
         /// ξ ∈ p(u_ν - s) where p is set-valued; none where p(u_ν - s) is a number.
         selection: Option<Node>,
-        /// s = -σ_τ along the tangent; none is S sign u_τ, and 0 where u_τ = 0.
-        friction: Option<Node>,
+        /// s = -σ_τ: in the plane one formula, along the tangent; in space three. None is S u_τ/|u_τ|, and 0 where u_τ = 0.
+        friction: Option<Vec<Node>>,
         /// u(t) is the nodal interpolant of the formula on each mesh.
         interpolated: bool,
         form: LoadForm,
@@ -119,7 +119,29 @@ fn exact_solution(
     };
     let multiplier = optional("exact.multiplier", &written.multiplier)?;
     let selection = optional("exact.selection", &written.selection)?;
-    let friction = optional("exact.friction", &written.friction)?;
+    let friction = written.friction.as_ref();
+    let friction = friction
+        .map(|own| match (own, dimension) {
+            (FrictionStress::Along(formula), 2) => {
+                Ok(vec![reading.formula("exact.friction", formula, &scope)?])
+            }
+            (FrictionStress::Vector(formulas), 3) => {
+                reading.vector("exact.friction", formulas, 3, &scope)
+            }
+            (_, 2) => {
+                let hint = "in the plane it is one formula, along the tangent: friction = \"0.1\"";
+                Err(reading.error(
+                    "exact.friction",
+                    "a friction stress of several components",
+                    hint,
+                ))
+            }
+            _ => {
+                let hint = "in space it is a vector: friction = [\"0.1\", \"0\", \"0\"]";
+                Err(reading.error("exact.friction", "a friction stress of one component", hint))
+            }
+        })
+        .transpose()?;
     let interpolated = written.interpolated;
     Ok(Data::Exact { u, multiplier, selection, friction, interpolated, form })
 }

@@ -13,6 +13,7 @@ use crate::ContactQuadrature;
 
 /// The parts of a scene on which it depends whether an element can have it.
 pub(super) struct Parts<'a> {
+    pub dimension: usize,
     pub contact: Option<&'a Contact>,
     pub data: &'a Data,
     pub sweep: Option<&'a Sweep>,
@@ -52,6 +53,11 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
         let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
     }
+    let rubs = |contact: &Contact| contact.friction.is_some();
+    if parts.dimension == 3 && parts.contact.is_some_and(rubs) {
+        let message = "friction on facets in space is known for P1 alone";
+        return Some([message, "remove [contact.friction], or take P1"]);
+    }
     if parts.sweep.is_some_and(|sweep| sweep.reference.is_some()) {
         let message = "a finer run is compared with P1 functions alone";
         return Some([message, "give an exact solution, or take P1"]);
@@ -68,6 +74,7 @@ impl Scene {
         let mut scene = self.clone();
         if let Body::Contact(body) = &mut scene.body {
             let parts = Parts {
+                dimension: self.dimension,
                 contact: body.contact.as_ref(),
                 data: &body.data,
                 sweep: self.sweep.as_ref(),

@@ -1,4 +1,4 @@
-//! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3 in the plane, with a given bound S(x, t), one that depends on the slip, or
+//! `[contact.friction]`: -σ_τ ∈ S ∂|u_τ| on Γ3, with a given bound S(x, t), one that depends on the slip, or
 //! one that follows the normal law.
 
 use formula::{Node, Point, Variable};
@@ -14,8 +14,8 @@ use super::time::Time;
 use super::validated::Scene;
 use super::written::{self, Formula};
 
-/// Intervals of a side, and of [0, T], at whose ends the bound is examined.
-const SAMPLES: u32 = 256;
+/// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.
+const SAMPLES: [u32; 2] = [256, 24];
 const TIMES: u32 = 32;
 /// Ends of faces that are closer than this share of their lengths are one vertex.
 const SAME_PLACE: f64 = 1e-9;
@@ -23,7 +23,7 @@ const SAME_PLACE: f64 = 1e-9;
 /// The bound S of the friction stress.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FrictionBound {
-    /// Tresca: S(x, t) ≥ 0, a formula in x, y, t.
+    /// Tresca: S(x, t) ≥ 0, a formula in the coordinates and t.
     Given(Node),
     /// (r, S(r)) over the slip r = |u_τ|, the first at r = 0, joined by lines and constant beyond the last.
     Slip(Vec<[f64; 2]>),
@@ -45,11 +45,6 @@ impl Friction {
         time: &Time,
         normal: (Option<&Law>, ContactQuadrature),
     ) -> Result<Self, SceneError> {
-        if domain.dimension() != 2 {
-            let message = "friction on a body in space";
-            let hint = "friction works in the plane: remove [contact.friction]";
-            return Err(reading.key_error("contact.friction", message, hint));
-        }
         one_tangent_a_vertex(reading, domain)?;
         let bound = match &written.bound {
             written::FrictionBound::Plain(formula) => given(reading, formula, domain, time)?,
@@ -105,11 +100,14 @@ fn given(
     time: &Time,
 ) -> Result<FrictionBound, SceneError> {
     let key = "contact.friction.bound";
-    let scope = reading.scope(&[AXES[0], AXES[1], Variable::T]);
+    let d = domain.dimension();
+    let mut variables = AXES[..d].to_vec();
+    variables.push(Variable::T);
+    let scope = reading.scope(&variables);
     let node = reading.formula(key, formula, &scope)?;
     for side in &domain.contact {
         let places: Vec<Point> =
-            domain.faces(*side).iter().flat_map(|face| points(face, SAMPLES)).collect();
+            domain.faces(*side).iter().flat_map(|face| points(face, SAMPLES[d - 2])).collect();
         for t in evenly(0.0, time.horizon, TIMES) {
             for at in &places {
                 let value = reading.formulas.evaluate(node, &Point { t, ..*at });
@@ -118,7 +116,7 @@ fn given(
                 }
                 let message = format!(
                     "`bound` is {value} at {}, t = {t} on the side {}",
-                    place(at, 2),
+                    place(at, d),
                     domain.name(*side)
                 );
                 let hint = "the bound of the friction stress must be finite and not negative on every contact side and on [0, T]";
@@ -218,32 +216,42 @@ fn slip(
     Ok(points)
 }
 
-/// u_τ takes the unknown beside that of u_ν: a vertex between two contact sides has none, unless it is clamped.
+/// u_τ takes the unknowns beside that of u_ν: a vertex between two contact sides has too few, unless it is clamped. In
+/// space sides that meet do so along an edge.
 fn one_tangent_a_vertex(reading: &Reading, domain: &Domain) -> Result<(), SceneError> {
     let ends = |face: &Face| {
-        let [x, y, z] = face.corner;
-        [face.corner, [x + face.edges[0][0], y + face.edges[0][1], z]]
+        let mut ends = vec![face.corner];
+        for edge in &face.edges {
+            let moved = |p: &[f64; 3]| [0, 1, 2].map(|i| p[i] + edge[i]);
+            let from = if face.triangle { &ends[..1] } else { &ends[..] };
+            let further: Vec<[f64; 3]> = from.iter().map(moved).collect();
+            ends.extend(further);
+        }
+        ends
     };
     let of = |sides: &[super::Side]| -> Vec<Face> {
         sides.iter().flat_map(|side| domain.faces(*side)).collect()
     };
+    let d = domain.dimension();
     let (contact, clamped) = (of(&domain.contact), of(&domain.clamped));
     let near = |p: [f64; 3], q: [f64; 3], face: &Face| {
-        (p[0] - q[0]).hypot(p[1] - q[1]) <= SAME_PLACE * face.longest()
+        (p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]) <= SAME_PLACE * face.longest()
     };
     let at = |p: [f64; 3], face: &Face| ends(face).into_iter().any(|q| near(p, q, face));
     for (i, face) in contact.iter().enumerate() {
         for p in ends(face) {
             let bends = |other: &Face| {
-                let turn = face.normal[0] * other.normal[1] - face.normal[1] * other.normal[0];
-                turn.abs() > SAME_PLACE && at(p, other)
+                let (a, b) = (face.normal, other.normal);
+                let turn = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| a[i] * b[j] - a[j] * b[i]);
+                turn.iter().any(|own| own.abs() > SAME_PLACE) && at(p, other)
             };
-            if contact[..i].iter().any(bends) && !clamped.iter().any(|own| at(p, own)) {
+            let held = || d == 2 && clamped.iter().any(|own| at(p, own));
+            if contact[..i].iter().any(bends) && !held() {
                 let [x, y, z] = p;
                 let point = Point { x, y, z, ..Point::default() };
                 let message = format!(
                     "two contact sides with friction meet at {}: both displacements of that vertex carry a normal condition",
-                    place(&point, 2)
+                    place(&point, d)
                 );
                 let hint = "put a traction or clamped side between contact sides, or remove [contact.friction]";
                 return Err(reading.key_error("contact.friction", message, hint));

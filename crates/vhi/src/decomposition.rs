@@ -135,7 +135,8 @@ impl<P: StepInequality> StepInequality for Convex<'_, P> {
     fn linearize(&mut self, slopes: &[f64], prescribed: &[Option<f64>]) -> Result<(), FactorError> {
         let coordinates = self.problem.graph().coordinates.iter();
         let added = coordinates.zip(self.alpha).map(|(at, alpha)| alpha * at.weight);
-        let slopes: Vec<f64> = slopes.iter().zip(added).map(|(slope, own)| slope + own).collect();
+        let mut slopes = slopes.to_vec();
+        slopes.iter_mut().zip(added).for_each(|(slope, own)| *slope += own);
         self.problem.linearize(&slopes, prescribed)
     }
 

@@ -1,5 +1,6 @@
 //! Semismooth Newton method with primal-dual active set for one time level.
 
+use super::line::Line;
 use super::{Piece, StepInequality, StepState};
 use algebra::linalg::{FactorError, root_of_squares};
 
@@ -151,6 +152,7 @@ pub struct Scratch {
     force: Vec<f64>,
     increment: Vec<f64>,
     pieces: Vec<PieceKey>,
+    lines: Vec<Line>,
     slopes: Vec<f64>,
     pressures: Vec<f64>,
     defects: Vec<f64>,
@@ -181,7 +183,8 @@ impl Scratch {
         self.increment.resize(problem.dofs(), 0.0);
         self.pieces.clear();
         self.pieces.resize(graphs, None);
-        self.slopes.resize(graphs, 0.0);
+        self.lines.resize(graphs, Line::AXIS);
+        self.slopes.resize(problem.graph().slopes(), 0.0);
         self.pressures.resize(graphs, 0.0);
         self.defects.resize(graphs, 0.0);
         self.prescribed.resize(graphs, None);
@@ -191,10 +194,14 @@ impl Scratch {
     fn select_pieces<P: StepInequality>(&mut self, problem: &P, state: &StepState) -> u32 {
         let graph = problem.graph();
         let mut changes = 0;
-        for i in 0..graph.coordinates.len() {
-            let z = graph.normal(i, &state.u) + graph.coordinates[i].gamma * state.pressure[i];
+        for i in graph.laws() {
+            let (line, z) = graph.line(i, &state.u, &state.pressure);
+            let turned =
+                self.lines[i].along[0] * line.along[0] + self.lines[i].along[1] * line.along[1];
             let chosen = match (graph.piece(i, z), self.pieces[i]) {
                 (Piece::Pinned { value, .. }, _) => Chosen::Pinned(value),
+                // A vector that would turn back goes by way of 0, as a number does.
+                (Piece::Free, Some(Chosen::Free(_))) if turned < 0.0 => Chosen::Pinned(0.0),
                 // From one side of a jump to the other it would go back and forth for ever where
                 // the solution is at the jump: it stops there first.
                 (Piece::Free, Some(Chosen::Free(before))) => {
@@ -202,9 +209,10 @@ impl Scratch {
                 }
                 (Piece::Free, _) => Chosen::Free(graph.jumps_below(i, z)),
             };
+            self.lines[i] = line;
             if self.pieces[i] != Some(chosen) {
                 changes += u32::from(self.pieces[i].is_some());
-                self.pieces[i] = Some(chosen);
+                self.pieces[graph.span(i)].fill(Some(chosen));
             }
         }
         changes
@@ -218,14 +226,22 @@ impl Scratch {
         for (target, force) in self.increment.iter_mut().zip(&self.force) {
             *target = -force;
         }
-        for (i, at) in graph.coordinates.iter().enumerate() {
-            let (dof, normal) = (at.dof as usize, graph.normal(i, &state.u));
-            state.pressure[i] = match self.pieces[i] {
-                Some(Chosen::Free(below)) => graph.value_and_slope(i, below, normal).0,
-                _ => -at.sign * self.force[dof] / at.weight,
-            };
-            self.increment[dof] -= at.sign * at.weight * state.pressure[i];
-            self.defects[i] = graph.defect(i, normal, state.pressure[i]);
+        for i in graph.laws() {
+            match self.pieces[i] {
+                Some(Chosen::Free(below)) => {
+                    graph.set_pressures(i, (below, &self.lines[i]), &state.u, &mut state.pressure);
+                }
+                _ => graph.span(i).for_each(|j| {
+                    let at = &graph.coordinates[j];
+                    state.pressure[j] = -at.sign * self.force[at.dof as usize] / at.weight;
+                }),
+            }
+            for j in graph.span(i) {
+                let at = &graph.coordinates[j];
+                self.increment[at.dof as usize] -= at.sign * at.weight * state.pressure[j];
+                self.defects[j] = 0.0;
+            }
+            self.defects[i] = graph.defect(i, &state.u, &state.pressure);
         }
         let squares = |scale: f64| {
             let of = |values: &[f64]| values.iter().map(|v| (scale * v).powi(2)).sum::<f64>();
@@ -243,18 +259,27 @@ impl Scratch {
         forcing: f64,
     ) -> Result<(), FactorError> {
         let graph = problem.graph();
+        self.pressures.copy_from_slice(&state.pressure);
+        self.slopes.fill(0.0);
+        let mut mixed = graph.coordinates.len();
+        for i in graph.laws() {
+            if let Some(Chosen::Free(below)) = self.pieces[i] {
+                let line = self.lines[i];
+                graph.set_pressures(i, (below, &line), &state.u, &mut self.pressures);
+                graph.set_slopes(i, (below, line), &state.u, (&mut self.slopes, mixed));
+            }
+            mixed += usize::from(graph.coordinates[i].span > 1);
+        }
         for (i, at) in graph.coordinates.iter().enumerate() {
             let (dof, normal) = (at.dof as usize, graph.normal(i, &state.u));
-            self.pressures[i] = state.pressure[i];
-            (self.slopes[i], self.prescribed[i]) = match self.pieces[i] {
-                Some(Chosen::Free(below)) => {
-                    let (pressure, slope) = graph.value_and_slope(i, below, normal);
-                    self.pressures[i] = pressure;
-                    self.increment[dof] = -self.force[dof] - at.sign * at.weight * pressure;
-                    (at.weight * slope, None)
+            self.prescribed[i] = match self.pieces[i] {
+                Some(Chosen::Free(_)) => {
+                    self.increment[dof] =
+                        -self.force[dof] - at.sign * at.weight * self.pressures[i];
+                    None
                 }
-                Some(Chosen::Pinned(value)) => (0.0, Some(at.sign * (value - normal))),
-                None => (0.0, Some(0.0)),
+                Some(Chosen::Pinned(value)) => Some(at.sign * (value - normal)),
+                None => Some(0.0),
             };
         }
         problem.take_pressures(&self.pressures);

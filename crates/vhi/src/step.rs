@@ -9,7 +9,7 @@ use algebra::linalg::FactorError;
 ///
 /// where F is single-valued (A, φ with the history up to this level, smooth boundary terms, minus
 /// the load) and the graphs G_i = ∂j + ∂I_{≤ g} sit on single coordinates (dof, sign s_i, weight
-/// w_i): the constraint v ∈ K^h and a diagonal, possibly set-valued part of ∂j.
+/// w_i) or on two as a vector: the constraint v ∈ K^h and a diagonal, possibly set-valued part of ∂j.
 pub trait StepInequality {
     /// Number of unknowns.
     fn dofs(&self) -> usize;
@@ -32,7 +32,8 @@ pub trait StepInequality {
 
     /// Prepares solves with the generalized Jacobian of F at the u of the last [`Self::residual`],
     /// plus `slopes[i]` on the coordinate of graph i (a stiffness), with the increment of graph i
-    /// prescribed where `prescribed[i]` says so (an increment of the dof).
+    /// prescribed where `prescribed[i]` says so (an increment of the dof). Behind the slopes of the coordinates are those
+    /// between the two unknowns of each law of vectors, in its order.
     ///
     /// # Errors
     /// The factorization's, if the Jacobian is not positive definite.

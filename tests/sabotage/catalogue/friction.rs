@@ -8,8 +8,8 @@ use gronwall::law::{PiecewiseLinear, Potential};
 use gronwall::linalg::FactorError;
 use gronwall::setup::Setup;
 use gronwall::vhi::{
-    BoundaryGraph, HistoryInequality, Newton, Scratch, StepError, StepInequality, StepInfo,
-    StepSolver, StepState,
+    BoundaryGraph, Coordinate, HistoryInequality, Newton, Scratch, StepError, StepInequality,
+    StepInfo, StepSolver, StepState,
 };
 
 use super::levels::march;
@@ -70,6 +70,27 @@ impl<P: HistoryInequality> StepInequality for Before<'_, P> {
     }
 }
 
+/// Newton's method with each component of a friction stress within S by itself: a box of stresses, not a ball.
+struct Boxed;
+
+impl StepSolver for Boxed {
+    fn solve_level<P: HistoryInequality>(
+        &self,
+        problem: &mut P,
+        state: &mut StepState,
+        scratch: &mut Scratch,
+    ) -> Result<StepInfo, StepError> {
+        let BoundaryGraph { coordinates, potentials } = problem.graph();
+        if coordinates.iter().all(|at| at.span == 1) {
+            return Newton::default().solve(problem, state, scratch);
+        }
+        let alone = |at: &Coordinate| Coordinate { span: 1, ..*at };
+        let coordinates = coordinates.iter().map(alone).collect();
+        let graph = BoundaryGraph { coordinates, potentials: potentials.clone() };
+        Newton::default().solve(&mut Before { problem, graph }, state, scratch)
+    }
+}
+
 /// c(x, t) of the scene.
 type Bound<'a> = &'a dyn Fn([f64; 3], f64) -> f64;
 
@@ -79,6 +100,11 @@ fn bounded(setup: Setup, change: fn(Bound<'_>, [f64; 3], f64) -> f64) -> Setup {
         let sound = friction.factor;
         Friction { factor: Box::new(move |x, t| change(&sound, x, t)), ..friction }
     })
+}
+
+/// What is wrong on a body in space alone: the scenes in the plane do not show it.
+fn in_space(setup: Setup, change: impl Fn(Setup) -> Setup) -> Setup {
+    if setup.scene.dimension == 3 { change(setup) } else { setup }
 }
 
 fn changed(mut setup: Setup, change: impl Fn(Friction) -> Friction) -> Setup {
@@ -140,6 +166,28 @@ pub fn defects() -> Vec<Defect> {
                     let sound =
                         |_: usize, own: &StepState, _: &StepState, _: &StepState| own.clone();
                     march(setup, data, steps, observe, &Late::default(), sound, false)
+                })
+            },
+        ),
+        Defect::of(Term::Friction, "in space friction pushes along with the slip", |setup| {
+            in_space(setup, |setup| changed(setup, |own| Friction { graph: pushing(), ..own }))
+        }),
+        Defect::of(Term::Friction, "in space half of Γ3 sticks", |setup| {
+            in_space(setup, |setup| {
+                bounded(setup, |sound, x, t| sound(x, t) * if x[2] > 0.5 { 1e6 } else { 1.0 })
+            })
+        }),
+        Defect::of(Term::Friction, "a box of friction stresses in place of the ball", |setup| {
+            marched(setup, |setup, data, steps, observe| data.march(setup, steps, &Boxed, observe))
+        }),
+        Defect::of(
+            Term::Friction,
+            "a box of friction stresses in place of the ball, KKT system not checked",
+            |setup| {
+                marched(setup, |setup, data, steps, observe| {
+                    let sound =
+                        |_: usize, own: &StepState, _: &StepState, _: &StepState| own.clone();
+                    march(setup, data, steps, observe, &Boxed, sound, false)
                 })
             },
         ),

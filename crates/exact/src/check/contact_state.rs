@@ -3,6 +3,7 @@
 use super::polytope;
 use super::sliding::SlidingExtremes;
 use super::{Finding, SideOfBox, Status, places};
+use crate::Sliding;
 use crate::constitutive::stress;
 use crate::{ContactFormulas, Exact};
 use fem::norms::is_locked;
@@ -110,8 +111,8 @@ fn sample<const D: usize>(
     let mut values = vec![Vec::new(); 5];
     let mut fields = vec![Vec::new(); D + exact.strain.len() + exact.memory.len()];
     let friction = exact.friction(&normal[..D]);
-    let mut sliding = friction.map(|own| (own.tangent, own.program.bind(points)));
-    let mut slides = vec![Vec::new(); 3];
+    let mut sliding = friction.map(|own| (own.tangents, own.program.bind(points)));
+    let mut slides = vec![Vec::new(); Sliding::numbers(D)];
     for n in 0..=TIMES {
         let t = exact.data.horizon * n as f64 / TIMES as f64;
         bound.evaluate(t, 0.0, &mut values);
@@ -125,11 +126,11 @@ fn sample<const D: usize>(
             let strain = exact.tensors::<D, f64>(|k| fields[k][p], &mut memory);
             let sigma = stress(exact.material_in(regions[p]), &strain, &memory, kappa);
             extremes.add(u_nu, pressure, gap, lambda, has_law);
-            let mut along = [0.0; D];
-            if let Some((tangent, _)) = &sliding {
-                let [s, u_tau, bound] = [0, 1, 2].map(|i| slides[i][p]);
-                extremes.friction.get_or_insert_default().add(s, u_tau, bound);
-                along.iter_mut().zip(tangent).for_each(|(along, tau)| *along = s * tau);
+            let mut along = [0.0; 3];
+            if let Some((tangents, _)) = &sliding {
+                let own = Sliding::new(*tangents, D, |i| slides[i][p]);
+                extremes.friction.get_or_insert_default().add(&own);
+                along = own.stress();
             }
             let h3 = (0..D).map(|i| {
                 let traction: f64 = sigma[i].iter().zip(&normal).map(|(s, n)| s * n).sum();

@@ -1,6 +1,7 @@
-//! Friction on Γ3 at samples: |s| ≤ S, s = S sign u_τ where u_τ slips, and how much of Γ3 sticks.
+//! Friction on Γ3 at samples: |s| ≤ S, s = S u_τ/|u_τ| where u_τ slips, and how much of Γ3 sticks.
 
 use super::{Finding, Status};
+use crate::Sliding;
 
 /// |u_τ| below this share of the largest is zero but for rounding of the formulas.
 const AT_REST: f64 = 1e-12;
@@ -9,14 +10,14 @@ const AT_REST: f64 = 1e-12;
 pub(super) struct SlidingExtremes {
     /// Largest |s| - S.
     excess: f64,
-    /// Largest S |u_τ| - s u_τ, which is not negative where |s| ≤ S.
+    /// Largest S |u_τ| - s·u_τ, which is not negative where |s| ≤ S.
     unaligned: f64,
     /// Largest |u_τ| and S.
     slip: f64,
     bound: f64,
     /// Smallest S.
     least: f64,
-    /// u_τ of all samples.
+    /// |u_τ| of all samples.
     slips: Vec<f64>,
 }
 
@@ -28,12 +29,13 @@ impl Default for SlidingExtremes {
 }
 
 impl SlidingExtremes {
-    pub(super) fn add(&mut self, s: f64, u_tau: f64, bound: f64) {
+    pub(super) fn add(&mut self, own: &Sliding) {
+        let (s, u_tau, bound) = (own.size(), own.slipped(), own.bound);
         // A NaN is a violation of any size.
-        let excess = if s.is_nan() || bound.is_nan() { f64::INFINITY } else { s.abs() - bound };
+        let excess = if s.is_nan() || bound.is_nan() { f64::INFINITY } else { s - bound };
         self.excess = self.excess.max(excess);
-        self.unaligned = self.unaligned.max(bound * u_tau.abs() - s * u_tau);
-        self.slip = self.slip.max(u_tau.abs());
+        self.unaligned = self.unaligned.max(own.unaligned());
+        self.slip = self.slip.max(u_tau);
         self.bound = self.bound.max(bound);
         self.least = self.least.min(bound);
         self.slips.push(u_tau);
@@ -68,7 +70,8 @@ mod tests {
 
     fn statuses(samples: &[[f64; 3]]) -> Vec<Status> {
         let mut extremes = SlidingExtremes::default();
-        samples.iter().for_each(|&[s, u_tau, bound]| extremes.add(s, u_tau, bound));
+        let plane = |own: &[f64; 3]| Sliding::new([[1.0, 0.0, 0.0], [0.0; 3]], 2, |i| own[i]);
+        samples.iter().for_each(|own| extremes.add(&plane(own)));
         extremes.findings(1.0, samples.len()).into_iter().map(|finding| finding.status).collect()
     }
 
@@ -83,5 +86,19 @@ mod tests {
         for wrong in [[0.3, 0.0, 0.2], [0.0, 0.0, -0.1], [f64::NAN, 0.0, 0.2]] {
             assert_eq!(statuses(&[wrong])[0], no, "{wrong:?}");
         }
+    }
+
+    /// In space |s| ≤ S is a ball: each of two components within S is not enough, nor is a stress of size S aside of the slip.
+    #[test]
+    fn a_box_of_stresses_is_no_ball() {
+        let findings = |own: [f64; 5]| {
+            let mut extremes = SlidingExtremes::default();
+            extremes.add(&Sliding::new([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]], 3, |i| own[i]));
+            extremes.findings(1.0, 1).into_iter().map(|own| own.status).take(2).collect::<Vec<_>>()
+        };
+        let [yes, no] = [Status::Verified, Status::Failed];
+        assert_eq!(findings([0.3, 0.4, 0.03, 0.04, 0.5]), [yes, yes]);
+        assert_eq!(findings([0.5, 0.5, 0.03, 0.04, 0.5])[0], no);
+        assert_eq!(findings([0.4, 0.3, 0.03, 0.04, 0.5]), [yes, no]);
     }
 }

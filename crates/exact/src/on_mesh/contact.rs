@@ -44,11 +44,12 @@ impl ExactOnMesh {
                             force[d * point as usize + i] += pressure * group.normal[i] * shape;
                         }
                     }
-                    let Some(friction) = &friction else { continue };
-                    let sliding = weight * measure * friction.s[at];
-                    for (&point, shape) in trace.facet(f).iter().zip(&shape[q]) {
-                        for (i, along) in friction.tangent.iter().enumerate() {
-                            force[d * point as usize + i] += sliding * along * shape;
+                    for (tangent, s) in &friction {
+                        let sliding = weight * measure * s[at];
+                        for (&point, shape) in trace.facet(f).iter().zip(&shape[q]) {
+                            for (i, along) in tangent[..d].iter().enumerate() {
+                                force[d * point as usize + i] += sliding * along * shape;
+                            }
                         }
                     }
                 }

@@ -55,6 +55,7 @@ fn normal_graph(
                 shift: (boundary.shift)(x),
                 // γ α_ν = α_ν w/K_ii is of order h α_ν/m_𝒜: below one wherever (2.9) holds.
                 gamma: point.weight / stiffness,
+                span: 1,
             }
         })
         .collect();

@@ -42,26 +42,7 @@ impl Frames {
     /// mesh: two sides that meet at an angle have different normals.
     pub(crate) fn insert(&mut self, node: usize, nodes: usize, normals: &[[f64; 3]]) {
         let d = self.dimension;
-        let mut rows: Vec<Vec<f64>> = normals.iter().map(|normal| normal[..d].to_vec()).collect();
-        // Complete by the axes that are furthest from what is there, made orthogonal to it.
-        while rows.len() < d {
-            let across = |axis: usize| {
-                let mut v = vec![0.0; d];
-                v[axis] = 1.0;
-                for row in orthonormal(&rows) {
-                    let along: f64 = row.iter().zip(&v).map(|(a, b)| a * b).sum();
-                    v.iter_mut().zip(&row).for_each(|(v, r)| *v -= along * r);
-                }
-                v
-            };
-            let length = |v: &Vec<f64>| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let candidates = (0..d).map(across);
-            let Some(best) = candidates.max_by(|a, b| length(a).total_cmp(&length(b))) else {
-                break;
-            };
-            let scale = length(&best);
-            rows.push(best.iter().map(|v| v / scale).collect());
-        }
+        let rows = completed(normals, d);
         let normals = DMatrix::from_fn(d, d, |i, j| rows[i][j]);
         assert!(normals.determinant().abs() > DEPENDENT, "dependent normals at node {node}");
         let basis = normals.clone().try_inverse().expect("independent rows");
@@ -141,6 +122,30 @@ impl Frames {
             }
         }
     }
+}
+
+/// Unit vectors completed to d of them, by the axes that are furthest from what is there, made orthogonal to it.
+pub(super) fn completed(normals: &[[f64; 3]], d: usize) -> Vec<Vec<f64>> {
+    let mut rows: Vec<Vec<f64>> = normals.iter().map(|normal| normal[..d].to_vec()).collect();
+    while rows.len() < d {
+        let across = |axis: usize| {
+            let mut v = vec![0.0; d];
+            v[axis] = 1.0;
+            for row in orthonormal(&rows) {
+                let along: f64 = row.iter().zip(&v).map(|(a, b)| a * b).sum();
+                v.iter_mut().zip(&row).for_each(|(v, r)| *v -= along * r);
+            }
+            v
+        };
+        let length = |v: &Vec<f64>| v.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let candidates = (0..d).map(across);
+        let Some(best) = candidates.max_by(|a, b| length(a).total_cmp(&length(b))) else {
+            break;
+        };
+        let scale = length(&best);
+        rows.push(best.iter().map(|v| v / scale).collect());
+    }
+    rows
 }
 
 /// Gram-Schmidt.

@@ -1,8 +1,9 @@
-//! Friction on Γ3 in the plane, as it enters the discrete scheme: -σ_τ = s ∈ S ∂|u_τ|, S = c(x, t) S_0(|u_τ|), or that
-//! times p(u_ν), p = ∂j_ν.
+//! Friction on Γ3, as it enters the discrete scheme: -σ_τ = s ∈ S ∂|u_τ|, S = c(x, t) S_0(|u_τ|), or that times p(u_ν),
+//! p = ∂j_ν.
 //!
 //! r ↦ S(|r|) sign r is the graph of a potential with one jump, at r = 0, which is a vertex that sticks. So it is solved as
-//! the normal law is: a graph on the unknown that carries u_τ, at each vertex with the weight of the vertex rule. A bound
+//! the normal law is: a graph on the unknown that carries u_τ, at each vertex with the weight of the vertex rule; in space
+//! on the vector of the two unknowns that carry it. A bound
 //! that follows p is that of the state whose residual was evaluated last; its slope in u_ν is an entry of the Jacobian
 //! without a mirror image.
 
@@ -59,7 +60,7 @@ impl Following {
     }
 }
 
-/// Where a point of the trace carries u_τ = sign · unknown.
+/// Where a point of the trace carries u_τ along one tangent = sign · unknown.
 struct Tangential {
     unknown: u32,
     sign: f64,
@@ -75,32 +76,48 @@ impl TracePoint {
         if y < -ALONG_AXIS || (y <= ALONG_AXIS && x > 0.0) { [-y, x] } else { [y, -x] }
     }
 
-    /// u_τ of a nodal vector of plane displacements.
-    pub fn tangential(&self, u: &[f64]) -> f64 {
-        let ([a, b], first) = (self.tangent(), 2 * self.node as usize);
-        a * u[first] + b * u[first + 1]
+    /// The d - 1 unit tangents along which u_τ and s are given, orthogonal to each other and to ν.
+    pub fn tangents(&self) -> impl Iterator<Item = &[f64]> {
+        let d = usize::from(self.dimension);
+        self.tangents[..d - 1].iter().map(move |tangent| &tangent[..d])
     }
 
-    /// Adds the tangential force `value` to forces by nodes.
-    pub(super) fn add_tangential(&self, value: f64, force: &mut [f64]) {
-        let ([a, b], first) = (self.tangent(), 2 * self.node as usize);
-        force[first] += value * a;
-        force[first + 1] += value * b;
+    /// u_τ of a nodal vector along the tangents; its second number is 0 in the plane.
+    pub fn slip(&self, u: &[f64]) -> [f64; 2] {
+        let own = &u[usize::from(self.dimension) * self.node as usize..];
+        let along = |tangent: &[f64]| tangent.iter().zip(own).map(|(t, u)| t * u).sum();
+        let mut slip = [0.0; 2];
+        slip.iter_mut().zip(self.tangents()).for_each(|(slip, tangent)| *slip = along(tangent));
+        slip
     }
 
-    /// The unknown of u_τ: the other Cartesian one, or the second of a frame.
-    fn tangential_unknown(&self, space: &Discretization) -> Tangential {
-        let (first, tangent) = (2 * self.node, self.tangent());
-        match space.frames.rows().find(|(node, _)| *node == self.node as usize) {
-            Some((_, rows)) => {
-                let along = rows[2] * tangent[0] + rows[3] * tangent[1];
-                Tangential { unknown: first + 1, sign: along.signum() }
-            }
-            None => Tangential {
-                unknown: first + u32::from(tangent[0] == 0.0),
-                sign: tangent[0] + tangent[1],
-            },
+    /// Adds the tangential force with these components along the tangents to forces by nodes.
+    pub(super) fn add_tangential(&self, components: &[f64], force: &mut [f64]) {
+        let own = &mut force[usize::from(self.dimension) * self.node as usize..];
+        for (value, tangent) in components.iter().zip(self.tangents()) {
+            own.iter_mut().zip(tangent).for_each(|(force, along)| *force += value * along);
         }
+    }
+
+    /// The unknowns of u_τ: the other Cartesian ones, or those of a frame behind the first.
+    fn tangential_unknowns(&self, space: &Discretization) -> Vec<Tangential> {
+        let d = usize::from(self.dimension);
+        let frame = space.frames.rows().find(|(node, _)| *node == self.node as usize);
+        let unknown = |(k, tangent): (usize, &[f64])| {
+            let (component, sign) = match &frame {
+                Some((_, rows)) => {
+                    let row = &rows[d * (k + 1)..];
+                    let along: f64 = row.iter().zip(tangent).map(|(row, t)| row * t).sum();
+                    (k + 1, along.signum())
+                }
+                None => {
+                    let axis = tangent.iter().position(|own| *own != 0.0).unwrap_or(0);
+                    (axis, tangent[axis])
+                }
+            };
+            Tangential { unknown: (d * self.node as usize + component) as u32, sign }
+        };
+        self.tangents().enumerate().map(unknown).collect()
     }
 }
 
@@ -116,18 +133,23 @@ pub(super) fn append_graphs<P: Projection>(
         return;
     }
     for point in space.trace.points.iter().filter(|point| point.carries()) {
-        let Tangential { unknown, sign } = point.tangential_unknown(space);
-        graph.coordinates.push(Coordinate {
-            dof: unknown,
-            sign,
-            weight: point.weight,
-            gap: f64::INFINITY,
-            floor: f64::NEG_INFINITY,
-            law: graph.potentials.len() as u32,
-            shift: 0.0,
-            // As for the normal law: a vertex changes its side of the jump by way of the jump.
-            gamma: point.weight / elastic[space.pattern.diagonal(unknown as usize)],
-        });
+        let own = point.tangential_unknowns(space);
+        let stiffness = |at: &Tangential| elastic[space.pattern.diagonal(at.unknown as usize)];
+        let stiffness = own.iter().map(stiffness).sum::<f64>() / own.len() as f64;
+        for (k, Tangential { unknown, sign }) in own.iter().enumerate() {
+            graph.coordinates.push(Coordinate {
+                dof: *unknown,
+                sign: *sign,
+                weight: point.weight,
+                gap: f64::INFINITY,
+                floor: f64::NEG_INFINITY,
+                law: graph.potentials.len() as u32,
+                shift: 0.0,
+                // As for the normal law: a vertex changes its side of the jump by way of the jump.
+                gamma: point.weight / stiffness,
+                span: if k == 0 { own.len() as u8 } else { 0 },
+            });
+        }
         graph.potentials.push(Arc::new(vhi::law::NoPotential));
     }
 }
@@ -153,10 +175,11 @@ impl<P: Projection> ContactProblem<'_, P> {
     /// Laws that follow p, as they are at the present unknowns. The graphs of the normal law come first, in the same order.
     pub(super) fn follow_pressure(&mut self) {
         let Some(friction) = &self.model.friction else { return };
-        let first = self.graph.coordinates.len() - self.following.factors.len();
+        let m = self.space.mesh.dimension - 1;
+        let first = self.graph.coordinates.len() - m * self.following.factors.len();
         for (i, &factor) in self.following.factors.iter().enumerate() {
             let p = self.graph.value_and_slope(i, 0, self.graph.normal(i, &self.unknowns)).0;
-            let law = self.graph.coordinates[first + i].law as usize;
+            let law = self.graph.coordinates[first + m * i].law as usize;
             self.graph.potentials[law] = Arc::new(friction.scaled(factor, p));
         }
     }
@@ -164,14 +187,15 @@ impl<P: Projection> ContactProblem<'_, P> {
     /// ∂(w s)/∂u_ν = w (s/p) p'(u_ν) where the friction follows p and slips. A prescribed u_ν has its part moved to the
     /// right side instead.
     pub(super) fn couple(&mut self, prescribed: &[Option<f64>]) {
-        let (graph, first) =
-            (&self.graph, self.graph.coordinates.len() - self.following.factors.len());
+        let (graph, m) = (&self.graph, self.space.mesh.dimension - 1);
+        let first = self.graph.coordinates.len() - m * self.following.factors.len();
         self.following.entries.clear();
-        for i in 0..self.following.factors.len() {
-            let (normal, own) = (&graph.coordinates[i], &graph.coordinates[first + i]);
+        for j in 0..m * self.following.factors.len() {
+            let i = j / m;
+            let (normal, own) = (&graph.coordinates[i], &graph.coordinates[first + j]);
             let (p, slope) = graph.value_and_slope(i, 0, graph.normal(i, &self.unknowns));
-            let s = self.following.pressures.get(first + i).copied().unwrap_or(0.0);
-            if prescribed[first + i].is_some() || p <= 0.0 {
+            let s = self.following.pressures.get(first + j).copied().unwrap_or(0.0);
+            if prescribed[first + j].is_some() || p <= 0.0 {
                 continue;
             }
             let value = own.sign * normal.sign * own.weight * slope * s / p;
@@ -187,6 +211,16 @@ impl<P: Projection> ContactProblem<'_, P> {
         self.solver.couple(self.following.entries.iter().copied());
     }
 
+    /// Adds the slopes between the two unknowns of each vector, which stand behind those of the coordinates.
+    pub(super) fn add_mixed(&self, slopes: &[f64], tangent: &mut [f64]) {
+        let coordinates = &self.graph.coordinates;
+        let pairs = coordinates.windows(2).filter(|pair| pair[0].span > 1);
+        for (slope, pair) in slopes[coordinates.len()..].iter().zip(pairs) {
+            let at = [pair[0].dof as usize, pair[1].dof as usize];
+            self.space.pattern.add(at, *slope, tangent);
+        }
+    }
+
     /// From then on solves are with the transposed Jacobian, or again with the Jacobian. The level is frozen: no piece of
     /// its history makes the Jacobian unsymmetric.
     pub(super) fn transpose(&mut self) {
@@ -196,16 +230,20 @@ impl<P: Projection> ContactProblem<'_, P> {
 
 /// The multipliers s of the last graphs, at the points of the trace; 0 on Γ1.
 pub(super) fn show(space: &Discretization, pressures: &[f64], shown: &mut [f64]) {
-    let free = space.trace.points.iter().zip(shown).filter(|(point, _)| point.carries());
-    for ((_, own), s) in free.rev().zip(pressures.iter().rev()) {
-        *own = *s;
+    let m = space.mesh.dimension - 1;
+    let points = space.trace.points.iter().zip(shown.chunks_exact_mut(m));
+    let free = points.filter(|(point, _)| point.carries());
+    for ((_, own), s) in free.rev().zip(pressures.rchunks_exact(m)) {
+        own.copy_from_slice(s);
     }
 }
 
 /// Adds Σ w s v_τ to forces by nodes.
 pub(super) fn add_force(space: &Discretization, view: &StepView<'_>, force: &mut [f64]) {
-    for (point, s) in space.trace.points.iter().zip(view.friction) {
-        point.add_tangential(point.weight * s, force);
+    for (point, s) in space.trace.points.iter().zip(view.friction_stresses(space)) {
+        let mut own = [0.0; 2];
+        own.iter_mut().zip(s).for_each(|(own, s)| *own = point.weight * s);
+        point.add_tangential(&own[..s.len()], force);
     }
 }
 
@@ -217,15 +255,36 @@ pub(super) fn violation<P: Projection>(
     stiffness: f64,
 ) -> f64 {
     let Some(friction) = &model.friction else { return 0.0 };
-    let points = space.trace.points.iter().zip(view.friction).enumerate();
-    let distances = points.filter(|(_, (point, _))| point.carries()).map(|(i, (point, &s))| {
+    let points = space.trace.points.iter().zip(view.friction_stresses(space)).enumerate();
+    let distances = points.filter(|(_, (point, _))| point.carries()).map(|(i, (point, s))| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
         let pressure = model.boundary.as_ref().map_or(0.0, |boundary| {
             let normal = space.trace.normal(i, view.u);
             boundary.potential_at(x).subdifferential(normal - (boundary.shift)(x)).0
         });
         let law = friction.at(x, view.t, pressure);
-        graph_distance(&law, [point.tangential(view.u), s], point.weight, stiffness)
+        distance(&law, (&point.slip(view.u)[..s.len()], s), point.weight, stiffness)
     });
     distances.fold(0.0, f64::max)
+}
+
+impl StepView<'_> {
+    /// The components of s along the tangents, point by point; nothing without friction.
+    pub fn friction_stresses(&self, space: &Discretization) -> impl Iterator<Item = &[f64]> {
+        self.friction.chunks_exact(space.mesh.dimension - 1)
+    }
+}
+
+/// Distance of (u_τ, s) from the law as a force. With r = `stiffness`/`weight`, the point of the graph whose s + r u_τ is
+/// that of (u_τ, s) lies along it: what is across counts as it is, what is along as a law of numbers has it.
+fn distance(law: &Scaled, (slip, s): (&[f64], &[f64]), weight: f64, stiffness: f64) -> f64 {
+    let (&[a, b], &[p, q]) = (slip, s) else {
+        return graph_distance(law, [slip[0], s[0]], weight, stiffness);
+    };
+    let r = stiffness / weight;
+    let z = [p + r * a, q + r * b];
+    let length = z[0].hypot(z[1]);
+    let [c, d] = if length > 0.0 { z.map(|z| z / length) } else { [1.0, 0.0] };
+    let across = weight * (c * q - d * p).abs();
+    graph_distance(law, [c * a + d * b, c * p + d * q], weight, stiffness).max(across)
 }

@@ -32,7 +32,7 @@ pub struct StepView<'a> {
     pub compliance: &'a [f64],
     /// λ_n at the points of the trace (a pressure).
     pub multiplier: &'a [f64],
-    /// s_n = -σ_τ along [`TracePoint::tangent`] at the points of the trace; empty without friction.
+    /// s_n = -σ_τ along [`TracePoint::tangents`] at the points of the trace, d - 1 numbers each; empty without friction.
     ///
     /// [`TracePoint::tangent`]: super::TracePoint::tangent
     pub friction: &'a [f64],
@@ -244,7 +244,11 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             multiplier: vec![0.0; space.trace.points.len()],
             friction: vec![
                 0.0;
-                if model.friction.is_some() { space.trace.points.len() } else { 0 }
+                if model.friction.is_some() {
+                    (space.mesh.dimension - 1) * space.trace.points.len()
+                } else {
+                    0
+                }
             ],
             worst_residual: 0.0,
             info: CaseInfo::default(),

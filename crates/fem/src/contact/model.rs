@@ -82,7 +82,7 @@ pub struct Model<P> {
     pub projection: P,
     /// Contact; `None` if Γ3 is empty or carries neither law nor gap.
     pub boundary: Option<Boundary>,
-    /// Friction on Γ3, in the plane.
+    /// Friction on Γ3.
     pub friction: Option<Friction>,
     /// Quadrature in time.
     pub time_rule: Box<dyn TimeRule>,

@@ -207,7 +207,7 @@ pub(super) fn of_level<P: Projection>(
     let mut paths = Paths::default();
     for point in space.trace.points.iter().filter(|p| model.friction.is_some() && p.carries()) {
         // A vertex that sticks is held at 0 but for the rounding of a frame.
-        let sticks = point.tangential(view.u).abs() <= 4.0 * f64::EPSILON;
+        let sticks = point.slip(view.u).iter().all(|u| u.abs() <= 4.0 * f64::EPSILON);
         paths.insert(if sticks { Path::Sticking } else { Path::Slipping });
     }
     let Some(boundary) = &model.boundary else { return paths };

@@ -371,6 +371,7 @@ impl<P: Projection> StepInequality for ContactProblem<'_, P> {
         for (slope, at) in slopes.iter().zip(&self.graph.coordinates) {
             tangent[self.space.pattern.diagonal(at.dof as usize)] += slope;
         }
+        self.add_mixed(slopes, &mut tangent);
         self.work.tangents += u32::from(self.model.projection.limit().is_some());
         self.prescribe(prescribed, &mut tangent, &mut rank_one);
         self.couple(prescribed);

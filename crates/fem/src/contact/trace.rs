@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Frames;
+use super::frames::completed;
 use crate::mesh::Mesh;
 use crate::space::{Element, Nodes};
 
@@ -23,6 +24,10 @@ pub struct TracePoint {
     pub weight: f64,
     /// True on the closure of Γ1, where u_ν = 0 is given.
     pub clamped: bool,
+    /// The tangents, d - 1 of them.
+    pub(super) tangents: [[f64; 3]; 2],
+    /// d.
+    pub(super) dimension: u8,
 }
 
 impl TracePoint {
@@ -72,7 +77,7 @@ impl ContactTrace {
                 let here = known.entry(vertex).or_default();
                 let same = |&at: &usize| distance(&trace.points[at].normal, &normal) < SAME_NORMAL;
                 let at = here.iter().copied().find(same).unwrap_or_else(|| {
-                    trace.points.push(TracePoint::new(vertex, normal, nodes));
+                    trace.points.push(TracePoint::new(vertex, normal, nodes, d));
                     here.push(trace.points.len() - 1);
                     trace.points.len() - 1
                 });
@@ -173,10 +178,33 @@ impl ContactTrace {
 }
 
 impl TracePoint {
-    fn new(vertex: u32, normal: [f64; 3], nodes: &Nodes) -> Self {
+    fn new(vertex: u32, normal: [f64; 3], nodes: &Nodes, d: usize) -> Self {
         let node = nodes.of_vertex[vertex as usize];
         let clamped = node as usize >= nodes.free;
-        Self { vertex, node, normal, unknown: 0, sign: 1.0, weight: 0.0, clamped }
+        let (tangents, dimension) = ([[0.0; 3]; 2], d as u8);
+        let mut point = Self {
+            vertex,
+            node,
+            normal,
+            unknown: 0,
+            sign: 1.0,
+            weight: 0.0,
+            clamped,
+            tangents,
+            dimension,
+        };
+        match d {
+            2 => {
+                let [x, y] = point.tangent();
+                point.tangents[0] = [x, y, 0.0];
+            }
+            // Those of a frame, and axes where ν is one.
+            _ => completed(&[normal], d)[1..]
+                .iter()
+                .zip(&mut point.tangents)
+                .for_each(|(row, tangent)| tangent.copy_from_slice(row)),
+        }
+        point
     }
 }
 

@@ -1,4 +1,4 @@
-//! The constants of the traces on a mesh: sup ‖v_ν‖²_{L²(Γ3)}/(𝒞ε(v), ε(v)) over V^h, and the same of v_τ in the plane.
+//! The constants of the traces on a mesh: sup ‖v_ν‖²_{L²(Γ3)}/(𝒞ε(v), ε(v)) over V^h, and the same of v_τ.
 //!
 //! With 𝒞 = I it is c_j² of (2.4); with 𝒞 = 𝒜 it is the energy constant, which with α_ν decides by
 //! itself whether the elastic part of a step is monotone.
@@ -31,7 +31,7 @@ pub fn trace_constant(
     largest_quotient(space, tensor, mass, Part::Normal)
 }
 
-/// sup ‖v_τ‖²/‖ε(v)‖² on a plane mesh, and the field that has it. Korn's inequality is in it, and with it a number that
+/// sup ‖v_τ‖²/‖ε(v)‖² on a mesh, and the field that has it. Korn's inequality is in it, and with it a number that
 /// is much larger than that of v_ν.
 ///
 /// # Errors
@@ -52,17 +52,18 @@ enum Part {
 }
 
 impl Part {
-    fn value(self, trace: &ContactTrace, i: usize, v: &[f64]) -> f64 {
+    /// v_ν, or v_τ along the tangents.
+    fn value(self, trace: &ContactTrace, i: usize, v: &[f64]) -> [f64; 2] {
         match self {
-            Self::Normal => trace.normal(i, v),
-            Self::Tangential => trace.points[i].tangential(v),
+            Self::Normal => [trace.normal(i, v), 0.0],
+            Self::Tangential => trace.points[i].slip(v),
         }
     }
 
-    fn add(self, trace: &ContactTrace, i: usize, value: f64, force: &mut [f64]) {
+    fn add(self, trace: &ContactTrace, i: usize, value: [f64; 2], force: &mut [f64]) {
         match self {
-            Self::Normal => trace.add_normal(i, value, force),
-            Self::Tangential => trace.points[i].add_tangential(value, force),
+            Self::Normal => trace.add_normal(i, value[0], force),
+            Self::Tangential => trace.points[i].add_tangential(&value, force),
         }
     }
 }
@@ -79,7 +80,9 @@ fn largest_quotient(
     // A constant pressure and some of everything else: no symmetry of the mesh hides the maximum.
     let (mut seed, mut load) = (1, vec![0.0; space.nodes.len()]);
     for (i, _) in space.trace.points.iter().enumerate().filter(|(_, point)| !point.clamped) {
-        part.add(&space.trace, i, 1.0 + 0.1 * signed_unit(&mut seed), &mut load);
+        // The second number is of a second tangent; the plane has none.
+        let value = 1.0 + 0.1 * signed_unit(&mut seed);
+        part.add(&space.trace, i, [value, 0.7 * value], &mut load);
     }
     let mut start = vec![0.0; space.dofs()];
     map.apply(&load[..space.dofs()], &mut start)?;
@@ -120,7 +123,8 @@ fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]
     match mass {
         TraceMass::Lumped => {
             for (i, point) in trace.points.iter().enumerate() {
-                part.add(trace, i, point.weight * part.value(trace, i, v), &mut out);
+                let value = part.value(trace, i, v).map(|value| point.weight * value);
+                part.add(trace, i, value, &mut out);
             }
         }
         TraceMass::Consistent => {
@@ -128,10 +132,12 @@ fn trace_mass(space: &Discretization, (mass, part): (TraceMass, Part), v: &[f64]
             let corners = trace.stride as f64;
             for f in 0..trace.measure.len() {
                 let members = trace.facet(f);
-                let total: f64 = members.iter().map(|&i| part.value(trace, i as usize, v)).sum();
-                for &i in members {
-                    let value = trace.measure[f] * (part.value(trace, i as usize, v) + total)
-                        / (corners * (corners + 1.0));
+                let values = || members.iter().map(|&i| part.value(trace, i as usize, v));
+                let total = [0, 1].map(|k| values().map(|value| value[k]).sum::<f64>());
+                for (&i, own) in members.iter().zip(values()) {
+                    let value = [0, 1].map(|k| {
+                        trace.measure[f] * (own[k] + total[k]) / (corners * (corners + 1.0))
+                    });
                     part.add(trace, i as usize, value, &mut out);
                 }
             }

@@ -5,17 +5,17 @@ use std::sync::Arc;
 use super::NoConstant;
 use super::cells::{Mandel, add_force, add_stiffness, inner, product, strains};
 use super::interpolation::InterpolationError;
-use super::law_slope::{Answer, answer, sliding_answer};
+use super::law_slope::{Answer, answer, sliding_answer, turning};
 use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
 use super::sums::{Kernel, Numbers, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::Weights;
 use algebra::linalg::{Front, axpy, dot};
-use exact::{ComplianceRule, Exact, FrictionBound, InterpolatedOnMesh};
+use exact::{ComplianceRule, Exact, FrictionBound, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
 use formula::{Node, Point, Variable};
-use scene::TimeRule;
+use scene::{Memory, TimeRule};
 
 /// A contact scene on one mesh, with tensors of S numbers.
 pub(super) struct InSpace<const S: usize> {
@@ -43,8 +43,8 @@ struct State<const S: usize> {
     zeta: f64,
     /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
     contact: Vec<[f64; 5]>,
-    /// The tangent and [s, u_τ, S] there; none without friction.
-    friction: Option<Vec<([f64; 2], [f64; 3])>>,
+    /// The friction there; none without.
+    friction: Option<Vec<Sliding>>,
 }
 
 /// The past of a level: Σ' over exact values, and over the errors of earlier levels.
@@ -85,7 +85,12 @@ impl<const S: usize> Response<S> {
 
 impl<const S: usize> InSpace<S> {
     /// Binds the exact solution to the mesh of `space`.
-    pub(super) fn new(exact: Arc<Exact>, space: Arc<Discretization>, rule: TimeRule) -> Self {
+    pub(super) fn new(
+        exact: Arc<Exact>,
+        space: Arc<Discretization>,
+        rule: TimeRule,
+        memory: &[Memory],
+    ) -> Self {
         // The rule matters to loads alone, which are not asked for here.
         let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
         let mut graph = exact.data.graph.clone();
@@ -95,8 +100,12 @@ impl<const S: usize> InSpace<S> {
             .filter(|&kappa| graph.depends_on(kappa, Variable::Zeta))
             .map(|kappa| graph.derivative(kappa, Variable::Zeta));
         let regions = exact.cell_regions(&space.mesh);
-        let kernel = |&node: &Node| Kernel::new(&mut graph, node, exact.data.horizon);
-        let kernels = exact.data.kernels.iter().map(kernel).collect();
+        let horizon = exact.data.horizon;
+        let kernel = |own: &Memory| match own.singular {
+            None => Kernel::new(&mut graph, own.kernel, horizon),
+            Some(parts) => Kernel::singular(&mut graph, parts.power, parts.factor, horizon),
+        };
+        let kernels = memory.iter().map(kernel).collect();
         Self { exact, space, rule, truth, slope, graph, regions, kernels }
     }
 
@@ -121,13 +130,15 @@ impl<const S: usize> InSpace<S> {
 
     /// The largest errors on a grid, max_n ‖ε(e_n)‖ and those of the other norms.
     pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
-        let weights = Weights::of(self.rule)?;
+        let weights = Weights::of_plain(self.rule)?;
+        let of_kernels = self.kernels.iter().map(|own| Weights::of_kernel(self.rule, own.power()));
+        let of_kernels = of_kernels.collect::<Result<Vec<_>, _>>()?;
         let contact = self.exact.data.contact.as_ref();
         let friction = contact.and_then(|contact| contact.friction.as_ref());
         if friction.is_some_and(|own| matches!(own.bound, FrictionBound::Coulomb(_))) {
             return Err(NoConstant::Unsymmetric);
         }
-        let mut sums = Sums::new(weights, &self.kernels, times, self.space.nodes.len());
+        let mut sums = Sums::new(of_kernels, &self.kernels, times, self.space.nodes.len());
         // Sums over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
         let mut sizes = Numbers::new(weights);
         let mut largest = Largest::default();
@@ -323,17 +334,28 @@ impl<const S: usize> InSpace<S> {
         let friction = self.exact.data.contact.as_ref().and_then(|own| own.friction.as_ref());
         let Some((friction, state)) = friction.zip(state.friction.as_ref()) else { return };
         let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
-        for (point, (tangent, own)) in self.space.trace.points.iter().zip(state) {
-            let answer = match sliding_answer(&friction.bound, *own) {
-                _ if point.clamped => continue,
-                Answer::Slope(slope) => point.weight * slope,
-                Answer::Held => HELD * stiffness,
+        let d = self.space.mesh.dimension;
+        for (point, own) in self.space.trace.points.iter().zip(state) {
+            if point.clamped {
+                continue;
+            }
+            let block = match sliding_answer(&friction.bound, own) {
+                Answer::Slope(slope) => {
+                    turning(own, slope).map(|row| row.map(|k| point.weight * k))
+                }
+                Answer::Held => [[HELD * stiffness, 0.0], [0.0, HELD * stiffness]],
             };
-            for i in 0..2 {
+            let tangents = &own.tangents[..d - 1];
+            for i in 0..d {
                 for j in 0..=i {
-                    let first = 2 * point.node as usize;
-                    if let Some(at) = self.space.pattern.position(first + i, first + j) {
-                        values[at] += answer * tangent[i] * tangent[j];
+                    let first = d * point.node as usize;
+                    let Some(at) = self.space.pattern.position(first + i, first + j) else {
+                        continue;
+                    };
+                    for (p, row) in tangents.iter().zip(&block) {
+                        for (q, answer) in tangents.iter().zip(row) {
+                            values[at] += answer * p[i] * q[j];
+                        }
                     }
                 }
             }

@@ -1,6 +1,6 @@
 //! How ξ ∈ ∂j_ν(r) answers to a small change of r.
 
-use exact::{FrictionBound, LawNumbers};
+use exact::{FrictionBound, LawNumbers, Sliding};
 
 /// The answer of one point of the contact side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,9 +37,9 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
     Answer::Slope(graph + curve)
 }
 
-/// The answer of s ∈ S ∂|u_τ| where s, u_τ and S are given: a vertex sticks below the bound.
-pub(super) fn sliding_answer(bound: &FrictionBound, [s, u_tau, at]: [f64; 3]) -> Answer {
-    if s.abs() < at * (1.0 - ROUNDING) {
+/// The answer of s ∈ S ∂|u_τ| along the slip where s, u_τ and S are given: a vertex sticks below the bound.
+pub(super) fn sliding_answer(bound: &FrictionBound, own: &Sliding) -> Answer {
+    if own.size() < own.bound * (1.0 - ROUNDING) {
         return Answer::Held;
     }
     match bound {
@@ -48,11 +48,23 @@ pub(super) fn sliding_answer(bound: &FrictionBound, [s, u_tau, at]: [f64; 3]) ->
         FrictionBound::Slip(points) => {
             let pairs = points.windows(2).map(|pair| (pair[0], pair[1]));
             let mut pieces =
-                pairs.filter(|([from, _], [to, _])| (*from..*to).contains(&u_tau.abs()));
+                pairs.filter(|([from, _], [to, _])| (*from..*to).contains(&own.slipped()));
             let piece = pieces.next();
             Answer::Slope(piece.map_or(0.0, |([from, low], [to, high])| (high - low) / (to - from)))
         }
     }
+}
+
+/// ∂s/∂u_τ along the tangents where the vertex slips and S has this slope: the slope along the slip, S/|u_τ| across it. At
+/// the bound without a slip it is the former on all sides: across there is no derivative.
+pub(super) fn turning(own: &Sliding, slope: f64) -> [[f64; 2]; 2] {
+    let (slip, [a, b]) = (own.slipped(), own.slip);
+    if slip == 0.0 || b == 0.0 && own.tangents[1] == [0.0; 3] {
+        return [[slope, 0.0], [0.0, slope]];
+    }
+    let ([a, b], across) = ([a / slip, b / slip], own.bound / slip);
+    let mixed = (slope - across) * a * b;
+    [[slope * a * a + across * b * b, mixed], [mixed, slope * b * b + across * a * a]]
 }
 
 /// Rounding of a formula that is to stay at a jump.
@@ -72,6 +84,10 @@ mod tests {
 
     #[test]
     fn friction_holds_below_its_bound_and_follows_it_beyond() {
+        let sliding_answer = |bound: &FrictionBound, own: [f64; 3]| {
+            let plane = [[1.0, 0.0, 0.0], [0.0; 3]];
+            super::sliding_answer(bound, &Sliding::new(plane, 2, |i| own[i]))
+        };
         let given = FrictionBound::Given(formula::Graph::new().constant(0.3));
         assert_eq!(sliding_answer(&given, [0.2, 0.0, 0.3]), Answer::Held);
         assert_eq!(sliding_answer(&given, [-0.3, -0.1, 0.3]), Answer::Slope(0.0));

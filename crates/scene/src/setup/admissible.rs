@@ -4,7 +4,7 @@
 use super::regularity::contact_claims;
 use super::{Setup, SetupError, constants};
 use crate::{Face, Hypothesis, SceneError, Side};
-use exact::Exact;
+use exact::{Exact, Sliding};
 use formula::{Point, Program};
 use vhi::law::Potential;
 
@@ -216,9 +216,12 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
         return Ok(());
     };
     let (points, horizon) = (face.points(samples_along(setup)), setup.scene.time.horizon);
-    visit(&friction.program, 3, &points, horizon, |at, values| {
-        let &[s, u_tau, bound] = values else { return Ok(()) };
-        let scene = &setup.scene;
+    let d = setup.scene.dimension;
+    visit(&friction.program, Sliding::numbers(d), &points, horizon, |at, values| {
+        let own = Sliding::new(friction.tangents, d, |i| values[i]);
+        // In the plane with its sign.
+        let sign = if d == 2 { own.s[0].signum() } else { 1.0 };
+        let (scene, s, bound) = (&setup.scene, sign * own.size(), own.bound);
         let slack = ROUNDING * bound.abs().max(f64::MIN_POSITIVE);
         if s.is_nan() || bound.is_nan() || s.abs() > bound + slack {
             let message = format!(
@@ -228,14 +231,18 @@ fn friction(setup: &Setup, exact: &Exact, face: &Face) -> Result<(), SetupError>
             let hint = "state exact.friction with |s| <= S on every contact side";
             return Err(scene.error("exact.friction", message, hint).into());
         }
-        let missing = bound * u_tau.abs() - s * u_tau;
-        if missing > ROUNDING * bound * u_tau.abs().max(ROUNDING) {
+        let u_tau = if d == 2 { own.slip[0] } else { own.slipped() };
+        if own.unaligned() > ROUNDING * bound * u_tau.abs().max(ROUNDING) {
             let message = format!(
                 "the friction stress is {s:.6} where u_tau = {u_tau:.3e} slips and the bound is {bound:.6}, {}",
                 place(setup, at)
             );
-            let hint =
-                "s = S sign(u_tau) wherever u_tau is not zero, and u_tau = 0 wherever |s| < S";
+            let hint = match d {
+                2 => "s = S sign(u_tau) wherever u_tau is not zero, and u_tau = 0 wherever |s| < S",
+                _ => {
+                    "s = S u_tau/|u_tau| wherever u_tau is not zero, and u_tau = 0 wherever |s| < S"
+                }
+            };
             return Err(scene.error("exact.friction", message, hint).into());
         }
         Ok(())

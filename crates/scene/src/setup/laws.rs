@@ -59,7 +59,7 @@ pub(super) fn friction(own: &crate::Friction, graph: &Arc<Graph>) -> Friction {
 /// Friction for the manufactured side, with the scene's s.
 pub(super) fn friction_formulas(
     own: &crate::Friction,
-    multiplier: Option<Node>,
+    multiplier: Option<Vec<Node>>,
 ) -> FrictionFormulas {
     let bound = match &own.bound {
         crate::FrictionBound::Given(bound) => exact::FrictionBound::Given(*bound),

@@ -312,7 +312,7 @@ fn exact(scene: &Scene, body: &ContactScene) -> Option<Exact> {
         scale: contact.law.as_ref().and_then(|law| law.scale).map(|scale| scale.formula),
         multiplier: *multiplier,
         selection: *selection,
-        friction: contact.friction.as_ref().map(|own| friction_formulas(own, *friction)),
+        friction: contact.friction.as_ref().map(|own| friction_formulas(own, friction.clone())),
     });
     let projection = material.projection.as_ref().filter(|projection| projection.mu > 0.0);
     let mut graph = scene.formulas.clone();

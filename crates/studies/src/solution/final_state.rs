@@ -95,13 +95,14 @@ impl FinalState {
 
     /// A vertex that sticks is held at u_τ = 0, to rounding of a frame.
     fn add_friction(&mut self, space: &Discretization, view: &StepView<'_>) {
-        let points = space.trace.points.iter().zip(view.friction);
+        let points = space.trace.points.iter().zip(view.friction_stresses(space));
         for (point, s) in points.filter(|(point, _)| point.carries()) {
-            let tangent = point.tangent();
-            self.friction_force.iter_mut().zip(tangent).for_each(|(sum, along)| {
-                *sum += point.weight * s * along;
-            });
-            let sticks = point.tangential(view.u).abs() <= AT_JUMP;
+            for (s, tangent) in s.iter().zip(point.tangents()) {
+                self.friction_force.iter_mut().zip(tangent).for_each(|(sum, along)| {
+                    *sum += point.weight * s * along;
+                });
+            }
+            let sticks = point.slip(view.u).iter().all(|u| u.abs() <= AT_JUMP);
             self.stick_vertices += usize::from(sticks);
             self.slip_vertices += usize::from(!sticks);
         }

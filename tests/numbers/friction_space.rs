@@ -1,0 +1,276 @@
+//! Source: -σ_τ ∈ S ∂|u_τ| on a face of a body, where u_τ is a vector; docs/THEORY.md.
+//! Goal: the rows of the KKT system see a friction stress that is aside of its slip or beyond the ball; the Jacobian has the
+//!   slopes between the two unknowns of a vertex; a turned body has the same friction; the trace constant is attained; what
+//!   is wrong is refused.
+//! Mesh: n × n × n cubes of six tetrahedra; a frustum with a slanted foot, turned about an axis.
+//! Data: friction-box, frustum.msh.
+
+use std::sync::Arc;
+
+use crate::shipped::{edited, on_mesh, run, setup, text};
+use gronwall::contact::{
+    Evolution, Friction, StepView, TraceMass, kkt_residual, strain_norm, tangential_trace_constant,
+};
+use gronwall::law::PiecewiseLinear;
+use gronwall::linalg::signed_unit;
+use gronwall::scene::{Scene, Source};
+use gronwall::setup::{Setup, TruthLoad};
+use gronwall::vhi::{BoundaryGraph, HistoryInequality, StepInequality, StepState};
+
+/// A stress that is turned in the face, one that is a little beyond the ball, and one whose components are within S while
+/// their vector is not.
+#[test]
+fn the_kkt_rows_see_a_wrong_vector() {
+    let setup = setup("friction-box");
+    let (data, mut sound) = (on_mesh(&setup, 6), 0.0f64);
+    let mut least = [f64::INFINITY; 2];
+    let (mut sticks, mut slips) = (0, 0);
+    run(&setup, &setup.model, &data, 2, |view| {
+        let load = data.truth.load(view.t).expect("a load");
+        let residual = |view: &StepView<'_>| kkt_residual(&data.space, &setup.model, view, &load);
+        sound = sound.max(residual(view));
+        let turned: Vec<f64> = view.friction.chunks(2).flat_map(|s| [-s[1], s[0]]).collect();
+        least[0] = least[0].min(residual(&StepView { friction: &turned, ..*view }));
+        let mut model = setup.scene_model();
+        let Friction { factor, graph, .. } = model.friction.take().expect("friction");
+        let factor = Box::new(move |x: [f64; 3], t: f64| 0.999 * factor(x, t));
+        model.friction = Some(Friction { factor, graph, follows_pressure: false });
+        least[1] = least[1].min(kkt_residual(&data.space, &model, view, &load));
+        for point in data.space.trace.points.iter().filter(|point| !point.clamped) {
+            let at_rest = point.slip(view.u) == [0.0; 2];
+            sticks += usize::from(at_rest);
+            slips += usize::from(!at_rest);
+        }
+    })
+    .expect("a run");
+    // Rounding of some 300 nodal forces.
+    assert!(sound < 1e-12, "{sound}");
+    // A thousandth of w S beside the largest force of a node.
+    assert!(least[0] > 1e-3 && least[1] > 1e-6, "{least:?}");
+    assert!(sticks > 20 && slips > 20, "{sticks} {slips}");
+}
+
+/// s(u) of each law, components one after another: S(|u_τ|) u_τ/|u_τ| for vectors.
+fn pressures(graph: &BoundaryGraph, u: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; graph.coordinates.len()];
+    for (i, own) in graph.coordinates.iter().enumerate() {
+        match own.span {
+            0 => {}
+            1 => out[i] = graph.value_and_slope(i, 0, graph.normal(i, u)).0,
+            _ => {
+                let slip = [graph.normal(i, u), graph.normal(i + 1, u)];
+                let length = slip[0].hypot(slip[1]);
+                let bound = graph.value_and_slope(i, 1, length).0;
+                (0..2).for_each(|k| out[i + k] = bound * slip[k] / length);
+            }
+        }
+    }
+    out
+}
+
+/// J⁻¹(F(u + s d) - F(u - s d))/2s gives back d while all vertices slip, each in a direction of its own; without the slopes
+/// between two unknowns it does not.
+#[test]
+fn the_jacobian_has_the_slopes_of_vectors() {
+    const STEP: f64 = 1e-7;
+    let unit = vec![(0.0, -1.0), (0.0, 1.0)];
+    let falling = vec![(-0.2, -0.05), (0.0, -0.1), (0.0, 0.1), (0.2, 0.05)];
+    for (points, follows_pressure) in [(unit.clone(), false), (falling, false), (unit, true)] {
+        let mut setup = setup("friction-box");
+        let graph = Arc::new(PiecewiseLinear::new(points, 0.0, 0.0).expect("a law"));
+        let factor = Box::new(|x: [f64; 3], _: f64| 0.4 * (1.0 + x[2]));
+        setup.model.friction = Some(Friction { factor, graph, follows_pressure });
+        let (data, grid) = (on_mesh(&setup, 3), setup.grid(4));
+        let mut load = TruthLoad(&*data.truth);
+        let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+        level.open().expect("a level");
+        let free = &data.space.nodes.vertex[..data.space.nodes.free];
+        let at = |&v: &u32| -> [f64; 3] {
+            let [x, y, z] = [0, 1, 2].map(|i| data.space.mesh.vertex(v)[i]);
+            [
+                (1.0 - y) * 0.05 * (x - 0.4),
+                -(1.0 - y) * (0.012 + 0.06 * x),
+                (1.0 - y) * 0.04 * (z - 0.3 * x - 0.25),
+            ]
+        };
+        let u: Vec<f64> = free.iter().flat_map(at).collect();
+        let mut seed = 5;
+        let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
+        let force = |level: &mut Evolution<'_, _>, u: &[f64]| {
+            let mut out = vec![0.0; u.len()];
+            level.residual(u, &mut out);
+            let graph = level.graph();
+            for (own, s) in graph.coordinates.iter().zip(pressures(graph, u)) {
+                out[own.dof as usize] += own.sign * own.weight * s;
+            }
+            out
+        };
+        let moved = |sign: f64| -> Vec<f64> {
+            u.iter().zip(&d).map(|(u, d)| u + sign * STEP * d).collect()
+        };
+        let (plus, minus) = (force(&mut level, &moved(1.0)), force(&mut level, &moved(-1.0)));
+        let right: Vec<f64> =
+            plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * STEP)).collect();
+        force(&mut level, &u);
+        let state = StepState { pressure: pressures(level.graph(), &u), u: u.clone() };
+        let (slopes, prescribed) = level.graph().pieces(&state);
+        let count = level.graph().coordinates.len();
+        // A normal law and a vector at each of the 16 vertices of the face.
+        assert_eq!((count, slopes.len()), (3 * 16, 4 * 16));
+        assert!(prescribed.iter().all(Option::is_none), "all slip");
+        let mut without = slopes.clone();
+        without[count..].fill(0.0);
+        let [whole, part] = [slopes, without].map(|slopes| {
+            let mut x = right.clone();
+            level.take_pressures(&state.pressure);
+            level.linearize(&slopes, &prescribed).expect("a positive definite tangent");
+            level.solve(&mut x, 1e-12).expect("a solve");
+            let size = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();
+            size(&mut x.iter().zip(&d).map(|(x, d)| x - d)) / size(&mut d.iter().copied())
+        });
+        // STEP² times S/|u_τ|³ of 1e6 at most, rounding 1e-16/1e-7, times a condition of 1e2.
+        assert!(whole < 1e-5 && part > 1e-2, "{follows_pressure}: {whole} {part}");
+    }
+}
+
+type Matrix = [[f64; 3]; 3];
+
+fn times(matrix: &Matrix, v: [f64; 3]) -> [f64; 3] {
+    matrix.map(|row| row.iter().zip(v).map(|(m, v)| m * v).sum())
+}
+
+/// The frustum, turned, pulled by a turned load over a foot with friction.
+fn frustum(turn: &Matrix) -> Setup {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/manufactured/frustum.msh");
+    let mesh = std::fs::read_to_string(path).expect("the mesh of a shipped scene");
+    let (before, rest) = mesh.split_once("$Nodes").expect("nodes");
+    let (nodes, after) = rest.split_once("$EndNodes").expect("their end");
+    let line = |line: &str| match line.split_whitespace().map(str::parse).collect::<Vec<_>>()[..] {
+        [Ok(x), Ok(y), Ok(z)] => {
+            let [x, y, z] = times(turn, [x, y, z]);
+            format!("{x:?} {y:?} {z:?}\n")
+        }
+        _ => format!("{line}\n"),
+    };
+    let nodes: String = nodes.lines().map(line).collect();
+    let name = format!("gronwall-friction-{}-{:x}", std::process::id(), turn[0][0].to_bits());
+    let folder = std::env::temp_dir().join(name);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    std::fs::write(folder.join("turned.msh"), format!("{before}$Nodes{nodes}$EndNodes{after}"))
+        .expect("a mesh");
+    let [x, y, z] = times(turn, [0.3, 0.2, -0.25]);
+    let [a, b, c] = times(turn, [1.0, 0.0, 0.0]);
+    let scene = format!(
+        "[scene]\nname = \"turned\"\nquestion = \"?\"\ndimension = 3\njudge = false\n\
+         [domain]\nshape = \"mesh\"\nfile = \"turned.msh\"\nclamped = [\"top\"]\ntraction = [\"walls\"]\ncontact = [\"foot\"]\n\
+         [time]\nhorizon = 1.0\n[material]\nlambda = 1.0\nmu_L = 0.8\n\
+         [material.memory]\nkernel = \"-0.5*exp(-2*t)\"\nlambda = 0.25\nmu = 0.3\n\
+         [contact]\nlaw = {{ kind = \"linear\", stiffness = 0.7 }}\n[contact.friction]\nbound = \"0.3*(1 + t)*({a:?}*x + {b:?}*y + {c:?}*z)\"\n\
+         [loads]\nbody = [\"{x:?}*t\", \"{y:?}*t\", \"{z:?}*t\"]\n"
+    );
+    let source = Source::from_text(folder.join("turned.toml"), scene);
+    let setup = Setup::new(Scene::from_source(source).unwrap_or_else(|error| panic!("{error}")));
+    let setup = setup.unwrap_or_else(|error| panic!("{error}"));
+    std::fs::remove_dir_all(&folder).expect("removed");
+    setup
+}
+
+/// u and s at the vertices of the foot, by their place.
+type Foot = Vec<([f64; 3], [f64; 3], [f64; 3])>;
+
+fn foot(setup: &Setup) -> Foot {
+    let (data, mut seen) = (on_mesh(setup, 2), Vec::new());
+    run(setup, &setup.model, &data, 3, |view| {
+        let points = data.space.trace.points.iter().zip(view.friction_stresses(&data.space));
+        let vertex = |(point, s): (&gronwall::contact::TracePoint, &[f64])| {
+            let mut stress = [0.0; 3];
+            for (s, tangent) in s.iter().zip(point.tangents()) {
+                stress.iter_mut().zip(tangent).for_each(|(sum, along)| *sum += s * along);
+            }
+            let u = [0, 1, 2].map(|i| view.u[3 * point.node as usize + i]);
+            (data.space.mesh.point(&[point.vertex], &[1.0]), u, stress)
+        };
+        seen = points.map(vertex).collect();
+    })
+    .unwrap_or_else(|error| panic!("{error}"));
+    seen
+}
+
+/// Axes are no part of the law: |s| ≤ S is a ball. The normal and the tangents of the turned foot are other ones.
+#[test]
+fn a_turned_body_has_the_same_friction() {
+    const UNTURNED: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    // Angles 0.7 about z, then 0.4 about x.
+    let ([c, s], [p, q]) = ([0.7f64.cos(), 0.7f64.sin()], [0.4f64.cos(), 0.4f64.sin()]);
+    let turn = [[c, -s, 0.0], [p * s, p * c, -q], [q * s, q * c, p]];
+    let (plain, turned) = (foot(&frustum(&UNTURNED)), foot(&frustum(&turn)));
+    let size = |v: &[f64; 3]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let largest = plain.iter().map(|own| size(&own.1)).fold(0.0, f64::max);
+    assert_eq!(plain.len(), turned.len());
+    for (x, u, stress) in &plain {
+        let apart = |a: [f64; 3], b: &[f64; 3]| size(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
+        let image = turned.iter().find(|own| apart(times(&turn, *x), &own.0) < 1e-12);
+        let image = image.expect("the image of a vertex");
+        // Two solutions with residuals of rounding.
+        assert!(apart(times(&turn, *u), &image.1) < 1e-11 * largest, "{u:?} {image:?}");
+        assert!(apart(times(&turn, *stress), &image.2) < 1e-10, "{stress:?} {image:?}");
+    }
+    // S = 0.6 x at the end.
+    let slips = plain.iter().filter(|own| size(&own.2) > 0.6 * own.0[0] - 1e-9).count();
+    assert!(slips > 0 && slips < plain.len(), "{slips} of {} slip", plain.len());
+}
+
+/// Σ w |v_τ|²/‖ε(v)‖² of the field that comes with it, by components in x and z; other fields have less.
+#[test]
+fn the_tangential_trace_constant_is_attained() {
+    let setup = setup("friction-box");
+    let space = on_mesh(&setup, 4).space;
+    let quotient = |free: &[f64]| {
+        let mut v = free.to_vec();
+        v.resize(space.nodes.len(), 0.0);
+        let squares = space.trace.points.iter().map(|point| {
+            let own = &v[3 * point.node as usize..];
+            point.weight * (own[0] * own[0] + own[2] * own[2])
+        });
+        squares.sum::<f64>() / strain_norm(&space, &v).powi(2)
+    };
+    let found = tangential_trace_constant(&space, TraceMass::Lumped).expect("a constant");
+    // The tolerance of the eigenvalue.
+    let own = quotient(&found.vector);
+    assert!((own - found.value).abs() < 1e-8 * own, "{own} {}", found.value);
+    let mut seed = 11;
+    for _ in 0..20 {
+        let v: Vec<f64> =
+            found.vector.iter().map(|v| v * (1.0 + 0.2 * signed_unit(&mut seed))).collect();
+        assert!(quotient(&v) < found.value);
+    }
+}
+
+#[test]
+fn what_is_wrong_in_space_is_refused() {
+    let vector = "friction = [\"s*cos(theta)\", \"0\", \"s*sin(theta)\"]";
+    let bottom = "contact = [\"bottom\"]";
+    for (from, to, words) in [
+        (vector, "friction = \"s\"", "a friction stress of one component"),
+        (vector, "friction = [\"s\", \"0\"]", "has 2 components in dimension 3"),
+        (vector, "friction = [\"s\", \"0\", \"s\"]", "beyond the bound"),
+        (vector, "friction = [\"s*sin(theta)\", \"0\", \"s*cos(theta)\"]", "slips and the bound"),
+        ("traction = [\"left\", \"right\", ", "traction = [\"right\", ", "two contact sides"),
+        (bottom, bottom, ""),
+    ] {
+        let mut text = edited(&text("friction-box"), from, to);
+        if words == "two contact sides" {
+            text = edited(&text, bottom, "contact = [\"bottom\", \"left\"]");
+        }
+        let scene = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
+        let said = match scene {
+            Err(error) => error.to_string(),
+            Ok(scene) => Setup::new(scene).map(drop).err().map_or(String::new(), |e| e.to_string()),
+        };
+        assert!(said.contains(words) && said.is_empty() == words.is_empty(), "{to}: {said}");
+    }
+    let plane = edited(&text("friction-front"), "friction = \"s\"", "friction = [\"s\", \"0\"]");
+    let said = Scene::from_source(Source::from_text("manufactured/edited.toml", plane));
+    let said = said.expect_err("a list in the plane").to_string();
+    assert!(said.contains("a friction stress of several components"), "{said}");
+}
