@@ -236,8 +236,10 @@ mod tests {
         let bound = 0.4;
         for excess in [-0.5, -1e-9, 1e-14, 1e-10, 1e-6, 1e-2, 0.3, 5.0] {
             for turn in 0..12 {
-                let (along, size) =
-                    (f64::from(turn) * 0.5236 + 0.1, WEIGHT * bound * (1.0 + excess));
+                let (along, size) = (
+                    f64::from(turn) * std::f64::consts::FRAC_PI_6 + 0.1,
+                    WEIGHT * bound * (1.0 + excess),
+                );
                 let load = [size * along.cos(), size * along.sin()];
                 for start in [[0.0, 0.0], [0.3, -0.2], [-0.4, 0.1], [1e-9, 1e-9]] {
                     let mut problem = vertex(vec![(0.0, bound)], load);
