@@ -55,11 +55,24 @@ pub mod shipped;
 #[doc = include_str!("../docs/EXTENDING.md")]
 mod extending {}
 
+// The front door, and what a program of one's own needs of it.
+#[doc(inline)]
+pub use judge::{
+    fit::{Claim, Decision, Posterior},
+    record::CaseRecord,
+    verdict::Verdict,
+};
+#[doc(inline)]
+pub use run::{FrontError, Sweep, Swept};
+#[doc(inline)]
+pub use scene::{Scene, setup::Scheme};
+
+// The crates behind it, module by module.
 pub use algebra::{linalg, tensor};
 pub use exact as manufactured;
 pub use fem::{contact, mesh, norms, space};
 pub use judge::{fit, record, verdict};
-pub use run::{Sweep, Swept, distributed, external, leading_error, sweep};
+pub use run::{distributed, external, leading_error, sweep};
 pub use scene::setup;
 pub use studies::{diagnose, extremes, guarantee, solution, theory, trade};
 pub use vhi::{finite, history, law};

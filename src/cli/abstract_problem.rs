@@ -30,6 +30,10 @@ pub(crate) fn findings(setup: &AbstractSetup) -> Vec<Finding> {
         fact("|R|", c.r_norm, "computed: norm on X*"),
         fact("|q|", c.q_norm, "sampled over 0 <= s <= t <= T: norm X -> X*"),
     ];
+    if c.power > 0.0 {
+        let note = format!("the same of b in kernels (t-s)^-{} b", c.power);
+        findings.push(fact("|b|", c.b_norm, &note));
+    }
     let bounds = c.step_bounds(setup.model.time_rule.as_ref());
     findings.push(fact("step bound (3.4)", bounds.limit(), "k below this: one solution per step"));
     let sharpened = bounds.sharpened_limit();

@@ -40,6 +40,7 @@ impl BoundCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let subject = scenes.subject(&self.scene, &self.allowance.limit())?;
         subject.scene().with_linear_elements("sweep bound")?;
+        subject.scene().with_finite_kernels("sweep bound")?;
         let scene = subject.scene();
         let own = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
         let steps = self.steps.unwrap_or(own.unwrap_or(8) as u32);

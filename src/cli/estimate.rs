@@ -23,6 +23,7 @@ pub(super) fn execute(
     as_json: bool,
 ) -> Result<u8, CliError> {
     setup.scene.with_linear_elements("sweep solve --estimate")?;
+    setup.scene.with_finite_kernels("sweep solve --estimate")?;
     let found = companions(setup, n, steps)?;
     let estimates: Vec<(Norm, Estimate)> =
         found.norms.iter().map(|own| (own.norm, norm_estimate(setup, &found, own))).collect();

@@ -74,6 +74,7 @@ impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
         scene.with_linear_elements("sweep trade")?;
+        scene.with_finite_kernels("sweep trade")?;
         let norm = target::norm(&self.norm)?;
         let target =
             self.target.as_deref().map(|text| target::Target::read(text, norm)).transpose()?;

@@ -122,6 +122,33 @@ fn general_kernels_meet_powers_at_both_ends() {
     }
 }
 
+/// ∫_0^t (t-s)^{-a} s^a ds = t πa/sin πa, infinite at one end, and (t-s)^{-a} (1 + t-s) against s.
+#[test]
+fn kernels_that_are_infinite_at_lag_zero_are_integrated_to_rounding() {
+    let mut graph = Graph::new();
+    let times = [1e-3, 0.01, 1.0 / 64.0, 0.25, 0.3337, 1.0];
+    for a in POWERS {
+        let kernel = parsed(&mut graph, &format!("t^(-{a})"));
+        let f = parsed(&mut graph, &format!("t^{a}"));
+        let past = graph.convolve(kernel, f);
+        let pi = std::f64::consts::PI;
+        let beta = pi * a / (pi * a).sin();
+        for (t, found) in times.iter().zip(values(&mut graph, past, &times)) {
+            let relative = (found / (beta * t) - 1.0).abs();
+            assert!(relative < 1e-13, "t^-{a} against t^{a} at {t}: {relative:e}");
+        }
+        let kernel = parsed(&mut graph, &format!("t^(-{a})*(1 + t)"));
+        let f = parsed(&mut graph, "t");
+        let past = graph.convolve(kernel, f);
+        // ∫ λ^p (t - λ) dλ = t^{p+2}/((p+1)(p+2)) for p = -a and 1 - a.
+        let part = |p: f64, t: f64| t.powf(p + 2.0) / ((p + 1.0) * (p + 2.0));
+        for (t, found) in times.iter().zip(values(&mut graph, past, &times)) {
+            let relative = (found / (part(-a, *t) + part(1.0 - a, *t)) - 1.0).abs();
+            assert!(relative < 1e-13, "t^-{a} (1 + t) against t at {t}: {relative:e}");
+        }
+    }
+}
+
 /// ‖ε(U)‖ of U = (0.3 (1 - y), -0.2 (1 - y)).
 fn strain_of_u() -> f64 {
     (0.2f64.powi(2) + 0.5 * 0.3f64.powi(2)).sqrt()

@@ -41,6 +41,7 @@ mod second_integral;
 mod separate_evaluation;
 #[path = "../shipped/mod.rs"]
 mod shipped;
+mod singular;
 mod step_size;
 mod tangent;
 mod three_dimensions;

@@ -101,6 +101,7 @@ const ROWS: [Row; 33] = [
     ("graded-sums", &[], &[2], &[8, 16, 32, 64, 128]),
     ("graded-end", &[], &[2], &[16, 32, 64, 128]),
     ("product-integrated-graded", &[], &[2], &[16, 32, 64, 128]),
+    ("singular-contact", &[], &[2], &[16, 32, 64, 128]),
     ("loads-apart", &[], &[4], &[8, 16, 32, 64]),
     ("strong-scaled", &[], &[4, 8, 16, 32], &[8]),
     ("strong-corner", &[], &[4, 8, 16, 32], &[4]),

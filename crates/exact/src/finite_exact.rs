@@ -6,7 +6,7 @@
 //!
 //! with histories by double exponential quadrature between the kinks of the integrands.
 
-use super::double_exponential::double_exponential;
+use super::double_exponential::against_power;
 use super::exact::{LawNumbers, law_formula, normal_component};
 use super::sign_changes::sign_changes;
 use formula::{Graph, Node, Point, Program, Variable};
@@ -19,8 +19,8 @@ pub struct FiniteData {
     pub matrix: Vec<Vec<f64>>,
     /// g_i in r, the first space coordinate; empty if A is linear.
     pub nonlinear: Vec<Node>,
-    /// (q_l, Q_l), q_l in t and, for s, the first space coordinate.
-    pub kernels: Vec<(Node, Vec<Vec<f64>>)>,
+    /// The kernels with their matrices.
+    pub kernels: Vec<KernelFormulas>,
     /// R.
     pub r: Vec<Vec<f64>>,
     /// a_S.
@@ -33,6 +33,16 @@ pub struct FiniteData {
     pub u: Vec<Node>,
     /// T.
     pub horizon: f64,
+}
+
+/// (t - s)^{-a} q(t, s) Q.
+pub struct KernelFormulas {
+    /// q in t and, for s, the first space coordinate.
+    pub q: Node,
+    /// a, 0 ≤ a < 1.
+    pub power: f64,
+    /// Q.
+    pub matrix: Vec<Vec<f64>>,
 }
 
 /// One functional with its multiplier and selection.
@@ -85,7 +95,7 @@ pub struct FiniteExact {
     data: FiniteData,
     /// [u, a_i·u, ξ_i, λ_i] in t.
     present: Program,
-    /// q_l(t, s) u_j(s), by l, then j.
+    /// q_l(t, s) u_j(s), by l, then j, without the power.
     integrands: Program,
     /// Signs of these decide the branches of the integrands.
     guards: Program,
@@ -111,8 +121,8 @@ impl FiniteExact {
         let s = graph.variable(Variable::X);
         let past: Vec<Node> = data.u.iter().map(|&u| graph.substitute(u, Variable::T, s)).collect();
         let mut integrands = Vec::new();
-        for (q, _) in &data.kernels {
-            integrands.extend(past.iter().map(|&u| graph.mul(*q, u)));
+        for kernel in &data.kernels {
+            integrands.extend(past.iter().map(|&u| graph.mul(kernel.q, u)));
         }
         let guards = graph.guards(&integrands);
         let mut present = data.u.clone();
@@ -167,24 +177,35 @@ impl FiniteExact {
         Err(Unresolved { t, change, panels: self.panels })
     }
 
-    /// ∫_0^t q_l(t, s) u_j(s) ds, by l, then j.
+    /// ∫_0^t (t-s)^{-a_l} q_l(t, s) u_j(s) ds, by l, then j.
     fn integrals(&self, t: f64, panels: usize) -> Vec<f64> {
-        let count = self.data.kernels.len() * self.data.u.len();
-        let mut sums = vec![0.0; count];
-        if count == 0 || t <= 0.0 {
+        let (kernels, m) = (&self.data.kernels, self.data.u.len());
+        let mut sums = vec![0.0; kernels.len() * m];
+        if kernels.is_empty() || t <= 0.0 {
             return sums;
         }
         let mut cuts: Vec<f64> = (0..=panels).map(|i| t * i as f64 / panels as f64).collect();
         cuts.extend(self.kinks(t));
         cuts.sort_by(f64::total_cmp);
         cuts.dedup_by(|a, b| *a - *b <= 1e-13 * t);
-        let rule: Vec<(f64, f64)> =
-            cuts.windows(2).flat_map(|ends| double_exponential(ends[0], ends[1])).collect();
-        let points: Vec<[f64; 3]> = rule.iter().map(|&(s, _)| [s, 0.0, 0.0]).collect();
-        let mut values = vec![Vec::new(); count];
-        self.integrands.bind(&points).evaluate(t, 0.0, &mut values);
-        for (sum, list) in sums.iter_mut().zip(&values) {
-            *sum = list.iter().zip(&rule).map(|(value, (_, weight))| weight * value).sum();
+        let mut done: Vec<f64> = Vec::new();
+        for power in kernels.iter().map(|kernel| kernel.power) {
+            if done.contains(&power) {
+                continue;
+            }
+            done.push(power);
+            let rule: Vec<(f64, f64)> = cuts
+                .windows(2)
+                .flat_map(|ends| against_power(power, t, ends[0], ends[1]))
+                .collect();
+            let points: Vec<[f64; 3]> = rule.iter().map(|&(s, _)| [s, 0.0, 0.0]).collect();
+            let mut values = vec![Vec::new(); sums.len()];
+            self.integrands.bind(&points).evaluate(t, 0.0, &mut values);
+            for (l, _) in kernels.iter().enumerate().filter(|(_, own)| own.power == power) {
+                for (sum, list) in sums[m * l..m * (l + 1)].iter_mut().zip(&values[m * l..]) {
+                    *sum = list.iter().zip(&rule).map(|(value, (_, weight))| weight * value).sum();
+                }
+            }
         }
         sums
     }
@@ -207,9 +228,9 @@ impl FiniteExact {
         let (data, m) = (&self.data, self.data.u.len());
         let integrals = self.integrals(t, self.panels);
         let mut sum = data.a_s.clone();
-        for (l, (_, matrix)) in data.kernels.iter().enumerate() {
+        for (l, kernel) in data.kernels.iter().enumerate() {
             for (i, value) in sum.iter_mut().enumerate() {
-                *value += dot(&matrix[i], &integrals[l * m..(l + 1) * m]);
+                *value += dot(&kernel.matrix[i], &integrals[l * m..(l + 1) * m]);
             }
         }
         data.r.iter().map(|row| dot(row, &sum)).collect()

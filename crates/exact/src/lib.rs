@@ -58,7 +58,9 @@ pub use exact::{
     BoundaryFormulas, ContactFormulas, Exact, ExactData, LawNumbers, LoadForm, MaterialNumbers,
     Polytope, RegionNumbers,
 };
-pub use finite_exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, Unresolved};
+pub use finite_exact::{
+    FiniteData, FiniteExact, FiniteState, FiniteTrace, KernelFormulas, Unresolved,
+};
 pub use friction::{FrictionBound, FrictionFormulas, FrictionOnSide, Sliding};
 pub use interpolated::InterpolatedOnMesh;
 pub use on_mesh::ExactOnMesh;

@@ -9,6 +9,7 @@ use fem::contact::LoadError;
 use fem::mesh::Mesh;
 use fem::space::quadrature::Rule;
 use formula::{Bound, Program};
+use rustc_hash::FxHashMap;
 
 /// Up to so many points keep what formulas have stored for them from one time to the next, some 100 bytes a
 /// point. Beyond, which is 24 cells per unit length in space and 250 in the plane, they are bound anew at each time, block
@@ -131,14 +132,19 @@ impl Sampled {
 /// Gives coordinates that differ by rounding one value, as those in the columns of a mesh: what depends on them alone is
 /// evaluated once.
 fn put_together(points: &mut [[f64; 3]], axis: usize) {
-    let mut known: Vec<f64> = points.iter().map(|point| point[axis]).collect();
+    // Few of the coordinates are distinct by their bits, and those alone are sorted.
+    let mut shared: FxHashMap<u64, f64> = FxHashMap::default();
+    shared.extend(points.iter().map(|point| (point[axis].to_bits(), point[axis])));
+    let mut known: Vec<f64> = shared.values().copied().collect();
     known.sort_unstable_by(f64::total_cmp);
     let largest = known.first().zip(known.last()).map_or(0.0, |(a, b)| a.abs().max(b.abs()));
     let apart = ROUNDING * largest;
     known.dedup_by(|next, own| *next - *own <= apart);
+    for value in shared.values_mut() {
+        *value = known[known.partition_point(|own| own <= value).saturating_sub(1)];
+    }
     for point in points {
-        let own = known.partition_point(|own| *own <= point[axis]).saturating_sub(1);
-        point[axis] = known[own];
+        point[axis] = shared[&point[axis].to_bits()];
     }
 }
 

@@ -7,13 +7,14 @@
 //! j(γu) = Σ_i w_i j_i(a_i·u),            K = {l_i ≤ a_i·u ≤ g_i}
 //! ```
 
-use formula::{Node, Variable};
+use formula::{Node, Point, Variable};
 
 use super::abstract_written::{AbstractFile, Trace as WrittenTrace};
 use super::definitions::definitions_in;
 use super::diagnostic::SceneError;
 use super::law::Law;
 use super::reading::Reading;
+use super::singular;
 
 /// A matrix by rows.
 pub(crate) type Rows = Vec<Vec<f64>>;
@@ -21,8 +22,10 @@ pub(crate) type Rows = Vec<Vec<f64>>;
 /// One kernel with its matrix: q_l(t, s) Q_l.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AbstractKernel {
-    /// q_l, a formula in t and, in place of s, the first space coordinate.
+    /// q_l, a formula in t and, in place of s, the first space coordinate; of (t - s)^{-a} q_l where it is singular.
     pub q: Node,
+    /// a, 0 ≤ a < 1.
+    pub power: f64,
     /// Q_l, the identity if none was given.
     pub matrix: Rows,
 }
@@ -107,7 +110,9 @@ impl AbstractScene {
                     Some(rows) => square(reading, &format!("{key}.matrix"), rows, m)?,
                     None => identity(),
                 };
-                kernels.push(AbstractKernel { q, matrix });
+                finite_at_the_end(reading, &format!("{key}.q"), q, file.time.horizon)?;
+                let power = singular::exponent(reading, &key, kernel.singular)?;
+                kernels.push(AbstractKernel { q, power, matrix });
             }
             if let Some(rows) = &history.r {
                 r = square(reading, "history.R", rows, m)?;
@@ -191,6 +196,26 @@ impl AbstractTrace {
     /// Whether a_i·u is bounded.
     pub fn is_bounded(&self) -> bool {
         self.upper.is_finite() || self.lower.is_finite()
+    }
+}
+
+/// Times t > 0 at which q(t, t) is evaluated.
+const ENDS: u32 = 16;
+
+/// Refuses q that is not finite at s = t.
+fn finite_at_the_end(
+    reading: &Reading,
+    key: &str,
+    q: Node,
+    horizon: f64,
+) -> Result<(), SceneError> {
+    let times = (1..=ENDS).map(|i| horizon * f64::from(i) / f64::from(ENDS));
+    match reading.first_not_finite(q, times.map(|t| Point { x: t, t, ..Point::default() })) {
+        None => Ok(()),
+        Some((point, value)) => {
+            let message = format!("q(t, s) is {value} at s = t = {}", point.t);
+            Err(reading.error(key, message, singular::way_out("q")))
+        }
     }
 }
 

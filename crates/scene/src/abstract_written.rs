@@ -55,6 +55,7 @@ pub(crate) struct History {
 #[serde(deny_unknown_fields)]
 pub(crate) struct Kernel {
     pub q: Formula,
+    pub singular: Option<f64>,
     pub matrix: Option<Vec<Vec<f64>>>,
 }
 

@@ -5,7 +5,7 @@ use formula::{Node, Point, Scope, Variable};
 use super::diagnostic::SceneError;
 use super::kernel::formula_of;
 use super::reading::{Reading, evenly};
-use super::written;
+use super::{singular, written};
 
 /// Intervals of [0, T] at whose ends the kernel is evaluated.
 const SAMPLES: u32 = 512;
@@ -13,8 +13,10 @@ const SAMPLES: u32 = 512;
 /// A term of ℬ(t)ε = Σ kernel(t) · (2 mu ε + lambda tr(ε) I).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Memory {
-    /// A formula in t, finite on [0, T].
+    /// A formula in t, finite on (0, T], and at 0 unless it is singular.
     pub kernel: Node,
+    /// Where kernel = t^{-a} c(t).
+    pub singular: Option<Singular>,
     /// Pairs (a, c) with kernel = Σ a exp(-c t), where it has that form.
     pub exponentials: Option<Vec<(f64, f64)>>,
     /// Outside all named regions.
@@ -24,8 +26,22 @@ pub struct Memory {
     pub regions: Vec<[f64; 2]>,
 }
 
+/// The parts of a kernel t^{-a} c(t).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Singular {
+    /// a, between 0 and 1.
+    pub power: f64,
+    /// c, finite on [0, T].
+    pub factor: Node,
+}
+
 /// A kernel with its tensor on one region.
-pub(super) type Part = (Node, [f64; 2]);
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part {
+    kernel: Node,
+    singular: Option<Singular>,
+    tensor: [f64; 2],
+}
 
 /// The parts of a `memory` table at `key`: its kernel, or its kernels of bulk and shear.
 pub(super) fn parts(
@@ -35,13 +51,14 @@ pub(super) fn parts(
     horizon: f64,
     dimension: usize,
 ) -> Result<Vec<Part>, SceneError> {
-    let written::Memory { kernel, lambda, mu, bulk, shear } = written;
+    let written::Memory { kernel, lambda, mu, bulk, shear, singular } = written;
+    let power = singular::exponent(reading, key, *singular)?;
     match (kernel, lambda, mu, bulk, shear) {
         (Some(kernel), Some(lambda), Some(mu), None, None) => {
             let lambda = reading.finite(&format!("{key}.lambda"), *lambda)?;
             let mu = reading.finite(&format!("{key}.mu"), *mu)?;
             let kernel = validated(reading, &format!("{key}.kernel"), kernel, horizon)?;
-            Ok(vec![(kernel, [lambda, mu])])
+            Ok(vec![Part::new(reading, kernel, power, [lambda, mu])])
         }
         (None, None, None, bulk, shear) if bulk.is_some() || shear.is_some() => {
             // bulk tr(ε) I, and 2 shear ε^D with ε^D = ε - tr(ε)/d I.
@@ -52,7 +69,7 @@ pub(super) fn parts(
             {
                 if let Some(kernel) = kernel {
                     let kernel = validated(reading, &format!("{key}.{name}"), kernel, horizon)?;
-                    parts.push((kernel, tensor));
+                    parts.push(Part::new(reading, kernel, power, tensor));
                 }
             }
             Ok(parts)
@@ -72,7 +89,21 @@ pub(super) fn parts(
     }
 }
 
-/// A kernel that is finite on [0, T].
+impl Part {
+    /// t^{-power} times a formula in t.
+    fn new(reading: &mut Reading, factor: Node, power: f64, tensor: [f64; 2]) -> Self {
+        if power == 0.0 {
+            return Self { kernel: factor, singular: None, tensor };
+        }
+        let graph = &mut reading.formulas;
+        let (t, exponent) = (graph.variable(Variable::T), graph.constant(-power));
+        let root = graph.pow(t, exponent);
+        let kernel = graph.mul(root, factor);
+        Self { kernel, singular: Some(Singular { power, factor }), tensor }
+    }
+}
+
+/// A kernel, or the factor of one, that is finite on [0, T].
 fn validated(
     reading: &mut Reading,
     key: &str,
@@ -84,7 +115,10 @@ fn validated(
     let times = evenly(0.0, horizon, SAMPLES).map(|t| Point { t, ..Point::default() });
     if let Some((point, value)) = reading.first_not_finite(kernel, times) {
         let message = format!("the memory kernel is {value} at t = {}", point.t);
-        let hint = "ℬ must be continuous on [0, T]: the trapezoidal rule uses its value at t = 0; -exp(-t) and sqrt(t) are examples";
+        let hint = match point.t == 0.0 {
+            true => singular::way_out("the kernel"),
+            false => "ℬ must be continuous on (0, T]; -exp(-t) and sqrt(t) are examples".into(),
+        };
         return Err(reading.error(key, message, hint));
     }
     Ok(kernel)
@@ -93,18 +127,23 @@ fn validated(
 /// The terms of ℬ: equal kernels are one term, with a tensor per region.
 pub(super) fn terms(reading: &Reading, base: &[Part], regions: &[Vec<Part>]) -> Vec<Memory> {
     let mut terms: Vec<Memory> = Vec::new();
-    for (kernel, _) in base.iter().chain(regions.iter().flatten()) {
-        if terms.iter().any(|term| term.kernel == *kernel) {
+    for part in base.iter().chain(regions.iter().flatten()) {
+        if terms.iter().any(|term| term.kernel == part.kernel) {
             continue;
         }
         let tensor = |parts: &[Part]| {
-            let own = parts.iter().filter(|(other, _)| other == kernel);
-            own.fold([0.0, 0.0], |[a, b], (_, [lambda, mu])| [a + lambda, b + mu])
+            let own = parts.iter().filter(|other| other.kernel == part.kernel);
+            own.fold([0.0, 0.0], |[a, b], Part { tensor: [lambda, mu], .. }| [a + lambda, b + mu])
         };
         let [lambda, mu] = tensor(base);
+        let exponentials = match part.singular {
+            None => reading.formulas.exponential_sum(part.kernel),
+            Some(_) => None,
+        };
         terms.push(Memory {
-            kernel: *kernel,
-            exponentials: reading.formulas.exponential_sum(*kernel),
+            kernel: part.kernel,
+            singular: part.singular,
+            exponentials,
             lambda,
             mu,
             regions: regions.iter().map(|parts| tensor(parts)).collect(),

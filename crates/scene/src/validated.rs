@@ -21,6 +21,7 @@ use super::heading::{Expectation, Heading, Hypothesis, SceneKind};
 use super::material::Material;
 use super::prediction::Prediction;
 use super::reading::Reading;
+use super::singular::needs_product_integration;
 use super::source::Source;
 use super::spans::Spans;
 use super::sweep::{Sweep, serves, states_are_known};
@@ -160,6 +161,7 @@ fn validate_contact(
     let domain = Domain::validate(&reading, &file.domain, heading.dimension)?;
     let time = Time::validate(&reading, &file.time)?;
     let material = Material::validate(&mut reading, &file.material, time.horizon, &domain)?;
+    needs_product_integration(&reading, &time, singular_memory(&file.material))?;
     if let Some(exact) = &file.exact {
         reading.parameters = parameters(&mut reading, &exact.parameters)?;
     }
@@ -194,6 +196,10 @@ fn validate_abstract(
     let time = Time::validate(&reading, &file.time)?;
     reading.parameters = parameters(&mut reading, &file.exact.parameters)?;
     let body = AbstractScene::validate(&mut reading, &file, heading.dimension)?;
+    let kernels = file.history.iter().flat_map(|history| &history.kernels);
+    let singular = kernels.enumerate().find(|(_, kernel)| kernel.singular.is_some());
+    let key = singular.map(|(l, _)| format!("history.kernels.{l}.singular"));
+    needs_product_integration(&reading, &time, key)?;
     let predicts = predictions(&reading, &file.predicts, false)?;
     for (index, prediction) in predicts.iter().enumerate() {
         prediction.only_in_time(&reading, index)?;
@@ -207,6 +213,17 @@ fn validate_abstract(
     let body = Body::Abstract(Box::new(body));
     let content = Content { source, spans, time, body, predicts, sweep, formulas };
     Ok(heading.scene(file.scene, content))
+}
+
+/// The key of the first exponent of a singular memory.
+fn singular_memory(material: &written::Material) -> Option<String> {
+    let base = [("material.memory.singular".into(), material.memory.as_ref())];
+    let regions = material.region.iter().enumerate();
+    let own = regions.map(|(i, region)| {
+        (format!("material.region.{i}.memory.singular"), region.memory.as_ref())
+    });
+    let mut all = base.into_iter().chain(own);
+    all.find(|(_, memory)| memory.is_some_and(|own| own.singular.is_some())).map(|(key, _)| key)
 }
 
 /// What a scene has besides its heading.

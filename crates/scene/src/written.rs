@@ -218,6 +218,7 @@ pub struct Memory {
     pub mu: Option<f64>,
     pub bulk: Option<Kernel>,
     pub shear: Option<Kernel>,
+    pub singular: Option<f64>,
 }
 
 /// A memory kernel: a formula in t, or a table.

@@ -27,5 +27,5 @@ pub use history_inequality::{FailedStep, HistoryInequality};
 pub use newton::{Newton, Scratch, StepError, StepInfo};
 pub use polished::Polished;
 pub use step::{StepInequality, StepState};
-pub use step_bounds::{StepBounds, StepPlace, monotonicity};
+pub use step_bounds::{SingularSlot, StepBounds, StepPlace, monotonicity};
 pub use stepper::{StepSolver, Stepper};

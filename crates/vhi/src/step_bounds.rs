@@ -22,6 +22,33 @@ pub struct StepBounds {
     pub destabilizing: f64,
     /// The largest w_nn/k of the time rule: ½ of the trapezoidal one.
     pub last_share: f64,
+    /// The same constants of kernels (t - s)^{-a} b(t, s), in terms of b.
+    pub singular: SingularSlot,
+}
+
+/// What kernels that are infinite at s = t add to the constants of [`StepBounds`]: their last weight is
+/// w = `share` k^{1-a}, and it takes the place of k in (3.4). Units: b is a stress over a time to the power 1 - a.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct SingularSlot {
+    /// a; 0 without such a kernel.
+    pub power: f64,
+    /// 1/((1-a)(2-a)).
+    pub share: f64,
+    /// ‖R‖ max ‖b‖, with operator norms.
+    pub lipschitz: f64,
+    /// ‖R‖ max ‖b‖, in the paper's norms.
+    pub paper_lipschitz: f64,
+    /// As [`StepBounds::last_slot`], for b(t, t).
+    pub last_slot: f64,
+    /// As [`StepBounds::destabilizing`], for b(t, t).
+    pub destabilizing: f64,
+}
+
+impl SingularSlot {
+    /// w_nn of a step k.
+    fn weight(&self, k: f64) -> f64 {
+        if self.share == 0.0 { 0.0 } else { self.share * k.powf(1.0 - self.power) }
+    }
 }
 
 /// The eigenvalue, the slopes and the trace constant of (2.9) are each known to a few units of rounding.
@@ -38,22 +65,49 @@ impl StepBounds {
     /// The bound (3.15) of the contraction factor of Λ, with the norms of the paper. Like the other two it is infinite
     /// where m0 ≤ 0: then nothing bounds the factor.
     pub fn paper_factor(&self, k: f64) -> f64 {
-        self.over_m0(k * self.beta_phi * self.counted(self.paper_lipschitz))
+        self.over_m0(self.size(k, self.paper()))
     }
 
     /// The bound (3.15) of the contraction factor of Λ, with operator norms.
     pub fn factor(&self, k: f64) -> f64 {
-        self.over_m0(k * self.beta_phi * self.counted(self.lipschitz))
+        self.over_m0(self.size(k, self.operator()))
     }
 
     /// The sharpened bound of the contraction factor of Λ.
     pub fn sharpened_factor(&self, k: f64) -> f64 {
-        self.over_m0(self.last_share * k * self.last_slot)
+        self.over_m0(self.size(k, self.sharpened()))
+    }
+
+    /// What the last slot of a step k can take from the monotonicity of the step.
+    pub fn taken(&self, k: f64) -> f64 {
+        self.size(k, self.taking())
+    }
+
+    /// Constants that are counted with k, and with the last weight of singular kernels.
+    fn paper(&self) -> [f64; 2] {
+        [self.paper_lipschitz, self.singular.paper_lipschitz]
+            .map(|own| self.beta_phi * self.counted(own))
+    }
+
+    fn operator(&self) -> [f64; 2] {
+        [self.lipschitz, self.singular.lipschitz].map(|own| self.beta_phi * self.counted(own))
+    }
+
+    fn sharpened(&self) -> [f64; 2] {
+        [self.last_share * self.last_slot, self.singular.last_slot]
+    }
+
+    fn taking(&self) -> [f64; 2] {
+        [self.last_share * self.destabilizing, self.singular.destabilizing]
     }
 
     /// A constant of the history, which (3.4) counts with all of k; 0 where the last slot has no weight.
     fn counted(&self, lipschitz: f64) -> f64 {
         if self.last_share == 0.0 { 0.0 } else { lipschitz }
+    }
+
+    fn size(&self, k: f64, [plain, singular]: [f64; 2]) -> f64 {
+        k * plain + self.singular.weight(k) * singular
     }
 
     fn over_m0(&self, size: f64) -> f64 {
@@ -62,22 +116,41 @@ impl StepBounds {
 
     /// (3.4) with the norms of the paper: k below this.
     pub fn paper_limit(&self) -> f64 {
-        limit(self.m0, self.beta_phi * self.counted(self.paper_lipschitz))
+        self.limit_of(self.paper())
     }
 
     /// (3.4) with operator norms.
     pub fn limit(&self) -> f64 {
-        limit(self.m0, self.beta_phi * self.counted(self.lipschitz))
+        self.limit_of(self.operator())
     }
 
     /// The k below which Λ is a contraction by the sharpened bound.
     pub fn sharpened_limit(&self) -> f64 {
-        limit(self.m0, self.last_share * self.last_slot)
+        self.limit_of(self.sharpened())
     }
 
     /// The k below which the step is a strongly monotone problem, hence has exactly one solution.
     pub fn solvable_limit(&self) -> f64 {
-        limit(self.m0, self.last_share * self.destabilizing)
+        self.limit_of(self.taking())
+    }
+
+    /// The k at which the size of the last slot reaches m0.
+    fn limit_of(&self, constants: [f64; 2]) -> f64 {
+        let plain = limit(self.m0, constants[0]);
+        let size = self.singular.share * constants[1];
+        let powers = limit(self.m0, size).powf(1.0 / (1.0 - self.singular.power));
+        if size == 0.0 || !(plain.is_finite() && powers > 0.0) {
+            return if size == 0.0 { plain } else { powers };
+        }
+        // The size rises with k, and at the smaller of both limits it has reached m0.
+        let (mut below, mut above) = (0.0, plain.min(powers));
+        loop {
+            let middle = 0.5 * (below + above);
+            if middle <= below || middle >= above {
+                return below;
+            }
+            *if self.size(middle, constants) < self.m0 { &mut below } else { &mut above } = middle;
+        }
     }
 
     /// Where a step size stands.
@@ -129,7 +202,57 @@ mod tests {
         last_slot: 1.0,
         destabilizing: 0.5,
         last_share: 0.5,
+        singular: SingularSlot {
+            power: 0.0,
+            share: 0.0,
+            lipschitz: 0.0,
+            paper_lipschitz: 0.0,
+            last_slot: 0.0,
+            destabilizing: 0.0,
+        },
     };
+
+    /// a = ½: w = (4/3)√k. Alone √k < m0 (3/4)/b; beside a plain kernel the limit is the root of both.
+    #[test]
+    fn singular_kernels_are_counted_with_their_last_weight() {
+        let singular = SingularSlot {
+            power: 0.5,
+            share: 4.0 / 3.0,
+            lipschitz: 3.0,
+            paper_lipschitz: 6.0,
+            last_slot: 2.0,
+            destabilizing: 1.5,
+        };
+        let alone = StepBounds {
+            lipschitz: 0.0,
+            paper_lipschitz: 0.0,
+            last_slot: 0.0,
+            destabilizing: 0.0,
+            singular,
+            ..BOUNDS
+        };
+        let both = StepBounds { singular, ..BOUNDS };
+        let near = |found: f64, expected: f64| (found / expected - 1.0).abs() < 1e-14;
+        let limits =
+            [alone.paper_limit(), alone.limit(), alone.sharpened_limit(), alone.solvable_limit()];
+        for (found, expected) in limits.into_iter().zip([0.0625, 0.25, 0.5625, 1.0]) {
+            assert!(near(found, expected), "{found} {expected}");
+        }
+        // 2 k + 4 √k = 2.
+        assert!(near(both.limit().sqrt(), 2f64.sqrt() - 1.0), "{}", both.limit());
+        let own = [
+            both.paper_factor(both.paper_limit()),
+            both.factor(both.limit()),
+            both.sharpened_factor(both.sharpened_limit()),
+            both.taken(both.solvable_limit()) / both.m0,
+        ];
+        assert!(own.into_iter().all(|one| near(one, 1.0)), "{own:?}");
+        for (limit, place) in [(0.999, StepPlace::WithinTheorem), (1.001, StepPlace::Solvable)] {
+            assert_eq!(both.place(limit * both.limit()), place);
+        }
+        assert_eq!(StepBounds { m0: -0.1, ..both }.place(1e-9), StepPlace::Unguaranteed);
+        assert_eq!(StepBounds { m0: f64::NAN, ..both }.place(0.1), StepPlace::Unguaranteed);
+    }
 
     #[test]
     fn factors_reach_one_at_the_limits() {

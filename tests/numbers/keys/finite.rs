@@ -6,7 +6,7 @@ use gronwall::scene::{AbstractScene, Body, Scene};
 use gronwall::setup::AbstractSetup;
 use nalgebra::DVector;
 
-use super::{ORIGIN, Tie, near, scene, value};
+use super::{ORIGIN, Tie, near, scene, value, with};
 
 pub const TIES: &[Tie] = &[
     (&["abstract.space.inner_product"], inner_product),
@@ -20,6 +20,7 @@ pub const TIES: &[Tie] = &[
         ],
         history,
     ),
+    (&["abstract.history.kernels.singular"], singular),
     (&["abstract.phi.force"], force),
     (
         &[
@@ -122,6 +123,20 @@ fn history() {
     near(r[1], 20.25);
     near(model.a_s[0], 0.6);
     near(model.a_s[1], -0.7);
+}
+
+/// (t - s)^{-1/2} (t + 2 s) at t = 1, s = 0.75 is 2 · 2.5.
+fn singular() {
+    let edits = [
+        ("horizon = 1.5", "horizon = 1.5\nrule = \"product-integration\""),
+        ("q = \"t + 2*s\"", "q = \"t + 2*s\", singular = 0.5"),
+    ];
+    let setup = AbstractSetup::new(scene(&with(PROBLEM, &edits)));
+    let kernel = &setup.unwrap_or_else(|error| panic!("{error}")).model.kernels[0].kernel;
+    near(kernel.at(1.0, 0.75), 5.0);
+    near(kernel.row(1.0, &[0.75])[0], 5.0);
+    near(kernel.power(), 0.5);
+    near(kernel.factor(1.0, 1.0), 3.0);
 }
 
 /// N(y, u) = (2 · 3 + 0.1 · 5, 3 · 4) for y = (3, 4), u = (5, 6).

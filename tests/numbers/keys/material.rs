@@ -20,6 +20,7 @@ pub const TIES: &[Tie] = &[
     ),
     (&["material.memory.lambda", "material.memory.mu"], memory),
     (&["material.memory.bulk", "material.memory.shear"], bulk_and_shear),
+    (&["material.memory.singular", "material.region.memory.singular"], singular),
     (
         &[
             "material.memory.kernel.kind",
@@ -157,6 +158,20 @@ fn memory() {
 fn bulk_and_shear() {
     let setup = more("[material.memory]\nbulk = \"-0.5\"\nshear = \"0.1*t\"");
     all_near(remembered(&setup, 0, 2.0), [0.1 + 0.08, 0.1 - 0.08, 0.08], 1.0);
+}
+
+/// t^{-1/2} and t^{-1/4} times the kernels: at t = 4 a half of e^{-8}, at t = 16 a half of bulk and shear.
+fn singular() {
+    let rule = ("horizon = 1.5", "horizon = 1.5\nrule = \"product-integration\"");
+    let own = "memory = { bulk = \"-0.5\", shear = \"0.1\", singular = 0.25 }";
+    let text = format!("{LAME}\n{MEMORY}\nsingular = 0.5\n{REGION}lambda = 0.4\nmu_L = 1.3\n{own}");
+    let setup = crate::shipped::setup_of(with(BLOCK, &[rule, (LAME, &text)]));
+    all_near(remembered(&setup, 0, 4.0), isotropic(0.35, 0.15), -0.5 * (-8.0f64).exp());
+    // -0.5 tr ε I + 2 · 0.1 ε^D = (0.1 + 0.04, 0.1 - 0.04, 0.04).
+    all_near(remembered(&setup, 1, 16.0), [0.14, 0.06, 0.04], 0.5);
+    let powers: Vec<f64> = setup.model.memory.iter().map(|term| term.kernel.power()).collect();
+    assert_eq!(powers, [0.5, 0.25, 0.25]);
+    near(setup.model.memory[0].kernel.factor(0.5), -(-1.0f64).exp());
 }
 
 fn kernels() {

@@ -17,6 +17,7 @@ mod other_norms;
 mod paths;
 mod projection;
 mod records;
+mod singular;
 mod solver;
 mod time;
 
@@ -179,6 +180,7 @@ pub fn all() -> Vec<Defect> {
     list.extend(load::defects());
     list.extend(solver::defects());
     list.extend(paths::defects());
+    list.extend(singular::defects());
     list.extend(abstract_problem::defects());
     list.extend(measurement::defects());
     list.extend(other_norms::defects());

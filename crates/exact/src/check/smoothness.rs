@@ -32,6 +32,8 @@ pub(super) fn judge(subject: &str, what: &str, quotients: &[f64], rounding: f64)
         format!("{what} is zero to rounding: {last:.1e}, rounding is below {rounding:.1e}")
     } else if bounded {
         format!("{what} settles at {last:.3e}")
+    } else if !last.is_finite() {
+        format!("{what} is infinite: not bounded")
     } else {
         format!("{what} grows by {:.2} a halving: not bounded", last / before)
     };

@@ -2,7 +2,7 @@
 
 use super::assembly::stress_force;
 use super::last_slot::LastSlot;
-use super::{CaseError, Discretization, Evolution, Model};
+use super::{CaseError, Discretization, Evolution, MemoryTerm, Model};
 use algebra::linalg::{Factor, FactorError, Front, axpy, dot};
 use vhi::history::TimeGrid;
 use vhi::law::{Projection, TensorField};
@@ -69,9 +69,11 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
 
 impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
     fn set_step(&mut self, k: f64) {
-        let last = self.model.time_rule.last_share() * k;
-        let at_zero = self.model.memory.iter().map(|term| term.kernel.value(0.0));
-        self.slot = LastSlot { zeta: last, memory: at_zero.map(|b| last * b).collect() };
+        let rule = &self.model.time_rule;
+        let own =
+            |term: &MemoryTerm| rule.last_weight(term.kernel.power(), k) * term.kernel.factor(0.0);
+        let memory = self.model.memory.iter().map(own).collect();
+        self.slot = LastSlot { zeta: rule.last_share() * k, memory };
         self.evolution.set_last_slot(self.slot.clone());
     }
 

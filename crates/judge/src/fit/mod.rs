@@ -32,7 +32,7 @@ pub use identifiable::NotIdentifiable;
 pub(crate) use identifiable::distinct;
 pub use inference::{
     Claim, ClaimError, FEWEST, GridPosterior, Level, Posterior, Ruling, TOLERANCE, infer,
-    infer_grid,
+    infer_grid, order,
 };
 pub use interval::Interval;
 pub use joint::{Estimate, JointFit, JointFits, LARGEST_OTHER_SHARE, fit_constants, joint_fits};

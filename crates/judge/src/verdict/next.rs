@@ -34,15 +34,17 @@ pub(super) fn next_case(
         Direction::Time => "steps",
     };
     let lost = finest_is_below_floor(selection, direction);
+    let left_out = levels(selection.left_out.iter().map(|(serving, _)| serving), direction);
+    let is_there = |level: u32| left_out.iter().any(|there| there.0 == level);
     let levels = levels(selection.used.iter(), direction);
     let (wanted, text) = match (&levels[..], lost) {
         ([], true) => (Vec::new(), prediction.floor.remedy().to_owned()),
         ([], false) => (Vec::new(), format!("run three values of {name}")),
         ([first, ..], true) => match coarser(first.0, levels.get(1).map(|level| level.0)) {
-            Some(level) => {
+            Some(level) if !is_there(level) => {
                 (vec![level], format!("run {name} = {level}: finer ones are below the floor"))
             }
-            None => (Vec::new(), prediction.floor.remedy().to_owned()),
+            _ => (Vec::new(), prediction.floor.remedy().to_owned()),
         },
         ([.., previous, last], false) => {
             let level = finer(*previous, *last);
@@ -213,6 +215,8 @@ mod tests {
         let whole = text(&[(8, 4), (16, 4)], &[(32, 4)]);
         assert_eq!(whole, "run n = 4: finer ones are below the floor");
         assert_eq!(text(&[(1, 4), (2, 4)], &[(4, 4)]), predict(Variable::H).floor.remedy());
+        // Both neighbours of the only level that counts are there already.
+        assert_eq!(text(&[(10, 4)], &[(5, 4), (20, 4)]), predict(Variable::H).floor.remedy());
         assert_eq!(text(&[], &[]), "run three values of n");
     }
 }

@@ -67,7 +67,8 @@ pub struct ExternalSolver {
 /// What a case gives to its solver says nothing of friction, and of vertices alone.
 pub fn takes(scene: &Scene) -> Result<(), SceneError> {
     scene.without_friction("sweep verify")?;
-    scene.with_linear_elements("sweep verify")
+    scene.with_linear_elements("sweep verify")?;
+    scene.with_finite_kernels("sweep verify")
 }
 
 impl Scheme for ExternalSolver {

@@ -3,11 +3,12 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::NoConstant;
-use super::adaptive::{cuts, integral};
+use super::adaptive::{cuts, integral_against};
 use super::law_slope::{Answer, answer};
 use super::time::Weights;
 use exact::LawNumbers;
 use formula::{Bound, Graph, Node, Point, Program, Variable};
+use scene::AbstractKernel;
 use scene::setup::AbstractSetup;
 
 /// max_n ‖e_n‖_X on a grid, where
@@ -21,7 +22,9 @@ use scene::setup::AbstractSetup;
 /// # Errors
 /// [`NoConstant::Rule`], [`NoConstant::Singular`].
 pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64, NoConstant> {
-    let weights = Weights::of(setup.scene.time.rule)?;
+    let of_kernel =
+        |kernel: &AbstractKernel| Weights::of_kernel(setup.scene.time.rule, kernel.power);
+    let weights = setup.problem.kernels.iter().map(of_kernel).collect::<Result<Vec<_>, _>>()?;
     let problem = Linearised::new(setup);
     let m = problem.matrix.nrows();
     let states: Vec<_> = times.iter().map(|&t| setup.state(t)).collect();
@@ -39,7 +42,8 @@ pub(super) fn largest_error(setup: &AbstractSetup, times: &[f64]) -> Result<f64,
         let mut of_sums = Vec::new();
         let mut past = DVector::zeros(m);
         let mut present = DMatrix::zeros(m, m);
-        for (kernel, (_, matrix)) in kernels.iter_mut().zip(&problem.kernels) {
+        let all = kernels.iter_mut().zip(&problem.kernels).zip(&weights);
+        for ((kernel, (_, matrix)), weights) in all {
             kernel.evaluate(t, 0.0, &mut row);
             let mut of_exact = DVector::zeros(m);
             let mut of_errors = DVector::zeros(m);
@@ -80,8 +84,8 @@ struct Linearised<'a> {
     r: DMatrix<f64>,
     constant: DVector<f64>,
     kernels: Vec<(Program, DMatrix<f64>)>,
-    /// q_l(t, s) u_j(s), by l, then j.
-    integrands: Program,
+    /// q_l(t, s) u_j(s) without the power, by j, and a of each l.
+    integrands: Vec<(f64, Program)>,
     /// g_i'.
     nonlinear: Vec<Node>,
     /// N_i, ∂N_i/∂y, ∂N_i/∂r.
@@ -106,12 +110,13 @@ impl<'a> Linearised<'a> {
         let s = graph.variable(Variable::X);
         let mut integrands = Vec::new();
         for kernel in &problem.kernels {
-            for &u in &problem.u {
+            let product = |&u: &Node| {
                 let past = graph.substitute(u, Variable::T, s);
-                integrands.push(graph.mul(kernel.q, past));
-            }
+                graph.mul(kernel.q, past)
+            };
+            let products: Vec<Node> = problem.u.iter().map(product).collect();
+            integrands.push((kernel.power, Program::compile(&mut graph, &products, horizon)));
         }
-        let integrands = Program::compile(&mut graph, &integrands, horizon);
         let mut by = |f: Node, variable| graph.derivative(f, variable);
         let nonlinear = problem.nonlinear.iter().flatten().map(|&g| by(g, Variable::X)).collect();
         let force = problem
@@ -165,17 +170,15 @@ impl<'a> Linearised<'a> {
     fn history(&self, t: f64, sums: &[DVector<f64>], kinks: &[f64]) -> DVector<f64> {
         let m = self.constant.len();
         let mut sum = self.constant.clone();
-        let discrete: Vec<f64> = sums.iter().flat_map(|sum| sum.iter().copied()).collect();
-        if t > 0.0 && !discrete.is_empty() {
-            let integrals = integral(&cuts(t, kinks), &discrete, |times| {
+        let all = self.integrands.iter().zip(&self.kernels).zip(sums);
+        for (((power, program), (_, matrix)), discrete) in all.filter(|_| t > 0.0) {
+            let found = integral_against(*power, &cuts(t, kinks), discrete.as_slice(), |times| {
                 let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
-                let mut values = vec![Vec::new(); discrete.len()];
-                self.integrands.bind(&places).evaluate(t, 0.0, &mut values);
+                let mut values = vec![Vec::new(); m];
+                program.bind(&places).evaluate(t, 0.0, &mut values);
                 (0..times.len()).map(|k| values.iter().map(|list| list[k]).collect()).collect()
             });
-            for ((_, matrix), part) in self.kernels.iter().zip(integrals.chunks(m)) {
-                sum += matrix * DVector::from_column_slice(part);
-            }
+            sum += matrix * DVector::from_column_slice(&found);
         }
         &self.r * sum
     }

@@ -15,7 +15,7 @@ use algebra::linalg::{Front, axpy, dot};
 use exact::{ComplianceRule, Exact, FrictionBound, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
 use formula::{Node, Point, Variable};
-use scene::TimeRule;
+use scene::{Memory, TimeRule};
 
 /// A contact scene on one mesh, with tensors of S numbers.
 pub(super) struct InSpace<const S: usize> {
@@ -85,7 +85,12 @@ impl<const S: usize> Response<S> {
 
 impl<const S: usize> InSpace<S> {
     /// Binds the exact solution to the mesh of `space`.
-    pub(super) fn new(exact: Arc<Exact>, space: Arc<Discretization>, rule: TimeRule) -> Self {
+    pub(super) fn new(
+        exact: Arc<Exact>,
+        space: Arc<Discretization>,
+        rule: TimeRule,
+        memory: &[Memory],
+    ) -> Self {
         // The rule matters to loads alone, which are not asked for here.
         let truth = InterpolatedOnMesh::new(exact.clone(), space.clone(), ComplianceRule::Vertex);
         let mut graph = exact.data.graph.clone();
@@ -95,8 +100,12 @@ impl<const S: usize> InSpace<S> {
             .filter(|&kappa| graph.depends_on(kappa, Variable::Zeta))
             .map(|kappa| graph.derivative(kappa, Variable::Zeta));
         let regions = exact.cell_regions(&space.mesh);
-        let kernel = |&node: &Node| Kernel::new(&mut graph, node, exact.data.horizon);
-        let kernels = exact.data.kernels.iter().map(kernel).collect();
+        let horizon = exact.data.horizon;
+        let kernel = |own: &Memory| match own.singular {
+            None => Kernel::new(&mut graph, own.kernel, horizon),
+            Some(parts) => Kernel::singular(&mut graph, parts.power, parts.factor, horizon),
+        };
+        let kernels = memory.iter().map(kernel).collect();
         Self { exact, space, rule, truth, slope, graph, regions, kernels }
     }
 
@@ -121,13 +130,15 @@ impl<const S: usize> InSpace<S> {
 
     /// The largest errors on a grid, max_n ‖ε(e_n)‖ and those of the other norms.
     pub(super) fn largest_errors(&self, times: &[f64]) -> Result<Largest, NoConstant> {
-        let weights = Weights::of(self.rule)?;
+        let weights = Weights::of_plain(self.rule)?;
+        let of_kernels = self.kernels.iter().map(|own| Weights::of_kernel(self.rule, own.power()));
+        let of_kernels = of_kernels.collect::<Result<Vec<_>, _>>()?;
         let contact = self.exact.data.contact.as_ref();
         let friction = contact.and_then(|contact| contact.friction.as_ref());
         if friction.is_some_and(|own| matches!(own.bound, FrictionBound::Coulomb(_))) {
             return Err(NoConstant::Unsymmetric);
         }
-        let mut sums = Sums::new(weights, &self.kernels, times, self.space.nodes.len());
+        let mut sums = Sums::new(of_kernels, &self.kernels, times, self.space.nodes.len());
         // Sums over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
         let mut sizes = Numbers::new(weights);
         let mut largest = Largest::default();

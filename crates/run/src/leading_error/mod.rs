@@ -268,7 +268,8 @@ fn time_errors<const S: usize>(
     cases: &[Case],
     in_space: bool,
 ) -> Result<Vec<(Case, f64, Largest)>, NoConstant> {
-    let body = in_space::InSpace::<S>::new(exact.clone(), space, setup.scene.time.rule);
+    let (rule, memory) = (setup.scene.time.rule, &setup.body.material.memory);
+    let body = in_space::InSpace::<S>::new(exact.clone(), space, rule, memory);
     if in_space && !body.holds_the_solution(setup.scene.time.horizon) {
         return Err(NoConstant::NotInSpace);
     }

@@ -1,7 +1,7 @@
 //! The exact histories of I_h u as the prediction takes them: integrated here, so that an error of those of the truth
 //! moves the ratio of the two.
 
-use super::adaptive::{cuts, integral};
+use super::adaptive::{cuts, integral, integral_against};
 use super::cells::{Mandel, inner, strains};
 use super::sums::Kernel;
 use exact::Exact;
@@ -109,7 +109,7 @@ impl<'a, const S: usize> OwnHistory<'a, S> {
         if kernel.is_direct() {
             let cuts = cuts(t, &self.kinked);
             let (u, space) = (&mut self.u, self.space);
-            return integral(&cuts, discrete, |times| {
+            return integral_against(kernel.power(), &cuts, discrete, |times| {
                 let of_lag = kernel.at_lags(t, times);
                 let at =
                     |(&s, b): (&f64, &f64)| nodal(u, space, s).into_iter().map(|u| b * u).collect();

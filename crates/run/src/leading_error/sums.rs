@@ -9,6 +9,8 @@ pub(super) enum Kernel {
     Exponentials(Vec<(f64, f64)>),
     /// b(t - x).
     Any(Program),
+    /// c(t - x) of b(t) = t^{-a} c(t).
+    Singular(f64, Program),
 }
 
 impl Kernel {
@@ -17,28 +19,38 @@ impl Kernel {
         if let Some(terms) = graph.exponential_sum(kernel) {
             return Self::Exponentials(terms);
         }
-        let (t, x) = (graph.variable(Variable::T), graph.variable(Variable::X));
-        let lag = graph.sub(t, x);
-        let of_lag = graph.substitute(kernel, Variable::T, lag);
-        Self::Any(Program::compile(graph, &[of_lag], horizon))
+        Self::Any(of_lag(graph, kernel, horizon))
+    }
+
+    /// Prepares t^{-a} times a formula in t.
+    pub(super) fn singular(graph: &mut Graph, a: f64, factor: Node, horizon: f64) -> Self {
+        Self::Singular(a, of_lag(graph, factor, horizon))
+    }
+
+    /// a, 0 but for singular kernels.
+    pub(super) fn power(&self) -> f64 {
+        match self {
+            Self::Singular(a, _) => *a,
+            _ => 0.0,
+        }
     }
 
     /// The list (a, c), empty where there is none.
     pub(super) fn exponentials(&self) -> &[(f64, f64)] {
         match self {
             Self::Exponentials(terms) => terms,
-            Self::Any(_) => &[],
+            Self::Any(_) | Self::Singular(..) => &[],
         }
     }
 
-    /// b(t - s) at some times s.
+    /// b(t - s) at some times s, without the power.
     pub(super) fn at_lags(&self, t: f64, times: &[f64]) -> Vec<f64> {
         match self {
             Self::Exponentials(terms) => {
                 let at = |s: f64| terms.iter().map(|(a, c)| a * (-c * (t - s)).exp()).sum();
                 times.iter().map(|&s| at(s)).collect()
             }
-            Self::Any(program) => {
+            Self::Any(program) | Self::Singular(_, program) => {
                 let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
                 let mut values = vec![Vec::new()];
                 program.bind(&places).evaluate(t, 0.0, &mut values);
@@ -49,8 +61,16 @@ impl Kernel {
 
     /// Whether its sums go over all earlier levels anew.
     pub(super) fn is_direct(&self) -> bool {
-        matches!(self, Self::Any(_))
+        matches!(self, Self::Any(_) | Self::Singular(..))
     }
+}
+
+/// A formula in t at the lag t - x.
+fn of_lag(graph: &mut Graph, formula: Node, horizon: f64) -> Program {
+    let (t, x) = (graph.variable(Variable::T), graph.variable(Variable::X));
+    let lag = graph.sub(t, x);
+    let of_lag = graph.substitute(formula, Variable::T, lag);
+    Program::compile(graph, &[of_lag], horizon)
 }
 
 /// Vectors summed side by side: values and errors.
@@ -66,7 +86,8 @@ pub(super) type Pair<T> = [T; 2];
 ///
 /// where the weight of v_n is the same in all later sums; else all of them are summed anew.
 pub(super) struct Sums<'a> {
-    weights: Weights,
+    /// One per kernel.
+    weights: Vec<Weights>,
     times: &'a [f64],
     /// The level n at which the sums are.
     level: usize,
@@ -91,27 +112,29 @@ struct Carried {
 }
 
 impl<'a> Sums<'a> {
-    /// Empty sums at t_0, of vectors of the given length.
+    /// Empty sums at t_0, of vectors of the given length, with the weights of each kernel.
     pub(super) fn new(
-        weights: Weights,
+        weights: Vec<Weights>,
         kernels: &[Kernel],
         times: &'a [f64],
         length: usize,
     ) -> Self {
         let places: Vec<[f64; 3]> = times.iter().map(|&s| [s, 0.0, 0.0]).collect();
         let zero = || [vec![0.0; length], vec![0.0; length]];
-        let sum = |kernel: &Kernel| match kernel {
+        let sum = |(kernel, weights): (&Kernel, &Weights)| match kernel {
             Kernel::Exponentials(terms) if !weights.are_fixed() => Sum::Anew(terms.clone()),
             Kernel::Exponentials(terms) => {
                 Sum::Carried(terms.iter().map(|&(a, c)| Carried { a, c, sums: zero() }).collect())
             }
-            Kernel::Any(program) => Sum::Direct(Box::new(program.bind(&places)), vec![Vec::new()]),
+            Kernel::Any(program) | Kernel::Singular(_, program) => {
+                Sum::Direct(Box::new(program.bind(&places)), vec![Vec::new()])
+            }
         };
         let mut sums = Self {
-            weights,
             times,
             level: 0,
-            kernels: kernels.iter().map(sum).collect(),
+            kernels: kernels.iter().zip(&weights).map(sum).collect(),
+            weights,
             past: Vec::new(),
             length,
         };
@@ -126,12 +149,13 @@ impl<'a> Sums<'a> {
             Sum::Anew(terms) => terms.iter().map(|(a, _)| a).sum(),
             Sum::Direct(_, values) => values[0][self.level],
         };
-        self.weights.at(self.times, self.level, self.level) * at_zero
+        self.weights[kernel].at(self.times, self.level, self.level) * at_zero
     }
 
     /// The sums over the levels before this one.
     pub(super) fn before(&self, kernel: usize) -> Pair<Vec<f64>> {
         let mut out = [vec![0.0; self.length], vec![0.0; self.length]];
+        let weights = self.weights[kernel];
         match &self.kernels[kernel] {
             Sum::Carried(terms) => terms.iter().for_each(|term| add(1.0, &term.sums, &mut out)),
             Sum::Anew(terms) => {
@@ -139,12 +163,12 @@ impl<'a> Sums<'a> {
                 for (j, past) in self.past.iter().enumerate() {
                     let lag = t - self.times[j];
                     let b: f64 = terms.iter().map(|(a, c)| a * (-c * lag).exp()).sum();
-                    add(self.weights.at(self.times, self.level, j) * b, past, &mut out);
+                    add(weights.at(self.times, self.level, j) * b, past, &mut out);
                 }
             }
             Sum::Direct(_, values) => {
                 for (j, past) in self.past.iter().enumerate() {
-                    let weight = self.weights.at(self.times, self.level, j);
+                    let weight = weights.at(self.times, self.level, j);
                     add(weight * values[0][j], past, &mut out);
                 }
             }
@@ -156,9 +180,10 @@ impl<'a> Sums<'a> {
     pub(super) fn advance(&mut self, vectors: Pair<Vec<f64>>) {
         let n = self.level;
         let Some(next) = self.times.get(n + 1) else { return };
-        let (weight, step) = (self.weights.at(self.times, n + 1, n), next - self.times[n]);
-        for kernel in &mut self.kernels {
+        let step = next - self.times[n];
+        for (kernel, weights) in self.kernels.iter_mut().zip(&self.weights) {
             let Sum::Carried(terms) = kernel else { continue };
+            let weight = weights.at(self.times, n + 1, n);
             for Carried { a, c, sums } in terms {
                 add(*a * weight, &vectors, sums);
                 let decay = (-*c * step).exp();
@@ -257,7 +282,7 @@ mod tests {
             .collect();
         let vectors = |t: f64| [vec![1.0 - t, (3.0 * t).sin()], vec![t * t, 2.0]];
         for rule in [Weights::Trapezoid, Weights::Left, Weights::of(FOUR).unwrap()] {
-            let mut sums = Sums::new(rule, &prepared, &times, 2);
+            let mut sums = Sums::new(vec![rule; 4], &prepared, &times, 2);
             for n in 0..times.len() {
                 for (i, (text, b, _)) in kernels.iter().enumerate() {
                     let own = rule.at(&times, n, n) * b(0.0);

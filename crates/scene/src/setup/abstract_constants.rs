@@ -8,7 +8,7 @@ use super::SetupError;
 use crate::{AbstractScene, Law, Scene};
 use vhi::finite::{ComponentLaw, FiniteModel};
 use vhi::history::TimeRule;
-use vhi::{StepBounds, monotonicity};
+use vhi::{SingularSlot, StepBounds, monotonicity};
 
 /// Constants of (2.5)-(2.11).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,10 +29,15 @@ pub struct AbstractConstants {
     pub m0: f64,
     /// ‖R‖ on X*.
     pub r_norm: f64,
-    /// ‖q‖ = max over 0 ≤ s ≤ t ≤ T of the norm of q(t, s): X → X*, sampled.
+    /// ‖q‖ = max over 0 ≤ s ≤ t ≤ T of the norm of q(t, s): X → X*, sampled; but for the terms that are infinite at s = t.
     pub q_norm: f64,
     /// ‖q(t, t)‖, the largest over t, sampled.
     pub q_norm_now: f64,
+    /// a of these terms (t - s)^{-a} b(t, s); 0 without one.
+    pub power: f64,
+    /// ‖b‖ and ‖b(t, t)‖ likewise.
+    pub b_norm: f64,
+    pub b_norm_now: f64,
 }
 
 impl AbstractConstants {
@@ -48,6 +53,14 @@ impl AbstractConstants {
             last_slot: self.beta_phi * now,
             destabilizing: self.beta_phi * now,
             last_share: rule.last_share(),
+            singular: SingularSlot {
+                power: self.power,
+                share: rule.last_weight(self.power, 1.0),
+                lipschitz: self.r_norm * self.b_norm,
+                paper_lipschitz: self.r_norm * self.b_norm,
+                last_slot: self.beta_phi * self.r_norm * self.b_norm_now,
+                destabilizing: self.beta_phi * self.r_norm * self.b_norm_now,
+            },
         }
     }
 }
@@ -109,7 +122,9 @@ pub(crate) fn abstract_constants(
     let m_a = SymmetricEigen::new(symmetric).eigenvalues.min();
     let m0 = monotonicity(m_a, alpha_phi + alpha_j * c_j_squared);
     let r_norm = norm(&(&inverse_half * &model.r * &half));
-    let (q_norm, q_norm_now) = kernel_norms(scene.time.horizon, model, to_dual);
+    let horizon = scene.time.horizon;
+    let (q_norm, q_norm_now) = kernel_norms(horizon, model, 0.0, to_dual);
+    let (power, b_norm, b_norm_now) = singular_norms(horizon, model, to_dual);
     Ok(AbstractConstants {
         m_a,
         l_a: norm(&to_dual(&model.matrix)) + norm(&bends),
@@ -121,24 +136,29 @@ pub(crate) fn abstract_constants(
         r_norm,
         q_norm,
         q_norm_now,
+        power,
+        b_norm,
+        b_norm_now,
     })
 }
 
-/// The norm of Σ_l q_l(t, s) Q_l: X → X* at its largest, over s ≤ t and over s = t.
+/// The norm of Σ_l b_l(t, s) Q_l: X → X* at its largest, over s ≤ t and over s = t, of the terms with (t - s)^{-power} b_l.
 fn kernel_norms(
     horizon: f64,
     model: &FiniteModel,
+    power: f64,
     to_dual: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
 ) -> (f64, f64) {
     let m = model.dimension();
+    let terms: Vec<_> = model.kernels.iter().filter(|term| term.kernel.power() == power).collect();
     let at = |t: f64, s: f64| {
         let mut sum = DMatrix::zeros(m, m);
-        for term in &model.kernels {
-            sum += term.kernel.at(t, s) * &term.matrix;
+        for term in &terms {
+            sum += term.kernel.factor(t, s) * &term.matrix;
         }
         norm(&to_dual(&sum))
     };
-    if model.kernels.is_empty() {
+    if terms.is_empty() {
         return (0.0, 0.0);
     }
     let time = |i: u32| horizon * f64::from(i) / f64::from(TIMES);
@@ -146,6 +166,25 @@ fn kernel_norms(
     let all = pairs.map(|(t, s)| at(t, s)).fold(0.0, f64::max);
     let now = (0..=TIMES).map(|i| at(time(i), time(i))).fold(0.0, f64::max);
     (all, now)
+}
+
+/// The largest power a, and the norms of all terms (t - s)^{-p} b that are infinite at s = t as terms (t - s)^{-a} b: for p < a
+/// the power is at most T^{a-p} times the other, and so is the weight k^{1-p}/((1-p)(2-p)).
+fn singular_norms(
+    horizon: f64,
+    model: &FiniteModel,
+    to_dual: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
+) -> (f64, f64, f64) {
+    let all = model.kernels.iter().map(|term| term.kernel.power());
+    let mut powers: Vec<f64> = all.filter(|&power| power > 0.0).collect();
+    powers.sort_by(f64::total_cmp);
+    powers.dedup();
+    let most = powers.last().copied().unwrap_or(0.0);
+    powers.into_iter().fold((most, 0.0, 0.0), |(most, all, now), power| {
+        let scale = horizon.powf(most - power);
+        let own = kernel_norms(horizon, model, power, &to_dual);
+        (most, all + scale * own.0, now + scale * own.1)
+    })
 }
 
 /// Smallest and largest slope of each component law over the samples.

@@ -10,7 +10,7 @@ use super::abstract_constants::{AbstractConstants, abstract_constants};
 use super::regularity::abstract_claims;
 use super::{SetupError, law_numbers, potential, time_grid, time_rule};
 use crate::{AbstractScene, Body, Hypothesis, Scene};
-use exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace};
+use exact::{FiniteData, FiniteExact, FiniteState, FiniteTrace, KernelFormulas};
 use formula::{Graph, Node, Point, Program, Variable};
 use vhi::StepSolver;
 use vhi::finite::{
@@ -226,23 +226,37 @@ impl ComponentLaw for FormulaComponent {
     }
 }
 
-/// A formula q(t, s).
+/// (t - s)^{-a} times a formula in t and s.
 struct FormulaKernel {
     graph: Arc<Graph>,
     node: Node,
     program: Program,
+    power: f64,
 }
 
 impl HistoryKernel for FormulaKernel {
     fn at(&self, t: f64, s: f64) -> f64 {
-        self.graph.evaluate(self.node, &Point { x: s, t, ..Point::default() })
+        let factor = self.factor(t, s);
+        if self.power == 0.0 { factor } else { factor * (t - s).powf(-self.power) }
     }
 
     fn row(&self, t: f64, s: &[f64]) -> Vec<f64> {
         let points: Vec<[f64; 3]> = s.iter().map(|&s| [s, 0.0, 0.0]).collect();
         let mut values = vec![Vec::new()];
         self.program.bind(&points).evaluate(t, 0.0, &mut values);
-        values.swap_remove(0)
+        let mut row = values.swap_remove(0);
+        if self.power != 0.0 {
+            row.iter_mut().zip(s).for_each(|(value, s)| *value *= (t - s).powf(-self.power));
+        }
+        row
+    }
+
+    fn power(&self) -> f64 {
+        self.power
+    }
+
+    fn factor(&self, t: f64, s: f64) -> f64 {
+        self.graph.evaluate(self.node, &Point { x: s, t, ..Point::default() })
     }
 }
 
@@ -283,7 +297,12 @@ fn model(scene: &Scene, problem: &AbstractScene) -> FiniteModel {
             .iter()
             .zip(programs)
             .map(|(kernel, program)| FiniteKernel {
-                kernel: Box::new(FormulaKernel { graph: graph.clone(), node: kernel.q, program }),
+                kernel: Box::new(FormulaKernel {
+                    graph: graph.clone(),
+                    node: kernel.q,
+                    program,
+                    power: kernel.power,
+                }),
                 matrix: dense(&kernel.matrix),
             })
             .collect(),
@@ -311,7 +330,11 @@ fn exact(scene: &Scene, problem: &AbstractScene) -> Result<FiniteExact, exact::U
         graph: scene.formulas.clone(),
         matrix: problem.matrix.clone(),
         nonlinear: problem.nonlinear.clone().unwrap_or_default(),
-        kernels: problem.kernels.iter().map(|k| (k.q, k.matrix.clone())).collect(),
+        kernels: problem
+            .kernels
+            .iter()
+            .map(|k| KernelFormulas { q: k.q, power: k.power, matrix: k.matrix.clone() })
+            .collect(),
         r: problem.r.clone(),
         a_s: problem.a_s.clone(),
         force: problem.force.clone().unwrap_or_default(),

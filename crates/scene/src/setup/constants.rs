@@ -2,12 +2,12 @@
 
 use super::trace_family::{TraceFamily, tangential_trace_family, trace_family};
 use super::{Setup, SetupError, elasticity, memory_tensor};
-use crate::Domain;
+use crate::{Domain, Memory};
 use fem::contact::TraceMass;
 use formula::{Node, Point};
 use vhi::history::TimeRule;
 use vhi::law::TensorField;
-use vhi::{StepBounds, monotonicity};
+use vhi::{SingularSlot, StepBounds, monotonicity};
 
 /// Constants that the step-size bound and the smallness condition need.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,8 +42,10 @@ pub struct Constants {
     pub yielding: f64,
     /// β_φ = max(μ L_κ √|Ω|, 1).
     pub beta_phi: f64,
-    /// ℬ(t) on [0, T].
+    /// ℬ(t) on [0, T], but for its terms that are infinite at t = 0.
     pub memory: MemoryNorms,
+    /// a, and C(t) of these terms t^{-a} C(t).
+    pub singular: (f64, MemoryNorms),
 }
 
 /// S = μ_f p(u_ν).
@@ -133,6 +135,14 @@ impl Constants {
             last_slot: self.yielding + self.memory.at_zero,
             destabilizing: self.yielding + (-self.memory.spectrum_at_zero.0).max(0.0),
             last_share: rule.last_share(),
+            singular: SingularSlot {
+                power: self.singular.0,
+                share: rule.last_weight(self.singular.0, 1.0),
+                lipschitz: self.singular.1.operator,
+                paper_lipschitz: self.singular.1.entries,
+                last_slot: self.singular.1.at_zero,
+                destabilizing: (-self.singular.1.spectrum_at_zero.0).max(0.0),
+            },
         }
     }
 }
@@ -207,7 +217,8 @@ pub fn with_trace_constant(setup: &Setup, c_j_squared: f64) -> Constants {
         root_area,
         yielding,
         beta_phi: yielding.max(1.0),
-        memory: memory_norms(setup),
+        memory: memory_norms(setup, &of_power(setup, 0.0)),
+        singular: singular_norms(setup),
     }
 }
 
@@ -228,16 +239,41 @@ pub(super) fn coulomb(setup: &Setup) -> Option<Coulomb> {
     (coefficient > 0.0).then_some(Coulomb { coefficient, rise })
 }
 
-fn memory_norms(setup: &Setup) -> MemoryNorms {
+/// The terms of ℬ with t^{-a} in their kernels, without it.
+fn of_power(setup: &Setup, a: f64) -> Vec<(Node, TensorField)> {
+    let factor = |memory: &Memory| match memory.singular {
+        None => (a == 0.0).then_some(memory.kernel),
+        Some(own) => (a == own.power).then_some(own.factor),
+    };
+    let memory = setup.body.material.memory.iter();
+    memory.filter_map(|own| Some((factor(own)?, memory_tensor(own)))).collect()
+}
+
+/// Terms of several powers are bounded in one: for p < a, t^{-p} ≤ T^{a-p} t^{-a}, and weights k^{1-p}/((1-p)(2-p)) likewise.
+fn singular_norms(setup: &Setup) -> (f64, MemoryNorms) {
+    let terms = setup.body.material.memory.iter();
+    let mut powers: Vec<f64> = terms.filter_map(|own| own.singular).map(|own| own.power).collect();
+    powers.sort_by(f64::total_cmp);
+    powers.dedup();
+    let Some(&most) = powers.last() else { return (0.0, MemoryNorms::default()) };
+    let mut sum = MemoryNorms::default();
+    for power in powers {
+        let (scale, own) = (
+            setup.scene.time.horizon.powf(most - power),
+            memory_norms(setup, &of_power(setup, power)),
+        );
+        sum.operator += scale * own.operator;
+        sum.entries += scale * own.entries;
+        sum.at_zero += scale * own.at_zero;
+        sum.spectrum_at_zero.0 += scale * own.spectrum_at_zero.0.min(0.0);
+        sum.spectrum_at_zero.1 += scale * own.spectrum_at_zero.1.max(0.0);
+    }
+    (most, sum)
+}
+
+fn memory_norms(setup: &Setup, terms: &[(Node, TensorField)]) -> MemoryNorms {
     let scene = &setup.scene;
     let d = scene.dimension;
-    let terms: Vec<(Node, TensorField)> = setup
-        .body
-        .material
-        .memory
-        .iter()
-        .map(|memory| (memory.kernel, memory_tensor(memory)))
-        .collect();
     // ℬ(t) = Σ b_i(t) ℬ_i.
     let relaxation = |t: f64| {
         let at = Point { t, ..Point::default() };

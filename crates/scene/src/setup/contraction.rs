@@ -34,7 +34,7 @@ pub fn decomposition_bound(
         constants = constants.with_friction(c_tau.value);
     }
     let bounds = constants.step_bounds(setup.model.time_rule.as_ref());
-    let last = bounds.last_share * setup.grid(steps).largest_step() * bounds.destabilizing;
+    let last = bounds.taken(setup.grid(steps).largest_step());
     let falls = constants.falls();
     let m = constants.m_elastic - last - (constants.concave() - falls);
     Ok(quotient(falls, m))
@@ -44,7 +44,7 @@ pub fn decomposition_bound(
 pub fn abstract_decomposition_bound(setup: &AbstractSetup, steps: u32) -> f64 {
     let c = &setup.constants;
     let bounds = c.step_bounds(setup.model.time_rule.as_ref());
-    let last = bounds.last_share * setup.grid(steps).largest_step() * bounds.destabilizing;
+    let last = bounds.taken(setup.grid(steps).largest_step());
     quotient(c.alpha_j * c.c_j_squared, c.m_a - c.alpha_phi - last)
 }
 

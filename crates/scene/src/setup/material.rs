@@ -9,7 +9,7 @@ use exact::{MaterialNumbers, RegionNumbers};
 use fem::contact::MemoryTerm;
 use fem::mesh::Mesh;
 use formula::{Graph, Node, Point};
-use vhi::law::{ExponentialSum, FourthOrder, Isotropic, MemoryKernel, TensorField};
+use vhi::law::{ExponentialSum, FourthOrder, Isotropic, MemoryKernel, Singular, TensorField};
 
 /// 𝒜.
 pub fn elasticity(material: &Material) -> TensorField {
@@ -26,9 +26,13 @@ pub fn memory_tensor(memory: &Memory) -> TensorField {
 
 /// The terms of ℬ as the solver has them: recursion where a kernel is a sum of exponentials.
 pub(super) fn memory_terms(material: &Material, formulas: &Arc<Graph>) -> Vec<MemoryTerm> {
-    let kernel = |memory: &Memory| match &memory.exponentials {
-        Some(terms) => Box::new(ExponentialSum { terms: terms.clone() }) as Box<dyn MemoryKernel>,
-        None => Box::new(KernelFormula::new(formulas.clone(), memory.kernel)),
+    let formula = |node| Box::new(KernelFormula::new(formulas.clone(), node));
+    let kernel = |memory: &Memory| match (&memory.exponentials, memory.singular) {
+        (Some(terms), _) => {
+            Box::new(ExponentialSum { terms: terms.clone() }) as Box<dyn MemoryKernel>
+        }
+        (None, Some(own)) => Box::new(Singular { power: own.power, factor: formula(own.factor) }),
+        (None, None) => formula(memory.kernel),
     };
     let term = |memory| MemoryTerm { kernel: kernel(memory), tensor: memory_tensor(memory) };
     material.memory.iter().map(term).collect()

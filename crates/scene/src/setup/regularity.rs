@@ -34,8 +34,11 @@ pub fn abstract_regularity(scene: &Scene, problem: &AbstractScene) -> Vec<Findin
     };
     let mut findings: Vec<Finding> = problem.u.iter().enumerate().map(component).collect();
     findings.extend(problem.kernels.iter().enumerate().map(|(l, kernel)| {
-        let value =
-            |s: f64| graph.evaluate(kernel.q, &Point { x: s, t: horizon, ..Point::default() });
+        let value = |s: f64| {
+            let factor = graph.evaluate(kernel.q, &Point { x: s, t: horizon, ..Point::default() });
+            // 1 without a power, also at s = t.
+            factor * (horizon - s).powf(-kernel.power)
+        };
         let subject = format!("q_{}(T, .) in C2 (3.17)", l + 1);
         second_difference(&subject, "the kernel", horizon, value)
     }));

@@ -56,6 +56,7 @@ pub fn diagnose(
 ) -> Result<Diagnosis, SetupError> {
     scene.without_friction("sweep diagnose")?;
     scene.with_linear_elements("sweep diagnose")?;
+    scene.with_finite_kernels("sweep diagnose")?;
     has_exact_solution(scene)?;
     let outcome::Cases { plan, records, .. } = outcome::run_cases(scene, prepare)?;
     let foreseen = foresee(&plan.subject, &records);

@@ -171,7 +171,7 @@ pub(super) fn with_memory(mut scene: Scene) -> Scene {
         let body = &mut body.material;
         let [lambda, mu] = share(&body.elastic);
         let regions = body.regions.iter().map(|region| share(&region.elastic)).collect();
-        body.memory = vec![Memory { kernel, exponentials, lambda, mu, regions }];
+        body.memory = vec![Memory { kernel, singular: None, exponentials, lambda, mu, regions }];
     }
     scene.formulas = graph;
     scene

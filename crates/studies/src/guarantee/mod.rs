@@ -162,6 +162,7 @@ pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
 /// The hypotheses of the theorem that a scene can fail before it is solved.
 fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
     setup.scene.with_linear_elements("the guaranteed bound").map_err(SetupError::from)?;
+    setup.scene.with_finite_kernels("the guaranteed bound").map_err(SetupError::from)?;
     let refuse = |reason: &str| Err(GuaranteeError::refused(reason));
     let model = &setup.model;
     if setup.scene.dimension != 2 {

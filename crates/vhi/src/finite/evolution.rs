@@ -92,10 +92,10 @@ impl<'a> FiniteEvolution<'a> {
     /// Gives the last slot of the open level its weight w of a step k: R Σ_l w q_l(t_n, t_n) Q_l.
     pub(super) fn set_last_slot(&mut self, k: f64) {
         let (model, t) = (self.model, self.grid.time(self.past.len()));
-        let last = model.time_rule.last_share() * k;
         self.last_slot.fill(0.0);
         for term in &model.kernels {
-            self.last_slot += last * term.kernel.at(t, t) * &model.r * &term.matrix;
+            let last = model.time_rule.last_weight(term.kernel.power(), k);
+            self.last_slot += last * term.kernel.factor(t, t) * &model.r * &term.matrix;
         }
     }
 

@@ -79,6 +79,11 @@ impl TimeGrid {
         self.equal.unwrap_or(self.times[n] - self.times[n - 1])
     }
 
+    /// t_n - t_j, n ≥ j; on equal steps a multiple of them.
+    pub fn lag(&self, n: usize, j: usize) -> f64 {
+        self.equal.map_or(self.times[n] - self.times[j], |k| (n - j) as f64 * k)
+    }
+
     /// Whether all steps are the same but for the rounding of their ends.
     pub fn is_uniform(&self) -> bool {
         self.equal.is_some()
@@ -119,6 +124,11 @@ pub trait TimeRule: Send + Sync {
     /// The largest w_nn over the step before t_n: what of a step enters (3.4) and the bounds on the last slot.
     fn last_share(&self) -> f64 {
         0.5
+    }
+
+    /// The weight w_nn of a last step k under a kernel (t - s)^{-a} b(t, s) over b(t, t).
+    fn last_weight(&self, _power: f64, k: f64) -> f64 {
+        self.last_share() * k
     }
 
     /// True if the weights are those of [`Trapezoid`], so that recursions may replace sums.

@@ -6,6 +6,7 @@ mod gregory;
 mod grid;
 mod left;
 mod memory;
+mod powers;
 mod rules;
 
 pub use accumulated::Accumulated;

@@ -1,6 +1,6 @@
-//! Time rules for kernels that are not C²: a corrected end weight, and product integration.
+//! Time rules for kernels that are not C² or infinite at s = t: a corrected end weight, and product integration.
 
-use super::{TimeGrid, TimeRule, Trapezoid};
+use super::{TimeGrid, TimeRule, Trapezoid, powers};
 use crate::law::HistoryKernel;
 
 /// The trapezoidal rule with another weight at s = t_n for kernels
@@ -54,17 +54,31 @@ impl TimeRule for CorrectedEnd {
     }
 }
 
-/// Product integration: v is interpolated linearly between the times, the kernel is integrated
-/// exactly, W_nj = ∫ q(t_n, s) φ_j(s) ds with the hat functions φ_j.
+/// Product integration with the hat functions φ_j of the times. For a kernel that is finite v is interpolated linearly and the
+/// kernel is integrated, W_nj = ∫ q(t_n, s) φ_j(s) ds. For (t - s)^{-a} b(t, s) the product b v is interpolated and the power is
+/// integrated, W_nj = b(t_n, t_j) ∫ (t_n - s)^{-a} φ_j(s) ds: as accurate, with three powers a weight.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ProductIntegration;
 
 impl ProductIntegration {
+    /// The weights at both ends of the step that ends at t_i: of v, or of b v.
+    fn step(kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize, i: usize) -> (f64, f64) {
+        match kernel.power() {
+            0.0 => Self::whole(kernel, grid, n, i),
+            a => powers::moments(a, grid.lag(n, i), grid.step(i)),
+        }
+    }
+
+    /// b(t_n, t_j), or 1.
+    fn factor(kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize, j: usize) -> f64 {
+        if kernel.power() == 0.0 { 1.0 } else { kernel.factor(grid.time(n), grid.time(j)) }
+    }
+
     /// ∫ q(t_n, s) over the step that ends at t_i, against the hat functions of its two ends.
     ///
     /// Places are graded towards t_n as x⁴, which makes (t_n - s)^a a polynomial for a = ¼, ½, ¾ and
     /// smooth enough for 14 digits for other a > 0; steps away from t_n are smooth anyway.
-    fn step(kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize, i: usize) -> (f64, f64) {
+    fn whole(kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize, i: usize) -> (f64, f64) {
         let (t, from, k) = (grid.time(n), grid.time(i - 1), grid.step(i));
         let mut sums = (0.0, 0.0);
         for (x, weight) in GAUSS {
@@ -94,7 +108,7 @@ impl TimeRule for ProductIntegration {
     ) -> f64 {
         let before = if j > 0 { Self::step(kernel, grid, n, j).1 } else { 0.0 };
         let after = if j < n { Self::step(kernel, grid, n, j + 1).0 } else { 0.0 };
-        before + after
+        (before + after) * Self::factor(kernel, grid, n, j)
     }
 
     fn kernel_row(&self, kernel: &dyn HistoryKernel, grid: &TimeGrid, n: usize) -> Vec<f64> {
@@ -104,12 +118,20 @@ impl TimeRule for ProductIntegration {
             row[i - 1] += left;
             row[i] += right;
         }
+        for (j, weight) in row.iter_mut().enumerate() {
+            *weight *= Self::factor(kernel, grid, n, j);
+        }
         row
+    }
+
+    /// k^{1-a}/((1-a)(2-a)).
+    fn last_weight(&self, power: f64, k: f64) -> f64 {
+        k.powf(1.0 - power) / ((1.0 - power) * (2.0 - power))
     }
 }
 
 /// Gauss's rule with 10 points on (0, 1): places and weights, exact to degree 19.
-const GAUSS: [(f64, f64); 10] = [
+pub(super) const GAUSS: [(f64, f64); 10] = [
     (0.013_046_735_741_414_128, 0.033_335_672_154_344_07),
     (0.067_468_316_655_507_73, 0.074_725_674_575_290_3),
     (0.160_295_215_850_487_78, 0.109_543_181_257_991_02),

@@ -9,6 +9,16 @@ pub trait HistoryKernel {
     fn row(&self, t: f64, s: &[f64]) -> Vec<f64> {
         s.iter().map(|&s| self.at(t, s)).collect()
     }
+
+    /// The a of q(t, s) = (t - s)^{-a} b(t, s), 0 ≤ a < 1, with b finite at s = t.
+    fn power(&self) -> f64 {
+        0.0
+    }
+
+    /// b(t, s); to be given where a > 0.
+    fn factor(&self, t: f64, s: f64) -> f64 {
+        self.at(t, s)
+    }
 }
 
 /// q(t, s) = b(t - s).
@@ -18,12 +28,30 @@ impl HistoryKernel for Convolution<'_> {
     fn at(&self, t: f64, s: f64) -> f64 {
         self.0.value(t - s)
     }
+
+    fn power(&self) -> f64 {
+        self.0.power()
+    }
+
+    fn factor(&self, t: f64, s: f64) -> f64 {
+        self.0.factor(t - s)
+    }
 }
 
 /// A scalar kernel of the memory term ∫_0^t b(t - s) ℬ₀ ε(u(s)) ds.
 pub trait MemoryKernel: Send + Sync {
     /// b at a lag t - s ≥ 0 (1/time).
     fn value(&self, lag: f64) -> f64;
+
+    /// The a of b(t) = t^{-a} c(t), 0 ≤ a < 1, with c finite at t = 0.
+    fn power(&self) -> f64 {
+        0.0
+    }
+
+    /// c at a lag; to be given where a > 0.
+    fn factor(&self, lag: f64) -> f64 {
+        self.value(lag)
+    }
 
     /// (a_i, c_i) with b(t) = Σ a_i exp(-c_i t), if the kernel has this form.
     fn exponentials(&self) -> Option<&[(f64, f64)]> {
@@ -55,6 +83,28 @@ impl MemoryKernel for Summed {
 
     fn interpolated_to(&self) -> Option<f64> {
         self.interpolated_to
+    }
+}
+
+/// b(t) = t^{-a} c(t), infinite at t = 0 where c(0) ≠ 0.
+pub struct Singular {
+    /// 0 < a < 1.
+    pub power: f64,
+    /// c.
+    pub factor: Box<dyn MemoryKernel>,
+}
+
+impl MemoryKernel for Singular {
+    fn value(&self, lag: f64) -> f64 {
+        lag.powf(-self.power) * self.factor.value(lag)
+    }
+
+    fn power(&self) -> f64 {
+        self.power
+    }
+
+    fn factor(&self, lag: f64) -> f64 {
+        self.factor.value(lag)
     }
 }
 
@@ -91,6 +141,22 @@ mod tests {
         let kernel = Convolution(&Root);
         assert_eq!(kernel.at(5.0, 1.0), 2.0);
         assert_eq!(kernel.row(5.0, &[1.0, 4.0, 5.0]), [2.0, 1.0, 0.0]);
+    }
+
+    /// The power comes out of the kernel, whose factor stays finite.
+    #[test]
+    fn a_singular_kernel_is_its_power_times_its_factor() {
+        let kernel =
+            Singular { power: 0.5, factor: Box::new(ExponentialSum { terms: vec![(3.0, 0.0)] }) };
+        let own = Convolution(&kernel);
+        assert_eq!((kernel.value(4.0), own.at(5.0, 1.0)), (1.5, 1.5));
+        assert_eq!(
+            (own.power(), own.factor(5.0, 5.0), own.at(5.0, 5.0)),
+            (0.5, 3.0, f64::INFINITY)
+        );
+        assert_eq!(kernel.exponentials(), None);
+        let plain = Convolution(&Root);
+        assert_eq!((plain.power(), plain.factor(5.0, 1.0)), (0.0, 2.0));
     }
 
     /// Recursion replaces the sum only where the kernel says that it is a sum of exponentials.

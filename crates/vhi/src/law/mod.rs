@@ -13,7 +13,7 @@ mod tensor_field;
 pub use curve::{Curve, Curved};
 pub use elasticity::Isotropic;
 pub use kernel::{
-    Convolution, ExponentialSum, HistoryKernel, INTERPOLATED_TO, MemoryKernel, Summed,
+    Convolution, ExponentialSum, HistoryKernel, INTERPOLATED_TO, MemoryKernel, Singular, Summed,
 };
 pub use potential::{NoPotential, PiecewiseLinear, Potential, PotentialError, graph_distance};
 pub use projection::{NoProjection, Projection, Response, VonMises, YieldLimit};

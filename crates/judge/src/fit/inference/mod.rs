@@ -96,6 +96,15 @@ pub struct Posterior {
     floor: f64,
 }
 
+/// The order of a table of steps h and errors e.
+///
+/// # Errors
+/// As [`infer`], which takes floors, a known noise and a logarithm as well.
+pub fn order(table: &[(f64, f64)]) -> Result<Posterior, FitError> {
+    let levels: Vec<Level> = table.iter().map(|&(h, error)| Level::new(h, error)).collect();
+    infer(&levels, None, 0.0)
+}
+
 /// Weighs all readings of a table; its levels in any order, each once, with positive errors. Levels near their floors
 /// leave. `noise` is the relative
 /// standard deviation of the errors where it is known; `log` is the power M of a factor |log h|^M.

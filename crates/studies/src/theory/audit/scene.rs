@@ -69,6 +69,7 @@ impl SceneAudit {
     pub fn new(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Self, AuditError> {
         setup.scene.without_friction("sweep audit").map_err(SetupError::from)?;
         setup.scene.with_linear_elements("sweep audit").map_err(SetupError::from)?;
+        setup.scene.with_finite_kernels("sweep audit").map_err(SetupError::from)?;
         if setup.scene.dimension != 2 {
             return Err(AuditError::Dimension { scene: setup.scene.name.clone() });
         }

@@ -69,6 +69,7 @@ pub fn prepare<'a>(
 ) -> Result<Box<dyn InTime + 'a>, GronwallError> {
     subject.scene().without_friction("sweep gronwall").map_err(SetupError::from)?;
     subject.scene().with_linear_elements("sweep gronwall").map_err(SetupError::from)?;
+    subject.scene().with_finite_kernels("sweep gronwall").map_err(SetupError::from)?;
     match (subject, n) {
         (Subject::Contact(setup), Some(n)) => Ok(Box::new(ContactInTime::new(setup, n, steps)?)),
         (Subject::Abstract(setup), None) => Ok(Box::new(FiniteInTime::new(setup)?)),
