@@ -176,6 +176,7 @@ pub fn all() -> Vec<Defect> {
     list.extend(material::defects());
     list.extend(contact::defects());
     list.extend(friction::defects());
+    list.extend(friction::others());
     list.extend(load::defects());
     list.extend(solver::defects());
     list.extend(paths::defects());
