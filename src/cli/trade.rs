@@ -16,13 +16,14 @@ use run::sweep::{Overrides, ScenePlan};
 use scene::setup::Setup;
 use scene::{Norm, Scene};
 use studies::trade::{
-    Answered, Bench, Knob, Study, Table, TradeRuns, Trial, Variant, admit_trade, own_grid,
+    Answered, Bench, Knob, Study, Table, TradeRuns, Trial, Variant, admit_trade, element_meshes,
+    held, knobs, own_grid,
 };
 
 /// `sweep trade`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is run --repeats times from nothing (mesh, analysis, loads, march); its time is the least CPU time of the thread, errors are measured in a separate run. Knobs beside h and k are changed one at a time, on three cases, in rounds: each round runs the case as written and with every knob, and a price is the ratio of two times of one round, over --repeats rounds, with its 95 % interval; a ratio whose interval holds 1 is no difference. A round whose case as written takes 1.25 times the least is not believed and is run again. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row as soon as its case ends; failures have status `failed`), SCENE-trade.json, SCENE-trade.svg (error against time), SCENE-trade-memory.svg (error against predicted memory).\n\nJSON keys with --json: scene, fingerprint (of its text), norm, size (largest strain norm of the truth), trials (knob, n, steps, h, k, dofs, error, floor, cpu_seconds, cpu_slowest, repeats, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, tie: a knob that changes neither time nor error by more than 1 %, front: no run is as good in time and error and better in one, errors within 1 % being one, front_memory: nor in time, error and memory), error_model (model, space and time with constant, order, interval; source, residual), cost_model (base, constant, space and time with exponent and interval; residual), composition (seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level), coupling (exponent, factor, space_share, cost_exponent), paths (exponent, modelled, measured), prices (what, n, steps, speed, range: its 95 % interval, error, bytes, words), extrapolation (what, step, rows, orders: last, interval), answer (target, n, steps, h, k, knob, error, cpu_seconds, bytes, optimum, extrapolates), confirmed (error, cpu_seconds, cpu_slowest, bytes, ratios). Exit code 2: no error can be measured, or none of the wanted size is in reach."
+    after_help = "Each case is run --repeats times from nothing (mesh, analysis, loads, march); its time is the least CPU time of the thread, errors are measured in a separate run. Knobs beside h and k are changed one at a time, on three cases, in rounds: each round runs the case as written and with every knob, and a price is the ratio of two times of one round, over --repeats rounds, with its 95 % interval; a ratio whose interval holds 1 is no difference. A round whose case as written takes 1.25 times the least is not believed and is run again. docs/TRADE.md explains every number.\n\nFiles in --out: SCENE-trade.csv (a row as soon as its case ends; failures have status `failed`), SCENE-trade.json, SCENE-trade.svg (error against time), SCENE-trade-memory.svg (error against predicted memory).\n\nJSON keys with --json: scene, fingerprint (of its text), norm, size (largest strain norm of the truth), trials (knob, n, steps, h, k, dofs, error, floor, cpu_seconds, cpu_slowest, repeats, load_share, predicted_bytes, history_bytes, newton_iterations, factorizations, status, reason, tie: a knob that changes neither time nor error by more than 1 %, front: no run is as good in time and error and better in one, errors within 1 % being one, front_memory: nor in time, error and memory), error_model (model, space and time with constant, order, interval; source, residual), cost_model (base, constant, space and time with exponent and interval; residual), composition (seconds per run, per cell, per cell and level, per operation of a factorization, per operation and level), coupling (exponent, factor, space_share, cost_exponent), paths (exponent, modelled, measured), prices (what, n, steps, speed, range: its 95 % interval, error, bytes, words), extrapolation (what, step, rows, orders: last, interval), elements (the other elements: knob, their error_model, cost_model and composition, equal_error: error, the cheapest runs as_written and rival, speed, extrapolates; words), answer (target, n, steps, h, k, knob, error, cpu_seconds, bytes, optimum, extrapolates), confirmed (error, cpu_seconds, cpu_slowest, bytes, ratios). Exit code 2: no error can be measured, or none of the wanted size is in reach."
 )]
 pub(crate) struct TradeCommand {
     /// Name of a scene, or path of a TOML file
@@ -73,14 +74,15 @@ struct Found<'a> {
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        scene.with_linear_elements("sweep trade")?;
         scene.with_finite_kernels("sweep trade")?;
         let norm = target::norm(&self.norm)?;
         let target =
             self.target.as_deref().map(|text| target::Target::read(text, norm)).transpose()?;
         let plain = self.as_written(&scene, norm)?;
-        let plan = self.plan(&plain)?;
-        self.admit(&scene, [&plan.n, &plan.steps])?;
+        let mut plan = self.plan(&plain)?;
+        let own = self.cases(&scene, [&plan.n, &plan.steps])?;
+        admit_trade(&own, 0.0, &self.allowance.limit())?;
+        self.elements(&mut plan, &plain, &own)?;
         let mut bench = Bench::new(plain, norm, self.repeats)?;
         create_dir(&self.out)?;
         let mut table =
@@ -129,17 +131,45 @@ impl TradeCommand {
             return Ok((answer, None));
         }
         // The words stand on their own if the run is refused.
-        self.admit(&scenes.scene(&self.scene)?, [&[answer.choice.n], &[answer.choice.steps]])?;
+        let scene = match answer.knob {
+            Knob::Element(element) => scenes.scene(&self.scene)?.with_element(element)?,
+            _ => scenes.scene(&self.scene)?,
+        };
+        let own = self.cases(&scene, [&[answer.choice.n], &[answer.choice.steps]])?;
+        admit_trade(&own, 0.0, &self.allowance.limit())?;
         let real = Confirmed::run(&answer, bench, scenes, &self.scene)?;
         document.below_answer(real.words());
         Ok((answer, Some(real)))
     }
 
-    /// Refuses these meshes and numbers of steps if they do not fit into memory.
-    fn admit(&self, scene: &Scene, [n, steps]: [&[u32]; 2]) -> Result<(), CliError> {
+    fn cases(&self, scene: &Scene, [n, steps]: [&[u32]; 2]) -> Result<ScenePlan, CliError> {
         let overrides = Overrides { n: Some(n.to_vec()), steps: Some(steps.to_vec()) };
-        let plan = ScenePlan::new(subject(scene.clone(), &self.allowance.limit())?, &overrides);
-        Ok(admit_trade(&plan, &self.allowance.limit())?)
+        Ok(ScenePlan::new(subject(scene.clone(), &self.allowance.limit())?, &overrides))
+    }
+
+    /// Takes the other elements that the scene offers into the plan, with meshes of their own; one that does not fit into
+    /// memory beside the runs as written is left out, which is said.
+    fn elements(
+        &self,
+        plan: &mut TradeRuns,
+        plain: &Variant,
+        own: &ScenePlan,
+    ) -> Result<(), CliError> {
+        for knob in knobs(&plain.setup) {
+            let Knob::Element(element) = knob else { continue };
+            let n = element_meshes(&plain.setup.scene, &plan.n, element);
+            // Compared on the meshes of the runs as written, too.
+            let both = [&n[..], &plan.n[..]].concat();
+            let scene = plain.setup.scene.with_element(element)?;
+            let cases = self.cases(&scene, [&both, &plan.steps])?;
+            match admit_trade(&cases, held(own), &self.allowance.limit()) {
+                Ok(()) => plan.elements.push((knob, n)),
+                Err(refused) => {
+                    super::progress::note(&format!("{} left out: {refused}", knob.name()))
+                }
+            }
+        }
+        Ok(())
     }
 
     fn at(&self, scene: &Scene) -> PathBuf {
@@ -186,6 +216,7 @@ impl TradeCommand {
             n: listed(&self.n, &own[0]),
             steps: listed(&self.steps, &own[1]),
             budget: self.budget,
+            elements: Vec::new(),
         };
         scene.check_cases(&plan.n, &plan.steps)?;
         Ok(plan)

@@ -20,8 +20,13 @@ fn right(term: Term) -> &'static [Suspect] {
         Term::Load => &[Suspect::Loads, Suspect::Space],
         Term::Dirichlet => &[Suspect::Space],
         Term::Solver => &[Suspect::Solver],
-        // `sweep diagnose` refuses friction.
-        Term::Friction | Term::Abstract | Term::Measurement | Term::Record | Term::Judging => &[],
+        // `sweep diagnose` refuses friction and quadratic elements.
+        Term::Friction
+        | Term::Element
+        | Term::Abstract
+        | Term::Measurement
+        | Term::Record
+        | Term::Judging => &[],
     }
 }
 
@@ -40,7 +45,8 @@ pub fn diagnosed(reference: &Reference, defect: &Defect) -> Option<Diagnosed> {
     let spoilt = reference.trials.iter().zip(&reference.outcomes).find(|(trial, _)| {
         let exact =
             trial.scene.as_contact().is_some_and(|body| matches!(body.data, Data::Exact { .. }));
-        exact && trial.run(defect).verdicts.iter().any(|verdict| !verdict.as_expected())
+        let asked = exact && trial.scene.with_linear_elements("").is_ok();
+        asked && trial.run(defect).verdicts.iter().any(|verdict| !verdict.as_expected())
     });
     let (trial, _) = spoilt?;
     let (_, finding) = examine(&trial.scene, &|setup| defect.apply(setup), true);

@@ -89,7 +89,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 33] = [
+const ROWS: [Row; 35] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -118,6 +118,8 @@ const ROWS: [Row; 33] = [
     ("friction-front", FRONT_IN_SPACE, &[4, 8, 16], &[8]),
     ("friction-box", &[], &[2, 3, 4, 6], &[2]),
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
+    ("quadratic-elastic", &[], &[4, 8, 16], &[4]),
+    ("quadratic-compliance", &[], &[4, 8, 16], &[16]),
     ("left-rule", &[], &[2], &[32, 64, 128]),
     ("gregory-three", &[], &[2], &[16, 32, 64, 128]),
     ("gregory-four", &[], &[2], &[8, 16, 32, 64]),

@@ -36,7 +36,7 @@ pub(crate) fn add_stress<const D: usize>(
 }
 
 /// Strain points of a cell, at most.
-const MOST_STRAINS: usize = 3;
+const MOST_STRAINS: usize = 4;
 
 /// Adds a force of some size along a unit vector at a point of the trace.
 pub(super) fn add_force_along(

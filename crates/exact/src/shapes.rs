@@ -4,13 +4,18 @@ use super::constitutive::Tensor;
 use fem::space::Element;
 
 /// Nodes of a cell, at most.
-pub(super) const MOST_NODES: usize = 6;
+pub(super) const MOST_NODES: usize = 10;
 
-/// Corners of a triangle at whose common edges the midpoints lie, in the order of its nodes.
-const BETWEEN: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
+/// Corners between which the midpoints of a triangle lie, in the order of its nodes, and those that a tetrahedron has beside
+/// the ones of its first facet.
+const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 fn between(corners: usize) -> &'static [[usize; 2]] {
-    if corners == 2 { &BETWEEN[..1] } else { &BETWEEN }
+    match corners {
+        2 => &BETWEEN[..1],
+        3 => &BETWEEN[..3],
+        _ => &BETWEEN,
+    }
 }
 
 /// Shape functions at barycentric coordinates: at corners, then at midpoints.
@@ -46,11 +51,13 @@ pub(super) fn work<const D: usize>(
     match element {
         Element::P1 => (0..inward.len()).for_each(|a| visit(a, times(&stress[0], a))),
         Element::P2 => {
-            // Means of σ λ_b, from values at the points where λ_b is 2/3 and 1/6.
+            // Means of σ λ_b, from values at D + 1 points of one weight: λ_b is 1/(D + 2 + √(D + 2)) at all but its own,
+            // and 1/√(D + 2) more there. On triangles that is 1/6 and 2/3.
+            let own = ((D + 2) as f64).sqrt();
             let moment = |b: usize| -> Tensor<D> {
                 let of = |i: usize, j: usize| {
                     let all: f64 = stress.iter().map(|s| s[i][j]).sum();
-                    (all / 6.0 + stress[b][i][j] / 2.0) / 3.0
+                    (all / ((D + 2) as f64 + own) + stress[b][i][j] / own) / (D + 1) as f64
                 };
                 std::array::from_fn(|i| std::array::from_fn(|j| of(i, j)))
             };

@@ -7,7 +7,7 @@ use super::data::Data;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::sweep::Sweep;
-use super::validated::Scene;
+use super::validated::{Body, Scene};
 use super::written;
 use crate::ContactQuadrature;
 
@@ -34,30 +34,59 @@ pub(super) fn element(
         return Ok(Element::P1);
     };
     let element = reading.choice(KEY, word, &Element::ALL.map(|own| (own.name(), own)))?;
-    if element == Element::P1 {
-        return Ok(element);
+    match refusal(element, parts) {
+        Some([message, hint]) => Err(reading.error(KEY, message, hint)),
+        None => Ok(element),
     }
-    let refused = |message: &str, hint: &str| Err(reading.error(KEY, message, hint));
-    if parts.dimension != 2 {
-        return refused("P2 is an element on triangles", "take P1 for a body in space");
+}
+
+/// Why a scene with these parts cannot have an element, and the way out.
+fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
+    if element == Element::P1 {
+        return None;
     }
     if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
         let message = "interpolated = true takes the piecewise linear interpolant of u, which is no truth for P2";
-        return refused(message, "remove `interpolated`, or take P1");
+        return Some([message, "remove `interpolated`, or take P1"]);
     }
     if parts.contact.is_some_and(|contact| contact.quadrature != ContactQuadrature::Vertex) {
-        let message =
-            "P2 integrates the contact law by Simpson's rule: vertices and midpoints carry it";
-        return refused(message, "say quadrature = \"vertex\" in [contact], or take P1");
+        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
+        return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
+    }
+    let rubs = |contact: &Contact| contact.friction.is_some();
+    if parts.dimension == 3 && parts.contact.is_some_and(rubs) {
+        let message = "friction on facets in space is known for P1 alone";
+        return Some([message, "remove [contact.friction], or take P1"]);
     }
     if parts.sweep.is_some_and(|sweep| sweep.reference.is_some()) {
         let message = "a finer run is compared with P1 functions alone";
-        return refused(message, "give an exact solution, or take P1");
+        return Some([message, "give an exact solution, or take P1"]);
     }
-    Ok(element)
+    None
 }
 
 impl Scene {
+    /// The scene with another element.
+    ///
+    /// # Errors
+    /// At `discretization.element`, what a file that names it is refused for.
+    pub fn with_element(&self, element: Element) -> Result<Self, SceneError> {
+        let mut scene = self.clone();
+        if let Body::Contact(body) = &mut scene.body {
+            let parts = Parts {
+                dimension: self.dimension,
+                contact: body.contact.as_ref(),
+                data: &body.data,
+                sweep: self.sweep.as_ref(),
+            };
+            if let Some([message, hint]) = refusal(element, &parts) {
+                return Err(self.error(KEY, message, hint));
+            }
+            body.element = element;
+        }
+        Ok(scene)
+    }
+
     /// Refuses a scene with another element than P1 for a command that knows constant strains alone.
     ///
     /// # Errors
@@ -67,7 +96,7 @@ impl Scene {
             return Ok(());
         };
         let message = format!("`{command}` does not treat {} elements", body.element.name());
-        let hint = "list, check, explain, run, gate and solve do; for this command remove [discretization], which leaves P1";
+        let hint = "list, check, explain, run, gate, solve and trade do; for this command remove [discretization], which leaves P1";
         Err(self.error(KEY, message, hint))
     }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::super::{CliError, Scenes, megabytes};
-use studies::trade::{Answer, AnswerError, Answered, Bench, Variant};
+use studies::trade::{Answer, AnswerError, Answered, Bench, Knob, Variant};
 
 /// Runs of a confirmed answer for the clock.
 const CONFIRMING: u32 = 5;
@@ -52,7 +52,9 @@ impl Confirmed {
         let run = trial
             .outcome
             .map_err(|reason| CliError::other(format!("the answer does not run: {reason}")))?;
-        let bytes = peak_of_a_process(scenes, scene, found.choice);
+        // `sweep solve` runs scenes with the element that they name.
+        let as_named = !matches!(found.knob, Knob::Element(_));
+        let bytes = as_named.then(|| peak_of_a_process(scenes, scene, found.choice)).flatten();
         Ok(Self {
             error: run.error,
             cpu_seconds: run.seconds,
@@ -71,7 +73,7 @@ impl Confirmed {
         let memory = self
             .bytes
             .zip(self.ratios.bytes)
-            .map_or("memory unknown on this system".into(), |(bytes, ratio)| {
+            .map_or("memory not measured".into(), |(bytes, ratio)| {
                 format!("{} ({})", megabytes(bytes), off(ratio))
             });
         format!(

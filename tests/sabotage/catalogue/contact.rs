@@ -50,19 +50,20 @@ fn shift(mut setup: Setup, change: fn(f64) -> f64) -> Setup {
 }
 
 fn rule(mut setup: Setup, rule: BoundaryRule) -> Setup {
-    if let Some(boundary) = &mut setup.model.boundary {
+    let element = setup.body.element;
+    if let Some(boundary) = setup.model.boundary.as_mut().filter(|_| rule.serves(element)) {
         boundary.rule = rule;
     }
     setup
 }
 
 /// The march on a space of its own, with a model that may know it.
-fn rebuilt(
+pub(super) fn rebuilt(
     setup: &Setup,
     data: &MeshData,
     steps: u32,
     observe: &mut Observer<'_>,
-    change: fn(&mut Discretization, &mut SceneModel),
+    change: impl Fn(&mut Discretization, &mut SceneModel),
 ) -> Result<CaseInfo, CaseError> {
     let space = setup.space(data.space.mesh.n).expect("the same mesh");
     let mut space = Arc::into_inner(space).expect("nobody else has it");

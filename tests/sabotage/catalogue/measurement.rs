@@ -1,9 +1,10 @@
 //! Wrong measures of a right solution.
 
 use gronwall::contact::{LoadError, StepView};
+use gronwall::manufactured::Exact;
 use gronwall::norms::{AtPoints, Moments};
 use gronwall::setup::Setup;
-use gronwall::space::strain_of;
+use gronwall::space::{Element, strain_of};
 use std::sync::Arc;
 
 use gronwall::contact::{CaseError, CaseInfo, Observer};
@@ -42,10 +43,15 @@ fn filtered(mut setup: Setup, seen: fn(usize, usize) -> bool, timed: fn(usize) -
     setup
 }
 
+/// The exact solution, where strains are constant on cells and u is not.
+fn of_linear_elements<'a>(site: &Site<'a>) -> Option<&'a Exact> {
+    site.exact.filter(|_| !site.interpolated && site.space.element == Element::P1)
+}
+
 /// ε(u) at the centroids, where P1 elements superconverge.
 fn at_centroids(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
     let mut moments = (*site.sound.moments(t)?).clone();
-    if let Some(exact) = site.exact.filter(|_| !site.interpolated) {
+    if let Some(exact) = of_linear_elements(site) {
         let mesh = &site.space.mesh;
         let points: Vec<[f64; 3]> =
             (0..mesh.cell_count()).map(|c| mesh.point(mesh.cell(c), &[1.0 / 3.0; 3])).collect();
@@ -62,7 +68,7 @@ fn at_centroids(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
 /// ε of the nodal interpolant of u.
 fn of_interpolant(site: &Site<'_>, t: f64) -> Result<Moments, LoadError> {
     let mut moments = (*site.sound.moments(t)?).clone();
-    if let Some(exact) = site.exact.filter(|_| !site.interpolated) {
+    if let Some(exact) = of_linear_elements(site) {
         let (mesh, nodes) = (&site.space.mesh, &site.space.nodes);
         let points: Vec<[f64; 3]> =
             (0..mesh.vertices()).map(|v| mesh.point(&[v as u32], &[1.0])).collect();

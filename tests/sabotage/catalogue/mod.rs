@@ -6,6 +6,7 @@
 
 mod abstract_problem;
 mod contact;
+mod element;
 mod friction;
 mod judging;
 mod levels;
@@ -45,6 +46,7 @@ pub enum Term {
     Compliance,
     Gap,
     Friction,
+    Element,
     Load,
     Dirichlet,
     Solver,
@@ -66,6 +68,7 @@ impl Term {
             Self::Compliance => "compliance",
             Self::Gap => "gap",
             Self::Friction => "friction",
+            Self::Element => "element",
             Self::Load => "load",
             Self::Dirichlet => "Dirichlet",
             Self::Solver => "solver",
@@ -177,6 +180,7 @@ pub fn all() -> Vec<Defect> {
     list.extend(contact::defects());
     list.extend(friction::defects());
     list.extend(friction::others());
+    list.extend(element::defects());
     list.extend(load::defects());
     list.extend(solver::defects());
     list.extend(paths::defects());

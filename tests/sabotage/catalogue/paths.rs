@@ -15,6 +15,7 @@ use gronwall::mesh::Mesh;
 use gronwall::norms::Moments;
 use gronwall::scene::{self, Data};
 use gronwall::setup::{MeshData, Setup, TruthLoad, load_form, side_numbers};
+use gronwall::space::Element;
 use gronwall::space::quadrature::{TruthRules, edge, triangle_degree_4};
 use gronwall::vhi::Newton;
 
@@ -127,6 +128,9 @@ fn freed(
     let Data::Exact { form, interpolated: false, .. } = setup.body.data else {
         return data.march(setup, steps, &Newton::default(), observe);
     };
+    if setup.body.element != Element::P1 {
+        return data.march(setup, steps, &Newton::default(), observe);
+    }
     let (Some(exact), 2) = (&setup.exact, setup.scene.dimension) else {
         return data.march(setup, steps, &Newton::default(), observe);
     };

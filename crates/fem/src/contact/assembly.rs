@@ -30,8 +30,11 @@ pub(crate) fn strain_columns<const D: usize, const S: usize>(
     }
 }
 
-/// Unknowns of a cell, at most: those of a tetrahedron with 4 nodes, or of a triangle with 6.
-const MOST_UNKNOWNS: usize = 12;
+/// Unknowns of a cell, at most: those of a tetrahedron with 4 nodes.
+const MOST_LINEAR: usize = 12;
+
+/// The same of any element: those of a tetrahedron with 10 nodes.
+const MOST_UNKNOWNS: usize = 30;
 
 /// Room for the matrix of a cell.
 pub(crate) const ROOM: usize = MOST_UNKNOWNS * MOST_UNKNOWNS;
@@ -47,22 +50,22 @@ pub(crate) fn point_stiffness<'a, const D: usize, const S: usize>(
     let local = &mut room[..order * order];
     // The order of linear elements as a constant: loops are unrolled.
     if order == D * (D + 1) {
-        of_order::<D, S>(D * (D + 1), at.gradients, law, at.weight, local);
+        of_order::<D, S, MOST_LINEAR>(D * (D + 1), at.gradients, law, at.weight, local);
     } else {
-        of_order::<D, S>(order, at.gradients, law, at.weight, local);
+        of_order::<D, S, MOST_UNKNOWNS>(order, at.gradients, law, at.weight, local);
     }
     local
 }
 
 #[inline(always)]
-fn of_order<const D: usize, const S: usize>(
+fn of_order<const D: usize, const S: usize, const MOST: usize>(
     order: usize,
     gradients: &[f64],
     law: &[[f64; S]; S],
     weight: f64,
     local: &mut [f64],
 ) {
-    let mut columns = [[0.0; S]; MOST_UNKNOWNS];
+    let mut columns = [[0.0; S]; MOST];
     strain_columns::<D, S>(gradients, &mut columns[..order]);
     for j in 0..order {
         let mut stress = [0.0; S];

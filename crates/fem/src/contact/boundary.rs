@@ -38,7 +38,7 @@ fn normal_graph(
         .trace
         .points
         .iter()
-        .filter(|point| !point.clamped)
+        .filter(|point| point.carries())
         .map(|point| {
             let x = space.mesh.point(&[point.vertex], &[1.0]);
             if one_each {

@@ -5,7 +5,6 @@ use std::cell::Cell;
 
 use super::pieces::{EdgeShift, Pieces, Room, points};
 use super::{Boundary, BoundaryRule, Discretization, TracePoint};
-use crate::space::Element;
 use crate::space::quadrature::{Rule, edge, triangle_degree_4};
 
 /// The compliance term over the facets of Γ3.
@@ -58,7 +57,9 @@ impl<'a> FacetCompliance<'a> {
         let facets: Vec<Facet> = facets.collect();
         let rule = match boundary.rule {
             BoundaryRule::Vertex => return None,
-            _ if space.element != Element::P1 => panic!("rules on facets are those of linear u_ν"),
+            rule if !rule.serves(space.element) => {
+                panic!("rules on facets are those of linear u_ν")
+            }
             BoundaryRule::Gauss => {
                 let rule = facet_rule(space.mesh.dimension);
                 let at_points = |f: &dyn Fn([f64; 3]) -> f64| -> Vec<f64> {

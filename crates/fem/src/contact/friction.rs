@@ -132,7 +132,7 @@ pub(super) fn append_graphs<P: Projection>(
     if model.friction.is_none() {
         return;
     }
-    for point in space.trace.points.iter().filter(|point| !point.clamped) {
+    for point in space.trace.points.iter().filter(|point| point.carries()) {
         let own = point.tangential_unknowns(space);
         let stiffness = |at: &Tangential| elastic[space.pattern.diagonal(at.unknown as usize)];
         let stiffness = own.iter().map(stiffness).sum::<f64>() / own.len() as f64;
@@ -158,7 +158,7 @@ impl<P: Projection> ContactProblem<'_, P> {
     /// Friction as it is at time t: the laws of the last graphs, or what p is multiplied by in them.
     pub(super) fn set_friction(&mut self, t: f64) {
         let Some(friction) = &self.model.friction else { return };
-        let free = self.space.trace.points.iter().filter(|point| !point.clamped);
+        let free = self.space.trace.points.iter().filter(|point| point.carries());
         let factor = |point: &TracePoint| {
             (friction.factor)(self.space.mesh.point(&[point.vertex], &[1.0]), t)
         };
@@ -232,7 +232,7 @@ impl<P: Projection> ContactProblem<'_, P> {
 pub(super) fn show(space: &Discretization, pressures: &[f64], shown: &mut [f64]) {
     let m = space.mesh.dimension - 1;
     let points = space.trace.points.iter().zip(shown.chunks_exact_mut(m));
-    let free = points.filter(|(point, _)| !point.clamped);
+    let free = points.filter(|(point, _)| point.carries());
     for ((_, own), s) in free.rev().zip(pressures.rchunks_exact(m)) {
         own.copy_from_slice(s);
     }
@@ -256,7 +256,7 @@ pub(super) fn violation<P: Projection>(
 ) -> f64 {
     let Some(friction) = &model.friction else { return 0.0 };
     let points = space.trace.points.iter().zip(view.friction_stresses(space)).enumerate();
-    let distances = points.filter(|(_, (point, _))| !point.clamped).map(|(i, (point, s))| {
+    let distances = points.filter(|(_, (point, _))| point.carries()).map(|(i, (point, s))| {
         let x = space.mesh.point(&[point.vertex], &[1.0]);
         let pressure = model.boundary.as_ref().map_or(0.0, |boundary| {
             let normal = space.trace.normal(i, view.u);

@@ -80,7 +80,7 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
     let unbalanced = largest(&balance[..space.dofs()]);
     let mut worst = 0.0f64;
     if let Some(boundary) = &model.boundary {
-        for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| !p.clamped) {
+        for (i, point) in space.trace.points.iter().enumerate().filter(|(_, p)| p.carries()) {
             let x = space.mesh.point(&[point.vertex], &[1.0]);
             let stiffness = model.elasticity.eigenvalues(D).1;
             let (normal, lambda) = (space.trace.normal(i, view.u), view.multiplier[i]);

@@ -354,7 +354,7 @@ pub(super) fn split_pressures<P: Projection>(
     let Some(boundary) = &model.boundary else { return };
     let mut next = 0;
     for (i, point) in space.trace.points.iter().enumerate() {
-        if point.clamped {
+        if !point.carries() {
             continue;
         }
         let pressure = state.pressure[next];
@@ -375,4 +375,6 @@ pub(super) fn split_pressures<P: Projection>(
             multiplier[i] = pressure;
         }
     }
+    space.trace.extend(compliance);
+    space.trace.extend(multiplier);
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::friction::Friction;
+use crate::space::Element;
 use vhi::history::TimeRule;
 use vhi::law::{MemoryKernel, Potential, Projection, Scaled, TensorField};
 
@@ -33,6 +34,13 @@ pub enum BoundaryRule {
     /// The integral itself, as in (5.14): edges cut where u_ν - s crosses a kink of ∂j_ν (plane
     /// meshes); the constraint stays at the vertices.
     Exact,
+}
+
+impl BoundaryRule {
+    /// Whether it is known for an element: rules on facets are those of linear u_ν.
+    pub fn serves(self, element: Element) -> bool {
+        self == Self::Vertex || element == Element::P1
+    }
 }
 
 /// A function on Γ3.

@@ -205,7 +205,7 @@ pub(super) fn of_level<P: Projection>(
     view: &StepView<'_>,
 ) -> Paths {
     let mut paths = Paths::default();
-    for point in space.trace.points.iter().filter(|p| model.friction.is_some() && !p.clamped) {
+    for point in space.trace.points.iter().filter(|p| model.friction.is_some() && p.carries()) {
         // A vertex that sticks is held at 0 but for the rounding of a frame.
         let sticks = point.slip(view.u).iter().all(|u| u.abs() <= 4.0 * f64::EPSILON);
         paths.insert(if sticks { Path::Sticking } else { Path::Slipping });
@@ -214,7 +214,7 @@ pub(super) fn of_level<P: Projection>(
     let law = &boundary.potential;
     let d = space.mesh.dimension;
     for (point, pressure) in space.trace.points.iter().zip(view.multiplier) {
-        if point.clamped {
+        if !point.carries() {
             continue;
         }
         let x = space.mesh.point(&[point.vertex], &[1.0]);

@@ -85,7 +85,7 @@ impl Plan {
 
 /// Whether Γ3 has one graph an unknown, and a full matrix there is no dearer to factorize than the volume's.
 fn is_small(space: &Discretization) -> bool {
-    let free = space.trace.points.iter().filter(|point| !point.clamped).count();
+    let free = space.trace.points.iter().filter(|point| point.carries()).count();
     free == space.trace.unknowns().len()
         && (free as f64).powi(3) <= 3.0 * space.analysis.multiplications().max(1e5)
 }

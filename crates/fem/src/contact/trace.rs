@@ -30,6 +30,14 @@ pub struct TracePoint {
     pub(super) dimension: u8,
 }
 
+impl TracePoint {
+    /// Whether it carries the laws: it is free, and the rule has a weight there. Vertices of quadratic elements in space
+    /// have none, as the mean of their shape functions over a facet is zero.
+    pub fn carries(&self) -> bool {
+        !self.clamped && self.weight > 0.0
+    }
+}
+
 /// The normal trace on Γ3.
 #[derive(Debug, Clone, Default)]
 pub struct ContactTrace {
@@ -83,10 +91,10 @@ impl ContactTrace {
         (trace, frames)
     }
 
-    /// The unknowns that carry u_ν at the free points, in the order of the points, each once.
+    /// The unknowns that carry u_ν at the points with laws, in the order of the points, each once.
     pub(crate) fn unknowns(&self) -> Vec<u32> {
         let mut unknowns: Vec<u32> = Vec::new();
-        for point in self.points.iter().filter(|point| !point.clamped) {
+        for point in self.points.iter().filter(|point| point.carries()) {
             if !unknowns.contains(&point.unknown) {
                 unknowns.push(point.unknown);
             }
@@ -134,6 +142,31 @@ impl ContactTrace {
         let point = &self.points[i];
         let own = &u[self.dimension * point.node as usize..];
         point.normal[..self.dimension].iter().zip(own).map(|(n, u)| n * u).sum()
+    }
+
+    /// Gives a pressure to the free points that carry no law: on each facet that of the linear function through its
+    /// midpoints, and of several facets their mean.
+    pub(crate) fn extend(&self, pressure: &mut [f64]) {
+        let d = self.dimension;
+        if d == 2 || self.stride == d {
+            return;
+        }
+        let mut found: BTreeMap<u32, (f64, f64)> = BTreeMap::new();
+        for facet in self.facets.chunks_exact(self.stride) {
+            let (corners, middles) = facet.split_at(d);
+            let all: f64 = middles.iter().map(|&m| pressure[m as usize]).sum();
+            for (a, &corner) in corners.iter().enumerate() {
+                // Midpoints follow their edges (0, 1), (1, 2), (2, 0): that of the edge opposite to a is the next one.
+                let (sum, count) = found.entry(corner).or_default();
+                *sum += all - 2.0 * pressure[middles[(a + 1) % d] as usize];
+                *count += 1.0;
+            }
+        }
+        for (corner, (sum, count)) in found {
+            if !self.points[corner as usize].clamped {
+                pressure[corner as usize] = sum / count;
+            }
+        }
     }
 
     /// Adds the normal force `value` at point i to forces by nodes.

@@ -3,21 +3,24 @@
 
 use std::collections::HashMap;
 
-use super::quadrature::{Rule, edge, triangle_degree_2, triangle_degree_4};
+use super::quadrature::{
+    Rule, edge, tetrahedron_degree_2, tetrahedron_degree_5, triangle_degree_2, triangle_degree_4,
+};
 use crate::mesh::Mesh;
 
 /// Polynomials on simplices, continuous over the mesh.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Element {
     /// Linear: nodes at the vertices, one strain a cell.
     #[default]
     P1,
-    /// Quadratic: nodes at the vertices and at the midpoints of edges, linear strains. On triangles.
+    /// Quadratic: nodes at the vertices and at the midpoints of edges, linear strains.
     P2,
 }
 
-/// Corners of the edges of an edge and of a triangle, in the order of the nodes at their midpoints.
-const EDGES: [[usize; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
+/// Corners of the edges of an edge, of a triangle and of a tetrahedron, in the order of the nodes at their midpoints: those
+/// of a simplex are the first ones.
+const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// Nodes of cells and of boundary facets, as points of the mesh.
 pub(crate) struct Places {
@@ -61,7 +64,8 @@ impl Element {
                 let centre = vec![1.0 / (dimension + 1) as f64; dimension + 1];
                 Rule { points: vec![centre], weights: vec![1.0] }
             }
-            Self::P2 => triangle_degree_2(),
+            Self::P2 if dimension == 2 => triangle_degree_2(),
+            Self::P2 => tetrahedron_degree_2(),
         }
     }
 
@@ -95,17 +99,23 @@ impl Element {
     }
 
     /// Weights of the vertex rule on a facet with so many corners, over their sum. They are the means of the shape
-    /// functions: equal ones, or Simpson's on an edge.
+    /// functions: equal ones, or Simpson's on an edge; on a triangle those of quadratics are zero at the vertices, where
+    /// nothing carries a law.
     pub fn facet_weights(self, corners: usize) -> (Vec<f64>, f64) {
         match self {
             Self::P1 => (vec![1.0; corners], corners as f64),
-            Self::P2 => (vec![1.0, 1.0, 4.0], 6.0),
+            Self::P2 if corners == 2 => (vec![1.0, 1.0, 4.0], 6.0),
+            Self::P2 => (vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], 3.0),
         }
     }
 
     /// Means of products of two shape functions.
     fn mass(self, corners: usize) -> Vec<f64> {
-        let rule = if corners == 2 { edge(3) } else { triangle_degree_4() };
+        let rule = match corners {
+            2 => edge(3),
+            3 => triangle_degree_4(),
+            _ => tetrahedron_degree_5(),
+        };
         let count = self.nodes_on(corners);
         let mut mass = vec![0.0; count * count];
         for (b, weight) in rule.points.iter().zip(&rule.weights) {
@@ -132,7 +142,6 @@ impl Element {
         match self {
             Self::P1 => Places { cells: mesh.cells.clone(), facets: mesh.facets.clone() },
             Self::P2 => {
-                assert_eq!(mesh.dimension, 2, "quadratic elements are triangles");
                 let mut known = HashMap::new();
                 for c in 0..mesh.cell_count() {
                     let corners = mesh.cell(c).to_vec();
@@ -149,7 +158,7 @@ impl Element {
 }
 
 fn edges(corners: usize) -> &'static [[usize; 2]] {
-    &EDGES[..if corners == 2 { 1 } else { 3 }]
+    &EDGES[..corners * (corners - 1) / 2]
 }
 
 /// Appends the corners of a simplex and the midpoints of its edges.
@@ -213,13 +222,14 @@ impl MeanSquare {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Family, rectangle};
-    use crate::space::quadrature::triangle_degree_6;
+    use crate::mesh::{Family, cuboid, rectangle};
+    use crate::space::quadrature::{tetrahedron_degree_6, triangle_degree_6};
 
     #[test]
     fn means_are_those_of_a_rule_that_is_exact_for_them() {
         for element in Element::ALL {
-            for (corners, rule) in [(2, edge(5)), (3, triangle_degree_6())] {
+            let rules = [(2, edge(5)), (3, triangle_degree_6()), (4, tetrahedron_degree_6())];
+            for (corners, rule) in rules {
                 let count = element.nodes_on(corners);
                 let v: Vec<[f64; 2]> =
                     (0..count).map(|a| [(a as f64 + 0.3).sin(), (2.0 * a as f64).cos()]).collect();
@@ -235,8 +245,8 @@ mod tests {
                 }
                 let found = element.mean_square(corners).over(3.0, &v);
                 assert!((found - 3.0 * square).abs() < 1e-14, "{element:?} {corners}");
-                if corners == 2 {
-                    let (weights, sum) = element.facet_weights(2);
+                if corners < 4 {
+                    let (weights, sum) = element.facet_weights(corners);
                     let mut pairs = means.iter().zip(&weights);
                     assert!(pairs.all(|(mean, weight)| (mean - weight / sum).abs() < 1e-15));
                 }
@@ -279,5 +289,11 @@ mod tests {
         for own in places.facets.chunks_exact(3) {
             assert_eq!(mesh.point(&own[..2], &[0.5, 0.5]), mesh.point(&own[2..], &[1.0]));
         }
+        let mut mesh = cuboid([1.0; 3], 2, Family::Structured);
+        let (vertices, cells, facets) = (mesh.vertices(), mesh.cell_count(), mesh.facet_side.len());
+        let places = Element::P2.places(&mut mesh);
+        // Euler: V - E + F - C = 1 of a ball, F = 2 C + half of the facets.
+        assert_eq!(mesh.vertices() - vertices, vertices + cells + facets / 2 - 1);
+        assert_eq!((places.cells.len(), places.facets.len()), (10 * cells, 6 * facets));
     }
 }

@@ -7,7 +7,9 @@ mod triangle;
 
 use super::Element;
 
-pub use tetrahedron::{tetrahedron_degree_5, tetrahedron_degree_6, tetrahedron_product};
+pub use tetrahedron::{
+    tetrahedron_degree_2, tetrahedron_degree_5, tetrahedron_degree_6, tetrahedron_product,
+};
 pub use triangle::{
     triangle_degree_2, triangle_degree_4, triangle_degree_6, triangle_degree_8, triangle_product,
 };
@@ -50,13 +52,18 @@ impl TruthRules {
         Self { load, stress: error.clone(), error, side, traction }
     }
 
-    /// The rules for an element: for quadratic ones two degrees more in the cells, and as many points as keep what a kink
-    /// leaves out far below the smaller error.
+    /// The rules for an element: for quadratic ones two degrees more in the cells, in space on the sides as well, and as many
+    /// points as keep what a kink leaves out far below the smaller error.
     pub fn for_element(element: Element, dimension: usize) -> Self {
         let linear = Self::of(dimension);
         match element {
             Element::P1 => linear,
-            Element::P2 => linear.with_cells(triangle_degree_6(), triangle_product(5)),
+            Element::P2 if dimension == 2 => {
+                linear.with_cells(triangle_degree_6(), triangle_product(5))
+            }
+            Element::P2 => linear
+                .with_cells(tetrahedron_product(4), tetrahedron_product(5))
+                .with_sides(triangle_degree_8()),
         }
     }
 
@@ -65,12 +72,21 @@ impl TruthRules {
         let linear = Self::stronger(dimension);
         match element {
             Element::P1 => linear,
-            Element::P2 => linear.with_cells(triangle_degree_8(), triangle_product(7)),
+            Element::P2 if dimension == 2 => {
+                linear.with_cells(triangle_degree_8(), triangle_product(7))
+            }
+            Element::P2 => linear
+                .with_cells(tetrahedron_product(5), tetrahedron_product(6))
+                .with_sides(triangle_product(6)),
         }
     }
 
     fn with_cells(self, load: Rule, error: Rule) -> Self {
         Self { load, stress: error.clone(), error, ..self }
+    }
+
+    fn with_sides(self, side: Rule) -> Self {
+        Self { side: side.clone(), traction: side, ..self }
     }
 
     /// The next rule of each: what the usual one leaves out shows in the difference.
@@ -172,6 +188,7 @@ mod tests {
             (triangle_degree_6(), 6),
             (triangle_degree_8(), 8),
             (triangle_product(3), 4),
+            (tetrahedron_degree_2(), 2),
             (tetrahedron_degree_5(), 5),
             (tetrahedron_degree_6(), 6),
             (tetrahedron_product(4), 7),

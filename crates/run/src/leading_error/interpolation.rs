@@ -176,15 +176,22 @@ fn strain_of_interpolant<const D: usize>(
     std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (gradient[i][j] + gradient[j][i])))
 }
 
+/// Corners between which the midpoints of a tetrahedron lie, in their order; those of a triangle are the first three.
+const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
+
 /// The derivative of a function by barycentric coordinate `a`, the others being held. A quadratic one is
-/// Σ v_a b_a (2 b_a - 1) + 4 Σ v_ij b_i b_j, its midpoints in the order 01, 12, 20.
+/// Σ v_a b_a (2 b_a - 1) + 4 Σ v_ij b_i b_j.
 fn slope(element: Element, b: &[f64], a: usize, value: impl Fn(usize) -> f64) -> f64 {
     match element {
         Element::P1 => value(a),
         Element::P2 => {
-            let (next, before) = ((a + 1) % 3, (a + 2) % 3);
-            let of_edges = b[next] * value(3 + a) + b[before] * value(3 + before);
-            (4.0 * b[a] - 1.0) * value(a) + 4.0 * of_edges
+            let corners = b.len();
+            let edges = BETWEEN[..corners * (corners - 1) / 2].iter().enumerate();
+            let of_edge = |(e, [i, j]): (usize, &[usize; 2])| {
+                let other = if *i == a { Some(*j) } else { (*j == a).then_some(*i) };
+                other.map_or(0.0, |other| b[other] * value(corners + e))
+            };
+            (4.0 * b[a] - 1.0) * value(a) + 4.0 * edges.map(of_edge).sum::<f64>()
         }
     }
 }

@@ -96,7 +96,7 @@ impl FinalState {
     /// A vertex that sticks is held at u_τ = 0, to rounding of a frame.
     fn add_friction(&mut self, space: &Discretization, view: &StepView<'_>) {
         let points = space.trace.points.iter().zip(view.friction_stresses(space));
-        for (point, s) in points.filter(|(point, _)| !point.clamped) {
+        for (point, s) in points.filter(|(point, _)| point.carries()) {
             for (s, tangent) in s.iter().zip(point.tangents()) {
                 self.friction_force.iter_mut().zip(tangent).for_each(|(sum, along)| {
                     *sum += point.weight * s * along;
@@ -136,7 +136,7 @@ impl FinalState {
             };
             self.normal_displacement.push(row(normal));
             self.compliance_pressure.push(row(view.compliance[i]));
-            if let Some(boundary) = model.boundary.as_ref().filter(|_| !point.clamped) {
+            if let Some(boundary) = model.boundary.as_ref().filter(|_| point.carries()) {
                 let r = normal - (boundary.shift)(space.mesh.point(&[point.vertex], &[1.0]));
                 let mut jumps = boundary.potential.jumps().iter();
                 let at_jump = jumps.any(|jump| (r - jump).abs() <= AT_JUMP * jump.abs().max(1.0));

@@ -4,9 +4,10 @@ use serde::Serialize;
 
 use super::as_json;
 use super::document::megabytes;
+use super::rival::Known;
 use super::{
-    Answer, Bench, Candidates, Choices, Knob, MOST, NoAnswer, Optimum, Price, Study, TradeRuns,
-    cheapest, knobs, optimum,
+    Answer, Bench, Candidates, Knob, MOST, Models, NoAnswer, Optimum, Price, Study, TradeRuns,
+    Variant, knobs, optimum,
 };
 use judge::fit::FLOORS_ABOVE;
 use run::sweep::{MemoryLimit, TooLarge, admit_run, run_cost};
@@ -81,11 +82,7 @@ impl Answered {
         limit: &MemoryLimit,
     ) -> Result<Self, AnswerError> {
         let setup = &bench.plain.setup;
-        let without = |what: &'static str| {
-            move |reason: &String| AnswerError::NoModel { what, reason: reason.clone() }
-        };
-        let error = study.error.as_ref().map_err(without("errors"))?;
-        let cost = study.cost.as_ref().map_err(without("times"))?;
+        let plain = known(study, &study.models, Knob::AsWritten)?;
         let floor = study.plain().filter_map(|trial| Some(trial.done()?.floor)).fold(0.0, f64::max);
         if target <= FLOORS_ABOVE * floor {
             return Err(NoAnswer::BelowFloor { target, floor, times: FLOORS_ABOVE }.into());
@@ -95,48 +92,44 @@ impl Answered {
         // A run as fine as the reference has no error against it.
         let most = reference.map_or(MOST, |r| [r.n as u32 / 2, r.steps as u32 / 2]);
         let own = Candidates::new(setup, true)?;
-        let (h, k) = (|n: u32| own.h(n), |steps: u32| own.k(steps));
-        let (cells, steps) = (|n: u32| own.cells(n), |steps: u32| own.steps(steps));
-        let [Some(&n0), Some(&steps0)] = [plan.n.first(), plan.steps.first()] else {
+        if plan.n.is_empty() || plan.steps.is_empty() {
             return Err(AnswerError::NothingRun);
-        };
-        let choices =
-            Choices { least: [n0, steps0], most, h: &h, k: &k, cells: &cells, steps: &steps };
-        let sum = study.composition.as_ref();
-        let seconds = |h: f64, k: f64| {
-            sum.map_or_else(|| cost.seconds(h, k), |composition| composition.seconds(h, k))
-        };
-        let law = |h: f64, k: f64| error.error(h, k);
-        let mut choice = cheapest(&law, &seconds, target, &choices)?;
-        let (knob, factors) = best_knob(setup, study, choice);
-        let inner = target / factors[1].max(1.0);
-        if inner < target {
-            choice = cheapest(&law, &seconds, inner, &choices)?;
         }
-        choice.seconds *= factors[0];
-        choice.error *= factors[1];
+        let by = |known: &Known<'_>, target: f64| known.cheapest(&own, most, target);
+        let as_written = by(&plain, target).and_then(|mut choice| {
+            let (knob, factors) = best_knob(setup, study, choice);
+            let inner = target / factors[1].max(1.0);
+            if inner < target {
+                choice = by(&plain, inner)?;
+            }
+            choice.seconds *= factors[0];
+            choice.error *= factors[1];
+            Ok((&plain, knob, choice, inner))
+        });
+        let rivals = study.elements.iter().map(|own| known(study, &own.models, own.knob));
+        let rivals: Vec<Known<'_>> = rivals.filter_map(Result::ok).collect();
+        let others =
+            rivals.iter().filter_map(|own| Some((own, own.knob, by(own, target).ok()?, target)));
+        let all = as_written.iter().copied().chain(others);
+        let best = all.min_by(|a, b| a.2.seconds.total_cmp(&b.2.seconds));
+        let Some((known, knob, choice, inner)) = best else {
+            return Err(as_written.err().map_or(AnswerError::NothingRun, AnswerError::NoAnswer));
+        };
+        let variant = Variant::new(&setup.scene, knob)?.ok_or(AnswerError::NothingRun)?;
+        let setup = if variant.is_element() { &variant.setup } else { setup };
         // The mesh of an answer is made to predict its memory, and may be one that no machine holds.
         admit_run(setup, None, (choice.n, choice.steps), limit)
             .map_err(|source| AnswerError::Memory { n: choice.n, steps: choice.steps, source })?;
         let space = setup.space(choice.n)?;
         let bytes = run_cost(setup, &space, choice.steps).memory_bytes;
-        let beyond = |name: &str, value: u32, list: &[u32]| {
-            let most = list.iter().copied().max().filter(|&most| value > most)?;
-            Some(format!(
-                "{name} is {:.1} times the largest that was run",
-                f64::from(value) / f64::from(most)
-            ))
-        };
-        let parts = [beyond("n", choice.n, &plan.n), beyond("N", choice.steps, &plan.steps)];
-        let parts: Vec<String> = parts.into_iter().flatten().collect();
         Ok(Self {
             target,
             knob,
             bytes,
-            h: h(choice.n),
-            k: k(choice.steps),
-            optimum: optimum(error, cost, inner),
-            extrapolates: (!parts.is_empty()).then(|| parts.join(", ")),
+            h: own.h(choice.n),
+            k: own.k(choice.steps),
+            optimum: optimum(known.error, known.cost, inner),
+            extrapolates: known.beyond(&choice),
             choice,
         })
     }
@@ -167,6 +160,18 @@ impl Answered {
             megabytes(self.bytes),
         )
     }
+}
+
+/// The models of a knob, or which of them is missing.
+fn known<'a>(study: &Study, models: &'a Models, knob: Knob) -> Result<Known<'a>, AnswerError> {
+    Known::new(models, knob, &study.trials).ok_or_else(|| {
+        let missing = models.error.as_ref().err().map(|reason| ("errors", reason));
+        let missing = missing.or_else(|| Some(("times", models.cost.as_ref().err()?)));
+        missing.map_or(AnswerError::NothingRun, |(what, reason)| AnswerError::NoModel {
+            what,
+            reason: reason.clone(),
+        })
+    })
 }
 
 /// The knob that saves most time at next to no error, with its factors of time and error in the run nearest to the

@@ -1,7 +1,7 @@
 //! A trade in words and tables.
 
 use super::extrapolation::{Extrapolated, LastOrder};
-use super::{Answered, Price, Resource, Study, Term, Trial};
+use super::{Answer, Answered, Equal, Price, Resource, Rival, Study, Term, Trial};
 use judge::fit::Interval;
 use report::{Chapter, ReportError, Run, StudyDocument, Tone, digits};
 
@@ -39,6 +39,7 @@ impl Study {
                 })
                 .collect(),
         );
+        self.elements.iter().for_each(|rival| at_equal_error(&mut own, rival));
         self.extrapolated.iter().for_each(|found| extrapolated(&mut own, found));
         own.table(
             "Error, CPU seconds, spread of the repeats, the share of the loads, predicted memory; front: no run here is both faster and better, errors within 1 % being one; memory: none that takes less memory too; tie: the run as written within noise.",
@@ -59,7 +60,8 @@ impl Study {
     }
 
     fn models(&self, own: &mut StudyDocument) {
-        own.words(match &self.error {
+        let models = &self.models;
+        own.words(match &models.error {
             Ok(error) => format!(
                 "Error: {} and {} as {} ({}; off by {:.1} % at most).",
                 term("h", &error.space),
@@ -70,7 +72,7 @@ impl Study {
             ),
             Err(reason) => format!("Error: no model; the reason: {reason}."),
         });
-        own.words(match &self.cost {
+        own.words(match &models.cost {
             Ok(cost) => format!(
                 "Cost: t = {:.2e} s + {:.2e} s h^-a k^-b, a = {:.2} in {}, b = {:.2} in {} (off by {:.0} % at most).",
                 cost.base,
@@ -83,7 +85,7 @@ impl Study {
             ),
             Err(reason) => format!("Cost: no model; the reason: {reason}."),
         });
-        if let Some(sum) = &self.composition {
+        if let Some(sum) = &models.composition {
             let [constant, cell, level, factor, factors] = sum.parts;
             own.words(format!(
                 "For predictions {constant:.1e} s + {cell:.1e} s a cell + {level:.1e} s a cell and level + {factor:.1e} s an operation of a factorization + {factors:.1e} s one and level (cells h^-d, operations h^-3(d-1))."
@@ -152,6 +154,36 @@ fn trial(trial: &Trial) -> Vec<Run> {
         }
     }
     cells
+}
+
+/// Who wins, and the cheapest runs of both.
+fn at_equal_error(own: &mut StudyDocument, rival: &Rival) {
+    own.words(format!("{}.", rival.words));
+    let run = |answer: &Answer, beyond: bool| {
+        let sign = if beyond { "*" } else { "" };
+        format!("n = {}, N = {}, {:.2e} s{sign}", answer.n, answer.steps, answer.seconds)
+    };
+    let row = |at: &Equal| {
+        let [plain, other] = at.extrapolates;
+        let cells = [
+            format!("{:.2e}", at.error),
+            run(&at.as_written, plain),
+            run(&at.rival, other),
+            match at.speed >= 1.0 {
+                true => format!("{}, {:.1} times", rival.knob.name(), at.speed),
+                false => format!("as written, {:.1} times", 1.0 / at.speed),
+            },
+        ];
+        cells.map(Run::plain).into()
+    };
+    own.table(
+        format!(
+            "{} at equal error: the cheapest runs by the models of error and cost; * finer than what was run.",
+            rival.knob.name()
+        ),
+        &[">error", ">as written", &format!(">{}", rival.knob.name()), "faster"],
+        rival.equal_error.iter().map(row).collect(),
+    );
 }
 
 fn extrapolated(own: &mut StudyDocument, found: &Extrapolated) {

@@ -64,9 +64,9 @@ pub(crate) fn in_time(study: &Study) -> Option<Extrapolated> {
     Some(Extrapolated::new(what, "k", rows.collect()))
 }
 
-/// ‖ε(u_h(T))‖ by (4 Q_h - Q_2h)/3 with the most steps: the discrete solutions of nested meshes are nearly orthogonal,
-/// so that Q has order 2. The strain itself gains nothing: it is constant on cells. None where each mesh has a solution
-/// of its own.
+/// ‖ε(u_h(T))‖ by (4^p Q_h - Q_2h)/(4^p - 1) with the most steps: the discrete solutions of nested meshes are nearly
+/// orthogonal, so that Q has twice the degree p of the element as its order. The strain itself gains nothing: it is of
+/// lower degree on cells. None where each mesh has a solution of its own.
 pub(crate) fn in_space(bench: &Bench, study: &Study) -> Option<Extrapolated> {
     let setup = &bench.plain.setup;
     if matches!(setup.body.data, Data::Exact { interpolated: true, .. }) {
@@ -81,12 +81,14 @@ pub(crate) fn in_space(bench: &Bench, study: &Study) -> Option<Extrapolated> {
             Some((trial.n, strain_norm(space, u), exact))
         })
         .collect();
+    let gain = 4f64.powi(setup.body.element.degree() as i32);
     let row = |&(n, own, exact): &(u32, f64, f64)| {
         let coarse = values.iter().find(|(other, ..)| 2 * other == n);
-        let better = coarse.map(|(_, coarse, _)| ((4.0 * own - coarse) / 3.0 - exact).abs());
+        let better =
+            coarse.map(|(_, coarse, _)| ((gain * own - coarse) / (gain - 1.0) - exact).abs());
         (setup.body.domain.h(n), (own - exact).abs(), better)
     };
-    let what = format!("(4 Q_h - Q_2h)/3 of Q = |eps(u(T))|, N = {steps}");
+    let what = format!("({gain} Q_h - Q_2h)/{} of Q = |eps(u(T))|, N = {steps}", gain - 1.0);
     let rows: Vec<_> = values.iter().map(row).collect();
     (rows.len() > 1).then(|| Extrapolated::new(what, "h", rows))
 }

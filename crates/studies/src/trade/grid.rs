@@ -1,8 +1,14 @@
 //! Which meshes and numbers of steps a trade runs, where the command line names none: at least three of each, so that
 //! orders and exponents have something to rest on, and no more than the budget bears.
 
+use std::collections::HashMap;
+
 use super::Variant;
-use run::sweep::{CasePlan, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan};
+use fem::space::Element;
+use run::sweep::{
+    CasePlan, Cost, MemoryLimit, Overrides, PlanCost, Refused, ScenePlan, admit_plan,
+};
+use scene::Scene;
 use scene::setup::{SetupError, Subject, check_step_sizes};
 
 /// Levels of each direction that orders need.
@@ -53,16 +59,39 @@ pub fn own_grid(plain: &Variant, runs: u32, budget: f64) -> Result<[Vec<u32>; 2]
     Ok([ns, numbers])
 }
 
+/// Meshes on which `other` has about as many nodes as the element of `scene` on each of `n`: at least three, as in
+/// [`own_grid`], where the domain has them.
+pub fn element_meshes(scene: &Scene, n: &[u32], other: Element) -> Vec<u32> {
+    let own = scene.as_contact().map_or(1, |body| body.element.degree());
+    let nodes = |&n: &u32| (n * own as u32).div_ceil(other.degree() as u32).max(LEAST[0]);
+    let admitted = |n: u32| scene.check_cases(&[n], &[]).is_ok();
+    completed(n.iter().map(nodes).filter(|&n| admitted(n)).collect(), LEAST[0], &admitted)
+}
+
 /// Refuses a trade of the cases of `plan` that would take more memory than there may be: a bench holds the truth on every
-/// mesh, and the displacements of every run as written. A knob is predicted to take no more than the scene as written.
+/// mesh, and the displacements of every run as written, `beside` bytes in all for what is [`held`] of another element. A
+/// knob is predicted to take no more than the scene as written.
 ///
 /// # Errors
 /// [`Refused`].
-pub fn admit_trade(plan: &ScenePlan, limit: &MemoryLimit) -> Result<(), Refused> {
-    admit_plan(plan, 1, limit, |cases| {
-        let levels = |case: &CasePlan| f64::from(case.steps) + 1.0;
-        cases.iter().map(|(case, cost)| 8.0 * cost.dofs as f64 * levels(case)).sum()
-    })
+pub fn admit_trade(plan: &ScenePlan, beside: f64, limit: &MemoryLimit) -> Result<(), Refused> {
+    admit_plan(plan, 1, limit, |cases| beside + cases.iter().map(displacements).sum::<f64>())
+}
+
+/// Bytes of truth and displacements that a bench holds at the end of the cases of a plan.
+pub fn held(plan: &ScenePlan) -> f64 {
+    let Ok(PlanCost { cases, .. }) = plan.costs() else { return 0.0 };
+    let mut meshes: HashMap<Option<u32>, f64> = HashMap::new();
+    for (case, cost) in plan.cases.iter().zip(&cases) {
+        let kept = meshes.entry(case.n).or_default();
+        *kept = kept.max(cost.kept_bytes + cost.left_bytes);
+    }
+    meshes.values().sum::<f64>()
+        + plan.cases.iter().zip(&cases).map(|c| displacements(&c)).sum::<f64>()
+}
+
+fn displacements((case, cost): &(&CasePlan, &Cost)) -> f64 {
+    8.0 * cost.dofs as f64 * (f64::from(case.steps) + 1.0)
 }
 
 /// A list with at least three levels, rising.

@@ -12,6 +12,7 @@ use super::rounds::Rounds;
 use super::trial::{Outcome, Trial};
 use fem::contact::{CaseError, CaseInfo, Discretization, LoadError, strain_distance};
 use fem::norms::{ReferenceRun, Trajectory, step_errors, strain_error};
+use fem::space::Element;
 use run::sweep::{floor_in, run_cost};
 use scene::Norm;
 use scene::setup::{MeshData, Setup, SetupError, reference_run};
@@ -29,10 +30,10 @@ pub struct Bench {
     /// Runs for the clock.
     pub repeats: u32,
     reference: Option<Arc<ReferenceRun>>,
-    /// By n, the truth by the rules of the scene.
-    judges: HashMap<u32, MeshData>,
-    /// Displacements of the runs as written, by (n, N).
-    trajectories: HashMap<(u32, u32), Trajectory>,
+    /// By element and n, the truth by the rules of the scene with that element.
+    judges: HashMap<(Element, u32), MeshData>,
+    /// Displacements of the runs as written, and of those with another element alone, by element, n and N.
+    trajectories: HashMap<(Element, u32, u32), Trajectory>,
     /// Largest ‖ε(u)‖ of the truth that was met.
     pub size: f64,
 }
@@ -100,17 +101,27 @@ impl Bench {
     ) -> Trial {
         let on_mesh = |times| Ok((times, variant.on_mesh(n).map_err(|error| error.to_string())?));
         let outcome = times.and_then(on_mesh).and_then(|(times, data)| {
-            self.judge(n)?;
+            self.judge(variant, n)?;
             self.judged(variant, &data, (n, steps), &times)
         });
-        let dofs = self.judges.get(&n).map_or(0, |data| data.space.dofs());
-        self.row(variant.knob.name(), n, steps, dofs, outcome)
+        self.row_of(variant, n, steps, outcome)
     }
 
     /// A run with a knob turned, n cells per unit length and `steps` steps. What fails is a row without numbers.
     pub fn trial(&mut self, variant: &Variant, n: u32, steps: u32) -> Trial {
         let outcome = self.outcome(variant, n, steps);
-        let dofs = self.judges.get(&n).map_or(0, |data| data.space.dofs());
+        self.row_of(variant, n, steps, outcome)
+    }
+
+    fn row_of(
+        &self,
+        variant: &Variant,
+        n: u32,
+        steps: u32,
+        outcome: Result<Outcome, String>,
+    ) -> Trial {
+        let judge = self.judges.get(&(variant.element(), n));
+        let dofs = judge.map_or(0, |data| data.space.dofs());
         self.row(variant.knob.name(), n, steps, dofs, outcome)
     }
 
@@ -127,11 +138,13 @@ impl Bench {
         Trial { knob, n, steps, h, k, dofs, outcome, tie: false, front: false, front_memory: false }
     }
 
-    /// The truth on the mesh of n, by the rules of the scene.
-    fn judge(&mut self, n: u32) -> Result<(), String> {
-        if !self.judges.contains_key(&n) {
-            let data = MeshData::new(self.setup(), n, self.reference.clone());
-            self.judges.insert(n, data.map_err(|error| error.to_string())?);
+    /// The truth on the mesh of n, by the rules of the scene with the element of the variant.
+    fn judge(&mut self, variant: &Variant, n: u32) -> Result<(), String> {
+        let key = (variant.element(), n);
+        if !self.judges.contains_key(&key) {
+            let setup = if variant.is_element() { &variant.setup } else { self.setup() };
+            let data = MeshData::new(setup, n, self.reference.clone());
+            self.judges.insert(key, data.map_err(|error| error.to_string())?);
         }
         Ok(())
     }
@@ -148,7 +161,7 @@ impl Bench {
     }
 
     fn outcome(&mut self, variant: &Variant, n: u32, steps: u32) -> Result<Outcome, String> {
-        self.judge(n)?;
+        self.judge(variant, n)?;
         let mut times = Vec::new();
         let mut last = None;
         for _ in 0..self.repeats.max(1) {
@@ -172,8 +185,9 @@ impl Bench {
         let Timed { seconds, load_share } = *least.ok_or("no run")?;
         let (info, error) =
             self.error(variant, data, (n, steps)).map_err(|error| error.to_string())?;
-        let cost = run_cost(self.setup(), &data.space, steps);
-        // The prediction is that of the scene as written; the history is counted.
+        let setup = if variant.is_element() { &variant.setup } else { self.setup() };
+        let cost = run_cost(setup, &data.space, steps);
+        // The prediction is that of the scene with this element; the history is counted.
         let bytes = cost.memory_bytes + info.peak_history_bytes as f64 - cost.history_bytes;
         Ok(Outcome {
             error,
@@ -196,7 +210,8 @@ impl Bench {
         data: &MeshData,
         (n, steps): (u32, u32),
     ) -> Result<(CaseInfo, f64), CaseError> {
-        let judge = &self.judges[&n];
+        let element = variant.element();
+        let judge = &self.judges[&(element, n)];
         let still = vec![0.0; judge.space.nodes.len()];
         let (mut error, mut size) = (0f64, self.size);
         let mut trajectory = Trajectory::default();
@@ -216,8 +231,8 @@ impl Bench {
             trajectory.displacements.push(view.u.to_vec());
             Ok(())
         })?;
-        if variant.knob == Knob::AsWritten {
-            self.trajectories.insert((n, steps), trajectory);
+        if variant.knob == Knob::AsWritten || variant.is_element() {
+            self.trajectories.insert((element, n, steps), trajectory);
         }
         self.size = size;
         Ok((info, error))
@@ -227,9 +242,10 @@ impl Bench {
     /// the time of both. None where one of them has no row.
     pub(crate) fn extrapolated(&self, fine: &Trial, coarse: &Trial) -> Option<Trial> {
         let (cheap, dear) = (coarse.done()?, fine.done()?);
-        let [rough, exact] = [coarse, fine].map(|t| self.trajectories.get(&(t.n, t.steps)));
-        let (rough, exact) = (rough?, exact?);
-        let judge = self.judges.get(&fine.n)?;
+        let element = self.plain.element();
+        let at = |t: &Trial| self.trajectories.get(&(element, t.n, t.steps));
+        let (rough, exact) = (at(coarse)?, at(fine)?);
+        let judge = self.judges.get(&(element, fine.n))?;
         let levels = || -> Result<f64, LoadError> {
             let mut worst = 0f64;
             for (t, u) in rough.times.iter().zip(&rough.displacements) {
@@ -258,19 +274,25 @@ impl Bench {
 
     /// The last level of a run as written, and ‖ε(u(T))‖ of the truth.
     pub(super) fn last_level(&self, n: u32, steps: u32) -> Option<(&Discretization, &[f64], f64)> {
-        let judge = self.judges.get(&n)?;
-        let trajectory = self.trajectories.get(&(n, steps))?;
+        let element = self.plain.element();
+        let judge = self.judges.get(&(element, n))?;
+        let trajectory = self.trajectories.get(&(element, n, steps))?;
         let (t, u) = trajectory.times.last().zip(trajectory.displacements.last())?;
         let still = vec![0.0; judge.space.nodes.len()];
         let truth = judge.truth.moments(*t).ok()?;
         Some((&*judge.space, u, strain_error(&judge.space, &still, &truth)))
     }
 
-    /// max ‖ε(u_k - u_k')‖ of two runs as written on one mesh, at the times of the coarser one.
-    pub(crate) fn apart_in_time(&self, n: u32, coarse: u32, fine: u32) -> Option<f64> {
-        let (rough, exact) =
-            (self.trajectories.get(&(n, coarse))?, self.trajectories.get(&(n, fine))?);
-        let space = &self.judges.get(&n)?.space;
+    /// max ‖ε(u_k - u_k')‖ of two runs with an element on one mesh, at the times of the coarser one.
+    pub(crate) fn apart_in_time(
+        &self,
+        element: Element,
+        n: u32,
+        [coarse, fine]: [u32; 2],
+    ) -> Option<f64> {
+        let run = |steps: u32| self.trajectories.get(&(element, n, steps));
+        let (rough, exact) = (run(coarse)?, run(fine)?);
+        let space = &self.judges.get(&(element, n))?.space;
         let mut worst = 0f64;
         for (t, u) in rough.times.iter().zip(&rough.displacements) {
             worst = worst.max(strain_distance(space, u, exact.at(*t)?));

@@ -68,12 +68,14 @@ impl Study {
         if !extrapolated.is_empty() {
             chart.series.push(Series::new("Richardson in k", vec![Part::Points(extrapolated)]));
         }
-        let turned: Vec<Datum> = self
-            .trials
-            .iter()
-            .filter(|t| t.knob != name && t.knob != Knob::AsWritten.name())
-            .filter_map(place)
-            .collect();
+        let mut apart = vec![name, Knob::AsWritten.name()];
+        for element in self.elements.iter().map(|rival| rival.knob.name()) {
+            let data = self.trials.iter().filter(|t| t.knob == element).filter_map(place).collect();
+            chart.series.push(Series::new(element.clone(), vec![Part::Points(data)]));
+            apart.push(element);
+        }
+        let turned: Vec<Datum> =
+            self.trials.iter().filter(|t| !apart.contains(&t.knob)).filter_map(place).collect();
         if !turned.is_empty() {
             let hollow = Series::new("", vec![Part::Hollow(turned)]);
             chart.series.push(Series { grey: true, ..hollow });

@@ -1,13 +1,12 @@
 //! The trade of a scene: a grid of runs, each knob at three of them, and what the numbers say.
 
-use super::as_json::{self, or_reason};
+use super::as_json;
 use super::extrapolation::{Extrapolated, in_space, in_time};
 use super::measure::Bench;
 use super::optimum::{Coupling, along_path, coupling};
 use super::trial::{Table, TableError, mark_fronts};
 use super::turned::turn;
-use super::{Composition, CostModel, CostSample, ErrorModel, Knob, Price, Trial, Variant, knobs};
-use judge::fit::{Point, Sample};
+use super::{Candidates, Knob, Models, Price, Rival, Trial, Variant, knobs};
 use scene::setup::{SetupError, Subject, check_step_sizes};
 use scene::{Data, Norm};
 use serde::Serialize;
@@ -21,6 +20,8 @@ pub struct TradeRuns {
     pub steps: Vec<u32>,
     /// CPU seconds for the knobs.
     pub budget: f64,
+    /// The other elements, with the n of their own meshes.
+    pub elements: Vec<(Knob, Vec<u32>)>,
 }
 
 /// Why a trade has no result.
@@ -68,14 +69,9 @@ pub struct Study {
     pub size: f64,
     /// All rows in the order in which they were run.
     pub trials: Vec<Trial>,
-    /// The error of the scene as written, or why it was not fitted.
-    #[serde(rename = "error_model", serialize_with = "or_reason")]
-    pub error: Result<ErrorModel, String>,
-    /// The model of the cost, likewise.
-    #[serde(rename = "cost_model", serialize_with = "or_reason")]
-    pub cost: Result<CostModel, String>,
-    /// The cost as a sum of parts, for predictions.
-    pub composition: Option<Composition>,
+    /// What the runs as written say.
+    #[serde(flatten)]
+    pub models: Models,
     /// The path of optima.
     pub coupling: Option<Coupling>,
     /// The price list.
@@ -85,6 +81,8 @@ pub struct Study {
     /// What Richardson's extrapolation is worth, in time and in space.
     #[serde(rename = "extrapolation")]
     pub extrapolated: Vec<Extrapolated>,
+    /// The other elements, compared at equal error.
+    pub elements: Vec<Rival>,
 }
 
 impl Study {
@@ -130,8 +128,20 @@ impl Study {
         }
         let on_mesh = matches!(bench.plain.setup.body.data, Data::Exact { interpolated: true, .. });
         let mut variants = vec![plain];
-        for knob in knobs(&bench.plain.setup) {
+        let own = |knob: &Knob| match knob {
+            Knob::Element(_) => plan.elements.iter().any(|(rival, _)| rival == knob),
+            _ => true,
+        };
+        for knob in knobs(&bench.plain.setup).into_iter().filter(own) {
             variants.extend(Variant::new(&scene, knob)?);
+        }
+        for (knob, n) in &plan.elements {
+            let Some(variant) = variants.iter().find(|own| own.knob == *knob) else { continue };
+            for (n, steps) in
+                n.iter().flat_map(|n| plan.steps.iter().map(move |steps| (*n, *steps)))
+            {
+                keep(bench.trial(variant, n, steps), &mut trials)?;
+            }
         }
         // Two more: half the cells, half the steps.
         let runs = (variants.len() as u32 + 2) * (bench.repeats + 1);
@@ -145,21 +155,22 @@ impl Study {
         // By knob, as a list of prices is read.
         let rank = |price: &Price| prices_rank(&variants, price);
         prices.sort_by_key(rank);
-        let study = Self::of(bench, trials, prices, plan);
+        let study = Self::of(bench, &variants, trials, prices, plan)?;
         table.rewrite(&study.trials)?;
         Ok(study)
     }
 
-    fn of(bench: &Bench, mut trials: Vec<Trial>, prices: Vec<Price>, plan: &TradeRuns) -> Self {
+    fn of(
+        bench: &Bench,
+        variants: &[Variant],
+        mut trials: Vec<Trial>,
+        prices: Vec<Price>,
+        plan: &TradeRuns,
+    ) -> Result<Self, SetupError> {
         mark_fronts(&mut trials, &prices);
         let setup = &bench.plain.setup;
-        let on_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-        let (error, cost) = models(&trials, &differences(bench, plan), on_mesh);
-        let composition = cost.as_ref().ok().and_then(|_| {
-            let runs = cost_samples(&trials);
-            Composition::fit(&runs, setup.scene.dimension, setup.scene.time.horizon)
-        });
-        let both = error.as_ref().ok().zip(cost.as_ref().ok());
+        let models = Models::fit(bench, &bench.plain, &trials, [&plan.n, &plan.steps]);
+        let both = models.both();
         let coupling = both.and_then(|(error, cost)| coupling(error, cost));
         let best = coupling.map(|path| path.exponent);
         let exponents = [Some(0.5), Some(1.0), Some(2.0), best].into_iter().flatten();
@@ -177,18 +188,17 @@ impl Study {
             fingerprint: setup.scene.source.hash.clone(),
             norm: bench.norm,
             size: bench.size,
-            prices,
-            trials,
-            error,
-            cost,
-            composition,
             coupling,
             paths,
             extrapolated: Vec::new(),
+            elements: rivals(bench, variants, &models, &trials, plan)?,
+            prices,
+            trials,
+            models,
         };
         let found = [in_time(&study), in_space(bench, &study)];
         study.extrapolated = found.into_iter().flatten().collect();
-        study
+        Ok(study)
     }
 
     /// The rows of the scene as written.
@@ -225,45 +235,21 @@ fn places(trials: &[Trial], dimension: usize, runs: u32, budget: f64) -> Vec<[u3
     [Some(first), second, third].into_iter().flatten().map(|trial| [trial.n, trial.steps]).collect()
 }
 
-/// C k^q without space error on the finest mesh, from runs with k and k/r: ‖u_k - u_{k/r}‖ = C k^q (1 - r^-q). The
-/// factor is that of the order which the differences themselves show.
-fn differences(bench: &Bench, plan: &TradeRuns) -> Vec<Sample> {
-    let Some(&n) = plan.n.last() else { return Vec::new() };
-    let ratio = |pair: &[u32]| pair[1].is_multiple_of(pair[0]).then(|| pair[1] / pair[0]);
-    let Some(r) = plan.steps.windows(2).next().and_then(ratio) else { return Vec::new() };
-    let pairs = plan.steps.windows(2).take_while(|pair| ratio(pair) == Some(r));
-    let apart: Vec<Sample> = pairs
-        .filter_map(|pair| {
-            let error = bench.apart_in_time(n, pair[0], pair[1])?;
-            let step = bench.plain.setup.grid(pair[0]).largest_step();
-            (error > 0.0).then_some(Sample { step, error })
-        })
-        .collect();
-    let Some(order) = judge::fit::local_slopes(&apart).last().copied() else { return Vec::new() };
-    let missing = 1.0 - f64::from(r).powf(-order);
-    if !(order > 0.0 && missing > 0.0) {
-        return Vec::new();
-    }
-    apart.into_iter().map(|s| Sample { error: s.error / missing, ..s }).collect()
-}
-
-fn models(
+/// The other elements of the plan against the models of the scene as written.
+fn rivals(
+    bench: &Bench,
+    variants: &[Variant],
+    plain: &Models,
     trials: &[Trial],
-    differences: &[Sample],
-    on_mesh: bool,
-) -> (Result<ErrorModel, String>, Result<CostModel, String>) {
-    let runs = plain(trials).filter_map(|trial| Some((trial, trial.done()?)));
-    let points: Vec<Point> = runs
-        .clone()
-        .map(|(t, run)| Point { h: t.h, k: t.k, error: run.error, floor: run.floor })
-        .collect();
-    let error = ErrorModel::fit(&points, differences, on_mesh);
-    (error, CostModel::fit(&cost_samples(trials)).map_err(|error| error.to_string()))
-}
-
-fn cost_samples(trials: &[Trial]) -> Vec<CostSample> {
-    let sample = |t: &Trial| Some(CostSample { h: t.h, k: t.k, seconds: t.done()?.seconds });
-    plain(trials).filter_map(sample).collect()
+    plan: &TradeRuns,
+) -> Result<Vec<Rival>, SetupError> {
+    let candidates = Candidates::new(&bench.plain.setup, true)?;
+    let compared = plan.elements.iter().filter_map(|(knob, n)| {
+        let variant = variants.iter().find(|own| own.knob == *knob)?;
+        let models = Models::fit(bench, variant, trials, [n, &plan.steps]);
+        Some(Rival::new(&candidates, plain, *knob, models, trials))
+    });
+    Ok(compared.collect())
 }
 
 /// Half the cells and half the steps of a run, as far as the grid has them.

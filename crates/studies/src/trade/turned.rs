@@ -55,9 +55,18 @@ pub(super) fn turn(
                 ((*words).to_owned(), trials[at].clone())
             }
             Some(Beside::Knob(at)) => {
-                let row = bench.after_rounds(*case, times);
-                keep(row.clone(), trials)?;
-                (variants[*at].knob.name(), row)
+                let what = variants[*at].knob.name();
+                // Another element may have been run there on a mesh of its own.
+                if let Some((at, times)) =
+                    position_of(trials, &what, case.1, case.2).zip(times.as_ref().ok())
+                {
+                    timed_again(&mut trials[at], times);
+                    (what, trials[at].clone())
+                } else {
+                    let row = bench.after_rounds(*case, times);
+                    keep(row.clone(), trials)?;
+                    (what, row)
+                }
             }
         };
         let own = position(trials, n, steps).map(|at| &trials[at]);
@@ -69,8 +78,11 @@ pub(super) fn turn(
 
 /// The run as written at n and N.
 fn position(trials: &[Trial], n: u32, steps: u32) -> Option<usize> {
-    let name = Knob::AsWritten.name();
-    trials.iter().position(|t| t.knob == name && t.n == n && t.steps == steps)
+    position_of(trials, &Knob::AsWritten.name(), n, steps)
+}
+
+fn position_of(trials: &[Trial], knob: &str, n: u32, steps: u32) -> Option<usize> {
+    trials.iter().position(|t| t.knob == knob && t.n == n && t.steps == steps)
 }
 
 /// Takes the times of the rounds into those of a run: its least is the least of all.

@@ -9,6 +9,14 @@ enum SpatialOrbit {
     Twelve { weight: f64, a: f64, b: f64 },
 }
 
+/// Tetrahedron rule of 4 points, exact for degree 2: where quadratic elements have their strains, near the corners.
+///
+/// Source: P. C. Hammer, A. H. Stroud, Numerical integration over simplexes, Math. Tables Aids Comput. 10 (1956).
+pub fn tetrahedron_degree_2() -> Rule {
+    // 1 - 3a at its corner is 1/√5 more than a.
+    tetrahedron(&[SpatialOrbit::Four { weight: 0.25, a: 0.25 * (1.0 - 0.2f64.sqrt()) }])
+}
+
 /// Tetrahedron rule of 14 points, exact for degree 5: the rule of loads given or in strong form.
 ///
 /// Source: the rule of this symmetry with positive weights, N. J. Walkington, Quadrature on simplices of
