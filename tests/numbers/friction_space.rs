@@ -120,9 +120,9 @@ fn the_jacobian_has_the_slopes_of_vectors() {
         assert!(prescribed.iter().all(Option::is_none), "all slip");
         let mut without = slopes.clone();
         without[count..].fill(0.0);
+        level.take_pressures(&state.pressure);
         let [whole, part] = [slopes, without].map(|slopes| {
             let mut x = right.clone();
-            level.take_pressures(&state.pressure);
             level.linearize(&slopes, &prescribed).expect("a positive definite tangent");
             level.solve(&mut x, 1e-12).expect("a solve");
             let size = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();

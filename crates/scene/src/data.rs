@@ -8,7 +8,7 @@ use super::diagnostic::SceneError;
 use super::domain::{Domain, Side, place};
 use super::reading::{Reading, evenly};
 use super::time::Time;
-use super::written::{self, FrictionStress};
+use super::written;
 
 /// The space variables in order.
 pub(super) const AXES: [Variable; 3] = [Variable::X, Variable::Y, Variable::Z];
@@ -120,28 +120,7 @@ fn exact_solution(
     let multiplier = optional("exact.multiplier", &written.multiplier)?;
     let selection = optional("exact.selection", &written.selection)?;
     let friction = written.friction.as_ref();
-    let friction = friction
-        .map(|own| match (own, dimension) {
-            (FrictionStress::Along(formula), 2) => {
-                Ok(vec![reading.formula("exact.friction", formula, &scope)?])
-            }
-            (FrictionStress::Vector(formulas), 3) => {
-                reading.vector("exact.friction", formulas, 3, &scope)
-            }
-            (_, 2) => {
-                let hint = "in the plane it is one formula, along the tangent: friction = \"0.1\"";
-                Err(reading.error(
-                    "exact.friction",
-                    "a friction stress of several components",
-                    hint,
-                ))
-            }
-            _ => {
-                let hint = "in space it is a vector: friction = [\"0.1\", \"0\", \"0\"]";
-                Err(reading.error("exact.friction", "a friction stress of one component", hint))
-            }
-        })
-        .transpose()?;
+    let friction = friction.map(|own| own.nodes(reading, dimension, &scope)).transpose()?;
     let interpolated = written.interpolated;
     Ok(Data::Exact { u, multiplier, selection, friction, interpolated, form })
 }

@@ -20,6 +20,7 @@ mod domain;
 mod elastic;
 mod examples;
 mod friction;
+mod friction_stress;
 mod gap;
 mod heading;
 mod kernel;

@@ -8,6 +8,7 @@ use std::fmt;
 
 use serde::{Deserialize, Deserializer, de};
 
+use super::friction_stress::FrictionStress;
 use super::or_table::{OrTable, Plain};
 
 /// A formula as text; a bare TOML number is a formula too.
@@ -314,48 +315,6 @@ pub(crate) struct Exact {
     pub parameters: BTreeMap<String, Formula>,
     #[serde(default)]
     pub define: BTreeMap<String, Formula>,
-}
-
-/// `friction = "0.1"` in the plane, `friction = ["0.1", "0", "0.05"]` in space.
-#[derive(Debug, Clone)]
-pub enum FrictionStress {
-    /// Along the tangent.
-    Along(Formula),
-    /// By components.
-    Vector(Vec<Formula>),
-}
-
-impl<'de> Deserialize<'de> for FrictionStress {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(FrictionStressVisitor)
-    }
-}
-
-struct FrictionStressVisitor;
-
-impl<'de> de::Visitor<'de> for FrictionStressVisitor {
-    type Value = FrictionStress;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, or a list of them", Formula::IS)
-    }
-
-    fn visit_str<E>(self, text: &str) -> Result<FrictionStress, E> {
-        Ok(FrictionStress::Along(Formula(text.to_string())))
-    }
-
-    fn visit_f64<E>(self, value: f64) -> Result<FrictionStress, E> {
-        Ok(FrictionStress::Along(Formula(value.to_string())))
-    }
-
-    fn visit_i64<E>(self, value: i64) -> Result<FrictionStress, E> {
-        Ok(FrictionStress::Along(Formula(value.to_string())))
-    }
-
-    fn visit_seq<A: de::SeqAccess<'de>>(self, list: A) -> Result<FrictionStress, A::Error> {
-        let list = de::value::SeqAccessDeserializer::new(list);
-        Vec::deserialize(list).map(FrictionStress::Vector)
-    }
 }
 
 /// `[sweep]`

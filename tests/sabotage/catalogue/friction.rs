@@ -169,6 +169,12 @@ pub fn defects() -> Vec<Defect> {
                 })
             },
         ),
+    ]
+}
+
+/// Those of vectors, and of a bound that follows p.
+pub fn others() -> Vec<Defect> {
+    vec![
         Defect::of(Term::Friction, "in space friction pushes along with the slip", |setup| {
             in_space(setup, |setup| changed(setup, |own| Friction { graph: pushing(), ..own }))
         }),

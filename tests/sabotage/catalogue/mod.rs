@@ -179,6 +179,7 @@ pub fn all() -> Vec<Defect> {
     list.extend(material::defects());
     list.extend(contact::defects());
     list.extend(friction::defects());
+    list.extend(friction::others());
     list.extend(element::defects());
     list.extend(load::defects());
     list.extend(solver::defects());
