@@ -89,7 +89,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 33] = [
+const ROWS: [Row; 34] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -116,7 +116,7 @@ const ROWS: [Row; 33] = [
     ("pure-concave-gap", &[], &[8, 16, 32], &[4]),
     ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-front", FRONT_IN_SPACE, &[4, 8, 16], &[8]),
-    ("friction-box", &[], &[2, 3, 4, 6], &[2]),
+    ("friction-box-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
     ("left-rule", &[], &[2], &[32, 64, 128]),
     ("gregory-three", &[], &[2], &[16, 32, 64, 128]),
