@@ -114,6 +114,24 @@ fn six_defects_are_caught() {
     }
 }
 
+/// Vectors of friction that are wrong in space alone leave the order; a box in place of the ball leaves the KKT system too.
+#[test]
+fn wrong_vectors_of_friction_are_caught() {
+    let reference = Reference::new(suite::some(&["friction-box-time"]));
+    let sound = reference.line(&Defect::SOUND);
+    assert!(!sound.is_caught(), "{}", report(&sound));
+    for (name, gate) in [
+        ("in space friction pushes along with the slip", Gate::Orders),
+        ("in space half of Γ3 sticks", Gate::Orders),
+        ("a box of friction stresses in place of the ball", Gate::Kkt),
+        ("a box of friction stresses in place of the ball, KKT system not checked", Gate::Orders),
+    ] {
+        let line = reference.line(&defect(name));
+        println!("{}", report(&line));
+        assert!(line.by(gate), "{} by {}", report(&line), gate.name());
+    }
+}
+
 /// Wrong measures in the norms beside V_max: by their predictions where the error has a leading part, by the second integral
 /// all of them.
 #[test]

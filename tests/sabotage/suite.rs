@@ -116,7 +116,7 @@ const ROWS: [Row; 36] = [
     ("pure-concave-gap", &[], &[8, 16, 32], &[4]),
     ("friction-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-front", FRONT_IN_SPACE, &[4, 8, 16], &[8]),
-    ("friction-box", &[], &[2, 3, 4, 6], &[2]),
+    ("friction-box-time", &[], &[2], &[6, 12, 24, 48, 96]),
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
     ("quadratic-elastic", &[], &[4, 8, 16], &[4]),
     ("quadratic-compliance", &[], &[4, 8, 16], &[16]),
