@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::NoConstant;
 use super::cells::{Mandel, add_force, add_stiffness, inner, product, strains};
 use super::interpolation::InterpolationError;
-use super::law_slope::{Answer, answer, sliding_answer, turning};
+use super::law_slope::{Answer, answer, sliding_block};
 use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
 use super::sums::{Kernel, Numbers, Sums};
@@ -335,28 +335,13 @@ impl<const S: usize> InSpace<S> {
         let Some((friction, state)) = friction.zip(state.friction.as_ref()) else { return };
         let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
         let d = self.space.mesh.dimension;
-        for (point, own) in self.space.trace.points.iter().zip(state) {
-            if point.clamped {
-                continue;
-            }
-            let block = match sliding_answer(&friction.bound, own) {
-                Answer::Slope(slope) => {
-                    turning(own, slope).map(|row| row.map(|k| point.weight * k))
-                }
-                Answer::Held => [[HELD * stiffness, 0.0], [0.0, HELD * stiffness]],
-            };
-            let tangents = &own.tangents[..d - 1];
-            for i in 0..d {
-                for j in 0..=i {
-                    let first = d * point.node as usize;
-                    let Some(at) = self.space.pattern.position(first + i, first + j) else {
-                        continue;
-                    };
-                    for (p, row) in tangents.iter().zip(&block) {
-                        for (q, answer) in tangents.iter().zip(row) {
-                            values[at] += answer * p[i] * q[j];
-                        }
-                    }
+        let points = self.space.trace.points.iter().zip(state);
+        for (point, own) in points.filter(|(point, _)| !point.clamped) {
+            let block = sliding_block(&friction.bound, own, [point.weight, HELD * stiffness]);
+            let first = d * point.node as usize;
+            for (i, row) in block.iter().enumerate().take(d) {
+                for (j, answer) in row.iter().enumerate().take(i + 1) {
+                    self.space.pattern.add([first + i, first + j], *answer, values);
                 }
             }
         }

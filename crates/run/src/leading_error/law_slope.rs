@@ -38,7 +38,7 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
 }
 
 /// The answer of s ∈ S ∂|u_τ| along the slip where s, u_τ and S are given: a vertex sticks below the bound.
-pub(super) fn sliding_answer(bound: &FrictionBound, own: &Sliding) -> Answer {
+fn sliding_answer(bound: &FrictionBound, own: &Sliding) -> Answer {
     if own.size() < own.bound * (1.0 - ROUNDING) {
         return Answer::Held;
     }
@@ -55,9 +55,30 @@ pub(super) fn sliding_answer(bound: &FrictionBound, own: &Sliding) -> Answer {
     }
 }
 
+/// w ∂s/∂u_τ by components at a vertex with the weight w, which a stiffness holds where it sticks.
+pub(super) fn sliding_block(
+    bound: &FrictionBound,
+    own: &Sliding,
+    [weight, held]: [f64; 2],
+) -> [[f64; 3]; 3] {
+    let along = match sliding_answer(bound, own) {
+        Answer::Slope(slope) => turning(own, slope).map(|row| row.map(|k| weight * k)),
+        Answer::Held => [[held, 0.0], [0.0, held]],
+    };
+    let mut block = [[0.0; 3]; 3];
+    for (p, row) in own.tangents.iter().zip(&along) {
+        for (q, answer) in own.tangents.iter().zip(row) {
+            for (line, p) in block.iter_mut().zip(p) {
+                line.iter_mut().zip(q).for_each(|(sum, q)| *sum += answer * p * q);
+            }
+        }
+    }
+    block
+}
+
 /// ∂s/∂u_τ along the tangents where the vertex slips and S has this slope: the slope along the slip, S/|u_τ| across it. At
 /// the bound without a slip it is the former on all sides: across there is no derivative.
-pub(super) fn turning(own: &Sliding, slope: f64) -> [[f64; 2]; 2] {
+fn turning(own: &Sliding, slope: f64) -> [[f64; 2]; 2] {
     let (slip, [a, b]) = (own.slipped(), own.slip);
     if slip == 0.0 || b == 0.0 && own.tangents[1] == [0.0; 3] {
         return [[slope, 0.0], [0.0, slope]];
