@@ -32,7 +32,7 @@ pub struct StepView<'a> {
     pub compliance: &'a [f64],
     /// λ_n at the points of the trace (a pressure).
     pub multiplier: &'a [f64],
-    /// s_n = -σ_τ along [`TracePoint::tangents`] at the points of the trace, d - 1 numbers each; empty without friction.
+    /// s_n = -σ_τ along [`super::TracePoint::tangents`] at the points of the trace, d - 1 numbers each; empty without friction.
     ///
     /// [`TracePoint::tangent`]: super::TracePoint::tangent
     pub friction: &'a [f64],
