@@ -34,7 +34,7 @@ enum Steps {
 }
 
 /// The scenes whose prediction rests on a time grid, and why.
-const BOUND_TO_THEIR_STEPS: [(&str, Steps, &str); 19] = [
+const BOUND_TO_THEIR_STEPS: [(&str, Steps, &str); 22] = [
     ("abstract-contact", Steps::Own, "events at any time: k² in the mean over many doublings"),
     ("abstract-random", Steps::Own, "errors scatter like 1/√N: order 2 in the mean of many"),
     ("affine-random", Steps::Own, "errors scatter like 1/√N: order 2 in the mean of many"),
@@ -61,6 +61,9 @@ const BOUND_TO_THEIR_STEPS: [(&str, Steps, &str); 19] = [
     ("broken-kink", Steps::OwnGrid, "kink at T/3"),
     ("zone-appears-in-time", Steps::Own, "an event at any time: the error scatters between levels"),
     ("loads-apart", Steps::Own, "its reference run has a multiple of these steps"),
+    ("singular-start", Steps::OwnGrid, "the order is that of equal steps"),
+    ("singular-graded", Steps::OwnGrid, "asks for the exponent 1/(1 - a)"),
+    ("singular-contact", Steps::OwnGrid, "asks for the exponent 1/(1 - a) at least"),
     ("broken-zeta", Steps::OwnGrid, "kink of the rate of ζ at T/3"),
 ];
 

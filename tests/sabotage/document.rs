@@ -136,8 +136,8 @@ const HEAD: &str = "# Sabotage: which gate catches which defect
 
 For readers who ask what each check is worth. Written by `make sabotage`; `make ci` fails if a gate catches something else than this table says. A defect is a wrong
 component passed in at a seam of the library (model, scheme, truth, record, judge), by `tests/sabotage/catalogue`; the
-sound program has no switch for it, and passes every gate. Each runs on small grids of fourteen contact scenes and three
-abstract ones, chosen so that every term acts. *Unresolved* counts as caught where the sound
+sound program has no switch for it, and passes every gate. Each runs on small grids of the
+scenes in `tests/sabotage/suite.rs`, chosen so that every term acts. *Unresolved* counts as caught where the sound
 program passes, but not where the sound program is unresolved too.
 
 Two of the scenes are shipped ones with other numbers: where λ and μ_L are equal, *Lamé numbers exchanged* would pass (in the
