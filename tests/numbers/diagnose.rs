@@ -321,7 +321,9 @@ fn nothing_is_said(among: &dyn Fn(&str) -> bool, at_least: usize) {
     for name in registry.names() {
         let scene = shipped_scene(name);
         let exact = scene.as_contact().is_some_and(|b| matches!(b.data, Data::Exact { .. }));
-        let is_taken = scene.with_linear_elements("").is_ok() && scene.without_friction("").is_ok();
+        let is_taken = scene.with_linear_elements("").is_ok()
+            && scene.with_finite_kernels("").is_ok()
+            && scene.without_friction("").is_ok();
         if !exact || !scene.judge || !is_taken || !among(name) {
             continue;
         }

@@ -134,6 +134,7 @@ fn long_no_shipped_scene_violates_the_chain() {
             ) => refused.push(name.to_string()),
             Err(GronwallError::Setup(_))
                 if subject.scene().without_friction("").is_err()
+                    || subject.scene().with_finite_kernels("").is_err()
                     || subject.scene().with_linear_elements("").is_err() =>
             {
                 refused.push(name.to_string());

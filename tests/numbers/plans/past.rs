@@ -111,6 +111,7 @@ fn long_all_sums_over_the_past_have_the_same_solution() {
         "quadratic-compliance",
         "quadratic-friction",
         "quadratic-memory",
+        "singular-contact",
     ];
     assert_eq!(direct_alone, own);
     assert!(recursive >= 40 && interpolated > recursive, "{recursive} {interpolated}");
