@@ -231,3 +231,33 @@ pub fn facet_measure(mesh: &Mesh, f: usize) -> f64 {
     let cross = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
     0.5 * length(cross)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Discretization;
+    use super::*;
+    use crate::mesh::{Family, cuboid};
+
+    /// A pressure that is linear on Γ3 is known by its midpoints, on facets of any shape and where their sizes differ.
+    #[test]
+    fn vertices_are_shown_the_linear_pressure_of_the_midpoints() {
+        let family = Family::Perturbed { amplitude: 0.2, seed: 3, axes: [true, false, true] };
+        let mesh = cuboid([1.0, 0.5, 1.0], 4, family);
+        let sides = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
+        let space = Discretization::of(Element::P2, mesh, &sides[..1], &sides[1..]);
+        let space = space.expect("an analysis");
+        let at = |point: &TracePoint| {
+            let [x, _, z] = space.mesh.point(&[point.vertex], &[1.0]);
+            1.0 + 2.0 * x - 3.0 * z
+        };
+        let points = &space.trace.points;
+        let mut shown: Vec<f64> =
+            points.iter().map(|own| if own.carries() { at(own) } else { 0.0 }).collect();
+        assert!(shown.iter().filter(|own| **own == 0.0).count() >= 25, "no vertices");
+        space.trace.extend(&mut shown);
+        for (point, own) in points.iter().zip(shown) {
+            // Rounding of sums of three numbers below four, and of as many facets as meet at a vertex.
+            assert!((own - at(point)).abs() < 1e-13, "{own} {}", at(point));
+        }
+    }
+}
