@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::machine::Allowance;
 use super::{CliError, Scenes, study};
 use clap::Args;
+use scene::Extension;
 use scene::setup::Subject;
 use studies::theory::bound::BoundStudy;
 use studies::theory::bound::contact::study_runs;
@@ -39,8 +40,7 @@ const MESH: u32 = 16;
 impl BoundCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let subject = scenes.subject(&self.scene, &self.allowance.limit())?;
-        subject.scene().with_linear_elements("sweep bound")?;
-        subject.scene().with_finite_kernels("sweep bound")?;
+        subject.scene().without(&Extension::BUT_FRICTION, "sweep bound")?;
         let scene = subject.scene();
         let own = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
         let steps = self.steps.unwrap_or(own.unwrap_or(8) as u32);

@@ -8,8 +8,8 @@ use super::{CliError, print_json, print_text};
 pub(super) use advice::Wanted;
 use judge::fit::Interval;
 use report::digits;
-use scene::Norm;
 use scene::setup::Setup;
+use scene::{Extension, Norm};
 use studies::guarantee::{Guarantee, GuaranteeError, guarantee};
 use studies::trade::estimate::{
     Companions, Estimate, Part, QuantityEstimate, companions, norm_estimate, quantity,
@@ -22,8 +22,7 @@ pub(super) fn execute(
     wanted: Option<Wanted>,
     as_json: bool,
 ) -> Result<u8, CliError> {
-    setup.scene.with_linear_elements("sweep solve --estimate")?;
-    setup.scene.with_finite_kernels("sweep solve --estimate")?;
+    setup.scene.without(&Extension::BUT_FRICTION, "sweep solve --estimate")?;
     let found = companions(setup, n, steps)?;
     let estimates: Vec<(Norm, Estimate)> =
         found.norms.iter().map(|own| (own.norm, norm_estimate(setup, &found, own))).collect();

@@ -14,7 +14,7 @@ use answer::Confirmed;
 use report::StudyDocument;
 use run::sweep::{Overrides, ScenePlan};
 use scene::setup::Setup;
-use scene::{Norm, Scene};
+use scene::{Extension, Norm, Scene};
 use studies::trade::{
     Answered, Bench, Knob, Study, Table, TradeRuns, Trial, Variant, admit_trade, element_meshes,
     held, knobs, own_grid,
@@ -74,7 +74,7 @@ struct Found<'a> {
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        scene.with_finite_kernels("sweep trade")?;
+        scene.without(&[Extension::SingularKernel], "sweep trade")?;
         let norm = target::norm(&self.norm)?;
         let target =
             self.target.as_deref().map(|text| target::Target::read(text, norm)).transpose()?;
@@ -163,7 +163,7 @@ impl TradeCommand {
             let scene = plain.setup.scene.with_element(element)?;
             let cases = self.cases(&scene, [&both, &plan.steps])?;
             match admit_trade(&cases, held(own), &self.allowance.limit()) {
-                Ok(()) => plan.elements.push((knob, n)),
+                Ok(()) => plan.elements.push((element, n)),
                 Err(refused) => {
                     super::progress::note(&format!("{} left out: {refused}", knob.name()))
                 }

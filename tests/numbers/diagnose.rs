@@ -13,7 +13,7 @@ use gronwall::diagnose::{
 use gronwall::formula::{Point, Variable};
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{Isotropic, MemoryKernel, PiecewiseLinear, Potential, VonMises};
-use gronwall::scene::{Data, Registry, Scene, Source};
+use gronwall::scene::{Data, Extension, Registry, Scene, Source};
 use gronwall::setup::{MeshData, Scheme, Setup, TruthLoad, YieldFormula};
 use gronwall::verdict::Decision;
 use gronwall::vhi::Newton;
@@ -321,9 +321,7 @@ fn nothing_is_said(among: &dyn Fn(&str) -> bool, at_least: usize) {
     for name in registry.names() {
         let scene = shipped_scene(name);
         let exact = scene.as_contact().is_some_and(|b| matches!(b.data, Data::Exact { .. }));
-        let is_taken = scene.with_linear_elements("").is_ok()
-            && scene.with_finite_kernels("").is_ok()
-            && scene.without_friction("").is_ok();
+        let is_taken = scene.without(&Extension::ALL, "").is_ok();
         if !exact || !scene.judge || !is_taken || !among(name) {
             continue;
         }

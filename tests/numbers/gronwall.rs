@@ -22,7 +22,7 @@ use crate::shipped::{on_mesh, setup};
 use gronwall::contact::Model;
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{MemoryKernel, Projection, VonMises, YieldLimit};
-use gronwall::scene::{Hypothesis, Registry};
+use gronwall::scene::{Extension, Hypothesis, Registry};
 use gronwall::setup::{MeshData, Setup, Subject};
 use gronwall::theory::gronwall::{
     GronwallConstants, GronwallError, KernelNorms, TemporalRun, TemporalTruth, Violation, prepare,
@@ -133,9 +133,7 @@ fn long_no_shipped_scene_violates_the_chain() {
                 | GronwallError::NotLipschitz { .. },
             ) => refused.push(name.to_string()),
             Err(GronwallError::Setup(_))
-                if subject.scene().without_friction("").is_err()
-                    || subject.scene().with_finite_kernels("").is_err()
-                    || subject.scene().with_linear_elements("").is_err() =>
+                if subject.scene().without(&Extension::ALL, "").is_err() =>
             {
                 refused.push(name.to_string());
             }

@@ -4,16 +4,17 @@
 //! Mesh: n × n squares cut from lower left to upper right, with their vertices moved for the reproduction.
 //! Data: the scenes quadratic-…; the cuboid of quadratic-box.toml beside this file; a body that holds a quadratic displacement at all times.
 
-use std::sync::Arc;
-
-use crate::shipped::{edited, errors, fixture, on_mesh, run, setup, setup_of, text, v_max};
-use gronwall::contact::{ContactProblem, Discretization, LastSlot, StepView, march};
+use crate::shipped::{
+    Change, edited, errors, fixture, midpoints_between_corners, on_mesh, run, setup, setup_of,
+    text, v_max, v_max_on_changed, weigh_facets,
+};
+use gronwall::contact::{ContactProblem, LastSlot, StepView};
 use gronwall::linalg::signed_unit;
 use gronwall::norms::step_errors;
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::{Setup, TruthLoad};
+use gronwall::scene::{Extension, Scene, Source};
+use gronwall::setup::Setup;
 use gronwall::space::Element;
-use gronwall::vhi::{Newton, StepInequality};
+use gronwall::vhi::StepInequality;
 
 fn independent(name: &str) -> Setup {
     let path = format!("{}/tests/independent/quadratic-{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -140,27 +141,10 @@ fn the_tangent_at_quadrature_points_is_the_derivative() {
     assert!((off / size).sqrt() < 1e-7, "{:e}", (off / size).sqrt());
 }
 
-/// A change of the space on which a scene is solved.
-type Change = fn(&mut Discretization);
-
-/// V_max on n = 4, 8, 16 of a march on a changed space, measured on the sound one; none where a run fails.
+/// V_max on n = 4, 8, 16 of a march on a changed space; none where a run fails.
 fn driven(name: &str, change: Change) -> Option<[f64; 3]> {
     let setup = setup(name);
-    let of = |n: u32| {
-        let data = on_mesh(&setup, n);
-        let mut space =
-            Arc::into_inner(setup.space(n).expect("a mesh")).expect("nobody else has it");
-        change(&mut space);
-        let (mut load, mut worst) = (TruthLoad(&*data.truth), 0.0f64);
-        let mut see = |view: &StepView<'_>| {
-            let truth = data.truth.moments(view.t)?;
-            worst = worst.max(step_errors(&data.space, &setup.model, view, &truth).v);
-            Ok(())
-        };
-        let newton = Newton::default();
-        let done = march(&space, &setup.model, &setup.grid(16), &mut load, &newton, &mut see);
-        done.is_ok().then_some(worst)
-    };
+    let of = |n: u32| Some(v_max_on_changed(&setup, n, 16, change).ok()?.0);
     let [a, b, c] = [4, 8, 16].map(of);
     Some([a?, b?, c?])
 }
@@ -169,26 +153,14 @@ fn order([_, b, c]: [f64; 3]) -> f64 {
     (b / c).log2()
 }
 
-/// Weights of the vertex rule by the shares of a facet in its corners and its midpoint.
-fn weights(space: &mut Discretization, [corner, middle]: [f64; 2]) {
-    let trace = &mut space.trace;
-    trace.points.iter_mut().for_each(|point| point.weight = 0.0);
-    for f in 0..trace.measure.len() {
-        for (a, i) in trace.facet(f).to_vec().into_iter().enumerate() {
-            let share = if a < 2 { corner } else { middle };
-            trace.points[i as usize].weight += share * trace.measure[f];
-        }
-    }
-}
-
 #[test]
 fn nodes_weights_and_points_of_another_element_are_seen() {
     let sound = driven("quadratic-compliance", |_| {}).expect("a sound run");
     assert!((order(sound) - 2.0).abs() < 0.15, "{sound:?}");
     let wrong: [(&str, &str, Change); 5] = [
-        ("equal weights on edges", "quadratic-compliance", |s| weights(s, [1.0 / 3.0; 2])),
-        ("vertices alone carry the law", "quadratic-compliance", |s| weights(s, [0.5, 0.0])),
-        ("midpoints alone carry the law", "quadratic-compliance", |s| weights(s, [0.0, 1.0])),
+        ("equal weights on edges", "quadratic-compliance", |s| weigh_facets(s, [1.0 / 3.0; 2])),
+        ("vertices alone carry the law", "quadratic-compliance", |s| weigh_facets(s, [0.5, 0.0])),
+        ("midpoints alone carry the law", "quadratic-compliance", |s| weigh_facets(s, [0.0, 1.0])),
         ("one point a cell", "quadratic-elastic", |s| s.geometry.shares = vec![1.0, 0.0, 0.0]),
         ("weights of points", "quadratic-elastic", |s| s.geometry.shares = vec![0.5, 0.25, 0.25]),
     ];
@@ -226,45 +198,27 @@ fn quadratic_displacements_are_reproduced_in_space() {
 #[test]
 fn midpoints_of_facets_carry_the_law() {
     let setup = setup_of(in_space());
+    let space = setup.space(2).expect("a mesh");
+    for f in 0..space.trace.measure.len() {
+        for (a, &i) in space.trace.facet(f).iter().enumerate() {
+            let point = &space.trace.points[i as usize];
+            assert_eq!(point.carries(), a >= 3 && !point.clamped);
+        }
+    }
     let found = |change: Change| {
-        [2u32, 4].map(|n| {
-            let data = on_mesh(&setup, n);
-            let space = setup.space(n).expect("a mesh");
-            let vertices = setup.plain_space(n).expect("a mesh").mesh.vertices();
-            for point in &space.trace.points {
-                assert_eq!(point.carries(), point.vertex as usize >= vertices);
-            }
-            let mut space = Arc::into_inner(space).expect("nobody else has it");
-            change(&mut space);
-            let (mut load, mut worst) = (TruthLoad(&*data.truth), 0.0f64);
-            let mut see = |view: &StepView<'_>| {
-                let truth = data.truth.moments(view.t)?;
-                worst = worst.max(step_errors(&data.space, &setup.model, view, &truth).v);
-                Ok(())
-            };
-            let newton = Newton::default();
-            let done = march(&space, &setup.model, &setup.grid(1), &mut load, &newton, &mut see);
+        [2, 4].map(|n| {
+            let (error, info) = v_max_on_changed(&setup, n, 1, change).ok()?;
             // Rounding of forces, by some 1e3 of the condition.
-            done.is_ok_and(|info| info.kkt_residual < 1e-12).then_some(worst)
+            (info.kkt_residual < 1e-12).then_some(error)
         })
     };
     let order = |[coarse, fine]: [Option<f64>; 2]| Some((coarse? / fine?).log2());
     let sound = order(found(|_| {})).expect("a sound run");
     // From n = 2 to 4 it is 1.84 by what cubics leave.
     assert!((sound - 2.0).abs() < 0.25, "{sound}");
-    fn shares(space: &mut Discretization, [corner, middle]: [f64; 2]) {
-        let trace = &mut space.trace;
-        trace.points.iter_mut().for_each(|point| point.weight = 0.0);
-        for f in 0..trace.measure.len() {
-            for (a, i) in trace.facet(f).to_vec().into_iter().enumerate() {
-                let share = if a < 3 { corner } else { middle };
-                trace.points[i as usize].weight += share * trace.measure[f];
-            }
-        }
-    }
     let wrong: [(&str, Change); 3] = [
-        ("equal weights", |space| shares(space, [1.0 / 6.0; 2])),
-        ("vertices alone", |space| shares(space, [1.0 / 3.0, 0.0])),
+        ("equal weights", |space| weigh_facets(space, [1.0 / 6.0; 2])),
+        ("vertices alone", |space| weigh_facets(space, [1.0 / 3.0, 0.0])),
         ("weights of points", |space| space.geometry.shares = vec![0.4, 0.2, 0.2, 0.2]),
     ];
     for (name, change) in wrong {
@@ -282,13 +236,7 @@ fn midpoints_between_their_corners_have_order_one() {
         let data = on_mesh(&setup, n);
         let (space, mut worst) = (&data.space, 0.0f64);
         run(&setup, &setup.model, &data, 4, |view| {
-            let mut u = view.u.to_vec();
-            for nodes in space.nodes.cells.chunks_exact(6) {
-                for (middle, [a, b]) in [(3, [0, 1]), (4, [1, 2]), (5, [2, 0])] {
-                    let at = |a: usize| 2 * nodes[a] as usize;
-                    (0..2).for_each(|i| u[at(middle) + i] = 0.5 * (u[at(a) + i] + u[at(b) + i]));
-                }
-            }
+            let u = midpoints_between_corners(space, view.u);
             let truth = data.truth.moments(view.t).expect("a truth");
             let seen = StepView { u: &u, ..*view };
             worst = worst.max(step_errors(space, &setup.model, &seen, &truth).v);
@@ -315,6 +263,10 @@ fn what_has_no_quadratic_form_is_refused() {
     let interpolated = edited(&scene, "u = [", "interpolated = true\nu = [");
     assert!(refused(interpolated).contains("no truth for P2"));
     let setup = setup_of(scene);
-    let told = setup.scene.with_linear_elements("sweep audit").expect_err("a refusal").to_string();
+    let told = setup
+        .scene
+        .without(&[Extension::Element], "sweep audit")
+        .expect_err("a refusal")
+        .to_string();
     assert!(told.contains("`sweep audit` does not treat P2 elements"), "{told}");
 }

@@ -4,8 +4,9 @@
 #![allow(dead_code)]
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use gronwall::contact::{CaseError, CaseInfo, Model, StepView, march};
+use gronwall::contact::{CaseError, CaseInfo, Discretization, Model, StepView, march};
 use gronwall::law::Projection;
 use gronwall::norms::{StepErrors, step_errors};
 use gronwall::scene::{Body, Registry, Scene, Source};
@@ -116,4 +117,53 @@ pub fn fixture(name: &str) -> serde_json::Value {
 /// A number of a fixture; a missing one fails the test.
 pub fn number(value: &serde_json::Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or_else(|| panic!("the fixture has no number `{key}`: {value}"))
+}
+
+/// A change of the space on which a scene is solved.
+pub type Change = fn(&mut Discretization);
+
+/// Weights of the vertex rule of quadratic elements by the shares of a facet in its corners and its midpoints.
+pub fn weigh_facets(space: &mut Discretization, [corner, middle]: [f64; 2]) {
+    let (d, trace) = (space.mesh.dimension, &mut space.trace);
+    trace.points.iter_mut().for_each(|point| point.weight = 0.0);
+    for f in 0..trace.measure.len() {
+        for (a, i) in trace.facet(f).to_vec().into_iter().enumerate() {
+            let share = if a < d { corner } else { middle };
+            trace.points[i as usize].weight += share * trace.measure[f];
+        }
+    }
+}
+
+/// V_max of a march on a changed space, measured on the sound one.
+pub fn v_max_on_changed(
+    setup: &Setup,
+    n: u32,
+    steps: u32,
+    change: Change,
+) -> Result<(f64, CaseInfo), CaseError> {
+    let data = on_mesh(setup, n);
+    let space = setup.space(n).unwrap_or_else(|error| panic!("{error}"));
+    let mut space = Arc::into_inner(space).expect("nobody else has it");
+    change(&mut space);
+    let (mut load, mut worst) = (TruthLoad(&*data.truth), 0.0f64);
+    let mut see = |view: &StepView<'_>| {
+        let truth = data.truth.moments(view.t)?;
+        worst = worst.max(step_errors(&data.space, &setup.model, view, &truth).v);
+        Ok(())
+    };
+    let (grid, newton) = (setup.grid(steps), Newton::default());
+    let info = march(&space, &setup.model, &grid, &mut load, &newton, &mut see)?;
+    Ok((worst, info))
+}
+
+/// Displacements of quadratic triangles whose midpoints follow their corners: linear functions in place of quadratic ones.
+pub fn midpoints_between_corners(space: &Discretization, u: &[f64]) -> Vec<f64> {
+    let mut u = u.to_vec();
+    for nodes in space.nodes.cells.chunks_exact(6) {
+        for (middle, [a, b]) in [(3, [0, 1]), (4, [1, 2]), (5, [2, 0])] {
+            let at = |a: usize| 2 * nodes[a] as usize;
+            (0..2).for_each(|i| u[at(middle) + i] = 0.5 * (u[at(a) + i] + u[at(b) + i]));
+        }
+    }
+    u
 }

@@ -206,9 +206,10 @@ impl InterpolatedOnMesh {
             {
                 add_force_along(&self.space, i, side.normal, weight * pressure, force);
             }
-            for own in side.friction(t, self.space.mesh.dimension).iter().flatten().enumerate() {
-                let (i, weight) = (side.members[own.0], side.weights[own.0]);
-                for (tangent, s) in own.1.tangents.into_iter().zip(own.1.s) {
+            let sliding = side.friction(t, self.space.mesh.dimension).unwrap_or_default();
+            let members = side.members.iter().zip(&side.weights);
+            for ((&i, weight), own) in members.zip(sliding) {
+                for (tangent, s) in own.tangents.into_iter().zip(own.s) {
                     add_force_along(&self.space, i, tangent, weight * s, force);
                 }
             }

@@ -6,16 +6,12 @@ use fem::space::Element;
 /// Nodes of a cell, at most.
 pub(super) const MOST_NODES: usize = 10;
 
-/// Corners between which the midpoints of a triangle lie, in the order of its nodes, and those that a tetrahedron has beside
-/// the ones of its first facet.
+/// Corners between which the midpoints of a tetrahedron lie, in the order of its nodes; those of its first edge and facet
+/// come first.
 const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 fn between(corners: usize) -> &'static [[usize; 2]] {
-    match corners {
-        2 => &BETWEEN[..1],
-        3 => &BETWEEN[..3],
-        _ => &BETWEEN,
-    }
+    &BETWEEN[..corners * (corners - 1) / 2]
 }
 
 /// Shape functions at barycentric coordinates: at corners, then at midpoints.

@@ -19,7 +19,7 @@ pub(super) struct Parts<'a> {
     pub sweep: Option<&'a Sweep>,
 }
 
-const KEY: &str = "discretization.element";
+pub(super) const KEY: &str = "discretization.element";
 
 /// The element of a scene; P1 where it names none.
 ///
@@ -85,18 +85,5 @@ impl Scene {
             body.element = element;
         }
         Ok(scene)
-    }
-
-    /// Refuses a scene with another element than P1 for a command that knows constant strains alone.
-    ///
-    /// # Errors
-    /// At `discretization.element`.
-    pub fn with_linear_elements(&self, command: &str) -> Result<(), SceneError> {
-        let Some(body) = self.as_contact().filter(|body| body.element != Element::P1) else {
-            return Ok(());
-        };
-        let message = format!("`{command}` does not treat {} elements", body.element.name());
-        let hint = "list, check, explain, run, gate, solve and trade do; for this command remove [discretization], which leaves P1";
-        Err(self.error(KEY, message, hint))
     }
 }

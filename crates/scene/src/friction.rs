@@ -11,7 +11,6 @@ use super::gap::points;
 use super::law::Law;
 use super::reading::{Reading, evenly};
 use super::time::Time;
-use super::validated::Scene;
 use super::written::{self, Formula};
 
 /// Intervals of a side in the plane and in space, and of [0, T], at whose ends the bound is examined.
@@ -73,22 +72,6 @@ impl Friction {
     /// μ_f of a bound that follows the normal law, 0 for others.
     pub fn coefficient(&self) -> f64 {
         if let FrictionBound::Coulomb(coefficient) = self.bound { coefficient } else { 0.0 }
-    }
-}
-
-impl Scene {
-    /// Refuses a scene with friction for a command that leaves friction out of account.
-    ///
-    /// # Errors
-    /// At `contact.friction`.
-    pub fn without_friction(&self, command: &str) -> Result<(), SceneError> {
-        let contact = self.as_contact().and_then(|body| body.contact.as_ref());
-        if contact.is_none_or(|contact| contact.friction.is_none()) {
-            return Ok(());
-        }
-        let message = format!("`{command}` does not treat friction");
-        let hint = "run, gate, check, bound and solve do; for this command take a scene without [contact.friction]";
-        Err(self.error("contact.friction", message, hint))
     }
 }
 

@@ -3,7 +3,6 @@
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::time::{Time, TimeRule};
-use super::validated::{Body, Scene};
 
 /// The way out for a kernel that is infinite at lag zero, by the name of the key of its formula.
 pub(super) fn way_out(formula: &str) -> String {
@@ -32,6 +31,19 @@ pub(super) fn exponent(
     }
 }
 
+/// The distinct exponents p of some kernels t^{-p} b, and the factor T^{a-p} by which each is bounded by one with the largest,
+/// a, which comes last; so are their last weights k^{1-p}/((1-p)(2-p)). Plain kernels, p = 0, are none of them.
+pub(crate) fn in_the_largest(
+    exponents: impl Iterator<Item = f64>,
+    horizon: f64,
+) -> Vec<(f64, f64)> {
+    let mut powers: Vec<f64> = exponents.filter(|&power| power > 0.0).collect();
+    powers.sort_by(f64::total_cmp);
+    powers.dedup();
+    let most = powers.last().copied().unwrap_or(0.0);
+    powers.into_iter().map(|power| (power, horizon.powf(most - power))).collect()
+}
+
 /// Refuses rules that take the value of a kernel at s = t where that is infinite; `key` is that of the exponent.
 ///
 /// # Errors
@@ -48,30 +60,5 @@ pub(super) fn needs_product_integration(
             Err(reading.error(&key, message, hint))
         }
         _ => Ok(()),
-    }
-}
-
-impl Scene {
-    /// Refuses a scene with a kernel that is infinite at s = t for a command whose constants are values of kernels there.
-    ///
-    /// # Errors
-    /// At the key `singular`.
-    pub fn with_finite_kernels(&self, command: &str) -> Result<(), SceneError> {
-        let key = match &self.body {
-            Body::Contact(body) => {
-                let mut terms = body.material.memory.iter();
-                let key = || "material.memory.singular".to_string();
-                terms.any(|term| term.singular.is_some()).then(key)
-            }
-            Body::Abstract(problem) => {
-                let at = problem.kernels.iter().position(|kernel| kernel.power > 0.0);
-                at.map(|l| format!("history.kernels.{l}.singular"))
-            }
-        };
-        let Some(key) = key else { return Ok(()) };
-        let message = format!("`{command}` does not treat kernels that are infinite at s = t");
-        let hint =
-            "list, check, explain, run, gate and solve do; for this command remove `singular`";
-        Err(self.error(&key, message, hint))
     }
 }

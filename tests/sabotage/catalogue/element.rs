@@ -7,6 +7,7 @@ use gronwall::vhi::Newton;
 
 use super::contact::rebuilt;
 use super::{Defect, March, Term, marched};
+use crate::shipped::{Change, midpoints_between_corners, weigh_facets};
 
 /// Another march, where the element is quadratic.
 fn quadratic(setup: Setup, march: March) -> Setup {
@@ -17,23 +18,11 @@ macro_rules! on {
     ($name:literal, $change:expr) => {
         Defect::of(Term::Element, $name, |setup| {
             quadratic(setup, |setup, data, steps, observe| {
-                let change: fn(&mut Discretization) = $change;
+                let change: Change = $change;
                 rebuilt(setup, data, steps, observe, |space, _| change(space))
             })
         })
     };
-}
-
-/// Weights on Γ3 by the shares of an edge in its corners and its midpoint.
-fn weights(space: &mut Discretization, [corner, middle]: [f64; 2]) {
-    let trace = &mut space.trace;
-    trace.points.iter_mut().for_each(|point| point.weight = 0.0);
-    for f in 0..trace.measure.len() {
-        for (a, i) in trace.facet(f).to_vec().into_iter().enumerate() {
-            let share = if a < 2 { corner } else { middle };
-            trace.points[i as usize].weight += share * trace.measure[f];
-        }
-    }
 }
 
 /// Gradients are linear on a cell: those at points nearer to the centroid are nearer to their mean.
@@ -53,13 +42,7 @@ fn linear(setup: Setup) -> Setup {
     quadratic(setup, |setup, data, steps, observe| {
         let space = &data.space;
         data.march(setup, steps, &Newton::default(), &mut |view| {
-            let mut u = view.u.to_vec();
-            for nodes in space.nodes.cells.chunks_exact(6) {
-                for (middle, [a, b]) in [(3, [0, 1]), (4, [1, 2]), (5, [2, 0])] {
-                    let at = |a: usize| 2 * nodes[a] as usize;
-                    (0..2).for_each(|i| u[at(middle) + i] = 0.5 * (u[at(a) + i] + u[at(b) + i]));
-                }
-            }
+            let u = midpoints_between_corners(space, view.u);
             observe(&StepView { u: &u, ..*view })
         })
     })
@@ -67,11 +50,11 @@ fn linear(setup: Setup) -> Setup {
 
 pub fn defects() -> Vec<Defect> {
     vec![
-        on!("equal weights on the edges of Γ3 in place of Simpson's", |s| weights(
+        on!("equal weights on the edges of Γ3 in place of Simpson's", |s| weigh_facets(
             s,
             [1.0 / 3.0; 2]
         )),
-        on!("vertices of Γ3 alone carry the laws", |s| weights(s, [0.5, 0.0])),
+        on!("vertices of Γ3 alone carry the laws", |s| weigh_facets(s, [0.5, 0.0])),
         on!("quadratic elements with one strain point", |s| s.geometry.shares =
             vec![1.0, 0.0, 0.0]),
         on!("strain points of a triangle weighted 2, 1, 1", |s| s.geometry.shares =

@@ -33,8 +33,6 @@ pub struct StepView<'a> {
     /// λ_n at the points of the trace (a pressure).
     pub multiplier: &'a [f64],
     /// s_n = -σ_τ along [`super::TracePoint::tangents`] at the points of the trace, d - 1 numbers each; empty without friction.
-    ///
-    /// [`TracePoint::tangent`]: super::TracePoint::tangent
     pub friction: &'a [f64],
 }
 

@@ -35,7 +35,7 @@ use algebra::linalg::axpy;
 use fem::contact::{CaseError, CaseInfo, Discretization, Observer, StepView, strain_norm};
 use files::{remove_if_there, shortened};
 use scene::setup::{MeshData, SceneModel, Scheme, Setup};
-use scene::{Scene, SceneError};
+use scene::{Extension, Scene, SceneError};
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Convolution, Projection};
 
@@ -66,9 +66,7 @@ pub struct ExternalSolver {
 
 /// What a case gives to its solver says nothing of friction, and of vertices alone.
 pub fn takes(scene: &Scene) -> Result<(), SceneError> {
-    scene.without_friction("sweep verify")?;
-    scene.with_linear_elements("sweep verify")?;
-    scene.with_finite_kernels("sweep verify")
+    scene.without(&Extension::ALL, "sweep verify")
 }
 
 impl Scheme for ExternalSolver {

@@ -5,6 +5,7 @@
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 use super::SetupError;
+use crate::singular::in_the_largest;
 use crate::{AbstractScene, Law, Scene};
 use vhi::finite::{ComponentLaw, FiniteModel};
 use vhi::history::TimeRule;
@@ -168,23 +169,18 @@ fn kernel_norms(
     (all, now)
 }
 
-/// The largest power a, and the norms of all terms (t - s)^{-p} b that are infinite at s = t as terms (t - s)^{-a} b: for p < a
-/// the power is at most T^{a-p} times the other, and so is the weight k^{1-p}/((1-p)(2-p)).
+/// The largest power a, and the norms of all terms that are infinite at s = t as terms (t - s)^{-a} b.
 fn singular_norms(
     horizon: f64,
     model: &FiniteModel,
     to_dual: impl Fn(&DMatrix<f64>) -> DMatrix<f64>,
 ) -> (f64, f64, f64) {
     let all = model.kernels.iter().map(|term| term.kernel.power());
-    let mut powers: Vec<f64> = all.filter(|&power| power > 0.0).collect();
-    powers.sort_by(f64::total_cmp);
-    powers.dedup();
-    let most = powers.last().copied().unwrap_or(0.0);
-    powers.into_iter().fold((most, 0.0, 0.0), |(most, all, now), power| {
-        let scale = horizon.powf(most - power);
+    let sum = |(_, all, now): (f64, f64, f64), (power, scale): (f64, f64)| {
         let own = kernel_norms(horizon, model, power, &to_dual);
-        (most, all + scale * own.0, now + scale * own.1)
-    })
+        (power, all + scale * own.0, now + scale * own.1)
+    };
+    in_the_largest(all, horizon).into_iter().fold((0.0, 0.0, 0.0), sum)
 }
 
 /// Smallest and largest slope of each component law over the samples.

@@ -2,6 +2,7 @@
 
 use super::trace_family::{TraceFamily, tangential_trace_family, trace_family};
 use super::{Setup, SetupError, elasticity, memory_tensor};
+use crate::singular::in_the_largest;
 use crate::{Domain, Memory};
 use fem::contact::TraceMass;
 use formula::{Node, Point};
@@ -249,19 +250,14 @@ fn of_power(setup: &Setup, a: f64) -> Vec<(Node, TensorField)> {
     memory.filter_map(|own| Some((factor(own)?, memory_tensor(own)))).collect()
 }
 
-/// Terms of several powers are bounded in one: for p < a, t^{-p} ≤ T^{a-p} t^{-a}, and weights k^{1-p}/((1-p)(2-p)) likewise.
+/// The largest power a, and the norms of all terms that are infinite at t = 0 as terms t^{-a} C(t).
 fn singular_norms(setup: &Setup) -> (f64, MemoryNorms) {
-    let terms = setup.body.material.memory.iter();
-    let mut powers: Vec<f64> = terms.filter_map(|own| own.singular).map(|own| own.power).collect();
-    powers.sort_by(f64::total_cmp);
-    powers.dedup();
-    let Some(&most) = powers.last() else { return (0.0, MemoryNorms::default()) };
-    let mut sum = MemoryNorms::default();
-    for power in powers {
-        let (scale, own) = (
-            setup.scene.time.horizon.powf(most - power),
-            memory_norms(setup, &of_power(setup, power)),
-        );
+    let terms = setup.body.material.memory.iter().filter_map(|own| own.singular);
+    let powers = in_the_largest(terms.map(|own| own.power), setup.scene.time.horizon);
+    let (mut most, mut sum) = (0.0, MemoryNorms::default());
+    for (power, scale) in powers {
+        let own = memory_norms(setup, &of_power(setup, power));
+        most = power;
         sum.operator += scale * own.operator;
         sum.entries += scale * own.entries;
         sum.at_zero += scale * own.at_zero;

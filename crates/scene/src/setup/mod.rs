@@ -147,7 +147,7 @@ impl Setup {
     ///
     /// # Errors
     /// [`SetupError::Mesh`].
-    pub fn plain_space(&self, n: u32) -> Result<Discretization, SetupError> {
+    pub(crate) fn plain_space(&self, n: u32) -> Result<Discretization, SetupError> {
         self.space_of(Element::P1, n)
     }
 

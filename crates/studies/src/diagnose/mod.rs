@@ -27,7 +27,7 @@ use run::sweep::{
     CasePlan, Cost, MemoryLimit, Overrides, Refused, ScenePlan, admit_plan, foresee, judge_scene,
 };
 use scene::setup::{SetupError, Subject};
-use scene::{Body, Data, Direction, Scene};
+use scene::{Body, Data, Direction, Extension, Scene};
 
 /// What a diagnosis found.
 #[derive(Debug, Clone)]
@@ -54,9 +54,7 @@ pub fn diagnose(
     prepare: &Prepare<'_>,
     always: bool,
 ) -> Result<Diagnosis, SetupError> {
-    scene.without_friction("sweep diagnose")?;
-    scene.with_linear_elements("sweep diagnose")?;
-    scene.with_finite_kernels("sweep diagnose")?;
+    scene.without(&Extension::ALL, "sweep diagnose")?;
     has_exact_solution(scene)?;
     let outcome::Cases { plan, records, .. } = outcome::run_cases(scene, prepare)?;
     let foreseen = foresee(&plan.subject, &records);

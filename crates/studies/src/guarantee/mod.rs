@@ -35,6 +35,7 @@ use algebra::tensor::contract;
 use exact::{Status, check};
 use fem::contact::{CaseError, Discretization, StepView};
 use fem::space::StrainPoint;
+use scene::Extension;
 use scene::setup::{MeshData, SceneModel, Setup, SetupError, side_numbers, sides};
 use vhi::Newton;
 use vhi::history::TimeGrid;
@@ -161,8 +162,8 @@ pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
 
 /// The hypotheses of the theorem that a scene can fail before it is solved.
 fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
-    setup.scene.with_linear_elements("the guaranteed bound").map_err(SetupError::from)?;
-    setup.scene.with_finite_kernels("the guaranteed bound").map_err(SetupError::from)?;
+    let scene = &setup.scene;
+    scene.without(&Extension::BUT_FRICTION, "the guaranteed bound").map_err(SetupError::from)?;
     let refuse = |reason: &str| Err(GuaranteeError::refused(reason));
     let model = &setup.model;
     if setup.scene.dimension != 2 {

@@ -147,7 +147,7 @@ fn verdict(name: &str, levels: &[Equal], unsure: f64) -> String {
         match winner(&first) {
             Some(true) => format!("{name} wins at {errors} ({} times faster)", times(false)),
             Some(false) => format!("as written wins at {errors} ({} times faster)", times(true)),
-            None => format!("neither at {errors}"),
+            None => format!("no difference at {errors}"),
         }
     });
     let ranges: Vec<String> = ranges.collect();
@@ -174,10 +174,10 @@ mod tests {
         let levels = [level(0.1, 0.5), level(0.05, 1.02), level(0.02, 3.0), level(0.01, 8.0)];
         assert_eq!(
             verdict("element P2", &levels, 0.1),
-            "at equal error as written wins at 1.0e-1 (2.0 times faster); neither at 5.0e-2; element P2 wins at 2.0e-2 to 1.0e-2 (3.0 to 8.0 times faster)"
+            "at equal error as written wins at 1.0e-1 (2.0 times faster); no difference at 5.0e-2; element P2 wins at 2.0e-2 to 1.0e-2 (3.0 to 8.0 times faster)"
         );
         // What the models miss decides nothing.
-        assert!(verdict("element P2", &levels[..1], 0.7).ends_with("neither at 1.0e-1"));
+        assert!(verdict("element P2", &levels[..1], 0.7).ends_with("no difference at 1.0e-1"));
         assert!(verdict("element P2", &[], 0.1).contains("no error is in reach"));
     }
 }

@@ -7,6 +7,7 @@ use super::optimum::{Coupling, along_path, coupling};
 use super::trial::{Table, TableError, mark_fronts};
 use super::turned::turn;
 use super::{Candidates, Knob, Models, Price, Rival, Trial, Variant, knobs};
+use fem::space::Element;
 use scene::setup::{SetupError, Subject, check_step_sizes};
 use scene::{Data, Norm};
 use serde::Serialize;
@@ -21,7 +22,31 @@ pub struct TradeRuns {
     /// CPU seconds for the knobs.
     pub budget: f64,
     /// The other elements, with the n of their own meshes.
-    pub elements: Vec<(Knob, Vec<u32>)>,
+    pub elements: Vec<(Element, Vec<u32>)>,
+}
+
+impl TradeRuns {
+    /// The scene as written, and with each knob turned that is offered; of the other elements those of the plan.
+    fn variants(&self, plain: Variant) -> Result<Vec<Variant>, SetupError> {
+        let scene = plain.setup.scene.clone();
+        let planned = |element| self.elements.iter().any(|(own, _)| *own == element);
+        let taken = |knob: &Knob| !matches!(knob, Knob::Element(own) if !planned(*own));
+        let turned = knobs(&plain.setup).into_iter().filter(taken);
+        let turned =
+            turned.map(|knob| Variant::new(&scene, knob)).collect::<Result<Vec<_>, _>>()?;
+        Ok(std::iter::once(plain).chain(turned.into_iter().flatten()).collect())
+    }
+
+    /// The variants with another element, and the n of their own meshes.
+    fn rivals<'a>(
+        &'a self,
+        variants: &'a [Variant],
+    ) -> impl Iterator<Item = (&'a Variant, &'a [u32])> {
+        self.elements.iter().filter_map(|(element, n)| {
+            let of = |own: &&Variant| own.knob == Knob::Element(*element);
+            Some((variants.iter().find(of)?, &n[..]))
+        })
+    }
 }
 
 /// Why a trade has no result.
@@ -127,20 +152,12 @@ impl Study {
             return Err(TradeError::AllFailed { first: first.unwrap_or_default() });
         }
         let on_mesh = matches!(bench.plain.setup.body.data, Data::Exact { interpolated: true, .. });
-        let mut variants = vec![plain];
-        let own = |knob: &Knob| match knob {
-            Knob::Element(_) => plan.elements.iter().any(|(rival, _)| rival == knob),
-            _ => true,
-        };
-        for knob in knobs(&bench.plain.setup).into_iter().filter(own) {
-            variants.extend(Variant::new(&scene, knob)?);
-        }
-        for (knob, n) in &plan.elements {
-            let Some(variant) = variants.iter().find(|own| own.knob == *knob) else { continue };
-            for (n, steps) in
-                n.iter().flat_map(|n| plan.steps.iter().map(move |steps| (*n, *steps)))
-            {
-                keep(bench.trial(variant, n, steps), &mut trials)?;
+        let variants = plan.variants(plain)?;
+        for (variant, n) in plan.rivals(&variants) {
+            for &n in n {
+                for &steps in &plan.steps {
+                    keep(bench.trial(variant, n, steps), &mut trials)?;
+                }
             }
         }
         // Two more: half the cells, half the steps.
@@ -244,12 +261,11 @@ fn rivals(
     plan: &TradeRuns,
 ) -> Result<Vec<Rival>, SetupError> {
     let candidates = Candidates::new(&bench.plain.setup, true)?;
-    let compared = plan.elements.iter().filter_map(|(knob, n)| {
-        let variant = variants.iter().find(|own| own.knob == *knob)?;
+    let compared = |(variant, n): (&Variant, &[u32])| {
         let models = Models::fit(bench, variant, trials, [n, &plan.steps]);
-        Some(Rival::new(&candidates, plain, *knob, models, trials))
-    });
-    Ok(compared.collect())
+        Rival::new(&candidates, plain, variant.knob, models, trials)
+    };
+    Ok(plan.rivals(variants).map(compared).collect())
 }
 
 /// Half the cells and half the steps of a run, as far as the grid has them.

@@ -3,7 +3,7 @@
 use super::rules::GAUSS;
 
 /// ∫ λ^{-a} φ(λ) over the lags near < λ < near + step, for the hat functions φ of the far end and of the near end of the
-/// step, 0 < a < 1.
+/// step, 0 ≤ a < 1.
 ///
 /// Differences of powers lose (near/step)² roundings: 4e-8 of a weight on t_j = T (j/N)^4 with N = 1024. Where the
 /// step is no longer than its distance from lag zero, Gauss's rule with 10 points leaves out (3 + √8)^{-20}, which is

@@ -126,7 +126,7 @@ impl TimeRule for ProductIntegration {
 
     /// k^{1-a}/((1-a)(2-a)).
     fn last_weight(&self, power: f64, k: f64) -> f64 {
-        k.powf(1.0 - power) / ((1.0 - power) * (2.0 - power))
+        powers::moments(power, 0.0, k).1
     }
 }
 

@@ -8,6 +8,7 @@ use super::constants::AuditConstants;
 use super::lines::{Relation, Standing, Statement};
 use fem::contact::BoundaryRule;
 use judge::fit::{Sample, power_law};
+use scene::Extension;
 use scene::setup::{MeshData, Setup, SetupError};
 use serde::Serialize;
 
@@ -67,9 +68,7 @@ impl SceneAudit {
     /// # Errors
     /// [`AuditError`]: no exact solution, a run without result.
     pub fn new(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Self, AuditError> {
-        setup.scene.without_friction("sweep audit").map_err(SetupError::from)?;
-        setup.scene.with_linear_elements("sweep audit").map_err(SetupError::from)?;
-        setup.scene.with_finite_kernels("sweep audit").map_err(SetupError::from)?;
+        setup.scene.without(&Extension::ALL, "sweep audit").map_err(SetupError::from)?;
         if setup.scene.dimension != 2 {
             return Err(AuditError::Dimension { scene: setup.scene.name.clone() });
         }

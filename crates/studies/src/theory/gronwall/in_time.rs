@@ -6,6 +6,7 @@ use super::contact_scene::ContactInTime;
 use super::estimate::Estimate;
 use super::finite_scene::FiniteInTime;
 use super::measure::TemporalRun;
+use scene::Extension;
 use scene::setup::{SetupError, Subject};
 use vhi::history::TimeGrid;
 
@@ -67,9 +68,7 @@ pub fn prepare<'a>(
     n: Option<u32>,
     steps: &[u32],
 ) -> Result<Box<dyn InTime + 'a>, GronwallError> {
-    subject.scene().without_friction("sweep gronwall").map_err(SetupError::from)?;
-    subject.scene().with_linear_elements("sweep gronwall").map_err(SetupError::from)?;
-    subject.scene().with_finite_kernels("sweep gronwall").map_err(SetupError::from)?;
+    subject.scene().without(&Extension::ALL, "sweep gronwall").map_err(SetupError::from)?;
     match (subject, n) {
         (Subject::Contact(setup), Some(n)) => Ok(Box::new(ContactInTime::new(setup, n, steps)?)),
         (Subject::Abstract(setup), None) => Ok(Box::new(FiniteInTime::new(setup)?)),

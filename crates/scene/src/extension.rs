@@ -1,0 +1,92 @@
+//! What a scene may have beyond the setting of the paper, and commands that leave it out of account.
+
+use fem::space::Element;
+
+use super::diagnostic::SceneError;
+use super::discretization;
+use super::validated::{Body, Scene};
+
+/// Beyond the paper's linear elements, kernels without a pole and contact without friction.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Extension {
+    /// `[contact.friction]`.
+    Friction,
+    /// Another element than P1: strains that are not constant on cells.
+    Element,
+    /// Kernels that are infinite at s = t.
+    SingularKernel,
+}
+
+impl Extension {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Friction, Self::Element, Self::SingularKernel];
+
+    /// All but friction.
+    pub const BUT_FRICTION: [Self; 2] = [Self::Element, Self::SingularKernel];
+
+    /// The key that asks for it in a scene, and its name; none where the scene does without.
+    fn asked_by(self, scene: &Scene) -> Option<(String, String)> {
+        let body = scene.as_contact();
+        match self {
+            Self::Friction => {
+                let contact = body?.contact.as_ref()?;
+                contact.friction.as_ref().map(|_| ("contact.friction".into(), "friction".into()))
+            }
+            Self::Element => {
+                let element = body?.element;
+                let name = format!("{} elements", element.name());
+                (element != Element::P1).then(|| (discretization::KEY.into(), name))
+            }
+            Self::SingularKernel => {
+                let name = "kernels that are infinite at s = t".into();
+                singular_key(&scene.body).map(|key| (key, name))
+            }
+        }
+    }
+
+    fn way_out(self) -> &'static str {
+        match self {
+            Self::Friction => {
+                "run, gate, check, bound and solve do; for this command take a scene without [contact.friction]"
+            }
+            Self::Element => {
+                "list, check, explain, run, gate, solve and trade do; for this command remove [discretization], which leaves P1"
+            }
+            Self::SingularKernel => {
+                "list, check, explain, run, gate and solve do; for this command remove `singular`"
+            }
+        }
+    }
+}
+
+impl Scene {
+    /// Refuses a scene with one of these for a command that leaves them out of account.
+    ///
+    /// # Errors
+    /// At the key that asks for the first of them.
+    pub fn without(&self, extensions: &[Extension], command: &str) -> Result<(), SceneError> {
+        let asked = |own: &Extension| Some((own.way_out(), own.asked_by(self)?));
+        match extensions.iter().find_map(asked) {
+            None => Ok(()),
+            Some((way_out, (key, what))) => {
+                Err(self.error(&key, format!("`{command}` does not treat {what}"), way_out))
+            }
+        }
+    }
+}
+
+/// The key of the first exponent of a kernel that is infinite at s = t.
+fn singular_key(body: &Body) -> Option<String> {
+    match body {
+        Body::Contact(body) => {
+            let mut terms = body.material.memory.iter();
+            terms
+                .any(|term| term.singular.is_some())
+                .then(|| "material.memory.singular".to_string())
+        }
+        Body::Abstract(problem) => {
+            let at = problem.kernels.iter().position(|kernel| kernel.power > 0.0);
+            at.map(|l| format!("history.kernels.{l}.singular"))
+        }
+    }
+}
