@@ -74,7 +74,7 @@ struct Found<'a> {
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        scene.without(&[Extension::SingularKernel], "sweep trade")?;
+        scene.without(&Extension::OF_TRADE, "sweep trade")?;
         let norm = target::norm(&self.norm)?;
         let target =
             self.target.as_deref().map(|text| target::Target::read(text, norm)).transpose()?;

@@ -30,8 +30,15 @@ pub fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
             }
             all
         }
+        // On an edge that of its midpoint stands for all; on a triangle one is linear and zero where the other edges have
+        // their midpoints, so -1 at the corner opposite to its own edge.
+        Element::CR if b.len() == 2 => vec![1.0],
+        Element::CR => OPPOSITE.iter().map(|&corner| 1.0 - 2.0 * b[corner]).collect(),
     }
 }
+
+/// The corners of a triangle that are no ends of its edges 01, 12, 20.
+const OPPOSITE: [usize; 3] = [2, 0, 1];
 
 /// ∫ σ·∇φ_a of all nodes of a cell: `stress` is σ at its strain points, or rather its projection there, and `inward` is
 /// ∫ ∇λ_b of its corners.
@@ -46,6 +53,10 @@ pub(super) fn work<const D: usize>(
     };
     match element {
         Element::P1 => (0..inward.len()).for_each(|a| visit(a, times(&stress[0], a))),
+        Element::CR => OPPOSITE
+            .iter()
+            .enumerate()
+            .for_each(|(a, &corner)| visit(a, times(&stress[0], corner).map(|w| -2.0 * w))),
         Element::P2 => {
             // Means of σ λ_b, from values at D + 1 points of one weight: λ_b is 1/(D + 2 + √(D + 2)) at all but its own,
             // and 1/√(D + 2) more there. On triangles that is 1/6 and 2/3.

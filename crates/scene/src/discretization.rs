@@ -9,7 +9,7 @@ use super::reading::Reading;
 use super::sweep::Sweep;
 use super::validated::{Body, Scene};
 use super::written;
-use crate::ContactQuadrature;
+use crate::{ContactQuadrature, LoadForm};
 
 /// The parts of a scene on which it depends whether an element can have it.
 pub(super) struct Parts<'a> {
@@ -46,12 +46,15 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
         return None;
     }
     if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
-        let message = "interpolated = true takes the piecewise linear interpolant of u, which is no truth for P2";
+        let message = "interpolated = true takes the piecewise linear interpolant of u, which is no truth for another element than P1";
         return Some([message, "remove `interpolated`, or take P1"]);
     }
     if parts.contact.is_some_and(|contact| contact.quadrature != ContactQuadrature::Vertex) {
-        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
+        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles; CR by midpoints";
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
+    }
+    if !element.is_conforming() {
+        return not_conforming(parts);
     }
     let rubs = |contact: &Contact| contact.friction.is_some();
     if parts.dimension == 3 && parts.contact.is_some_and(rubs) {
@@ -61,6 +64,24 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
     if parts.sweep.is_some_and(|sweep| sweep.reference.is_some()) {
         let message = "a finer run is compared with P1 functions alone";
         return Some([message, "give an exact solution, or take P1"]);
+    }
+    None
+}
+
+/// What functions that jump cannot have beyond that.
+fn not_conforming(parts: &Parts<'_>) -> Option<[&'static str; 2]> {
+    if parts.dimension != 2 {
+        let message = "CR is known on triangles alone";
+        return Some([message, "take P1 or P2"]);
+    }
+    if matches!(parts.data, Data::Exact { form: LoadForm::Weak, .. }) {
+        let message = "loads in the weak form give CR the stresses of its own test functions, which hides its consistency error";
+        return Some([message, "say form = \"strong\" in [exact], or take P1 or P2"]);
+    }
+    if parts.sweep.is_some_and(|sweep| sweep.reference.is_some() || sweep.by_state) {
+        let message =
+            "a finer run, and errors by contact state, are known for continuous functions alone";
+        return Some([message, "remove `reference` and `by_state`, or take P1"]);
     }
     None
 }

@@ -13,16 +13,22 @@ pub enum Extension {
     Friction,
     /// Another element than P1: strains that are not constant on cells.
     Element,
+    /// One whose functions jump: V^h is not in V.
+    Nonconforming,
     /// Kernels that are infinite at s = t.
     SingularKernel,
 }
 
 impl Extension {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Friction, Self::Element, Self::SingularKernel];
+    pub const ALL: [Self; 4] =
+        [Self::Friction, Self::Nonconforming, Self::Element, Self::SingularKernel];
 
     /// All but friction.
-    pub const BUT_FRICTION: [Self; 2] = [Self::Element, Self::SingularKernel];
+    pub const BUT_FRICTION: [Self; 3] = [Self::Nonconforming, Self::Element, Self::SingularKernel];
+
+    /// What `sweep trade` leaves out.
+    pub const OF_TRADE: [Self; 2] = [Self::Nonconforming, Self::SingularKernel];
 
     /// The key that asks for it in a scene, and its name; none where the scene does without.
     fn asked_by(self, scene: &Scene) -> Option<(String, String)> {
@@ -32,10 +38,14 @@ impl Extension {
                 let contact = body?.contact.as_ref()?;
                 contact.friction.as_ref().map(|_| ("contact.friction".into(), "friction".into()))
             }
-            Self::Element => {
+            Self::Element | Self::Nonconforming => {
                 let element = body?.element;
                 let name = format!("{} elements", element.name());
-                (element != Element::P1).then(|| (discretization::KEY.into(), name))
+                let asked = match self {
+                    Self::Nonconforming => !element.is_conforming(),
+                    _ => element != Element::P1,
+                };
+                asked.then(|| (discretization::KEY.into(), name))
             }
             Self::SingularKernel => {
                 let name = "kernels that are infinite at s = t".into();
@@ -51,6 +61,9 @@ impl Extension {
             }
             Self::Element => {
                 "list, check, explain, run, gate, solve and trade do; for this command remove [discretization], which leaves P1"
+            }
+            Self::Nonconforming => {
+                "list, check, explain, run, gate and solve do; for this command remove [discretization], which leaves P1"
             }
             Self::SingularKernel => {
                 "list, check, explain, run, gate and solve do; for this command remove `singular`"

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::mesh::{Mesh, Nesting};
-use crate::space::{Element, Geometry, Nodes, StrainPoint, StrainPoints};
+use crate::space::{Element, Geometry, Jump, Nodes, StrainPoint, StrainPoints, jumps};
 use algebra::linalg::{Analysis, BlockPattern, FactorError, Levels, Precision, nested_dissection};
 use vhi::law::TensorField;
 
@@ -22,6 +22,8 @@ pub struct Discretization {
     pub nodes: Nodes,
     /// Shape gradients at the points of strains, and measures.
     pub geometry: Geometry,
+    /// Where functions jump; empty for continuous elements.
+    pub jumps: Vec<Jump>,
     /// Pattern of the tangent.
     pub pattern: BlockPattern,
     /// Its symbolic factorization.
@@ -64,7 +66,10 @@ impl Discretization {
     ) -> Result<Self, FactorError> {
         let nodes = Nodes::new(&mut mesh, element, clamped);
         let geometry = Geometry::new(&mesh, element);
-        let pattern = BlockPattern::new(&nodes.cells, nodes.a_cell, mesh.dimension, nodes.free);
+        let jumps = jumps(&mesh, element, &nodes);
+        let beside = jumps.iter().map(|jump| &jump.nodes[..]);
+        let (d, free) = (mesh.dimension, nodes.free);
+        let pattern = BlockPattern::coupled(&nodes.cells, nodes.a_cell, d, free, beside);
         let (trace, frames) = ContactTrace::new(&mesh, element, &nodes, contact);
         let analysis = analysis(&mesh, &nodes, &pattern, &[])?;
         let (regions, nesting, linear_solver) = (Vec::new(), Nesting::Unknown, None);
@@ -74,6 +79,7 @@ impl Discretization {
             mesh,
             nodes,
             geometry,
+            jumps,
             pattern,
             analysis,
             trace,
@@ -132,7 +138,7 @@ impl Discretization {
         StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
     }
 
-    /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components.
+    /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components, with the penalty of jumps.
     pub fn stiffness(&self, law: &TensorField) -> Vec<f64> {
         self.stiffness_in(law, &Frames::default())
     }
@@ -148,6 +154,7 @@ impl Discretization {
             2 => stiffness_of::<2, 3>(self, frames, law, &mut values),
             _ => stiffness_of::<3, 6>(self, frames, law, &mut values),
         }
+        self.add_jump_stiffness(frames, law, &mut values);
         values
     }
 }

@@ -36,7 +36,7 @@ pub(super) fn kkt_residual_in<P: Projection>(
     }
 }
 
-/// ∫ σ : ε(v) as a nodal vector, σ the stress that `view` shows.
+/// ∫ σ : ε(v) as a nodal vector, σ the stress that `view` shows, with the penalty of jumps.
 pub(super) fn internal_force<P: Projection>(
     space: &Discretization,
     model: &Model<P>,
@@ -61,6 +61,10 @@ fn internal_force_in<P: Projection, const D: usize, const S: usize>(
     for at in space.points() {
         let stress = view.stress_at::<P, S>(space, model, &at).map(|s| s * at.weight);
         stress_force::<D, S>(at.gradients, at.nodes, &stress, force);
+    }
+    space.add_jump_force(&model.elasticity, view.u, force);
+    for (memory, history) in model.memory.iter().zip(view.history) {
+        space.add_jump_force(&memory.tensor, history, force);
     }
 }
 
