@@ -9,7 +9,7 @@ use super::reading::Reading;
 use super::sweep::Sweep;
 use super::validated::{Body, Scene};
 use super::written;
-use crate::{ContactQuadrature, LoadForm};
+use crate::ContactQuadrature;
 
 /// The parts of a scene on which it depends whether an element can have it.
 pub(super) struct Parts<'a> {
@@ -73,10 +73,6 @@ fn not_conforming(parts: &Parts<'_>) -> Option<[&'static str; 2]> {
     if parts.dimension != 2 {
         let message = "CR is known on triangles alone";
         return Some([message, "take P1 or P2"]);
-    }
-    if matches!(parts.data, Data::Exact { form: LoadForm::Weak, .. }) {
-        let message = "loads in the weak form give CR the stresses of its own test functions, which hides its consistency error";
-        return Some([message, "say form = \"strong\" in [exact], or take P1 or P2"]);
     }
     if parts.sweep.is_some_and(|sweep| sweep.reference.is_some() || sweep.by_state) {
         let message =
