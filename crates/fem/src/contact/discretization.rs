@@ -127,6 +127,35 @@ impl Discretization {
         self.nodes.of_cell(c)
     }
 
+    /// The values of a nodal vector at the vertices of the mesh, d numbers each: at a vertex without a node the mean of those
+    /// that the cells around it have there.
+    pub fn at_vertices(&self, v: &[f64]) -> Vec<f64> {
+        let (d, mesh) = (self.mesh.dimension, &self.mesh);
+        let (mut values, mut count) = (vec![0.0; d * mesh.vertices()], vec![0.0; mesh.vertices()]);
+        for (vertex, &node) in self.nodes.of_vertex.iter().enumerate() {
+            if node != Nodes::NONE {
+                let own = &v[d * node as usize..d * (node as usize + 1)];
+                values[d * vertex..d * (vertex + 1)].copy_from_slice(own);
+            }
+        }
+        let bare = |vertex: usize| self.nodes.of_vertex[vertex] == Nodes::NONE;
+        for (c, corner) in (0..mesh.cell_count()).flat_map(|c| (0..=d).map(move |a| (c, a))) {
+            let vertex = mesh.cell(c)[corner] as usize;
+            if !bare(vertex) {
+                continue;
+            }
+            let b: Vec<f64> = (0..=d).map(|a| f64::from(u8::from(a == corner))).collect();
+            count[vertex] += 1.0;
+            for (&node, shape) in self.cell_nodes(c).iter().zip(self.element.values(&b)) {
+                (0..d).for_each(|i| values[d * vertex + i] += shape * v[d * node as usize + i]);
+            }
+        }
+        for vertex in (0..mesh.vertices()).filter(|&vertex| bare(vertex)) {
+            (0..d).for_each(|i| values[d * vertex + i] /= count[vertex]);
+        }
+        values
+    }
+
     /// The points where strain, stress and projection live.
     #[inline]
     pub fn points(&self) -> StrainPoints<'_> {
