@@ -95,7 +95,7 @@ pub fn march<P: Projection>(
         let mut residual = combination.kkt_residual(space, [&coefficients, &past], &factors, parts);
         // The last level is balanced by the load itself; one that is no number is said first, and one that would be refused
         // is looked at again.
-        if n == grid.steps() || !(residual <= KKT_ALLOWED) {
+        if n == grid.steps() || residual.is_nan() || residual > KKT_ALLOWED {
             let start = Instant::now();
             load.assemble(t, &mut force)?;
             info.seconds_load += start.elapsed().as_secs_f64();
