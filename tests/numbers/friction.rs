@@ -152,7 +152,8 @@ fn the_slopes_of_a_falling_bound_are_its_differences() {
         Some(Friction { factor: Box::new(|_, _| 1.0), graph, follows_pressure: false });
     let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
     let mut load = TruthLoad(&*data.truth);
-    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    let mut level =
+        Evolution::new(&data.space, &setup.model, &grid, &mut load).expect("an analysis");
     level.open().expect("a level");
     let free = &data.space.nodes.vertex[..data.space.nodes.free];
     let at = |&v: &u32| -> [f64; 2] {

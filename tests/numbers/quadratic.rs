@@ -8,7 +8,7 @@ use crate::shipped::{
     Change, edited, errors, fixture, midpoints_between_corners, on_mesh, run, setup, setup_of,
     text, v_max, v_max_on_changed, weigh_facets,
 };
-use gronwall::contact::{ContactProblem, LastSlot, StepView};
+use gronwall::contact::{ContactProblem, LastSlot, LinearSolver, StepView};
 use gronwall::linalg::signed_unit;
 use gronwall::norms::step_errors;
 use gronwall::scene::{Extension, Scene, Source};
@@ -120,7 +120,8 @@ fn the_tangent_at_quadrature_points_is_the_derivative() {
         .collect();
     let memory = setup.model.memory.iter().map(|term| 0.125 * term.kernel.value(0.0)).collect();
     let slot = LastSlot { zeta: 0.125, memory };
-    let mut problem = ContactProblem::new(&space, &setup.model);
+    let mut problem =
+        ContactProblem::new(&space, &setup.model, LinearSolver::Direct).expect("an analysis");
     problem.begin(&slot, 0.1, &vec![0.0; space.dofs()], &[]);
     let mut seed = 5;
     let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();

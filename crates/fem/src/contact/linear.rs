@@ -29,7 +29,7 @@ pub fn march<P: Projection>(
 ) -> Result<CaseInfo, CaseError> {
     let mut info = CaseInfo::default();
     let rule = model.time_rule.as_ref();
-    let at_start = |source| failed(0, 0.0, source);
+    let at_start = |source| failed(0, grid.time(0), source);
     let solver = LinearSolver::of(space, model, grid.steps());
     let volume = Volume::new(space, model, solver, Unknowns::Displacements, grid.is_uniform());
     let mut volume = volume.map_err(at_start)?;
@@ -110,7 +110,8 @@ pub fn march<P: Projection>(
     Ok(info)
 }
 
-fn failed(n: usize, t: f64, source: FactorError) -> FailedStep {
+/// A step whose matrix cannot be factorized.
+pub(super) fn failed(n: usize, t: f64, source: FactorError) -> FailedStep {
     FailedStep { n, t, source: StepError::Factor { iteration: 0, source } }
 }
 

@@ -245,7 +245,6 @@ mod tests {
         let mesh = cuboid([1.0, 0.5, 1.0], 4, family);
         let sides = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
         let space = Discretization::of(Element::P2, mesh, &sides[..1], &sides[1..]);
-        let space = space.expect("an analysis");
         let at = |point: &TracePoint| {
             let [x, _, z] = space.mesh.point(&[point.vertex], &[1.0]);
             1.0 + 2.0 * x - 3.0 * z

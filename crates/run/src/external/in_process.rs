@@ -41,7 +41,8 @@ impl<S: Solve> Scheme for InProcess<S> {
     ) -> Result<CaseInfo, CaseError> {
         let (space, grid) = (&*data.space, setup.grid(steps));
         let given = Given::new(setup, data, steps)?;
-        let answer = self.0.solve(&given, data).map_err(CaseError::Outside)?;
+        let solved = data.comparing_beside(setup, || self.0.solve(&given, data));
+        let answer = solved.map_err(CaseError::Outside)?;
         let (levels, points) = (grid.steps() + 1, space.trace.points.len());
         let pressure = answer.pressure.unwrap_or_else(|| vec![f64::NAN; levels * points]);
         let lengths = [answer.displacement.len(), pressure.len()];

@@ -88,7 +88,7 @@ impl Scheme for ExternalSolver {
             forget(&dir)?;
             write_case(&dir, setup, data, steps)?;
             until = Instant::now().checked_add(*limit);
-            process::run(words, &dir, *limit).map_err(said)?;
+            data.comparing_beside(setup, || process::run(words, &dir, *limit)).map_err(said)?;
         }
         let (levels, d) = (grid.steps() + 1, space.mesh.dimension);
         let vertices: Vec<[f64; 3]> =

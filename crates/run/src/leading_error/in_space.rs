@@ -364,7 +364,7 @@ impl<const S: usize> InSpace<S> {
         row: &[f64],
     ) -> Result<Vec<f64>, NoConstant> {
         let (space, dofs) = (&self.space, self.space.dofs());
-        let analysis = &space.analysis;
+        let analysis = space.analysis()?;
         let (mut factor, mut workspace) = (analysis.factor::<f64>(), analysis.workspace());
         analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
         let mut front = Front::default();

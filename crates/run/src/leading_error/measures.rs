@@ -111,7 +111,7 @@ mod tests {
     #[test]
     fn no_number_stays_in_its_norm() {
         let mesh = rectangle([1.0, 1.0], 1, Family::Structured);
-        let space = Discretization::new(mesh, &[3], &[2]).expect("a mesh");
+        let space = Discretization::new(mesh, &[3], &[2]);
         let (nodes, cells) = (space.nodes.len(), space.mesh.cell_count());
         let level = |pressure: f64| Level::<3> {
             error: vec![1.0; nodes],
