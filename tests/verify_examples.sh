@@ -53,5 +53,17 @@ status=0
 echo "friction by coordinate descent: the values that the tests compare with"
 "$python" tests/independent/tresca.py 8 6 tests/fixtures/tresca.json
 
+echo "friction that follows pressure or slip, and vectors of it in space, vertex after vertex: likewise"
+"$python" tests/independent/friction.py tests/fixtures/friction.json
+for coefficient in coulomb box-coulomb; do
+    halved="import friction; friction.CASES['$coefficient'].coefficient /= 2; friction.main()"
+    ! PYTHONPATH=tests/independent "$python" -B -c "$halved" tests/fixtures/friction.json >"$out.log" 2>&1 || {
+        echo "friction.py: half of the coefficient of $coefficient was not caught" >&2
+        exit 1
+    }
+    # It must fail by its numbers, and by those of this scene.
+    grep "  $coefficient, u: [1-9].* off the fixture" "$out.log"
+done
+
 echo "quadratic elements by scikit-fem: the values that the tests compare with"
 "$python" tests/independent/quadratic.py 4 6 tests/fixtures/quadratic.json

@@ -10,9 +10,9 @@ use judge::fit::Interval;
 use report::digits;
 use scene::setup::Setup;
 use scene::{Extension, Norm};
-use studies::guarantee::{Guarantee, GuaranteeError, guarantee};
+use studies::guarantee::Guarantee;
 use studies::trade::estimate::{
-    Companions, Estimate, Part, QuantityEstimate, companions, norm_estimate, quantity,
+    Companions, Estimate, Part, QuantityEstimate, companions_and_bound, norm_estimate, quantity,
 };
 
 /// Runs a case with its companions and prints what they say of its error, and of the error that is wanted.
@@ -23,7 +23,7 @@ pub(super) fn execute(
     as_json: bool,
 ) -> Result<u8, CliError> {
     setup.scene.without(&Extension::BUT_FRICTION, "sweep solve --estimate")?;
-    let found = companions(setup, n, steps)?;
+    let (found, bound) = companions_and_bound(setup, n, steps).map_err(CliError::other)?;
     let estimates: Vec<(Norm, Estimate)> =
         found.norms.iter().map(|own| (own.norm, norm_estimate(setup, &found, own))).collect();
     let quantities: Vec<QuantityEstimate> = found
@@ -31,10 +31,6 @@ pub(super) fn execute(
         .iter()
         .map(|own| quantity(&own.name, own.space, own.time, own.value))
         .collect();
-    let bound = match guarantee(setup, n, steps) {
-        Err(GuaranteeError::Refused { reason }) => Err(reason),
-        other => Ok(other.map_err(CliError::other)?),
-    };
     let advice = wanted.map(|wanted| (wanted.norm(), wanted.advise(setup, [n, steps], &found)));
     if as_json {
         let mut document = json!({

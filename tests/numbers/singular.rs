@@ -11,7 +11,7 @@ use gronwall::finite::march;
 use gronwall::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{Convolution, ExponentialSum, HistoryKernel, Singular};
 use gronwall::leading_error::{Case, Measured, leading_errors};
-use gronwall::scene::{Direction, Norm, Scene, Source};
+use gronwall::scene::{Direction, Extension, Norm, Scene, Source};
 use gronwall::setup::{AbstractLoad, AbstractSetup, Subject};
 use gronwall::theory::audit::SceneAudit;
 use gronwall::theory::gronwall::prepare;
@@ -278,5 +278,23 @@ fn what_cannot_be_integrated_is_refused_with_the_way_out() {
     ] {
         let said = refusal(name, from, to);
         assert!(parts.iter().all(|part| said.contains(part)), "{to}: {said}");
+    }
+}
+
+/// A region that alone has such a kernel is named by its own line, by a rule that cannot have it and by a command.
+#[test]
+fn a_region_with_such_a_kernel_is_named() {
+    let region = "[[material.region]]\nname = \"low\"\nwhere = \"y - 0.5\"\nlambda = 1.0\nmu_L = 1.0\n[material.region.memory]\nkernel = \"-exp(-t)\"\nsingular = 0.4\nlambda = 0.25\nmu = 0.15\n[contact]";
+    let alone = edited(&text("singular-contact"), "singular = 0.4\n", "");
+    let alone = edited(&alone, "[contact]", region);
+    let line = 1 + alone.lines().position(|own| own == "singular = 0.4").expect("the line");
+    let place = format!("manufactured/edited.toml:{line}:");
+    let read =
+        |text: String| Scene::from_source(Source::from_text("manufactured/edited.toml", text));
+    let by_rule = read(edited(&alone, "product-integration", "trapezoid")).map(drop);
+    let by_command = read(alone).expect("a scene").without(&Extension::ALL, "sweep audit");
+    for refused in [by_rule, by_command] {
+        let said = refused.expect_err("a refusal").to_string();
+        assert!(said.contains(&place), "{place} {said}");
     }
 }

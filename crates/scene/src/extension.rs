@@ -78,12 +78,7 @@ impl Scene {
 /// The key of the first exponent of a kernel that is infinite at s = t.
 fn singular_key(body: &Body) -> Option<String> {
     match body {
-        Body::Contact(body) => {
-            let mut terms = body.material.memory.iter();
-            terms
-                .any(|term| term.singular.is_some())
-                .then(|| "material.memory.singular".to_string())
-        }
+        Body::Contact(body) => body.material.singular_key(),
         Body::Abstract(problem) => {
             let at = problem.kernels.iter().position(|kernel| kernel.power > 0.0);
             at.map(|l| format!("history.kernels.{l}.singular"))

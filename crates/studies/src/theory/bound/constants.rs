@@ -183,7 +183,18 @@ pub(crate) fn table(
     let mut rows = vec![
         proved("m_A", c.m_a, "smallest eigenvalue of the elasticity tensor (of all regions) + mu"),
         proved("L_A", c.l_a, "largest eigenvalue of the elasticity tensor (of all regions) + mu"),
-        proved("alpha_phi", c.alpha_phi, "mu: the projection is nonexpansive"),
+        match c.coulomb {
+            None => proved("alpha_phi", c.alpha_phi, "mu: the projection is nonexpansive"),
+            Some(_) => Constant {
+                how: Provenance::Extrapolated,
+                safe: false,
+                ..proved(
+                    "alpha_phi",
+                    c.alpha_phi_as_printed(),
+                    "mu + mu_f L_p c_j c_tau, with the largest c_j and c_tau of this table",
+                )
+            },
+        },
         proved("beta_phi", c.beta_phi, "max(mu L_kappa sqrt|Omega|, 1), for |r| + |theta| on Y"),
         proved("c_phi", 0.0, "(4.1): phi is linear in its last argument"),
         proved("sqrt|Omega|", c.root_area, ""),
@@ -213,7 +224,7 @@ pub(crate) fn table(
         safe: monotone,
         note: match setup.model.friction {
             None => "m_A - alpha_phi - alpha_j c_j^2 (2.9), with the largest c_j^2 of this table".into(),
-            Some(_) if c.coulomb.is_some() => "m_A - alpha_phi - A c_j^2 - B c_tau^2 (docs/CONTACT-LAWS.md), with the largest of this table".into(),
+            Some(_) if c.coulomb.is_some() => "m_A - mu - A c_j^2 - B c_tau^2 (docs/CONTACT-LAWS.md), with the largest of this table".into(),
             Some(_) => "m_A - alpha_phi - alpha_j c_j^2 - alpha_tau c_tau^2, with the largest of this table".into(),
         },
     });
