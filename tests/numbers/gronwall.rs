@@ -22,7 +22,7 @@ use crate::shipped::{on_mesh, setup};
 use gronwall::contact::Model;
 use gronwall::history::{TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{MemoryKernel, Projection, VonMises, YieldLimit};
-use gronwall::scene::{Extension, Hypothesis, Registry};
+use gronwall::scene::{Hypothesis, Registry};
 use gronwall::setup::{MeshData, Setup, Subject};
 use gronwall::theory::gronwall::{
     GronwallConstants, GronwallError, KernelNorms, TemporalRun, TemporalTruth, Violation, prepare,
@@ -129,14 +129,10 @@ fn long_no_shipped_scene_violates_the_chain() {
                 GronwallError::NoHistory { .. }
                 | GronwallError::OwnWeights { .. }
                 | GronwallError::NoTraceBound { .. }
+                | GronwallError::NoTangentialBound { .. }
                 | GronwallError::Smallness { .. }
                 | GronwallError::NotLipschitz { .. },
             ) => refused.push(name.to_string()),
-            Err(GronwallError::Setup(_))
-                if subject.scene().without(&Extension::ALL, "").is_err() =>
-            {
-                refused.push(name.to_string());
-            }
             Err(other) => panic!("{name}: {other}"),
         }
     }

@@ -261,12 +261,10 @@ fn what_has_no_quadratic_form_is_refused() {
     assert!(p3.contains("unknown value `P3` of `element`") && p3.contains("P1, P2"), "{p3}");
     let gauss = refused(edited(&scene, "quadrature = \"vertex\"", "quadrature = \"gauss\""));
     assert!(gauss.contains("Simpson") && gauss.contains("take P1"), "{gauss}");
-    let interpolated = edited(&scene, "u = [", "interpolated = true\nu = [");
-    assert!(refused(interpolated).contains("no truth for P2"));
     let setup = setup_of(scene);
     let told = setup
         .scene
-        .without(&[Extension::Element], "sweep audit")
+        .without(&[Extension::Element], "sweep audit", "why")
         .expect_err("a refusal")
         .to_string();
     assert!(told.contains("`sweep audit` does not treat P2 elements"), "{told}");

@@ -6,7 +6,6 @@
 
 use crate::shipped::{edited, on_mesh, setup_of, text, v_max};
 use gronwall::diagnose::diagnose;
-use gronwall::external::takes;
 use gronwall::finite::march;
 use gronwall::history::{ProductIntegration, TimeGrid, TimeRule, Trapezoid};
 use gronwall::law::{Convolution, ExponentialSum, HistoryKernel, Singular};
@@ -216,7 +215,6 @@ fn commands_that_take_kernels_at_lag_zero_refuse_singular_ones() {
     let subject = Subject::Abstract(Box::new(abstract_of(text("singular-smooth"))));
     let said = |error: &dyn std::error::Error| error.to_string();
     let refused = [
-        ("verify", takes(&body().scene).map_err(|e| said(&e))),
         ("audit", SceneAudit::new(&body(), &[2], &[4]).map(drop).map_err(|e| said(&e))),
         ("gronwall", prepare(&subject, None, &[16]).map(drop).map_err(|e| said(&e))),
         ("diagnose", diagnose(&body().scene, &|setup| setup, true).map(drop).map_err(|e| said(&e))),

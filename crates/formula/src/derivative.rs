@@ -113,7 +113,7 @@ impl Graph {
     }
 
     /// (a^n)' = n a^(n-1) a'.
-    fn power_derivative(&mut self, f: Node, a: Node, n: u32, v: Variable) -> Node {
+    fn power_derivative(&mut self, f: Node, a: Node, n: i32, v: Variable) -> Node {
         let da = self.slope(a, v);
         let factor = self.constant(f64::from(n));
         let lower = match n.checked_sub(1) {

@@ -146,7 +146,7 @@ impl ContactTrace {
 
     /// Gives a pressure to the free points that carry no law: on each facet that of the linear function through its
     /// midpoints, and of several facets their mean.
-    pub(crate) fn extend(&self, pressure: &mut [f64]) {
+    pub fn extend(&self, pressure: &mut [f64]) {
         let d = self.dimension;
         if d == 2 || self.stride == d {
             return;

@@ -1,9 +1,8 @@
 //! A solver in this process as a [`Scheme`]: it gets a case as arrays and gives displacements of all levels back.
 
-use super::{Given, show, takes};
+use super::{Given, show};
 use fem::contact::{CaseError, CaseInfo, Observer};
 use scene::setup::{MeshData, Scheme, Setup};
-use scene::{Scene, SceneError};
 
 /// What a solver gives back.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,10 +27,6 @@ pub trait Solve: Send + Sync {
 pub struct InProcess<S>(pub S);
 
 impl<S: Solve> Scheme for InProcess<S> {
-    fn takes(&self, scene: &Scene) -> Result<(), SceneError> {
-        takes(scene)
-    }
-
     fn march(
         &self,
         setup: &Setup,

@@ -199,9 +199,6 @@ fn in_time_direction(
     known: &mut InTime,
 ) -> Result<LeadingErrors, NoConstant> {
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
-    if setup.body.element != Element::P1 {
-        return Err(NoConstant::Element { element: setup.body.element.name() });
-    }
     let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
     // The reference of M times the steps has M^-order of the error.
     let share = match measured.norm {

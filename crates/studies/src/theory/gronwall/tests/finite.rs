@@ -78,7 +78,7 @@ fn constants_are_those_of_the_step_bound() {
         "{c2}"
     );
     let part = &run.estimate.parts[0];
-    assert!((part.norms.maximum(64) / part.supremum - 1.0).abs() < 1e-12);
+    assert!((part.norms.maximum(64).expect("norms") / part.supremum - 1.0).abs() < 1e-12);
 }
 
 #[test]
