@@ -115,12 +115,9 @@ impl AbstractScene {
             }
             None => None,
         };
-        let traces = file
-            .trace
-            .iter()
-            .enumerate()
-            .map(|(i, trace)| AbstractTrace::validate(reading, i, trace, m))
-            .collect::<Result<Vec<_>, _>>()?;
+        let traces = file.trace.iter().enumerate();
+        let traces = traces.map(|(i, trace)| AbstractTrace::validate(reading, i, trace, m));
+        let traces = traces.collect::<Result<Vec<_>, _>>()?;
         let scope = definitions_in(reading, &file.exact.define, &[Variable::T])?;
         let u = reading.vector("exact.u", &file.exact.u, m, &scope)?;
         let mut optional = |key: &str, formulas: &Option<Vec<_>>| match formulas {

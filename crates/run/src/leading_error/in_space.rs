@@ -14,6 +14,7 @@ use super::time::Weights;
 use algebra::linalg::{Front, axpy, dot};
 use exact::{ComplianceRule, Exact, FrictionBound, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
+use fem::space::StrainPoint;
 use formula::{Node, Point, Variable};
 use scene::{Memory, TimeRule};
 
@@ -231,29 +232,11 @@ impl<const S: usize> InSpace<S> {
         let mut responses = Vec::with_capacity(state.strain.len());
         for at in space.points() {
             let strain = &state.strain[at.index];
-            let material = self.exact.material_in(self.regions[at.cell]);
-            let here = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
-                terms.iter().map(|term| term[at.index]).collect()
-            };
-            let before = stress_of(material, strain, &here(&state.memory), exact_kappa);
-            let after = stress_of(material, strain, &here(&past.memory), own_kappa);
-            let mut tangent = by_strain(material, strain, own_kappa);
-            let mut remembered = [0.0; S];
-            for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
-                let part = isotropic(lambda, mu, &past.memory_error[term][at.index]);
-                (0..S).for_each(|i| remembered[i] += part[i]);
-                for (i, line) in tangent.iter_mut().enumerate() {
-                    let memory = isotropic(lambda, mu, &unit::<S>(i));
-                    (0..S).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
-                }
-            }
-            let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
-            let source: Mandel<S> = std::array::from_fn(|i| {
-                before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
-            });
-            add_force(&at, &source, &mut right);
-            add_stiffness(space, &at, &tangent, &mut values);
-            responses.push(Response { tangent, source, by_zeta });
+            let own = self.response(&at, state, past, [exact_kappa, own_kappa, slope]);
+            let by_zeta = own.by_zeta;
+            add_force(&at, &own.source, &mut right);
+            add_stiffness(space, &at, &own.tangent, &mut values);
+            responses.push(own);
             if self.slope.is_some() && state.norm > 0.0 {
                 add_force(&at, &by_zeta, &mut column);
                 add_force(&at, &strain.map(|e| past.accumulated.own * e / state.norm), &mut row);
@@ -280,6 +263,38 @@ impl<const S: usize> InSpace<S> {
         let mut pressure: Vec<f64> = pressure.collect();
         space.trace.extend(&mut pressure);
         Ok(Level { error, strain, stress, pressure })
+    }
+
+    /// How the stress at a point answers, with κ at the exact ζ and at that of the scheme, and κ' there.
+    fn response(
+        &self,
+        at: &StrainPoint<'_>,
+        state: &State<S>,
+        past: &Past<S>,
+        [exact_kappa, own_kappa, slope]: [f64; 3],
+    ) -> Response<S> {
+        let strain = &state.strain[at.index];
+        let material = self.exact.material_in(self.regions[at.cell]);
+        let here = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
+            terms.iter().map(|term| term[at.index]).collect()
+        };
+        let before = stress_of(material, strain, &here(&state.memory), exact_kappa);
+        let after = stress_of(material, strain, &here(&past.memory), own_kappa);
+        let mut tangent = by_strain(material, strain, own_kappa);
+        let mut remembered = [0.0; S];
+        for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
+            let part = isotropic(lambda, mu, &past.memory_error[term][at.index]);
+            (0..S).for_each(|i| remembered[i] += part[i]);
+            for (i, line) in tangent.iter_mut().enumerate() {
+                let memory = isotropic(lambda, mu, &unit::<S>(i));
+                (0..S).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
+            }
+        }
+        let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
+        let source = std::array::from_fn(|i| {
+            before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
+        });
+        Response { tangent, source, by_zeta }
     }
 
     /// How the pressure at each point of the trace answers; `None` where u = 0 is given, and where no law is.
