@@ -8,11 +8,6 @@ use gronwall::setup::{MeshData, Setup};
 
 use super::{comes_back, rows};
 
-fn quadratic_box() -> Setup {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/numbers/quadratic-box.toml");
-    setup_of(std::fs::read_to_string(path).expect("a scene"))
-}
-
 #[test]
 fn answers_on_quadratic_elements_with_friction_and_singular_kernels_come_back() {
     for (name, n) in [
@@ -21,10 +16,10 @@ fn answers_on_quadratic_elements_with_friction_and_singular_kernels_come_back() 
         ("friction-coulomb", 4),
         ("friction-box", 2),
         ("singular-contact", 2),
+        ("quadratic-box", 2),
     ] {
         comes_back(&setup(name), n);
     }
-    comes_back(&quadratic_box(), 2);
 }
 
 /// The files of a case in a folder of their own.
@@ -57,7 +52,7 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 #[test]
 fn midpoints_stand_behind_the_vertices_and_between_their_corners() {
-    for (setup, n) in [(setup("quadratic-elastic"), 4), (quadratic_box(), 2)] {
+    for (setup, n) in [(setup("quadratic-elastic"), 4), (setup("quadratic-box"), 2)] {
         let files = Files::of(&setup, n, 1);
         let d = setup.scene.dimension;
         let case = std::fs::read_to_string(files.folder.at("case/case.json")).expect("a text");

@@ -74,6 +74,11 @@ impl Weights {
         }
     }
 
+    /// What C2 stands beside on a step k: k, or k^{1-a}.
+    pub(crate) fn of_step(self, k: f64) -> f64 {
+        if let Self::Product { power } = self { k.powf(1.0 - power) } else { k }
+    }
+
     /// By how much a bound of κ(n, j) beside the weights of the trapezoidal rule is to be multiplied beside these, up to the
     /// horizon: (t - s)^{-a} ≥ T^{-a}.
     pub(crate) fn beside_plain(self, horizon: f64) -> f64 {

@@ -84,7 +84,7 @@ fn constants_are_those_of_the_step_bound() {
 #[test]
 fn other_rules_are_refused() {
     let mut setup = abstract_setup("abstract-contact");
-    setup.scene.time.rule = scene::TimeRule::ProductIntegration;
+    setup.scene.time.rule = scene::TimeRule::CorrectedEnd { exponent: 0.5 };
     setup.model.time_rule = Box::new(CorrectedEnd { exponent: 0.5 });
     let refused = FiniteInTime::new(&setup).err().unwrap();
     assert!(matches!(refused, GronwallError::OwnWeights { .. }));
