@@ -137,7 +137,7 @@ impl Discretization {
         StrainPoints::new(&self.geometry, &self.nodes)
     }
 
-    /// Those of cell c.
+    /// The strain points of cell c.
     pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> {
         StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
     }
@@ -147,7 +147,7 @@ impl Discretization {
         self.stiffness_in(law, &Frames::default())
     }
 
-    /// The same on the unknowns of the contact problem.
+    /// Lower-triangle values of the stiffness matrix, in the unknowns of the contact problem.
     pub(crate) fn stiffness_of_unknowns(&self, law: &TensorField) -> Vec<f64> {
         self.stiffness_in(law, &self.frames)
     }

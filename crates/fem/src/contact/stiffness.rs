@@ -108,7 +108,7 @@ impl Discretization {
         Ok(new)
     }
 
-    /// The same in the order of displacements, not held if it was not before.
+    /// The factor of `tensor` in the order of displacements: the held one, or one that is not held afterwards.
     fn passing_factor(&self, tensor: &TensorField) -> Result<Arc<StiffnessFactor>, FactorError> {
         let unknowns = Unknowns::Displacements;
         let held = self.factors.held.lock().unwrap_or_else(PoisonError::into_inner);
@@ -152,7 +152,7 @@ impl<'a> StiffnessInverse<'a> {
         Ok(Self { space, analysis: space.analysis()?, kept, front: Front::default() })
     }
 
-    /// The same for one use: by a factor that the mesh holds, else by one of its own.
+    /// The inverse for one use: by the factor that the mesh holds, or by a new one that is dropped with it.
     ///
     /// # Errors
     /// A matrix that is not positive definite.

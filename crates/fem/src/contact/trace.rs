@@ -198,7 +198,7 @@ impl TracePoint {
                 let [x, y] = point.tangent();
                 point.tangents[0] = [x, y, 0.0];
             }
-            // Those of a frame, and axes where ν is one.
+            // The tangents of a frame, which are axes where ν is one.
             _ => completed(&[normal], d)[1..]
                 .iter()
                 .zip(&mut point.tangents)

@@ -137,7 +137,7 @@ pub fn leading_errors(
     leading_errors_beside(subject, measured, cases, &mut InTime::default())
 }
 
-/// The same with what has been computed for other norms of the scene.
+/// [`leading_errors`], with what has been computed for other norms of the scene.
 ///
 /// # Errors
 /// As [`leading_errors`].

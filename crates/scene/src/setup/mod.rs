@@ -122,7 +122,7 @@ impl Setup {
         self.with_regions(self.space_of(self.body.element, n), n)
     }
 
-    /// The same by linear elements, for constants of the problem itself.
+    /// V^h of linear elements, for constants of the problem itself.
     ///
     /// # Errors
     /// As [`Self::space`].

@@ -43,7 +43,7 @@ impl HistoryKernel for Power {
 }
 
 impl Weights {
-    /// Those of a scene whose kernels have this largest power; none where they depend on the kernel in another way.
+    /// The weights of a rule on kernels with this largest power; none where they depend on the kernel in another way.
     pub(crate) fn of(rule: scene::TimeRule, power: f64) -> Option<Self> {
         Some(match rule {
             scene::TimeRule::Trapezoid => Self::Trapezoid,
