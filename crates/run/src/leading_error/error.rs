@@ -36,9 +36,6 @@ pub enum NoConstant {
     /// A rule whose weights depend on the kernel.
     #[error("the time rule weighs the kernel in a way of its own")]
     Rule,
-    /// The tangent of friction that follows the normal law.
-    #[error("friction that follows the normal law: its linearised step has no symmetric matrix")]
-    Unsymmetric,
     /// The linearised step has no solution.
     #[error("the linearised problem is singular at t = {t}")]
     Singular { t: f64 },

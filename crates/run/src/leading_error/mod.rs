@@ -19,12 +19,14 @@
 
 mod adaptive;
 mod cells;
+mod contact_answers;
 mod error;
 mod finite;
 mod in_space;
 mod interpolation;
 mod interpolation_stress;
 mod law_slope;
+mod low_rank;
 mod measures;
 mod own_history;
 mod quadratic;
