@@ -23,7 +23,7 @@ beside() {
     local name=$1 command=$2 scene=$3
     shift 3
     echo "$scene, $name beside the built-in solver"
-    "$sweep" verify "$scene" --solver "$command" --beside --json --out "$out/$scene" "$@" 2>"$out.log" >"$out.json" || {
+    "$sweep" verify "$scene" --solver "$command" --beside --json --out "$out/$(basename "$scene" .toml)" "$@" 2>"$out.log" >"$out.json" || {
         status=$?
         cat "$out.log" "$out.json"
         exit "$status"
@@ -33,6 +33,8 @@ beside() {
 beside scikit-fem "$solver" prony
 beside scikit-fem "$solver" viscoelastic
 beside scikit-fem "$solver" signorini --pressure
+beside scikit-fem "$solver" quadratic-elastic
+beside scikit-fem "$solver" tests/independent/quadratic-signorini.toml --pressure
 if command -v FreeFem++ >/dev/null; then
     # Debian keeps plugins and include files where its FreeFem++ does not look.
     export FF_LOADPATH=${FF_LOADPATH:-/usr/lib/freefem++} FF_INCLUDEPATH=${FF_INCLUDEPATH:-/usr/include/freefem++/idp}

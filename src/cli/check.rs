@@ -172,11 +172,8 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         findings.push(fact("c_j^2, upper bound", bound, "proved: distance to the clamped side"));
     }
     if setup.model.friction.is_some() {
-        findings.push(fact(
-            "alpha_tau",
-            c.alpha_tau,
-            "proved: steepest descent of the friction bound",
-        ));
+        let how = "proved: steepest descent of the friction bound";
+        findings.push(fact("alpha_tau", c.alpha_tau, how));
         findings.push(fact("c_tau^2", c.c_tau_squared, "extrapolated as c_j^2 is; no bound"));
         if let Some(own) = &c.coulomb {
             let [a, b] = own.coefficients(c.alpha_nu, c.c_j_squared, c.c_tau_squared);

@@ -22,7 +22,9 @@ pub(super) fn execute(
     wanted: Option<Wanted>,
     as_json: bool,
 ) -> Result<u8, CliError> {
-    setup.scene.without(&Extension::BUT_FRICTION, "sweep solve --estimate")?;
+    let extensions = [Extension::Element, Extension::SingularKernel];
+    let why = "its extrapolation takes the orders 1 in h and 2 in k for granted";
+    setup.scene.without(&extensions, "sweep solve --estimate", why)?;
     let (found, bound) = companions_and_bound(setup, n, steps).map_err(CliError::other)?;
     let estimates: Vec<(Norm, Estimate)> =
         found.norms.iter().map(|own| (own.norm, norm_estimate(setup, &found, own))).collect();

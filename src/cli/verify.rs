@@ -31,7 +31,7 @@ const WIDTH: usize = 400;
 /// `sweep verify`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what is to be written: displacement.npy, (N + 1) x vertices x d, or displacement.csv, or a series of VTU files, displacement.pvd or displacement_0000.vtu and so on. CMD gets the directory as its last argument. A solver that fails, runs too long, or writes another shape or numbers that are not finite makes a failed case.\n\nThe displacements are measured as P1 functions on the mesh given; stresses are those of this program's laws. Constants are judged for P1 elements and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
+    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what is to be written: displacement.npy, (N + 1) x vertices x d, or displacement.csv, or a series of VTU files, displacement.pvd or displacement_0000.vtu and so on. CMD gets the directory as its last argument. A solver that fails, runs too long, or writes another shape or numbers that are not finite makes a failed case.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
 )]
 pub(crate) struct Verify {
     /// Name of a scene with an exact solution, or path of a TOML file
@@ -150,7 +150,6 @@ impl Verify {
     /// The cases, with the norms that displacements (and pressures, where they come) tell.
     fn plan(&self, scenes: &Scenes) -> Result<ScenePlan, CliError> {
         let mut scene = scenes.scene(&self.scene)?;
-        run::external::takes(&scene)?;
         self.grid.check(&scene)?;
         scene.predicts.retain(|prediction| self.tells(prediction.norm));
         let mut plan =

@@ -105,7 +105,8 @@ fn the_jacobian_has_the_slopes_in_u_nu() {
     let setup = setup("friction-coulomb");
     let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
     let mut load = TruthLoad(&*data.truth);
-    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    let mut level =
+        Evolution::new(&data.space, &setup.model, &grid, &mut load).expect("an analysis");
     level.open().expect("a level");
     let free = &data.space.nodes.vertex[..data.space.nodes.free];
     let at = |&v: &u32| -> [f64; 2] {

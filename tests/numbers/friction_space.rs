@@ -83,7 +83,8 @@ fn the_jacobian_has_the_slopes_of_vectors() {
         setup.model.friction = Some(Friction { factor, graph, follows_pressure });
         let (data, grid) = (on_mesh(&setup, 3), setup.grid(4));
         let mut load = TruthLoad(&*data.truth);
-        let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+        let mut level =
+            Evolution::new(&data.space, &setup.model, &grid, &mut load).expect("an analysis");
         level.open().expect("a level");
         let free = &data.space.nodes.vertex[..data.space.nodes.free];
         let at = |&v: &u32| -> [f64; 3] {

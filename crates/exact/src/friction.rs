@@ -115,7 +115,7 @@ impl Exact {
         self.friction_at(normal, None)
     }
 
-    /// The same on a plane where a coordinate has one value.
+    /// The friction on a plane where a coordinate has one value.
     pub(super) fn friction_at(
         &self,
         normal: &[f64],

@@ -3,7 +3,6 @@
 use fem::space::Element;
 
 use super::contact::Contact;
-use super::data::Data;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::sweep::Sweep;
@@ -15,7 +14,6 @@ use crate::ContactQuadrature;
 pub(super) struct Parts<'a> {
     pub dimension: usize,
     pub contact: Option<&'a Contact>,
-    pub data: &'a Data,
     pub sweep: Option<&'a Sweep>,
 }
 
@@ -45,10 +43,6 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
     if element == Element::P1 {
         return None;
     }
-    if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
-        let message = "interpolated = true takes the piecewise linear interpolant of u, which is no truth for P2";
-        return Some([message, "remove `interpolated`, or take P1"]);
-    }
     if parts.contact.is_some_and(|contact| contact.quadrature != ContactQuadrature::Vertex) {
         let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
@@ -76,7 +70,6 @@ impl Scene {
             let parts = Parts {
                 dimension: self.dimension,
                 contact: body.contact.as_ref(),
-                data: &body.data,
                 sweep: self.sweep.as_ref(),
             };
             if let Some([message, hint]) = refusal(element, &parts) {

@@ -21,9 +21,6 @@ impl Extension {
     /// All of them.
     pub const ALL: [Self; 3] = [Self::Friction, Self::Element, Self::SingularKernel];
 
-    /// All but friction.
-    pub const BUT_FRICTION: [Self; 2] = [Self::Element, Self::SingularKernel];
-
     /// The key that asks for it in a scene, and its name; none where the scene does without.
     fn asked_by(self, scene: &Scene) -> Option<(String, String)> {
         let body = scene.as_contact();
@@ -47,29 +44,34 @@ impl Extension {
     fn way_out(self) -> &'static str {
         match self {
             Self::Friction => {
-                "run, gate, check, bound and solve do; for this command take a scene without [contact.friction]"
+                "run, gate, verify, check, bound and solve do; for this command take a scene without [contact.friction]"
             }
             Self::Element => {
-                "list, check, explain, run, gate, solve and trade do; for this command remove [discretization], which leaves P1"
+                "list, check, explain, run, gate, verify, solve, trade, diagnose and gronwall do; for this command remove [discretization], which leaves P1"
             }
             Self::SingularKernel => {
-                "list, check, explain, run, gate and solve do; for this command remove `singular`"
+                "list, check, explain, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`"
             }
         }
     }
 }
 
 impl Scene {
-    /// Refuses a scene with one of these for a command that leaves them out of account.
+    /// Refuses a scene with one of these for a command that leaves them out of account, and says why it does.
     ///
     /// # Errors
     /// At the key that asks for the first of them.
-    pub fn without(&self, extensions: &[Extension], command: &str) -> Result<(), SceneError> {
+    pub fn without(
+        &self,
+        extensions: &[Extension],
+        command: &str,
+        why: &str,
+    ) -> Result<(), SceneError> {
         let asked = |own: &Extension| Some((own.way_out(), own.asked_by(self)?));
         match extensions.iter().find_map(asked) {
             None => Ok(()),
             Some((way_out, (key, what))) => {
-                Err(self.error(&key, format!("`{command}` does not treat {what}"), way_out))
+                Err(self.error(&key, format!("`{command}` does not treat {what}: {why}"), way_out))
             }
         }
     }

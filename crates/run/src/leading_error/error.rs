@@ -22,7 +22,7 @@ pub enum NoConstant {
     #[error("both steps are refined: constants are predicted along h alone and along k alone")]
     Joint,
     /// Stresses of interpolants and tangents here are those of P1.
-    #[error("{element} has a predicted constant for V_max in h alone")]
+    #[error("{element} has a predicted constant in h for V_max alone")]
     Element { element: &'static str },
     /// I_h u is not closer to u_h than to u.
     #[error("the mesh is no grid of translated simplices, so the interpolant is not superclose")]

@@ -14,6 +14,7 @@ use super::time::Weights;
 use algebra::linalg::{Front, axpy, dot};
 use exact::{ComplianceRule, Exact, FrictionBound, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
+use fem::space::StrainPoint;
 use formula::{Node, Point, Variable};
 use scene::{Memory, TimeRule};
 
@@ -65,7 +66,7 @@ struct Accumulated {
     zeta_error: f64,
 }
 
-/// How the stress of a cell moves, linearised.
+/// How the stress at a point moves, linearised.
 struct Response<const S: usize> {
     /// By the strain of the level, its own share of the memory included.
     tangent: [Mandel<S>; S],
@@ -228,39 +229,17 @@ impl<const S: usize> InSpace<S> {
         let mut values = vec![0.0; space.pattern.entries()];
         let mut right = vec![0.0; space.nodes.len()];
         let (mut column, mut row) = (right.clone(), right.clone());
-        let mut responses = Vec::with_capacity(space.mesh.cell_count());
-        for c in 0..space.mesh.cell_count() {
-            let (strain, material) = (&state.strain[c], self.exact.material_in(self.regions[c]));
-            let of_cell = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
-                terms.iter().map(|term| term[c]).collect()
-            };
-            let before = stress_of(material, strain, &of_cell(&state.memory), exact_kappa);
-            let after = stress_of(material, strain, &of_cell(&past.memory), own_kappa);
-            let mut tangent = by_strain(material, strain, own_kappa);
-            let mut remembered = [0.0; S];
-            for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
-                let part = isotropic(lambda, mu, &past.memory_error[term][c]);
-                (0..S).for_each(|i| remembered[i] += part[i]);
-                for (i, line) in tangent.iter_mut().enumerate() {
-                    let memory = isotropic(lambda, mu, &unit::<S>(i));
-                    (0..S).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
-                }
-            }
-            let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
-            let source: Mandel<S> = std::array::from_fn(|i| {
-                before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
-            });
-            add_force(space, c, &source, &mut right);
-            add_stiffness(space, c, &tangent, &mut values);
-            responses.push(Response { tangent, source, by_zeta });
+        let mut responses = Vec::with_capacity(state.strain.len());
+        for at in space.points() {
+            let strain = &state.strain[at.index];
+            let own = self.response(&at, state, past, [exact_kappa, own_kappa, slope]);
+            let by_zeta = own.by_zeta;
+            add_force(&at, &own.source, &mut right);
+            add_stiffness(space, &at, &own.tangent, &mut values);
+            responses.push(own);
             if self.slope.is_some() && state.norm > 0.0 {
-                add_force(space, c, &by_zeta, &mut column);
-                add_force(
-                    space,
-                    c,
-                    &strain.map(|e| past.accumulated.own * e / state.norm),
-                    &mut row,
-                );
+                add_force(&at, &by_zeta, &mut column);
+                add_force(&at, &strain.map(|e| past.accumulated.own * e / state.norm), &mut row);
             }
         }
         let answers = self.answers(state);
@@ -281,11 +260,44 @@ impl<const S: usize> InSpace<S> {
             Some(Answer::Slope(slope)) => slope * normal(space, i, &error),
             Some(Answer::Held) => balance[i],
         });
-        let pressure = pressure.collect();
+        let mut pressure: Vec<f64> = pressure.collect();
+        space.trace.extend(&mut pressure);
         Ok(Level { error, strain, stress, pressure })
     }
 
-    /// How the pressure at each point of the trace answers; `None` where u = 0 is given.
+    /// How the stress at a point answers, with κ at the exact ζ and at that of the scheme, and κ' there.
+    fn response(
+        &self,
+        at: &StrainPoint<'_>,
+        state: &State<S>,
+        past: &Past<S>,
+        [exact_kappa, own_kappa, slope]: [f64; 3],
+    ) -> Response<S> {
+        let strain = &state.strain[at.index];
+        let material = self.exact.material_in(self.regions[at.cell]);
+        let here = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
+            terms.iter().map(|term| term[at.index]).collect()
+        };
+        let before = stress_of(material, strain, &here(&state.memory), exact_kappa);
+        let after = stress_of(material, strain, &here(&past.memory), own_kappa);
+        let mut tangent = by_strain(material, strain, own_kappa);
+        let mut remembered = [0.0; S];
+        for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
+            let part = isotropic(lambda, mu, &past.memory_error[term][at.index]);
+            (0..S).for_each(|i| remembered[i] += part[i]);
+            for (i, line) in tangent.iter_mut().enumerate() {
+                let memory = isotropic(lambda, mu, &unit::<S>(i));
+                (0..S).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
+            }
+        }
+        let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
+        let source = std::array::from_fn(|i| {
+            before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
+        });
+        Response { tangent, source, by_zeta }
+    }
+
+    /// How the pressure at each point of the trace answers; `None` where u = 0 is given, and where no law is.
     fn answers(&self, state: &State<S>) -> Vec<Option<Answer>> {
         let contact = self.exact.data.contact.as_ref();
         let law = contact.and_then(|contact| contact.law.as_ref());
@@ -302,7 +314,7 @@ impl<const S: usize> InSpace<S> {
                 Answer::Slope(slope) => Answer::Slope(scale * slope),
                 Answer::Held => Answer::Held,
             };
-            answers.push((!point.clamped).then_some(own));
+            answers.push(point.carries().then_some(own));
         }
         answers
     }
@@ -336,7 +348,7 @@ impl<const S: usize> InSpace<S> {
         let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
         let d = self.space.mesh.dimension;
         let points = self.space.trace.points.iter().zip(state);
-        for (point, own) in points.filter(|(point, _)| !point.clamped) {
+        for (point, own) in points.filter(|(point, _)| point.carries()) {
             let block = sliding_block(&friction.bound, own, [point.weight, HELD * stiffness]);
             let first = d * point.node as usize;
             for (i, row) in block.iter().enumerate().take(d) {
@@ -364,7 +376,7 @@ impl<const S: usize> InSpace<S> {
         row: &[f64],
     ) -> Result<Vec<f64>, NoConstant> {
         let (space, dofs) = (&self.space, self.space.dofs());
-        let analysis = &space.analysis;
+        let analysis = space.analysis()?;
         let (mut factor, mut workspace) = (analysis.factor::<f64>(), analysis.workspace());
         analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
         let mut front = Front::default();

@@ -137,7 +137,7 @@ pub fn leading_errors(
     leading_errors_beside(subject, measured, cases, &mut InTime::default())
 }
 
-/// The same with what has been computed for other norms of the scene.
+/// [`leading_errors`], with what has been computed for other norms of the scene.
 ///
 /// # Errors
 /// As [`leading_errors`].
@@ -199,9 +199,6 @@ fn in_time_direction(
     known: &mut InTime,
 ) -> Result<LeadingErrors, NoConstant> {
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
-    if setup.body.element != Element::P1 {
-        return Err(NoConstant::Element { element: setup.body.element.name() });
-    }
     let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
     // The reference of M times the steps has M^-order of the error.
     let share = match measured.norm {

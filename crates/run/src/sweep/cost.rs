@@ -192,10 +192,14 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let nodes = space.nodes.a_cell as f64 / (space.mesh.dimension + 1) as f64;
     let (cells, dofs) = (space.geometry.points() as f64 * nodes.powi(2), space.dofs());
     let pattern = space.pattern.entries() as f64;
-    let factor = space.analysis.factor_entries() as f64;
+    // Not asked for where there are no factors.
+    let [factor, multiplications] = match linear_solver {
+        LinearSolver::Direct => space.factor_size(),
+        LinearSolver::Multigrid => [0.0; 2],
+    };
     let (solve, factorization, linear_bytes) = match linear_solver {
         LinearSolver::Direct => {
-            let seconds = FACTOR[0] * factor + FACTOR[1] * space.analysis.multiplications();
+            let seconds = FACTOR[0] * factor + FACTOR[1] * multiplications;
             let number = if newton && dofs >= SINGLE_FROM { 4.0 } else { 8.0 };
             // The factor and scratch of half its size.
             (SOLVE * factor, seconds, 1.5 * number * factor)
@@ -270,8 +274,7 @@ const ITERATES: f64 = 1200.0;
 /// The memory of a process that computes a constant of the trace on a mesh: its stiffness matrix with a factor in double
 /// precision, and the iterates.
 pub(super) fn eigenvalue_bytes(space: &Discretization) -> f64 {
-    let (entries, factor) =
-        (space.pattern.entries() as f64, space.analysis.factor_entries() as f64);
+    let (entries, [factor, _]) = (space.pattern.entries() as f64, space.factor_size());
     PROGRAM + 12.0 * factor + 40.0 * entries + 8.0 * ITERATES * space.dofs() as f64
 }
 

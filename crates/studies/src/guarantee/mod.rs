@@ -192,7 +192,8 @@ pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
 /// The hypotheses of the theorem that a scene can fail before it is solved.
 fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
     let scene = &setup.scene;
-    scene.without(&Extension::BUT_FRICTION, "the guaranteed bound").map_err(SetupError::from)?;
+    let why = "its stresses in equilibrium begin with one stress a cell";
+    scene.without(&[Extension::Element], "the guaranteed bound", why).map_err(SetupError::from)?;
     let refuse = |reason: &str| Err(GuaranteeError::refused(reason));
     let model = &setup.model;
     if setup.scene.dimension != 2 {

@@ -47,7 +47,7 @@ fn a_factor_that_serves_all_grids_in_time_is_kept() {
         let plan = plan(scene, 8, &[4]);
         let Subject::Contact(setup) = &plan.subject else { panic!("no body") };
         let space = setup.space(8).unwrap_or_else(|error| panic!("{error}"));
-        march(setup, &space, 4).kept_bytes / space.analysis.factor_entries() as f64
+        march(setup, &space, 4).kept_bytes / space.factor_size()[0]
     };
     // Eight bytes a number, and those of the matrix.
     for scene in ["linear-punch", "elastic-punch"] {
