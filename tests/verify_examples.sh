@@ -23,7 +23,7 @@ beside() {
     local name=$1 command=$2 scene=$3
     shift 3
     echo "$scene, $name beside the built-in solver"
-    "$sweep" verify "$scene" --solver "$command" --beside --json --out "$out/$scene" "$@" 2>"$out.log" >"$out.json" || {
+    "$sweep" verify "$scene" --solver "$command" --beside --json --out "$out/$(basename "$scene" .toml)" "$@" 2>"$out.log" >"$out.json" || {
         status=$?
         cat "$out.log" "$out.json"
         exit "$status"
@@ -33,6 +33,8 @@ beside() {
 beside scikit-fem "$solver" prony
 beside scikit-fem "$solver" viscoelastic
 beside scikit-fem "$solver" signorini --pressure
+beside scikit-fem "$solver" quadratic-elastic
+beside scikit-fem "$solver" tests/independent/quadratic-signorini.toml --pressure
 if command -v FreeFem++ >/dev/null; then
     # Debian keeps plugins and include files where its FreeFem++ does not look.
     export FF_LOADPATH=${FF_LOADPATH:-/usr/lib/freefem++} FF_INCLUDEPATH=${FF_INCLUDEPATH:-/usr/include/freefem++/idp}
@@ -52,6 +54,18 @@ status=0
 
 echo "friction by coordinate descent: the values that the tests compare with"
 "$python" tests/independent/tresca.py 8 6 tests/fixtures/tresca.json
+
+echo "friction that follows pressure or slip, and vectors of it in space, vertex after vertex: likewise"
+"$python" tests/independent/friction.py tests/fixtures/friction.json
+for coefficient in coulomb box-coulomb; do
+    halved="import friction; friction.CASES['$coefficient'].coefficient /= 2; friction.main()"
+    ! PYTHONPATH=tests/independent "$python" -B -c "$halved" tests/fixtures/friction.json >"$out.log" 2>&1 || {
+        echo "friction.py: half of the coefficient of $coefficient was not caught" >&2
+        exit 1
+    }
+    # It must fail by its numbers, and by those of this scene.
+    grep "  $coefficient, u: [1-9].* off the fixture" "$out.log"
+done
 
 echo "quadratic elements by scikit-fem: the values that the tests compare with"
 "$python" tests/independent/quadratic.py 4 6 tests/fixtures/quadratic.json

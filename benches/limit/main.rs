@@ -135,9 +135,9 @@ fn limit(sizes: &[u32]) {
         let space = &data.space;
         let values = space.stiffness(&setup.model.elasticity);
         let narrow: Vec<f32> = values.iter().map(|value| *value as f32).collect();
-        let (mut factor, mut single) = (space.analysis.factor(), space.analysis.factor());
-        let mut workspace = space.analysis.workspace();
-        let (analysis, pattern) = (&space.analysis, &space.pattern);
+        let analysis = space.analysis().unwrap_or_else(|error| panic!("{error}"));
+        let (mut factor, mut single) = (analysis.factor(), analysis.factor());
+        let (mut workspace, pattern) = (analysis.workspace(), &space.pattern);
         let done = analysis.factorize(pattern, &values, &mut factor, &mut workspace);
         let also = analysis.factorize(pattern, &narrow, &mut single, &mut workspace);
         assert!(done.is_ok() && also.is_ok());

@@ -1,4 +1,5 @@
-"""One case of `sweep verify` with scikit-fem: linear viscoelasticity, with or without an obstacle.
+"""One case of `sweep verify` with scikit-fem: linear viscoelasticity, with or without an obstacle, by linear or quadratic
+elements.
 
     python scikit_fem.py [--rule trapezoid|rectangle] DIRECTORY
 
@@ -14,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.sparse.linalg import splu
-from skfem import Basis, BilinearForm, ElementTriP1, ElementVector, MeshTri
+from skfem import Basis, BilinearForm, ElementTriP1, ElementTriP2, ElementVector, MeshTri
 from skfem.helpers import ddot, sym_grad, trace
 
 MOST_CHANGES = 100
@@ -31,6 +32,24 @@ def stiffness(basis, law):
     return product.assemble(basis).tocsc()
 
 
+def basis_and_unknowns(points, cells):
+    """The basis of P1 or P2 on cells by 3 or 6 nodes, and its unknown of each component of each row of vertices.csv."""
+    corners, midpoints = cells[:3], cells[3:]
+    mesh = MeshTri(points[:, : corners.max() + 1], corners)
+    element = ElementTriP2() if len(midpoints) else ElementTriP1()
+    basis = Basis(mesh, ElementVector(element))
+    if not len(midpoints):
+        return basis, basis.nodal_dofs.T.ravel()
+    # Midpoints are known by the ends of their edges, which the mesh numbers in an order of its own.
+    ends = np.sort(corners[[[0, 1], [1, 2], [2, 0]]], axis=1)
+    midpoint = {(a, b): m for edge, row in zip(ends, midpoints) for a, b, m in zip(*edge, row)}
+    rows = [midpoint[a, b] for a, b in mesh.facets.T]
+    unknowns = np.empty((points.shape[1], 2), int)
+    unknowns[: mesh.p.shape[1]] = basis.nodal_dofs.T
+    unknowns[rows] = basis.facet_dofs.T
+    return basis, unknowns.ravel()
+
+
 def table(path):
     return np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8", ndmin=1)
 
@@ -42,12 +61,12 @@ class Case:
         self.refuse_what_is_not_here()
         vertices, cells = table(directory / "vertices.csv"), table(directory / "cells.csv")
         points = np.stack([vertices["x"], vertices["y"]])
-        corners = np.stack([cells[name] for name in ("v0", "v1", "v2")])
-        basis = Basis(MeshTri(points, corners), ElementVector(ElementTriP1()))
-        # Component c of vertex i is unknown 2 i + c.
-        assert (basis.nodal_dofs == np.arange(points.size).reshape(-1, 2).T).all()
-        self.elastic = stiffness(basis, self.case["elasticity"][0])
-        self.memory = [stiffness(basis, term[0]) for term in self.case["memory"]]
+        nodes = [name for name in cells.dtype.names if name.startswith("v")]
+        basis, unknowns = basis_and_unknowns(points, np.stack([cells[name] for name in nodes]))
+        # From here on component c of row i of vertices.csv is unknown 2 i + c.
+        matrix = lambda law: stiffness(basis, law)[unknowns][:, unknowns]
+        self.elastic = matrix(self.case["elasticity"][0])
+        self.memory = [matrix(term[0]) for term in self.case["memory"]]
         self.free = np.flatnonzero(np.repeat(vertices["clamped"] == 0, 2))
         self.times = np.load(directory / "times.npy")
         self.kernels = np.load(directory / "kernels.npy") if self.memory else []
@@ -63,6 +82,8 @@ class Case:
             (len(case["regions"]) > 1, "regions"),
             (any("mandel" in tensor for tensor in case["elasticity"]), "full tensors"),
             (law["kind"] != "none", f"the law {law['kind']}"),
+            ("friction" in (case["contact"] or {}), "friction"),
+            (any(case["singular"]), "kernels that are infinite at lag zero"),
             (not case["uniform"], "a grid that is not uniform"),
         ]:
             if refused:

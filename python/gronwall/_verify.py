@@ -35,22 +35,27 @@ class Case:
     data : dict
         Sizes, ``elasticity``, ``memory``, ``projection``, ``contact``, and ``as_written``, the scene with all its keys.
     points : ndarray, (vertices, d)
+        Of quadratic elements (``data["element"] == "P2"``) the last ``data["midpoints"]`` are midpoints of edges.
     cells : ndarray of int, (cells, d + 1)
+        Of quadratic elements corners, then the midpoints of edges 01, 12, 20 and in space 03, 13, 23.
     regions : ndarray of int, (cells,)
         Indices into ``elasticity`` and ``memory``.
     clamped : ndarray of bool, (vertices,)
         Where the displacement is zero.
     facets : ndarray of int, (facets, d)
-        Those of the boundary.
+        Those of the boundary, with midpoints as in ``cells``.
     sides : list of str
         The side of each.
     contact : dict of ndarray
         Gamma3: vertex, normal, weight, gap (inf: none), shift, scale, clamped.
     times : ndarray, (N + 1,)
     kernels : ndarray or None
-        (terms, N + 1), b_i(t_n), on a uniform grid; else (terms, N + 1, N + 1), b_i(t_n - t_j).
+        (terms, N + 1), b_i(t_n), on a uniform grid; else (terms, N + 1, N + 1), b_i(t_n - t_j). Without t^-a where
+        ``data["singular"]`` has a > 0.
     loads : ndarray, (N + 1, vertices, d)
         The load functional on each hat function.
+    friction : ndarray or None
+        (N + 1, rows of Gamma3), the factor of the bound of friction.
     """
 
     scene: str
@@ -68,6 +73,7 @@ class Case:
     times: NDArray[Any]
     kernels: NDArray[Any] | None
     loads: NDArray[Any]
+    friction: NDArray[Any] | None = None
 
 
 def verify(
@@ -161,6 +167,7 @@ def _case(raw: dict[str, Any], numpy: Any) -> Case:
         times=array("times"),
         kernels=array("kernels") if "kernels" in raw else None,
         loads=array("loads"),
+        friction=array("friction") if "friction" in raw else None,
     )
 
 

@@ -28,10 +28,13 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     doubles("points", &[vertices, d], &points)?;
     let clamped = |v: usize| u32::from(Given::clamped(space, v));
     indices("clamped", &[vertices], &mut (0..vertices).map(clamped))?;
-    indices("cells", &[cells, d + 1], &mut (0..cells).flat_map(|c| mesh.cell(c).iter().copied()))?;
+    let nodes = &space.nodes;
+    let of_cell = |c: usize| nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize]);
+    indices("cells", &[cells, nodes.a_cell], &mut (0..cells).flat_map(of_cell))?;
     let region = |c: usize| space.regions.get(c).map_or(0, |&region| region as u32);
     indices("regions", &[cells], &mut (0..cells).map(region))?;
-    indices("facets", &[facets, d], &mut (0..facets).flat_map(|f| mesh.facet(f).iter().copied()))?;
+    let of_facet = |f: usize| nodes.on_facet(f).iter().copied();
+    indices("facets", &[facets, nodes.a_facet], &mut (0..facets).flat_map(of_facet))?;
     indices("facet_sides", &[facets], &mut mesh.facet_side.iter().copied())?;
     case.set_item("sides", mesh.sides.clone())?;
     let (rows, contact) = (given.contact.len(), &given.contact);
@@ -45,6 +48,7 @@ pub fn case<'py>(py: Python<'py>, given: &Given, data: &MeshData) -> PyResult<Bo
     doubles("times", &[given.times.len()], &given.times)?;
     let array = |name: &str, array: &Array| doubles(name, &array.shape, &array.numbers);
     given.kernels.iter().try_for_each(|kernels| array("kernels", kernels))?;
+    given.friction.iter().try_for_each(|friction| array("friction", friction))?;
     array("loads", &given.loads)?;
     case.set_item("json", given.document.to_string())?;
     Ok(case)

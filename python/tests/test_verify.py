@@ -50,6 +50,24 @@ def test_the_case_is_complete():
     assert len(case.sides) == len(case.facets) == 16 and case.times[-1] == case.data["horizon"]
 
 
+def test_midpoints_of_quadratic_elements_and_bounds_of_friction_are_there():
+    seen = []
+
+    def solve(case):
+        seen.append(case)
+        return numpy.zeros_like(case.loads)
+
+    gronwall.verify("quadratic-friction", solve, n=[4], steps=[5])
+    case = seen[0]
+    assert case.data["element"] == "P2" and case.data["midpoints"] == 56
+    assert case.points.shape == (81, 2) and case.cells.shape == (32, 6) and case.loads.shape == (6, 81, 2)
+    for middle, (a, b) in zip((3, 4, 5), ((0, 1), (1, 2), (2, 0))):
+        ends = case.points[case.cells[:, a]] + case.points[case.cells[:, b]]
+        assert numpy.allclose(case.points[case.cells[:, middle]], ends / 2, rtol=0, atol=1e-15)
+    assert case.facets.shape == (16, 3) and case.friction.shape == (6, len(case.contact["weight"]))
+    assert case.friction.all() and abs(case.contact["weight"].sum() - 1) < 1e-14
+
+
 def rows(path):
     with open(path, newline="") as file:
         table = list(csv.DictReader(file))
@@ -171,7 +189,6 @@ def test_verdicts_that_do_not_pass_name_the_solver_first():
         ("viscoelastik", exact, "viscoelastic"),
         ("punch", exact, "no exact solution"),
         ("abstract-smooth", exact, "R\\^m"),
-        ("friction-front", exact, "does not treat friction"),
     ],
 )
 def test_what_cannot_be_judged_is_refused(scene, solve, says):

@@ -40,7 +40,9 @@ const MESH: u32 = 16;
 impl BoundCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let subject = scenes.subject(&self.scene, &self.allowance.limit())?;
-        subject.scene().without(&Extension::BUT_FRICTION, "sweep bound")?;
+        let extensions = [Extension::Element, Extension::SingularKernel];
+        let why = "it measures norms of constant strains on cells, and puts sup |q| beside k, not k^(1-a)";
+        subject.scene().without(&extensions, "sweep bound", why)?;
         let scene = subject.scene();
         let own = scene.sweep.as_ref().and_then(|sweep| sweep.steps.iter().min().copied());
         let steps = self.steps.unwrap_or(own.unwrap_or(8) as u32);

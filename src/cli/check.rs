@@ -133,6 +133,16 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
     })
 }
 
+/// That of all of φ: friction that follows the normal law is a part of it.
+fn alpha_phi(c: &Constants) -> Finding {
+    let value = c.alpha_phi_as_printed();
+    let how = match c.coulomb {
+        None => "proved: mu",
+        Some(_) => "mu + mu_f L_p c_j c_tau with the extrapolated c_j, c_tau",
+    };
+    Finding::new("alpha_phi", Status::Fact, value, format!("{value:.6} ({how})"))
+}
+
 /// The constants of the paper, with how each was obtained.
 fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let fact = |subject: &str, value: f64, how: &str| {
@@ -147,7 +157,7 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         fact("m_A, elastic part", c.m_elastic, "smallest eigenvalue of the elasticity tensor"),
         fact("m_A", c.m_a, "proved: elastic part + mu"),
         fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),
-        fact("alpha_phi", c.alpha_phi, "proved: mu"),
+        alpha_phi(c),
         fact("alpha_nu", c.alpha_nu, alpha_nu_from(setup)),
     ]);
     if c.c_j_squared > 0.0 {
@@ -166,18 +176,16 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
         findings.push(fact("c_j^2, upper bound", bound, "proved: distance to the clamped side"));
     }
     if setup.model.friction.is_some() {
-        findings.push(fact(
-            "alpha_tau",
-            c.alpha_tau,
-            "proved: steepest descent of the friction bound",
-        ));
+        let how = "proved: steepest descent of the friction bound";
+        findings.push(fact("alpha_tau", c.alpha_tau, how));
         findings.push(fact("c_tau^2", c.c_tau_squared, "extrapolated as c_j^2 is; no bound"));
         if let Some(own) = &c.coulomb {
             let [a, b] = own.coefficients(c.alpha_nu, c.c_j_squared, c.c_tau_squared);
             findings.push(fact("A", a, "of |v_nu|^2 in (2.9): friction follows the normal law"));
             findings.push(fact("B", b, "of |v_tau|^2 in (2.9)"));
             let printed = c.m_elastic - c.concave_as_printed();
-            findings.push(fact("m0 by alpha_phi", printed, "with alpha_phi = mu_f L_p c_j c_tau"));
+            let how = "m_A - alpha_phi - alpha_nu c_j^2, less sharp than with A and B";
+            findings.push(fact("m0 by alpha_phi", printed, how));
         }
     }
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };

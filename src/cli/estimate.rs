@@ -10,9 +10,9 @@ use judge::fit::Interval;
 use report::digits;
 use scene::setup::Setup;
 use scene::{Extension, Norm};
-use studies::guarantee::{Guarantee, GuaranteeError, guarantee};
+use studies::guarantee::Guarantee;
 use studies::trade::estimate::{
-    Companions, Estimate, Part, QuantityEstimate, companions, norm_estimate, quantity,
+    Companions, Estimate, Part, QuantityEstimate, companions_and_bound, norm_estimate, quantity,
 };
 
 /// Runs a case with its companions and prints what they say of its error, and of the error that is wanted.
@@ -22,8 +22,10 @@ pub(super) fn execute(
     wanted: Option<Wanted>,
     as_json: bool,
 ) -> Result<u8, CliError> {
-    setup.scene.without(&Extension::BUT_FRICTION, "sweep solve --estimate")?;
-    let found = companions(setup, n, steps)?;
+    let extensions = [Extension::Element, Extension::SingularKernel];
+    let why = "its extrapolation takes the orders 1 in h and 2 in k for granted";
+    setup.scene.without(&extensions, "sweep solve --estimate", why)?;
+    let (found, bound) = companions_and_bound(setup, n, steps).map_err(CliError::other)?;
     let estimates: Vec<(Norm, Estimate)> =
         found.norms.iter().map(|own| (own.norm, norm_estimate(setup, &found, own))).collect();
     let quantities: Vec<QuantityEstimate> = found
@@ -31,10 +33,6 @@ pub(super) fn execute(
         .iter()
         .map(|own| quantity(&own.name, own.space, own.time, own.value))
         .collect();
-    let bound = match guarantee(setup, n, steps) {
-        Err(GuaranteeError::Refused { reason }) => Err(reason),
-        other => Ok(other.map_err(CliError::other)?),
-    };
     let advice = wanted.map(|wanted| (wanted.norm(), wanted.advise(setup, [n, steps], &found)));
     if as_json {
         let mut document = json!({

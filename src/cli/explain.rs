@@ -45,26 +45,8 @@ impl Explain {
         };
         let (constants, costs) = (predicted_constants(&plan), plan.costs()?);
         let algorithm = of_meshes(&plan, &costs, |cost| algorithm(&plan.subject, cost.plan));
-        let cases: Vec<_> = plan
-            .cases
-            .iter()
-            .zip(&costs.cases)
-            .map(|(case, cost)| {
-                serde_json::json!({
-                    "n": case.n,
-                    "steps": case.steps,
-                    "dofs": cost.dofs,
-                    "plan": cost.plan.name(),
-                    "linear_solver": cost.linear_solver.name(),
-                    "factorizations": cost.work.map(|[factorizations, _]| factorizations),
-                    "solves": cost.work.map(|[_, solves]| solves),
-                    "history_bytes": history_bytes(&plan.subject, case.steps, cost.dofs),
-                    "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
-                    "seconds_predicted": cost.seconds,
-                    "memory_bytes_predicted": cost.memory_bytes.round() as u64,
-                })
-            })
-            .collect();
+        let rows = plan.cases.iter().zip(&costs.cases);
+        let cases: Vec<_> = rows.map(|(case, cost)| case_json(&plan, case, cost)).collect();
         let reference = plan.reference.zip(costs.reference).map(|(reference, cost)| {
             serde_json::json!({
                 "n": reference.n,
@@ -97,6 +79,22 @@ impl Explain {
         print_in_words(&plan, &costs, &asked, (&algorithm, &constants));
         Ok(0)
     }
+}
+
+fn case_json(plan: &ScenePlan, case: &CasePlan, cost: &Cost) -> serde_json::Value {
+    serde_json::json!({
+        "n": case.n,
+        "steps": case.steps,
+        "dofs": cost.dofs,
+        "plan": cost.plan.name(),
+        "linear_solver": cost.linear_solver.name(),
+        "factorizations": cost.work.map(|[factorizations, _]| factorizations),
+        "solves": cost.work.map(|[_, solves]| solves),
+        "history_bytes": history_bytes(&plan.subject, case.steps, cost.dofs),
+        "norms": case.norms.iter().map(|norm| norm.name()).collect::<Vec<_>>(),
+        "seconds_predicted": cost.seconds,
+        "memory_bytes_predicted": cost.memory_bytes.round() as u64,
+    })
 }
 
 /// What `sweep explain` prints: what the scene costs in all first, its cases last.

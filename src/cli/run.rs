@@ -211,6 +211,9 @@ impl What {
             false => None,
         };
         let mut records = run_sweep(&plans, &out, &machine, resume, &progress).map_err(stopped)?;
+        if let Some(stepwise) = stepwise.as_mut().filter(|_| resume) {
+            stepwise.replay(&mut plans, &records, judged);
+        }
         let mut verdicts: Vec<Vec<Verdict>> =
             plans.iter().map(|plan| judged(plan, &records)).collect();
         while let Some(changed) = self.more(&mut plans, &verdicts.concat(), stepwise.as_mut())? {

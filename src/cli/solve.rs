@@ -197,11 +197,34 @@ impl Solve {
             false => None,
         };
         self.remark_on(&setup.scene.name, bound);
+        let (info, state, seconds) = self.march(setup, n, &data, start)?;
+        let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
+        let case = format!(
+            "{}, n = {n} (h = {}), N = {} (k = {})",
+            setup.scene.name,
+            digits(setup.body.domain.h(n), 4),
+            self.steps,
+            digits(setup.grid(self.steps).largest_step(), 4)
+        );
+        let dimension = data.space.mesh.dimension;
+        let dofs = data.space.dofs();
+        self.print((&case, dimension), &state, &info, bound, seconds, (dofs, solver))?;
+        Ok(0)
+    }
+
+    /// Marches, writes what is asked for of each level, and returns the last one with the seconds since `start`.
+    fn march(
+        &self,
+        setup: &Setup,
+        n: u32,
+        data: &MeshData,
+        start: Instant,
+    ) -> Result<(CaseInfo, FinalState, f64), CliError> {
+        let (name, plane) = (&setup.scene.name, data.space.mesh.dimension == 2);
         let mut series = match &self.vtu {
-            Some(dir) => Some(VtuSeries::new(dir, &setup.scene.name).map_err(CliError::other)?),
+            Some(dir) => Some(VtuSeries::new(dir, name).map_err(CliError::other)?),
             None => None,
         };
-        let (name, plane) = (&setup.scene.name, data.space.mesh.dimension == 2);
         if self.pictures.is_some() && !plane {
             return Err(CliError::other(format!(
                 "{name}: --pictures draws plane bodies; --vtu is for any"
@@ -209,29 +232,26 @@ impl Solve {
         }
         let drawn = self.pictures.is_some();
         let mut pictures = drawn.then(|| Pictures::new(&data.space, name, n, self.steps));
-        let mut last = None;
-        let mut write_error = None;
+        let (mut last, mut write_error) = (None, None);
         let mut observe = |view: &StepView<'_>| {
             let outcome =
                 series.as_mut().map(|series| series.write(&data.space, &setup.model, view));
             if let Some(Err(error)) = outcome {
                 write_error.get_or_insert(error);
             }
+            let end = view.n == self.steps as usize;
             if let Some(pictures) = &mut pictures {
-                let (truth, end) = (data.truth.as_ref(), view.n == self.steps as usize);
-                pictures.add(&data.space, &setup.model, truth, view, end)?;
+                pictures.add(&data.space, &setup.model, data.truth.as_ref(), view, end)?;
             }
-            if view.n == self.steps as usize {
+            if end {
                 last = Some(FinalState::new(&data.space, &setup.model, view));
             }
             Ok(())
         };
-        let info = data.march(setup, self.steps, &self.solver, &mut observe).map_err(|error| {
-            CliError::other(format!(
-                "{} n = {} steps = {}: {error}",
-                setup.scene.name, n, self.steps
-            ))
-        })?;
+        let steps = self.steps;
+        let info = data
+            .march(setup, steps, &self.solver, &mut observe)
+            .map_err(|error| CliError::other(format!("{name} n = {n} steps = {steps}: {error}")))?;
         let seconds = start.elapsed().as_secs_f64();
         if let Some(error) = write_error {
             return Err(CliError::other(error));
@@ -246,17 +266,7 @@ impl Solve {
             }
         }
         let state = last.ok_or_else(|| CliError::other("the run ended before its last step"))?;
-        let solver = LinearSolver::of(&data.space, &setup.model, self.steps as usize);
-        let case = format!(
-            "{name}, n = {n} (h = {}), N = {} (k = {})",
-            digits(setup.body.domain.h(n), 4),
-            self.steps,
-            digits(setup.grid(self.steps).largest_step(), 4)
-        );
-        let dimension = data.space.mesh.dimension;
-        let dofs = data.space.dofs();
-        self.print((&case, dimension), &state, &info, bound, seconds, (dofs, solver))?;
-        Ok(0)
+        Ok((info, state, seconds))
     }
 
     /// Refuses a run that does not fit into memory, before the mesh is made if that is clear by then.

@@ -74,7 +74,10 @@ struct Found<'a> {
 impl TradeCommand {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
         let scene = scenes.scene(&self.scene)?;
-        scene.without(&Extension::OF_TRADE, "sweep trade")?;
+        let jumps = "it compares loads and elements by what continuous functions make of them";
+        scene.without(&[Extension::Nonconforming], "sweep trade", jumps)?;
+        let why = "it compares rules in time that take the value of a kernel at s = t";
+        scene.without(&[Extension::SingularKernel], "sweep trade", why)?;
         let norm = target::norm(&self.norm)?;
         let target =
             self.target.as_deref().map(|text| target::Target::read(text, norm)).transpose()?;

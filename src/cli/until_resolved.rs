@@ -51,7 +51,7 @@ pub(super) fn in_words(left: &[NotRun], run: usize) -> String {
     )
 }
 
-/// The same for programs.
+/// What was not run, for programs.
 pub(super) fn as_json(left: &[NotRun]) -> Value {
     let one =
         |own: &NotRun| json!({"scene": own.scene, "cases": own.cases, "seconds": own.seconds});

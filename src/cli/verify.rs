@@ -21,8 +21,8 @@ use run::external::{ExternalSolver, LOG, Way, case_dir, last_lines, solver_first
 use run::sweep::{
     Machine, OutputDirectory, Provenance, ScenePlan, foresee, judge_scene, run_sweep,
 };
-use scene::Norm;
 use scene::setup::{MeshData, Setup, Subject};
+use scene::{Extension, Norm};
 
 /// Last lines of the log of a failed case that are shown, a long traceback, and bytes of each.
 const LINES_SHOWN: usize = 60;
@@ -31,7 +31,7 @@ const WIDTH: usize = 400;
 /// `sweep verify`.
 #[derive(Args)]
 #[command(
-    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what is to be written: displacement.npy, (N + 1) x vertices x d, or displacement.csv, or a series of VTU files, displacement.pvd or displacement_0000.vtu and so on. CMD gets the directory as its last argument. A solver that fails, runs too long, or writes another shape or numbers that are not finite makes a failed case.\n\nThe displacements are measured as P1 functions on the mesh given; stresses are those of this program's laws. Constants are judged for P1 elements and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
+    after_help = "Each case is a directory SCENE/nN-NSTEPS, below DIR/cases of --out or below the directory of --export, with mesh, times, loads and numbers; its README.md says what the files mean and what is to be written: displacement.npy, (N + 1) x vertices x d, or displacement.csv, or a series of VTU files, displacement.pvd or displacement_0000.vtu and so on. CMD gets the directory as its last argument. A solver that fails, runs too long, or writes another shape or numbers that are not finite makes a failed case.\n\nThe displacements are measured as functions of the scene's element on the mesh given, P2 with midpoints as further vertices; stresses are those of this program's laws. Constants are judged for that element and the scene's time rule; a solver of another kind needs --orders-only.\n\nExamples:\n  sweep verify viscoelastic --solver 'python3 solver.py'\n  sweep verify viscoelastic --export cases        write the cases, solve elsewhere, then\n  sweep verify viscoelastic --results cases\n\nJSON keys with --json: those of sweep run, and beside, with --beside: n, steps, norm, solver, own, difference (relative). Exit codes as of sweep run: 0 all verdicts pass, 1 one does not, 2 nothing could be judged."
 )]
 pub(crate) struct Verify {
     /// Name of a scene with an exact solution, or path of a TOML file
@@ -83,6 +83,9 @@ pub(crate) struct Verify {
 
 impl Verify {
     pub(super) fn execute(&self, scenes: &Scenes) -> Result<u8, CliError> {
+        let why = "its case gives displacements at vertices";
+        let jumps = [Extension::Nonconforming];
+        scenes.scene(&self.scene)?.without(&jumps, "sweep verify", why)?;
         let plan = self.plan(scenes)?;
         if let Some(folder) = &self.export {
             return export(&plan, folder);
@@ -150,7 +153,6 @@ impl Verify {
     /// The cases, with the norms that displacements (and pressures, where they come) tell.
     fn plan(&self, scenes: &Scenes) -> Result<ScenePlan, CliError> {
         let mut scene = scenes.scene(&self.scene)?;
-        run::external::takes(&scene)?;
         self.grid.check(&scene)?;
         scene.predicts.retain(|prediction| self.tells(prediction.norm));
         let mut plan =

@@ -1,5 +1,7 @@
 //! Tests of the program: commands, input and output, files, resuming, solvers of others; the house. One program: linking is most of what a small test costs.
 
+#![allow(clippy::too_many_lines, reason = "tables of defects and of bad input")]
+
 mod bad_input;
 mod baseline_command;
 mod bound_command;

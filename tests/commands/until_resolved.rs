@@ -74,6 +74,11 @@ fn a_failure_is_confirmed() {
     let output = sweep(&["gate", &scene, "--until-resolved", "--out", &folder.argument("out")]);
     assert_eq!(code(&output), 1, "{}{}", stdout(&output), stderr(&output));
     assert_eq!(steps(&folder, "out").len(), 5, "{}", stdout(&output));
+    // It stays confirmed: going on asks for nothing more.
+    let resumed = ["run", &scene, "--until-resolved", "--resume", "--out", &folder.argument("out")];
+    let output = sweep(&resumed);
+    assert_eq!(code(&output), 1, "{}{}", stdout(&output), stderr(&output));
+    assert_eq!(steps(&folder, "out").len(), 5, "{}", stdout(&output));
     // A scene that has to stay open needs every case to do so.
     let open = [("order = 2.0", "order = 1.0"), ("[scene]", "[scene]\nexpect = \"unresolved\"")];
     let scene = affine(&folder, "open.toml", &open);

@@ -326,3 +326,32 @@ fn interpolation_errors_tend_to_the_integral_of_second_derivatives() {
     // u is smooth: h² relative to the limit.
     assert!(fine.abs() < 2e-3 && (coarse / fine - 4.0).abs() < 0.4, "{coarse} {fine}");
 }
+
+/// Quadratic elements have the error in time of their own V^h, and its constant.
+#[test]
+fn constants_in_time_of_quadratic_elements_are_predicted() {
+    for (name, n, norms) in [
+        ("in-space", 8, &[Norm::VMax][..]),
+        ("affine-locked", 4, &[Norm::VMax, Norm::L2Max, Norm::StressL2Max, Norm::PressureL2Max]),
+    ] {
+        let quadratic = "[discretization]\nelement = \"P2\"\n\n[exact]";
+        let setup = setup_of(edited(&text(name), "[exact]", quadratic));
+        let subject = Subject::Contact(Box::new(setup));
+        let Subject::Contact(setup) = &subject else { return };
+        for &norm in norms {
+            let records = records(setup, &[n], &[32, 64, 128], norm);
+            let found = shown(&verdicts(&subject, &records, norm)[0]);
+            // Of the next order in k: 1e-3 at N = 32 and a sixteenth of it at N = 128.
+            assert!((found - 1.0).abs() < 1e-3, "{name} {norm:?}: {found}");
+        }
+        let wrong = |mut setup: Setup| {
+            setup.model.memory[0].tensor = setup.model.memory[0].tensor.scaled(1.02);
+            setup
+        };
+        let scene = setup.scene.clone();
+        let wrong = wrong(Setup::new(scene).expect("a scene"));
+        let records = records(&wrong, &[n], &[32, 64, 128], Norm::VMax);
+        let verdict = &verdicts(&subject, &records, Norm::VMax)[0];
+        assert_ne!(verdict.decision, Decision::Pass, "{name}: {}", verdict.reason);
+    }
+}

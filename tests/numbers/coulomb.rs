@@ -4,7 +4,7 @@
 //! Mesh: n × n squares cut from lower left to upper right.
 //! Data: friction-coulomb.
 
-use crate::shipped::{edited, on_mesh, run, setup, text, v_max};
+use crate::shipped::{edited, on_mesh, run, setup, setup_of, text, v_max};
 use gronwall::contact::{Evolution, Friction, StepView};
 use gronwall::linalg::{FactorError, signed_unit};
 use gronwall::scene::{Scene, Source};
@@ -105,7 +105,8 @@ fn the_jacobian_has_the_slopes_in_u_nu() {
     let setup = setup("friction-coulomb");
     let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
     let mut load = TruthLoad(&*data.truth);
-    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    let mut level =
+        Evolution::new(&data.space, &setup.model, &grid, &mut load).expect("an analysis");
     level.open().expect("a level");
     let free = &data.space.nodes.vertex[..data.space.nodes.free];
     let at = |&v: &u32| -> [f64; 2] {
@@ -178,6 +179,19 @@ fn the_constants_bound_what_they_must() {
     assert!((found.m0 - (2.0 - 0.625 - 0.08 * 6.444)).abs() < 1e-3, "{}", found.m0);
     let printed = found.m_elastic - found.concave_as_printed();
     assert!((printed - (2.0 - 0.5 - 0.8 * 6.444f64.sqrt())).abs() < 1e-3, "{printed}");
+    // (2.9) as it is printed, with α_φ of all of φ: μ = 0 here, and 0.7 in a body that may yield.
+    assert_eq!(
+        found.m_a - found.alpha_phi_as_printed() - found.alpha_nu * found.c_j_squared,
+        printed
+    );
+    let yields = edited(
+        &text("friction-coulomb"),
+        "[contact]\n",
+        "[material.projection]\nmu = 0.7\nkappa = \"1\"\n[contact]\n",
+    );
+    let found = constants(&setup_of(yields)).expect("constants");
+    let whole = found.alpha_phi_as_printed();
+    assert!((whole - (0.7 + 0.8 * 6.444f64.sqrt())).abs() < 1e-3, "{whole}");
 }
 
 /// `friction-coulomb` with another friction.

@@ -8,18 +8,15 @@
 use std::sync::Arc;
 
 use crate::shipped::{edited, fixture, on_mesh, run, setup, setup_of, text, v_max};
-use gronwall::Sweep;
 use gronwall::contact::{
     Evolution, Friction, StepView, TraceMass, kkt_residual, tangential_trace_constant,
 };
 use gronwall::diagnose::diagnose;
-use gronwall::external::{Answer, Given, InProcess, Solve};
 use gronwall::law::PiecewiseLinear;
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Scene, Source};
-use gronwall::setup::{MeshData, Setup, Subject, TruthLoad, constants};
+use gronwall::setup::{Setup, TruthLoad, constants};
 use gronwall::theory::audit::SceneAudit;
-use gronwall::theory::gronwall::prepare;
 use gronwall::vhi::{Decomposition, HistoryInequality, StepInequality};
 
 const NS: [u32; 3] = [8, 16, 32];
@@ -152,7 +149,8 @@ fn the_slopes_of_a_falling_bound_are_its_differences() {
         Some(Friction { factor: Box::new(|_, _| 1.0), graph, follows_pressure: false });
     let (data, grid) = (on_mesh(&setup, 4), setup.grid(4));
     let mut load = TruthLoad(&*data.truth);
-    let mut level = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    let mut level =
+        Evolution::new(&data.space, &setup.model, &grid, &mut load).expect("an analysis");
     level.open().expect("a level");
     let free = &data.space.nodes.vertex[..data.space.nodes.free];
     let at = |&v: &u32| -> [f64; 2] {
@@ -310,25 +308,12 @@ fn what_is_wrong_is_refused() {
     assert!(said.contains("two contact sides with friction meet at x = 0, y = 0"), "{said}");
 }
 
-/// A solver that must get no case.
-struct Unasked;
-
-impl Solve for Unasked {
-    fn solve(&self, _: &Given, _: &MeshData) -> Result<Answer, String> {
-        panic!("a case without its friction")
-    }
-}
-
 /// From the library too, not from the command line alone.
 #[test]
 fn studies_that_leave_friction_out_refuse_it() {
     let scene = || setup("friction-time").scene;
-    let subject = Subject::new(scene()).expect("a scene");
-    let verified = Sweep::of(scene()).solver(InProcess(Unasked)).run();
     for (study, said) in [
-        ("verify", verified.map(drop).map_err(said)),
         ("audit", SceneAudit::new(&setup("friction-time"), &[4], &[4]).map(drop).map_err(said)),
-        ("gronwall", prepare(&subject, Some(4), &[4]).map(drop).map_err(said)),
         ("diagnose", diagnose(&scene(), &|setup| setup, true).map(drop).map_err(said)),
     ] {
         let said = said.expect_err(study);

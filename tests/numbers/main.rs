@@ -1,5 +1,7 @@
 //! Tests of the library: schemes, histories, laws, loads, norms, orders, constants and studies against values from outside. One program: linking is most of what a small test costs.
 
+#![allow(clippy::too_many_lines, reason = "tables of defects and of bad input")]
+
 mod abstract_problem;
 #[path = "../again/mod.rs"]
 mod again;
@@ -20,6 +22,7 @@ mod fixtures_punch;
 mod fixtures_pure_strong;
 mod floors;
 mod friction;
+mod friction_independent;
 mod friction_space;
 mod gronwall;
 mod histories;

@@ -89,7 +89,7 @@ fn with_slope(
     slope: f64,
     solver: LinearSolver,
 ) -> Option<FactorError> {
-    let mut problem = ContactProblem::new(&data.space, &setup.model).solved_by(solver);
+    let mut problem = ContactProblem::new(&data.space, &setup.model, solver).expect("an analysis");
     let dofs = problem.dofs();
     problem.begin(&LastSlot::default(), 0.0, &vec![1.0; dofs], &[]);
     let mut residual = vec![0.0; dofs];

@@ -208,13 +208,14 @@ fn what_jumps_leave_out_is_refused() {
     let gauss = refused(edited(&scene, "quadrature = \"vertex\"", "quadrature = \"gauss\""));
     assert!(gauss.contains("CR by midpoints") && gauss.contains("take P1"), "{gauss}");
     let interpolated = edited(&scene, "u = [", "interpolated = true\nu = [");
-    assert!(refused(interpolated).contains("no truth for another element"));
+    assert!(refused(interpolated).contains("V^h of CR is not in V"));
     let by_state = refused(edited(&scene, "steps = [16]", "steps = [16]\nby_state = true"));
     assert!(by_state.contains("continuous functions alone"), "{by_state}");
     let setup = setup_of(scene);
-    for command in [&Extension::ALL[..], &Extension::BUT_FRICTION, &Extension::OF_TRADE] {
-        let told = setup.scene.without(command, "sweep trade").expect_err("a refusal").to_string();
-        assert!(told.contains("`sweep trade` does not treat CR elements"), "{told}");
+    for asked in [&Extension::ALL[..], &[Extension::Element], &[Extension::Nonconforming]] {
+        let refused = setup.scene.without(asked, "sweep audit", "it is so").expect_err("a refusal");
+        let told = refused.to_string();
+        assert!(told.contains("`sweep audit` does not treat CR elements: it is so"), "{told}");
         assert!(told.contains("explain, run, gate and solve do"), "{told}");
     }
     let body = format!("{}/tests/numbers/quadratic-box.toml", env!("CARGO_MANIFEST_DIR"));

@@ -57,7 +57,7 @@ fn space(turn: Turn, contact: &[&str]) -> Discretization {
     let mesh = turn.mesh(&rectangle([1.0, 1.0], N, Family::Structured));
     let numbers: Vec<u32> = contact.iter().map(|name| mesh.side(name).unwrap()).collect();
     let top = mesh.side("top").unwrap();
-    Discretization::new(mesh, &[top], &numbers).unwrap()
+    Discretization::new(mesh, &[top], &numbers)
 }
 
 struct Solved {
@@ -151,7 +151,7 @@ fn a_wrong_normal_or_load_is_seen() {
     let slip = Turn(0.01).pairs(&mesh.facet_normal);
     mesh.facet_normal = slip;
     let top = mesh.side("top").unwrap();
-    let wrong = Discretization::new(mesh, &[top], &[bottom]).unwrap();
+    let wrong = Discretization::new(mesh, &[top], &[bottom]);
     let turned = solve(&setup, &setup.model, &data, &wrong, turn, &newton);
     assert!(difference(&straight, &turned, turn) > 1e-4);
     let space = space(turn, &["bottom"]);

@@ -2,13 +2,13 @@
 //! Goal: P2 is what another program has; quadratic displacements are reproduced; the tangent is the derivative of the
 //!   residual; nodes, weights and points of another element are driven off their order or their constant.
 //! Mesh: n × n squares cut from lower left to upper right, with their vertices moved for the reproduction.
-//! Data: the scenes quadratic-…; the cuboid of quadratic-box.toml beside this file; a body that holds a quadratic displacement at all times.
+//! Data: the scenes quadratic-…; a body that holds a quadratic displacement at all times.
 
 use crate::shipped::{
     Change, edited, errors, fixture, midpoints_between_corners, on_mesh, run, setup, setup_of,
     text, v_max, v_max_on_changed, weigh_facets,
 };
-use gronwall::contact::{ContactProblem, LastSlot, StepView};
+use gronwall::contact::{ContactProblem, LastSlot, LinearSolver, StepView};
 use gronwall::linalg::signed_unit;
 use gronwall::norms::step_errors;
 use gronwall::scene::{Extension, Scene, Source};
@@ -23,8 +23,7 @@ fn independent(name: &str) -> Setup {
 
 /// A cuboid with memory and a law on its bottom.
 fn in_space() -> String {
-    let path = format!("{}/tests/numbers/quadratic-box.toml", env!("CARGO_MANIFEST_DIR"));
-    std::fs::read_to_string(path).expect("a scene")
+    text("quadratic-box")
 }
 
 /// Every displacement to 1e-9 of the largest: both solve the same discrete problem, to 1e-13.
@@ -89,6 +88,43 @@ fn quadratic_displacements_are_reproduced() {
     assert!(v_max(&linear, &linear.model, &on_mesh(&linear, 3), 2) > 1e-2);
 }
 
+/// A truth that is, on each mesh, the interpolant by quadratics of something else, on a mesh with moved vertices.
+fn interpolated(scene: &str, u: &str) -> Setup {
+    let start = scene.find("u = [").expect("a solution");
+    let end = start + scene[start..].find('\n').expect("a line");
+    setup_of(format!("{}{u}\ninterpolated = true{}", &scene[..start], &scene[end..]))
+}
+
+/// Strains, stresses, pressures and displacements of an interpolant are those of the solver; in space the law's pressure is
+/// shown between the midpoints as a linear function.
+#[test]
+fn interpolants_are_found_to_rounding() {
+    let plane = reproduced().scene.source.text.clone();
+    let u = "u = [\"(1 - y)*sin(3*x + y)\", \"-0.3*(1 - y)*cos(2*x)*exp(y)\"]";
+    let plane = interpolated(&plane, u);
+    let moved =
+        "contact = [\"bottom\"]\nmesh = { kind = \"perturbed\", amplitude = 0.1, seed = 3 }";
+    let space = edited(&in_space(), "contact = [\"bottom\"]", moved);
+    let u = "u = [\"t*(1 - y)*sin(x + 2*y - z)\", \"-0.3*t*(1 - y)*exp(x*z)\", \"t*(1 - y)*cos(x + z)\"]";
+    let space = interpolated(&space, u);
+    for (setup, n) in [(&plane, 3), (&space, 2)] {
+        let data = on_mesh(setup, n);
+        for step in errors(setup, &setup.model, &data, 2) {
+            // As for quadratic displacements.
+            assert!(step.v < 1e-12 && step.l2 < 1e-12 && step.trace < 1e-12, "{step:?}");
+            assert!(step.stress < 1e-11 && step.pressure < 1e-11, "{step:?}");
+        }
+        let wrong: [Change; 2] = [
+            |space| weigh_facets(space, [0.5 / space.mesh.dimension as f64, 0.5 / 3.0]),
+            |space| space.geometry.shares.iter_mut().for_each(|share| *share *= 1.01),
+        ];
+        for change in wrong {
+            let found = v_max_on_changed(setup, n, 2, change);
+            assert!(found.map_or(true, |(error, _)| error > 1e-4));
+        }
+    }
+}
+
 /// In a body of two materials each point has that of its cell: u is the same, and the stress jumps between them.
 #[test]
 fn two_materials_are_those_of_their_cells() {
@@ -120,7 +156,8 @@ fn the_tangent_at_quadrature_points_is_the_derivative() {
         .collect();
     let memory = setup.model.memory.iter().map(|term| 0.125 * term.kernel.value(0.0)).collect();
     let slot = LastSlot { zeta: 0.125, memory };
-    let mut problem = ContactProblem::new(&space, &setup.model);
+    let mut problem =
+        ContactProblem::new(&space, &setup.model, LinearSolver::Direct).expect("an analysis");
     problem.begin(&slot, 0.1, &vec![0.0; space.dofs()], &[]);
     let mut seed = 5;
     let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
@@ -260,12 +297,10 @@ fn what_has_no_quadratic_form_is_refused() {
     assert!(p3.contains("unknown value `P3` of `element`") && p3.contains("P1, P2"), "{p3}");
     let gauss = refused(edited(&scene, "quadrature = \"vertex\"", "quadrature = \"gauss\""));
     assert!(gauss.contains("Simpson") && gauss.contains("take P1"), "{gauss}");
-    let interpolated = edited(&scene, "u = [", "interpolated = true\nu = [");
-    assert!(refused(interpolated).contains("no truth for P2"));
     let setup = setup_of(scene);
     let told = setup
         .scene
-        .without(&[Extension::Element], "sweep audit")
+        .without(&[Extension::Element], "sweep audit", "why")
         .expect_err("a refusal")
         .to_string();
     assert!(told.contains("`sweep audit` does not treat P2 elements"), "{told}");

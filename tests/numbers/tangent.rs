@@ -5,7 +5,9 @@
 //! Data: punch, with the vertex, the Gauss and the exact rule of compliance, and with pinned vertices.
 
 use crate::shipped::{edited, on_mesh, setup_of, text};
-use gronwall::contact::{BoundaryRule, ContactProblem, Discretization, LastSlot, Model};
+use gronwall::contact::{
+    BoundaryRule, ContactProblem, Discretization, LastSlot, LinearSolver, Model,
+};
 use gronwall::law::{Projection, Response, YieldLimit};
 use gronwall::linalg::signed_unit;
 use gronwall::setup::Setup;
@@ -63,7 +65,7 @@ fn forces<P: Projection>(problem: &mut ContactProblem<'_, P>, u: &[f64]) -> Vec<
 /// increment prescribed if `pin`. With `aged`, the factor is that of another state, with GMRES on the true Jacobian.
 fn mismatch<P: Projection>(space: &Discretization, model: &Model<P>, pin: bool, aged: bool) -> f64 {
     let u = state(space);
-    let mut problem = ContactProblem::new(space, model);
+    let mut problem = ContactProblem::new(space, model, LinearSolver::Direct).expect("an analysis");
     let load = vec![0.0; space.dofs()];
     let memory = model.memory.iter().map(|term| WEIGHT * term.kernel.value(0.0)).collect();
     let slot = LastSlot { zeta: WEIGHT, memory };

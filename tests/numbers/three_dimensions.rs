@@ -7,7 +7,8 @@
 
 use crate::shipped::{edited, setup_of, text};
 use gronwall::contact::{
-    ContactProblem, Discretization, LastSlot, Load, LoadError, Model, march, stress_force,
+    ContactProblem, Discretization, LastSlot, LinearSolver, Load, LoadError, Model, march,
+    stress_force,
 };
 use gronwall::law::{Isotropic, NoProjection, VonMises, YieldLimit};
 use gronwall::mesh::{Family, cuboid};
@@ -18,7 +19,7 @@ use gronwall::vhi::{Newton, StepInequality};
 fn space(n: u32, family: Family) -> Discretization {
     let mesh = cuboid([1.0, 1.0, 0.5], n, family);
     let (top, bottom) = (mesh.side("top").unwrap(), mesh.side("bottom").unwrap());
-    Discretization::new(mesh, &[top], &[bottom]).unwrap()
+    Discretization::new(mesh, &[top], &[bottom])
 }
 
 /// u = (b(1-y), -a(1-y), 0): the exact displacement of the scene.
@@ -258,7 +259,8 @@ fn the_tangent_is_the_derivative_of_the_force() {
     let Model { elasticity, memory, boundary, friction, time_rule, .. } = with(Terms::Both).model;
     let projection = VonMises { mu: 0.7, limit: Rising };
     let model = Model { elasticity, memory, projection, boundary, friction, time_rule };
-    let mut problem = ContactProblem::new(&space, &model);
+    let mut problem =
+        ContactProblem::new(&space, &model, LinearSolver::Direct).expect("an analysis");
     let order = space.dofs();
     problem.begin(&LastSlot { zeta: 0.4, memory: vec![-0.2] }, 0.3, &vec![0.0; order], &[]);
     let u: Vec<f64> = (0..order).map(|i| 0.2 * (1.7 * i as f64).sin()).collect();

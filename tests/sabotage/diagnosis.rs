@@ -45,7 +45,7 @@ pub fn diagnosed(reference: &Reference, defect: &Defect) -> Option<Diagnosed> {
     let spoilt = reference.trials.iter().zip(&reference.outcomes).find(|(trial, _)| {
         let exact =
             trial.scene.as_contact().is_some_and(|body| matches!(body.data, Data::Exact { .. }));
-        let asked = exact && trial.scene.without(&[Extension::Element], "").is_ok();
+        let asked = exact && trial.scene.without(&[Extension::Element], "", "").is_ok();
         asked && trial.run(defect).verdicts.iter().any(|verdict| !verdict.as_expected())
     });
     let (trial, _) = spoilt?;

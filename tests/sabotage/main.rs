@@ -6,6 +6,8 @@
 //! `make sabotage` runs the whole catalogue and writes docs/SABOTAGE.md; `make sabotage-check`, a part of `make ci`,
 //! compares. Six defects run with the plain tests.
 
+#![allow(clippy::too_many_lines, reason = "tables of defects and of bad input")]
+
 #[path = "../again/mod.rs"]
 mod again;
 mod catalogue;

@@ -174,7 +174,7 @@ impl Scheme for Normals {
             let [x, y, _] = mesh.normal(f);
             mesh.facet_normal[2 * f..2 * f + 2].copy_from_slice(&(self.0)([x, y]));
         }
-        let space = Discretization::new(mesh, &clamped, &contact).expect("a mesh");
+        let space = Discretization::new(mesh, &clamped, &contact);
         let mut load = TruthLoad(&*data.truth);
         march(&space, &setup.model, &setup.grid(steps), &mut load, &Newton::default(), observe)
     }

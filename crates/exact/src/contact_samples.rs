@@ -3,6 +3,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::exact::{Exact, LawNumbers};
+use super::shapes::shapes;
 use fem::contact::Discretization;
 use fem::norms::{ContactSamples, ContactState, is_locked, state_rule};
 use formula::{Bound, Point};
@@ -10,12 +11,14 @@ use formula::{Bound, Point};
 /// r counts as the place of a jump within this distance of it, relative to it: formulas round.
 const AT_JUMP_WITHIN: f64 = 1e-9;
 
-/// The formulas of Γ3 bound to two corners and the points of the state rule of each facet.
+/// The formulas of Γ3 bound to the nodes, corners first, and the points of the state rule of each facet.
 pub(super) struct StatePoints {
     sides: Vec<PartOfTrace>,
     law: Option<LawNumbers>,
-    /// u_ν and the pressure are linear between the corners: the truth is an interpolant.
-    interpolated: bool,
+    /// Shape functions at the points, where the truth is an interpolant: u_ν and the pressure are those of the nodes.
+    shapes: Option<Vec<Vec<f64>>>,
+    /// Nodes a facet.
+    nodes: usize,
     facets: usize,
 }
 
@@ -33,11 +36,14 @@ impl StatePoints {
         let (mesh, trace, rule) = (&space.mesh, &space.trace, state_rule());
         let contact = exact.data.contact.as_ref();
         let shift = contact.and_then(|contact| contact.shift);
+        let nodes = [vec![1.0, 0.0], vec![0.0, 1.0], vec![0.5, 0.5]];
+        let nodes = &nodes[..space.nodes.a_facet];
+        let shapes =
+            interpolated.then(|| rule.points.iter().map(|b| shapes(space.element, b)).collect());
         let mut sides = Vec::new();
         for part in mesh.plane_parts(&trace.mesh_facet) {
             let facets = part.members;
-            let corners = [vec![1.0, 0.0], vec![0.0, 1.0]];
-            let places: Vec<&Vec<f64>> = corners.iter().chain(&rule.points).collect();
+            let places: Vec<&Vec<f64>> = nodes.iter().chain(&rule.points).collect();
             let points: Vec<[f64; 3]> = facets
                 .iter()
                 .flat_map(|&f| {
@@ -52,7 +58,7 @@ impl StatePoints {
             sides.push(PartOfTrace { facets, shift, bound: Mutex::new(bound) });
         }
         let law = contact.and_then(|contact| contact.law.clone());
-        Self { sides, law, interpolated, facets: trace.measure.len() }
+        Self { sides, law, shapes, nodes: nodes.len(), facets: trace.measure.len() }
     }
 
     /// The truth and its states at time t.
@@ -71,12 +77,14 @@ impl StatePoints {
             side.bound.lock().unwrap_or_else(PoisonError::into_inner).evaluate(t, 0.0, &mut out);
             let [normal, pressure, gap] = [&out[0], &out[1], &out[2]];
             for (index, &f) in side.facets.iter().enumerate() {
-                let first = (count + 2) * index;
+                let first = (count + self.nodes) * index;
                 samples.gap[2 * f..2 * f + 2].copy_from_slice(&gap[first..first + 2]);
-                for (q, b) in rule.points.iter().enumerate() {
-                    let value = |field: &[f64]| match self.interpolated {
-                        true => b[0] * field[first] + b[1] * field[first + 1],
-                        false => field[first + 2 + q],
+                for q in 0..count {
+                    let value = |field: &[f64]| match &self.shapes {
+                        Some(shapes) => {
+                            shapes[q].iter().zip(&field[first..]).map(|(s, v)| s * v).sum()
+                        }
+                        None => field[first + self.nodes + q],
                     };
                     let at = count * f + q;
                     (samples.normal[at], samples.pressure[at]) = (value(normal), value(pressure));

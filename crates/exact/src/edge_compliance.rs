@@ -90,7 +90,7 @@ pub(crate) fn edge_moments(
     moments
 }
 
-/// The same on a triangle by the Gauss rule of the scheme, of degree 4; `shift` and `scale` take barycentric coordinates.
+/// Moments of the compliance on a triangle by the Gauss rule of the scheme, of degree 4; `shift` and `scale` take barycentric coordinates.
 /// The exact rule is one for edges, and scenes in space that ask for it are refused.
 pub(crate) fn triangle_moments(
     law: &LawNumbers,

@@ -275,7 +275,7 @@ impl Exact {
         self.boundary_at(normal, None)
     }
 
-    /// The same on a plane where a coordinate has one value: terms that vanish there are left out.
+    /// The fields of a side on a plane where a coordinate has one value: terms that vanish there are left out.
     pub(super) fn boundary_at(
         &self,
         normal: &[f64],

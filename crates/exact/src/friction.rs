@@ -74,6 +74,11 @@ impl Sliding {
         length(self.s)
     }
 
+    /// Whether |s| is below S, by more than rounding of formulas.
+    pub fn sticks(&self) -> bool {
+        self.size() < self.bound * (1.0 - ROUNDING)
+    }
+
     /// |u_τ|.
     pub fn slipped(&self) -> f64 {
         length(self.slip)
@@ -90,6 +95,9 @@ impl Sliding {
 fn length([a, b]: [f64; 2]) -> f64 {
     if b == 0.0 { a.abs() } else { a.hypot(b) }
 }
+
+/// Rounding of a formula that is to stay at the bound.
+const ROUNDING: f64 = 1e-12;
 
 /// A component of a unit vector that is zero but for rounding.
 const ALONG_AXIS: f64 = 1e-12;
@@ -115,7 +123,7 @@ impl Exact {
         self.friction_at(normal, None)
     }
 
-    /// The same on a plane where a coordinate has one value.
+    /// The friction on a plane where a coordinate has one value.
     pub(super) fn friction_at(
         &self,
         normal: &[f64],

@@ -1,5 +1,5 @@
-//! Scenes whose exact u(t) is, on each mesh, the nodal interpolant of given formulas (u(t) ∈ V^h):
-//! strain, memory, ζ and stress are those of the interpolant, constant on each cell, and
+//! Scenes whose exact u(t) is, on each mesh, the nodal interpolant of given formulas (u(t) ∈ V^h): strain, memory, ζ and
+//! stress are those of the interpolant at the points of the element where strains live, one a cell for P1, and
 //! ∫_{Γ3} c v_ν takes the boundary rule of the scheme. The error is the time error alone.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -9,10 +9,11 @@ use super::constitutive::{self, Tensor, mandel};
 use super::contact_samples::StatePoints;
 use super::edge_compliance::{ComplianceRule, edge_moments, triangle_moments};
 use super::exact::Exact;
-use super::linear::edge_slopes;
 use super::nodal_force::{add_force_along, facet_measure, force_of_means};
+use super::nodal_strain::NodalStrain;
 use super::running_integral::RunningIntegral;
 use super::sampled::vector_names;
+use super::shapes::shapes;
 use super::side_points::{SidePoints, side_points};
 use super::sign_changes::sign_changes;
 use super::truth::{ByTime, Truth};
@@ -29,12 +30,11 @@ pub struct InterpolatedOnMesh {
     space: Arc<Discretization>,
     /// Where the scheme integrates ∂j_ν.
     rule: ComplianceRule,
-    /// The components of u, then those of each H_i u, at the vertices in node order.
+    /// The components of u, then those of each H_i u, at the nodes.
     bound: Mutex<Bound>,
     /// Of each cell.
     regions: Vec<usize>,
-    /// Slopes along the edges.
-    slopes: Vec<f64>,
+    strains: NodalStrain,
     /// Formulas on each side of Γ3, bound to its points of the trace.
     boundary: Vec<SidePoints>,
     /// Times in [0, T] at which a guard changes sign at some vertex, sorted.
@@ -61,10 +61,7 @@ impl InterpolatedOnMesh {
         Self {
             bound: Mutex::new(nodal.bind(&points)),
             regions: exact.cell_regions(&space.mesh),
-            slopes: match space.mesh.dimension {
-                2 => edge_slopes::<2>(&space.mesh),
-                _ => edge_slopes::<3>(&space.mesh),
-            },
+            strains: NodalStrain::new(space.clone()),
             boundary,
             events: OnceLock::new(),
             accumulated: RunningIntegral::new(horizon),
@@ -106,47 +103,9 @@ impl InterpolatedOnMesh {
         Ok((interleave(u), memory.chunks(d).map(interleave).collect()))
     }
 
-    /// ε of a nodal vector on cell c, as a full tensor: from differences along the edges, apart
-    /// from the solver's shape gradients.
-    fn strain<const D: usize>(&self, nodal: &[f64], c: usize) -> Tensor<D> {
-        let nodes = self.space.cell_nodes(c);
-        let slopes = &self.slopes.as_chunks::<D>().0[D * c..D * (c + 1)];
-        let values = nodal.as_chunks::<D>().0;
-        let from = &values[nodes[0] as usize];
-        let mut gradient = [[0.0; D]; D];
-        for (slope, &node) in slopes.iter().zip(&nodes[1..]) {
-            let to = &values[node as usize];
-            for i in 0..D {
-                for j in 0..D {
-                    gradient[i][j] += (to[i] - from[i]) * slope[j];
-                }
-            }
-        }
-        let mut strain = gradient;
-        for i in 0..D {
-            for j in i + 1..D {
-                strain[i][j] = 0.5 * (gradient[i][j] + gradient[j][i]);
-                strain[j][i] = strain[i][j];
-            }
-        }
-        strain
-    }
-
     fn strain_norm<const D: usize>(&self, t: f64) -> Result<f64, LoadError> {
         let (u, _) = self.displacements(t)?;
-        let mut sum = 0.0;
-        for c in 0..self.space.mesh.cell_count() {
-            let strain: Tensor<D> = self.strain(&u, c);
-            let mut square = 0.0;
-            for i in 0..D {
-                square += strain[i][i] * strain[i][i];
-                for j in i + 1..D {
-                    square += 2.0 * strain[i][j] * strain[i][j];
-                }
-            }
-            sum += self.space.geometry.measure[c] * square;
-        }
-        Ok(sum.sqrt())
+        Ok(self.strains.norm::<D>(&u))
     }
 
     /// ζ(t) = ∫ ‖ε(I_h u(s))‖ ds of the interpolant, cut at the events.
@@ -279,17 +238,17 @@ impl InterpolatedOnMesh {
         Ok(force)
     }
 
-    /// u, and ε and σ of all cells.
+    /// u, and ε and σ at the strain points of all cells.
     fn cells<const D: usize, const N: usize>(&self, t: f64) -> Result<CellFields, LoadError> {
         let (u, memory) = self.displacements(t)?;
         let kappa = self.kappa(t)?;
-        let cells = self.space.mesh.cell_count();
-        let [mut strains, mut stresses] = [(); 2].map(|()| Vec::with_capacity(N * cells));
+        let (cells, points) = (self.space.mesh.cell_count(), self.strains.points());
+        let [mut strains, mut stresses] = [(); 2].map(|()| Vec::with_capacity(N * cells * points));
         let mut remembered: Vec<Tensor<D>> = Vec::new();
-        for c in 0..cells {
-            let strain = self.strain(&u, c);
+        for (c, p) in (0..cells).flat_map(|c| (0..points).map(move |p| (c, p))) {
+            let strain = self.strains.at(&u, c, p);
             remembered.clear();
-            remembered.extend(memory.iter().map(|h| self.strain(h, c)));
+            remembered.extend(memory.iter().map(|h| self.strains.at(h, c, p)));
             let material = self.exact.material_in(self.regions[c]);
             let stress = constitutive::stress(material, &strain, &remembered, kappa);
             for (all, tensor) in [(&mut strains, strain), (&mut stresses, stress)] {
@@ -300,6 +259,13 @@ impl InterpolatedOnMesh {
         Ok(CellFields { u, strain: strains, stress: stresses })
     }
 
+    /// Where a point has no law the pressure is what the discrete one is shown as there, a mean of those around it.
+    fn pressures_between_laws(&self, state: &mut [[f64; 5]]) {
+        let mut pressure: Vec<f64> = state.iter().map(|at| at[1]).collect();
+        self.space.trace.extend(&mut pressure);
+        state.iter_mut().zip(pressure).for_each(|(at, pressure)| at[1] = pressure);
+    }
+
     fn compute_moments<const D: usize, const N: usize>(
         &self,
         t: f64,
@@ -307,24 +273,26 @@ impl InterpolatedOnMesh {
         let CellFields { u, strain, stress } = self.cells::<D, N>(t)?;
         let mut moments = Moments::default();
         (moments.strain.at, moments.stress.at) = (strain, stress);
-        let corners = &self.space.nodes.cells;
-        moments.displacement.node.reserve(D * corners.len());
-        for &node in corners {
+        let nodes = &self.space.nodes.cells;
+        moments.displacement.node.reserve(D * nodes.len());
+        for &node in nodes {
             moments.displacement.node.extend_from_slice(&u.as_chunks::<D>().0[node as usize]);
         }
-        let state = self.contact_state(t);
-        let samples = facet_samples(D);
+        let mut state = self.contact_state(t);
+        self.pressures_between_laws(&mut state);
+        let samples: Vec<Vec<f64>> =
+            facet_samples(D).iter().map(|b| shapes(self.space.element, b)).collect();
         for f in 0..self.space.trace.measure.len() {
             let at = self.space.trace.facet(f).iter().map(|&i| state[i as usize]);
             moments.normal.node.extend(at.clone().map(|at| at[0]));
             moments.pressure.node.extend(at.clone().map(|at| at[1]));
             for b in &samples {
-                let linear = |field: usize| -> f64 {
-                    // A gap of ∞ has no part in a corner that does not count.
-                    let parts = b.iter().zip(at.clone()).filter(|(b, _)| **b > 0.0);
+                let value = |field: usize| -> f64 {
+                    // A gap of ∞ has no part in a node that does not count.
+                    let parts = b.iter().zip(at.clone()).filter(|(b, _)| **b != 0.0);
                     parts.map(|(b, at)| b * at[field]).sum()
                 };
-                moments.locked.push(is_locked(linear(0), linear(2)));
+                moments.locked.push(is_locked(value(0), value(2)));
             }
         }
         Ok(moments)
@@ -361,19 +329,18 @@ impl Truth for InterpolatedOnMesh {
     }
 }
 
-/// u in the nodes, ε and σ in the cells, in the notation of moments.
+/// u in the nodes, ε and σ at the strain points, in the notation of moments.
 struct CellFields {
     u: Vec<f64>,
     strain: Vec<f64>,
     stress: Vec<f64>,
 }
 
-/// The vertices in node order.
 fn points_of_nodes(space: &Discretization) -> Vec<[f64; 3]> {
     space.nodes.vertex.iter().map(|&v| space.mesh.point(&[v], &[1.0])).collect()
 }
 
-/// Times at which a guard of u changes sign at some vertex.
+/// Times at which a guard of u changes sign at some node.
 fn events(exact: &Exact, space: &Discretization) -> Vec<f64> {
     let (mut graph, horizon) = (exact.data.graph.clone(), exact.data.horizon);
     let guards = graph.guards(&exact.data.u);

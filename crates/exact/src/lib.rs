@@ -30,6 +30,7 @@ mod interpolated;
 pub mod lanes;
 pub mod linear;
 pub mod nodal_force;
+mod nodal_strain;
 mod on_mesh;
 mod onto;
 mod part_moments;

@@ -46,7 +46,7 @@ impl RunningIntegral {
         Self { horizon, share: RESOLVED, panels: Mutex::new(Vec::new()) }
     }
 
-    /// The same for a function whose values are right to a share of it alone, if that is larger.
+    /// The integral of a function whose values are right only to this share of it, if that is larger than what is asked.
     pub(crate) fn scaled_to(self, share: f64) -> Self {
         Self { share: share.max(RESOLVED), ..self }
     }

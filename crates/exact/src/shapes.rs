@@ -10,7 +10,8 @@ pub(super) const MOST_NODES: usize = 10;
 /// come first.
 const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
-fn between(corners: usize) -> &'static [[usize; 2]] {
+/// Ends of the edges at whose midpoints a simplex with so many corners has nodes.
+pub(super) fn between(corners: usize) -> &'static [[usize; 2]] {
     &BETWEEN[..corners * (corners - 1) / 2]
 }
 
@@ -39,6 +40,32 @@ pub fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
 
 /// The corners of a triangle that are no ends of its edges 01, 12, 20.
 const OPPOSITE: [usize; 3] = [2, 0, 1];
+
+/// Means of the shape functions over a facet in dimension d, as a numerator for each node and what they are divided by.
+pub(super) fn facet_means(element: Element, d: usize) -> (Vec<f64>, f64) {
+    match element {
+        Element::P1 => (vec![1.0; d], d as f64),
+        // Of a linear function 1/d; of a bubble 2/3 on an edge and 1/3 on a triangle, half of which each end loses.
+        Element::P2 if d == 2 => (vec![1.0, 1.0, 4.0], 6.0),
+        Element::P2 => (vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], 3.0),
+        Element::CR => (vec![1.0], 1.0),
+    }
+}
+
+/// Barycentric coordinates of the points of a cell where strains live: its centre for linear elements; for quadratic ones
+/// a point near each corner, where all coordinates but that corner's own are equal.
+pub(super) fn strain_places(element: Element, d: usize) -> Vec<Vec<f64>> {
+    match element {
+        Element::P1 | Element::CR => vec![vec![1.0 / (d + 1) as f64; d + 1]],
+        Element::P2 => {
+            let root = ((d + 2) as f64).sqrt();
+            let (far, near) = (1.0 / ((d + 2) as f64 + root), 1.0 / root);
+            let place =
+                |own: usize| (0..=d).map(|b| if b == own { far + near } else { far }).collect();
+            (0..=d).map(place).collect()
+        }
+    }
+}
 
 /// ∫ σ·∇φ_a of all nodes of a cell: `stress` is σ at its strain points, or rather its projection there, and `inward` is
 /// ∫ ∇λ_b of its corners.
@@ -89,6 +116,26 @@ pub(super) fn work<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use fem::space::quadrature::{edge, triangle_degree_4};
+
+    #[test]
+    fn means_and_places_are_those_of_a_rule() {
+        for element in Element::ALL {
+            for (d, rule) in [(2, edge(4)), (3, triangle_degree_4())] {
+                let (parts, sum) = facet_means(element, d);
+                for (a, part) in parts.iter().enumerate() {
+                    let values = rule.points.iter().zip(&rule.weights);
+                    let mean: f64 = values.map(|(b, w)| w * shapes(element, b)[a]).sum();
+                    assert!((mean - part / sum).abs() < 1e-15, "{element:?} {d} {a}");
+                }
+                let places = strain_places(element, d);
+                let known = element.strain_rule(d).points;
+                assert_eq!(places.len(), known.len());
+                let pairs = places.iter().flatten().zip(known.iter().flatten());
+                pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-15, "{places:?}"));
+            }
+        }
+    }
 
     /// Of σ = (1, x; x, y) on the unit triangle and v = (x², xy): σ:∇v = 2x + x (y + 0) + y x, of mean 2/3 + 1/6.
     #[test]

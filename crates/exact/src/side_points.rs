@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use super::exact::Exact;
 use super::friction::{Sliding, Tangents};
 use super::nodal_force::facet_measure;
+use super::shapes::facet_means;
 use fem::contact::Discretization;
 use fem::mesh::PlanePart;
 use formula::Bound;
@@ -56,10 +57,12 @@ pub(super) fn side_points(exact: &Exact, space: &Discretization) -> Vec<SidePoin
         normal[..d].copy_from_slice(&part.normal[..d]);
         let formulas = exact.boundary(&normal[..d]);
         let mut of_vertex = HashMap::new();
+        let (parts, sum) = facet_means(space.element, d);
         for &f in &facets {
             let facet = trace.mesh_facet[f] as usize;
-            for &vertex in mesh.facet(facet) {
-                *of_vertex.entry(vertex).or_insert(0.0) += facet_measure(mesh, facet) / d as f64;
+            for (&vertex, part) in space.nodes.on_facet(facet).iter().zip(&parts) {
+                let share = part * facet_measure(mesh, facet) / sum;
+                *of_vertex.entry(vertex).or_insert(0.0) += share;
             }
         }
         let weights = members.iter().map(|&i| of_vertex[&trace.points[i].vertex]).collect();

@@ -57,23 +57,8 @@ impl Graph {
                 let (left, right) = (self.mul(da, b), self.mul(a, db));
                 self.add(left, right)
             }
-            Op::Div(a, b) => {
-                // (a/b)' = (a' - (a/b) b') / b
-                let (da, db) = (self.slope(a, v), self.slope(b, v));
-                let carried = self.mul(f, db);
-                let numerator = self.sub(da, carried);
-                self.div(numerator, b)
-            }
-            Op::Power(a, n) => {
-                let da = self.slope(a, v);
-                let factor = self.constant(f64::from(n));
-                let lower = match n.checked_sub(1) {
-                    Some(m) => self.powi(a, m),
-                    None => self.div(f, a),
-                };
-                let outer = self.mul(factor, lower);
-                self.mul(outer, da)
-            }
+            Op::Div(a, b) => self.quotient_derivative(f, a, b, v),
+            Op::Power(a, n) => self.power_derivative(f, a, n, v),
             Op::Pow(a, b) => self.pow_derivative(f, a, b, v),
             Op::Apply(function, a) => {
                 let da = self.slope(a, v);
@@ -92,30 +77,51 @@ impl Graph {
                 let (dp, dq) = (self.slope(p, v), self.slope(q, v));
                 self.select_less(a, b, dp, dq)
             }
+            Op::Relax(c, a) if v == Variable::T => {
+                let rate = self.constant(f64::from_bits(c));
+                let decay = self.mul(rate, f);
+                self.sub(a, decay)
+            }
             Op::Relax(c, a) => {
-                if v == Variable::T {
-                    let rate = self.constant(f64::from_bits(c));
-                    let decay = self.mul(rate, f);
-                    self.sub(a, decay)
-                } else {
-                    let da = self.slope(a, v);
-                    self.relax(f64::from_bits(c), da)
-                }
+                let da = self.slope(a, v);
+                self.relax(f64::from_bits(c), da)
             }
-            Op::Convolve(kernel, a) => {
-                if v == Variable::T {
-                    let zero = self.constant(0.0);
-                    let initial = self.substitute(kernel, Variable::T, zero);
-                    let change = self.slope(kernel, v);
-                    let now = self.mul(initial, a);
-                    let past = self.convolve(change, a);
-                    self.add(now, past)
-                } else {
-                    let da = self.slope(a, v);
-                    self.convolve(kernel, da)
-                }
-            }
+            Op::Convolve(kernel, a) => self.convolution_derivative(kernel, a, v),
         }
+    }
+
+    /// (∫₀ᵗ b(t − s) a(s) ds)' = b(0) a + ∫₀ᵗ b'(t − s) a(s) ds in time; b keeps out of derivatives in space.
+    fn convolution_derivative(&mut self, kernel: Node, a: Node, v: Variable) -> Node {
+        if v != Variable::T {
+            let da = self.slope(a, v);
+            return self.convolve(kernel, da);
+        }
+        let zero = self.constant(0.0);
+        let initial = self.substitute(kernel, Variable::T, zero);
+        let change = self.slope(kernel, v);
+        let now = self.mul(initial, a);
+        let past = self.convolve(change, a);
+        self.add(now, past)
+    }
+
+    /// (a/b)' = (a' - (a/b) b') / b.
+    fn quotient_derivative(&mut self, f: Node, a: Node, b: Node, v: Variable) -> Node {
+        let (da, db) = (self.slope(a, v), self.slope(b, v));
+        let carried = self.mul(f, db);
+        let numerator = self.sub(da, carried);
+        self.div(numerator, b)
+    }
+
+    /// (a^n)' = n a^(n-1) a'.
+    fn power_derivative(&mut self, f: Node, a: Node, n: i32, v: Variable) -> Node {
+        let da = self.slope(a, v);
+        let factor = self.constant(f64::from(n));
+        let lower = match n.checked_sub(1) {
+            Some(m) => self.powi(a, m),
+            None => self.div(f, a),
+        };
+        let outer = self.mul(factor, lower);
+        self.mul(outer, da)
     }
 
     /// (a^b)' = b a^(b-1) a' + a^b log(a) b', either part only where needed.

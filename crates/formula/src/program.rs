@@ -106,6 +106,14 @@ impl Program {
         slots + numbering + pasts + coordinates
     }
 
+    /// How many integrals over the past it takes at one time at so many points as of [`Self::bytes`] whose kernels are no
+    /// exponentials: those begin at 0 anew at every time.
+    pub fn integrals_from_zero(&self, points: f64, d: usize) -> f64 {
+        let lanes = |mask: u8| points.powf((f64::from(mask.count_ones()) / d as f64).min(1.0));
+        let general = self.plan.histories.iter().filter(|history| history.is_general());
+        general.map(|history| history.members.len() as f64 * lanes(history.mask)).sum()
+    }
+
     /// Binds the program to points; fixed values are computed here.
     pub fn bind(&self, points: &[[f64; 3]]) -> Bound {
         Bound::new(Arc::clone(&self.plan), points)

@@ -9,7 +9,7 @@
 
 use formula::{Node, Point, Variable};
 
-use super::abstract_written::{AbstractFile, Trace as WrittenTrace};
+use super::abstract_written::{AbstractFile, History as WrittenHistory, Trace as WrittenTrace};
 use super::definitions::definitions_in;
 use super::diagnostic::SceneError;
 use super::law::Law;
@@ -81,12 +81,9 @@ impl AbstractScene {
         file: &AbstractFile,
         m: usize,
     ) -> Result<Self, SceneError> {
-        let identity = || -> Rows {
-            (0..m).map(|i| (0..m).map(|j| f64::from(u8::from(i == j))).collect()).collect()
-        };
         let inner_product = match &file.space {
             Some(space) => square(reading, "space.inner_product", &space.inner_product, m)?,
-            None => identity(),
+            None => identity(m),
         };
         symmetric(reading, "space.inner_product", &inner_product)?;
         let matrix = square(reading, "operator.matrix", &file.operator.matrix, m)?;
@@ -98,29 +95,18 @@ impl AbstractScene {
             }
             None => None,
         };
-        let mut kernels = Vec::new();
-        let (mut r, mut a_s) = (identity(), vec![0.0; m]);
-        if let Some(history) = &file.history {
-            let mut scope = reading.scope(&[Variable::T]);
-            scope.define("s", reading.formulas.variable(Variable::X));
-            for (l, kernel) in history.kernels.iter().enumerate() {
-                let key = format!("history.kernels.{l}");
-                let q = reading.formula(&format!("{key}.q"), &kernel.q, &scope)?;
-                let matrix = match &kernel.matrix {
-                    Some(rows) => square(reading, &format!("{key}.matrix"), rows, m)?,
-                    None => identity(),
-                };
-                finite_at_the_end(reading, &format!("{key}.q"), q, file.time.horizon)?;
-                let power = singular::exponent(reading, &key, kernel.singular)?;
-                kernels.push(AbstractKernel { q, power, matrix });
-            }
-            if let Some(rows) = &history.r {
-                r = square(reading, "history.R", rows, m)?;
-            }
-            if let Some(values) = &history.a_s {
-                a_s = vector(reading, "history.a_S", values, m)?;
-            }
-        }
+        let written = file.history.as_ref();
+        let kernels = written.map_or(Ok(Vec::new()), |history| {
+            AbstractKernel::validate(reading, history, file.time.horizon, m)
+        })?;
+        let r = match written.and_then(|history| history.r.as_ref()) {
+            Some(rows) => square(reading, "history.R", rows, m)?,
+            None => identity(m),
+        };
+        let a_s = match written.and_then(|history| history.a_s.as_ref()) {
+            Some(values) => vector(reading, "history.a_S", values, m)?,
+            None => vec![0.0; m],
+        };
         let force = match &file.phi {
             Some(phi) => {
                 let mut scope = reading.scope(&[Variable::Y]);
@@ -129,12 +115,9 @@ impl AbstractScene {
             }
             None => None,
         };
-        let traces = file
-            .trace
-            .iter()
-            .enumerate()
-            .map(|(i, trace)| AbstractTrace::validate(reading, i, trace, m))
-            .collect::<Result<Vec<_>, _>>()?;
+        let traces = file.trace.iter().enumerate();
+        let traces = traces.map(|(i, trace)| AbstractTrace::validate(reading, i, trace, m));
+        let traces = traces.collect::<Result<Vec<_>, _>>()?;
         let scope = definitions_in(reading, &file.exact.define, &[Variable::T])?;
         let u = reading.vector("exact.u", &file.exact.u, m, &scope)?;
         let mut optional = |key: &str, formulas: &Option<Vec<_>>| match formulas {
@@ -156,6 +139,35 @@ impl AbstractScene {
             multiplier,
             selection,
         })
+    }
+}
+
+fn identity(m: usize) -> Rows {
+    (0..m).map(|i| (0..m).map(|j| f64::from(u8::from(i == j))).collect()).collect()
+}
+
+impl AbstractKernel {
+    fn validate(
+        reading: &mut Reading,
+        history: &WrittenHistory,
+        horizon: f64,
+        m: usize,
+    ) -> Result<Vec<Self>, SceneError> {
+        let mut scope = reading.scope(&[Variable::T]);
+        scope.define("s", reading.formulas.variable(Variable::X));
+        let mut kernels = Vec::new();
+        for (l, kernel) in history.kernels.iter().enumerate() {
+            let key = format!("history.kernels.{l}");
+            let q = reading.formula(&format!("{key}.q"), &kernel.q, &scope)?;
+            let matrix = match &kernel.matrix {
+                Some(rows) => square(reading, &format!("{key}.matrix"), rows, m)?,
+                None => identity(m),
+            };
+            finite_at_the_end(reading, &format!("{key}.q"), q, horizon)?;
+            let power = singular::exponent(reading, &key, kernel.singular)?;
+            kernels.push(Self { q, power, matrix });
+        }
+        Ok(kernels)
     }
 }
 

@@ -45,10 +45,6 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
     if element == Element::P1 {
         return None;
     }
-    if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
-        let message = "interpolated = true takes the piecewise linear interpolant of u, which is no truth for another element than P1";
-        return Some([message, "remove `interpolated`, or take P1"]);
-    }
     if parts.contact.is_some_and(|contact| contact.quadrature != ContactQuadrature::Vertex) {
         let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles; CR by midpoints";
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
@@ -73,6 +69,11 @@ fn not_conforming(parts: &Parts<'_>) -> Option<[&'static str; 2]> {
     if parts.dimension != 2 {
         let message = "CR is known on triangles alone";
         return Some([message, "take P1 or P2"]);
+    }
+    if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
+        let message =
+            "interpolated = true takes an interpolant of u in V, and V^h of CR is not in V";
+        return Some([message, "remove `interpolated`, or take P1 or P2"]);
     }
     if parts.sweep.is_some_and(|sweep| sweep.reference.is_some() || sweep.by_state) {
         let message =

@@ -24,12 +24,6 @@ impl Extension {
     pub const ALL: [Self; 4] =
         [Self::Friction, Self::Nonconforming, Self::Element, Self::SingularKernel];
 
-    /// All but friction.
-    pub const BUT_FRICTION: [Self; 3] = [Self::Nonconforming, Self::Element, Self::SingularKernel];
-
-    /// What `sweep trade` leaves out.
-    pub const OF_TRADE: [Self; 2] = [Self::Nonconforming, Self::SingularKernel];
-
     /// The key that asks for it in a scene, and its name; none where the scene does without.
     fn asked_by(self, scene: &Scene) -> Option<(String, String)> {
         let body = scene.as_contact();
@@ -57,32 +51,43 @@ impl Extension {
     fn way_out(self) -> &'static str {
         match self {
             Self::Friction => {
-                "run, gate, check, bound and solve do; for this command take a scene without [contact.friction]"
+                "run, gate, verify, check, bound and solve do; for this command take a scene without [contact.friction]"
             }
             Self::Element => {
-                "list, check, explain, run, gate, solve and trade do; for this command remove [discretization], which leaves P1"
+                "list, check, explain, run, gate, verify, solve, trade, diagnose and gronwall do; for this command remove [discretization], which leaves P1"
             }
             Self::Nonconforming => {
                 "list, check, explain, run, gate and solve do; for this command remove [discretization], which leaves P1"
             }
             Self::SingularKernel => {
-                "list, check, explain, run, gate and solve do; for this command remove `singular`"
+                "list, check, explain, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`"
             }
         }
     }
 }
 
 impl Scene {
-    /// Refuses a scene with one of these for a command that leaves them out of account.
+    /// Refuses a scene with one of these for a command that leaves them out of account, and says why it does.
     ///
     /// # Errors
     /// At the key that asks for the first of them.
-    pub fn without(&self, extensions: &[Extension], command: &str) -> Result<(), SceneError> {
-        let asked = |own: &Extension| Some((own.way_out(), own.asked_by(self)?));
+    pub fn without(
+        &self,
+        extensions: &[Extension],
+        command: &str,
+        why: &str,
+    ) -> Result<(), SceneError> {
+        let asked = |own: &Extension| {
+            let asked = own.asked_by(self)?;
+            // More commands take other elements than those that take functions that jump.
+            let jumps = Extension::Nonconforming;
+            let is_jumps = *own == Extension::Element && jumps.asked_by(self).is_some();
+            Some((if is_jumps { jumps } else { *own }.way_out(), asked))
+        };
         match extensions.iter().find_map(asked) {
             None => Ok(()),
             Some((way_out, (key, what))) => {
-                Err(self.error(&key, format!("`{command}` does not treat {what}"), way_out))
+                Err(self.error(&key, format!("`{command}` does not treat {what}: {why}"), way_out))
             }
         }
     }
@@ -91,12 +96,7 @@ impl Scene {
 /// The key of the first exponent of a kernel that is infinite at s = t.
 fn singular_key(body: &Body) -> Option<String> {
     match body {
-        Body::Contact(body) => {
-            let mut terms = body.material.memory.iter();
-            terms
-                .any(|term| term.singular.is_some())
-                .then(|| "material.memory.singular".to_string())
-        }
+        Body::Contact(body) => body.material.singular_key(),
         Body::Abstract(problem) => {
             let at = problem.kernels.iter().position(|kernel| kernel.power > 0.0);
             at.map(|l| format!("history.kernels.{l}.singular"))

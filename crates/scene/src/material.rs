@@ -51,7 +51,7 @@ impl Material {
         };
         let elastic = elastic(reading, "material", &given, dimension)?;
         let base = match &written.memory {
-            Some(memory) => memory::parts(reading, "material.memory", memory, horizon, dimension)?,
+            Some(memory) => memory::parts(reading, None, memory, horizon, dimension)?,
             None => Vec::new(),
         };
         let (mut regions, mut parts) = (Vec::new(), Vec::new());
@@ -76,6 +76,12 @@ impl Material {
             None => None,
         };
         Ok(Material { elastic, memory, projection, regions })
+    }
+
+    /// The key of the first exponent of a kernel that is infinite at s = t.
+    pub(super) fn singular_key(&self) -> Option<String> {
+        let own = self.memory.iter().find_map(|term| term.singular)?;
+        Some(format!("{}.singular", memory::key(own.region)))
     }
 
     /// True if 𝒜 is given in full somewhere.
@@ -121,10 +127,7 @@ impl Region {
         };
         let elastic = elastic(reading, &key, &given, dimension)?;
         let own = match &written.memory {
-            Some(memory) => {
-                let key = format!("{key}.memory");
-                Some(memory::parts(reading, &key, memory, horizon, dimension)?)
-            }
+            Some(memory) => Some(memory::parts(reading, Some(index), memory, horizon, dimension)?),
             None => None,
         };
         Ok((Region { name: written.name.clone(), place, elastic }, own))

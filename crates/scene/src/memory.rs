@@ -33,6 +33,13 @@ pub struct Singular {
     pub power: f64,
     /// c, finite on [0, T].
     pub factor: Node,
+    /// The named region whose memory it is; none for that of the material.
+    pub region: Option<usize>,
+}
+
+/// The table of the memory of a region, or of the material.
+pub(super) fn key(region: Option<usize>) -> String {
+    region.map_or("material.memory".into(), |index| format!("material.region.{index}.memory"))
 }
 
 /// A kernel with its tensor on one region.
@@ -43,16 +50,17 @@ pub(super) struct Part {
     tensor: [f64; 2],
 }
 
-/// The parts of a `memory` table at `key`: its kernel, or its kernels of bulk and shear.
+/// The parts of the `memory` table of a region or of the material: its kernel, or its kernels of bulk and shear.
 pub(super) fn parts(
     reading: &mut Reading,
-    key: &str,
+    region: Option<usize>,
     written: &written::Memory,
     horizon: f64,
     dimension: usize,
 ) -> Result<Vec<Part>, SceneError> {
+    let key = &*key(region);
     let written::Memory { kernel, lambda, mu, bulk, shear, singular } = written;
-    let power = singular::exponent(reading, key, *singular)?;
+    let power = (singular::exponent(reading, key, *singular)?, region);
     match (kernel, lambda, mu, bulk, shear) {
         (Some(kernel), Some(lambda), Some(mu), None, None) => {
             let lambda = reading.finite(&format!("{key}.lambda"), *lambda)?;
@@ -91,7 +99,12 @@ pub(super) fn parts(
 
 impl Part {
     /// t^{-power} times a formula in t.
-    fn new(reading: &mut Reading, factor: Node, power: f64, tensor: [f64; 2]) -> Self {
+    fn new(
+        reading: &mut Reading,
+        factor: Node,
+        (power, region): (f64, Option<usize>),
+        tensor: [f64; 2],
+    ) -> Self {
         if power == 0.0 {
             return Self { kernel: factor, singular: None, tensor };
         }
@@ -99,7 +112,7 @@ impl Part {
         let (t, exponent) = (graph.variable(Variable::T), graph.constant(-power));
         let root = graph.pow(t, exponent);
         let kernel = graph.mul(root, factor);
-        Self { kernel, singular: Some(Singular { power, factor }), tensor }
+        Self { kernel, singular: Some(Singular { power, factor, region }), tensor }
     }
 }
 

@@ -161,7 +161,7 @@ fn validate_contact(
     let domain = Domain::validate(&reading, &file.domain, heading.dimension)?;
     let time = Time::validate(&reading, &file.time)?;
     let material = Material::validate(&mut reading, &file.material, time.horizon, &domain)?;
-    needs_product_integration(&reading, &time, singular_memory(&file.material))?;
+    needs_product_integration(&reading, &time, material.singular_key())?;
     if let Some(exact) = &file.exact {
         reading.parameters = parameters(&mut reading, &exact.parameters)?;
     }
@@ -213,17 +213,6 @@ fn validate_abstract(
     let body = Body::Abstract(Box::new(body));
     let content = Content { source, spans, time, body, predicts, sweep, formulas };
     Ok(heading.scene(file.scene, content))
-}
-
-/// The key of the first exponent of a singular memory.
-fn singular_memory(material: &written::Material) -> Option<String> {
-    let base = [("material.memory.singular".into(), material.memory.as_ref())];
-    let regions = material.region.iter().enumerate();
-    let own = regions.map(|(i, region)| {
-        (format!("material.region.{i}.memory.singular"), region.memory.as_ref())
-    });
-    let mut all = base.into_iter().chain(own);
-    all.find(|(_, memory)| memory.is_some_and(|own| own.singular.is_some())).map(|(key, _)| key)
 }
 
 /// What a scene has besides its heading.

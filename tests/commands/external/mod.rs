@@ -7,6 +7,7 @@
 //! Data: scenes signorini, compliance, oblique-trapezium, layered-in-space, pure-box; shell commands for solvers.
 #![cfg(unix)]
 
+mod elements;
 mod kinds;
 mod processes;
 mod series;
@@ -62,6 +63,29 @@ fn place(folder: &Folder, scene: &str, n: u32, steps: u32) -> PathBuf {
     case_dir(&folder.at("cases"), scene, n, steps)
 }
 
+/// The displacements of a run come back with its errors.
+fn comes_back(setup: &Setup, n: u32) {
+    let (folder, steps, name) = (Folder::new("external"), 6, &setup.scene.name);
+    let data = on_mesh(setup, n);
+    answer(setup, &data, steps, &place(&folder, name, data.space.mesh.n, steps));
+    let own = errors(&NewtonMarch, setup, &data, steps);
+    let found = errors(&results(&folder), setup, &data, steps);
+    assert_eq!(own.len(), found.len());
+    for (own, found) in own.iter().zip(&found) {
+        let pairs = [
+            (own.v, found.v),
+            (own.l2, found.l2),
+            (own.trace, found.trace),
+            (own.pressure, found.pressure),
+            // Histories are summed over displacements here, over unknowns or coefficients there.
+            (own.stress, found.stress),
+        ];
+        for (a, b) in pairs {
+            assert!((a - b).abs() <= 1e-10 * a.abs().max(1e-6), "{name}: {own:?} {found:?}");
+        }
+    }
+}
+
 #[test]
 fn displacements_that_come_back_give_the_errors_of_their_run() {
     for (name, n) in [
@@ -71,25 +95,7 @@ fn displacements_that_come_back_give_the_errors_of_their_run() {
         ("layered-in-space", 4),
         ("pure-box", 2),
     ] {
-        let (folder, setup, steps) = (Folder::new("external"), setup(name), 6);
-        let data = on_mesh(&setup, n);
-        answer(&setup, &data, steps, &place(&folder, name, data.space.mesh.n, steps));
-        let own = errors(&NewtonMarch, &setup, &data, steps);
-        let found = errors(&results(&folder), &setup, &data, steps);
-        assert_eq!(own.len(), found.len());
-        for (own, found) in own.iter().zip(&found) {
-            let pairs = [
-                (own.v, found.v),
-                (own.l2, found.l2),
-                (own.trace, found.trace),
-                (own.pressure, found.pressure),
-                // Histories are summed over displacements here, over unknowns or coefficients there.
-                (own.stress, found.stress),
-            ];
-            for (a, b) in pairs {
-                assert!((a - b).abs() <= 1e-10 * a.abs().max(1e-6), "{name}: {own:?} {found:?}");
-            }
-        }
+        comes_back(&setup(name), n);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The solver with tensors by region, in full, and several terms of memory, in the plane and in space.
 
 use gronwall::contact::{
-    ContactProblem, Discretization, LastSlot, MemoryTerm, Model, StepView, march,
+    ContactProblem, Discretization, LastSlot, LinearSolver, MemoryTerm, Model, StepView, march,
 };
 use gronwall::history::{TimeGrid, Trapezoid};
 use gronwall::law::{
@@ -39,7 +39,7 @@ fn anisotropic() -> FourthOrder {
 /// Two halves of a body, one above y = ½.
 fn halves(mesh: Mesh, clamped: &[&str]) -> Discretization {
     let sides: Vec<u32> = clamped.iter().filter_map(|name| mesh.side(name)).collect();
-    let mut space = Discretization::new(mesh, &sides, &[]).expect("a space");
+    let mut space = Discretization::new(mesh, &sides, &[]);
     let share = 1.0 / (space.mesh.dimension + 1) as f64;
     let upper = |c: usize| {
         let cell = space.mesh.cell(c);
@@ -71,7 +71,8 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
         friction: None,
         time_rule: Box::new(Trapezoid),
     };
-    let mut problem = ContactProblem::new(space, &model);
+    let mut problem =
+        ContactProblem::new(space, &model, LinearSolver::Direct).expect("an analysis");
     let order = space.dofs();
     let slot = LastSlot { zeta: 0.4, memory: weights.to_vec() };
     problem.begin(&slot, 0.3, &vec![0.0; order], &[]);

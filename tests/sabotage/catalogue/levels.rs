@@ -109,7 +109,7 @@ pub fn march<S: StepSolver>(
 ) -> Result<CaseInfo, CaseError> {
     let (space, model, grid) = (&*data.space, &setup.model, setup.grid(steps));
     let mut load = TruthLoad(&*data.truth);
-    let inner = Evolution::new(space, model, &grid, &mut load);
+    let inner = Evolution::new(space, model, &grid, &mut load).expect("an analysis");
     run(setup, data, Tampered::new(inner, commit, false), observe, solver, checked)
 }
 
@@ -136,7 +136,7 @@ pub fn march_stale(
     checked: bool,
 ) -> Result<CaseInfo, CaseError> {
     let (grid, mut load) = (setup.grid(steps), TruthLoad(&*data.truth));
-    let inner = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    let inner = Evolution::new(&data.space, &setup.model, &grid, &mut load).expect("an analysis");
     run(setup, data, Tampered::new(inner, SOUND, true), observe, &Newton::default(), checked)
 }
 

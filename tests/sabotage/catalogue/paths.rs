@@ -144,7 +144,7 @@ fn freed(
         mesh.facet_side[f] = no_side;
     }
     mesh.sides.push("no condition".into());
-    let mut space = Discretization::new(mesh, &clamped, &contact).expect("a mesh");
+    let mut space = Discretization::new(mesh, &clamped, &contact);
     space.regions.clone_from(&data.space.regions);
     let space = Arc::new(space);
     let rules = TruthRules::of(2);

@@ -13,13 +13,13 @@ const LINE: usize = 64;
 
 /// Before `used` is read by a pass that ascends.
 #[inline(always)]
-pub(crate) fn ask_behind<T: Real>(values: &[T], used: Range<usize>) {
+pub(crate) fn prefetch_behind<T: Real>(values: &[T], used: Range<usize>) {
     ask(&values[behind(used, values.len())]);
 }
 
 /// Before `used` is read by a pass that descends.
 #[inline(always)]
-pub(crate) fn ask_before<T: Real>(values: &[T], used: Range<usize>) {
+pub(crate) fn prefetch_before<T: Real>(values: &[T], used: Range<usize>) {
     ask(&values[before(used)]);
 }
 

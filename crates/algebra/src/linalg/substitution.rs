@@ -42,7 +42,7 @@ impl Analysis {
         self.solve_in(factor, x, front, |value| value, |value| value);
     }
 
-    /// The same in the numbers of the factor, to which `into` takes those of b, and from which `back` takes those of x.
+    /// K⁻¹b in the numbers of the factor, to which `into` takes those of b, and from which `back` takes those of x.
     pub(super) fn solve_in<T: Real, X: Copy>(
         &self,
         factor: &Factor<T>,

@@ -2,7 +2,7 @@
 
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 
-use super::ahead::{ask_before, ask_behind};
+use super::ahead::{prefetch_before, prefetch_behind};
 use super::cholesky::{Factor, Real};
 
 /// Columns that are taken together.
@@ -36,16 +36,16 @@ impl<T: Real> Supernode<'_, T> {
         &self.values[self.begin(j) + from..self.begin(j + 1)]
     }
 
-    /// To be called before columns j..j + count are read by a forward pass: asks for numbers that come later.
+    /// To be called before columns j..j + count are read by a forward pass: prefetches what comes behind them.
     #[inline(always)]
     pub(super) fn reads_forward(&self, j: usize, count: usize) {
-        ask_behind(self.values, self.begin(j)..self.begin(j + count));
+        prefetch_behind(self.values, self.begin(j)..self.begin(j + count));
     }
 
-    /// The same for a backward pass.
+    /// Prefetches what a backward pass reads next.
     #[inline(always)]
     pub(super) fn reads_backward(&self, j: usize, count: usize) {
-        ask_before(self.values, self.begin(j)..self.begin(j + count));
+        prefetch_before(self.values, self.begin(j)..self.begin(j + count));
     }
 }
 

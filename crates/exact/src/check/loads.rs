@@ -2,19 +2,15 @@
 //!
 //! Both sides come from different evaluations: f0 from the symbolic divergence of the stress
 //! formula, σ on the right and on ∂Ω from the numerical law on full tensors. The integrals are cut
-//! where guards change sign in x. σ may jump across such a line (a kink of u): the strong form then
+//! where guards change sign ([`super::lines`]). σ may jump across such a line (a kink of u): the strong form then
 //! lacks ∫ [σ]e_x·v, which is measured and reported apart.
 
+use super::lines::Lines;
 use super::{Finding, SideOfBox, Status, times};
 use crate::constitutive::{Tensor, full, stress};
-use crate::sign_changes::sign_changes;
 use crate::{Exact, symbolic::AXES};
-use fem::space::quadrature::gauss_legendre;
 use formula::{Graph, Node, Program, Scope};
 
-/// Gauss points a piece and pieces a direction, in the plane and in space.
-const POINTS: usize = 6;
-const PIECES: [usize; 2] = [32, 6];
 /// Intervals of a line on which the yield function is watched.
 const YIELD_WATCHES: usize = 96;
 /// Agreement demanded without projection: rounding of some 1e5 terms.
@@ -120,56 +116,16 @@ fn balances<const D: usize>(
     tests: &TestFunctions,
     t: f64,
 ) -> Vec<Balance> {
-    let size = &exact.data.size;
     let mut balances = vec![Balance::default(); D * tests.count];
-    let guards = guard_lines(exact, t, 0);
-    let cut = |axis: usize, at: &[f64]| {
-        let pieces = PIECES[D - 2];
-        let mut cuts: Vec<f64> =
-            (0..=pieces).map(|i| size[axis] * i as f64 / pieces as f64).collect();
-        cuts.extend(at);
-        cuts.sort_by(f64::total_cmp);
-        cuts.dedup_by(|a, b| (*a - *b).abs() < 1e-13 * size[axis]);
-        cuts
-    };
-    let along_y = cut(1, &guard_lines(exact, t, 1));
-    let mut along = vec![on_pieces(&cut(0, &guards)), on_pieces(&along_y)];
-    along.extend((2..D).map(|axis| on_pieces(&cut(axis, &guard_lines(exact, t, axis)))));
-    volume::<D>(exact, tests, t, &columns::<D>(exact, t, &along, &along_y), &mut balances);
+    let lines = Lines::new(exact, t);
+    volume::<D>(exact, tests, t, &columns::<D>(exact, t, &lines), &mut balances);
     for side in sides.iter().filter(|side| !side.clamped) {
-        boundary::<D>(exact, tests, t, side, &along, &mut balances);
+        boundary::<D>(exact, tests, t, side, &lines, &mut balances);
     }
-    for &x in &guards {
-        interface::<D>(exact, tests, t, x, &along, &mut balances);
+    for x in lines.straight(0) {
+        interface::<D>(exact, tests, t, x, &lines, &mut balances);
     }
     balances
-}
-
-/// The product of places with weights along all axes but `fixed`, which has the value `level`.
-fn across(along: &[Vec<(f64, f64)>], fixed: usize, level: f64) -> Vec<([f64; 3], f64)> {
-    let mut start = [0.0; 3];
-    start[fixed] = level;
-    let mut points = vec![(start, 1.0)];
-    for (axis, places) in along.iter().enumerate().filter(|&(axis, _)| axis != fixed) {
-        let with = |(point, weight): ([f64; 3], f64)| {
-            places.iter().map(move |&(place, w)| {
-                let mut point = point;
-                point[axis] = place;
-                (point, weight * w)
-            })
-        };
-        points = points.into_iter().flat_map(with).collect();
-    }
-    points
-}
-
-fn on_pieces(cuts: &[f64]) -> Vec<(f64, f64)> {
-    let rule = gauss_legendre(POINTS);
-    let piece = |pair: &[f64]| {
-        let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
-        rule.iter().map(|(x, w)| (middle + half * x, half * w)).collect::<Vec<_>>()
-    };
-    cuts.windows(2).flat_map(piece).collect()
 }
 
 /// σ at points, from the numerical law.
@@ -186,21 +142,14 @@ fn stresses<const D: usize>(exact: &Exact, points: &[[f64; 3]], t: f64) -> Vec<T
         .collect()
 }
 
-/// Quadrature points with weights: on each line along y, y is cut where the yield function changes sign,
-/// since f0 jumps there.
-fn columns<const D: usize>(
-    exact: &Exact,
-    t: f64,
-    along: &[Vec<(f64, f64)>],
-    along_y: &[f64],
-) -> Vec<([f64; 3], f64)> {
-    let lines = across(along, 1, 0.0);
+/// Quadrature points with weights: on each line along y, y is cut where the yield function changes sign as well, since f0
+/// jumps there.
+fn columns<const D: usize>(exact: &Exact, t: f64, lines: &Lines<'_>) -> Vec<([f64; 3], f64)> {
+    let along = lines.along_y();
     let mut out = Vec::new();
-    for (&(line, weight), roots) in lines.iter().zip(yield_points::<D>(exact, t, &lines)) {
-        let mut cuts = along_y.to_vec();
-        cuts.extend(roots);
-        cuts.sort_by(f64::total_cmp);
-        out.extend(on_pieces(&cuts).into_iter().map(|(y, w)| ([line[0], y, line[2]], weight * w)));
+    for (&(line, weight), roots) in along.iter().zip(yield_points::<D>(exact, t, &along)) {
+        let places = lines.on_line(line, &roots).into_iter();
+        out.extend(places.map(|(y, w)| ([line[0], y, line[2]], weight * w)));
     }
     out
 }
@@ -297,10 +246,10 @@ fn boundary<const D: usize>(
     tests: &TestFunctions,
     t: f64,
     side: &SideOfBox,
-    along: &[Vec<(f64, f64)>],
+    lines: &Lines<'_>,
     balances: &mut [Balance],
 ) {
-    let places = across(along, side.axis(), side.level(&exact.data.size));
+    let places = lines.across(side.axis(), side.level(&exact.data.size));
     let points: Vec<[f64; 3]> = places.iter().map(|(point, _)| *point).collect();
     let sigma = stresses::<D>(exact, &points, t);
     let v = tests.at::<D>(&points);
@@ -321,12 +270,12 @@ fn interface<const D: usize>(
     tests: &TestFunctions,
     t: f64,
     x: f64,
-    along: &[Vec<(f64, f64)>],
+    lines: &Lines<'_>,
     balances: &mut [Balance],
 ) {
     // One-sided values: far enough not to touch the line, near enough for a difference of 1e-11.
     let offset = 1e-11 * exact.data.size[0];
-    let places = across(along, 0, x);
+    let places = lines.across(0, x);
     let at = |x: f64| places.iter().map(|(p, _)| [x, p[1], p[2]]).collect::<Vec<_>>();
     let left = stresses::<D>(exact, &at(x - offset), t);
     let right = stresses::<D>(exact, &at(x + offset), t);
@@ -352,41 +301,4 @@ fn has_slanted_regions(exact: &Exact) -> bool {
     let graph = &exact.data.graph;
     let slanted = |node| AXES.iter().filter(|&&axis| graph.depends_on(node, axis)).count() > 1;
     exact.data.regions.iter().any(|region| slanted(region.condition))
-}
-
-/// Places along an axis where a guard of the stress that varies along it alone changes sign at time t.
-fn guard_lines(exact: &Exact, t: f64, axis: usize) -> Vec<f64> {
-    let mut graph = exact.data.graph.clone();
-    // The stress has the guards of strain and memory, and those of regions.
-    let named: Vec<Node> = exact.data.regions.iter().map(|region| region.condition).collect();
-    let nodes: Vec<Node> = exact.strain.iter().chain(&exact.memory).copied().collect();
-    let guards: Vec<Node> = graph
-        .guards(&nodes)
-        .into_iter()
-        .chain(named)
-        .filter(|&guard| {
-            let depends = AXES.map(|axis| graph.depends_on(guard, axis));
-            (0..3).all(|i| depends[i] == (i == axis))
-        })
-        .collect();
-    let program = Program::compile(&mut graph, &guards, exact.data.horizon);
-    let width = exact.data.size[axis];
-    let mut lines = Vec::new();
-    for time in [t, 0.0] {
-        lines.extend(sign_changes(0.0, width, 64, |places| {
-            let place = |&at: &f64| {
-                let mut point = [0.0; 3];
-                point[axis] = at;
-                point
-            };
-            let points: Vec<[f64; 3]> = places.iter().map(place).collect();
-            let mut values = vec![Vec::new(); guards.len()];
-            program.bind(&points).evaluate(time, 0.0, &mut values);
-            values
-        }));
-    }
-    lines.sort_by(f64::total_cmp);
-    lines.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * width);
-    lines.retain(|&x| x > 1e-9 * width && x < width * (1.0 - 1e-9));
-    lines
 }

@@ -2,6 +2,7 @@
 //! regularity.
 
 mod contact_state;
+mod lines;
 mod loads;
 mod polytope;
 mod regularity;

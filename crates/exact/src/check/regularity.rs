@@ -13,7 +13,7 @@ const LINES: usize = 12;
 /// sides: singularities sit at corners and sides, and the nearest lines are 1e-5 away from these.
 const GRADED_LINES: usize = 16;
 const GRADING: i32 = 5;
-/// The same in space, across each of two directions.
+/// Graded points in space, across each of two directions.
 const GRADED_IN_SPACE: usize = 8;
 /// Points across the direction in which zones move, for the derivatives in time.
 const ACROSS_ZONES: usize = 96;

@@ -33,7 +33,7 @@ pub(crate) fn strain_columns<const D: usize, const S: usize>(
 /// Unknowns of a cell, at most: those of a tetrahedron with 4 nodes.
 const MOST_LINEAR: usize = 12;
 
-/// The same of any element: those of a tetrahedron with 10 nodes.
+/// Unknowns of a cell of any element: a tetrahedron with 10 nodes has the most.
 const MOST_UNKNOWNS: usize = 30;
 
 /// Room for the matrix of a cell.

@@ -11,7 +11,8 @@ use super::linear_solver::levels;
 use super::stiffness::StiffnessFactors;
 use super::{ContactTrace, Frames, LinearSolver, stiffness_of};
 
-/// V^h on one mesh: nodes, geometry, matrix pattern with its analysis, the trace on Γ3.
+/// V^h on one mesh: nodes, geometry, matrix pattern, the trace on Γ3. What is dear and not always asked for, such as the
+/// symbolic factorization, is made at its first use.
 #[derive(Debug)]
 pub struct Discretization {
     /// The element of displacements.
@@ -26,8 +27,6 @@ pub struct Discretization {
     pub jumps: Vec<Jump>,
     /// Pattern of the tangent.
     pub pattern: BlockPattern,
-    /// Its symbolic factorization.
-    pub analysis: Analysis,
     /// Γ3.
     pub trace: ContactTrace,
     /// Unknowns of the vertices of Γ3 whose normals are no axes.
@@ -40,6 +39,7 @@ pub struct Discretization {
     pub linear_solver: Option<LinearSolver>,
     /// The precision of factors that serve several Jacobians, where it is not left to their size.
     pub precision: Option<Precision>,
+    analysis: OnceLock<Result<Analysis, FactorError>>,
     levels: OnceLock<Result<Option<Levels>, FactorError>>,
     condensing: OnceLock<Result<Analysis, FactorError>>,
     pub(super) factors: StiffnessFactors,
@@ -47,23 +47,12 @@ pub struct Discretization {
 
 impl Discretization {
     /// Discretizes `mesh` by linear elements, with displacements fixed on the sides `clamped` and Γ3 on `contact`.
-    ///
-    /// # Errors
-    /// The symbolic factorization's.
-    pub fn new(mesh: Mesh, clamped: &[u32], contact: &[u32]) -> Result<Self, FactorError> {
+    pub fn new(mesh: Mesh, clamped: &[u32], contact: &[u32]) -> Self {
         Self::of(Element::P1, mesh, clamped, contact)
     }
 
-    /// The same by any element.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn of(
-        element: Element,
-        mut mesh: Mesh,
-        clamped: &[u32],
-        contact: &[u32],
-    ) -> Result<Self, FactorError> {
+    /// Discretizes `mesh` by any element.
+    pub fn of(element: Element, mut mesh: Mesh, clamped: &[u32], contact: &[u32]) -> Self {
         let nodes = Nodes::new(&mut mesh, element, clamped);
         let geometry = Geometry::new(&mesh, element);
         let jumps = jumps(&mesh, element, &nodes);
@@ -71,37 +60,58 @@ impl Discretization {
         let (d, free) = (mesh.dimension, nodes.free);
         let pattern = BlockPattern::coupled(&nodes.cells, nodes.a_cell, d, free, beside);
         let (trace, frames) = ContactTrace::new(&mesh, element, &nodes, contact);
-        let analysis = analysis(&mesh, &nodes, &pattern, &[])?;
-        let (regions, nesting, linear_solver) = (Vec::new(), Nesting::Unknown, None);
-        let (levels, condensing) = (OnceLock::new(), OnceLock::new());
-        Ok(Self {
+        Self {
             element,
             mesh,
             nodes,
             geometry,
             jumps,
             pattern,
-            analysis,
             trace,
             frames,
-            regions,
-            nesting,
-            linear_solver,
+            regions: Vec::new(),
+            nesting: Nesting::Unknown,
+            linear_solver: None,
             precision: None,
-            levels,
-            condensing,
+            analysis: OnceLock::new(),
+            levels: OnceLock::new(),
+            condensing: OnceLock::new(),
             factors: StiffnessFactors::default(),
-        })
+        }
     }
 
-    /// The symbolic factorization with the unknowns of Γ3 last, whose factors condense onto them; made when it is
-    /// first asked for. In the plane it has some 8 % more fill than [`Self::analysis`].
+    /// The symbolic factorization of the pattern, in the order of nested dissection.
     ///
     /// # Errors
-    /// The matrix cannot be ordered.
+    /// Memory or the range of indices does not reach.
+    pub fn analysis(&self) -> Result<&Analysis, FactorError> {
+        let known = self.analysis.get_or_init(|| self.analysis_with_last(&[]));
+        known.as_ref().map_err(Clone::clone)
+    }
+
+    /// The symbolic factorization with the unknowns of Γ3 last, whose factors condense onto them. In the plane it has
+    /// some 8 % more fill than [`Self::analysis`].
+    ///
+    /// # Errors
+    /// As [`Self::analysis`].
     pub(crate) fn condensing(&self) -> Result<&Analysis, FactorError> {
-        let last = || analysis(&self.mesh, &self.nodes, &self.pattern, &self.trace.unknowns());
+        let last = || self.analysis_with_last(&self.trace.unknowns());
         self.condensing.get_or_init(last).as_ref().map_err(Clone::clone)
+    }
+
+    /// The analysis of the pattern with the unknowns `last` behind all others.
+    fn analysis_with_last(&self, last: &[u32]) -> Result<Analysis, FactorError> {
+        let free = self.nodes.vertex[..self.nodes.free].iter();
+        let coordinates: Vec<f64> = free.flat_map(|&v| self.mesh.vertex(v).to_vec()).collect();
+        Analysis::new(&self.pattern, &nested_dissection(&self.pattern, &coordinates, last))
+    }
+
+    /// Entries of a factor in the order of [`Self::analysis`], and multiplications that it takes; infinite where the
+    /// pattern cannot be analysed.
+    pub fn factor_size(&self) -> [f64; 2] {
+        let size =
+            |analysis: &Analysis| [analysis.factor_entries() as f64, analysis.multiplications()];
+        self.analysis().map_or([f64::INFINITY; 2], size)
     }
 
     /// Patterns and transfers of coarser meshes, made when they are first asked for; none where the mesh refines
@@ -162,7 +172,7 @@ impl Discretization {
         StrainPoints::new(&self.geometry, &self.nodes)
     }
 
-    /// Those of cell c.
+    /// The strain points of cell c.
     pub fn points_of(&self, c: usize) -> impl Iterator<Item = StrainPoint<'_>> {
         StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
     }
@@ -172,7 +182,7 @@ impl Discretization {
         self.stiffness_in(law, &Frames::default())
     }
 
-    /// The same on the unknowns of the contact problem.
+    /// Lower-triangle values of the stiffness matrix, in the unknowns of the contact problem.
     pub(crate) fn stiffness_of_unknowns(&self, law: &TensorField) -> Vec<f64> {
         self.stiffness_in(law, &self.frames)
     }
@@ -186,16 +196,4 @@ impl Discretization {
         self.add_jump_stiffness(frames, law, &mut values);
         values
     }
-}
-
-/// The analysis of `pattern` in the order of nested dissection, the unknowns `last` behind all others.
-fn analysis(
-    mesh: &Mesh,
-    nodes: &Nodes,
-    pattern: &BlockPattern,
-    last: &[u32],
-) -> Result<Analysis, FactorError> {
-    let free = nodes.vertex[..nodes.free].iter();
-    let coordinates: Vec<f64> = free.flat_map(|&v| mesh.vertex(v).to_vec()).collect();
-    Analysis::new(pattern, &nested_dissection(pattern, &coordinates, last))
 }

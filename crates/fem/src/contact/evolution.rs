@@ -4,12 +4,13 @@
 use std::time::Instant;
 
 use super::last_slot::LastSlot;
+use super::linear::failed;
 use super::path::{Paths, of_storage};
 use super::{CaseError, ContactProblem, Discretization, LinearSolver, Load, Model, strain_norm};
 use algebra::linalg::{FactorError, axpy};
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Convolution, Projection};
-use vhi::{BoundaryGraph, HistoryInequality, StepInequality, StepState};
+use vhi::{BoundaryGraph, FailedStep, HistoryInequality, StepInequality, StepState};
 
 /// The contact problem with its committed history.
 pub struct Evolution<'a, P> {
@@ -43,22 +44,23 @@ pub struct Evolution<'a, P> {
 
 impl<'a, P: Projection> Evolution<'a, P> {
     /// Before the first level.
+    ///
+    /// # Errors
+    /// The pattern of the tangent cannot be analysed.
     pub fn new(
         space: &'a Discretization,
         model: &'a Model<P>,
         grid: &'a TimeGrid,
         source: &'a mut dyn Load,
-    ) -> Self {
+    ) -> Result<Self, FailedStep> {
+        let solver = LinearSolver::of(space, model, grid.steps());
         let rule = model.time_rule.as_ref();
         let terms = model.memory.iter();
         let memory: Vec<Memory> =
             terms.map(|term| Memory::new(&*term.kernel, rule, grid, space.dofs())).collect();
-        Self {
-            problem: ContactProblem::new(space, model).solved_by(LinearSolver::of(
-                space,
-                model,
-                grid.steps(),
-            )),
+        Ok(Self {
+            problem: ContactProblem::new(space, model, solver)
+                .map_err(|source| failed(0, grid.time(0), source))?,
             history: vec![vec![0.0; space.nodes.len()]; memory.len()],
             shown_history: match space.frames.is_empty() {
                 true => Vec::new(),
@@ -78,7 +80,7 @@ impl<'a, P: Projection> Evolution<'a, P> {
             model,
             grid,
             source,
-        }
+        })
     }
 
     /// The problem at the open or last committed level.

@@ -56,8 +56,9 @@ impl Floors {
         let rounding =
             f64::EPSILON * size * f64::from(space.mesh.n) * space.element.degree() as f64;
         let v = scale * strain_norm(space, delta) + rounding;
-        let lightest =
-            space.trace.points.iter().map(|point| point.weight).fold(f64::INFINITY, f64::min);
+        // Vertices of quadratic elements in space have no weight, and no law: their pressure is that of midpoints.
+        let weights = space.trace.points.iter().map(|point| point.weight);
+        let lightest = weights.filter(|&weight| weight > 0.0).fold(f64::INFINITY, f64::min);
         Self {
             v,
             l2: scale * l2_norm(space, delta) + f64::EPSILON * size,

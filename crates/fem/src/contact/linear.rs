@@ -12,8 +12,8 @@ use super::{Discretization, LinearSolver, Load, Model, Unknowns};
 use crate::space::StrainPoint;
 use algebra::linalg::{FactorError, axpy, is_sound_sum, norm, root_of_squares};
 use algebra::tensor::contract;
-use vhi::history::{Accumulated, Memory, TimeGrid};
-use vhi::law::{Convolution, Projection};
+use vhi::history::{Accumulated, Memory, TimeGrid, TimeRule};
+use vhi::law::{Convolution, MemoryKernel, Projection};
 use vhi::{FailedStep, StepError};
 
 /// Solves all steps of a linear case, whose load has a basis, and shows each to `observe`.
@@ -27,26 +27,15 @@ pub fn march<P: Projection>(
     load: &mut dyn Load,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let mut info = CaseInfo::default();
-    let rule = model.time_rule.as_ref();
-    let at_start = |source| failed(0, 0.0, source);
-    let solver = LinearSolver::of(space, model, grid.steps());
-    let volume = Volume::new(space, model, solver, Unknowns::Displacements, grid.is_uniform());
-    let mut volume = volume.map_err(at_start)?;
-    volume.set(&[]).map_err(at_start)?;
-    let mut solutions = load.basis().unwrap_or_default().to_vec();
-    for vector in &mut solutions {
-        volume.solve(vector).map_err(at_start)?;
-    }
+    let (mut info, rule) = (CaseInfo::default(), model.time_rule.as_ref());
+    let solved = solutions(space, model, grid, load.basis().unwrap_or_default());
+    let (mut volume, solutions) = solved.map_err(|source| failed(0, grid.time(0), source))?;
     let combination = Combination::new(space, model, &solutions);
     let few = solutions.len();
     let (mut factors, mut coefficients) = (vec![0.0; few], vec![0.0; few]);
-    // No memory, or one term.
-    let beta = volume.beta.unwrap_or(0.0);
-    let kernel = model.memory.first().map(|term| &*term.kernel);
-    let mut memory = kernel.map(|kernel| (kernel, Memory::new(kernel, rule, grid, few)));
-    if let Some((_, memory)) = &memory {
-        info.paths.insert(of_storage(memory.storage(), grid));
+    let mut memory = Remembered::new(model, volume.beta.unwrap_or(0.0), grid, few);
+    if let Some(own) = &memory {
+        info.paths.insert(of_storage(own.memory.storage(), grid));
     }
     let mut past = vec![0.0; few];
     let (mut force, mut u) = (vec![0.0; space.dofs()], vec![0.0; space.nodes.len()]);
@@ -59,19 +48,10 @@ pub fn march<P: Projection>(
         let start = Instant::now();
         load.factors(t, &mut factors);
         coefficients.copy_from_slice(&factors);
-        if let Some((kernel, memory)) = &mut memory {
-            let own = rule.kernel_weight(&Convolution(*kernel), grid, n, n);
-            let scale = 1.0 + beta * own;
-            if scale.is_nan() || scale <= 0.0 {
-                return Err(failed(n, t, FactorError::NotPositiveDefinite { dof: 0 }).into());
-            }
-            memory.past(*kernel, rule, grid, &mut past);
-            for (value, past) in coefficients.iter_mut().zip(&past) {
-                *value = (*value - beta * past) / scale;
-            }
-            memory.commit(grid, &coefficients);
-            axpy(own, &coefficients, &mut past);
-            info.peak_history_bytes = info.peak_history_bytes.max(memory.bytes());
+        if let Some(own) = &mut memory {
+            let solved = own.solve(rule, grid, n, [&mut coefficients, &mut past]);
+            solved.map_err(|source| failed(n, t, source))?;
+            info.peak_history_bytes = info.peak_history_bytes.max(own.memory.bytes());
         }
         combination.combine(&coefficients, &mut u);
         history.iter_mut().for_each(|history| combination.combine(&past, history));
@@ -111,7 +91,64 @@ pub fn march<P: Projection>(
     Ok(info)
 }
 
-fn failed(n: usize, t: f64, source: FactorError) -> FailedStep {
+/// K⁻¹F_i of all parts of the load, and what solved them.
+fn solutions<'a, P: Projection>(
+    space: &'a Discretization,
+    model: &'a Model<P>,
+    grid: &TimeGrid,
+    parts: &[Vec<f64>],
+) -> Result<(Volume<'a>, Vec<Vec<f64>>), FactorError> {
+    let solver = LinearSolver::of(space, model, grid.steps());
+    let mut volume = Volume::new(space, model, solver, Unknowns::Displacements, grid.is_uniform())?;
+    volume.set(&[])?;
+    let mut solutions = parts.to_vec();
+    for vector in &mut solutions {
+        volume.solve(vector)?;
+    }
+    Ok((volume, solutions))
+}
+
+/// The memory of the coefficients: that of a multiple β of the elasticity.
+struct Remembered<'a> {
+    kernel: &'a dyn MemoryKernel,
+    beta: f64,
+    memory: Memory,
+}
+
+impl<'a> Remembered<'a> {
+    /// For `few` coefficients; nothing where the model has no memory, which has one term else.
+    fn new<P>(model: &'a Model<P>, beta: f64, grid: &TimeGrid, few: usize) -> Option<Self> {
+        let kernel = &*model.memory.first()?.kernel;
+        let memory = Memory::new(kernel, model.time_rule.as_ref(), grid, few);
+        Some(Self { kernel, beta, memory })
+    }
+
+    /// Turns the factors of the load at level n into coefficients c_n, (1 + β w_nn b(0)) c_n = a_n − β Σ_{j<n} …, and
+    /// gives the history with c_n in it.
+    fn solve(
+        &mut self,
+        rule: &dyn TimeRule,
+        grid: &TimeGrid,
+        n: usize,
+        [coefficients, history]: [&mut Vec<f64>; 2],
+    ) -> Result<(), FactorError> {
+        let own = rule.kernel_weight(&Convolution(self.kernel), grid, n, n);
+        let scale = 1.0 + self.beta * own;
+        if scale.is_nan() || scale <= 0.0 {
+            return Err(FactorError::NotPositiveDefinite { dof: 0 });
+        }
+        self.memory.past(self.kernel, rule, grid, history);
+        for (value, past) in coefficients.iter_mut().zip(&*history) {
+            *value = (*value - self.beta * past) / scale;
+        }
+        self.memory.commit(grid, coefficients);
+        axpy(own, coefficients, history);
+        Ok(())
+    }
+}
+
+/// A step whose matrix cannot be factorized.
+pub(super) fn failed(n: usize, t: f64, source: FactorError) -> FailedStep {
     FailedStep { n, t, source: StepError::Factor { iteration: 0, source } }
 }
 

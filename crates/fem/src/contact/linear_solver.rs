@@ -63,16 +63,19 @@ impl LinearSolver {
     }
 
     /// A solver of Jacobians on `space`: factors where the mesh has no levels.
-    pub(crate) fn on(self, space: &Discretization) -> TangentSolver<'_> {
-        match self.levels(space) {
+    ///
+    /// # Errors
+    /// The pattern cannot be analysed.
+    pub(crate) fn on(self, space: &Discretization) -> Result<TangentSolver<'_>, FactorError> {
+        Ok(match self.levels(space) {
             Some(levels) => {
                 TangentSolver::Multigrid(MultigridSequence::new(levels, &space.pattern).into())
             }
             None => {
-                let solver = SequenceSolver::new(&space.analysis, &space.pattern);
+                let solver = SequenceSolver::new(space.analysis()?, &space.pattern);
                 TangentSolver::Direct(solver.in_precision(space.precision).into())
             }
-        }
+        })
     }
 
     /// The levels it works on.

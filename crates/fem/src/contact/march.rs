@@ -196,7 +196,7 @@ fn march_by<P: Projection, S: StepSolver>(
     let separates = load.basis().is_some();
     let mut info = match (plan, solver.newton()) {
         (Plan::Newton, _) | (_, None) => {
-            March::new(space, model, grid, load, solver).run(grid, &mut see)
+            March::new(space, model, grid, load, solver)?.run(grid, &mut see)
         }
         (Plan::Recursion, _) if separates => linear::march(space, model, grid, load, &mut see),
         (_, Some(newton)) => one_matrix::march(space, model, grid, load, newton, &mut see),
@@ -231,9 +231,9 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
         grid: &'a TimeGrid,
         load: &'a mut dyn Load,
         solver: &'a S,
-    ) -> Self {
-        let evolution = Evolution::new(space, model, grid, load);
-        Self {
+    ) -> Result<Self, CaseError> {
+        let evolution = Evolution::new(space, model, grid, load)?;
+        Ok(Self {
             stepper: Stepper::new(&evolution, solver),
             evolution,
             nodal: vec![0.0; space.nodes.len()],
@@ -252,7 +252,7 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
             info: CaseInfo::default(),
             space,
             model,
-        }
+        })
     }
 
     fn run(mut self, grid: &TimeGrid, observe: &mut Observer<'_>) -> Result<CaseInfo, CaseError> {

@@ -17,10 +17,18 @@ pub struct MemoryTerm {
 
 /// ℬ(lag) = Σ b_i(lag) ℬ_i on S^d; none without memory.
 pub fn relaxation(terms: &[MemoryTerm], lag: f64, d: usize) -> Option<TensorField> {
+    weighted_sum(terms, |kernel| kernel.value(lag), d)
+}
+
+fn weighted_sum(
+    terms: &[MemoryTerm],
+    weight: impl Fn(&dyn MemoryKernel) -> f64,
+    d: usize,
+) -> Option<TensorField> {
     let (first, others) = terms.split_first()?;
-    let start = first.tensor.scaled(first.kernel.value(lag));
+    let start = first.tensor.scaled(weight(&*first.kernel));
     let add =
-        |sum: TensorField, term: &MemoryTerm| sum.plus(term.kernel.value(lag), &term.tensor, d);
+        |sum: TensorField, term: &MemoryTerm| sum.plus(weight(&*term.kernel), &term.tensor, d);
     Some(others.iter().fold(start, add))
 }
 
@@ -97,10 +105,15 @@ impl<P: Projection> Model<P> {
 
     /// ‖ℬ(lag)‖ on S^d, the largest of all regions; zero without memory.
     pub fn memory_norm(&self, lag: f64, d: usize) -> f64 {
+        self.weighted_memory_norm(|kernel| kernel.value(lag), d)
+    }
+
+    /// ‖Σ_i w_i ℬ_i‖ likewise, w_i by the kernels: their values, or weights of a rule with them.
+    pub fn weighted_memory_norm(&self, weight: impl Fn(&dyn MemoryKernel) -> f64, d: usize) -> f64 {
         match &self.memory[..] {
             [] => 0.0,
-            [term] => term.kernel.value(lag).abs() * term.tensor.norm(d),
-            terms => relaxation(terms, lag, d).map_or(0.0, |tensor| tensor.norm(d)),
+            [term] => weight(&*term.kernel).abs() * term.tensor.norm(d),
+            terms => weighted_sum(terms, weight, d).map_or(0.0, |tensor| tensor.norm(d)),
         }
     }
 

@@ -17,6 +17,7 @@ use std::time::Instant;
 
 pub(super) use pending::Pending;
 
+use super::linear::failed;
 use super::march::{CaseError, CaseInfo, Observer};
 use super::path::of_storage;
 use super::side::Side;
@@ -43,7 +44,7 @@ pub fn march<P: Projection>(
     newton: &Newton,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let unanalysed = |source| FailedStep { n: 0, t: 0.0, source: refused(source) };
+    let unanalysed = |source| failed(0, grid.time(0), source);
     let mut march = OneMatrix::new(space, model, grid).map_err(unanalysed)?;
     for first in (0..=grid.steps()).step_by(march.pending.len()) {
         let solved = march.solve(first, load, newton);

@@ -3,7 +3,7 @@
 use super::assembly::stress_force;
 use super::last_slot::LastSlot;
 use super::{CaseError, Discretization, Evolution, MemoryTerm, Model};
-use algebra::linalg::{Factor, FactorError, Front, axpy, dot};
+use algebra::linalg::{Analysis, Factor, FactorError, Front, axpy, dot};
 use vhi::history::TimeGrid;
 use vhi::law::{Projection, TensorField};
 use vhi::{BoundaryGraph, FrozenDerivative, HistoryInequality, StepInequality, StepState};
@@ -19,6 +19,7 @@ pub struct OpenLevel<'a, P> {
     /// Strain products G and their factor.
     gram: Vec<f64>,
     gram_factor: Factor,
+    analysis: &'a Analysis,
     front: Front<f64>,
     /// ∂F/∂ζ at Λη and w ∂‖ε(η)‖/∂η, where the level depends on ζ.
     by_zeta: Option<(Vec<f64>, Vec<f64>)>,
@@ -38,15 +39,16 @@ impl<'a, P: Projection> OpenLevel<'a, P> {
         evolution: Evolution<'a, P>,
     ) -> Result<Self, FactorError> {
         let gram = space.stiffness_of_unknowns(&TensorField::identity());
-        let (mut gram_factor, mut workspace) =
-            (space.analysis.factor(), space.analysis.workspace());
-        space.analysis.factorize(&space.pattern, &gram, &mut gram_factor, &mut workspace)?;
+        let analysis = space.analysis()?;
+        let (mut gram_factor, mut workspace) = (analysis.factor(), analysis.workspace());
+        analysis.factorize(&space.pattern, &gram, &mut gram_factor, &mut workspace)?;
         let terms = model.memory.iter();
         Ok(Self {
             slot: LastSlot::default(),
             memory: terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect(),
             gram,
             gram_factor,
+            analysis,
             front: Front::default(),
             by_zeta: None,
             space,
@@ -128,7 +130,7 @@ impl<P: Projection> FrozenDerivative for OpenLevel<'_, P> {
         if let Some((by_zeta, by_eta)) = &self.by_zeta {
             axpy(-dot(by_zeta, &force), by_eta, out);
         }
-        self.space.analysis.solve(&self.gram_factor, out, &mut self.front);
+        self.analysis.solve(&self.gram_factor, out, &mut self.front);
         Ok(())
     }
 

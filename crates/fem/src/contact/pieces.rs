@@ -111,7 +111,7 @@ fn affine_cuts(argument: [f64; 2], kinks: &[f64], cuts: &mut Vec<f64>) {
     cuts.sort_unstable_by(f64::total_cmp);
 }
 
-/// The same for a curved argument: sign changes on half intervals, and between two crossings in
+/// Zeros of a curved argument: sign changes on half intervals, and between two crossings in
 /// one interval, which the vertex of the parabola through its ends and its middle shows.
 fn curved_cuts(
     argument: impl Fn(f64) -> f64,

@@ -87,5 +87,5 @@ impl Plan {
 fn is_small(space: &Discretization) -> bool {
     let free = space.trace.points.iter().filter(|point| point.carries()).count();
     free == space.trace.unknowns().len()
-        && (free as f64).powi(3) <= 3.0 * space.analysis.multiplications().max(1e5)
+        && (free as f64).powi(3) <= 3.0 * space.factor_size()[1].max(1e5)
 }

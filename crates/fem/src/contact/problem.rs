@@ -58,8 +58,15 @@ pub struct ContactProblem<'a, P> {
 }
 
 impl<'a, P: Projection> ContactProblem<'a, P> {
-    /// The problem of `model` on `space`, before the first time level, with factors of its Jacobians.
-    pub fn new(space: &'a Discretization, model: &'a Model<P>) -> Self {
+    /// The problem of `model` on `space`, before the first time level, with a solver of its Jacobians.
+    ///
+    /// # Errors
+    /// The pattern cannot be analysed.
+    pub fn new(
+        space: &'a Discretization,
+        model: &'a Model<P>,
+        solver: LinearSolver,
+    ) -> Result<Self, FactorError> {
         let elastic = space.stiffness_of_unknowns(&model.elasticity);
         let terms = model.memory.iter();
         let memory = terms.map(|term| space.stiffness_of_unknowns(&term.tensor)).collect();
@@ -74,8 +81,8 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             .iter()
             .fold(model.elasticity.clone(), |sum, term| sum.plus(0.0, &term.tensor, d));
         let tensor = if space.mesh.dimension == 2 { 3 } else { 6 };
-        Self {
-            solver: LinearSolver::Direct.on(space),
+        Ok(Self {
+            solver: solver.on(space)?,
             last: TangentOf::default(),
             linear_law: elasticity.clone(),
             elasticity,
@@ -103,12 +110,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             graph,
             compliance,
             couplings,
-        }
-    }
-
-    /// Replaces the linear solver.
-    pub fn solved_by(self, solver: LinearSolver) -> Self {
-        Self { solver: solver.on(self.space), ..self }
+        })
     }
 
     /// Opens a time level: weights of the last slot, the sum ζ_past, the load F_n (Cartesian), and the

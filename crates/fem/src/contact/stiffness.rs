@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use super::{Discretization, Work};
-use algebra::linalg::{Factor, FactorError, Front};
+use algebra::linalg::{Analysis, Factor, FactorError, Front};
 use vhi::law::TensorField;
 
 /// The unknowns of a factor, and their order.
@@ -40,7 +40,7 @@ impl StiffnessFactor {
     ) -> Result<Self, FactorError> {
         let start = Instant::now();
         let analysis = match unknowns {
-            Unknowns::Displacements => &space.analysis,
+            Unknowns::Displacements => space.analysis()?,
             Unknowns::ContactLast => space.condensing()?,
         };
         let values = space.stiffness_of(unknowns, tensor);
@@ -108,7 +108,7 @@ impl Discretization {
         Ok(new)
     }
 
-    /// The same in the order of displacements, not held if it was not before.
+    /// The factor of `tensor` in the order of displacements: the held one, or one that is not held afterwards.
     fn passing_factor(&self, tensor: &TensorField) -> Result<Arc<StiffnessFactor>, FactorError> {
         let unknowns = Unknowns::Displacements;
         let held = self.factors.held.lock().unwrap_or_else(PoisonError::into_inner);
@@ -133,6 +133,7 @@ impl Discretization {
 /// K⁻¹ of a tensor over Cartesian displacements, by its factor.
 pub struct StiffnessInverse<'a> {
     space: &'a Discretization,
+    analysis: &'a Analysis,
     kept: Arc<StiffnessFactor>,
     front: Front<f64>,
 }
@@ -148,21 +149,21 @@ impl<'a> StiffnessInverse<'a> {
         work: &mut Work,
     ) -> Result<Self, FactorError> {
         let kept = space.stiffness_factor(tensor, Unknowns::Displacements, work)?;
-        Ok(Self { space, kept, front: Front::default() })
+        Ok(Self { space, analysis: space.analysis()?, kept, front: Front::default() })
     }
 
-    /// The same for one use: by a factor that the mesh holds, else by one of its own.
+    /// The inverse for one use: by the factor that the mesh holds, or by a new one that is dropped with it.
     ///
     /// # Errors
     /// A matrix that is not positive definite.
     pub fn passing(space: &'a Discretization, tensor: &TensorField) -> Result<Self, FactorError> {
         let kept = space.passing_factor(tensor)?;
-        Ok(Self { space, kept, front: Front::default() })
+        Ok(Self { space, analysis: space.analysis()?, kept, front: Front::default() })
     }
 
     /// K⁻¹b in place, over the unknowns.
     pub fn solve(&mut self, b: &mut [f64]) {
-        self.space.analysis.solve(&self.kept.factor, b, &mut self.front);
+        self.analysis.solve(&self.kept.factor, b, &mut self.front);
     }
 
     /// Kx.

@@ -146,7 +146,7 @@ impl ContactTrace {
 
     /// Gives a pressure to the free points that carry no law: on each facet that of the linear function through its
     /// midpoints, and of several facets their mean.
-    pub(crate) fn extend(&self, pressure: &mut [f64]) {
+    pub fn extend(&self, pressure: &mut [f64]) {
         let d = self.dimension;
         if d == 2 || self.stride == d {
             return;
@@ -198,7 +198,7 @@ impl TracePoint {
                 let [x, y] = point.tangent();
                 point.tangents[0] = [x, y, 0.0];
             }
-            // Those of a frame, and axes where ν is one.
+            // The tangents of a frame, which are axes where ν is one.
             _ => completed(&[normal], d)[1..]
                 .iter()
                 .zip(&mut point.tangents)
@@ -245,7 +245,6 @@ mod tests {
         let mesh = cuboid([1.0, 0.5, 1.0], 4, family);
         let sides = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
         let space = Discretization::of(Element::P2, mesh, &sides[..1], &sides[1..]);
-        let space = space.expect("an analysis");
         let at = |point: &TracePoint| {
             let [x, _, z] = space.mesh.point(&[point.vertex], &[1.0]);
             1.0 + 2.0 * x - 3.0 * z

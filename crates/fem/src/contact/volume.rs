@@ -57,7 +57,7 @@ impl<'a> Volume<'a> {
     ) -> Result<Self, FactorError> {
         let (beta, mut work) = (model.memory_multiple(), Work::default());
         let analysis = match unknowns {
-            Unknowns::Displacements => &space.analysis,
+            Unknowns::Displacements => space.analysis()?,
             Unknowns::ContactLast => space.condensing()?,
         };
         let stiffness = |tensor: &TensorField| space.stiffness_of(unknowns, tensor);

@@ -75,6 +75,11 @@ impl Mesh {
         self.coordinates.len() / self.dimension
     }
 
+    /// Number of vertices of cells, which come first: the points behind them are midpoints of edges.
+    pub fn corners(&self) -> usize {
+        self.cells.iter().max().map_or(0, |&last| last as usize + 1)
+    }
+
     /// Number of cells.
     pub fn cell_count(&self) -> usize {
         self.cells.len() / (self.dimension + 1)

@@ -27,7 +27,7 @@ impl<'a> ElasticProjection<'a> {
         Self::by(space, elasticity, mu, StiffnessInverse::passing)
     }
 
-    /// The same by a factor that `space` holds from then on: runs on other grids in time ask for it again.
+    /// The projection by a factor that `space` holds from then on: runs on other grids in time ask for it again.
     ///
     /// # Errors
     /// The factorization's.

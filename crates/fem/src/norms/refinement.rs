@@ -199,7 +199,7 @@ mod tests {
 
     fn space(mesh: Mesh) -> Discretization {
         let sides = ["top", "bottom"].map(|name| mesh.side(name).expect("a side"));
-        Discretization::new(mesh, &sides[..1], &sides[1..]).expect("an analysis")
+        Discretization::new(mesh, &sides[..1], &sides[1..])
     }
 
     fn structured(dimension: usize, n: u32) -> Discretization {
@@ -251,7 +251,7 @@ mod tests {
             vertices,
         };
         let mesh = refined(&Arc::new(coarse), n, family);
-        Discretization::new(mesh, &[0], &[2, 3]).expect("an analysis")
+        Discretization::new(mesh, &[0], &[2, 3])
     }
 
     #[test]

@@ -22,7 +22,8 @@ pub struct Nodes {
     pub a_cell: usize,
     /// Boundary facets by vertices, midpoints among them.
     facets: Vec<u32>,
-    a_facet: usize,
+    /// Nodes a boundary facet.
+    pub a_facet: usize,
 }
 
 impl Nodes {

@@ -41,7 +41,7 @@ impl<'a> StrainPoints<'a> {
         Self { geometry, nodes, next: 0, cell: 0, local: 0 }
     }
 
-    /// Those of a cell and the cells behind it.
+    /// The points of a cell and of the cells behind it.
     pub(crate) fn from_cell(geometry: &'a Geometry, nodes: &'a Nodes, cell: usize) -> Self {
         Self { geometry, nodes, next: geometry.shares.len() * cell, cell, local: 0 }
     }

@@ -108,7 +108,7 @@ impl Baseline {
         Self { scenes: scenes.collect() }
     }
 
-    /// The same without cases that were not to be run.
+    /// The baseline without cases that were not to be run.
     #[must_use]
     pub fn without(mut self, held: &[Key]) -> Self {
         for (scene, recorded) in &mut self.scenes {

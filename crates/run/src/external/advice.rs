@@ -1,5 +1,6 @@
 //! What the author of a solver looks at first where a verdict does not pass: a finer case seldom is it.
 
+use fem::space::Element;
 use judge::verdict::{Decision, Variable, Verdict};
 use scene::setup::Setup;
 
@@ -32,8 +33,15 @@ fn questions(setup: &Setup, variable: Variable) -> Vec<String> {
     if variable == Variable::K && !questions.is_empty() {
         return questions;
     }
+    if body.contact.as_ref().is_some_and(|contact| contact.friction.is_some()) {
+        questions.push("is friction that of each vertex and level".to_owned());
+    }
     if body.contact.is_some() {
         questions.push("are gap, shift and law those of each vertex in contact".to_owned());
+    }
+    if body.element != Element::P1 {
+        questions
+            .push("has every midpoint of an edge a value of its own, in its own row".to_owned());
     }
     questions.extend(of_every_solver().map(str::to_owned));
     questions

@@ -42,6 +42,8 @@ pub struct Given {
     pub loads: Array,
     /// Γ3.
     pub contact: Vec<ContactRow>,
+    /// The factor of the bound of friction at the rows of Γ3, (N + 1) × rows; none without friction.
+    pub friction: Option<Array>,
 }
 
 impl Given {
@@ -56,6 +58,7 @@ impl Given {
             kernels: (!setup.model.memory.is_empty()).then(|| kernels(setup, &grid)).transpose()?,
             loads: loads(data, &grid)?,
             contact: contact(setup, &data.space),
+            friction: friction(setup, &data.space, &grid),
             times: grid.times().to_vec(),
         })
     }
@@ -92,6 +95,7 @@ pub fn write_case(dir: &Path, setup: &Setup, data: &MeshData, steps: u32) -> Res
     file("times.npy", &encode(&[given.times.len()], &given.times))?;
     let array = |name: &str, array: &Array| file(name, &encode(&array.shape, &array.numbers));
     given.kernels.iter().try_for_each(|kernels| array("kernels.npy", kernels))?;
+    given.friction.iter().try_for_each(|friction| array("friction.npy", friction))?;
     array("loads.npy", &given.loads)
 }
 
@@ -116,6 +120,7 @@ fn case(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Value {
         "format": 1,
         "scene": scene.name,
         "dimension": d,
+        "element": data.space.element.name(),
         "n": mesh.n,
         "steps": grid.steps(),
         "horizon": scene.time.horizon,
@@ -123,11 +128,13 @@ fn case(setup: &Setup, data: &MeshData, grid: &TimeGrid) -> Value {
         "h": mesh.h(),
         "k": grid.largest_step(),
         "vertices": mesh.vertices(),
+        "midpoints": mesh.vertices() - mesh.corners(),
         "cells": mesh.cell_count(),
         "contact_rows": data.space.trace.points.len(),
         "regions": names,
         "elasticity": tensors(&model.elasticity),
         "memory": memory,
+        "singular": model.memory.iter().map(|term| term.kernel.power()).collect::<Vec<_>>(),
         "projection": written["material"]["projection"],
         "contact": written["contact"],
         "as_written": written,
@@ -195,22 +202,22 @@ fn vertices(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
 }
 
 fn cells(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let mesh = &space.mesh;
-    let mut rows = Rows::new(between("cell", numbered(mesh.dimension + 1), &["region"]))?;
-    for c in 0..mesh.cell_count() {
-        let corners = mesh.cell(c).iter().map(u32::to_string);
+    let nodes = &space.nodes;
+    let mut rows = Rows::new(between("cell", numbered(nodes.a_cell), &["region"]))?;
+    for c in 0..space.mesh.cell_count() {
+        let own = nodes.of_cell(c).iter().map(|&node| nodes.vertex[node as usize].to_string());
         let region = space.regions.get(c).copied().unwrap_or(0).to_string();
-        rows.add(between(&c.to_string(), corners, &[&region]))?;
+        rows.add(between(&c.to_string(), own, &[&region]))?;
     }
     rows.bytes()
 }
 
 fn facets(space: &Discretization) -> Result<Vec<u8>, csv::Error> {
-    let mesh = &space.mesh;
-    let mut rows = Rows::new(between("facet", numbered(mesh.dimension), &["side"]))?;
+    let (mesh, nodes) = (&space.mesh, &space.nodes);
+    let mut rows = Rows::new(between("facet", numbered(nodes.a_facet), &["side"]))?;
     for (f, &side) in mesh.facet_side.iter().enumerate() {
-        let corners = mesh.facet(f).iter().map(u32::to_string);
-        rows.add(between(&f.to_string(), corners, &[&mesh.sides[side as usize]]))?;
+        let own = nodes.on_facet(f).iter().map(u32::to_string);
+        rows.add(between(&f.to_string(), own, &[&mesh.sides[side as usize]]))?;
     }
     rows.bytes()
 }
@@ -232,6 +239,17 @@ fn contact(setup: &Setup, space: &Discretization) -> Vec<ContactRow> {
     space.trace.points.iter().map(row).collect()
 }
 
+/// c(x, t) of S = c S_0(|u_τ|), or of S = c p(u_ν).
+fn friction(setup: &Setup, space: &Discretization, grid: &TimeGrid) -> Option<Array> {
+    let friction = setup.model.friction.as_ref()?;
+    let points = &space.trace.points;
+    let places: Vec<[f64; 3]> =
+        points.iter().map(|point| space.mesh.point(&[point.vertex], &[1.0])).collect();
+    let at = |&t: &f64| places.iter().map(move |&x| (friction.factor)(x, t));
+    let numbers = grid.times().iter().flat_map(at).collect();
+    Some(Array { shape: vec![grid.steps() + 1, points.len()], numbers })
+}
+
 fn contact_table(rows: &[ContactRow], d: usize) -> Result<Vec<u8>, csv::Error> {
     let names = COORDINATES[..d].iter().map(|name| format!("n{name}"));
     let names = std::iter::once("vertex".to_owned()).chain(names);
@@ -250,11 +268,12 @@ fn is_uniform(setup: &Setup) -> bool {
     setup.scene.time.grid == scene::TimeGrid::Uniform
 }
 
+/// Of a kernel that is infinite at lag zero the factor of its power.
 fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Array, CaseError> {
     let (terms, levels) = (&setup.model.memory, grid.steps() + 1);
     if is_uniform(setup) {
         let values =
-            terms.iter().flat_map(|term| grid.times().iter().map(|&t| term.kernel.value(t)));
+            terms.iter().flat_map(|term| grid.times().iter().map(|&t| term.kernel.factor(t)));
         return Ok(Array { shape: vec![terms.len(), levels], numbers: values.collect() });
     }
     if grid.steps() > MOST_PAIRS {
@@ -266,7 +285,8 @@ fn kernels(setup: &Setup, grid: &TimeGrid) -> Result<Array, CaseError> {
     for term in terms {
         for n in 0..levels {
             let until = grid.time(n);
-            let lag = |j: usize| if j <= n { term.kernel.value(until - grid.time(j)) } else { 0.0 };
+            let lag =
+                |j: usize| if j <= n { term.kernel.factor(until - grid.time(j)) } else { 0.0 };
             values.extend((0..levels).map(lag));
         }
     }

@@ -1,9 +1,8 @@
 //! A solver in this process as a [`Scheme`]: it gets a case as arrays and gives displacements of all levels back.
 
-use super::{Given, show, takes};
+use super::{Given, show};
 use fem::contact::{CaseError, CaseInfo, Observer};
 use scene::setup::{MeshData, Scheme, Setup};
-use scene::{Scene, SceneError};
 
 /// What a solver gives back.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,10 +27,6 @@ pub trait Solve: Send + Sync {
 pub struct InProcess<S>(pub S);
 
 impl<S: Solve> Scheme for InProcess<S> {
-    fn takes(&self, scene: &Scene) -> Result<(), SceneError> {
-        takes(scene)
-    }
-
     fn march(
         &self,
         setup: &Setup,
@@ -41,7 +36,8 @@ impl<S: Solve> Scheme for InProcess<S> {
     ) -> Result<CaseInfo, CaseError> {
         let (space, grid) = (&*data.space, setup.grid(steps));
         let given = Given::new(setup, data, steps)?;
-        let answer = self.0.solve(&given, data).map_err(CaseError::Outside)?;
+        let solved = data.comparing_beside(setup, || self.0.solve(&given, data));
+        let answer = solved.map_err(CaseError::Outside)?;
         let (levels, points) = (grid.steps() + 1, space.trace.points.len());
         let pressure = answer.pressure.unwrap_or_else(|| vec![f64::NAN; levels * points]);
         let lengths = [answer.displacement.len(), pressure.len()];

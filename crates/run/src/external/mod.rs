@@ -35,7 +35,6 @@ use algebra::linalg::axpy;
 use fem::contact::{CaseError, CaseInfo, Discretization, Observer, StepView, strain_norm};
 use files::{remove_if_there, shortened};
 use scene::setup::{MeshData, SceneModel, Scheme, Setup};
-use scene::{Extension, Scene, SceneError};
 use vhi::history::{Accumulated, Memory, TimeGrid};
 use vhi::law::{Convolution, Projection};
 
@@ -64,16 +63,7 @@ pub struct ExternalSolver {
     pub pressures: bool,
 }
 
-/// What a case gives to its solver says nothing of friction, and of vertices alone.
-pub fn takes(scene: &Scene) -> Result<(), SceneError> {
-    scene.without(&Extension::ALL, "sweep verify")
-}
-
 impl Scheme for ExternalSolver {
-    fn takes(&self, scene: &Scene) -> Result<(), SceneError> {
-        takes(scene)
-    }
-
     fn march(
         &self,
         setup: &Setup,
@@ -88,7 +78,7 @@ impl Scheme for ExternalSolver {
             forget(&dir)?;
             write_case(&dir, setup, data, steps)?;
             until = Instant::now().checked_add(*limit);
-            process::run(words, &dir, *limit).map_err(said)?;
+            data.comparing_beside(setup, || process::run(words, &dir, *limit)).map_err(said)?;
         }
         let (levels, d) = (grid.steps() + 1, space.mesh.dimension);
         let vertices: Vec<[f64; 3]> =

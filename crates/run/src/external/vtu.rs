@@ -40,8 +40,8 @@ pub enum VtuError {
     Form { name: String, found: String, known: &'static str },
     /// Points that are not one per vertex.
     #[error(
-        "{found} points where the mesh has {wanted} vertices: write each vertex once; interpolate elements of higher \
-         order or discontinuous ones to continuous P1 first"
+        "{found} points where the mesh has {wanted} vertices (rows of vertices.csv): write each of them once; interpolate \
+         elements of another order and discontinuous ones to the continuous element of the case first"
     )]
     Points { found: usize, wanted: usize },
     /// Other point data.
@@ -71,7 +71,7 @@ pub enum VtuError {
     /// Two points at one vertex.
     #[error(
         "points {first} and {point} are both vertex {vertex}: write each vertex once; interpolate discontinuous elements \
-         to continuous P1 first"
+         to continuous ones first"
     )]
     Twice { first: usize, point: usize, vertex: usize },
 }

@@ -22,7 +22,7 @@ pub enum NoConstant {
     #[error("both steps are refined: constants are predicted along h alone and along k alone")]
     Joint,
     /// Stresses of interpolants and tangents here are those of P1.
-    #[error("{element} has a predicted constant for V_max in h alone")]
+    #[error("{element} has a predicted constant in h for V_max alone")]
     Element { element: &'static str },
     /// Of a space that is not in V the interpolant is not superclose.
     #[error(
@@ -41,9 +41,6 @@ pub enum NoConstant {
     /// A rule whose weights depend on the kernel.
     #[error("the time rule weighs the kernel in a way of its own")]
     Rule,
-    /// The tangent of friction that follows the normal law.
-    #[error("friction that follows the normal law: its linearised step has no symmetric matrix")]
-    Unsymmetric,
     /// The linearised step has no solution.
     #[error("the linearised problem is singular at t = {t}")]
     Singular { t: f64 },

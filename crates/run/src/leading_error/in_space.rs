@@ -5,22 +5,24 @@ use std::sync::Arc;
 use super::NoConstant;
 use super::cells::{Mandel, add_force, add_stiffness, inner, product, strains};
 use super::interpolation::InterpolationError;
-use super::law_slope::{Answer, answer, sliding_block};
+use super::law_slope::Answer;
+use super::low_rank::{self, RankOne};
 use super::measures::{Largest, Level, balancing, normal};
 use super::own_history::OwnHistory;
 use super::sums::{Kernel, Numbers, Sums};
 use super::tangent::{by_kappa, by_strain, isotropic, stress_of, unit};
 use super::time::Weights;
-use algebra::linalg::{Front, axpy, dot};
-use exact::{ComplianceRule, Exact, FrictionBound, InterpolatedOnMesh, Sliding};
+use algebra::linalg::axpy;
+use exact::{ComplianceRule, Exact, InterpolatedOnMesh, Sliding};
 use fem::contact::Discretization;
+use fem::space::StrainPoint;
 use formula::{Node, Point, Variable};
 use scene::{Memory, TimeRule};
 
 /// A contact scene on one mesh, with tensors of S numbers.
 pub(super) struct InSpace<const S: usize> {
-    exact: Arc<Exact>,
-    space: Arc<Discretization>,
+    pub(super) exact: Arc<Exact>,
+    pub(super) space: Arc<Discretization>,
     rule: TimeRule,
     truth: InterpolatedOnMesh,
     /// κ'(ζ).
@@ -32,7 +34,7 @@ pub(super) struct InSpace<const S: usize> {
 }
 
 /// I_h u with its exact histories at one time.
-struct State<const S: usize> {
+pub(super) struct State<const S: usize> {
     u: Vec<f64>,
     strain: Vec<Mandel<S>>,
     /// ‖ε‖_ℋ.
@@ -42,9 +44,9 @@ struct State<const S: usize> {
     /// ζ, where κ depends on it.
     zeta: f64,
     /// [u_ν, ξ + λ, g, ξ, λ] at the points of the trace.
-    contact: Vec<[f64; 5]>,
+    pub(super) contact: Vec<[f64; 5]>,
     /// The friction there; none without.
-    friction: Option<Vec<Sliding>>,
+    pub(super) friction: Option<Vec<Sliding>>,
 }
 
 /// The past of a level: Σ' over exact values, and over the errors of earlier levels.
@@ -65,7 +67,7 @@ struct Accumulated {
     zeta_error: f64,
 }
 
-/// How the stress of a cell moves, linearised.
+/// How the stress at a point moves, linearised.
 struct Response<const S: usize> {
     /// By the strain of the level, its own share of the memory included.
     tangent: [Mandel<S>; S],
@@ -133,11 +135,6 @@ impl<const S: usize> InSpace<S> {
         let weights = Weights::of_plain(self.rule)?;
         let of_kernels = self.kernels.iter().map(|own| Weights::of_kernel(self.rule, own.power()));
         let of_kernels = of_kernels.collect::<Result<Vec<_>, _>>()?;
-        let contact = self.exact.data.contact.as_ref();
-        let friction = contact.and_then(|contact| contact.friction.as_ref());
-        if friction.is_some_and(|own| matches!(own.bound, FrictionBound::Coulomb(_))) {
-            return Err(NoConstant::Unsymmetric);
-        }
         let mut sums = Sums::new(of_kernels, &self.kernels, times, self.space.nodes.len());
         // Sums over earlier levels of ‖ε_j‖ and of (ε_j, ε(e_j))/‖ε_j‖, the error of the integrand of ζ.
         let mut sizes = Numbers::new(weights);
@@ -228,45 +225,27 @@ impl<const S: usize> InSpace<S> {
         let mut values = vec![0.0; space.pattern.entries()];
         let mut right = vec![0.0; space.nodes.len()];
         let (mut column, mut row) = (right.clone(), right.clone());
-        let mut responses = Vec::with_capacity(space.mesh.cell_count());
-        for c in 0..space.mesh.cell_count() {
-            let (strain, material) = (&state.strain[c], self.exact.material_in(self.regions[c]));
-            let of_cell = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
-                terms.iter().map(|term| term[c]).collect()
-            };
-            let before = stress_of(material, strain, &of_cell(&state.memory), exact_kappa);
-            let after = stress_of(material, strain, &of_cell(&past.memory), own_kappa);
-            let mut tangent = by_strain(material, strain, own_kappa);
-            let mut remembered = [0.0; S];
-            for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
-                let part = isotropic(lambda, mu, &past.memory_error[term][c]);
-                (0..S).for_each(|i| remembered[i] += part[i]);
-                for (i, line) in tangent.iter_mut().enumerate() {
-                    let memory = isotropic(lambda, mu, &unit::<S>(i));
-                    (0..S).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
-                }
-            }
-            let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
-            let source: Mandel<S> = std::array::from_fn(|i| {
-                before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
-            });
-            add_force(space, c, &source, &mut right);
-            add_stiffness(space, c, &tangent, &mut values);
-            responses.push(Response { tangent, source, by_zeta });
+        let mut responses = Vec::with_capacity(state.strain.len());
+        for at in space.points() {
+            let strain = &state.strain[at.index];
+            let own = self.response(&at, state, past, [exact_kappa, own_kappa, slope]);
+            let by_zeta = own.by_zeta;
+            add_force(&at, &own.source, &mut right);
+            add_stiffness(space, &at, &own.tangent, &mut values);
+            responses.push(own);
             if self.slope.is_some() && state.norm > 0.0 {
-                add_force(space, c, &by_zeta, &mut column);
-                add_force(
-                    space,
-                    c,
-                    &strain.map(|e| past.accumulated.own * e / state.norm),
-                    &mut row,
-                );
+                add_force(&at, &by_zeta, &mut column);
+                add_force(&at, &strain.map(|e| past.accumulated.own * e / state.norm), &mut row);
             }
         }
         let answers = self.answers(state);
         self.add_contact(&answers, &mut values);
         self.add_friction(state, &mut values);
-        let error = self.solve(t, &values, right, column, &row)?;
+        let mut terms = self.following(&answers, state);
+        if self.slope.is_some() {
+            terms.push(RankOne { column, row });
+        }
+        let error = low_rank::solve(space, t, &values, right, &terms)?;
         let strain: Vec<Mandel<S>> = strains(space, &error);
         // The change of ζ that the level itself makes.
         let share = match self.slope.is_some() && state.norm > 0.0 {
@@ -281,108 +260,41 @@ impl<const S: usize> InSpace<S> {
             Some(Answer::Slope(slope)) => slope * normal(space, i, &error),
             Some(Answer::Held) => balance[i],
         });
-        let pressure = pressure.collect();
+        let mut pressure: Vec<f64> = pressure.collect();
+        space.trace.extend(&mut pressure);
         Ok(Level { error, strain, stress, pressure })
     }
 
-    /// How the pressure at each point of the trace answers; `None` where u = 0 is given.
-    fn answers(&self, state: &State<S>) -> Vec<Option<Answer>> {
-        let contact = self.exact.data.contact.as_ref();
-        let law = contact.and_then(|contact| contact.law.as_ref());
-        let mut answers = Vec::with_capacity(state.contact.len());
-        for (point, &[normal, _, _, xi, lambda]) in
-            self.space.trace.points.iter().zip(&state.contact)
-        {
-            // The law is c p: its slope is c times that of p at ξ/c.
-            let shift =
-                self.at_vertex(contact.and_then(|contact| contact.shift), 0.0, point.vertex);
-            let scale =
-                self.at_vertex(contact.and_then(|contact| contact.scale), 1.0, point.vertex);
-            let own = match answer(law, normal - shift, xi / scale, lambda) {
-                Answer::Slope(slope) => Answer::Slope(scale * slope),
-                Answer::Held => Answer::Held,
-            };
-            answers.push((!point.clamped).then_some(own));
-        }
-        answers
-    }
-
-    /// Adds the slopes of the law at the vertices; holds the vertices whose u_ν does not move.
-    fn add_contact(&self, answers: &[Option<Answer>], values: &mut [f64]) {
-        let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
-        for (point, answer) in self.space.trace.points.iter().zip(answers) {
-            let answer = match answer {
-                None => continue,
-                Some(Answer::Slope(slope)) => point.weight * slope,
-                Some(Answer::Held) => HELD * stiffness,
-            };
-            // answer · ν νᵀ on the components of the vertex.
-            let d = self.space.mesh.dimension;
-            for i in 0..d {
-                for j in 0..=i {
-                    let first = d * point.node as usize;
-                    if let Some(at) = self.space.pattern.position(first + i, first + j) {
-                        values[at] += answer * point.normal[i] * point.normal[j];
-                    }
-                }
-            }
-        }
-    }
-
-    /// Adds the slopes of friction at the vertices that slip; holds u_τ of those that stick.
-    fn add_friction(&self, state: &State<S>, values: &mut [f64]) {
-        let friction = self.exact.data.contact.as_ref().and_then(|own| own.friction.as_ref());
-        let Some((friction, state)) = friction.zip(state.friction.as_ref()) else { return };
-        let stiffness = values.iter().fold(0.0, |size: f64, value| size.max(value.abs()));
-        let d = self.space.mesh.dimension;
-        let points = self.space.trace.points.iter().zip(state);
-        for (point, own) in points.filter(|(point, _)| !point.clamped) {
-            let block = sliding_block(&friction.bound, own, [point.weight, HELD * stiffness]);
-            let first = d * point.node as usize;
-            for (i, row) in block.iter().enumerate().take(d) {
-                for (j, answer) in row.iter().enumerate().take(i + 1) {
-                    self.space.pattern.add([first + i, first + j], *answer, values);
-                }
-            }
-        }
-    }
-
-    /// The value of a formula at a vertex, or `absent` without one.
-    fn at_vertex(&self, node: Option<Node>, absent: f64, vertex: u32) -> f64 {
-        let [x, y, z] = self.space.mesh.point(&[vertex], &[1.0]);
-        let at = Point { x, y, z, ..Point::default() };
-        node.map_or(absent, |node| self.exact.data.graph.evaluate(node, &at))
-    }
-
-    /// (K + column rowᵀ) e = right, by the formula of Sherman and Morrison.
-    fn solve(
+    /// How the stress at a point answers, with κ at the exact ζ and at that of the scheme, and κ' there.
+    fn response(
         &self,
-        t: f64,
-        values: &[f64],
-        mut right: Vec<f64>,
-        column: Vec<f64>,
-        row: &[f64],
-    ) -> Result<Vec<f64>, NoConstant> {
-        let (space, dofs) = (&self.space, self.space.dofs());
-        let analysis = &space.analysis;
-        let (mut factor, mut workspace) = (analysis.factor::<f64>(), analysis.workspace());
-        analysis.factorize(&space.pattern, values, &mut factor, &mut workspace)?;
-        let mut front = Front::default();
-        let [error, answer] = [&right, &column].map(|side| {
-            let mut x = side[..dofs].to_vec();
-            analysis.solve(&factor, &mut x, &mut front);
-            x
+        at: &StrainPoint<'_>,
+        state: &State<S>,
+        past: &Past<S>,
+        [exact_kappa, own_kappa, slope]: [f64; 3],
+    ) -> Response<S> {
+        let strain = &state.strain[at.index];
+        let material = self.exact.material_in(self.regions[at.cell]);
+        let here = |terms: &[Vec<Mandel<S>>]| -> Vec<Mandel<S>> {
+            terms.iter().map(|term| term[at.index]).collect()
+        };
+        let before = stress_of(material, strain, &here(&state.memory), exact_kappa);
+        let after = stress_of(material, strain, &here(&past.memory), own_kappa);
+        let mut tangent = by_strain(material, strain, own_kappa);
+        let mut remembered = [0.0; S];
+        for (term, &(lambda, mu)) in material.memory.iter().enumerate() {
+            let part = isotropic(lambda, mu, &past.memory_error[term][at.index]);
+            (0..S).for_each(|i| remembered[i] += part[i]);
+            for (i, line) in tangent.iter_mut().enumerate() {
+                let memory = isotropic(lambda, mu, &unit::<S>(i));
+                (0..S).for_each(|j| line[j] += past.own_memory[term] * memory[j]);
+            }
+        }
+        let by_zeta = by_kappa(material, strain, own_kappa).map(|value| slope * value);
+        let source = std::array::from_fn(|i| {
+            before[i] - after[i] - remembered[i] - by_zeta[i] * past.accumulated.zeta_error
         });
-        let denominator = 1.0 + dot(&row[..dofs], &answer);
-        if denominator.is_nan() || denominator.abs() <= VANISHING {
-            return Err(NoConstant::Singular { t });
-        }
-        let factor = dot(&row[..dofs], &error) / denominator;
-        right.fill(0.0);
-        for (target, (e, a)) in right.iter_mut().zip(error.iter().zip(&answer)) {
-            *target = e - factor * a;
-        }
-        Ok(right)
+        Response { tangent, source, by_zeta }
     }
 }
 
@@ -390,5 +302,3 @@ impl<const S: usize> InSpace<S> {
 const MOST_PRODUCTS: f64 = 1e10;
 /// Shares below this are zero but for rounding.
 const VANISHING: f64 = 1e-9;
-/// Stiffness of a held vertex, in units of the largest entry: it moves by 1e-10 of what it would.
-const HELD: f64 = 1e10;

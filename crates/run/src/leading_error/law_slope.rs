@@ -39,11 +39,11 @@ pub(super) fn answer(law: Option<&LawNumbers>, r: f64, xi: f64, lambda: f64) -> 
 
 /// The answer of s ∈ S ∂|u_τ| along the slip where s, u_τ and S are given: a vertex sticks below the bound.
 fn sliding_answer(bound: &FrictionBound, own: &Sliding) -> Answer {
-    if own.size() < own.bound * (1.0 - ROUNDING) {
+    if own.sticks() {
         return Answer::Held;
     }
     match bound {
-        // By u_τ; the slope in u_ν of a bound that follows the normal law is no part of a symmetric matrix.
+        // By u_τ; what a bound that follows the normal law answers to u_ν is no part of a symmetric matrix.
         FrictionBound::Given(_) | FrictionBound::Coulomb(_) => Answer::Slope(0.0),
         FrictionBound::Slip(points) => {
             let pairs = points.windows(2).map(|pair| (pair[0], pair[1]));

@@ -1,17 +1,18 @@
-//! Norms of the leading error in time, of P1 functions and of tensors constant on cells.
+//! Norms of the leading error in time, of functions of the element and of tensors at its strain points.
 
 use super::cells::{Mandel, add_force, inner};
 use algebra::linalg::larger;
 use fem::contact::Discretization;
+use fem::space::Element;
 use scene::Norm;
 
 /// The leading error at one level.
 pub(super) struct Level<const S: usize> {
     /// e as a nodal vector.
     pub(super) error: Vec<f64>,
-    /// ε(e) on the cells.
+    /// ε(e) at the strain points.
     pub(super) strain: Vec<Mandel<S>>,
-    /// The leading part of σ^k - σ on the cells.
+    /// The leading part of σ^k - σ there.
     pub(super) stress: Vec<Mandel<S>>,
     /// The error of the pressure, (ξ + λ)^k - (ξ + λ), at the points of the trace.
     pub(super) pressure: Vec<f64>,
@@ -60,8 +61,8 @@ impl Largest {
 /// The pressures that balance a stress at the vertices of Γ3: p_i = -(σ, ε(φ_i ν_i))/w_i.
 pub(super) fn balancing<const S: usize>(space: &Discretization, stress: &[Mandel<S>]) -> Vec<f64> {
     let mut force = vec![0.0; space.nodes.len()];
-    for (c, tensor) in stress.iter().enumerate() {
-        add_force(space, c, tensor, &mut force);
+    for (at, tensor) in space.points().zip(stress) {
+        add_force(&at, tensor, &mut force);
     }
     let points = space.trace.points.iter().enumerate();
     points.map(|(i, point)| -normal(space, i, &force) / point.weight).collect()
@@ -73,11 +74,15 @@ pub(super) fn normal(space: &Discretization, i: usize, nodal: &[f64]) -> f64 {
     (0..d).map(|j| point.normal[j] * nodal[d * point.node as usize + j]).sum()
 }
 
-/// Mean of f² over a simplex of N corners, f linear: (Σ f_a² + (Σ f_a)²)/(N(N+1)).
-fn mean_square(corners: &[f64]) -> f64 {
-    let count = corners.len() as f64;
-    let total: f64 = corners.iter().sum();
-    let squares: f64 = corners.iter().map(|f| f * f).sum();
+/// Mean of f² over a simplex of N corners, f linear: (Σ f_a² + (Σ f_a)²)/(N(N+1)); of quadratic f by their mass.
+fn mean_square(element: Element, corners: usize, nodes: &[f64]) -> f64 {
+    if element != Element::P1 {
+        let values: Vec<[f64; 1]> = nodes.iter().map(|&value| [value]).collect();
+        return element.mean_square(corners).over(1.0, &values);
+    }
+    let count = corners as f64;
+    let total: f64 = nodes.iter().sum();
+    let squares: f64 = nodes.iter().map(|f| f * f).sum();
     (squares + total * total) / (count * (count + 1.0))
 }
 
@@ -86,8 +91,8 @@ fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
     let d = space.mesh.dimension;
     let component = |c: usize, i: usize| {
         let nodes = space.cell_nodes(c).iter();
-        let corners: Vec<f64> = nodes.map(|&node| nodal[d * node as usize + i]).collect();
-        mean_square(&corners)
+        let values: Vec<f64> = nodes.map(|&node| nodal[d * node as usize + i]).collect();
+        mean_square(space.element, d + 1, &values)
     };
     let cell = |(c, measure): (usize, &f64)| measure * (0..d).map(|i| component(c, i)).sum::<f64>();
     space.geometry.measure.iter().enumerate().map(cell).sum::<f64>().sqrt()
@@ -96,8 +101,8 @@ fn in_the_body(space: &Discretization, nodal: &[f64]) -> f64 {
 /// ‖f‖ in L²(Γ3) of values at the points of the trace.
 fn on_the_contact_side(space: &Discretization, values: &[f64]) -> f64 {
     let facet = |(f, measure): (usize, &f64)| {
-        let corners = space.trace.facet(f).iter().map(|&i| values[i as usize]);
-        measure * mean_square(&corners.collect::<Vec<f64>>())
+        let own: Vec<f64> = space.trace.facet(f).iter().map(|&i| values[i as usize]).collect();
+        measure * mean_square(space.element, space.mesh.dimension, &own)
     };
     space.trace.measure.iter().enumerate().map(facet).sum::<f64>().sqrt()
 }
@@ -111,7 +116,7 @@ mod tests {
     #[test]
     fn no_number_stays_in_its_norm() {
         let mesh = rectangle([1.0, 1.0], 1, Family::Structured);
-        let space = Discretization::new(mesh, &[3], &[2]).expect("a mesh");
+        let space = Discretization::new(mesh, &[3], &[2]);
         let (nodes, cells) = (space.nodes.len(), space.mesh.cell_count());
         let level = |pressure: f64| Level::<3> {
             error: vec![1.0; nodes],

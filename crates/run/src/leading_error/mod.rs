@@ -19,12 +19,14 @@
 
 mod adaptive;
 mod cells;
+mod contact_answers;
 mod error;
 mod finite;
 mod in_space;
 mod interpolation;
 mod interpolation_stress;
 mod law_slope;
+mod low_rank;
 mod measures;
 mod own_history;
 mod quadratic;
@@ -137,7 +139,7 @@ pub fn leading_errors(
     leading_errors_beside(subject, measured, cases, &mut InTime::default())
 }
 
-/// The same with what has been computed for other norms of the scene.
+/// [`leading_errors`], with what has been computed for other norms of the scene.
 ///
 /// # Errors
 /// As [`leading_errors`].
@@ -149,6 +151,10 @@ pub(crate) fn leading_errors_beside(
 ) -> Result<LeadingErrors, NoConstant> {
     match subject {
         Subject::Abstract(setup) => of_abstract(setup, cases),
+        // Jumps, and what they make of the load, are of the order of the interpolation error itself.
+        Subject::Contact(setup) if !setup.body.element.is_conforming() => {
+            Err(NoConstant::Nonconforming { element: setup.body.element.name() })
+        }
         Subject::Contact(setup) => match measured.variable {
             Direction::H => in_space_direction(setup, measured, cases),
             Direction::K => in_time_direction(setup, measured, cases, known),
@@ -173,10 +179,6 @@ fn in_space_direction(
     cases: &[Case],
 ) -> Result<LeadingErrors, NoConstant> {
     let violated = |hypothesis| setup.scene.violates.contains(&hypothesis);
-    // Jumps, and what they make of the load, are of the order of the interpolation error itself.
-    if !setup.body.element.is_conforming() {
-        return Err(NoConstant::Nonconforming { element: setup.body.element.name() });
-    }
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
     // ‖u - u_h‖ is as small as ‖u - I_h u‖, and no more than that: neither L² norm of u has a leading error here.
     let of_stress = match measured.norm {
@@ -203,9 +205,6 @@ fn in_time_direction(
     known: &mut InTime,
 ) -> Result<LeadingErrors, NoConstant> {
     let Some(exact) = &setup.exact else { return Err(NoConstant::NoExact) };
-    if setup.body.element != Element::P1 {
-        return Err(NoConstant::Element { element: setup.body.element.name() });
-    }
     let interpolated = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
     // The reference of M times the steps has M^-order of the error.
     let share = match measured.norm {

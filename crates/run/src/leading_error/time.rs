@@ -30,7 +30,7 @@ pub(super) enum Weights {
     Left,
     /// The table of Gregory's rule of this order, on equal steps.
     Gregory(&'static Table),
-    /// Those of v interpolated linearly and integrated against (t - s)^{-a}.
+    /// The weights of v interpolated linearly and integrated against (t - s)^{-a}.
     Power(f64),
 }
 

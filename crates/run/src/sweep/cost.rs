@@ -11,7 +11,7 @@ use truth::{TruthCost, load_bytes, truth};
 use super::plan::{CasePlan, TIME_REFERENCE};
 use fem::contact::{Discretization, LinearSolver, Plan};
 use scene::setup::{Setup, SetupError};
-use scene::{Norm, Reference};
+use scene::{Norm, Reference, TimeRule};
 
 /// Newton iterations per level, where a level is solved in the volume.
 const ITERATIONS: f64 = 5.0;
@@ -25,6 +25,11 @@ const SOLVE: f64 = 2e-9;
 const MULTIGRID: f64 = 100e-9;
 /// Seconds of a factorization an entry of the factor and a multiplication.
 const FACTOR: [f64; 2] = [2.8e-9, 1.5e-11];
+
+/// Seconds of a weight in the direct sum over the past, by values of the kernel and by its integrals; and an unknown of
+/// the vector that it multiplies.
+const WEIGHT: [f64; 2] = [0.2e-6, 1.5e-6];
+const TERM: f64 = 1e-9;
 
 /// Bytes of the program itself with its report.
 pub(super) const PROGRAM: f64 = 16e6;
@@ -187,10 +192,14 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
     let nodes = space.nodes.a_cell as f64 / (space.mesh.dimension + 1) as f64;
     let (cells, dofs) = (space.geometry.points() as f64 * nodes.powi(2), space.dofs());
     let pattern = space.pattern.entries() as f64;
-    let factor = space.analysis.factor_entries() as f64;
+    // Not asked for where there are no factors.
+    let [factor, multiplications] = match linear_solver {
+        LinearSolver::Direct => space.factor_size(),
+        LinearSolver::Multigrid => [0.0; 2],
+    };
     let (solve, factorization, linear_bytes) = match linear_solver {
         LinearSolver::Direct => {
-            let seconds = FACTOR[0] * factor + FACTOR[1] * space.analysis.multiplications();
+            let seconds = FACTOR[0] * factor + FACTOR[1] * multiplications;
             let number = if newton && dofs >= SINGLE_FROM { 4.0 } else { 8.0 };
             // The factor and scratch of half its size.
             (SOLVE * factor, seconds, 1.5 * number * factor)
@@ -210,7 +219,8 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
         linear_solver,
         work: work.map(|matrices| [matrices, solves]),
         seconds: levels * iterations * (shape * CELL * cells + solve)
-            + factorizations * factorization,
+            + factorizations * factorization
+            + past_seconds(setup, dofs, steps),
         memory_bytes: linear_bytes + 52.0 * pattern + vectors + history_bytes(setup, dofs, steps),
         kept_bytes: if one_factor { 8.0 * (factor + pattern) } else { 0.0 },
         left_bytes: 0.0,
@@ -219,6 +229,14 @@ fn march(setup: &Setup, space: &Discretization, steps: u32) -> Cost {
 
 fn history_bytes(setup: &Setup, dofs: usize, steps: u32) -> f64 {
     (setup.history_vectors(steps) * dofs * 8) as f64
+}
+
+/// The direct sums over the past: of recursions and interpolated kernels there are few vectors.
+fn past_seconds(setup: &Setup, dofs: usize, steps: u32) -> f64 {
+    let levels = f64::from(steps) + 1.0;
+    let sums = (setup.history_vectors(steps) as f64 / levels).floor();
+    let weight = WEIGHT[usize::from(setup.scene.time.rule == TimeRule::ProductIntegration)];
+    sums * 0.5 * levels.powi(2) * (weight + TERM * dofs as f64)
 }
 
 /// What one run takes without measuring its error.
@@ -256,8 +274,7 @@ const ITERATES: f64 = 1200.0;
 /// The memory of a process that computes a constant of the trace on a mesh: its stiffness matrix with a factor in double
 /// precision, and the iterates.
 pub(super) fn eigenvalue_bytes(space: &Discretization) -> f64 {
-    let (entries, factor) =
-        (space.pattern.entries() as f64, space.analysis.factor_entries() as f64);
+    let (entries, [factor, _]) = (space.pattern.entries() as f64, space.factor_size());
     PROGRAM + 12.0 * factor + 40.0 * entries + 8.0 * ITERATES * space.dofs() as f64
 }
 

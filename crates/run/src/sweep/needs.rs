@@ -112,5 +112,5 @@ pub(super) fn constants_bytes(body: &ContactScene, limit: &MemoryLimit) -> Resul
     let sides = [&domain.clamped, &domain.contact].map(|sides| side_numbers(sides));
     // What is wrong with a mesh is said by what makes it.
     let space = Discretization::new(domain.mesh(finest), &sides[0], &sides[1]);
-    Ok(space.map_or(0.0, |space| eigenvalue_bytes(&space)))
+    Ok(eigenvalue_bytes(&space))
 }

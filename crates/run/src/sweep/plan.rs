@@ -136,7 +136,7 @@ impl ScenePlan {
         self.costs_of(&self.cases)
     }
 
-    /// The same of other cases of the scene.
+    /// Costs of any cases of the scene.
     pub(super) fn costs_of(&self, cases: &[CasePlan]) -> Result<PlanCost, SetupError> {
         problem(&self.subject).costs(cases, self.reference, self.kept_steps())
     }

@@ -3,7 +3,7 @@
 use super::judging::line_cases;
 use super::plan::{CasePlan, ScenePlan};
 use judge::fit::FEWEST;
-use judge::record::Key;
+use judge::record::{CaseRecord, Key};
 use judge::verdict::{Decision, NextCase, Verdict};
 use scene::setup::SetupError;
 use scene::{Direction, Expectation};
@@ -22,6 +22,7 @@ struct Waiting {
     whole: Option<&'static str>,
 }
 
+#[derive(Clone)]
 struct Claim {
     cases: Vec<NextCase>,
     /// The verdict before the last cases were added, and the decision by which it was settled.
@@ -54,9 +55,7 @@ impl Stepwise {
         let hold = |plan: &mut ScenePlan| {
             let waiting = Waiting::of(plan);
             if waiting.whole.is_none() {
-                let first = |claim: &Claim| claim.cases.iter().copied().take(FEWEST).collect();
-                let first: Vec<Vec<NextCase>> = waiting.claims.iter().map(first).collect();
-                let first = first.concat();
+                let first = waiting.first();
                 let name = plan.scene().name.clone();
                 plan.cases.retain(|case| {
                     let case = place(case);
@@ -68,6 +67,23 @@ impl Stepwise {
         Self { scenes: plans.iter_mut().map(hold).collect() }
     }
 
+    /// Brings the claims to where they were when the last of these records was asked for: a failure that an earlier run
+    /// has confirmed needs no further case. `judged` gives the verdicts of a plan on the records of its cases.
+    pub fn replay(
+        &mut self,
+        plans: &mut [ScenePlan],
+        records: &[CaseRecord],
+        judged: impl Fn(&ScenePlan, &[CaseRecord]) -> Vec<Verdict>,
+    ) {
+        for (waiting, plan) in self.scenes.iter_mut().zip(plans) {
+            waiting.replay(plan, |plan| {
+                let keys = plan.keys();
+                let own = records.iter().filter(|own| keys.contains(&own.key()));
+                judged(plan, &own.cloned().collect::<Vec<_>>())
+            });
+        }
+    }
+
     /// Gives the plans the next case of every claim that is open. Says for which plans there is one: the others need not
     /// be judged again. `verdicts` are those of all plans, in their order.
     pub fn go_on(&mut self, plans: &mut [ScenePlan], verdicts: &[Verdict]) -> Vec<bool> {
@@ -76,12 +92,7 @@ impl Stepwise {
                 return false;
             }
             let own = verdicts.iter().filter(|own| own.scene == plan.scene().name);
-            let next: Vec<NextCase> = waiting
-                .claims
-                .iter_mut()
-                .zip(own)
-                .filter_map(|(claim, verdict)| claim.next(verdict, &plan.cases))
-                .collect();
+            let next = waiting.next(own, &plan.cases);
             // In the order of the whole plan; what was added to it stays behind.
             let among = |cases: &[CasePlan], own: &CasePlan| {
                 cases.iter().any(|case| place(case) == place(own))
@@ -145,6 +156,49 @@ impl Waiting {
             Claim { cases, before: None, settled: None }
         };
         Self { all: plan.cases.clone(), claims: scene.predicts.iter().map(claim).collect(), whole }
+    }
+
+    /// The cheapest cases of every claim, without which nothing is judged.
+    fn first(&self) -> Vec<NextCase> {
+        self.claims.iter().flat_map(|claim| claim.cases.iter().copied().take(FEWEST)).collect()
+    }
+
+    /// The next case of every claim that is open.
+    fn next<'a>(
+        &mut self,
+        verdicts: impl Iterator<Item = &'a Verdict>,
+        asked: &[CasePlan],
+    ) -> Vec<NextCase> {
+        let claims = self.claims.iter_mut().zip(verdicts);
+        claims.filter_map(|(claim, verdict)| claim.next(verdict, asked)).collect()
+    }
+
+    /// From the first cases on, as long as what the claims ask for is in the plan already.
+    fn replay(&mut self, plan: &mut ScenePlan, judged: impl Fn(&ScenePlan) -> Vec<Verdict>) {
+        if self.whole.is_some() {
+            return;
+        }
+        let first = self.first();
+        let known = std::mem::take(&mut plan.cases);
+        plan.cases = known.iter().filter(|case| first.contains(&place(case))).cloned().collect();
+        while plan.cases.len() < known.len() {
+            let claims = self.claims.clone();
+            let next = self.next(judged(plan).iter(), &plan.cases);
+            if !next.iter().all(|case| known.iter().any(|own| place(own) == *case)) {
+                // Asked anew, with the rest of the plan.
+                self.claims = claims;
+                break;
+            }
+            if next.is_empty() {
+                break;
+            }
+            let asked = |own: &&CasePlan| {
+                next.contains(&place(own))
+                    || plan.cases.iter().any(|case| place(case) == place(own))
+            };
+            plan.cases = known.iter().filter(asked).cloned().collect();
+        }
+        plan.cases = known;
     }
 }
 

@@ -19,7 +19,7 @@ pub struct Constants {
     pub m_a: f64,
     /// L_A = largest eigenvalue of 𝒜, plus μ.
     pub l_a: f64,
-    /// α_φ = μ.
+    /// α_φ = μ, the part of the projection: [`Self::alpha_phi_as_printed`] is that of all of φ.
     pub alpha_phi: f64,
     /// α_ν of (2.8c) (a stiffness).
     pub alpha_nu: f64,
@@ -112,11 +112,21 @@ impl Constants {
         normal * self.c_j_squared + tangential * self.c_tau_squared
     }
 
-    /// α_ν c_j² + μ_f L_p c_j c_τ: the same with α_φ = μ_f L_p c_j c_τ of (2.7b), never smaller.
-    pub fn concave_as_printed(&self) -> f64 {
+    /// α_φ of (2.7b) for all of φ: μ, and μ_f L_p c_j c_τ of friction that follows the normal law, with the extrapolated
+    /// c_j and c_τ.
+    pub fn alpha_phi_as_printed(&self) -> f64 {
+        self.alpha_phi + self.of_coulomb()
+    }
+
+    /// μ_f L_p c_j c_τ.
+    fn of_coulomb(&self) -> f64 {
         let product = (self.c_j_squared * self.c_tau_squared).sqrt();
-        let printed = self.coulomb.map_or(0.0, |own| own.largest_slope(self.alpha_nu) * product);
-        self.falls() + printed
+        self.coulomb.map_or(0.0, |own| own.largest_slope(self.alpha_nu) * product)
+    }
+
+    /// α_ν c_j² + μ_f L_p c_j c_τ: the same as (2.9) has it with this α_φ, never smaller.
+    pub fn concave_as_printed(&self) -> f64 {
+        self.falls() + self.of_coulomb()
     }
 
     /// These constants with c_τ² of the friction.

@@ -111,6 +111,17 @@ impl MeshData {
         known.as_ref().map_err(Clone::clone)
     }
 
+    /// What `solve` gives, a solver outside this program; beside it the rules are compared, which no answer changes.
+    pub fn comparing_beside<T>(&self, setup: &Setup, solve: impl FnOnce() -> T) -> T {
+        std::thread::scope(|scope| {
+            let compared = scope.spawn(|| self.rule_check(setup).is_ok());
+            let solved = solve();
+            // What went wrong there is met again, and said, by whoever asks for the comparison.
+            drop(compared.join());
+            solved
+        })
+    }
+
     /// The exact solution with what its hereditary integrals may lack, where that is anything in some cells.
     fn with_remainders(&self, setup: &Setup) -> Option<Arc<Exact>> {
         let mesh = &self.space.mesh;

@@ -42,7 +42,7 @@ pub use subject::Subject;
 pub use trace_family::{TraceFamily, tangential_trace_family, trace_family};
 
 use crate::{Body, ContactQuadrature, ContactScene, Data, Scene, SceneError, Shape};
-use algebra::linalg::{EigenError, FactorError, Precision};
+use algebra::linalg::{EigenError, Precision};
 use exact::{ComplianceRule, ContactFormulas, Exact, ExactData, LoadForm, Polytope};
 use fem::contact::{
     Boundary, BoundaryRule, CaseError, Discretization, LinearSolver, MemoryTerm, Model,
@@ -63,9 +63,6 @@ pub enum SetupError {
     /// The scene file is at fault.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// A matrix of the mesh could not be factorized.
-    #[error("mesh n = {n}: {source}")]
-    Mesh { n: u32, source: FactorError },
     /// A constant of the mesh could not be computed.
     #[error("mesh n = {n}: {source}")]
     Constant { n: u32, source: EigenError },
@@ -122,15 +119,15 @@ impl Setup {
     /// # Errors
     /// [`SetupError::Mesh`]; a cell that the boundary of a region cuts.
     pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
-        self.with_regions(self.space_of(self.body.element, n)?, n)
+        self.with_regions(self.space_of(self.body.element, n), n)
     }
 
-    /// The same by linear elements, for constants of the problem itself.
+    /// V^h of linear elements, for constants of the problem itself.
     ///
     /// # Errors
     /// As [`Self::space`].
     pub(crate) fn linear_space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
-        self.with_regions(self.plain_space(n)?, n)
+        self.with_regions(self.plain_space(n), n)
     }
 
     fn with_regions(
@@ -147,19 +144,18 @@ impl Setup {
     ///
     /// # Errors
     /// [`SetupError::Mesh`].
-    pub(crate) fn plain_space(&self, n: u32) -> Result<Discretization, SetupError> {
+    pub(crate) fn plain_space(&self, n: u32) -> Discretization {
         self.space_of(Element::P1, n)
     }
 
-    fn space_of(&self, element: Element, n: u32) -> Result<Discretization, SetupError> {
+    fn space_of(&self, element: Element, n: u32) -> Discretization {
         let domain = &self.body.domain;
         let mesh = domain.mesh(n);
         let (clamped, contact) = (side_numbers(&domain.clamped), side_numbers(&domain.contact));
-        let mut space = Discretization::of(element, mesh, &clamped, &contact)
-            .map_err(|source| SetupError::Mesh { n, source })?;
+        let mut space = Discretization::of(element, mesh, &clamped, &contact);
         (space.nesting, space.linear_solver) = (domain.nesting(n), self.linear_solver);
         space.precision = self.precision;
-        Ok(space)
+        space
     }
 
     /// Whether the mesh lines of this mesh follow the boundaries of all regions.

@@ -30,7 +30,7 @@ pub fn trace_family(
     let mut values = Vec::new();
     for &n in levels {
         let space = match tensor.is_uniform() {
-            true => setup.plain_space(n).map(Arc::new)?,
+            true => Arc::new(setup.plain_space(n)),
             false => setup.linear_space(n)?,
         };
         let found = trace_constant(&space, tensor, mass)
@@ -50,7 +50,7 @@ pub fn tangential_trace_family(
     levels: &[u32],
 ) -> Result<TraceFamily, SetupError> {
     let value = |&n: &u32| {
-        let found = tangential_trace_constant(&setup.plain_space(n)?, mass)
+        let found = tangential_trace_constant(&setup.plain_space(n), mass)
             .map_err(|source| SetupError::Constant { n, source })?;
         Ok((n, found.value))
     };

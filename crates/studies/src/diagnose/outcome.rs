@@ -199,12 +199,10 @@ fn sizes(data: &MeshData, times: &[f64]) -> Result<[f64; 2], LoadError> {
     for &t in times {
         let moments = data.truth.moments(t)?;
         for (size, field) in largest.iter_mut().zip([&moments.strain, &moments.stress]) {
-            let components = field.at.len() / data.space.geometry.measure.len().max(1);
-            let square: f64 = field
-                .at
-                .chunks(components.max(1))
-                .zip(&data.space.geometry.measure)
-                .map(|(mean, measure)| measure * mean.iter().map(|v| v * v).sum::<f64>())
+            let d = data.space.mesh.dimension;
+            let tensors = data.space.points().zip(field.at.chunks_exact(d * (d + 1) / 2));
+            let square: f64 = tensors
+                .map(|(at, tensor)| at.weight * tensor.iter().map(|v| v * v).sum::<f64>())
                 .sum();
             *size = size.max(square.sqrt());
         }

@@ -2,8 +2,8 @@
 
 use super::term::{Suspect, Terms};
 use super::variant::{
-    Course, asked, at_least, in_space, on_course, single_rate, with_memory, with_projection,
-    with_terms,
+    Course, asked, at_least, factor_rate, in_space, on_course, single_rate, with_memory,
+    with_projection, with_terms,
 };
 use scene::{ContactScene, Direction, Hypothesis, Prediction, Scene, TimeRule};
 
@@ -149,8 +149,14 @@ impl Design<'_> {
                 [memory] => single_rate(memory).map(Course::Fading),
                 _ => None,
             },
-            // v is interpolated linearly and the kernel integrated exactly.
-            TimeRule::ProductIntegration => Some(Course::Linear),
+            // v, or the product of it with what a singular kernel has beside its power, is interpolated linearly.
+            TimeRule::ProductIntegration => match &own[..] {
+                [memory] if memory.singular.is_some() => {
+                    factor_rate(&self.scene.formulas, memory).map(Course::Fading)
+                }
+                terms if terms.iter().all(|term| term.singular.is_none()) => Some(Course::Linear),
+                _ => None,
+            },
             TimeRule::Left | TimeRule::Gregory { .. } | TimeRule::CorrectedEnd { .. } => None,
         };
         match (own.first(), course) {

@@ -271,3 +271,12 @@ pub(super) fn single_rate(memory: &Memory) -> Option<f64> {
         _ => None,
     }
 }
+
+/// The rate c of a kernel t^{-a} b exp(-c t), where it is one.
+pub(super) fn factor_rate(formulas: &Graph, memory: &Memory) -> Option<f64> {
+    let factor = memory.singular?.factor;
+    match formulas.exponential_sum(factor)?[..] {
+        [(_, rate)] => Some(rate),
+        _ => None,
+    }
+}

@@ -131,21 +131,50 @@ impl Guarantee {
 /// # Errors
 /// A scene that the theorem does not cover, a bound that is infinite, errors of the run.
 pub fn guarantee(setup: &Setup, n: u32, steps: u32) -> Result<Guarantee, GuaranteeError> {
-    covered(setup)?;
-    has_densities(setup)?;
     let data = MeshData::new(setup, n, None)?;
-    let model = &setup.model;
-    let mut levels = Levels::new(setup, &data.space, setup.grid(steps))?;
-    let mut failed = None;
+    let mut bounding = Bounding::new(setup, &data, steps)?;
     data.march(setup, steps, &Newton::default(), &mut |view| {
-        if failed.is_none() {
-            failed = levels.add(model, view).err();
-        }
+        bounding.see(view);
         Ok(())
     })?;
-    match failed {
-        Some(error) => Err(error),
-        None => Ok(Guarantee { levels: levels.found }),
+    bounding.finish()
+}
+
+/// The bounds of a run that is seen level by level.
+pub struct Bounding<'a> {
+    model: &'a SceneModel,
+    levels: Levels<'a>,
+    failed: Option<GuaranteeError>,
+}
+
+impl<'a> Bounding<'a> {
+    /// Before the first level of a run on these data with `steps` steps.
+    ///
+    /// # Errors
+    /// A scene that the theorem does not cover.
+    pub fn new(setup: &'a Setup, data: &'a MeshData, steps: u32) -> Result<Self, GuaranteeError> {
+        covered(setup)?;
+        has_densities(setup)?;
+        let levels = Levels::new(setup, &data.space, setup.grid(steps))?;
+        Ok(Self { model: &setup.model, levels, failed: None })
+    }
+
+    /// Bounds the next level.
+    pub fn see(&mut self, view: &StepView<'_>) {
+        if self.failed.is_none() {
+            self.failed = self.levels.add(self.model, view).err();
+        }
+    }
+
+    /// What was found.
+    ///
+    /// # Errors
+    /// A bound that is infinite.
+    pub fn finish(self) -> Result<Guarantee, GuaranteeError> {
+        match self.failed {
+            Some(error) => Err(error),
+            None => Ok(Guarantee { levels: self.levels.found }),
+        }
     }
 }
 
@@ -163,7 +192,8 @@ pub(crate) fn bytes(setup: &Setup, space: &Discretization) -> f64 {
 /// The hypotheses of the theorem that a scene can fail before it is solved.
 fn covered(setup: &Setup) -> Result<(), GuaranteeError> {
     let scene = &setup.scene;
-    scene.without(&Extension::BUT_FRICTION, "the guaranteed bound").map_err(SetupError::from)?;
+    let why = "its stresses in equilibrium begin with one stress a cell";
+    scene.without(&[Extension::Element], "the guaranteed bound", why).map_err(SetupError::from)?;
     let refuse = |reason: &str| Err(GuaranteeError::refused(reason));
     let model = &setup.model;
     if setup.scene.dimension != 2 {

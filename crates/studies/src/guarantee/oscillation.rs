@@ -19,7 +19,7 @@ pub(super) struct Constants {
 }
 
 impl Constants {
-    /// Those of the triangle with these corners.
+    /// The constants of the triangle with these corners.
     pub(super) fn of(corners: &[[f64; 2]; 3]) -> Self {
         let distance = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
         let sides: [f64; 3] =

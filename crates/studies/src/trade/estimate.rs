@@ -14,7 +14,9 @@ mod costs;
 mod quantity;
 
 pub use advice::{Advice, Advised, Goal, NoAdvice, advise};
-pub use companions::{Companions, NormDifferences, RunTime, Scalar, companion_runs, companions};
+pub use companions::{
+    Companions, NormDifferences, RunTime, Scalar, companion_runs, companions, companions_and_bound,
+};
 pub use costs::{CostSource, costs};
 pub use quantity::{QuantityEstimate, quantity};
 

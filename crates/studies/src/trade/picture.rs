@@ -45,7 +45,6 @@ impl Study {
                 "memory in MB",
             ),
         };
-        let place = |trial: &Trial| place(trial, resource);
         let label = norm_label(self.norm.name());
         let mut chart = Chart::new(
             &format!("{}: {title}", self.scene),
@@ -53,6 +52,18 @@ impl Study {
             Axis::new(axis, Scale::Log),
             Axis::new(format!("error {label}"), Scale::Log),
         );
+        self.add_trials(&mut chart, resource);
+        self.add_front(&mut chart, resource);
+        let failed = self.trials.iter().filter(|trial| trial.done().is_none()).count();
+        if failed > 0 {
+            chart.note = format!("{} failed, in the table", files::counted(failed, "run"));
+        }
+        chart
+    }
+
+    /// A line for each mesh; other knobs and elements as points.
+    fn add_trials(&self, chart: &mut Chart, resource: Resource) {
+        let place = |trial: &Trial| place(trial, resource);
         let mut ns: Vec<u32> = self.plain().map(|trial| trial.n).collect();
         ns.dedup();
         for n in ns {
@@ -81,7 +92,11 @@ impl Study {
             chart.series.push(Series { grey: true, ..hollow });
             chart.keys.push(Key::Hollow("another knob turned".into()));
         }
-        let run = |trial: &Trial| Some((place(trial)?, label_of(trial)));
+    }
+
+    /// The runs that no other beats in both, labelled.
+    fn add_front(&self, chart: &mut Chart, resource: Resource) {
+        let run = |trial: &Trial| Some((place(trial, resource)?, label_of(trial)));
         let all: Vec<(Datum, String)> =
             self.trials.iter().filter(|trial| !trial.tie).filter_map(run).collect();
         let places: Vec<Datum> = all.iter().map(|(place, _)| *place).collect();
@@ -89,11 +104,6 @@ impl Study {
         let best: Vec<Datum> = chart.labels.iter().map(|(place, _)| *place).collect();
         let front = Series { grey: true, ..Series::new("Pareto front", vec![Part::Dashed(best)]) };
         chart.series.push(front);
-        let failed = self.trials.iter().filter(|trial| trial.done().is_none()).count();
-        if failed > 0 {
-            chart.note = format!("{} failed, in the table", files::counted(failed, "run"));
-        }
-        chart
     }
 }
 

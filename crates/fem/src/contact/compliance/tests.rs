@@ -12,7 +12,7 @@ use vhi::law::{Curve, Curved, PiecewiseLinear, Potential};
 fn space() -> Discretization {
     let mesh = rectangle([1.0, 1.0], 3, Family::Structured);
     let (left, bottom) = (mesh.side("left").unwrap(), mesh.side("bottom").unwrap());
-    Discretization::new(mesh, &[left], &[bottom]).unwrap()
+    Discretization::new(mesh, &[left], &[bottom])
 }
 
 fn law() -> PiecewiseLinear {

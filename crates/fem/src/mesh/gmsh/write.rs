@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use super::super::Mesh;
 
-/// The text; coordinates read back to the same doubles.
+/// The text, of the vertices without midpoints; coordinates read back to the same doubles.
 pub fn write_gmsh(mesh: &Mesh) -> String {
     let d = mesh.dimension;
     let groups = mesh.sides.len() + mesh.regions.len();
@@ -16,8 +16,8 @@ pub fn write_gmsh(mesh: &Mesh) -> String {
             let _ = writeln!(text, "{dimension} {} \"{name}\"", first + i);
         }
     }
-    let _ = writeln!(text, "$EndPhysicalNames\n$Nodes\n{}", mesh.vertices());
-    for v in 0..mesh.vertices() {
+    let _ = writeln!(text, "$EndPhysicalNames\n$Nodes\n{}", mesh.corners());
+    for v in 0..mesh.corners() {
         let [x, y, z] = mesh.point(&[v as u32], &[1.0]);
         let _ = writeln!(text, "{} {x} {y} {z}", v + 1);
     }

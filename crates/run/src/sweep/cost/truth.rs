@@ -9,7 +9,9 @@ use scene::{Data, LoadForm};
 
 /// Seconds a point and time in the formulas of 8 fields: u, ε and its memory in the plane. In space they are 15.
 const POINT: f64 = 0.09e-6;
-/// The part of it where the strain is the same everywhere.
+/// Seconds an integral over the past by a kernel that is no exponential.
+const FROM_ZERO: f64 = 20e-6;
+/// The part of a point where the strain is the same everywhere.
 const SHORTER: f64 = 0.1;
 /// Rules are compared at two times, by one of about twice the points.
 const COMPARED: f64 = 4.0;
@@ -31,6 +33,8 @@ pub(super) struct TruthCost {
     /// Seconds of the moments at one time, and of the load.
     moment: f64,
     load: f64,
+    /// Seconds at one time of integrals that begin at 0, whether fields separate or not.
+    past: f64,
     /// How often both are computed where fields separate: once a part, not once a time.
     parts: Option<f64>,
 }
@@ -38,14 +42,14 @@ pub(super) struct TruthCost {
 impl TruthCost {
     /// Seconds for loads and moments at so many times.
     pub(super) fn seconds(&self, times: f64) -> f64 {
-        (self.moment + self.load) * (self.parts.unwrap_or(times) + COMPARED)
+        (self.moment + self.load) * (self.parts.unwrap_or(times) + COMPARED) + self.past * times
     }
 
     /// Seconds for the loads alone.
     pub(super) fn load_seconds(&self, times: f64) -> f64 {
         // The weak form takes its loads from the moments.
         let load = if self.load > 0.0 { self.load } else { self.moment };
-        load * self.parts.unwrap_or(times)
+        load * self.parts.unwrap_or(times) + self.past * times
     }
 }
 
@@ -74,7 +78,8 @@ pub(super) fn truth(setup: &Setup, space: &Discretization) -> TruthCost {
         None => (formulas(setup, beside(load) * count) + of_moments(error), a_time),
     };
     let (moment, load) = (ease * error * seconds, beside(load) * seconds);
-    TruthCost { once, a_time, checked, moment, load, parts }
+    let past = FROM_ZERO * exact.interior.integrals_from_zero(error * count, d);
+    TruthCost { once, a_time, checked, moment, load, past, parts }
 }
 
 /// Bytes held for the loads of one run, beside those of its times.

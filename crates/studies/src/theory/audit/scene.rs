@@ -68,7 +68,8 @@ impl SceneAudit {
     /// # Errors
     /// [`AuditError`]: no exact solution, a run without result.
     pub fn new(setup: &Setup, ns: &[u32], steps: &[u32]) -> Result<Self, AuditError> {
-        setup.scene.without(&Extension::ALL, "sweep audit").map_err(SetupError::from)?;
+        let why = "its integrals are those of constant strains on cells, of kernels with a value at s = t, and of the normal law alone";
+        setup.scene.without(&Extension::ALL, "sweep audit", why).map_err(SetupError::from)?;
         if setup.scene.dimension != 2 {
             return Err(AuditError::Dimension { scene: setup.scene.name.clone() });
         }

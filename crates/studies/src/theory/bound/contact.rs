@@ -91,7 +91,7 @@ fn on_run<T>(
 ) -> Result<T, BoundError> {
     let grid = setup.grid(steps);
     let mut load = TruthLoad(&*data.truth);
-    let evolution = Evolution::new(&data.space, &setup.model, &grid, &mut load);
+    let evolution = Evolution::new(&data.space, &setup.model, &grid, &mut load)?;
     let mut level = OpenLevel::new(&data.space, &setup.model, evolution)
         .map_err(|source| BoundError::Constant(source.into()))?;
     see(&mut level)

@@ -1,7 +1,7 @@
 //! A step-size study in words and tables.
 
 use super::BoundStudy;
-use super::constants::Constant;
+use super::constant_table::Constant;
 use super::ladder::{Outcome, Rung};
 use super::run::AtLevel;
 use super::sampled::Sampled;

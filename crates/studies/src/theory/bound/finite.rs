@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::BoundStudy;
-use super::constants::{Constant, Provenance};
+use super::constant_table::{Constant, Provenance};
 use super::ladder::BoundError;
 use super::run::{self, AtWorst, Study};
 use super::sampled::Sampled;
@@ -48,13 +48,13 @@ impl BoundStudy {
 
 /// The constants of an abstract problem with how each was obtained.
 fn table(c: &AbstractConstants, model: &FiniteModel) -> Vec<Constant> {
-    let row = |name: &str, value: f64, sampled: bool, note: &str| Constant {
-        name: name.into(),
-        value,
-        uncertainty: None,
-        how: if sampled { Provenance::Declared } else { Provenance::Computed },
-        safe: !sampled,
-        note: if sampled { format!("{note}; slopes sampled on [-10, 10]") } else { note.into() },
+    // Eigenvalues are exact to rounding.
+    let row = |name: &str, value: f64, sampled: bool, note: &str| match sampled {
+        true => {
+            let note = format!("{note}; slopes sampled on [-10, 10]");
+            Constant { safe: false, ..Constant::new(name, value, Provenance::Declared, note) }
+        }
+        false => Constant { safe: true, ..Constant::new(name, value, Provenance::Computed, note) },
     };
     let (bent, forced) = (!model.nonlinear.is_empty(), !model.force.is_empty());
     let mut rows = vec![

@@ -6,6 +6,7 @@
 //! `sampled` are about Problem 14, `finite` about Problem 9 in ℝ^m.
 
 pub mod branch;
+pub mod constant_table;
 pub mod constants;
 pub mod contact;
 mod document;
@@ -20,7 +21,8 @@ pub mod sampled;
 pub mod starts;
 pub mod threshold;
 
-use constants::{Constant, TraceConstants};
+use constant_table::Constant;
+use constants::TraceConstants;
 use gate::Violation;
 use ladder::{BoundError, Rung};
 use run::Study;
@@ -87,7 +89,7 @@ impl BoundStudy {
         let samples = sampled::sample(setup, &constants, &small)?;
         let study = contact::study(setup, &limits, n, steps)?;
         let of_traces = trace_violations(traces.as_ref(), &constants);
-        let constants = constants::table(setup, &constants, traces.as_ref());
+        let constants = constant_table::table(setup, &constants, traces.as_ref());
         let grid = (Some(n), steps);
         Ok(Self::of(&setup.scene, grid, constants, samples, limits, study, of_traces))
     }

@@ -8,8 +8,9 @@ use serde::Serialize;
 use super::GronwallError;
 use super::recurrence::{HistoryPart, KernelNorms};
 use super::rule::Weights;
-use scene::setup::{Setup, constants};
-use vhi::history::TimeGrid;
+use scene::setup::{SceneModel, Setup, constants};
+use vhi::history::{ProductIntegration, TimeGrid, TimeRule};
+use vhi::law::Convolution;
 use vhi::monotonicity;
 
 /// Constants of one scene. Where they bound a measured difference, each is the value itself or an
@@ -24,8 +25,10 @@ pub struct GronwallConstants {
     pub beta: f64,
     /// μ L_κ √|Ω|, with which ζ enters; zero if κ does not depend on ζ or there is no projection.
     pub yielding: f64,
-    /// sup ‖ℬ‖ over [0, T], operator norms on S^d; zero without memory.
+    /// sup ‖ℬ‖ over [0, T], operator norms on S^d; zero without memory. Of kernels t^{-a} C(t), a the largest power, sup ‖C‖.
     pub memory: f64,
+    /// Of ζ: 1, or T^a.
+    pub accumulated: f64,
     /// w_nj.
     pub weights: Weights,
 }
@@ -72,9 +75,13 @@ impl GronwallConstants {
         let found = constants(setup)?;
         let scene = &setup.scene;
         let name = || scene.name.clone();
-        let Some(weights) = Weights::of(scene.time.rule) else {
+        let Some(weights) = Weights::of(scene.time.rule, found.singular.0) else {
             return Err(GronwallError::OwnWeights { scene: name() });
         };
+        let friction = setup.body.contact.as_ref().and_then(|contact| contact.friction.as_ref());
+        if friction.is_some_and(|own| own.alpha() > 0.0 || own.coefficient() > 0.0) {
+            return Err(GronwallError::NoTangentialBound { scene: name() });
+        }
         let trace_bound = (found.alpha_nu > 0.0).then_some(found.c_j_squared_bound).flatten();
         if found.alpha_nu > 0.0 && trace_bound.is_none() {
             return Err(GronwallError::NoTraceBound { scene: name() });
@@ -87,11 +94,13 @@ impl GronwallConstants {
         if !yielding.is_finite() {
             return Err(GronwallError::NotLipschitz { scene: name() });
         }
-        let (beta, memory) = (found.beta_phi, found.memory.operator);
+        let plain = weights.beside_plain(scene.time.horizon) * found.memory.operator;
+        let (beta, memory) = (found.beta_phi, plain + found.singular.1.operator);
         if yielding == 0.0 && memory == 0.0 {
             return Err(GronwallError::NoHistory { scene: name() });
         }
-        Ok(Self { m0, trace_bound, beta, yielding, memory, weights })
+        let accumulated = weights.beside_plain(scene.time.horizon);
+        Ok(Self { m0, trace_bound, beta, yielding, memory, accumulated, weights })
     }
 
     /// As every scene states them. ‖S‖ is that of the parts the scene has: 1 for ζ, plus sup ‖ℬ‖.
@@ -99,7 +108,7 @@ impl GronwallConstants {
         let mut details =
             BTreeMap::from([("yielding", self.yielding), ("memory_norm", self.memory)]);
         details.extend(self.trace_bound.map(|bound| ("c_j_squared_bound", bound)));
-        let lipschitz = f64::from(u8::from(self.has_zeta())) + self.memory;
+        let lipschitz = self.memory + if self.has_zeta() { self.accumulated } else { 0.0 };
         Summary::new(self.m0, self.beta, lipschitz, details)
     }
 
@@ -119,11 +128,14 @@ impl GronwallConstants {
         let mut parts = Vec::new();
         if self.has_zeta() {
             let norms = KernelNorms::Constant(1.0);
-            parts.push(HistoryPart { coefficient: self.yielding, norms, supremum: 1.0 });
+            let supremum = self.accumulated;
+            parts.push(HistoryPart { coefficient: self.yielding, norms, supremum });
         }
         if self.has_memory() {
-            let norm = |lag: f64| setup.model.memory_norm(lag, setup.scene.dimension);
+            let (model, d) = (&setup.model, setup.scene.dimension);
+            let norm = |lag: f64| model.memory_norm(lag, d);
             let norms = match setup.scene.time.grid {
+                _ if matches!(self.weights, Weights::Product { .. }) => weighed(model, grid, d),
                 scene::TimeGrid::Uniform => {
                     KernelNorms::Lags(grid.times().iter().map(|t| norm(*t)).collect())
                 }
@@ -133,9 +145,23 @@ impl GronwallConstants {
                         .collect(),
                 ),
             };
-            let supremum = norms.maximum(grid.steps()).max(self.memory);
+            let found = norms.maximum(grid.steps());
+            let supremum = found.map_or(self.memory, |found| found.max(self.memory));
             parts.push(HistoryPart { coefficient: 1.0, norms, supremum });
         }
         parts
     }
+}
+
+/// ‖Σ_i W^i_nj ℬ_i‖ with the weights of product integration.
+fn weighed(model: &SceneModel, grid: &TimeGrid, d: usize) -> KernelNorms {
+    let norm = |n: usize, j: usize| {
+        let weight = |kernel: &dyn vhi::law::MemoryKernel| {
+            ProductIntegration.kernel_weight(&Convolution(kernel), grid, n, j)
+        };
+        model.weighted_memory_norm(weight, d)
+    };
+    KernelNorms::Weighed(
+        (0..=grid.steps()).map(|n| (0..=n).map(|j| norm(n, j)).collect()).collect(),
+    )
 }

@@ -30,21 +30,7 @@ impl Study {
         let title = format!("Envelopes: {}", self.scene);
         let mut own =
             StudyDocument::new(Chapter::Gronwall, title).of_scene(&self.scene, &self.fingerprint);
-        let failures = self.violations.iter().map(|failed| {
-            let v = &failed.violation;
-            let sides = sides(v.left, v.right);
-            format!("{}: {} at n = {} (t = {}): {sides}", failed.part, v.link, v.n, v.t)
-        });
-        let all = match self.grids.first().is_none_or(|grid| grid.run.estimate.is_printed()) {
-            true => {
-                "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run."
-            }
-            false => {
-                "The chain error ≤ weighted ≤ primed ≤ closed, with the weights of the rule, holds at every n of every run."
-            }
-        };
-        let holds = self.violations.is_empty() && !self.grids.is_empty();
-        own.verdict(holds, all, failures.collect());
+        self.say_verdict(&mut own);
         if let Some(finest) = self.grids.iter().max_by_key(|grid| grid.run.steps) {
             own.words(answer(finest));
         }
@@ -92,6 +78,24 @@ impl Study {
             own.figure(stem, shows.map_or("", |(_, shows)| shows), Some(svg));
         }
         Ok(own)
+    }
+
+    fn say_verdict(&self, document: &mut StudyDocument) {
+        let failures = self.violations.iter().map(|failed| {
+            let v = &failed.violation;
+            let sides = sides(v.left, v.right);
+            format!("{}: {} at n = {} (t = {}): {sides}", failed.part, v.link, v.n, v.t)
+        });
+        let all = match self.grids.first().is_none_or(|grid| grid.run.estimate.is_printed()) {
+            true => {
+                "The chain error ≤ weighted ≤ primed ≤ closed, primed ≤ printed ≤ its closed form holds at every n of every run."
+            }
+            false => {
+                "The chain error ≤ weighted ≤ primed ≤ closed, with the weights of the rule, holds at every n of every run."
+            }
+        };
+        let holds = self.violations.is_empty() && !self.grids.is_empty();
+        document.verdict(holds, all, failures.collect());
     }
 
     fn constants(&self) -> Vec<Vec<Run>> {

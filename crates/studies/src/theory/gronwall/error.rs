@@ -24,9 +24,14 @@ pub enum GronwallError {
         "scene `{scene}`: m0 = {m0:.6} is not positive with an upper bound of c_j^2; flatten the falling branch of the law"
     )]
     Smallness { scene: String, m0: f64 },
+    /// Friction takes from the monotonicity by a constant of which no bound is proved.
+    #[error(
+        "scene `{scene}`: m0 needs an upper bound of c_tau^2 where friction falls with the slip or follows the pressure, and none is proved; take a bound that is given"
+    )]
+    NoTangentialBound { scene: String },
     /// A rule whose weights depend on the kernel.
     #[error(
-        "scene `{scene}`: the rule has weights of its own for each kernel, and (3.24) one set for all; take \"trapezoid\", \"left\" or \"gregory\""
+        "scene `{scene}`: the rule corrects its last weight by the kernel, and (3.24) has one set of weights for all; take \"trapezoid\", \"left\", \"gregory\" or \"product-integration\""
     )]
     OwnWeights { scene: String },
     /// A body without a mesh, or a mesh without a body.

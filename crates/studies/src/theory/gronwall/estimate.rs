@@ -1,9 +1,7 @@
 //! A measured difference with what the proof of Theorem 7 puts over it: any scene, with or without a
 //! mesh, fills an [`Estimate`] and has its [`Envelopes`].
 
-use super::recurrence::{
-    HistoryPart, StepTooLarge, closed_limit, larger, unprimed, unprimed_closed, weighted,
-};
+use super::recurrence::{HistoryPart, StepTooLarge, larger, unprimed, unprimed_closed, weighted};
 use super::rule::Weights;
 use vhi::history::TimeGrid;
 
@@ -64,7 +62,7 @@ impl Estimate {
     pub(crate) fn up_to(&self, last: usize) -> Self {
         let kept = |values: &[f64]| values[..=last].to_vec();
         let part = |part: &HistoryPart| {
-            let supremum = part.norms.maximum(last);
+            let supremum = part.norms.maximum(last).unwrap_or(part.supremum);
             HistoryPart { supremum, ..part.clone() }
         };
         Self {
@@ -89,7 +87,7 @@ impl Estimate {
         Ok(Envelopes {
             primed: weights.envelope(grid, &scaled, c2)?,
             closed: weights.closed(grid, &scaled, c2)?,
-            limit: closed_limit(grid, &scaled, c2),
+            limit: weights.limit(grid, &scaled, c2),
             weighted: weighted(weights.rule(), grid, &self.weighted_source, self.m0, &self.parts)?,
             printed: unprimed(grid, &scaled, c2).ok().filter(|_| as_printed),
             printed_closed: unprimed_closed(grid, &scaled, c2).ok().filter(|_| as_printed),
@@ -107,7 +105,7 @@ pub struct Envelopes {
     pub primed: Vec<f64>,
     /// C1 max g/(1 - c/2) ((1 + c/2)/(1 - c/2))^{n-1}, c = C2 k, or what [`Weights::closed`] says of another rule.
     pub closed: Vec<f64>,
-    /// C1 max g e^{C2 t_n}.
+    /// C1 max g e^{C2 t_n}, or what [`Weights::limit`] says of product integration.
     pub limit: Vec<f64>,
     /// E_n = C1 g_n + C2 k Σ_{j ≤ n} E_j, as printed in (3.24).
     pub printed: Option<Vec<f64>>,

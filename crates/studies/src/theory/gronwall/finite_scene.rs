@@ -15,7 +15,8 @@ use super::rule::Weights;
 use scene::setup::{AbstractLoad, AbstractSetup};
 use vhi::Newton;
 use vhi::finite::{FiniteError, FiniteLoad, FiniteModel, march};
-use vhi::history::TimeGrid;
+use vhi::history::{ProductIntegration, TimeGrid, TimeRule};
+use vhi::law::HistoryKernel;
 
 /// Accuracy of the exact side's histories, relative.
 const EXACT: f64 = 1e-12;
@@ -37,13 +38,14 @@ impl<'a> FiniteInTime<'a> {
     /// A rule with weights for each kernel, no history, m0 ≤ 0.
     pub(crate) fn new(setup: &'a AbstractSetup) -> Result<Self, GronwallError> {
         let (found, name) = (&setup.constants, || setup.scene.name.clone());
-        let Some(weights) = Weights::of(setup.scene.time.rule) else {
+        let Some(weights) = Weights::of(setup.scene.time.rule, found.power) else {
             return Err(GronwallError::OwnWeights { scene: name() });
         };
         if found.m0.is_nan() || found.m0 <= 0.0 {
             return Err(GronwallError::Smallness { scene: name(), m0: found.m0 });
         }
-        let lipschitz = found.r_norm * found.q_norm;
+        let plain = weights.beside_plain(setup.scene.time.horizon) * found.q_norm;
+        let lipschitz = found.r_norm * (plain + found.b_norm);
         if lipschitz == 0.0 {
             return Err(GronwallError::NoHistory { scene: name() });
         }
@@ -53,7 +55,7 @@ impl<'a> FiniteInTime<'a> {
             ("alpha_j", found.alpha_j),
             ("c_j_squared", found.c_j_squared),
             ("r_norm", found.r_norm),
-            ("q_norm", found.q_norm),
+            ("q_norm", plain + found.b_norm),
         ]);
         let constants = Summary::new(found.m0, found.beta_phi, lipschitz, details);
         let gram = SymmetricEigen::new(setup.model.inner_product.clone());
@@ -118,7 +120,7 @@ impl<'a> FiniteInTime<'a> {
         (0..states.len()).map(defect).collect()
     }
 
-    /// κ(n, j) = ‖R Σ_l q_l(t_n, t_j) Q_l‖ from X to X*.
+    /// κ(n, j) = ‖R Σ_l q_l(t_n, t_j) Q_l‖ from X to X*; by product integration with W^l_nj in place of q_l.
     fn kernel_norms(&self, grid: &TimeGrid) -> KernelNorms {
         let model = &self.setup.model;
         // Operators X → X* between orthonormal coordinates.
@@ -130,8 +132,12 @@ impl<'a> FiniteInTime<'a> {
         let alone = matrices.iter().map(norm).collect::<Vec<f64>>();
         let row = |n: usize| -> Vec<f64> {
             let (t, s) = (grid.time(n), &grid.times()[..=n]);
+            let row = |kernel: &dyn HistoryKernel| match self.weights {
+                Weights::Product { .. } => ProductIntegration.kernel_row(kernel, grid, n),
+                _ => kernel.row(t, s),
+            };
             let values: Vec<Vec<f64>> =
-                model.kernels.iter().map(|term| term.kernel.row(t, s)).collect();
+                model.kernels.iter().map(|term| row(&*term.kernel)).collect();
             if let [values] = &values[..] {
                 return values.iter().map(|q| q.abs() * alone[0]).collect();
             }
@@ -144,7 +150,11 @@ impl<'a> FiniteInTime<'a> {
             };
             (0..=n).map(at).collect()
         };
-        KernelNorms::Pairs((0..=grid.steps()).map(row).collect())
+        let rows = (0..=grid.steps()).map(row).collect();
+        match self.weights {
+            Weights::Product { .. } => KernelNorms::Weighed(rows),
+            _ => KernelNorms::Pairs(rows),
+        }
     }
 }
 
@@ -201,7 +211,8 @@ impl InTime for FiniteInTime<'_> {
 
     fn blank(&self, grid: &TimeGrid) -> Estimate {
         let norms = self.kernel_norms(grid);
-        let supremum = norms.maximum(grid.steps()).max(self.constants.lipschitz);
+        let lipschitz = self.constants.lipschitz;
+        let supremum = norms.maximum(grid.steps()).map_or(lipschitz, |found| found.max(lipschitz));
         Estimate {
             grid: grid.clone(),
             weights: self.weights,

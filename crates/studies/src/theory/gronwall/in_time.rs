@@ -6,8 +6,7 @@ use super::contact_scene::ContactInTime;
 use super::estimate::Estimate;
 use super::finite_scene::FiniteInTime;
 use super::measure::TemporalRun;
-use scene::Extension;
-use scene::setup::{SetupError, Subject};
+use scene::setup::Subject;
 use vhi::history::TimeGrid;
 
 /// A scene with its truth in time, ready to run on any of the grids it was prepared for. Vectors are
@@ -68,7 +67,6 @@ pub fn prepare<'a>(
     n: Option<u32>,
     steps: &[u32],
 ) -> Result<Box<dyn InTime + 'a>, GronwallError> {
-    subject.scene().without(&Extension::ALL, "sweep gronwall").map_err(SetupError::from)?;
     match (subject, n) {
         (Subject::Contact(setup), Some(n)) => Ok(Box::new(ContactInTime::new(setup, n, steps)?)),
         (Subject::Abstract(setup), None) => Ok(Box::new(FiniteInTime::new(setup)?)),

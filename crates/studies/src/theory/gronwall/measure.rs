@@ -9,11 +9,11 @@ use super::truth::{Level, TemporalTruth, difference};
 use algebra::linalg::axpy;
 use algebra::tensor::contract;
 use fem::contact::{Discretization, MemoryTerm, Model, march, strain_distance, strain_norm};
-use fem::space::strain_of;
+use fem::space::StrainPoint;
 use scene::setup::{MeshData, Setup, TruthLoad};
 use vhi::Newton;
 use vhi::history::{Accumulated, Memory, TimeGrid};
-use vhi::law::Projection;
+use vhi::law::{Convolution, Projection};
 
 /// One run in time with the truncation error of its grid.
 #[derive(Debug, Clone)]
@@ -126,7 +126,7 @@ fn truncation_of_memory(
                 let kernel = &*term.kernel;
                 history.past(kernel, rule, grid, &mut sum);
                 history.commit(grid, &level.u);
-                axpy(rule.weight(grid, n, n) * kernel.value(0.0), &level.u, &mut sum);
+                axpy(rule.kernel_weight(&Convolution(kernel), grid, n, n), &level.u, &mut sum);
                 difference(exact, &sum)
             })
             .collect();
@@ -138,17 +138,15 @@ fn truncation_of_memory(
 /// ‖Σ ℬ_i ε(v_i)‖_ℋ of nodal vectors, one per term of the memory.
 fn stress_norm(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
     fn sum<const S: usize>(space: &Discretization, terms: &[MemoryTerm], v: &[Vec<f64>]) -> f64 {
-        let cell = |c| {
-            let (gradients, nodes) = (space.geometry.gradients(c), space.cell_nodes(c));
+        let square = |at: StrainPoint<'_>| {
             let mut stress = [0.0; S];
             for (term, v) in terms.iter().zip(v) {
-                let strain = strain_of::<S>(gradients, nodes, v);
-                let part = term.tensor.on(space.region(c)).apply(&strain);
+                let part = term.tensor.on(space.region(at.cell)).apply(&at.strain::<S>(v));
                 stress.iter_mut().zip(part).for_each(|(sum, value)| *sum += value);
             }
-            space.geometry.measure[c] * contract(&stress, &stress)
+            at.weight * contract(&stress, &stress)
         };
-        (0..space.mesh.cell_count()).map(cell).sum()
+        space.points().map(square).sum()
     }
     match space.mesh.dimension {
         2 => sum::<3>(space, terms, v).sqrt(),

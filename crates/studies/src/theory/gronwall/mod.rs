@@ -15,6 +15,7 @@ mod in_time;
 mod levels;
 mod measure;
 mod memory;
+mod mittag_leffler;
 mod pictures;
 mod recurrence;
 mod rule;

@@ -129,15 +129,20 @@ pub fn weighted(
     m0: f64,
     parts: &[HistoryPart],
 ) -> Result<Vec<f64>, StepTooLarge> {
+    let weighed = |n: usize, j: usize| parts.iter().map(|part| part.weighed(n, j)).sum::<f64>();
     let mut envelope: Vec<f64> = Vec::with_capacity(source.len());
     for (n, s) in source.iter().enumerate() {
         let mut sum = *s;
         for (j, known) in envelope.iter().enumerate() {
             let factor: f64 = parts.iter().map(|part| part.factor(n, j)).sum();
-            sum += rule.weight(grid, n, j) * factor * known;
+            sum += (rule.weight(grid, n, j) * factor + weighed(n, j)) * known;
         }
         let factor = parts.iter().map(|part| part.factor(n, n)).sum::<f64>() / m0;
-        let remaining = solvable(n, factor, rule.weight(grid, n, n))?;
+        let (weight, own) = (rule.weight(grid, n, n), weighed(n, n) / m0);
+        let remaining = match own {
+            0.0 => solvable(n, factor, weight)?,
+            own => solvable(n, factor * weight + own, 1.0)?,
+        };
         envelope.push(sum / (m0 * remaining));
     }
     Ok(envelope)
@@ -151,13 +156,26 @@ pub struct HistoryPart {
     pub coefficient: f64,
     /// κ_p(n, j): 1 for ζ, ‖ℬ(t_n - t_j)‖ for the memory stress, ‖R q(t_n, t_j)‖ in general.
     pub norms: KernelNorms,
-    /// sup κ_p on [0, T]², at least every κ_p(n, j).
+    /// sup κ_p on [0, T]², at least every κ_p(n, j); of kernels with (t - s)^{-a}, a the largest power of the history, sup of
+    /// what stands beside it.
     pub supremum: f64,
 }
 
 impl HistoryPart {
+    /// ω_p κ_p(n, j), which the weights of the rule multiply.
     fn factor(&self, n: usize, j: usize) -> f64 {
-        self.coefficient * self.norms.at(n, j)
+        match self.norms {
+            KernelNorms::Weighed(_) => 0.0,
+            _ => self.coefficient * self.norms.at(n, j),
+        }
+    }
+
+    /// ω_p w_nj κ_p(n, j) where the weights are those of the kernel.
+    fn weighed(&self, n: usize, j: usize) -> f64 {
+        match self.norms {
+            KernelNorms::Weighed(_) => self.coefficient * self.norms.at(n, j),
+            _ => 0.0,
+        }
     }
 }
 
@@ -170,6 +188,8 @@ pub enum KernelNorms {
     Lags(Vec<f64>),
     /// κ(n, j) = `rows[n][j]`: any kernel on any grid.
     Pairs(Vec<Vec<f64>>),
+    /// ‖Σ_l W^l_nj Q_l‖ = `rows[n][j]`, W^l_nj the weights of a rule that integrates the kernels: in place of w_nj κ(n, j).
+    Weighed(Vec<Vec<f64>>),
 }
 
 impl KernelNorms {
@@ -178,17 +198,18 @@ impl KernelNorms {
         match self {
             Self::Constant(value) => *value,
             Self::Lags(values) => values[n - j],
-            Self::Pairs(rows) => rows[n][j],
+            Self::Pairs(rows) | Self::Weighed(rows) => rows[n][j],
         }
     }
 
-    /// The largest κ(n, j) with n ≤ `last`; NaN if one is.
-    pub(crate) fn maximum(&self, last: usize) -> f64 {
-        match self {
+    /// The largest κ(n, j) with n ≤ `last`; NaN if one is. None where they are not known apart from their weights.
+    pub(crate) fn maximum(&self, last: usize) -> Option<f64> {
+        Some(match self {
             Self::Constant(value) => *value,
             Self::Lags(values) => values[..=last].iter().fold(0.0, |m, v| larger(m, *v)),
             Self::Pairs(rows) => rows[..=last].iter().flatten().fold(0.0, |m, v| larger(m, *v)),
-        }
+            Self::Weighed(_) => return None,
+        })
     }
 }
 

@@ -121,7 +121,7 @@ impl StudiedGrid {
         Self {
             steps: run.steps,
             k,
-            c2_k: estimate.c2() * k,
+            c2_k: estimate.c2() * estimate.weights.of_step(k),
             error_end: last(&estimate.error),
             error_max: maximum(&estimate.error),
             truncation_end: last(&truncation),

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use cpu_time::ThreadTime;
 use serde_json::Value;
 
-use crate::guarantee;
+use crate::guarantee::{self, Bounding, Guarantee, GuaranteeError};
 use crate::solution::FinalState;
 use crate::trade::NORMS;
 use fem::contact::{
@@ -119,10 +119,51 @@ struct Run {
 /// # Errors
 /// The run itself; a companion that fails is `missing`.
 pub fn companions(setup: &Setup, n: u32, steps: u32) -> Result<Companions, SetupError> {
+    companions_beside(setup, &Meshed::new(setup, n)?, steps, &mut |_| Ok(()))
+}
+
+/// The same, and the guaranteed bound of the error in space of the run itself, or why there is none: of one run, not of
+/// another one like it.
+///
+/// # Errors
+/// Of the run, and of a bound that the theorem covers.
+pub fn companions_and_bound(
+    setup: &Setup,
+    n: u32,
+    steps: u32,
+) -> Result<(Companions, Result<Guarantee, String>), GuaranteeError> {
     let mesh = Meshed::new(setup, n)?;
+    let refused = |error| match error {
+        GuaranteeError::Refused { reason } => Ok(reason),
+        other => Err(other),
+    };
+    let mut bounding = match Bounding::new(setup, &mesh.data, steps) {
+        Ok(own) => Ok(own),
+        Err(error) => Err(refused(error)?),
+    };
+    let found = companions_beside(setup, &mesh, steps, &mut |view| {
+        bounding.iter_mut().for_each(|own| own.see(view));
+        Ok(())
+    })?;
+    let bound = match bounding.map(Bounding::finish) {
+        Ok(Ok(bound)) => Ok(bound),
+        Ok(Err(error)) => Err(refused(error)?),
+        Err(reason) => Err(reason),
+    };
+    Ok((found, bound))
+}
+
+/// `watch` sees every level of the run itself.
+fn companions_beside(
+    setup: &Setup,
+    mesh: &Meshed,
+    steps: u32,
+    watch: &mut Observer<'_>,
+) -> Result<Companions, SetupError> {
+    let n = mesh.n;
     let own_on_each_mesh = matches!(setup.body.data, Data::Exact { interpolated: true, .. });
-    let own = run(setup, &mesh, [steps, steps], None)?;
-    let (in_time, no_time) = split(time_companions(setup, &mesh, steps));
+    let own = run(setup, mesh, [steps, steps], None, watch)?;
+    let (in_time, no_time) = split(time_companions(setup, mesh, steps));
     let (in_space, no_space) = match own_on_each_mesh {
         true => (None, None),
         false => split(space_companions(setup, n, steps, &own)),
@@ -204,7 +245,7 @@ fn time_companions(setup: &Setup, mesh: &Meshed, steps: u32) -> Result<[Run; 2],
         return Err("the grids of N and N/4 steps share no times".into());
     }
     let companion = |own: u32| {
-        run(setup, mesh, [own, steps], None)
+        run(setup, mesh, [own, steps], None, &mut |_| Ok(()))
             .map_err(|error| format!("the companion with N = {own} fails: {error}"))
     };
     Ok([companion(steps / 2)?, companion(steps / 4)?])
@@ -222,7 +263,8 @@ fn space_companions(setup: &Setup, n: u32, steps: u32, own: &Run) -> Result<[Run
         let failed =
             |error: &dyn std::fmt::Display| format!("the companion with n = {own} fails: {error}");
         let mesh = Meshed::new(setup, own).map_err(|error| failed(&error))?;
-        run(setup, &mesh, [steps, steps], Some(&finer.kept)).map_err(|error| failed(&error))
+        run(setup, &mesh, [steps, steps], Some(&finer.kept), &mut |_| Ok(()))
+            .map_err(|error| failed(&error))
     };
     let half = companion(n / 2, own)?;
     let quarter = companion(n / 4, &half)?;
@@ -248,6 +290,7 @@ fn run(
     mesh: &Meshed,
     [own, finest]: [u32; 2],
     finer: Option<&ReferenceRun>,
+    watch: &mut Observer<'_>,
 ) -> Result<Run, CaseError> {
     let refused =
         |error: &dyn std::fmt::Display| LoadError::Reference { reason: error.to_string() };
@@ -258,6 +301,7 @@ fn run(
     let mut kept = ReferenceRun::new(space.clone());
     let (mut levels, mut state, mut apart) = (Vec::new(), None, Floors::default());
     let mut keep = |view: &StepView<'_>| -> Result<(), CaseError> {
+        watch(view)?;
         let last = view.n == own as usize;
         if !(last || view.n.is_multiple_of(stride as usize)) {
             return Ok(());

@@ -62,3 +62,52 @@ fn the_left_rule_attains_its_closed_form_and_needs_no_small_step() {
         assert!((closed[20_000] / f64::exp(2.6) - 1.0).abs() < 1e-3, "{weights:?}");
     }
 }
+
+/// E_{1/2}(√t) = e^t erfc(-√t), by a table of erfc at t = 1, is the limit of the envelope for C2 Γ(½) = 1; on any grid the
+/// envelope solves its equation and stays below the closed form.
+#[test]
+fn envelopes_with_the_weights_of_a_power_tend_to_the_function_of_mittag_leffler() {
+    let c2 = std::f64::consts::PI.sqrt().recip();
+    let known = std::f64::consts::E * 1.842_700_792_949_715;
+    let weights = Weights::Product { power: 0.5 };
+    let at_the_end = |steps: u32| {
+        let grid = TimeGrid::graded(1.0, steps, 2.0);
+        let source = vec![1.0; steps as usize + 1];
+        let limit = weights.limit(&grid, &source, c2);
+        assert!((limit[steps as usize] / known - 1.0).abs() < 1e-12);
+        *weights.envelope(&grid, &source, c2).expect("small steps").last().expect("levels")
+    };
+    // The solution starts like t^{1/2}: order 2 on t_j = (j/N)² by product integration.
+    let off = [100, 200].map(|steps| (at_the_end(steps) - known).abs());
+    assert!(off[1] < 1e-3 && (off[0] / off[1]).log2() > 1.7, "{off:?}");
+    for power in [0.0, 0.3, 0.5, 0.8] {
+        let weights = Weights::Product { power };
+        for grid in [
+            TimeGrid::uniform(2.0, 60),
+            TimeGrid::graded(2.0, 60, 2.0),
+            TimeGrid::random(2.0, 60, 5),
+        ] {
+            // A tenth of the last step, and one near the largest that there may be.
+            let whole = grid.largest_step().powf(1.0 - power) / (1.0 - power);
+            for (share, source) in
+                [0.01, 0.1, 0.9].into_iter().flat_map(|share| sources().map(|s| (share, s)))
+            {
+                let c2 = share / whole;
+                let e = weights.envelope(&grid, &source, c2).expect("a step that is small enough");
+                let closed = weights.closed(&grid, &source, c2).expect("the same");
+                for n in 0..=60 {
+                    let row = weights.row(&grid, n);
+                    let sum: f64 = row.iter().zip(&e).map(|(w, e)| w * e).sum();
+                    assert!((source[n] + c2 * sum - e[n]).abs() <= 1e-12 * e[n], "{power} {n}");
+                    assert!(e[n] <= closed[n] * (1.0 + 1e-10), "{power} {share} {n}");
+                }
+            }
+            assert!(weights.closed(&grid, &[0.0, 1.0], 1.01 / whole).is_err());
+        }
+    }
+    // Of a kernel without a pole: the hat functions' own integrals.
+    let grid = TimeGrid::graded(2.0, 9, 1.5);
+    let (hats, halves) =
+        (Weights::Product { power: 0.0 }.row(&grid, 7), Weights::Trapezoid.row(&grid, 7));
+    assert!(hats.iter().zip(&halves).all(|(a, b)| (a - b).abs() < 1e-15));
+}
