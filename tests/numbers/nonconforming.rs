@@ -8,7 +8,9 @@
 use crate::shipped::{
     Change, edited, errors, fixture, on_mesh, run, setup, setup_of, text, v_max, v_max_on_changed,
 };
-use gronwall::contact::{ContactProblem, Discretization, KKT_ALLOWED, LastSlot, kkt_residual};
+use gronwall::contact::{
+    ContactProblem, Discretization, KKT_ALLOWED, LastSlot, LinearSolver, kkt_residual,
+};
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Extension, Scene, Source};
 use gronwall::setup::Setup;
@@ -95,7 +97,8 @@ fn the_tangent_with_jumps_is_the_derivative() {
     let mut seed = 5;
     let u: Vec<f64> = (0..space.dofs()).map(|_| 0.05 * signed_unit(&mut seed)).collect();
     let memory = setup.model.memory.iter().map(|term| 0.125 * term.kernel.value(0.0)).collect();
-    let mut problem = ContactProblem::new(&space, &setup.model);
+    let mut problem =
+        ContactProblem::new(&space, &setup.model, LinearSolver::Direct).expect("an analysis");
     problem.begin(&LastSlot { zeta: 0.125, memory }, 0.1, &vec![0.0; space.dofs()], &[]);
     let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
     let mut forces = |sign: f64| {
