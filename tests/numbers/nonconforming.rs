@@ -221,7 +221,6 @@ fn what_jumps_leave_out_is_refused() {
         assert!(told.contains("`sweep audit` does not treat CR elements: it is so"), "{told}");
         assert!(told.contains("explain, run, gate and solve do"), "{told}");
     }
-    let body = format!("{}/tests/numbers/quadratic-box.toml", env!("CARGO_MANIFEST_DIR"));
-    let body = std::fs::read_to_string(body).expect("a scene");
+    let body = text("quadratic-box");
     assert!(refused(edited(&body, "\"P2\"", "\"CR\"")).contains("on triangles alone"));
 }
