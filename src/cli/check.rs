@@ -148,14 +148,18 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
     let fact = |subject: &str, value: f64, how: &str| {
         Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
     };
-    let mut findings = vec![
-        mesh_quality(setup),
+    let mut findings = vec![mesh_quality(setup)];
+    if !setup.body.element.is_conforming() {
+        let text = "functions jump: Theorems 6 to 11 do not apply as they stand, orders are those of `why`; the constants below are those of V";
+        findings.push(Finding::new("V^h in V", Status::Weak, f64::NAN, text.into()));
+    }
+    findings.extend([
         fact("m_A, elastic part", c.m_elastic, "smallest eigenvalue of the elasticity tensor"),
         fact("m_A", c.m_a, "proved: elastic part + mu"),
         fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),
         alpha_phi(c),
         fact("alpha_nu", c.alpha_nu, alpha_nu_from(setup)),
-    ];
+    ]);
     if c.c_j_squared > 0.0 {
         let levels: Vec<String> =
             trace_levels(&setup.body.domain).iter().map(u32::to_string).collect();

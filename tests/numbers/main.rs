@@ -33,6 +33,7 @@ mod loads;
 mod materials;
 mod multigrid;
 mod newton;
+mod nonconforming;
 mod oblique;
 mod orders;
 mod paths;

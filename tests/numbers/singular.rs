@@ -301,11 +301,7 @@ fn a_region_with_such_a_kernel_is_named() {
     let read =
         |text: String| Scene::from_source(Source::from_text("manufactured/edited.toml", text));
     let by_rule = read(edited(&alone, "product-integration", "trapezoid")).map(drop);
-    let by_command = read(alone).expect("a scene").without(
-        &Extension::ALL,
-        "sweep audit",
-        "it rests on other kernels",
-    );
+    let by_command = read(alone).expect("a scene").without(&Extension::ALL, "sweep audit", "why");
     for refused in [by_rule, by_command] {
         let said = refused.expect_err("a refusal").to_string();
         assert!(said.contains(&place), "{place} {said}");

@@ -89,7 +89,7 @@ const FRONT_IN_SPACE: &[(&str, &str)] = &[(
 /// The error in time on the coarsest mesh.
 const COARSE_IN_TIME: &[(&str, &str)] = &[("window_n = [16, 16]", "window_n = [4, 4]")];
 
-const ROWS: [Row; 36] = [
+const ROWS: [Row; 38] = [
     ("affine", &[], &[2], &[4, 8, 16, 32, 64]),
     ("affine", UNEVEN, &[2], &[4, 8, 16, 32, 64]),
     ("affine", BEYOND, &[2], &[4, 8, 16, 32, 64]),
@@ -120,6 +120,8 @@ const ROWS: [Row; 36] = [
     ("friction-coulomb", COARSE_IN_TIME, &[4, 8, 16], &[8, 16, 32]),
     ("quadratic-elastic", &[], &[4, 8, 16], &[4]),
     ("quadratic-compliance", &[], &[4, 8, 16], &[16]),
+    ("nonconforming-elastic", &[], &[4, 8, 16], &[4]),
+    ("nonconforming-memory", &[], &[4, 8, 16], &[16]),
     ("left-rule", &[], &[2], &[32, 64, 128]),
     ("gregory-three", &[], &[2], &[16, 32, 64, 128]),
     ("gregory-four", &[], &[2], &[8, 16, 32, 64]),

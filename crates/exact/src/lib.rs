@@ -14,6 +14,7 @@
 
 mod accumulated;
 mod check;
+mod consistency;
 pub mod constitutive;
 mod contact_samples;
 mod curve;

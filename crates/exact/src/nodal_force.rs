@@ -83,7 +83,7 @@ const OPPOSITE: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 /// -|F_a| n_a/D.
 #[inline]
-fn inward<const D: usize>(mesh: &Mesh, corner: &[u32], a: usize) -> [f64; D] {
+pub(super) fn inward<const D: usize>(mesh: &Mesh, corner: &[u32], a: usize) -> [f64; D] {
     if D == 2 {
         let (p, q) = (mesh.vertex(corner[(a + 1) % 3]), mesh.vertex(corner[(a + 2) % 3]));
         let normal = [0.5 * (p[1] - q[1]), 0.5 * (q[0] - p[0])];

@@ -8,6 +8,7 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 use self::contact::ContactMoments;
+use super::consistency::around;
 use super::contact_samples::StatePoints;
 use super::cut_cells;
 use super::cuts::Cuts;
@@ -33,6 +34,8 @@ pub struct ExactOnMesh {
     /// Points of the error rule in the cells; those of σ in the weak form where they are others.
     error_points: Sampled,
     stress_points: Option<Sampled>,
+    /// Points on the edges of cells, in the weak form where functions jump.
+    edge_points: Option<Sampled>,
     /// Points of the strong form in the cells.
     force_points: Sampled,
     /// Facets of Γ3 in groups of one normal: error points, then samples for the locked set.
@@ -104,9 +107,11 @@ impl ExactOnMesh {
         let cells = (0..space.mesh.cell_count()).map(|c| space.mesh.cell(c));
         let graph = &exact.data.graph;
         let cuts = Cuts::new(graph, &fields, exact.data.horizon, &space.mesh, cells);
+        let jumps = form == LoadForm::Weak && !space.element.is_conforming();
         let free: Vec<u32> = space.mesh.facets_on(traction).map(|f| f as u32).collect();
         Self {
             stress_points: (rules.stress != rules.error).then(|| cell_points(&rules.stress)),
+            edge_points: jumps.then(|| cell_points(&around(&rules.side))),
             force_points: cell_points(&rules.load),
             error_points: cell_points(&rules.error),
             regions,
@@ -181,7 +186,7 @@ impl ExactOnMesh {
     /// Whether the moments of σ are all that the loads need of it: both are then the same to the last bit, whichever
     /// comes first.
     fn is_shared(&self) -> bool {
-        self.form == LoadForm::Weak && self.stress_points.is_none()
+        self.form == LoadForm::Weak && self.stress_points.is_none() && self.edge_points.is_none()
     }
 
     /// Nodal vectors of all loads but the pressure on Γ3, by part.
@@ -193,7 +198,11 @@ impl ExactOnMesh {
                 return Ok(means.map(|means| force_of_means::<D>(&self.space, means)).collect());
             }
             let points = self.stress_points.as_ref().unwrap_or(&self.error_points);
-            return parts.stress_forces::<D>(points);
+            let mut forces = parts.stress_forces::<D>(points)?;
+            if let Some(points) = &self.edge_points {
+                parts.subtract_consistency::<D>(points, &mut forces)?;
+            }
+            return Ok(forces);
         }
         let mut forces = parts.body_forces::<D>(&self.force_points)?;
         for group in self.traction.iter().chain(&self.contact) {

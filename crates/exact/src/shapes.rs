@@ -31,8 +31,15 @@ pub fn shapes(element: Element, b: &[f64]) -> Vec<f64> {
             }
             all
         }
+        // On an edge that of its midpoint stands for all; on a triangle one is linear and zero where the other edges have
+        // their midpoints, so -1 at the corner opposite to its own edge.
+        Element::CR if b.len() == 2 => vec![1.0],
+        Element::CR => OPPOSITE.iter().map(|&corner| 1.0 - 2.0 * b[corner]).collect(),
     }
 }
+
+/// The corners of a triangle that are no ends of its edges 01, 12, 20.
+const OPPOSITE: [usize; 3] = [2, 0, 1];
 
 /// Means of the shape functions over a facet in dimension d, as a numerator for each node and what they are divided by.
 pub(super) fn facet_means(element: Element, d: usize) -> (Vec<f64>, f64) {
@@ -41,6 +48,7 @@ pub(super) fn facet_means(element: Element, d: usize) -> (Vec<f64>, f64) {
         // Of a linear function 1/d; of a bubble 2/3 on an edge and 1/3 on a triangle, half of which each end loses.
         Element::P2 if d == 2 => (vec![1.0, 1.0, 4.0], 6.0),
         Element::P2 => (vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], 3.0),
+        Element::CR => (vec![1.0], 1.0),
     }
 }
 
@@ -48,7 +56,7 @@ pub(super) fn facet_means(element: Element, d: usize) -> (Vec<f64>, f64) {
 /// a point near each corner, where all coordinates but that corner's own are equal.
 pub(super) fn strain_places(element: Element, d: usize) -> Vec<Vec<f64>> {
     match element {
-        Element::P1 => vec![vec![1.0 / (d + 1) as f64; d + 1]],
+        Element::P1 | Element::CR => vec![vec![1.0 / (d + 1) as f64; d + 1]],
         Element::P2 => {
             let root = ((d + 2) as f64).sqrt();
             let (far, near) = (1.0 / ((d + 2) as f64 + root), 1.0 / root);
@@ -72,6 +80,10 @@ pub(super) fn work<const D: usize>(
     };
     match element {
         Element::P1 => (0..inward.len()).for_each(|a| visit(a, times(&stress[0], a))),
+        Element::CR => OPPOSITE
+            .iter()
+            .enumerate()
+            .for_each(|(a, &corner)| visit(a, times(&stress[0], corner).map(|w| -2.0 * w))),
         Element::P2 => {
             // Means of σ λ_b, from values at D + 1 points of one weight: λ_b is 1/(D + 2 + √(D + 2)) at all but its own,
             // and 1/√(D + 2) more there. On triangles that is 1/6 and 2/3.

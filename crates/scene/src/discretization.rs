@@ -3,6 +3,7 @@
 use fem::space::Element;
 
 use super::contact::Contact;
+use super::data::Data;
 use super::diagnostic::SceneError;
 use super::reading::Reading;
 use super::sweep::Sweep;
@@ -14,6 +15,7 @@ use crate::ContactQuadrature;
 pub(super) struct Parts<'a> {
     pub dimension: usize,
     pub contact: Option<&'a Contact>,
+    pub data: &'a Data,
     pub sweep: Option<&'a Sweep>,
 }
 
@@ -44,8 +46,11 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
         return None;
     }
     if parts.contact.is_some_and(|contact| contact.quadrature != ContactQuadrature::Vertex) {
-        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles";
+        let message = "P2 integrates the contact law by Simpson's rule on edges, by the midpoints on triangles; CR by midpoints";
         return Some([message, "say quadrature = \"vertex\" in [contact], or take P1"]);
+    }
+    if !element.is_conforming() {
+        return not_conforming(parts);
     }
     let rubs = |contact: &Contact| contact.friction.is_some();
     if parts.dimension == 3 && parts.contact.is_some_and(rubs) {
@@ -55,6 +60,25 @@ fn refusal(element: Element, parts: &Parts<'_>) -> Option<[&'static str; 2]> {
     if parts.sweep.is_some_and(|sweep| sweep.reference.is_some()) {
         let message = "a finer run is compared with P1 functions alone";
         return Some([message, "give an exact solution, or take P1"]);
+    }
+    None
+}
+
+/// What functions that jump cannot have beyond that.
+fn not_conforming(parts: &Parts<'_>) -> Option<[&'static str; 2]> {
+    if parts.dimension != 2 {
+        let message = "CR is known on triangles alone";
+        return Some([message, "take P1 or P2"]);
+    }
+    if matches!(parts.data, Data::Exact { interpolated: true, .. }) {
+        let message =
+            "interpolated = true takes an interpolant of u in V, and V^h of CR is not in V";
+        return Some([message, "remove `interpolated`, or take P1 or P2"]);
+    }
+    if parts.sweep.is_some_and(|sweep| sweep.reference.is_some() || sweep.by_state) {
+        let message =
+            "a finer run, and errors by contact state, are known for continuous functions alone";
+        return Some([message, "remove `reference` and `by_state`, or take P1"]);
     }
     None
 }
@@ -70,6 +94,7 @@ impl Scene {
             let parts = Parts {
                 dimension: self.dimension,
                 contact: body.contact.as_ref(),
+                data: &body.data,
                 sweep: self.sweep.as_ref(),
             };
             if let Some([message, hint]) = refusal(element, &parts) {

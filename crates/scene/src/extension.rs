@@ -13,13 +13,16 @@ pub enum Extension {
     Friction,
     /// Another element than P1: strains that are not constant on cells.
     Element,
+    /// One whose functions jump: V^h is not in V.
+    Nonconforming,
     /// Kernels that are infinite at s = t.
     SingularKernel,
 }
 
 impl Extension {
     /// All of them.
-    pub const ALL: [Self; 3] = [Self::Friction, Self::Element, Self::SingularKernel];
+    pub const ALL: [Self; 4] =
+        [Self::Friction, Self::Nonconforming, Self::Element, Self::SingularKernel];
 
     /// The key that asks for it in a scene, and its name; none where the scene does without.
     fn asked_by(self, scene: &Scene) -> Option<(String, String)> {
@@ -29,10 +32,14 @@ impl Extension {
                 let contact = body?.contact.as_ref()?;
                 contact.friction.as_ref().map(|_| ("contact.friction".into(), "friction".into()))
             }
-            Self::Element => {
+            Self::Element | Self::Nonconforming => {
                 let element = body?.element;
                 let name = format!("{} elements", element.name());
-                (element != Element::P1).then(|| (discretization::KEY.into(), name))
+                let asked = match self {
+                    Self::Nonconforming => !element.is_conforming(),
+                    _ => element != Element::P1,
+                };
+                asked.then(|| (discretization::KEY.into(), name))
             }
             Self::SingularKernel => {
                 let name = "kernels that are infinite at s = t".into();
@@ -48,6 +55,9 @@ impl Extension {
             }
             Self::Element => {
                 "list, check, explain, run, gate, verify, solve, trade, diagnose and gronwall do; for this command remove [discretization], which leaves P1"
+            }
+            Self::Nonconforming => {
+                "list, check, explain, run, gate and solve do; for this command remove [discretization], which leaves P1"
             }
             Self::SingularKernel => {
                 "list, check, explain, run, gate, verify, solve, diagnose and gronwall do; for this command remove `singular`"
@@ -67,7 +77,13 @@ impl Scene {
         command: &str,
         why: &str,
     ) -> Result<(), SceneError> {
-        let asked = |own: &Extension| Some((own.way_out(), own.asked_by(self)?));
+        let asked = |own: &Extension| {
+            let asked = own.asked_by(self)?;
+            // More commands take other elements than those that take functions that jump.
+            let jumps = Extension::Nonconforming;
+            let is_jumps = *own == Extension::Element && jumps.asked_by(self).is_some();
+            Some((if is_jumps { jumps } else { *own }.way_out(), asked))
+        };
         match extensions.iter().find_map(asked) {
             None => Ok(()),
             Some((way_out, (key, what))) => {

@@ -175,7 +175,8 @@ fn validate_contact(
     has_truth(&reading, file.scene.judge, &data, sweep.as_ref())?;
     is_judged_by_something(&reading, file.scene.judge, &predicts)?;
     let (contact_of, sweep_of) = (contact.as_ref(), sweep.as_ref());
-    let parts = Parts { dimension: heading.dimension, contact: contact_of, sweep: sweep_of };
+    let parts =
+        Parts { dimension: heading.dimension, contact: contact_of, data: &data, sweep: sweep_of };
     let element = element(&reading, file.discretization.as_ref(), &parts)?;
     let formulas = reading.formulas;
     let body = ContactScene { domain, material, contact, data, element };

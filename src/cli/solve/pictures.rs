@@ -27,7 +27,7 @@ impl Pictures {
     pub(super) fn new(space: &Discretization, name: &str, n: u32, steps: u32) -> Self {
         let trace = &space.trace;
         let at = |f: usize, corner: usize| {
-            let vertex = trace.points[trace.facet(f)[corner] as usize].vertex;
+            let vertex = space.mesh.facet(trace.mesh_facet[f] as usize)[corner];
             let place = space.mesh.vertex(vertex);
             (place[0], place[1])
         };
@@ -131,10 +131,8 @@ impl Pictures {
         view: &StepView<'_>,
     ) -> Deformed {
         let mesh = &space.mesh;
-        let displacement = |v: u32| {
-            let node = space.nodes.of_vertex[v as usize] as usize;
-            (view.u[2 * node], view.u[2 * node + 1])
-        };
+        let values = space.at_vertices(view.u);
+        let displacement = |v: u32| (values[2 * v as usize], values[2 * v as usize + 1]);
         let vertices = || 0..mesh.vertices() as u32;
         let largest = vertices().map(displacement).fold(0.0f64, |m, u| m.max(u.0.hypot(u.1)));
         let extent = (0..2).map(|c| {

@@ -1,4 +1,4 @@
-//! Wrong quadratic elements: weights on Γ3, points and weights of strains, nodes at midpoints.
+//! Wrong quadratic elements: weights on Γ3, points and weights of strains, nodes at midpoints. Wrong penalties of jumps.
 
 use gronwall::contact::{Discretization, StepView};
 use gronwall::setup::Setup;
@@ -11,7 +11,12 @@ use crate::shipped::{Change, midpoints_between_corners, weigh_facets};
 
 /// Another march, where the element is quadratic.
 fn quadratic(setup: Setup, march: March) -> Setup {
-    if setup.body.element == Element::P1 { setup } else { marched(setup, march) }
+    if setup.body.element == Element::P2 { marched(setup, march) } else { setup }
+}
+
+/// Another march, where functions jump.
+fn jumping(setup: Setup, march: March) -> Setup {
+    if setup.body.element.is_conforming() { setup } else { marched(setup, march) }
 }
 
 macro_rules! on {
@@ -23,6 +28,22 @@ macro_rules! on {
             })
         })
     };
+}
+
+macro_rules! on_jumps {
+    ($name:literal, $change:expr) => {
+        Defect::of(Term::Element, $name, |setup| {
+            jumping(setup, |setup, data, steps, observe| {
+                let change: Change = $change;
+                rebuilt(setup, data, steps, observe, |space, _| change(space))
+            })
+        })
+    };
+}
+
+/// What the values at the four nodes of a jump count.
+fn count_jumps(space: &mut Discretization, change: impl Fn([f64; 4]) -> [f64; 4]) {
+    space.jumps.iter_mut().for_each(|jump| jump.signs = change(jump.signs));
 }
 
 /// Gradients are linear on a cell: those at points nearer to the centroid are nearer to their mean.
@@ -61,5 +82,21 @@ pub fn defects() -> Vec<Defect> {
             vec![0.5, 0.25, 0.25]),
         on!("strain points 10 % nearer to the centroid", nearer),
         Defect::of(Term::Element, "midpoints shown between their corners", linear),
+        on_jumps!("jumps without a penalty", |s| count_jumps(s, |_| [0.0; 4])),
+        on_jumps!("the penalty of jumps weighed 1e-3", |s| count_jumps(s, |own| own
+            .map(|sign| 1e-3f64.sqrt() * sign))),
+        on_jumps!("jumps without orientation: sums of both sides", |s| count_jumps(
+            s,
+            |[a, b, c, d]| [a, b, -c, -d]
+        )),
+        on_jumps!("jumps of other cells than those of the edge", |s| {
+            let nodes: Vec<[u32; 4]> = s.jumps.iter().map(|jump| jump.nodes).collect();
+            let next = nodes.iter().cycle().skip(1);
+            // Two of the four nodes: the matrix has entries for them where the cells are neighbours.
+            s.jumps
+                .iter_mut()
+                .zip(next)
+                .for_each(|(jump, next)| jump.nodes[2..].copy_from_slice(&next[2..]));
+        }),
     ]
 }

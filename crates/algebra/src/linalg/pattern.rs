@@ -30,7 +30,18 @@ impl BlockPattern {
     /// Pattern of matrices over `free` nodes with `dimension` components coupled by `cells`
     /// (`stride` node numbers each; numbers from `free` on are clamped and left out).
     pub fn new(cells: &[u32], stride: usize, dimension: usize, free: usize) -> Self {
-        let (first, neighbours) = larger_neighbours(cells, stride, free);
+        Self::coupled(cells, stride, dimension, free, std::iter::empty())
+    }
+
+    /// The same where the nodes of each of `others` are coupled as well; [`Self::add`] reaches their entries.
+    pub fn coupled<'a>(
+        cells: &'a [u32],
+        stride: usize,
+        dimension: usize,
+        free: usize,
+        others: impl Iterator<Item = &'a [u32]>,
+    ) -> Self {
+        let (first, neighbours) = larger_neighbours(cells.chunks_exact(stride).chain(others), free);
         let (columns, rows) = columns(dimension, &first, &neighbours);
         let mut slots = Vec::with_capacity(cells.len() * (stride - 1) / 2);
         for cell in cells.chunks_exact(stride) {
@@ -235,9 +246,12 @@ fn columns(dimension: usize, first: &[u32], neighbours: &[u32]) -> (Vec<u32>, Ve
 }
 
 /// Sorted larger neighbours of every free node, as (starts, list).
-fn larger_neighbours(cells: &[u32], stride: usize, free: usize) -> (Vec<u32>, Vec<u32>) {
+fn larger_neighbours<'a>(
+    cells: impl Iterator<Item = &'a [u32]>,
+    free: usize,
+) -> (Vec<u32>, Vec<u32>) {
     let mut lists: Vec<Vec<u32>> = vec![Vec::new(); free];
-    for cell in cells.chunks_exact(stride) {
+    for cell in cells {
         for &low in cell {
             for &high in cell {
                 if low < high && (high as usize) < free {

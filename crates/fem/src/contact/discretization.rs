@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use crate::mesh::{Mesh, Nesting};
-use crate::space::{Element, Geometry, Nodes, StrainPoint, StrainPoints};
+use crate::space::{Element, Geometry, Jump, Nodes, StrainPoint, StrainPoints, jumps};
 use algebra::linalg::{Analysis, BlockPattern, FactorError, Levels, Precision, nested_dissection};
 use vhi::law::TensorField;
 
@@ -23,6 +23,8 @@ pub struct Discretization {
     pub nodes: Nodes,
     /// Shape gradients at the points of strains, and measures.
     pub geometry: Geometry,
+    /// Where functions jump; empty for continuous elements.
+    pub jumps: Vec<Jump>,
     /// Pattern of the tangent.
     pub pattern: BlockPattern,
     /// Γ3.
@@ -53,13 +55,17 @@ impl Discretization {
     pub fn of(element: Element, mut mesh: Mesh, clamped: &[u32], contact: &[u32]) -> Self {
         let nodes = Nodes::new(&mut mesh, element, clamped);
         let geometry = Geometry::new(&mesh, element);
-        let pattern = BlockPattern::new(&nodes.cells, nodes.a_cell, mesh.dimension, nodes.free);
+        let jumps = jumps(&mesh, element, &nodes);
+        let beside = jumps.iter().map(|jump| &jump.nodes[..]);
+        let (d, free) = (mesh.dimension, nodes.free);
+        let pattern = BlockPattern::coupled(&nodes.cells, nodes.a_cell, d, free, beside);
         let (trace, frames) = ContactTrace::new(&mesh, element, &nodes, contact);
         Self {
             element,
             mesh,
             nodes,
             geometry,
+            jumps,
             pattern,
             trace,
             frames,
@@ -131,6 +137,35 @@ impl Discretization {
         self.nodes.of_cell(c)
     }
 
+    /// The values of a nodal vector at the vertices of the mesh, d numbers each: at a vertex without a node the mean of those
+    /// that the cells around it have there.
+    pub fn at_vertices(&self, v: &[f64]) -> Vec<f64> {
+        let (d, mesh) = (self.mesh.dimension, &self.mesh);
+        let (mut values, mut count) = (vec![0.0; d * mesh.vertices()], vec![0.0; mesh.vertices()]);
+        for (vertex, &node) in self.nodes.of_vertex.iter().enumerate() {
+            if node != Nodes::NONE {
+                let own = &v[d * node as usize..d * (node as usize + 1)];
+                values[d * vertex..d * (vertex + 1)].copy_from_slice(own);
+            }
+        }
+        let bare = |vertex: usize| self.nodes.of_vertex[vertex] == Nodes::NONE;
+        for (c, corner) in (0..mesh.cell_count()).flat_map(|c| (0..=d).map(move |a| (c, a))) {
+            let vertex = mesh.cell(c)[corner] as usize;
+            if !bare(vertex) {
+                continue;
+            }
+            let b: Vec<f64> = (0..=d).map(|a| f64::from(u8::from(a == corner))).collect();
+            count[vertex] += 1.0;
+            for (&node, shape) in self.cell_nodes(c).iter().zip(self.element.values(&b)) {
+                (0..d).for_each(|i| values[d * vertex + i] += shape * v[d * node as usize + i]);
+            }
+        }
+        for vertex in (0..mesh.vertices()).filter(|&vertex| bare(vertex)) {
+            (0..d).for_each(|i| values[d * vertex + i] /= count[vertex]);
+        }
+        values
+    }
+
     /// The points where strain, stress and projection live.
     #[inline]
     pub fn points(&self) -> StrainPoints<'_> {
@@ -142,7 +177,7 @@ impl Discretization {
         StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
     }
 
-    /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components.
+    /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components, with the penalty of jumps.
     pub fn stiffness(&self, law: &TensorField) -> Vec<f64> {
         self.stiffness_in(law, &Frames::default())
     }
@@ -158,6 +193,7 @@ impl Discretization {
             2 => stiffness_of::<2, 3>(self, frames, law, &mut values),
             _ => stiffness_of::<3, 6>(self, frames, law, &mut values),
         }
+        self.add_jump_stiffness(frames, law, &mut values);
         values
     }
 }

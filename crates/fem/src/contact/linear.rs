@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::combination::Combination;
 use super::kkt::kkt_residual_in;
-use super::march::{CaseError, CaseInfo, Observer, StepView};
+use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
 use super::path::of_storage;
 use super::volume::Volume;
 use super::{Discretization, LinearSolver, Load, Model, Unknowns};
@@ -73,8 +73,9 @@ pub fn march<P: Projection>(
         };
         let parts = load.basis().unwrap_or_default();
         let mut residual = combination.kkt_residual(space, [&coefficients, &past], &factors, parts);
-        // The last level is balanced by the load itself; one that is no number is said first.
-        if n == grid.steps() || !residual.is_finite() {
+        // The last level is balanced by the load itself; one that is no number is said first, and one that would be refused
+        // is looked at again.
+        if n == grid.steps() || residual.is_nan() || residual > KKT_ALLOWED {
             let start = Instant::now();
             load.assemble(t, &mut force)?;
             info.seconds_load += start.elapsed().as_secs_f64();

@@ -10,6 +10,7 @@ mod evolution;
 mod floor;
 mod frames;
 mod friction;
+mod jumps;
 mod kkt;
 mod kkt_compliance;
 mod last_slot;

@@ -175,13 +175,13 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
         match self.model.projection.limit() {
             None => self.linear_force::<D, S>(),
             Some(limit) => {
-                let kappa = {
-                    self.compute_strains::<S>();
-                    limit.value(self.zeta())
-                };
+                self.compute_strains::<S>();
+                let kappa = limit.value(self.zeta());
                 self.projected_force::<D, S>(kappa);
             }
         }
+        let u = if self.space.frames.is_empty() { &self.unknowns } else { &self.cartesian };
+        self.space.add_jump_force(&self.linear_law, u, &mut self.nodal_force);
         self.space.frames.force_on_unknowns(&mut self.nodal_force);
         out.copy_from_slice(&self.nodal_force[..out.len()]);
     }

@@ -8,7 +8,7 @@ use vhi::law::Projection;
 /// Errors at one time level.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct StepErrors {
-    /// ‖ε(u_n - u_n^{kh})‖.
+    /// ‖ε(u_n - u_n^{kh})‖, cell by cell; with Σ_e ∫ [u_n^{kh}]²/h_e in its square where functions jump.
     pub v: f64,
     /// ‖u_n - u_n^{kh}‖.
     pub l2: f64,
@@ -54,6 +54,7 @@ fn cells<P: Projection, const D: usize, const S: usize>(
     truth: &Moments,
 ) -> StepErrors {
     let (mut v, mut stress) = (truth.strain.rest, truth.stress.rest);
+    v += space.jump_square(view.u);
     let mut l2 = truth.displacement.rest;
     let (strains, stresses) =
         (truth.strain.at.as_chunks::<S>().0, truth.stress.at.as_chunks::<S>().0);
@@ -120,7 +121,8 @@ fn facets(space: &Discretization, view: &StepView<'_>, truth: &Moments, errors: 
 }
 
 /// Hausdorff distance of the exact and the discrete locked set, on samples of the facets of Γ3. The discrete
-/// set holds its locked corners, and the edges and triangles whose corners are all locked.
+/// set holds its locked corners, and the edges and triangles whose corners are all locked; of elements with one point a
+/// facet, the facets where it is.
 fn contact_set<P: Projection>(
     space: &Discretization,
     model: &Model<P>,
@@ -139,9 +141,10 @@ fn contact_set<P: Projection>(
     let samples = facet_samples(space.mesh.dimension);
     let facets = 0..space.trace.measure.len();
     let discrete = facets.clone().flat_map(|f| {
-        let members = space.trace.facet(f);
+        // An edge with one point is locked where that is.
+        let members = space.trace.facet(f).iter().cycle();
         let counts = |(b, i): (&f64, &u32)| *b == 0.0 || locked[*i as usize];
-        samples.iter().map(|b| b.iter().zip(members).all(counts)).collect::<Vec<bool>>()
+        samples.iter().map(|b| b.iter().zip(members.clone()).all(counts)).collect::<Vec<bool>>()
     });
     let discrete: Vec<bool> = discrete.collect();
     if discrete == truth.locked {
@@ -149,10 +152,8 @@ fn contact_set<P: Projection>(
     }
     let mut points = Vec::with_capacity(discrete.len());
     for f in facets {
-        let vertex = |&i: &u32| space.trace.points[i as usize].vertex;
-        let corners = &space.trace.facet(f)[..space.mesh.dimension];
-        let vertices: Vec<u32> = corners.iter().map(vertex).collect();
-        points.extend(samples.iter().map(|b| space.mesh.point(&vertices, b)));
+        let corners = space.mesh.facet(space.trace.mesh_facet[f] as usize);
+        points.extend(samples.iter().map(|b| space.mesh.point(corners, b)));
     }
     hausdorff(&points, &truth.locked, &discrete, diameter(space, &points))
 }

@@ -1,5 +1,6 @@
-//! Lagrange elements on simplices: their nodes, shape functions, the points where strain, stress and projection live, and
-//! how the squares of their functions are integrated. What the rest of the program knows of an element is here.
+//! Elements on simplices: their nodes, shape functions, the points where strain, stress and projection live, and how the
+//! squares of their functions are integrated. What the rest of the program knows of an element is here, but for the jumps
+//! of one whose functions are not continuous (`jumps`).
 
 use std::collections::HashMap;
 
@@ -8,7 +9,7 @@ use super::quadrature::{
 };
 use crate::mesh::Mesh;
 
-/// Polynomials on simplices, continuous over the mesh.
+/// Polynomials on simplices, continuous over the mesh unless an element says otherwise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Element {
     /// Linear: nodes at the vertices, one strain a cell.
@@ -16,6 +17,10 @@ pub enum Element {
     P1,
     /// Quadratic: nodes at the vertices and at the midpoints of edges, linear strains.
     P2,
+    /// Linear on triangles, continuous at the midpoints of edges alone, where the nodes are (Crouzeix and Raviart): V^h is
+    /// not in V, and jumps across edges are penalised. On a facet its functions count by their means, their values at the
+    /// midpoint: a constant.
+    CR,
 }
 
 /// Corners of the edges of an edge, of a triangle and of a tetrahedron, in the order of the nodes at their midpoints: those
@@ -26,33 +31,42 @@ const EDGES: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 pub(crate) struct Places {
     pub cells: Vec<u32>,
     pub facets: Vec<u32>,
+    /// The first point of the mesh with a node: those before it have none.
+    pub first: u32,
 }
 
 impl Element {
     /// Every element.
-    pub const ALL: [Self; 2] = [Self::P1, Self::P2];
+    pub const ALL: [Self; 3] = [Self::P1, Self::P2, Self::CR];
 
     /// Its name in scenes and records.
     pub fn name(self) -> &'static str {
         match self {
             Self::P1 => "P1",
             Self::P2 => "P2",
+            Self::CR => "CR",
         }
+    }
+
+    /// Whether V^h is a part of V.
+    pub fn is_conforming(self) -> bool {
+        self != Self::CR
     }
 
     /// The degree of its polynomials.
     pub fn degree(self) -> usize {
         match self {
-            Self::P1 => 1,
+            Self::P1 | Self::CR => 1,
             Self::P2 => 2,
         }
     }
 
-    /// Nodes on a simplex with so many corners.
+    /// Nodes on a simplex with so many corners; of an element of the plane alone an edge is a facet, a triangle a cell.
     pub fn nodes_on(self, corners: usize) -> usize {
         match self {
             Self::P1 => corners,
             Self::P2 => corners + edges(corners).len(),
+            Self::CR => edges(corners).len(),
         }
     }
 
@@ -60,7 +74,7 @@ impl Element {
     /// the products of two.
     pub fn strain_rule(self, dimension: usize) -> Rule {
         match self {
-            Self::P1 => {
+            Self::P1 | Self::CR => {
                 let centre = vec![1.0 / (dimension + 1) as f64; dimension + 1];
                 Rule { points: vec![centre], weights: vec![1.0] }
             }
@@ -77,6 +91,8 @@ impl Element {
                 let corners = b.iter().map(|b| b * (2.0 * b - 1.0));
                 corners.chain(edges(b.len()).iter().map(|[i, j]| 4.0 * b[*i] * b[*j])).collect()
             }
+            // One at the midpoint of its edge, zero at those of the other two.
+            Self::CR => edges(b.len()).iter().map(|[i, j]| 2.0 * (b[*i] + b[*j]) - 1.0).collect(),
         }
     }
 
@@ -95,6 +111,11 @@ impl Element {
                     out.extend(both.map(|(gi, gj)| 4.0 * (b[j] * gi + b[i] * gj)));
                 }
             }
+            Self::CR => {
+                for &[i, j] in edges(b.len()) {
+                    out.extend(of(i).iter().zip(of(j)).map(|(gi, gj)| 2.0 * (gi + gj)));
+                }
+            }
         }
     }
 
@@ -106,6 +127,7 @@ impl Element {
             Self::P1 => (vec![1.0; corners], corners as f64),
             Self::P2 if corners == 2 => (vec![1.0, 1.0, 4.0], 6.0),
             Self::P2 => (vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0], 3.0),
+            Self::CR => (vec![1.0], 1.0),
         }
     }
 
@@ -131,7 +153,7 @@ impl Element {
     pub fn mean_square(self, corners: usize) -> MeanSquare {
         let mass = match self {
             Self::P1 => Vec::new(),
-            Self::P2 => self.mass(corners),
+            Self::P2 | Self::CR => self.mass(corners),
         };
         MeanSquare { scale: 1.0 / (corners * (corners + 1)) as f64, mass }
     }
@@ -139,21 +161,31 @@ impl Element {
     /// The nodes of all cells and facets of `mesh`. Midpoints become further points of it, behind its vertices.
     pub(crate) fn places(self, mesh: &mut Mesh) -> Places {
         let (mut cells, mut facets) = (Vec::new(), Vec::new());
-        match self {
-            Self::P1 => Places { cells: mesh.cells.clone(), facets: mesh.facets.clone() },
-            Self::P2 => {
-                let mut known = HashMap::new();
-                for c in 0..mesh.cell_count() {
-                    let corners = mesh.cell(c).to_vec();
-                    with_midpoints(mesh, &corners, &mut known, &mut cells);
-                }
-                for f in 0..mesh.facet_side.len() {
-                    let corners = mesh.facet(f).to_vec();
-                    with_midpoints(mesh, &corners, &mut known, &mut facets);
-                }
-                Places { cells, facets }
+        let with_corners = match self {
+            Self::P1 => {
+                let (cells, facets) = (mesh.cells.clone(), mesh.facets.clone());
+                return Places { cells, facets, first: 0 };
             }
+            Self::P2 => true,
+            Self::CR => false,
+        };
+        let first = if with_corners { 0 } else { mesh.vertices() as u32 };
+        let mut known = HashMap::new();
+        let mut add = |mesh: &mut Mesh, corners: Vec<u32>, out: &mut Vec<u32>| {
+            if with_corners {
+                out.extend_from_slice(&corners);
+            }
+            append_midpoints(mesh, &corners, &mut known, out);
+        };
+        for c in 0..mesh.cell_count() {
+            let corners = mesh.cell(c).to_vec();
+            add(mesh, corners, &mut cells);
         }
+        for f in 0..mesh.facet_side.len() {
+            let corners = mesh.facet(f).to_vec();
+            add(mesh, corners, &mut facets);
+        }
+        Places { cells, facets, first }
     }
 }
 
@@ -161,14 +193,13 @@ fn edges(corners: usize) -> &'static [[usize; 2]] {
     &EDGES[..corners * (corners - 1) / 2]
 }
 
-/// Appends the corners of a simplex and the midpoints of its edges.
-fn with_midpoints(
+/// Appends the midpoints of the edges of a simplex.
+fn append_midpoints(
     mesh: &mut Mesh,
     corners: &[u32],
     known: &mut HashMap<[u32; 2], u32>,
     out: &mut Vec<u32>,
 ) {
-    out.extend_from_slice(corners);
     for &[i, j] in edges(corners.len()) {
         let ends = [corners[i].min(corners[j]), corners[i].max(corners[j])];
         out.push(*known.entry(ends).or_insert_with(|| {
@@ -229,7 +260,8 @@ mod tests {
     fn means_are_those_of_a_rule_that_is_exact_for_them() {
         for element in Element::ALL {
             let rules = [(2, edge(5)), (3, triangle_degree_6()), (4, tetrahedron_degree_6())];
-            for (corners, rule) in rules {
+            let in_plane = |corners: usize| element.is_conforming() || corners < 4;
+            for (corners, rule) in rules.into_iter().filter(|(corners, _)| in_plane(*corners)) {
                 let count = element.nodes_on(corners);
                 let v: Vec<[f64; 2]> =
                     (0..count).map(|a| [(a as f64 + 0.3).sin(), (2.0 * a as f64).cos()]).collect();
@@ -245,7 +277,7 @@ mod tests {
                 }
                 let found = element.mean_square(corners).over(3.0, &v);
                 assert!((found - 3.0 * square).abs() < 1e-14, "{element:?} {corners}");
-                if corners < 4 {
+                if corners < 4 && in_plane(corners + 1) {
                     let (weights, sum) = element.facet_weights(corners);
                     let mut pairs = means.iter().zip(&weights);
                     assert!(pairs.all(|(mean, weight)| (mean - weight / sum).abs() < 1e-15));

@@ -1,12 +1,15 @@
 //! Elements: nodes with the clamped ones last, shape functions, strains at the points where they live, quadrature.
 
 mod element;
+mod jumps;
 mod nodes;
 mod points;
 pub mod quadrature;
 mod shape;
 
 pub use element::{Element, MeanSquare};
+pub use jumps::Jump;
+pub(crate) use jumps::{MEAN_SQUARE, jumps};
 pub use nodes::Nodes;
 pub use points::{StrainPoint, StrainPoints};
 pub use shape::{Geometry, strain_of};

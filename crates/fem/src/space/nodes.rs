@@ -12,7 +12,7 @@ pub struct Nodes {
     pub dimension: usize,
     /// Number of nodes that are not clamped.
     pub free: usize,
-    /// Node of a vertex.
+    /// Node of a vertex; [`Nodes::NONE`] where the element has none.
     pub of_vertex: Vec<u32>,
     /// Vertex of a node.
     pub vertex: Vec<u32>,
@@ -27,9 +27,12 @@ pub struct Nodes {
 }
 
 impl Nodes {
+    /// The node of a vertex without one.
+    pub const NONE: u32 = u32::MAX;
+
     /// Numbers the points of `mesh` at which the element has nodes; those of a facet on a side in `clamped` come last.
     pub(crate) fn new(mesh: &mut Mesh, element: Element, clamped: &[u32]) -> Self {
-        let Places { cells, facets } = element.places(mesh);
+        let Places { cells, facets, first } = element.places(mesh);
         let [a_cell, a_facet] = [1, 0].map(|more| element.nodes_on(mesh.dimension + more));
         let mut is_clamped = vec![false; mesh.vertices()];
         for f in mesh.facets_on(clamped) {
@@ -37,11 +40,11 @@ impl Nodes {
                 is_clamped[v as usize] = true;
             }
         }
-        let vertices = 0..mesh.vertices() as u32;
+        let vertices = first..mesh.vertices() as u32;
         let mut vertex: Vec<u32> = vertices.clone().filter(|&v| !is_clamped[v as usize]).collect();
         let free = vertex.len();
         vertex.extend(vertices.filter(|&v| is_clamped[v as usize]));
-        let mut of_vertex = vec![0; vertex.len()];
+        let mut of_vertex = vec![Self::NONE; mesh.vertices()];
         for (node, &v) in vertex.iter().enumerate() {
             of_vertex[v as usize] = node as u32;
         }

@@ -57,7 +57,7 @@ impl TruthRules {
     pub fn for_element(element: Element, dimension: usize) -> Self {
         let linear = Self::of(dimension);
         match element {
-            Element::P1 => linear,
+            Element::P1 | Element::CR => linear,
             Element::P2 if dimension == 2 => {
                 linear.with_cells(triangle_degree_6(), triangle_product(5))
             }
@@ -71,7 +71,7 @@ impl TruthRules {
     pub fn stronger_for(element: Element, dimension: usize) -> Self {
         let linear = Self::stronger(dimension);
         match element {
-            Element::P1 => linear,
+            Element::P1 | Element::CR => linear,
             Element::P2 if dimension == 2 => {
                 linear.with_cells(triangle_degree_8(), triangle_product(7))
             }

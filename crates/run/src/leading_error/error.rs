@@ -24,6 +24,11 @@ pub enum NoConstant {
     /// Stresses of interpolants and tangents here are those of P1.
     #[error("{element} has a predicted constant in h for V_max alone")]
     Element { element: &'static str },
+    /// Of a space that is not in V the interpolant is not superclose.
+    #[error(
+        "{element} functions jump: consistency error and jumps are of the order of the interpolation error, and no constant of their sum is derived"
+    )]
+    Nonconforming { element: &'static str },
     /// I_h u is not closer to u_h than to u.
     #[error("the mesh is no grid of translated simplices, so the interpolant is not superclose")]
     Mesh,

@@ -180,7 +180,7 @@ fn strain_of_interpolant<const D: usize>(
 const BETWEEN: [[usize; 2]; 6] = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]];
 
 /// The derivative of a function by barycentric coordinate `a`, the others being held. A quadratic one is
-/// Σ v_a b_a (2 b_a - 1) + 4 Σ v_ij b_i b_j.
+/// Σ v_a b_a (2 b_a - 1) + 4 Σ v_ij b_i b_j, one of Crouzeix and Raviart Σ v_ij (2 b_i + 2 b_j - 1).
 fn slope(element: Element, b: &[f64], a: usize, value: impl Fn(usize) -> f64) -> f64 {
     match element {
         Element::P1 => value(a),
@@ -192,6 +192,10 @@ fn slope(element: Element, b: &[f64], a: usize, value: impl Fn(usize) -> f64) ->
                 other.map_or(0.0, |other| b[other] * value(corners + e))
             };
             (4.0 * b[a] - 1.0) * value(a) + 4.0 * edges.map(of_edge).sum::<f64>()
+        }
+        Element::CR => {
+            let edges = BETWEEN[..3].iter().enumerate().filter(|(_, ends)| ends.contains(&a));
+            edges.map(|(e, _)| 2.0 * value(e)).sum()
         }
     }
 }

@@ -12,6 +12,7 @@ use super::{Setup, load_form, side_numbers};
 use crate::{Data, Scene, Side};
 use exact::{Exact, ExactOnMesh, LoadForm, Truth, shapes};
 use fem::contact::{Discretization, LoadError};
+use fem::space::Nodes;
 use fem::space::quadrature::{
     Rule, TruthRules, edge, tetrahedron_product, triangle_degree_8, triangle_product,
 };
@@ -151,11 +152,17 @@ impl Sums {
     }
 }
 
+/// A simplex, and the vertices with its nodes.
+struct Loaded {
+    corners: Vec<u32>,
+    nodes: Vec<u32>,
+}
+
 /// A formula with the simplices that it acts on.
 struct Acting {
     formula: Program,
     component: usize,
-    simplices: Rc<[Vec<u32>]>,
+    simplices: Rc<[Loaded]>,
     /// The rule of the loads, and another one.
     rules: [Rule; 2],
 }
@@ -181,9 +188,12 @@ impl<'a> Integrals<'a> {
         };
         let mut acting = Vec::new();
         let middles = middles(space);
-        let mut add = |formulas: &[Node], mut simplices: Vec<Vec<u32>>, rules: &[Rule; 2]| {
-            simplices.iter_mut().for_each(|simplex| append_middles(&middles, simplex));
-            let simplices: Rc<[Vec<u32>]> = simplices.into();
+        let mut add = |formulas: &[Node], simplices: Vec<Vec<u32>>, rules: &[Rule; 2]| {
+            let loaded = |corners: Vec<u32>| {
+                let nodes = nodes_of(space, &middles, &corners);
+                Loaded { corners, nodes }
+            };
+            let simplices: Rc<[Loaded]> = simplices.into_iter().map(loaded).collect();
             for (component, &formula) in formulas.iter().enumerate() {
                 if graph.value_of_constant(formula) != Some(0.0) {
                     let formula = Program::compile(&mut graph, &[formula], scene.time.horizon);
@@ -221,21 +231,19 @@ impl<'a> Integrals<'a> {
         let space = self.space;
         let simplices = acting.simplices.iter();
         let points: Vec<[f64; 3]> = simplices
-            .flat_map(|simplex| rule.points.iter().map(|b| space.mesh.point(simplex, b)))
+            .flat_map(|own| rule.points.iter().map(|b| space.mesh.point(&own.corners, b)))
             .collect();
         // Not those of the space, by which the loads are assembled.
         let shapes: Vec<Vec<f64>> = rule.points.iter().map(|b| shapes(space.element, b)).collect();
-        let corners = rule.points[0].len();
         let measures: Vec<f64> =
-            acting.simplices.iter().map(|simplex| measure(space, &simplex[..corners])).collect();
+            acting.simplices.iter().map(|own| measure(space, &own.corners)).collect();
         let mut formula = acting.formula.bind(&points);
         let mut values = vec![Vec::new()];
         for (t, sums) in times.into_iter().zip(sums) {
             formula.evaluate(t, 0.0, &mut values);
             let of_simplices = values[0].chunks_exact(rule.points.len());
-            for ((simplex, measure), f) in acting.simplices.iter().zip(&measures).zip(of_simplices)
-            {
-                for (a, &vertex) in simplex.iter().enumerate() {
+            for ((own, measure), f) in acting.simplices.iter().zip(&measures).zip(of_simplices) {
+                for (a, &vertex) in own.nodes.iter().enumerate() {
                     // v vanishes on Γ1.
                     if space.nodes.of_vertex[vertex as usize] as usize >= space.nodes.free {
                         continue;
@@ -272,7 +280,7 @@ fn middles(space: &Discretization) -> HashMap<[u32; 2], u32> {
     let mut found = HashMap::new();
     for c in 0..space.mesh.cell_count() {
         let corners = space.mesh.cell(c);
-        for &node in &space.cell_nodes(c)[corners.len()..] {
+        for &node in space.cell_nodes(c) {
             let vertex = space.nodes.vertex[node as usize];
             let place = space.mesh.vertex(vertex);
             let is_between = |p: u32, q: u32| {
@@ -287,13 +295,15 @@ fn middles(space: &Discretization) -> HashMap<[u32; 2], u32> {
     found
 }
 
-/// Appends them to the corners of an edge or triangle, in the order of shape functions.
-fn append_middles(middles: &HashMap<[u32; 2], u32>, simplex: &mut Vec<u32>) {
-    let corners = simplex.clone();
+/// The corners of an edge or triangle that have nodes, then those between them, in the order of shape functions.
+fn nodes_of(space: &Discretization, middles: &HashMap<[u32; 2], u32>, corners: &[u32]) -> Vec<u32> {
+    let has_node = |&&corner: &&u32| space.nodes.of_vertex[corner as usize] != Nodes::NONE;
+    let mut nodes: Vec<u32> = corners.iter().filter(has_node).copied().collect();
     let edges = if corners.len() == 2 { 1 } else { corners.len() };
     for (&p, &q) in corners.iter().zip(corners.iter().cycle().skip(1)).take(edges) {
-        simplex.extend(middles.get(&[p.min(q), p.max(q)]));
+        nodes.extend(middles.get(&[p.min(q), p.max(q)]));
     }
+    nodes
 }
 
 /// The faces of cells that belong to one cell alone, by side.

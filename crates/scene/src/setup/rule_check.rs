@@ -120,8 +120,9 @@ fn strain_on_contact(space: &Discretization, v: &[f64]) -> f64 {
         return strain_norm(space, v);
     }
     let mut on_contact = vec![false; space.mesh.vertices()];
-    for point in &space.trace.points {
-        on_contact[point.vertex as usize] = true;
+    for &facet in &space.trace.mesh_facet {
+        let corners = space.mesh.facet(facet as usize).iter();
+        corners.for_each(|&vertex| on_contact[vertex as usize] = true);
     }
     let touches = |at: &StrainPoint<'_>| {
         let corners = space.mesh.cell(at.cell).iter();

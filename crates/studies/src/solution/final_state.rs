@@ -182,10 +182,10 @@ fn over_cells<P: Projection, const S: usize>(
 
 /// Smallest u_y and its vertex; of equal values the first vertex in mesh order.
 fn lowest(space: &Discretization, view: &StepView<'_>) -> (f64, Vec<f64>) {
-    let d = space.mesh.dimension;
+    let (d, values) = (space.mesh.dimension, space.at_vertices(view.u));
     let mut best = (f64::INFINITY, 0);
     for v in 0..space.mesh.vertices() {
-        let value = view.u[d * space.nodes.of_vertex[v] as usize + 1];
+        let value = values[d * v + 1];
         if value < best.0 {
             best = (value, v as u32);
         }

@@ -50,8 +50,11 @@ impl VtuSeries {
         }
         let pressure: Vec<f64> = xi.iter().zip(&lambda).map(|(a, b)| a + b).collect();
         let vertex = |&node: &u32| space.nodes.vertex[node as usize];
-        let cells: Vec<u32> = space.nodes.cells.iter().map(vertex).collect();
-        let vertices_per_cell = space.nodes.a_cell;
+        // Cells are shown by their nodes where corners are among these.
+        let (cells, vertices_per_cell): (Vec<u32>, usize) = match space.element.is_conforming() {
+            true => (space.nodes.cells.iter().map(vertex).collect(), space.nodes.a_cell),
+            false => (mesh.cells.clone(), mesh.dimension + 1),
+        };
         let grid = Grid { points: &points, cells: &cells, vertices_per_cell };
         let scalar = |name, values| Field { name, components: 1, values };
         let file = format!("{}_{:04}.vtu", self.name, view.n);
@@ -85,10 +88,8 @@ impl VtuSeries {
 fn displacement(space: &Discretization, view: &StepView<'_>) -> Vec<f64> {
     let d = space.mesh.dimension;
     let mut out = vec![0.0; 3 * space.mesh.vertices()];
-    for (v, &node) in space.nodes.of_vertex.iter().enumerate() {
-        for i in 0..d {
-            out[3 * v + i] = view.u[d * node as usize + i];
-        }
+    for (own, values) in out.chunks_exact_mut(3).zip(space.at_vertices(view.u).chunks_exact(d)) {
+        own[..d].copy_from_slice(values);
     }
     out
 }

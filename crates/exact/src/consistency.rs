@@ -1,0 +1,74 @@
+//! Loads in the weak form where functions of V^h jump.
+//!
+//! By parts on each cell, f0·v + ∫_{Γ2} f2·v is ∫ σ:ε(v) less ∫ σν·v over the boundaries of all cells: of continuous
+//! functions these cancel, and of those that jump they are the consistency error, which belongs to the load. Across an edge
+//! v has a mean, its value at the midpoint, that both cells share; on the boundary of the body the load acts on that mean
+//! alone, and on Γ1 it is zero. So what is left everywhere is what v has beyond it.
+
+use super::constitutive::{Tensor, stress};
+use super::nodal_force::inward;
+use super::parts::Parts;
+use super::sampled::Sampled;
+use super::shapes::shapes;
+use fem::contact::LoadError;
+use fem::space::quadrature::Rule;
+
+/// The points of a rule for edges on the three edges of a triangle, the one opposite to each corner after the other.
+pub(super) fn around(edge: &Rule) -> Rule {
+    let mut around = Rule { points: Vec::new(), weights: Vec::new() };
+    for opposite in 0..3 {
+        for (along, weight) in edge.points.iter().zip(&edge.weights) {
+            let mut b = vec![0.0; 3];
+            b[(opposite + 1) % 3] = along[0];
+            b[(opposite + 2) % 3] = along[1];
+            around.points.push(b);
+            around.weights.push(*weight);
+        }
+    }
+    around
+}
+
+impl Parts<'_> {
+    /// Subtracts ∫ σν·(v - v̄) over the boundaries of all cells, of each part, v̄ the value of v at the midpoint of an edge;
+    /// `points` are those of a rule [`around`] triangles.
+    pub(super) fn subtract_consistency<const D: usize>(
+        &self,
+        points: &Sampled,
+        forces: &mut [Vec<f64>],
+    ) -> Result<(), LoadError> {
+        let (space, rule, mut memory) = (self.space, &points.rule, Vec::new());
+        let on_edge = rule.points.len() / 3;
+        let beyond_mean = |(q, b): (usize, &Vec<f64>)| -> Vec<f64> {
+            let middle: Vec<f64> =
+                (0..3).map(|corner| if corner == q / on_edge { 0.0 } else { 0.5 }).collect();
+            let mean = shapes(space.element, &middle);
+            shapes(space.element, b).iter().zip(mean).map(|(v, mean)| v - mean).collect()
+        };
+        let beyond: Vec<Vec<f64>> = rule.points.iter().enumerate().map(beyond_mean).collect();
+        let (program, names) = self.inside();
+        let at = (self.t, 0.0);
+        points.each_block(&space.mesh, program, at, self.again, &names, |cells, values| {
+            for (local, c) in cells.clone().enumerate() {
+                let material = self.exact.material_in(self.regions[c]);
+                let corners = space.mesh.cell(c);
+                for (q, (beyond, weight)) in beyond.iter().zip(&rule.weights).enumerate() {
+                    let p = cells.len() * q + local;
+                    // ν times the length of the edge, inwards, is twice that.
+                    let normal: [f64; D] = inward(&space.mesh, corners, q / on_edge);
+                    for (force, part) in forces.iter_mut().zip(values.chunks(self.fields())) {
+                        let strain = self.exact.tensors(|k| part[k][p], &mut memory);
+                        let sigma: Tensor<D> = stress(material, &strain, &memory, self.kappa);
+                        let along = |row: [f64; D]| -> f64 {
+                            row.iter().zip(&normal).map(|(s, n)| 2.0 * weight * s * n).sum()
+                        };
+                        let traction = sigma.map(along);
+                        for (&node, beyond) in space.cell_nodes(c).iter().zip(beyond) {
+                            let own = force[D * node as usize..][..D].iter_mut();
+                            own.zip(traction).for_each(|(own, t)| *own += beyond * t);
+                        }
+                    }
+                }
+            }
+        })
+    }
+}

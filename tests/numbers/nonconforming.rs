@@ -1,0 +1,227 @@
+//! Source: tests/fixtures/nonconforming.json by tests/independent/nonconforming.py with scikit-fem; affine displacements;
+//!   the locking of linear elements (Babuska and Suri 1992).
+//! Goal: CR is what another program has; affine displacements are reproduced; the tangent is the derivative of the residual;
+//!   loads in both forms are one; P1 locks where CR does not; wrong jumps and means lose the order or the constant.
+//! Mesh: n × n squares cut from lower left to upper right, with their vertices moved for what holds on any mesh.
+//! Data: the scenes nonconforming-… and locking-nonconforming, and those of tests/independent.
+
+use crate::shipped::{
+    Change, edited, errors, fixture, on_mesh, run, setup, setup_of, text, v_max, v_max_on_changed,
+};
+use gronwall::contact::{
+    ContactProblem, Discretization, KKT_ALLOWED, LastSlot, LinearSolver, kkt_residual,
+};
+use gronwall::linalg::signed_unit;
+use gronwall::scene::{Extension, Scene, Source};
+use gronwall::setup::Setup;
+use gronwall::space::Element;
+use gronwall::vhi::StepInequality;
+
+/// Every displacement to 1e-9 of the largest: both solve the same discrete problem, to 1e-13.
+#[test]
+fn scikit_fem_finds_the_same() {
+    let known = fixture("nonconforming");
+    let [n, steps] = ["n", "steps"].map(|key| known[key].as_u64().expect("a count") as u32);
+    for name in ["elastic", "contact"] {
+        let at = env!("CARGO_MANIFEST_DIR");
+        let path = format!("{at}/tests/independent/nonconforming-{name}.toml");
+        let setup = setup_of(std::fs::read_to_string(path).expect("a scene"));
+        let (data, mut u) = (on_mesh(&setup, n), Vec::new());
+        let info = run(&setup, &setup.model, &data, steps, |view| u = view.u.to_vec())
+            .unwrap_or_else(|error| panic!("{error}"));
+        assert!(info.kkt_residual < 1e-12, "{name}: {:e}", info.kkt_residual);
+        let (space, largest) = (&data.space, u.iter().fold(0.0f64, |m, v| m.max(v.abs())));
+        let rows = known["nodes"][name].as_array().expect("rows");
+        assert_eq!(rows.len(), space.nodes.vertex.len());
+        for row in rows {
+            let [x, y, p, q] = [0, 1, 2, 3].map(|i| row[i].as_f64().expect("a number"));
+            let here = |&v: &u32| {
+                let own = space.mesh.vertex(v);
+                (own[0] - x).hypot(own[1] - y) < 1e-12
+            };
+            let node = space.nodes.vertex.iter().position(here).expect("a node there");
+            let own = &u[2 * node..][..2];
+            let off = (own[0] - p).abs().max((own[1] - q).abs());
+            assert!(off <= 1e-9 * largest, "{name} at ({x}, {y}): {off:e}");
+        }
+    }
+}
+
+/// An affine displacement on a perturbed mesh of two materials, with memory, a layer of springs and loads in either form.
+#[test]
+fn affine_displacements_are_reproduced() {
+    let scene = text("nonconforming-signorini");
+    let start = scene.find("[exact]").expect("an exact solution");
+    let moved =
+        "contact = [\"bottom\"]\nmesh = { kind = \"perturbed\", amplitude = 0.2, seed = 3 }";
+    let scene = edited(&scene[..start], "contact = [\"bottom\"]", moved);
+    let scene = edited(&scene, "kernel = \"-exp(-t)\"", "kernel = \"-1\"");
+    let scene = edited(&scene, "{ kind = \"none\" }", "{ kind = \"linear\", stiffness = 0.5 }");
+    let scene = edited(&scene, "gap = \"0.08\"\n", "");
+    for form in ["weak", "strong"] {
+        let exact =
+            format!("[exact]\nform = \"{form}\"\nu = [\"0.7*(1 - y)\", \"-0.3*(1 - y)\"]\n");
+        let sweep = "[sweep]\nn = [3]\nsteps = [2]\n";
+        let predicts =
+            "[[predicts]]\nnorm = \"V_max\"\nvariable = \"h\"\norder = 1.0\nwhy = \"none\"\n";
+        let setup = setup_of(format!("{scene}{exact}{sweep}{predicts}"));
+        let data = on_mesh(&setup, 3);
+        assert_eq!(data.space.element, Element::CR);
+        for step in errors(&setup, &setup.model, &data, 2) {
+            // Rounding: strains of size 1, by 1e2 of the condition.
+            assert!(step.v < 1e-12 && step.l2 < 1e-12 && step.stress < 1e-11, "{form}: {step:?}");
+        }
+    }
+}
+
+/// ∫ f0·v by Div σ and by what integration by parts on each cell leaves: with the rules of the truth, to what they miss.
+#[test]
+fn loads_in_both_forms_are_one() {
+    let strong = text("nonconforming-elastic");
+    let weak = edited(&strong, "form = \"strong\"", "form = \"weak\"");
+    let [strong, weak] = [strong, weak].map(|scene| on_mesh(&setup_of(scene), 8));
+    let [a, b] = [&strong, &weak].map(|data| data.truth.load(0.7).expect("a load"));
+    let largest = a.iter().fold(0.0f64, |m, f| m.max(f.abs()));
+    let off = a.iter().zip(&*b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // Degrees 4 and 6 on cells of size 1/8: h⁵/5! of a wave.
+    assert!(off < 1e-6 * largest, "{off:e} of {largest:e}");
+}
+
+/// ‖J⁻¹(F(u + s d) - F(u - s d))/2s - d‖/‖d‖ where the body yields and remembers.
+#[test]
+fn the_tangent_with_jumps_is_the_derivative() {
+    const STEP: f64 = 1e-6;
+    let written = text("nonconforming-memory");
+    let setup = setup_of(edited(&written, "0.02 + 0.05*zeta", "0.10 + 0.05*zeta"));
+    let space = on_mesh(&setup, 3).space;
+    let mut seed = 5;
+    let u: Vec<f64> = (0..space.dofs()).map(|_| 0.05 * signed_unit(&mut seed)).collect();
+    let memory = setup.model.memory.iter().map(|term| 0.125 * term.kernel.value(0.0)).collect();
+    let mut problem =
+        ContactProblem::new(&space, &setup.model, LinearSolver::Direct).expect("an analysis");
+    problem.begin(&LastSlot { zeta: 0.125, memory }, 0.1, &vec![0.0; space.dofs()], &[]);
+    let d: Vec<f64> = u.iter().map(|_| signed_unit(&mut seed)).collect();
+    let mut forces = |sign: f64| {
+        let at: Vec<f64> = u.iter().zip(&d).map(|(u, d)| u + sign * STEP * d).collect();
+        let mut out = vec![0.0; u.len()];
+        problem.residual(&at, &mut out);
+        out
+    };
+    let (plus, minus) = (forces(1.0), forces(-1.0));
+    let mut x: Vec<f64> = plus.iter().zip(&minus).map(|(p, m)| (p - m) / (2.0 * STEP)).collect();
+    problem.residual(&u, &mut vec![0.0; u.len()]);
+    problem.linearize(&[], &[]).expect("a positive definite tangent");
+    problem.solve(&mut x, 1e-10).expect("a solve");
+    let off: f64 = x.iter().zip(&d).map(|(x, d)| (x - d).powi(2)).sum();
+    let size: f64 = d.iter().map(|d| d * d).sum();
+    // As in tests/numbers/tangent.rs: truncation and rounding.
+    assert!((off / size).sqrt() < 1e-7, "{:e}", (off / size).sqrt());
+}
+
+/// V_max on n = 8, 16 of a scene with this λ and element.
+fn incompressible(lambda: &str, element: &str) -> [f64; 2] {
+    let scene =
+        text("locking-nonconforming").replace("lambda = 1e6", &format!("lambda = {lambda}"));
+    let setup = setup_of(edited(&scene, "element = \"CR\"", &format!("element = \"{element}\"")));
+    [8, 16].map(|n| v_max(&setup, &setup.model, &on_mesh(&setup, n), 1))
+}
+
+#[test]
+fn linear_elements_lock_and_these_do_not() {
+    let (soft, stiff) = (incompressible("1e3", "CR"), incompressible("1e6", "CR"));
+    assert!(((stiff[0] / stiff[1]).log2() - 1.0).abs() < 0.05, "{stiff:?}");
+    // The constant is that of μ_L, up to a share μ_L/λ.
+    assert!((stiff[1] / soft[1] - 1.0).abs() < 2e-3, "{soft:?} {stiff:?}");
+    let linear = incompressible("1e6", "P1");
+    assert!((linear[0] / linear[1]).log2() < 0.1 && linear[1] > 5.0 * stiff[1], "{linear:?}");
+}
+
+/// A displacement that is off by 1e-6 is refused where forces are small differences of large ones, too.
+#[test]
+fn rounding_hides_no_wrong_displacement() {
+    let setup = setup("locking-nonconforming");
+    let data = on_mesh(&setup, 16);
+    let load = data.truth.load(1.0).expect("a load");
+    let mut found = Vec::new();
+    run(&setup, &setup.model, &data, 1, |view| {
+        if view.n == 1 {
+            let wrong: Vec<f64> = view.u.iter().map(|u| (1.0 + 1e-6) * u).collect();
+            for u in [view.u, &wrong] {
+                let seen = gronwall::contact::StepView { u, ..*view };
+                found.push(kkt_residual(&data.space, &setup.model, &seen, &load));
+            }
+        }
+    })
+    .expect("a sound run");
+    assert!(found[0] < 0.1 * KKT_ALLOWED && found[1] > KKT_ALLOWED, "{found:?}");
+}
+
+/// V_max on n = 4, 8, 16 of a march on a changed space; none where a run fails.
+fn driven(name: &str, change: Change) -> Option<[f64; 3]> {
+    let scene = text(name).replace("element = \"P2\"", "element = \"CR\"");
+    // A law that counts beside the error.
+    let setup: Setup = setup_of(scene.replace("coefficient = 4.0", "coefficient = 400.0"));
+    let of = |n: u32| Some(v_max_on_changed(&setup, n, 8, change).ok()?.0);
+    let [a, b, c] = [4, 8, 16].map(of);
+    Some([a?, b?, c?])
+}
+
+fn weigh_jumps(space: &mut Discretization, factor: f64) {
+    // A jump enters by its square.
+    let scale = factor.abs().sqrt();
+    space.jumps.iter_mut().for_each(|jump| jump.signs = jump.signs.map(|sign| scale * sign));
+}
+
+#[test]
+fn wrong_jumps_and_means_are_seen() {
+    let order = |[_, b, c]: [f64; 3]| (b / c).log2();
+    let sound = |name| driven(name, |_| {}).expect("a sound run");
+    let wrong: [(&str, &str, Change); 5] = [
+        ("no penalty", "nonconforming-memory", |s| weigh_jumps(s, 0.0)),
+        ("a penalty of 1e-3", "nonconforming-memory", |s| weigh_jumps(s, 1e-3)),
+        ("sums in place of jumps", "nonconforming-memory", |s| {
+            s.jumps.iter_mut().for_each(|jump| jump.signs = jump.signs.map(f64::abs));
+        }),
+        ("the other end beyond", "nonconforming-memory", |s| {
+            let beyond = |[a, b, c, d]: [f64; 4]| [a, b, -c, -d];
+            s.jumps.iter_mut().for_each(|jump| jump.signs = beyond(jump.signs));
+        }),
+        ("lengths of Γ3 counted twice", "quadratic-compliance", |s| {
+            s.trace.points.iter_mut().for_each(|point| point.weight *= 2.0);
+        }),
+    ];
+    for (name, scene, change) in wrong {
+        let sound = sound(scene);
+        assert!((order(sound) - 1.0).abs() < 0.1, "{scene}: {sound:?}");
+        // No answer at all is caught, too.
+        let Some(found) = driven(scene, change) else { continue };
+        let off = (order(found) - 1.0).abs() > 0.1 || found[2] > 1.1 * sound[2];
+        assert!(off, "{name}: {found:?} for {sound:?}");
+    }
+}
+
+/// What CR cannot have, and what knows other elements alone, says so at the key.
+#[test]
+fn what_jumps_leave_out_is_refused() {
+    let scene = text("nonconforming-signorini");
+    let refused = |text: String| {
+        let read = Scene::from_source(Source::from_text("manufactured/edited.toml", text));
+        read.expect_err("a refusal").to_string()
+    };
+    let gauss = refused(edited(&scene, "quadrature = \"vertex\"", "quadrature = \"gauss\""));
+    assert!(gauss.contains("CR by midpoints") && gauss.contains("take P1"), "{gauss}");
+    let interpolated = edited(&scene, "u = [", "interpolated = true\nu = [");
+    assert!(refused(interpolated).contains("V^h of CR is not in V"));
+    let by_state = refused(edited(&scene, "steps = [16]", "steps = [16]\nby_state = true"));
+    assert!(by_state.contains("continuous functions alone"), "{by_state}");
+    let setup = setup_of(scene);
+    for asked in [&Extension::ALL[..], &[Extension::Element], &[Extension::Nonconforming]] {
+        let refused = setup.scene.without(asked, "sweep audit", "it is so").expect_err("a refusal");
+        let told = refused.to_string();
+        assert!(told.contains("`sweep audit` does not treat CR elements: it is so"), "{told}");
+        assert!(told.contains("explain, run, gate and solve do"), "{told}");
+    }
+    let body = format!("{}/tests/numbers/quadratic-box.toml", env!("CARGO_MANIFEST_DIR"));
+    let body = std::fs::read_to_string(body).expect("a scene");
+    assert!(refused(edited(&body, "\"P2\"", "\"CR\"")).contains("on triangles alone"));
+}
