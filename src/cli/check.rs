@@ -133,6 +133,11 @@ fn interfaces(setup: &Setup) -> Option<Finding> {
     })
 }
 
+/// A number, and how it was obtained.
+fn fact(subject: &str, value: f64, how: &str) -> Finding {
+    Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
+}
+
 /// That of all of φ: friction that follows the normal law is a part of it.
 fn alpha_phi(c: &Constants) -> Finding {
     let value = c.alpha_phi_as_printed();
@@ -140,26 +145,12 @@ fn alpha_phi(c: &Constants) -> Finding {
         None => "proved: mu",
         Some(_) => "mu + mu_f L_p c_j c_tau with the extrapolated c_j, c_tau",
     };
-    Finding::new("alpha_phi", Status::Fact, value, format!("{value:.6} ({how})"))
+    fact("alpha_phi", value, how)
 }
 
-/// The constants of the paper, with how each was obtained.
-fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
-    let fact = |subject: &str, value: f64, how: &str| {
-        Finding::new(subject, Status::Fact, value, format!("{value:.6} ({how})"))
-    };
-    let mut findings = vec![mesh_quality(setup)];
-    if !setup.body.element.is_conforming() {
-        let text = "functions jump: Theorems 6 to 11 do not apply as they stand, orders are those of `why`; the constants below are those of V";
-        findings.push(Finding::new("V^h in V", Status::Weak, f64::NAN, text.into()));
-    }
-    findings.extend([
-        fact("m_A, elastic part", c.m_elastic, "smallest eigenvalue of the elasticity tensor"),
-        fact("m_A", c.m_a, "proved: elastic part + mu"),
-        fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),
-        alpha_phi(c),
-        fact("alpha_nu", c.alpha_nu, alpha_nu_from(setup)),
-    ]);
+/// The constants of the trace, and what friction makes of them.
+fn trace_findings(setup: &Setup, c: &Constants) -> Vec<Finding> {
+    let mut findings = Vec::new();
     if c.c_j_squared > 0.0 {
         let levels: Vec<String> =
             trace_levels(&setup.body.domain).iter().map(u32::to_string).collect();
@@ -188,6 +179,24 @@ fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
             findings.push(fact("m0 by alpha_phi", printed, how));
         }
     }
+    findings
+}
+
+/// The constants of the paper, with how each was obtained.
+fn hypotheses(setup: &Setup, c: &Constants) -> Vec<Finding> {
+    let mut findings = vec![mesh_quality(setup)];
+    if !setup.body.element.is_conforming() {
+        let text = "functions jump: Theorems 6 to 11 do not apply as they stand, orders are those of `why`; the constants below are those of V";
+        findings.push(Finding::new("V^h in V", Status::Weak, f64::NAN, text.into()));
+    }
+    findings.extend([
+        fact("m_A, elastic part", c.m_elastic, "smallest eigenvalue of the elasticity tensor"),
+        fact("m_A", c.m_a, "proved: elastic part + mu"),
+        fact("L_A", c.l_a, "proved: largest eigenvalue + mu"),
+        alpha_phi(c),
+        fact("alpha_nu", c.alpha_nu, alpha_nu_from(setup)),
+    ]);
+    findings.extend(trace_findings(setup, c));
     let status = if c.m0 > 0.0 { Status::Verified } else { Status::Weak };
     let text = format!("m0 = {:.6} with the extrapolated c_j^2", c.m0);
     findings.push(Finding::new("m0 > 0 (2.9)", status, c.m0, text));

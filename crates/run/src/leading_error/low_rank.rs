@@ -38,6 +38,12 @@ pub(super) fn solve(
         x
     };
     let mut error = solved(&right);
+    // Without terms the system of their shares has no rows, which nalgebra does not solve.
+    if terms.is_empty() {
+        right.fill(0.0);
+        right[..dofs].copy_from_slice(&error);
+        return Ok(right);
+    }
     let answers: Vec<Vec<f64>> = terms.iter().map(|term| solved(&term.column)).collect();
     let along = |i: usize, vector: &[f64]| dot(&terms[i].row[..dofs], vector);
     let capacitance = DMatrix::from_fn(terms.len(), terms.len(), |i, j| {
