@@ -6,17 +6,21 @@
 //! Mesh: n = 4 to about 90 in the plane, structured; reference runs on 4n.
 //! Data: compliance, viscoelastic, pure-mild, in-space, signorini, affine, elastic-punch, punch.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use crate::program::{code, json, stderr, stdout, sweep};
 use crate::shipped::{on_mesh, setup};
+use gronwall::Scheme;
+use gronwall::contact::{CaseError, CaseInfo, Observer};
+use gronwall::guarantee::guarantee;
 use gronwall::scene::Norm;
 use gronwall::setup::{MeshData, Setup, reference_run};
 use gronwall::sweep::{CasePlan, MemoryLimit, run_contact_case};
 use gronwall::trade::estimate::{
-    Advice, Companions, CostSource, Goal, NoAdvice, NormDifferences, advise, companions, costs,
-    norm_estimate,
+    Advice, Companions, CostSource, Goal, NoAdvice, NormDifferences, advise, companions,
+    companions_and_bound, costs, norm_estimate,
 };
+use gronwall::vhi::Newton;
 use serde_json::Value;
 
 fn found(setup: &Setup, n: u32, steps: u32) -> Companions {
@@ -376,4 +380,40 @@ fn the_command_recommends_or_refuses() {
     ]);
     assert_eq!(code(&output), 2);
     assert!(stderr(&output).contains("n = 6 is no multiple of 4"), "{}", stderr(&output));
+}
+
+/// The marches of a scheme, by their steps.
+struct Counted(Arc<Mutex<Vec<u32>>>);
+
+impl Scheme for Counted {
+    fn march(
+        &self,
+        setup: &Setup,
+        data: &MeshData,
+        steps: u32,
+        observe: &mut Observer<'_>,
+    ) -> Result<CaseInfo, CaseError> {
+        self.0.lock().unwrap().push(steps);
+        data.march(setup, steps, &Newton::default(), observe)
+    }
+}
+
+/// The bound beside an estimate is that of a run of its own, without another run: one march for the estimate, two
+/// companions in k and two in h.
+#[test]
+fn an_estimate_and_its_bound_are_of_one_run() {
+    let mut setup = setup("signorini");
+    let marches = Arc::default();
+    setup.scheme = Arc::new(Counted(Arc::clone(&marches)));
+    let (_, bound) = companions_and_bound(&setup, 8, 8).unwrap();
+    assert_eq!(*marches.lock().unwrap(), [8, 4, 2, 8, 8]);
+    let (bound, alone) = (bound.unwrap(), guarantee(&setup, 8, 8).unwrap());
+    assert_eq!(bound.levels.len(), 9);
+    for (own, other) in bound.levels.iter().zip(&alone.levels) {
+        assert_eq!((own.n, own.bound, own.error), (other.n, other.bound, other.error));
+    }
+    // What the theorem does not cover is said, and estimated all the same.
+    let falling = self::setup("compliance");
+    let (found, bound) = companions_and_bound(&falling, 8, 8).unwrap();
+    assert!(found.missing == [None, None] && bound.unwrap_err().contains("falls"));
 }

@@ -121,7 +121,9 @@ mod tests {
     #[test]
     fn means_and_places_are_those_of_a_rule() {
         for element in Element::ALL {
-            for (d, rule) in [(2, edge(4)), (3, triangle_degree_4())] {
+            // Elements of the plane alone have no triangles for facets.
+            let most = if element.is_conforming() { 3 } else { 2 };
+            for (d, rule) in [(2, edge(4)), (3, triangle_degree_4())].into_iter().take(most - 1) {
                 let (parts, sum) = facet_means(element, d);
                 for (a, part) in parts.iter().enumerate() {
                     let values = rule.points.iter().zip(&rule.weights);

@@ -7,7 +7,7 @@ use gronwall::setup::{MeshData, Setup};
 use gronwall::vhi::{Newton, StepSolver};
 
 use super::anew::{Anew, OFF, defective};
-use super::{AGREE, Run, Where, distance, in_volume, run, same_bits, shortest};
+use super::{AGREE, Run, Where, agree, distance, in_volume, run, same_bits, shortest};
 use crate::shipped::{bodies, on_a_mesh, on_mesh};
 
 const STEPS: u32 = 8;
@@ -47,7 +47,7 @@ fn all_plans_of_all_scenes_have_the_same_solution() {
         let fresh = anew(&setup, &data, STEPS, 0.0);
         for (way, other) in [("shortest", &short), ("old factors", &volume)] {
             let off = distance(&fresh, other);
-            assert!(off <= AGREE, "{name} {plan:?} {way}: {off:e}");
+            assert!(off <= agree(&setup), "{name} {plan:?} {way}: {off:e}");
         }
         match plan {
             Plan::Newton => assert!(same_bits(&short, &volume), "{name}"),
@@ -89,9 +89,12 @@ fn both_precisions_of_all_scenes_have_the_same_solution() {
         let name = setup.scene.name.clone();
         let [double, single] = in_both(&mut setup, &Newton::default());
         let off = distance(&double, &single);
-        assert!(off <= AGREE, "{name}: {off:e}");
-        // Rounding of the factor leaves its bits in the solution.
-        assert!(!same_bits(&double, &single), "{name}");
+        assert!(off <= agree(&setup), "{name}: {off:e}");
+        // Rounding of the factor leaves its bits in the solution; one that is no factor in single precision, where moduli
+        // differ by more than its digits, is kept in double precision.
+        let (low, high) = setup.model.elasticity.eigenvalues(setup.scene.dimension);
+        let held = high / low * f64::from(f32::EPSILON) < 1e-2;
+        assert_eq!(same_bits(&double, &single), !held, "{name}");
         let passes = [&double, &single].map(|run| run.info.work.linear.solves);
         more += usize::from(passes[1] > passes[0]);
         fewer += usize::from(passes[1] < passes[0]);

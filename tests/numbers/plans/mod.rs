@@ -22,6 +22,13 @@ use gronwall::vhi::{Newton, StepSolver};
 /// makes at most 1.3e-12 of it for n = 6, 2e-11 for n = 24 and 8e-11 for n = 48 in displacements; locked pressures are
 /// forces over a weight of 1/n.
 const AGREE: f64 = 1e-10;
+/// [`AGREE`] for a scene: the condition number is as many times larger as its moduli differ, which a nearly incompressible
+/// body shows.
+fn agree(setup: &Setup) -> f64 {
+    let (low, high) = setup.model.elasticity.eigenvalues(setup.scene.dimension);
+    AGREE.max(1.3e-12 * high / low)
+}
+
 /// Pressures are what is left of stresses: below this share of the largest modulus times the largest strain they are
 /// measured against that. `state-grazing` has pressures of 3.6e-4 beside stresses of order one, and rounding of the stresses
 /// alone, 2.9e-14, is 8e-11 of them.

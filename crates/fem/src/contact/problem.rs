@@ -80,7 +80,6 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             .memory
             .iter()
             .fold(model.elasticity.clone(), |sum, term| sum.plus(0.0, &term.tensor, d));
-        let tensor = if space.mesh.dimension == 2 { 3 } else { 6 };
         Ok(Self {
             solver: solver.on(space)?,
             last: TangentOf::default(),
@@ -93,10 +92,9 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             unknowns: vec![0.0; space.nodes.len()],
             cartesian: vec![0.0; if space.frames.is_empty() { 0 } else { space.nodes.len() }],
             nodal_force: vec![0.0; space.nodes.len()],
-            strains: if model.projection.limit().is_some() {
-                vec![0.0; tensor * space.geometry.points()]
-            } else {
-                Vec::new()
+            strains: match model.projection.limit() {
+                Some(_) => vec![0.0; d * (d + 1) / 2 * space.geometry.points()],
+                None => Vec::new(),
             },
             past_zeta: 0.0,
             slot: LastSlot::default(),

@@ -4,8 +4,7 @@
 use super::in_space::{InSpace, State};
 use super::law_slope::{Answer, answer, sliding_block};
 use super::low_rank::RankOne;
-use exact::{FrictionBound, Sliding};
-use fem::contact::TracePoint;
+use exact::FrictionBound;
 use formula::{Node, Point};
 
 /// Stiffness of a held vertex, in units of the largest entry: it moves by 1e-10 of what it would.
@@ -83,11 +82,12 @@ impl<const S: usize> InSpace<S> {
             return Vec::new();
         };
         let d = self.space.mesh.dimension;
-        let of_vertex = |((point, answer), own): ((&TracePoint, &Option<Answer>), &Sliding)| {
-            let Some(Answer::Slope(slope)) = answer else { return None };
+        let mut terms = Vec::new();
+        for ((point, answer), own) in self.space.trace.points.iter().zip(answers).zip(state) {
+            let Some(Answer::Slope(slope)) = answer else { continue };
             let answer = point.weight * coefficient * slope;
             if answer == 0.0 || own.size() == 0.0 || own.sticks() {
-                return None;
+                continue;
             }
             let mut column = vec![0.0; self.space.nodes.len()];
             let mut row = column.clone();
@@ -96,10 +96,9 @@ impl<const S: usize> InSpace<S> {
                 column[d * point.node as usize + i] = answer * stress[i] / own.size();
                 row[d * point.node as usize + i] = point.normal[i];
             }
-            Some(RankOne { column, row })
-        };
-        let points = self.space.trace.points.iter().zip(answers).zip(state);
-        points.filter_map(of_vertex).collect()
+            terms.push(RankOne { column, row });
+        }
+        terms
     }
 
     /// The value of a formula at a vertex, or `absent` without one.

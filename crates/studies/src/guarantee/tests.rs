@@ -228,39 +228,3 @@ fn a_stress_that_jumps_inside_is_refused() {
     // A kink of the second derivative is one of f0, which has a density.
     assert_eq!(refused("-0.5*t*max(x - 0.4, 0)^2*(1 - y)"), None);
 }
-
-/// The marches of a scheme, by their steps.
-struct Counted(std::sync::Arc<std::sync::Mutex<Vec<u32>>>);
-
-impl scene::setup::Scheme for Counted {
-    fn march(
-        &self,
-        setup: &Setup,
-        data: &MeshData,
-        steps: u32,
-        observe: &mut fem::contact::Observer<'_>,
-    ) -> Result<fem::contact::CaseInfo, CaseError> {
-        self.0.lock().unwrap().push(steps);
-        data.march(setup, steps, &Newton::default(), observe)
-    }
-}
-
-/// The bound beside an estimate is that of a run of its own, without another run: one march for the estimate, two
-/// companions in k and two in h.
-#[test]
-fn an_estimate_and_its_bound_are_of_one_run() {
-    let mut setup = setup("signorini").unwrap();
-    let marches = std::sync::Arc::default();
-    setup.scheme = std::sync::Arc::new(Counted(std::sync::Arc::clone(&marches)));
-    let (_, bound) = crate::trade::estimate::companions_and_bound(&setup, 8, 8).unwrap();
-    assert_eq!(*marches.lock().unwrap(), [8, 4, 2, 8, 8]);
-    let (bound, alone) = (bound.unwrap(), guarantee(&setup, 8, 8).unwrap());
-    assert_eq!(bound.levels.len(), 9);
-    for (own, other) in bound.levels.iter().zip(&alone.levels) {
-        assert_eq!((own.n, own.bound, own.error), (other.n, other.bound, other.error));
-    }
-    // What the theorem does not cover is said, and estimated all the same.
-    let falling = self::setup("compliance").unwrap();
-    let (found, bound) = crate::trade::estimate::companions_and_bound(&falling, 8, 8).unwrap();
-    assert!(found.missing == [None, None] && bound.unwrap_err().contains("falls"));
-}
