@@ -14,6 +14,7 @@ mod contact_states;
 mod coulomb;
 mod coverage;
 mod diagnose;
+mod differences;
 mod estimate;
 mod exact_boxes;
 mod extremes;

@@ -116,14 +116,15 @@ pub(super) fn work<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use fem::space::quadrature::{edge, triangle_degree_4};
+    use fem::space::quadrature::{Rule, edge, triangle_degree_4};
 
     #[test]
     fn means_and_places_are_those_of_a_rule() {
         for element in Element::ALL {
             // Elements of the plane alone have no triangles for facets.
-            let most = if element.is_conforming() { 3 } else { 2 };
-            for (d, rule) in [(2, edge(4)), (3, triangle_degree_4())].into_iter().take(most - 1) {
+            let facets = [(2, edge(4)), (3, triangle_degree_4())];
+            let known = |&(d, _): &(usize, Rule)| d == 2 || element.is_conforming();
+            for (d, rule) in facets.into_iter().filter(known) {
                 let (parts, sum) = facet_means(element, d);
                 for (a, part) in parts.iter().enumerate() {
                     let values = rule.points.iter().zip(&rule.weights);

@@ -10,8 +10,9 @@ use gronwall::law::{
 use gronwall::mesh::{Family, Mesh, cuboid, rectangle};
 use gronwall::scene::Norm;
 use gronwall::sweep::{CasePlan, run_contact_case};
-use gronwall::vhi::{Newton, StepInequality};
+use gronwall::vhi::Newton;
 
+use crate::differences;
 use crate::shipped::{on_mesh, setup, setup_of, text};
 
 /// κ = 0.1 + 0.2 ζ.
@@ -61,7 +62,7 @@ fn terms() -> Vec<MemoryTerm> {
     ]
 }
 
-/// ‖J⁻¹(F(u + sd) - F(u - sd))/2s - d‖/‖d‖ with projection, ζ, regions and two terms of memory.
+/// [`differences::mismatch`] with projection, ζ, regions and two terms of memory.
 fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
     let model = Model {
         elasticity: TensorField::new(SOFT.into(), [anisotropic()]),
@@ -78,22 +79,7 @@ fn mismatch(space: &Discretization, weights: &[f64]) -> f64 {
     problem.begin(&slot, 0.3, &vec![0.0; order], &[]);
     let u: Vec<f64> = (0..order).map(|i| 0.2 * (1.7 * i as f64).sin()).collect();
     let d: Vec<f64> = (0..order).map(|i| (0.9 * i as f64).cos()).collect();
-    let mut force = |scale: f64| {
-        let at: Vec<f64> = u.iter().zip(&d).map(|(u, d)| u + scale * d).collect();
-        let mut out = vec![0.0; order];
-        problem.residual(&at, &mut out);
-        out
-    };
-    const STEP: f64 = 1e-6;
-    let (plus, minus) = (force(STEP), force(-STEP));
-    force(0.0);
-    problem.linearize(&[], &[]).expect("a factor");
-    let mut found: Vec<f64> =
-        plus.iter().zip(&minus).map(|(a, b)| (a - b) / (2.0 * STEP)).collect();
-    problem.solve(&mut found, 1e-13).expect("a solution");
-    let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let off: Vec<f64> = found.iter().zip(&d).map(|(a, b)| a - b).collect();
-    size(&off) / size(&d)
+    differences::mismatch(&mut problem, &u, &d)
 }
 
 #[test]

@@ -27,17 +27,17 @@ pub fn march<P: Projection>(
     load: &mut dyn Load,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let (mut info, rule) = (CaseInfo::default(), model.time_rule.as_ref());
+    let mut info = CaseInfo::default();
+    let rule = model.time_rule.as_ref();
     let solved = solutions(space, model, grid, load.basis().unwrap_or_default());
     let (mut volume, solutions) = solved.map_err(|source| failed(0, grid.time(0), source))?;
     let combination = Combination::new(space, model, &solutions);
     let few = solutions.len();
-    let (mut factors, mut coefficients) = (vec![0.0; few], vec![0.0; few]);
+    let [mut factors, mut coefficients, mut past] = [(); 3].map(|()| vec![0.0; few]);
     let mut memory = Remembered::new(model, volume.beta.unwrap_or(0.0), grid, few);
     if let Some(own) = &memory {
         info.paths.insert(of_storage(own.memory.storage(), grid));
     }
-    let mut past = vec![0.0; few];
     let (mut force, mut u) = (vec![0.0; space.dofs()], vec![0.0; space.nodes.len()]);
     let mut history = vec![vec![0.0; space.nodes.len()]; model.memory.len()];
     let mut accumulated = Accumulated::default();
