@@ -6,9 +6,11 @@
 
 use crate::shipped::{edited, on_mesh, run, setup, setup_of, text, v_max};
 use gronwall::contact::{Evolution, Friction, StepView};
+use gronwall::leading_error::{Case, Measured, leading_errors};
 use gronwall::linalg::{FactorError, signed_unit};
-use gronwall::scene::{Scene, Source};
-use gronwall::setup::{Coulomb, Setup, TruthLoad, constants};
+use gronwall::scene::{Direction, Norm, Scene, Source};
+use gronwall::setup::{Coulomb, Setup, Subject, TruthLoad, constants};
+use gronwall::sweep::{CasePlan, run_contact_case};
 use gronwall::vhi::{
     BoundaryGraph, HistoryInequality, Newton, Scratch, StepError, StepInequality, StepInfo,
     StepSolver, StepState,
@@ -199,6 +201,31 @@ fn with(change: impl Fn(Friction) -> Friction) -> Setup {
     let mut setup = setup("friction-coulomb");
     setup.model.friction = setup.model.friction.take().map(change);
     setup
+}
+
+/// The predicted error in time of a scene on n = 8 with 64 steps.
+fn foreseen(scene: &str) -> f64 {
+    let measured =
+        Measured { norm: Norm::VTimeMax, variable: Direction::K, order: 2.0, time_reference: 8 };
+    let subject = Subject::Contact(Box::new(setup_of(scene.into())));
+    let told = leading_errors(&subject, &measured, &[Case { n: Some(8), steps: 64 }]);
+    told.unwrap_or_else(|error| panic!("{error}")).points[0].error
+}
+
+/// The predicted error in time counts what friction answers to u_ν: with the bound as a formula of its own, which answers
+/// nothing, it is another one.
+#[test]
+fn the_constant_in_time_counts_the_bound_that_follows() {
+    let written = text("friction-coulomb");
+    let follows = "{ kind = \"coulomb\", coefficient = \"0.4\" }";
+    let given = edited(&written, follows, "\"0.4*2*0.012*(1 + t)*(1 + cos(pi*x)/2)\"");
+    let setup = setup_of(written.clone());
+    let case = CasePlan { n: Some(8), steps: 64, norms: vec![Norm::VTimeMax] };
+    let record = run_contact_case(&setup, &on_mesh(&setup, 8), &case);
+    let error = record.norm("V_time_max").and_then(|own| own.error).expect("an error");
+    let [sound, deaf] = [&written, &given].map(|scene| (foreseen(scene) / error - 1.0).abs());
+    // What is left of the expansion in k is of the size k²: some 1e-3 at k = 1/64 here.
+    assert!(sound < 1.5e-3 && deaf > 3e-3, "{sound:e} {deaf:e}");
 }
 
 #[test]
