@@ -9,9 +9,7 @@ use super::differences::mismatch;
 use crate::shipped::{
     Change, edited, errors, fixture, on_mesh, run, setup, setup_of, text, v_max, v_max_on_changed,
 };
-use gronwall::contact::{
-    ContactProblem, Discretization, KKT_ALLOWED, LastSlot, LinearSolver, kkt_residual,
-};
+use gronwall::contact::{ContactProblem, Discretization, LastSlot, LinearSolver};
 use gronwall::linalg::signed_unit;
 use gronwall::scene::{Extension, Scene, Source};
 use gronwall::setup::Setup;
@@ -108,39 +106,19 @@ fn the_tangent_with_jumps_is_the_derivative() {
 /// V_max on n = 8, 16 of a scene with this λ and element.
 fn incompressible(lambda: &str, element: &str) -> [f64; 2] {
     let scene =
-        text("locking-nonconforming").replace("lambda = 1e6", &format!("lambda = {lambda}"));
+        text("locking-nonconforming").replace("lambda = 1e4", &format!("lambda = {lambda}"));
     let setup = setup_of(edited(&scene, "element = \"CR\"", &format!("element = \"{element}\"")));
     [8, 16].map(|n| v_max(&setup, &setup.model, &on_mesh(&setup, n), 1))
 }
 
 #[test]
 fn linear_elements_lock_and_these_do_not() {
-    let (soft, stiff) = (incompressible("1e3", "CR"), incompressible("1e6", "CR"));
+    let (soft, stiff) = (incompressible("1e2", "CR"), incompressible("1e5", "CR"));
     assert!(((stiff[0] / stiff[1]).log2() - 1.0).abs() < 0.05, "{stiff:?}");
     // The constant is that of μ_L, up to a share μ_L/λ.
     assert!((stiff[1] / soft[1] - 1.0).abs() < 2e-3, "{soft:?} {stiff:?}");
-    let linear = incompressible("1e6", "P1");
+    let linear = incompressible("1e5", "P1");
     assert!((linear[0] / linear[1]).log2() < 0.1 && linear[1] > 5.0 * stiff[1], "{linear:?}");
-}
-
-/// A displacement that is off by 1e-6 is refused where forces are small differences of large ones, too.
-#[test]
-fn rounding_hides_no_wrong_displacement() {
-    let setup = setup("locking-nonconforming");
-    let data = on_mesh(&setup, 16);
-    let load = data.truth.load(1.0).expect("a load");
-    let mut found = Vec::new();
-    run(&setup, &setup.model, &data, 1, |view| {
-        if view.n == 1 {
-            let wrong: Vec<f64> = view.u.iter().map(|u| (1.0 + 1e-6) * u).collect();
-            for u in [view.u, &wrong] {
-                let seen = gronwall::contact::StepView { u, ..*view };
-                found.push(kkt_residual(&data.space, &setup.model, &seen, &load));
-            }
-        }
-    })
-    .expect("a sound run");
-    assert!(found[0] < 0.1 * KKT_ALLOWED && found[1] > KKT_ALLOWED, "{found:?}");
 }
 
 /// V_max on n = 4, 8, 16 of a march on a changed space; none where a run fails.

@@ -62,7 +62,7 @@ impl Discretization {
         }
     }
 
-    /// Σ_e (1/h_e) ∫_e [v]², the part of a norm of V^h that strains do not have.
+    /// Σ_e (1/h_e) ∫_e ⟦v⟧², the part of a norm of V^h that strains do not have.
     pub fn jump_square(&self, v: &[f64]) -> f64 {
         let square = |jump: &Jump| jump.of::<2>(v).iter().map(|j| MEAN_SQUARE * j * j).sum::<f64>();
         self.jumps.iter().map(square).sum()

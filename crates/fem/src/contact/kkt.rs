@@ -3,16 +3,14 @@
 
 use super::assembly::stress_force;
 use super::kkt_compliance::{add_exact, add_gauss};
-use super::march::{KKT_ALLOWED, StepView};
+use super::march::StepView;
 use super::{BoundaryRule, Discretization, Model, friction};
 use crate::space::StrainPoint;
 use algebra::linalg::{larger, largest};
 use vhi::law::{Projection, graph_distance};
 
 /// Largest violation of the discrete KKT system at one time level, relative to the largest nodal
-/// force of the stresses (or of the load, if larger); dimensionless. Zero force: the violation. Nodal forces of a nearly
-/// incompressible body are small differences of large ones: they count as no smaller than rounding of these lets them be
-/// known.
+/// force of the stresses (or of the load, if larger); dimensionless. Zero force: the violation.
 ///
 /// Parts: force balance with ξ, λ and s; 0 ≤ λ ⊥ g - u_ν ≥ 0; ξ ∈ ∂j_ν(u_ν) and s ∈ S ∂|u_τ| at the vertices.
 pub fn kkt_residual<P: Projection>(
@@ -112,25 +110,7 @@ fn evaluate<P: Projection, const D: usize, const S: usize>(
     }
     // Every unknown and pressure is part of the balance: a NaN in one of them shows in it.
     let worst = larger(worst, unbalanced);
-    let relative = if scale > 0.0 { worst / scale } else { worst };
-    if relative > KKT_ALLOWED {
-        return worst / scale.max(rounding::<P, D>(space, model, view.u) / KKT_ALLOWED);
-    }
-    relative
-}
-
-/// Nodal forces of u are rounded in the numbers of which they are sums: some ten cells a node, and a solve adds as much for
-/// each of some six levels of nested dissection.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-
-/// What rounding leaves of nodal forces.
-fn rounding<P: Projection, const D: usize>(
-    space: &Discretization,
-    model: &Model<P>,
-    u: &[f64],
-) -> f64 {
-    let stiffest = model.elasticity.eigenvalues(D).1;
-    ROUNDING * stiffest * largest(u) * space.mesh.h().powi(D as i32 - 2)
+    if scale > 0.0 { worst / scale } else { worst }
 }
 
 fn add_contact_forces<P: Projection>(

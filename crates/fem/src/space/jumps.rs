@@ -22,7 +22,7 @@ pub struct Jump {
 pub(crate) const MEAN_SQUARE: f64 = 1.0 / 3.0;
 
 impl Jump {
-    /// [v] at an end of the edge.
+    /// ⟦v⟧ at an end of the edge.
     #[inline]
     pub fn of<const D: usize>(&self, v: &[f64]) -> [f64; D] {
         let mut jump = [0.0; D];

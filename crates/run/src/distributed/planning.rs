@@ -44,7 +44,7 @@ impl PlannedCases {
     /// Predicts the cases of a scene; its meshes are made and analysed.
     ///
     /// # Errors
-    /// [`SetupError::Mesh`].
+    /// A cell that the boundary of a region cuts.
     pub fn new(plan: &ScenePlan) -> Result<Self, SetupError> {
         let cases = plan.cases.iter().map(|case| (case.n, case.steps)).collect();
         let costs = SceneCosts { cases, costs: plan.costs()? };

@@ -131,7 +131,7 @@ impl ScenePlan {
     /// What the cases and the reference run are predicted to cost; meshes are made and analysed, nothing is solved.
     ///
     /// # Errors
-    /// [`SetupError::Mesh`].
+    /// A cell that the boundary of a region cuts.
     pub fn costs(&self) -> Result<PlanCost, SetupError> {
         self.costs_of(&self.cases)
     }

@@ -17,7 +17,7 @@ pub(crate) trait Problem: Sync {
     /// Predicts cases and a reference run, of which every `kept_steps`-th part of the horizon is kept.
     ///
     /// # Errors
-    /// [`SetupError::Mesh`].
+    /// A cell that the boundary of a region cuts.
     fn costs(
         &self,
         cases: &[CasePlan],

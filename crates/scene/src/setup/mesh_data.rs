@@ -53,7 +53,7 @@ impl MeshData {
     /// The scene on the mesh n; `reference` is the finer run of a scene without exact solution.
     ///
     /// # Errors
-    /// [`SetupError::Mesh`].
+    /// A cell that the boundary of a region cuts.
     pub fn new(
         setup: &Setup,
         n: u32,
@@ -70,7 +70,7 @@ impl MeshData {
     /// A mesh whose loads and moments are integrated by other rules.
     ///
     /// # Errors
-    /// [`SetupError::Mesh`].
+    /// A cell that the boundary of a region cuts.
     pub fn with_rules(
         setup: &Setup,
         n: u32,

@@ -117,7 +117,7 @@ impl Setup {
     /// V^h on the mesh with n cells per unit length, with the regions of its cells.
     ///
     /// # Errors
-    /// [`SetupError::Mesh`]; a cell that the boundary of a region cuts.
+    /// A cell that the boundary of a region cuts.
     pub fn space(&self, n: u32) -> Result<Arc<Discretization>, SetupError> {
         self.with_regions(self.space_of(self.body.element, n), n)
     }
@@ -141,9 +141,6 @@ impl Setup {
     }
 
     /// Linear elements without regions, for what depends on neither material nor element.
-    ///
-    /// # Errors
-    /// [`SetupError::Mesh`].
     pub(crate) fn plain_space(&self, n: u32) -> Discretization {
         self.space_of(Element::P1, n)
     }

@@ -200,7 +200,7 @@ impl Variant {
     /// Mesh and loads, from nothing.
     ///
     /// # Errors
-    /// [`SetupError::Mesh`].
+    /// A cell that the boundary of a region cuts.
     pub(crate) fn on_mesh(&self, n: u32) -> Result<MeshData, SetupError> {
         MeshData::with_rules(&self.setup, n, None, &self.rules)
     }
