@@ -131,6 +131,28 @@ pub fn stiffness_of<const D: usize, const S: usize>(
     }
 }
 
+impl Discretization {
+    /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components, with the penalty of jumps.
+    pub fn stiffness(&self, law: &TensorField) -> Vec<f64> {
+        self.stiffness_in(law, &Frames::default())
+    }
+
+    /// Lower-triangle values of the stiffness matrix, in the unknowns of the contact problem.
+    pub(crate) fn stiffness_of_unknowns(&self, law: &TensorField) -> Vec<f64> {
+        self.stiffness_in(law, &self.frames)
+    }
+
+    fn stiffness_in(&self, law: &TensorField, frames: &Frames) -> Vec<f64> {
+        let mut values = vec![0.0; self.pattern.entries()];
+        match self.mesh.dimension {
+            2 => stiffness_of::<2, 3>(self, frames, law, &mut values),
+            _ => stiffness_of::<3, 6>(self, frames, law, &mut values),
+        }
+        self.add_jump_stiffness(frames, law, &mut values);
+        values
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -7,10 +7,10 @@
 //! for each w_i, and enter the force balance and ‖ε(u_n)‖ by their linear combinations.
 
 use super::Discretization;
+use super::case::StepView;
 use super::kkt::internal_force;
-use super::linear::strain_norm;
-use super::march::StepView;
 use super::model::Model;
+use super::nodal_norms::strain_norm;
 use algebra::linalg::{axpy, is_sound_sum, larger, largest};
 use algebra::tensor::contract;
 use vhi::law::Projection;

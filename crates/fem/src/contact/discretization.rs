@@ -4,12 +4,18 @@ use std::sync::OnceLock;
 
 use crate::mesh::{Mesh, Nesting};
 use crate::space::{Element, Geometry, Jump, Nodes, StrainPoint, StrainPoints, jumps};
-use algebra::linalg::{Analysis, BlockPattern, FactorError, Levels, Precision, nested_dissection};
-use vhi::law::TensorField;
+use algebra::linalg::{
+    Analysis, BlockPattern, FactorError, Levels, MultigridSequence, NodeFrame, Precision,
+    SequenceSolver, TangentSolver, nested_dissection,
+};
 
-use super::linear_solver::levels;
-use super::stiffness::StiffnessFactors;
-use super::{ContactTrace, Frames, LinearSolver, stiffness_of};
+use super::held_factors::StiffnessFactors;
+use super::{ContactTrace, Frames, LinearSolver};
+
+/// Levels are added until this many unknowns are left: their factor costs less than a sweep of the next level.
+const COARSEST: usize = 1_000;
+/// With more unknowns than this on the coarsest level its factor is no small matter, and a mesh has no use for levels.
+const LARGEST_COARSEST: usize = 8_000;
 
 /// V^h on one mesh: nodes, geometry, matrix pattern, the trace on Γ3. What is dear and not always asked for, such as the
 /// symbolic factorization, is made at its first use.
@@ -117,7 +123,7 @@ impl Discretization {
     /// Patterns and transfers of coarser meshes, made when they are first asked for; none where the mesh refines
     /// nothing that is known, its element is not linear, or their analysis fails.
     pub fn levels(&self) -> Option<&Levels> {
-        self.levels.get_or_init(|| levels(self, &self.nesting)).as_ref().ok()?.as_ref()
+        self.levels.get_or_init(|| self.find_levels()).as_ref().ok()?.as_ref()
     }
 
     /// Number of unknowns.
@@ -177,23 +183,59 @@ impl Discretization {
         StrainPoints::from_cell(&self.geometry, &self.nodes, c).take(self.geometry.shares.len())
     }
 
-    /// Lower-triangle values of the stiffness matrix of a tensor, in Cartesian components, with the penalty of jumps.
-    pub fn stiffness(&self, law: &TensorField) -> Vec<f64> {
-        self.stiffness_in(law, &Frames::default())
+    /// A solver of Jacobians of runs by `solver`: factors where the mesh has no levels.
+    ///
+    /// # Errors
+    /// The pattern cannot be analysed.
+    pub(crate) fn tangent_solver(
+        &self,
+        solver: LinearSolver,
+    ) -> Result<TangentSolver<'_>, FactorError> {
+        Ok(match self.levels_of(solver) {
+            Some(levels) => {
+                TangentSolver::Multigrid(MultigridSequence::new(levels, &self.pattern).into())
+            }
+            None => {
+                let solver = SequenceSolver::new(self.analysis()?, &self.pattern);
+                TangentSolver::Direct(solver.in_precision(self.precision).into())
+            }
+        })
     }
 
-    /// Lower-triangle values of the stiffness matrix, in the unknowns of the contact problem.
-    pub(crate) fn stiffness_of_unknowns(&self, law: &TensorField) -> Vec<f64> {
-        self.stiffness_in(law, &self.frames)
-    }
-
-    fn stiffness_in(&self, law: &TensorField, frames: &Frames) -> Vec<f64> {
-        let mut values = vec![0.0; self.pattern.entries()];
-        match self.mesh.dimension {
-            2 => stiffness_of::<2, 3>(self, frames, law, &mut values),
-            _ => stiffness_of::<3, 6>(self, frames, law, &mut values),
+    /// The levels that a solver works on.
+    pub(super) fn levels_of(&self, solver: LinearSolver) -> Option<&Levels> {
+        match solver {
+            LinearSolver::Multigrid => self.levels(),
+            LinearSolver::Direct => None,
         }
-        self.add_jump_stiffness(frames, law, &mut values);
-        values
+    }
+
+    /// The levels below the mesh; none where it refines nothing, or not often enough.
+    ///
+    /// # Errors
+    /// The analysis of the coarsest matrix.
+    fn find_levels(&self) -> Result<Option<Levels>, FactorError> {
+        // Transfers are those of linear functions.
+        if self.element != Element::P1 {
+            return Ok(None);
+        }
+        let d = self.mesh.dimension;
+        let (mut parents, mut nesting) = (Vec::new(), self.nesting.clone());
+        let mut unknowns = self.dofs();
+        while unknowns > COARSEST
+            && let Some((next, coarser)) = nesting.coarsened()
+        {
+            unknowns = d * next.iter().flatten().max().map_or(0, |&last| last as usize + 1);
+            parents.push(next);
+            nesting = coarser;
+        }
+        let free = &self.nodes.vertex[..self.nodes.free];
+        let coordinates: Vec<f64> =
+            free.iter().flat_map(|&v| self.mesh.vertex(v).to_vec()).collect();
+        let frames = self.frames.rows();
+        let frames = frames.map(|(node, rows)| NodeFrame { node, rows }).collect();
+        let levels =
+            Levels::new(&self.pattern, &self.nodes.of_vertex, &parents, &coordinates, frames)?;
+        Ok(levels.filter(|levels| levels.coarsest_unknowns() <= LARGEST_COARSEST))
     }
 }

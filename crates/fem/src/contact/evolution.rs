@@ -3,9 +3,10 @@
 
 use std::time::Instant;
 
+use super::case::failed;
 use super::last_slot::LastSlot;
-use super::linear::failed;
-use super::path::{Paths, of_storage};
+use super::path::Paths;
+use super::taken::of_storage;
 use super::{CaseError, ContactProblem, Discretization, LinearSolver, Load, Model, strain_norm};
 use algebra::linalg::{FactorError, axpy};
 use vhi::history::{Accumulated, Memory, TimeGrid};

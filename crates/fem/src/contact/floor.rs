@@ -1,8 +1,8 @@
 //! The floor of a case: what the unresolved residual of a step and rounding contribute to each error
 //! norm. An upper estimate; `sweep floors` measures what it stands for.
 
-use super::{Discretization, Model, StepView, linear::strain_norm};
-use vhi::law::Projection;
+use super::Discretization;
+use super::nodal_norms::{l2_norm, strain_norm, trace_norm};
 
 /// Floors of the error norms.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -101,101 +101,5 @@ impl Floors {
             trace: f(self.trace, other.trace),
             pressure: f(self.pressure, other.pressure),
         }
-    }
-}
-
-/// What a solution of one time level is measured by.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct LevelFields {
-    /// u_n as a nodal vector.
-    pub u: Vec<f64>,
-    /// σ_n at the strain points, the numbers of each one after another (Mandel).
-    pub stress: Vec<f64>,
-    /// ξ_n + λ_n at the points of the trace.
-    pub pressure: Vec<f64>,
-}
-
-fn stresses<P: Projection, const S: usize>(
-    space: &Discretization,
-    model: &Model<P>,
-    view: &StepView<'_>,
-) -> Vec<f64> {
-    space.points().flat_map(|at| view.stress_at::<P, S>(space, model, &at)).collect()
-}
-
-impl LevelFields {
-    /// The fields that `view` shows.
-    pub fn of<P: Projection>(
-        space: &Discretization,
-        model: &Model<P>,
-        view: &StepView<'_>,
-    ) -> Self {
-        let sum = view.compliance.iter().zip(view.multiplier).map(|(xi, lambda)| xi + lambda);
-        Self {
-            u: view.u.to_vec(),
-            stress: match space.mesh.dimension {
-                2 => stresses::<P, 3>(space, model, view),
-                _ => stresses::<P, 6>(space, model, view),
-            },
-            pressure: sum.collect(),
-        }
-    }
-
-    /// The distance of two solutions of one level in every norm.
-    pub fn distance(&self, other: &Self, space: &Discretization) -> Floors {
-        let minus =
-            |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| a - b).collect() };
-        let u = minus(&self.u, &other.u);
-        let stress = minus(&self.stress, &other.stress);
-        let numbers = stress.len() / space.geometry.points().max(1);
-        let points = stress.chunks(numbers.max(1)).zip(space.points());
-        let squares = points.map(|(s, at)| at.weight * s.iter().map(|s| s * s).sum::<f64>());
-        let pressure = minus(&self.pressure, &other.pressure);
-        let points = space.trace.points.iter().zip(&pressure);
-        Floors {
-            v: strain_norm(space, &u),
-            l2: l2_norm(space, &u),
-            stress: squares.sum::<f64>().sqrt(),
-            trace: trace_norm(space, &u),
-            pressure: points.map(|(at, p)| at.weight * p * p).sum::<f64>().sqrt(),
-        }
-    }
-}
-
-/// ‖v‖ of a nodal vector.
-fn l2_norm(space: &Discretization, v: &[f64]) -> f64 {
-    let d = space.mesh.dimension;
-    let square = space.element.mean_square(d + 1);
-    let (mut sum, mut own) = (0.0, Vec::new());
-    for c in 0..space.mesh.cell_count() {
-        for i in 0..d {
-            own.clear();
-            own.extend(space.cell_nodes(c).iter().map(|node| [v[d * *node as usize + i]]));
-            sum += square.over(space.geometry.measure[c], &own);
-        }
-    }
-    sum.sqrt()
-}
-
-/// ‖v_ν‖ on Γ3 of a nodal vector, by the lumped rule.
-fn trace_norm(space: &Discretization, v: &[f64]) -> f64 {
-    let points = space.trace.points.iter().enumerate();
-    points.map(|(i, point)| point.weight * space.trace.normal(i, v).powi(2)).sum::<f64>().sqrt()
-}
-
-/// ‖ε(v) - ε(w)‖ of two nodal vectors.
-pub fn strain_distance(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
-    fn sum<const S: usize>(space: &Discretization, v: &[f64], w: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for at in space.points() {
-            let (a, b) = (at.strain::<S>(v), at.strain::<S>(w));
-            let square: f64 = a.iter().zip(&b).map(|(x, y)| (x - y).powi(2)).sum();
-            sum += at.weight * square;
-        }
-        sum
-    }
-    match space.mesh.dimension {
-        2 => sum::<3>(space, v, w).sqrt(),
-        _ => sum::<6>(space, v, w).sqrt(),
     }
 }

@@ -2,8 +2,8 @@
 //! laws and multipliers only, without tangents, active sets or stored matrices.
 
 use super::assembly::stress_force;
+use super::case::StepView;
 use super::kkt_compliance::{add_exact, add_gauss};
-use super::march::StepView;
 use super::{BoundaryRule, Discretization, Model, friction};
 use crate::space::StrainPoint;
 use algebra::linalg::{larger, largest};

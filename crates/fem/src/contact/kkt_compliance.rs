@@ -3,8 +3,8 @@
 
 use std::sync::OnceLock;
 
+use super::case::StepView;
 use super::compliance::facet_rule;
-use super::march::StepView;
 use super::{Boundary, Discretization};
 use crate::space::quadrature::{Rule, gauss_legendre};
 

@@ -3,18 +3,15 @@
 
 use std::time::Instant;
 
+use super::case::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView, failed};
 use super::combination::Combination;
 use super::kkt::kkt_residual_in;
-use super::march::{CaseError, CaseInfo, KKT_ALLOWED, Observer, StepView};
-use super::path::of_storage;
+use super::taken::of_storage;
 use super::volume::Volume;
 use super::{Discretization, LinearSolver, Load, Model, Unknowns};
-use crate::space::StrainPoint;
-use algebra::linalg::{FactorError, axpy, is_sound_sum, norm, root_of_squares};
-use algebra::tensor::contract;
+use algebra::linalg::{FactorError, axpy, norm};
 use vhi::history::{Accumulated, Memory, TimeGrid, TimeRule};
 use vhi::law::{Convolution, MemoryKernel, Projection};
-use vhi::{FailedStep, StepError};
 
 /// Solves all steps of a linear case, whose load has a basis, and shows each to `observe`.
 ///
@@ -145,29 +142,4 @@ impl<'a> Remembered<'a> {
         axpy(own, coefficients, history);
         Ok(())
     }
-}
-
-/// A step whose matrix cannot be factorized.
-pub(super) fn failed(n: usize, t: f64, source: FactorError) -> FailedStep {
-    FailedStep { n, t, source: StepError::Factor { iteration: 0, source } }
-}
-
-/// ‖ε(v)‖ of a nodal vector.
-pub fn strain_norm(space: &Discretization, v: &[f64]) -> f64 {
-    fn sum<const S: usize>(space: &Discretization, v: &[f64], scale: f64) -> f64 {
-        let square = |at: StrainPoint<'_>| {
-            let scaled = at.strain::<S>(v).map(|e| scale * e);
-            at.weight * contract(&scaled, &scaled)
-        };
-        space.points().map(square).sum()
-    }
-    root_of_squares(|scale| match space.mesh.dimension {
-        2 => sum::<3>(space, v, scale),
-        _ => sum::<6>(space, v, scale),
-    })
-}
-
-/// ‖ε(v)‖ from its square, or anew where squares of these strains leave the range of doubles.
-pub(super) fn strain_norm_from(square: f64, space: &Discretization, v: &[f64]) -> f64 {
-    if is_sound_sum(square) { square.sqrt() } else { strain_norm(space, v) }
 }

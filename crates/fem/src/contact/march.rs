@@ -1,81 +1,16 @@
 //! The march in time: Problem 14 step after step, with the history committed after convergence.
 
+use super::case::{CaseError, CaseInfo, Observer, StepView};
 use super::floor::Accepted;
 use super::kkt::kkt_residual_in;
-use super::path::{self, Path, Paths};
 use super::plan::Plan;
-use super::work::Work;
+use super::pressures::split_pressures;
 use super::{
-    Discretization, Evolution, Floors, Load, LoadError, Model, friction, linear, one_matrix,
+    Discretization, Evolution, Floors, Load, Model, Path, friction, linear, one_matrix, taken,
 };
 use vhi::history::TimeGrid;
-use vhi::law::{Potential, Projection};
-use vhi::{BoundaryGraph, FailedStep, Piece, StepInequality, StepSolver, StepState, Stepper};
-
-/// The solution at one time level, as an observer sees it.
-pub struct StepView<'a> {
-    /// n.
-    pub n: usize,
-    /// t_n.
-    pub t: f64,
-    /// u_n as a nodal vector, clamped nodes included.
-    pub u: &'a [f64],
-    /// Σ'_{j ≤ n} b(t_n - t_j) u_j as nodal vectors, one per term of the memory.
-    pub history: &'a [Vec<f64>],
-    /// ζ_n, also for scenes without projection.
-    pub zeta: f64,
-    /// κ(ζ_n); infinite without projection.
-    pub kappa: f64,
-    /// ‖ε(u_n)‖.
-    pub strain_norm: f64,
-    /// ξ_n at the points of the trace (a pressure).
-    pub compliance: &'a [f64],
-    /// λ_n at the points of the trace (a pressure).
-    pub multiplier: &'a [f64],
-    /// s_n = -σ_τ along [`super::TracePoint::tangents`] at the points of the trace, d - 1 numbers each; empty without friction.
-    pub friction: &'a [f64],
-}
-
-/// Called with every time level; an error that it returns ends the march.
-pub type Observer<'a> = dyn FnMut(&StepView<'_>) -> Result<(), CaseError> + 'a;
-
-/// Why a case has no result.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum CaseError {
-    /// A step failed.
-    #[error(transparent)]
-    Step(#[from] FailedStep),
-    /// A load failed.
-    #[error(transparent)]
-    Load(#[from] LoadError),
-    /// The separate evaluation of the KKT system disagrees with the solver.
-    #[error(
-        "step {n} (t = {t}): KKT residual {residual:.3e} by separate evaluation exceeds {allowed:.1e}"
-    )]
-    Kkt {
-        /// n.
-        n: usize,
-        /// t_n.
-        t: f64,
-        /// The relative residual.
-        residual: f64,
-        /// What is allowed.
-        allowed: f64,
-    },
-    /// A solver outside this program gave no answer.
-    #[error("{0}")]
-    Outside(String),
-    /// Errors are sums of squares, which leave the range of doubles.
-    #[error(
-        "‖ε(u_n)‖ is {strain:.1e} and stresses are {stress:.1e} at most: outside 1e-152 to 1e152 errors cannot be measured, since their squares leave the range of doubles; state the scene in other units"
-    )]
-    OutOfRange {
-        /// max ‖ε(u_n)‖ over the root of |Ω|.
-        strain: f64,
-        /// `strain` times the stiffest modulus.
-        stress: f64,
-    },
-}
+use vhi::law::Projection;
+use vhi::{StepInequality, StepSolver, Stepper};
 
 /// Fields of this size have squares, and squares of errors down to 1e-2 of ε, that are doubles.
 const MEASURABLE: std::ops::RangeInclusive<f64> = 1e-152..=1e152;
@@ -95,61 +30,10 @@ fn measurable<P: Projection>(
     Err(CaseError::OutOfRange { strain, stress })
 }
 
-/// What one case took.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct CaseInfo {
-    /// Newton iterations over all steps.
-    pub newton_iterations: u32,
-    /// Applications of Λ over all steps, 0 for other solvers.
-    pub fixed_point_iterations: u32,
-    /// Convex problems of the decomposition over all steps, 0 for other solvers.
-    pub convex_problems: u32,
-    /// Largest quotient of successive changes of the decomposition.
-    pub contraction: f64,
-    /// Changes of the active set over all steps.
-    pub active_set_changes: u32,
-    /// Largest relative KKT residual over all steps (separate evaluation).
-    pub kkt_residual: f64,
-    /// max ‖ε(u_n)‖.
-    pub strain_norm: f64,
-    /// Factorizations, solves and their times.
-    pub work: Work,
-    /// Seconds in loads.
-    pub seconds_load: f64,
-    /// Largest memory held by the history.
-    pub peak_history_bytes: usize,
-    /// Halved Newton steps over all levels.
-    pub damped_iterations: u32,
-    /// The ways that the run took.
-    pub paths: Paths,
-    /// What solver and rounding contribute to each error.
-    pub floors: Floors,
-}
-
-/// A relative KKT residual above this is a failure. Rounding of nodal forces against the largest of
-/// them is n·1e-16 at worst on the meshes of this project; 1e-9 is the accuracy promised for results.
-pub const KKT_ALLOWED: f64 = 1e-9;
-
-impl CaseInfo {
-    /// Takes a level with the KKT residual that a separate evaluation found.
-    ///
-    /// # Errors
-    /// [`CaseError::Kkt`] if that is more than [`KKT_ALLOWED`], or no number.
-    pub(super) fn accept(&mut self, level: &StepView<'_>, residual: f64) -> Result<(), CaseError> {
-        if residual.is_nan() || residual > KKT_ALLOWED {
-            let (n, t) = (level.n, level.t);
-            return Err(CaseError::Kkt { n, t, residual, allowed: KKT_ALLOWED });
-        }
-        self.kkt_residual = self.kkt_residual.max(residual);
-        self.strain_norm = self.strain_norm.max(level.strain_norm);
-        Ok(())
-    }
-}
-
 /// Solves all steps of a case and shows each to `observe`.
 ///
 /// # Errors
-/// A step that does not converge, a load that is not finite, a KKT residual above [`KKT_ALLOWED`].
+/// A step that does not converge, a load that is not finite, a KKT residual above [`super::KKT_ALLOWED`].
 pub fn march<P: Projection, S: StepSolver>(
     space: &Discretization,
     model: &Model<P>,
@@ -186,10 +70,10 @@ fn march_by<P: Projection, S: StepSolver>(
     solver: &S,
     observe: &mut Observer<'_>,
 ) -> Result<CaseInfo, CaseError> {
-    let mut paths = path::foreseen(plan, space, model, grid);
+    let mut paths = taken::foreseen(plan, space, model, grid);
     let mut see = |view: &StepView<'_>| {
         if view.n == grid.steps() {
-            paths = paths.union(path::of_level(space, model, view));
+            paths = paths.union(taken::of_level(space, model, view));
         }
         observe(view)
     };
@@ -339,40 +223,4 @@ impl<'a, P: Projection, S: StepSolver> March<'a, P, S> {
         self.info.accept(&view, residual)?;
         observe(&view)
     }
-}
-
-/// c = ξ + λ: at the bound ξ is the least element of ∂j_ν(g) and λ the rest, elsewhere ξ is all.
-pub(super) fn split_pressures<P: Projection>(
-    space: &Discretization,
-    model: &Model<P>,
-    graph: &BoundaryGraph,
-    state: &StepState,
-    [compliance, multiplier]: [&mut [f64]; 2],
-) {
-    let Some(boundary) = &model.boundary else { return };
-    let mut next = 0;
-    for (i, point) in space.trace.points.iter().enumerate() {
-        if !point.carries() {
-            continue;
-        }
-        let pressure = state.pressure[next];
-        let at = &graph.coordinates[next];
-        let normal = graph.normal(next, &state.u);
-        let piece = graph.piece(next, normal + at.gamma * pressure);
-        next += 1;
-        if boundary.rule == super::BoundaryRule::Vertex {
-            compliance[i] = match piece {
-                Piece::Pinned { value, lo, .. } if value == at.gap => lo,
-                _ => pressure,
-            };
-            multiplier[i] = pressure - compliance[i];
-        } else {
-            let x = space.mesh.point(&[point.vertex], &[1.0]);
-            let law = boundary.potential_at(x);
-            compliance[i] = law.subdifferential(normal - at.shift).0;
-            multiplier[i] = pressure;
-        }
-    }
-    space.trace.extend(compliance);
-    space.trace.extend(multiplier);
 }

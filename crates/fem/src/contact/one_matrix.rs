@@ -17,10 +17,9 @@ use std::time::Instant;
 
 pub(super) use pending::Pending;
 
-use super::linear::failed;
-use super::march::{CaseError, CaseInfo, Observer};
-use super::path::of_storage;
+use super::case::{CaseError, CaseInfo, Observer, failed};
 use super::side::Side;
+use super::taken::of_storage;
 use super::volume::Volume;
 use super::{Discretization, LinearSolver, Load, Model, Unknowns};
 use algebra::linalg::{FactorError, axpy};

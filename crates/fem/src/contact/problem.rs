@@ -12,7 +12,7 @@ use super::boundary::boundary_graph;
 use super::compliance::FacetCompliance;
 use super::friction::Following;
 use super::last_slot::{LastSlot, TangentOf};
-use super::linear::strain_norm_from;
+use super::nodal_norms::strain_norm_from;
 use super::work::Work;
 use super::{Discretization, LinearSolver, Model};
 use algebra::linalg::{FactorError, RankOne, TangentSolver, norm, root_of_squares};
@@ -81,7 +81,7 @@ impl<'a, P: Projection> ContactProblem<'a, P> {
             .iter()
             .fold(model.elasticity.clone(), |sum, term| sum.plus(0.0, &term.tensor, d));
         Ok(Self {
-            solver: solver.on(space)?,
+            solver: space.tangent_solver(solver)?,
             last: TangentOf::default(),
             linear_law: elasticity.clone(),
             elasticity,

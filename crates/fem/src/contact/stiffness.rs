@@ -3,33 +3,13 @@
 //! The matrix of a march without projection whose memory is a multiple of the elasticity is 𝒜's on every grid in time;
 //! bounds, floors and duals ask for those of 𝒜, 𝒜 + μ and the identity again and again.
 
-use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Instant;
 
+use super::held_factors::{StiffnessFactor, Unknowns};
 use super::{Discretization, Work};
-use algebra::linalg::{Analysis, Factor, FactorError, Front};
+use algebra::linalg::{Analysis, FactorError, Front};
 use vhi::law::TensorField;
-
-/// The unknowns of a factor, and their order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Unknowns {
-    /// Cartesian components, in the order of [`Discretization::analysis`].
-    Displacements,
-    /// The unknowns of the contact problem, Γ3 last, in the order of `Discretization::condensing`.
-    ContactLast,
-}
-
-/// The stiffness matrix of a tensor and its factor.
-#[derive(Debug)]
-pub struct StiffnessFactor {
-    tensor: TensorField,
-    unknowns: Unknowns,
-    /// The lower triangle.
-    pub values: Arc<Vec<f64>>,
-    /// L.
-    pub factor: Arc<Factor>,
-}
 
 impl StiffnessFactor {
     fn new(
@@ -48,31 +28,12 @@ impl StiffnessFactor {
         let start = Instant::now();
         let (mut factor, mut workspace) = (analysis.factor(), analysis.workspace());
         analysis.factorize(&space.pattern, &values, &mut factor, &mut workspace)?;
-        space.factors.made.fetch_add(1, Ordering::Relaxed);
+        space.factors.count();
         work.linear.seconds_factor += start.elapsed().as_secs_f64();
         let (values, factor) = (Arc::new(values), Arc::new(factor));
         Ok(Self { tensor: tensor.clone(), unknowns, values, factor })
     }
 }
-
-/// The one of `tensor`, if it is held.
-fn find(
-    held: &[Arc<StiffnessFactor>],
-    tensor: &TensorField,
-    unknowns: Unknowns,
-) -> Option<Arc<StiffnessFactor>> {
-    held.iter().find(|own| own.unknowns == unknowns && own.tensor == *tensor).cloned()
-}
-
-/// The factors that a mesh holds.
-#[derive(Debug, Default)]
-pub(super) struct StiffnessFactors {
-    held: Mutex<Vec<Arc<StiffnessFactor>>>,
-    made: AtomicU32,
-}
-
-/// Factors held at a time: those of 𝒜 and of 𝒜 + μ.
-const HELD: usize = 2;
 
 impl Discretization {
     /// Lower-triangle values of the stiffness matrix of `tensor`.
@@ -95,38 +56,26 @@ impl Discretization {
         work: &mut Work,
     ) -> Result<Arc<StiffnessFactor>, FactorError> {
         work.linear.factorizations += 1;
-        // Locked while the factor is made: another run that needs it waits for it.
-        let mut held = self.factors.held.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(found) = find(&held, tensor, unknowns) {
-            return Ok(found);
-        }
-        let new = Arc::new(StiffnessFactor::new(self, tensor, unknowns, work)?);
-        if held.len() == HELD {
-            held.remove(0);
-        }
-        held.push(new.clone());
-        Ok(new)
+        let make = || StiffnessFactor::new(self, tensor, unknowns, work);
+        self.factors.find_or_hold(tensor, unknowns, make)
     }
 
     /// The factor of `tensor` in the order of displacements: the held one, or one that is not held afterwards.
     fn passing_factor(&self, tensor: &TensorField) -> Result<Arc<StiffnessFactor>, FactorError> {
         let unknowns = Unknowns::Displacements;
-        let held = self.factors.held.lock().unwrap_or_else(PoisonError::into_inner);
-        let found = find(&held, tensor, unknowns);
         // Nobody waits for a factor that is not held.
-        drop(held);
-        let own = || StiffnessFactor::new(self, tensor, unknowns, &mut Work::default());
-        found.map_or_else(|| own().map(Arc::new), Ok)
+        let new = || StiffnessFactor::new(self, tensor, unknowns, &mut Work::default());
+        self.factors.find(tensor, unknowns).map_or_else(|| new().map(Arc::new), Ok)
     }
 
     /// How many factors of stiffness matrices were made on this mesh.
     pub fn stiffness_factors_made(&self) -> u32 {
-        self.factors.made.load(Ordering::Relaxed)
+        self.factors.made()
     }
 
     /// Lets the factors go that this mesh holds, where only its geometry is needed from now on.
     pub fn forget_factors(&self) {
-        self.factors.held.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.factors.clear();
     }
 }
 

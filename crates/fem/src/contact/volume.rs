@@ -61,7 +61,7 @@ impl<'a> Volume<'a> {
             Unknowns::ContactLast => space.condensing()?,
         };
         let stiffness = |tensor: &TensorField| space.stiffness_of(unknowns, tensor);
-        let levels = solver.levels(space);
+        let levels = space.levels_of(solver);
         let kept = match (levels, beta) {
             (None, Some(_)) => {
                 Some(space.stiffness_factor(&model.elasticity, unknowns, &mut work)?)

@@ -4,9 +4,10 @@ use std::time::Instant;
 
 use super::{OneMatrix, Pending};
 use crate::contact::kkt::kkt_residual_in;
-use crate::contact::march::{CaseError, Observer, StepView, split_pressures};
+use crate::contact::pressures::split_pressures;
 use crate::contact::side::Side;
 use crate::contact::strain_norm;
+use crate::contact::{CaseError, Observer, StepView};
 use algebra::linalg::{axpy, norm};
 use vhi::StepInequality;
 use vhi::history::Memory;
