@@ -6,26 +6,24 @@
 //! lines between vertices at different distances are moved too: no reference run on a graded mesh.
 
 use super::Coarse;
-use super::subdivision::row_start;
 
 /// Two points closer than this part of the domain are one.
 const SAME: f64 = 1e-9;
 
 /// Moves the vertices of all coarse triangles that have `corner`, which must be one of their vertices.
-/// `numbers` are the vertices of a triangle, rows j of i = 0..=n - j.
-pub(super) fn towards<'a>(
+/// `number` gives the vertex of a triangle at i and j with i + j ≤ n.
+pub(super) fn towards(
     coarse: &Coarse,
     n: u32,
     corner: [f64; 2],
     exponent: f64,
-    numbers: impl Fn(usize) -> &'a [u32],
+    number: impl Fn(usize, u32, u32) -> usize,
     coordinates: &mut [f64],
 ) {
     let Some(tip) = vertex_at(coarse, corner) else { return };
     for (t, triangle) in coarse.triangles.iter().enumerate() {
         let Some(own) = triangle.iter().position(|&v| v == tip) else { continue };
         let corners = coarse.corners(t);
-        let numbers = numbers(t);
         for j in 0..=n {
             for i in 0..=n - j {
                 let weights = [n - i - j, i, j].map(|w| f64::from(w) / f64::from(n));
@@ -34,7 +32,7 @@ pub(super) fn towards<'a>(
                     continue;
                 }
                 let factor = away.powf(exponent - 1.0);
-                let v = numbers[row_start(n, j) + i as usize] as usize;
+                let v = number(t, i, j);
                 for axis in 0..2 {
                     let x: f64 = (0..3).map(|a| weights[a] * corners[a][axis]).sum();
                     coordinates[2 * v + axis] =

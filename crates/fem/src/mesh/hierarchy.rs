@@ -6,10 +6,7 @@
 
 use std::sync::Arc;
 
-use super::{Coarse, subdivision};
-
-/// The coarse vertices of each vertex: one twice if it is that vertex, or the ends of the edge it halves.
-pub type Parents = Vec<[u32; 2]>;
+use super::{Coarse, Parents, subdivision};
 
 /// What a mesh refines.
 #[derive(Debug, Clone, Default, PartialEq)]

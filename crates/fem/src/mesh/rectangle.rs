@@ -1,20 +1,8 @@
 //! Rectangles (0,a)×(0,b): n×n squares a unit square, each cut from lower left to upper right.
 
 use super::grading::in_rectangle;
-use super::{Mesh, WHOLE};
+use super::{Family, Mesh, WHOLE};
 use algebra::linalg::signed_unit;
-
-/// How the vertices of a generated mesh are placed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Family {
-    /// The regular grid.
-    Structured,
-    /// Interior vertices moved by at most `amplitude`·h along each of the `axes`, by a seeded generator; in
-    /// a refined mesh by that part of the smallest altitude around.
-    Perturbed { amplitude: f64, seed: u64, axes: [bool; 3] },
-    /// Vertices gathered at a corner: distances s from it become s^exponent. Plane meshes only.
-    Graded { corner: [f64; 2], exponent: f64 },
-}
 
 /// The sides of a rectangle, in the order of `Mesh::sides`.
 const SIDES: [(&str, [f64; 2]); 4] =

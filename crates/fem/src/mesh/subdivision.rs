@@ -7,8 +7,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::{Coarse, Family, Mesh, Parents, grading};
+use super::{Coarse, Family, Mesh, grading};
 use algebra::linalg::signed_unit;
+
+/// The coarse vertices of each vertex: one twice if it is that vertex, or the ends of the edge it halves.
+pub type Parents = Vec<[u32; 2]>;
 
 /// The mesh with n parts of every edge of `coarse`.
 pub fn refined(coarse: &Arc<Coarse>, n: u32, family: Family) -> Mesh {
@@ -54,8 +57,9 @@ pub fn refined(coarse: &Arc<Coarse>, n: u32, family: Family) -> Mesh {
             perturb(&mut mesh, amplitude, seed, axes);
         }
         Family::Graded { corner, exponent } => {
-            let numbers = |t: usize| vertices.numbers[t].as_slice();
-            grading::towards(coarse, n, corner, exponent, numbers, &mut mesh.coordinates);
+            let number =
+                |t: usize, i, j| vertices.numbers[t][row_start(n, j) + i as usize] as usize;
+            grading::towards(coarse, n, corner, exponent, number, &mut mesh.coordinates);
         }
     }
     mesh
@@ -161,7 +165,7 @@ impl Vertices {
 }
 
 /// Position of row j in the numbers of a triangle.
-pub(super) fn row_start(n: u32, j: u32) -> usize {
+fn row_start(n: u32, j: u32) -> usize {
     (j * (n + 1) - j * (j.max(1) - 1) / 2) as usize
 }
 

@@ -11,5 +11,5 @@ pub use contact_state::{ContactSamples, ContactState, StateErrors, state_errors,
 pub use errors::{StepErrors, is_locked, step_errors, strain_error};
 pub use moments::{AtPoints, Moments, Piecewise, facet_samples, hausdorff, linear_projection};
 pub use projection::ElasticProjection;
-pub use reference::{ReferenceError, ReferenceRun, Trajectory};
-pub use refinement::Refinement;
+pub use reference::{ReferenceRun, Trajectory};
+pub use refinement::{ReferenceError, Refinement};

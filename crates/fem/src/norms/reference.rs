@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::moments::{AtPoints, Moments, Piecewise};
-use super::refinement::{Parents, Refinement};
+use super::refinement::{Parents, ReferenceError, Refinement};
 use crate::contact::{Discretization, Model, StepView};
 use crate::space::strain_of;
 use vhi::law::Projection;
@@ -23,19 +23,6 @@ impl Trajectory {
         let close = |s: &f64| (s - t).abs() <= 1e-9 * t.abs().max(1e-300);
         self.times.iter().position(close).map(|i| self.displacements[i].as_slice())
     }
-}
-
-/// Why a reference cannot serve.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum ReferenceError {
-    /// The finer mesh must be a refinement of the coarse one.
-    #[error(
-        "the reference mesh (n = {fine}) is not a refinement of n = {coarse}: choose a multiple"
-    )]
-    NotNested { coarse: u32, fine: u32 },
-    /// The time is not one of the reference's.
-    #[error("the reference run has no step at t = {t}: its steps must be a multiple of the case's")]
-    NoSuchTime { t: f64 },
 }
 
 /// One level of a finer run.

@@ -3,9 +3,21 @@
 use rustc_hash::FxHashMap;
 
 use super::moments::facet_samples;
-use super::reference::ReferenceError;
 use crate::contact::Discretization;
 use crate::mesh::Mesh;
+
+/// Why a reference cannot serve.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ReferenceError {
+    /// The finer mesh must be a refinement of the coarse one.
+    #[error(
+        "the reference mesh (n = {fine}) is not a refinement of n = {coarse}: choose a multiple"
+    )]
+    NotNested { coarse: u32, fine: u32 },
+    /// The time is not one of the reference's.
+    #[error("the reference run has no step at t = {t}: its steps must be a multiple of the case's")]
+    NoSuchTime { t: f64 },
+}
 
 /// How far a vertex may lie outside the simplex that holds it, in barycentric coordinates and in lengths
 /// of the first edge: rounding of vertex positions over a cell, far below any distance that is meant.
