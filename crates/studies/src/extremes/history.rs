@@ -6,31 +6,12 @@
 //! relative error is below 3ε/(1 - e^{-ck}), and below 3εN for any c, to which the exponential adds ε from its
 //! argument at most.
 
-use super::UnderTest;
 use super::rung::{Expected, Ladder, Measured, Rung, power_of_ten};
-use vhi::history::{Accumulated, Memory, TimeGrid, Trapezoid};
-use vhi::law::ExponentialSum;
+use super::under_test::{UnderTest, value};
+use vhi::history::{Accumulated, TimeGrid, Trapezoid};
 
 /// Roundings of a step in units of ε, and of the last exponential.
 const ROUNDINGS: f64 = 3.0;
-
-/// u_j of the past: positive, so that sums do not cancel and relative errors mean something.
-fn value(j: usize) -> f64 {
-    1.0 + (0.7 * j as f64).sin().powi(2)
-}
-
-/// Σ'_j e^{-c(t_N - t_j)} u_j k of the past and the last slot, as the recursion gives it.
-pub fn by_recursion(rate: f64, k: f64, steps: usize) -> f64 {
-    let kernel = ExponentialSum { terms: vec![(1.0, rate)] };
-    let grid = TimeGrid::uniform(k * steps as f64, steps as u32);
-    let mut memory = Memory::new(&kernel, &Trapezoid, &grid, 1);
-    for j in 0..steps {
-        memory.commit(&grid, &[value(j)]);
-    }
-    let mut past = [0.0];
-    memory.past(&kernel, &Trapezoid, &grid, &mut past);
-    past[0] + 0.5 * k * value(steps)
-}
 
 /// The sum in full, with Neumaier's compensation.
 fn in_full(rate: f64, k: f64, steps: usize) -> f64 {

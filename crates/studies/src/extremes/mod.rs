@@ -16,34 +16,17 @@ mod small;
 mod space_error;
 mod table;
 mod touching;
+mod under_test;
 mod units;
-
-use vhi::Newton;
 
 pub use answer::{Answer, NoAnswer, Prepare, march, set_up, solve};
 pub use document::Climbed;
-pub use history::by_recursion;
 pub use judge::{Row, Standing, judge, standing};
 pub use memory::admit;
 pub use rung::{Expected, Ladder, Largest, Measured, Run, Rung};
 pub use table::COLUMNS;
+pub use under_test::{UnderTest, by_recursion};
 pub use units::{Unitless, Units};
-
-/// The parts under test.
-pub struct UnderTest<'a> {
-    /// Puts the solver into a setup of a body.
-    pub prepare: &'a Prepare<'a>,
-    /// Solves the levels of abstract scenes, and of the iteration Λ.
-    pub newton: Newton,
-    /// The history sum of step N by the rate of its kernel, the step and N, see [`by_recursion`].
-    pub history: &'a (dyn Fn(f64, f64, usize) -> f64 + Sync),
-}
-
-impl Default for UnderTest<'_> {
-    fn default() -> Self {
-        Self { prepare: &|setup| setup, newton: Newton::default(), history: &by_recursion }
-    }
-}
 
 /// All ladders. The largest meshes are climbed only where `long` says so.
 pub fn catalogue(long: bool) -> Vec<Ladder> {

@@ -8,9 +8,9 @@ use scene::Data;
 use scene::setup::{Setup, side_numbers};
 use vhi::law::TensorField;
 
-use super::GuaranteeError;
 use super::edges::Edges;
 use super::equilibrium::{Equilibrium, Given};
+use super::error::GuaranteeError;
 use super::triangle::Moments;
 
 /// Gauss points on an edge.

@@ -21,6 +21,7 @@
 mod densities;
 mod edges;
 mod equilibrium;
+mod error;
 mod inside;
 mod memory;
 mod on_contact;
@@ -30,10 +31,9 @@ mod tests;
 mod triangle;
 mod truth;
 
-use algebra::linalg::FactorError;
 use algebra::tensor::contract;
 use exact::{Status, check};
-use fem::contact::{CaseError, Discretization, StepView};
+use fem::contact::{Discretization, StepView};
 use fem::space::StrainPoint;
 use scene::Extension;
 use scene::setup::{MeshData, SceneModel, Setup, SetupError, side_numbers, sides};
@@ -43,43 +43,10 @@ use vhi::law::TensorField;
 
 use densities::Densities;
 use equilibrium::Equilibrium;
+pub use error::GuaranteeError;
 
 /// σ must be in equilibrium to this part of its tractions; a solve leaves some 1e-13.
 const BALANCED: f64 = 1e-9;
-
-/// Why there is no bound.
-#[derive(Debug, thiserror::Error)]
-pub enum GuaranteeError {
-    /// The theorem does not apply.
-    #[error("no guaranteed bound: {reason}")]
-    Refused {
-        /// Which hypothesis fails.
-        reason: String,
-    },
-    /// A load that is not finite.
-    #[error("no guaranteed bound: {what} is not finite at t = {t}")]
-    NotFinite {
-        /// The load.
-        what: &'static str,
-        /// t_n.
-        t: f64,
-    },
-    /// The mesh could not be had.
-    #[error(transparent)]
-    Setup(#[from] SetupError),
-    /// The dual problem could not be factorized.
-    #[error("the problem of equilibrated stresses: {0}")]
-    Factor(#[from] FactorError),
-    /// The run failed.
-    #[error(transparent)]
-    Case(#[from] CaseError),
-}
-
-impl GuaranteeError {
-    fn refused(reason: impl Into<String>) -> Self {
-        Self::Refused { reason: reason.into() }
-    }
-}
 
 /// The bound at one node in time.
 #[derive(Debug, Clone, Copy, serde::Serialize)]

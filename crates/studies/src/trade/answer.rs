@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::as_json;
-use super::document::megabytes;
+use super::resource::megabytes;
 use super::rival::Known;
 use super::{
     Answer, Bench, Candidates, Knob, MOST, Models, NoAnswer, Optimum, Price, Study, TradeRuns,

@@ -4,7 +4,7 @@ use judge::fit::{Estimate, Interval, Model};
 use scene::Norm;
 use serde::{Serialize, Serializer};
 
-use super::{Knob, Outcome};
+use super::Knob;
 
 /// A model, or `{"reason": …}`.
 pub(super) fn or_reason<T: Serialize, S: Serializer>(
@@ -18,23 +18,6 @@ pub(super) fn or_reason<T: Serialize, S: Serializer>(
     match found {
         Ok(model) => model.serialize(serializer),
         Err(reason) => Reason { reason }.serialize(serializer),
-    }
-}
-
-/// A run with its status, or why there is none.
-pub(super) fn ended<S: Serializer>(
-    outcome: &Result<Outcome, String>,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    #[derive(Serialize)]
-    #[serde(tag = "status", rename_all = "lowercase")]
-    enum Ended<'a> {
-        Converged(&'a Outcome),
-        Failed { reason: &'a str },
-    }
-    match outcome {
-        Ok(run) => Ended::Converged(run).serialize(serializer),
-        Err(reason) => Ended::Failed { reason }.serialize(serializer),
     }
 }
 

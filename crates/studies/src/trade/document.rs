@@ -1,6 +1,7 @@
 //! A trade in words and tables.
 
 use super::extrapolation::{Extrapolated, LastOrder};
+use super::resource::megabytes;
 use super::{Answer, Answered, Equal, Price, Resource, Rival, Study, Term, Trial};
 use judge::fit::Interval;
 use report::{Chapter, ReportError, Run, StudyDocument, Tone, digits};
@@ -120,11 +121,6 @@ fn bracketed(interval: Interval) -> String {
     } else {
         "[interval unknown: too few levels]".into()
     }
-}
-
-/// Bytes in MiB.
-pub(super) fn megabytes(bytes: f64) -> String {
-    format!("{:.0} MiB", bytes / (1024.0 * 1024.0))
 }
 
 fn trial(trial: &Trial) -> Vec<Run> {

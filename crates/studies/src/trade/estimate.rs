@@ -18,6 +18,7 @@ pub use companions::{
     Companions, NormDifferences, RunTime, Scalar, companion_runs, companions, companions_and_bound,
 };
 pub use costs::{CostSource, costs};
+use quantity::LEAST_ORDER;
 pub use quantity::{QuantityEstimate, quantity};
 
 use judge::fit::{FLOORS_ABOVE, Interval};
@@ -27,9 +28,6 @@ use scene::{Direction, Norm, Prediction};
 /// Half of the width of the orders that are admitted around an observed one. A P1 run on h ≤ 1/8 of the shipped scenes
 /// has local orders within 0.3 of their limit; a half leaves room for singular corners.
 const HALF: f64 = 0.5;
-/// Below this order differences fall too slowly to say anything about what is left.
-const LEAST_ORDER: f64 = 0.3;
-
 /// How the errors of two refinements lie to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Alignment {

@@ -1,19 +1,10 @@
 //! Error against CPU time or memory, a marker per run, with the Pareto front of both.
 
 use super::pareto::{TIE, front};
-use super::{Answered, Knob, Study, Trial};
+use super::{Answered, Knob, Resource, Study, Trial};
 use judge::record::norm_label;
 use report::digits;
 use report::{Axis, Chart, Datum, Key, Mark, Part, ReportError, Scale, Series};
-
-/// What a run costs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Resource {
-    /// CPU seconds.
-    Time,
-    /// Peak memory of a process that does it alone, predicted.
-    Memory,
-}
 
 impl Study {
     /// The picture; none without two runs.

@@ -3,10 +3,9 @@
 use std::io::{Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use super::Price;
-use super::as_json::ended;
 use super::pareto::{TIE, front, front_of_three};
 use files::remove_if_there;
 
@@ -115,6 +114,23 @@ const COLUMNS: [&str; 20] = [
     "status",
     "reason",
 ];
+
+/// A run with its status, or why there is none.
+fn ended<S: Serializer>(
+    outcome: &Result<Outcome, String>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    #[derive(Serialize)]
+    #[serde(tag = "status", rename_all = "lowercase")]
+    enum Ended<'a> {
+        Converged(&'a Outcome),
+        Failed { reason: &'a str },
+    }
+    match outcome {
+        Ok(run) => Ended::Converged(run).serialize(serializer),
+        Err(reason) => Ended::Failed { reason }.serialize(serializer),
+    }
+}
 
 /// The table of a trade on disk: a row is there as soon as its run ended.
 pub struct Table {

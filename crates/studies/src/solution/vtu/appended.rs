@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use super::{Field, VtuError};
+use super::grid::{Field, VtuError};
 
 /// The XML declarations of the arrays, and the bytes that they point to.
 #[derive(Default)]

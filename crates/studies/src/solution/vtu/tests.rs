@@ -3,6 +3,8 @@
 mod reading;
 mod round_trip;
 
+use std::path::PathBuf;
+
 use std::fs;
 
 use self::reading::{block, floats, read};

@@ -2,6 +2,9 @@
 
 use judge::fit::{Triple, ValueSample};
 
+/// Below this order differences fall too slowly to say anything about what is left.
+pub(super) const LEAST_ORDER: f64 = 0.3;
+
 /// A quantity with what h and k leave open in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QuantityEstimate {
@@ -49,7 +52,7 @@ pub fn quantity(
     let (mut shift, mut width) = (0.0, 0.0);
     for (step, triple) in ["h", "k"].into_iter().zip(triples) {
         match triple {
-            Some(Triple::Converging { order, limit, gci }) if order >= super::LEAST_ORDER => {
+            Some(Triple::Converging { order, limit, gci }) if order >= LEAST_ORDER => {
                 shift += limit - value;
                 width += gci;
             }
